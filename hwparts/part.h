@@ -1,0 +1,91 @@
+// A hardware part: one named set of ports in front of drives or sensors, virtual or real. Knows no world and no socket.
+//
+// Order of calls: construction (may throw ConfigError); then, per tick, on the tick's thread: act(), and after the
+// engines moved, publish(). Between ticks, on the same thread: reset(), set_parameter(), controller_lost(),
+// save(), load(). refuse() and description() are constant and may be called from any thread.
+// Nothing here allocates after construction, except description() and the parameter calls.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hwparts/joint.h"
+#include "hwparts/state_archive.h"
+#include "protocol/config/config.h"
+#include "protocol/part_description.h"
+
+namespace visum::hwparts {
+
+// What a part needs to know of a joint that it drives. From the robot's model.
+struct JointInfo {
+  std::string name;  // as in the URDF
+  bool prismatic = false;
+  double lower = 0.0;  // mechanical stops; lower > upper: none
+  double upper = 0.0;
+  double initial_position = 0.0;
+};
+
+struct PartContext {
+  std::string name;                // in the scene
+  config::Node config;             // the part's entry in the scene file
+  std::vector<JointInfo> joints;   // those of the model that the entry names, in the model's order
+  double tick_s;                   // the tick's length
+};
+
+class Part {
+ public:
+  virtual ~Part() = default;
+
+  virtual const protocol::PartDescription& description() const = 0;  // parameters' values as at construction
+
+  // The joints that the part drives: indices into PartContext::joints, in the order of the spans below.
+  virtual std::span<const std::size_t> joints() const = 0;
+
+  // Why these controller inputs, already finite and inside their ports' ranges, cannot be taken as a whole; nothing
+  // if they can.
+  virtual std::optional<std::string> refuse(std::span<const double> controller_inputs) const = 0;
+
+  // One tick's work of the drives: from inputs and what the joints do to what acts on them.
+  virtual void act(std::span<const double> controller_inputs, std::span<const JointSample> samples,
+                   std::span<JointDrive> drives) = 0;
+
+  // After the step: what the sensors say. Also learns what the gear felt (JointSample::effort).
+  virtual void publish(std::span<const JointSample> samples, std::span<double> sensor_outputs) = 0;
+
+  // Commanded minus actual position per joint, for the world's truth. 0 where nothing is commanded.
+  virtual void following_errors(std::span<double> errors) const = 0;
+
+  // The controller that held the lease is gone without releasing it, or missed its deadline.
+  virtual void controller_lost() = 0;
+
+  // Back to the state after construction.
+  virtual void reset() = 0;
+
+  virtual std::vector<protocol::Parameter> parameters() const { return {}; }
+  // Returns why not; nothing if done.
+  virtual std::optional<std::string> set_parameter(const std::string& name, const protocol::ParameterValue& value);
+
+  // Blackboards by index in description(). The bytes stay valid until the next call on the tick's thread.
+  virtual std::span<const std::byte> read_blackboard(std::size_t) const { return {}; }
+  virtual std::optional<std::string> write_blackboard(std::size_t index, std::uint64_t offset,
+                                                      std::span<const std::byte> data);
+
+  virtual void save(StateWriter& to) const = 0;
+  virtual void load(StateReader& from) = 0;
+};
+
+// The kinds of part, by name: one line each in part_kinds.cc.
+struct PartKind {
+  const char* name;
+  const char* help;
+  std::unique_ptr<Part> (*make)(const PartContext&);
+};
+std::span<const PartKind> part_kinds();
+// Throws ConfigError at context.config's `kind` where there is no such kind.
+std::unique_ptr<Part> make_part(const std::string& kind, const PartContext& context);
+
+}  // namespace visum::hwparts

@@ -1,0 +1,241 @@
+// The messages of the port protocol as plain values, one struct per message of visum.proto, same names, same meaning:
+// the comments there and SPEC.md are not repeated here. codec.h turns them into frames; Protobuf stays inside.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "protocol/part_description.h"
+
+namespace visum::protocol {
+
+enum class Role { kUnspecified = 0, kObserver = 1, kController = 2, kAdmin = 3 };
+
+enum class ErrorCode {
+  kUnspecified = 0,
+  kMalformed = 1,
+  kTooLarge = 2,
+  kVersion = 3,
+  kUnauthenticated = 4,
+  kForbidden = 5,
+  kBusy = 6,
+  kUnknownName = 7,
+  kNoLease = 8,
+  kLeased = 9,
+  kBadValue = 10,
+  kStale = 11,
+  kWrongState = 12,
+  kTimeout = 13,
+  kFrozen = 14,
+  kInternal = 15,
+};
+const char* to_string(ErrorCode code);  // "bad value", ...
+const char* to_string(Role role);       // "observer", ...
+
+// ------------------------------------------------------------------------------------------------ client to server
+
+struct Hello {
+  std::uint32_t min_version = 1, max_version = 1;
+  std::string client_name;
+  Role role = Role::kObserver;
+  std::string token;
+};
+struct Status {};
+struct ListParts {};
+struct DescribePart { std::string part; };
+struct AcquireLease {
+  std::string part;
+  std::int64_t deadline_ns = 0;
+  bool take = false;
+};
+struct ReleaseLease { std::string part; };
+struct Write {
+  std::string part;
+  std::uint32_t first_port = 0;
+  std::vector<double> values;
+  std::uint64_t sequence = 0;
+};
+struct Read { std::string part; };
+struct Subscribe {
+  std::string part;
+  std::uint32_t every_n_ticks = 1;
+};
+struct Unsubscribe { std::string part; };
+struct GetParameters { std::string part; };
+struct SetParameter {
+  std::string part, name;
+  ParameterValue value;
+};
+struct ReadBlackboard {
+  std::string part, name;
+  std::uint64_t offset = 0, length = 0;
+};
+struct WriteBlackboard {
+  std::string part, name;
+  std::uint64_t offset = 0;
+  std::vector<std::byte> data;
+};
+struct Join { std::int64_t timeout_ns = 0; };
+struct Advance { std::int64_t ticks = 1; };
+struct Leave {};
+struct DescribeWorld {};
+struct ReadWorld {};
+struct SubscribeWorld { std::uint32_t every_n_ticks = 1; };
+struct UnsubscribeWorld {};
+struct ReadMesh { std::uint32_t mesh = 0; };
+struct Pause {};
+struct Resume {};
+struct Step { std::int64_t ticks = 1; };
+struct SetSpeed { double factor = 1.0; };
+struct Reset {};
+struct TakeSnapshot {};
+struct RestoreSnapshot { std::uint64_t snapshot = 0; };
+struct PushBody {
+  std::string body;
+  std::vector<double> force_n, torque_nm, point_m;
+  std::int64_t duration_ns = 0;
+};
+struct AddBody { std::string yaml; };
+struct RemoveBody { std::string body; };
+struct Shutdown {};
+
+using Request =
+    std::variant<Hello, Status, ListParts, DescribePart, AcquireLease, ReleaseLease, Write, Read, Subscribe, Unsubscribe,
+                 GetParameters, SetParameter, ReadBlackboard, WriteBlackboard, Join, Advance, Leave, DescribeWorld,
+                 ReadWorld, SubscribeWorld, UnsubscribeWorld, ReadMesh, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot,
+                 RestoreSnapshot, PushBody, AddBody, RemoveBody, Shutdown>;
+
+// ------------------------------------------------------------------------------------------------ server to client
+
+struct Error {
+  ErrorCode code = ErrorCode::kUnspecified;
+  std::string text;
+  std::string owner;
+};
+struct Ok {};
+struct Welcome {
+  std::uint32_t version = 1;
+  std::string server;
+  std::uint64_t session = 0;
+  Role role = Role::kObserver;
+  std::int64_t tick_ns = 0;
+  std::string scene;
+  std::string clock;
+  bool simulated = true;
+};
+struct LockstepMember {
+  std::string client;
+  std::int64_t granted_tick = 0;
+  std::int64_t waiting_ns = 0;
+};
+struct PhaseTime {
+  std::string name;
+  std::int64_t mean_ns = 0, max_ns = 0;
+};
+struct ServerStatus {
+  std::int64_t tick = 0, sim_time_ns = 0;
+  std::uint64_t era = 0;
+  bool paused = false, frozen = false;
+  std::string frozen_reason;
+  std::string clock;
+  double speed = 1.0, real_time_factor = 0.0;
+  std::uint64_t overruns = 0;
+  std::int64_t lateness_p50_ns = 0, lateness_p999_ns = 0, lateness_max_ns = 0;
+  std::uint64_t state_hash = 0;
+  std::uint32_t sessions = 0;
+  std::vector<LockstepMember> lockstep;
+  std::vector<PhaseTime> phases;
+  std::uint64_t refused = 0;
+  std::int64_t own_allocations = -1;
+};
+struct PartSummary { std::string name, kind, lease_owner; };
+struct PartList { std::vector<PartSummary> parts; };
+struct PartDescriptionReply {
+  PartDescription description;
+  std::string lease_owner;
+};
+struct LeaseGrant {
+  std::string part;
+  std::uint64_t epoch = 0;
+};
+struct PartSample {
+  std::string part;
+  std::int64_t tick = 0, sim_time_ns = 0;
+  std::uint64_t era = 0;
+  std::vector<double> controller_inputs, sensor_outputs;
+  std::uint64_t conflated = 0;
+};
+struct ParameterList { std::vector<Parameter> parameters; };
+struct BlackboardData {
+  std::uint64_t offset = 0, total = 0;
+  std::vector<std::byte> data;
+  std::uint64_t generation = 0;
+};
+struct Advanced {
+  std::int64_t tick = 0, sim_time_ns = 0;
+  std::uint64_t era = 0;
+};
+struct ShapeDescription {
+  std::string kind;
+  std::vector<double> size, pose, color;
+  std::uint32_t mesh = 0;
+  std::string surface;
+  bool collides = true;
+};
+struct BodyDescription {
+  std::string name, model;
+  bool fixed = false;
+  double mass_kg = 0.0;
+  std::vector<ShapeDescription> shapes;
+  std::string engine;
+};
+struct JointDescription {
+  std::string name, type, parent, child;
+  double lower = 0.0, upper = 0.0;
+  std::string part;
+};
+struct WorldDescription {
+  std::string scene;
+  std::int64_t tick_ns = 0;
+  std::vector<double> gravity;
+  std::vector<BodyDescription> bodies;
+  std::vector<JointDescription> joints;
+  std::uint64_t revision = 0;
+};
+struct MeshData {
+  std::vector<float> vertices;
+  std::vector<std::uint32_t> triangles;
+};
+struct ContactSample {
+  std::uint32_t body_a = 0, body_b = 0;
+  std::vector<double> position, normal;  // 3 each
+  double depth = 0.0, normal_force_n = 0.0;
+};
+struct WorldSample {
+  std::int64_t tick = 0, sim_time_ns = 0;
+  std::uint64_t era = 0;
+  std::vector<double> poses, velocities;  // 7 and 6 per body
+  std::vector<double> joint_positions, joint_velocities, joint_efforts, following_errors;
+  std::vector<double> peak_following_errors, peak_contact_forces;
+  std::vector<ContactSample> contacts;
+  std::uint64_t state_hash = 0, revision = 0, conflated = 0;
+};
+struct SnapshotTaken {
+  std::uint64_t snapshot = 0;
+  std::int64_t tick = 0;
+  std::uint64_t state_hash = 0;
+};
+struct Event {
+  std::string kind, text, part;
+  std::uint64_t era = 0;
+  std::int64_t tick = 0;
+};
+
+using Reply = std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant, PartSample,
+                           ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample, MeshData, SnapshotTaken,
+                           Event>;
+
+}  // namespace visum::protocol

@@ -1,0 +1,83 @@
+// The server's end of the TCP session: listening, framing, hello, deadlines, bounded queues. What a request means is
+// the handler's business (server/gateway). Boost.Asio stays inside server.cc.
+//
+// Threads: everything, the handler's calls included, happens on the one thread that calls run() or poll(). stop() and
+// notify() may be called from any thread.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "protocol/limits.h"
+#include "protocol/messages.h"
+
+namespace visum::protocol {
+
+enum class CloseReason {
+  kGoodbye,   // the peer closed its side between two frames
+  kLost,      // reset, cut inside a frame, keepalive failed, stalled
+  kRefused,   // we closed it: bad frame, bad hello, limits
+  kShutdown,
+};
+
+// One client. Owned by the server; valid until on_close returned.
+class Session {
+ public:
+  virtual ~Session() = default;
+  virtual std::uint64_t id() const = 0;
+  virtual const std::string& client_name() const = 0;  // "" before hello
+  virtual const std::string& peer() const = 0;         // "127.0.0.1:43210"
+  virtual Role role() const = 0;
+
+  // Queues a reply or an event; in order, never dropped. Over the limit the session is closed.
+  virtual void send(std::uint64_t reply_to, const Reply& reply) = 0;
+  // Queues a sample; an unsent one of the same stream is replaced. Returns false where one was replaced.
+  virtual bool send_latest(std::uint32_t stream, const Reply& sample) = 0;
+  // True while no sample of this stream waits to be written: a sender may spare itself the encoding.
+  virtual bool ready_for(std::uint32_t stream) const = 0;
+  // Sends what is queued, then closes.
+  virtual void close(CloseReason reason) = 0;
+};
+
+class SessionHandler {
+ public:
+  virtual ~SessionHandler() = default;
+  // Hello is in and its version and token are good. Fills what Welcome tells of the world. Returns the granted role, or
+  // kUnspecified with `refusal` filled.
+  virtual Role on_hello(Session& session, const Hello& hello, Welcome& welcome, Error& refusal) = 0;
+  virtual void on_request(Session& session, std::uint64_t id, const Request& request) = 0;
+  virtual void on_close(Session& session, CloseReason reason) = 0;  // only after on_hello granted a role
+  virtual void on_notify() = 0;                                     // some time after notify()
+};
+
+struct ListenOptions {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = kDefaultPort;  // 0: any free one
+  Limits limits;
+};
+
+class Server {
+ public:
+  // Binds and listens, accepts nothing yet. Throws std::runtime_error naming address and port where that fails.
+  Server(const ListenOptions& options, SessionHandler& handler);
+  ~Server();
+
+  std::uint16_t port() const;
+  void start();                                // begins to accept
+  void run();                                  // until stop(); on a thread of its own (clock realtime)
+  bool poll();                                 // handles what is ready; true if there was anything
+  void poll_for(std::chrono::nanoseconds at_most);  // waits for something to be ready, handles it
+  void stop();                                 // closes sessions after their queued replies; any thread
+  void notify();                               // makes on_notify() be called soon; any thread, no lock, no allocation
+  std::size_t session_count() const;
+  std::uint64_t refused() const;               // frames and sessions refused since start
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace visum::protocol

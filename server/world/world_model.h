@@ -1,0 +1,125 @@
+// The constant half of a world: what bodies, shapes, joints and surfaces there are. Built once by a scene (or by a
+// test), checked by find_fault(), then never changed while ticking; adding or removing a body builds a new model.
+//
+// Frames: W world (right-handed, z up), B a body's link frame (as in the URDF), C its centre of mass (axes parallel
+// to B), S a shape, J a joint. p_BC is the vector from B's origin to C's, in B. X_BS maps S coordinates to B.
+// SI units, radians. Quaternions as Eigen's.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/world/ids.h"
+
+namespace visum::world {
+
+struct Pose {
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+
+  Pose operator*(const Pose& other) const { return {p + q * other.p, (q * other.q).normalized()}; }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return p + q * point; }
+  Pose inverse() const { return {q.conjugate() * -p, q.conjugate()}; }
+};
+
+// How two surfaces act together: friction is the geometric mean, restitution the larger of both.
+struct Surface {
+  std::string name;
+  double friction = 0.8;     // Coulomb, >= 0
+  double restitution = 0.0;  // 0..1
+};
+
+struct TriangleMesh {
+  std::string name;
+  std::vector<Eigen::Vector3d> vertices;            // in the shape's frame, scaled
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+enum class ShapeKind { kBox, kSphere, kCylinder, kCapsule, kPlane, kConvex, kMesh };
+
+struct Shape {
+  std::string name;
+  BodyId body;
+  ShapeKind kind = ShapeKind::kBox;
+  // box: full lengths x y z; sphere: radius; cylinder, capsule: radius, length along z (capsule: without the caps);
+  // plane: nothing (its frame's z = 0, solid below); convex, mesh: nothing.
+  std::array<double, 3> size{};
+  MeshId mesh;  // convex: the hull of its vertices
+  Pose X_BS;
+  SurfaceId surface;
+  bool collides = true;  // false: only to be looked at
+  std::array<double, 4> color{0.7, 0.7, 0.7, 1.0};
+};
+
+struct Body {
+  std::string name;    // "box", "arm/link_3"
+  std::string model;   // "arm"; empty: stands alone
+  bool fixed = false;  // scenery: never moves; mass and inertia are then not used
+  double mass_kg = 0.0;
+  Eigen::Vector3d p_BC = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d inertia_C = Eigen::Matrix3d::Zero();  // kg·m², about C, axes of B
+  std::int32_t engine = 0;                              // index into WorldModel::engines
+  Pose X_WB;                                            // initial
+  Eigen::Vector3d v_WB = Eigen::Vector3d::Zero();       // initial velocity of B's origin, in W
+  Eigen::Vector3d w_WB = Eigen::Vector3d::Zero();       // initial angular velocity, in W
+};
+
+enum class JointKind { kFixed, kHinge, kSlider };
+
+// The child moves against the parent about (hinge) or along (slider) axis_J. At position 0 the frame J seen from the
+// parent (X_PJ) and seen from the child (X_CJ) is the same in W.
+struct Joint {
+  std::string name;  // "arm/joint_3"
+  JointKind kind = JointKind::kHinge;
+  BodyId parent;  // invalid: the world
+  BodyId child;
+  Pose X_PJ;                                          // in the parent's B frame, or in W
+  Pose X_CJ;                                          // in the child's B frame
+  Eigen::Vector3d axis_J = Eigen::Vector3d::UnitZ();  // unit
+  bool limited = false;
+  double lower = 0.0;  // mechanical stops
+  double upper = 0.0;
+  double stop_restitution = 0.0;
+  double friction = 0.0;  // constant, N·m or N; of a joint that no part drives
+  double damping = 0.0;   // N·m·s/rad or N·s/m; of a joint that no part drives
+  double initial_position = 0.0;
+};
+
+// Settings of one engine instance, as the scene gives them.
+struct EngineSetting {
+  std::string name;  // row of the engine table, "ode"
+  std::string step = "world";       // ode: "world" (dWorldStep) or "quick" (QuickStep)
+  int iterations = 20;              // ode quick
+  double erp = 0.2;                 // ode: share of a joint's error corrected per step
+  double cfm = 1e-9;                // ode: softness; >= 1e-9 keeps contradictory joints solvable
+};
+
+struct WorldModel {
+  std::string name;
+  std::int64_t tick_ns = 1'000'000;
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s²
+  std::vector<EngineSetting> engines;
+  std::vector<Surface> surfaces;  // [0] is the default
+  std::vector<TriangleMesh> meshes;
+  std::vector<Body> bodies;
+  std::vector<Shape> shapes;  // sorted by body
+  std::vector<Joint> joints;  // parents before children within a model
+  // Pairs of bodies that never collide (a < b, sorted): those that a joint connects are always among them.
+  std::vector<std::pair<BodyId, BodyId>> no_collision;
+
+  BodyId find_body(const std::string& name) const;
+  JointId find_joint(const std::string& name) const;
+};
+
+inline constexpr std::size_t kMaxBodies = 10'000;
+inline constexpr std::size_t kMaxTriangles = 2'000'000;
+
+// Everything that would make an engine abort or lie: finite numbers, mass > 0, A + B >= C, unit quaternions and axes,
+// sizes, mesh indices, joints within one engine, caps. Returns the first fault in words, empty if there is none.
+std::string find_fault(const WorldModel& model);
+
+}  // namespace visum::world
