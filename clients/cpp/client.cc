@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <thread>
+
+#include "clients/cpp/client_state.h"
+#include "protocol/config/config.h"
+#include "protocol/limits.h"
+
+namespace visum {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::string read_token(const std::string& path) {
+  if (path.empty()) return {};
+  std::ifstream file(path);
+  std::string token;
+  if (!std::getline(file, token) || token.empty()) {
+    throw Error(ErrorCode::kUnauthenticated, "the token file '" + path + "' cannot be read or is empty");
+  }
+  return token;
+}
+
+std::pair<std::string, std::uint16_t> parse(const std::string& address) try {
+  return protocol::parse_address(address);
+} catch (const std::invalid_argument& error) {
+  throw Error(ErrorCode::kMisuse, error.what());
+}
+
+// Tries until somebody listens or the time is over, with pauses that double.
+protocol::Connection connect(const std::string& address, const protocol::Hello& hello,
+                             std::chrono::milliseconds patience) {
+  const auto [host, port] = parse(address);
+  const auto give_up = Clock::now() + patience;
+  for (auto pause = std::chrono::milliseconds(10);;
+       pause = std::min(pause * 2, std::chrono::milliseconds(500))) {
+    try {
+      return protocol::Connection(host, port, hello);
+    } catch (const protocol::RequestError& refusal) {
+      throw detail::to_error(refusal);
+    } catch (const protocol::ConnectionError& error) {
+      if (Clock::now() + pause > give_up) throw Error(ErrorCode::kConnection, error.what());
+    }
+    std::this_thread::sleep_for(pause);
+  }
+}
+
+std::vector<PortInfo> to_ports(const std::vector<protocol::Port>& ports) {
+  std::vector<PortInfo> infos;
+  for (const protocol::Port& port : ports) {
+    infos.push_back(
+        {infos.size(), port.name, port.unit, port.group, port.minimum, port.maximum, port.initial});
+  }
+  return infos;
+}
+
+}  // namespace
+
+Client::Client(const std::string& address, const ClientOptions& options)
+    : state_(std::make_unique<detail::ClientState>()) {
+  protocol::Hello hello{protocol::kProtocolVersion, protocol::kProtocolVersion, options.name,
+                        static_cast<protocol::Role>(options.role), read_token(options.token_file)};
+  state_->connection.emplace(connect(address, hello, options.connect_timeout));
+  const protocol::Welcome& welcome = state_->connection->welcome();
+  state_->server = {welcome.server, welcome.scene, welcome.clock, welcome.tick_ns, welcome.simulated};
+  if (welcome.tick_ns <= 0) throw Error(ErrorCode::kMalformed, "the server's tick has no length");
+}
+
+Client::Client(Client&&) noexcept = default;
+Client& Client::operator=(Client&& other) noexcept {
+  std::swap(state_, other.state_);
+  return *this;
+}
+Client::~Client() {
+  if (!state_) return;
+  for (detail::PartState* part : state_->parts) part->client = nullptr;
+}
+
+const ServerInfo& Client::server() const {
+  return state_->server;
+}
+
+std::vector<std::string> Client::part_names() {
+  std::vector<std::string> names;
+  for (auto& part : state_->request_as<protocol::PartList>(protocol::ListParts{}).parts) {
+    names.push_back(std::move(part.name));
+  }
+  return names;
+}
+
+Part Client::part(const std::string& name) {
+  const std::vector<std::string> names = part_names();
+  if (std::find(names.begin(), names.end(), name) == names.end()) {
+    const auto near = config::nearest(name, names);
+    throw Error(ErrorCode::kUnknownName,
+                "no part '" + name + "' here" + (near ? " (did you mean '" + *near + "'?)" : ""), name);
+  }
+  const auto reply = state_->request_as<protocol::PartDescriptionReply>(protocol::DescribePart{name}, name);
+  auto part = std::make_unique<detail::PartState>();
+  part->client = state_.get();
+  part->name = name;
+  part->kind = reply.description.kind;
+  part->input_ports = to_ports(reply.description.controller_inputs);
+  part->output_ports = to_ports(reply.description.sensor_outputs);
+  part->apply(state_->request_as<protocol::PartSample>(protocol::Read{name}, name));
+  state_->parts.push_back(part.get());
+  return Part(std::move(part));
+}
+
+void Client::join(std::chrono::milliseconds timeout) {
+  const auto wall_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(timeout).count();
+  state_->request(protocol::Join{wall_ns});
+  const auto status = state_->request_as<protocol::ServerStatus>(protocol::Status{});
+  state_->set_time(status.tick, status.sim_time_ns, status.era);
+  state_->due_ns = status.sim_time_ns;
+}
+
+void Client::leave() {
+  state_->throw_refusals();
+  state_->request(protocol::Leave{});
+}
+
+void Client::advance_ns(std::int64_t period_ns) {
+  if (period_ns <= 0) throw Error(ErrorCode::kMisuse, "a period must be longer than 0 ns");
+  state_->due_ns += period_ns;
+  const std::int64_t late_ns = state_->time_ns - state_->due_ns;
+  if (late_ns >= 0) state_->due_ns += (late_ns / period_ns + 1) * period_ns;
+  const std::int64_t tick_ns = state_->server.tick_ns;
+  state_->advance((state_->due_ns - state_->time_ns + tick_ns - 1) / tick_ns);
+}
+
+void Client::advance_ms(double period_ms) {
+  if (!(period_ms > 0.0 && period_ms < 1e12)) {
+    throw Error(ErrorCode::kMisuse, "a period must be a number of milliseconds above 0");
+  }
+  advance_ns(std::max<std::int64_t>(1, std::llround(period_ms * 1e6)));
+}
+
+void Client::advance_ticks(std::int64_t ticks) {
+  if (ticks <= 0) throw Error(ErrorCode::kMisuse, "an advance must be at least one tick");
+  advance_ns(ticks * state_->server.tick_ns);
+}
+
+std::int64_t Client::time_ns() const {
+  return state_->time_ns;
+}
+std::int64_t Client::tick() const {
+  return state_->tick;
+}
+std::uint64_t Client::era() const {
+  return state_->era;
+}
+
+}  // namespace visum

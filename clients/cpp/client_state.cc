@@ -1,0 +1,127 @@
+#include "clients/cpp/client_state.h"
+
+#include <algorithm>
+
+namespace visum::detail {
+
+void PortRange::include(std::size_t index) {
+  if (empty()) {
+    begin = index;
+    end = index + 1;
+  } else {
+    begin = std::min(begin, index);
+    end = std::max(end, index + 1);
+  }
+}
+
+ClientState& PartState::connected() const {
+  if (client == nullptr) throw Error(ErrorCode::kConnection, "the part's client is gone", name);
+  return *client;
+}
+
+void PartState::apply(const protocol::PartSample& sample) {
+  if (sample.sensor_outputs.size() != output_ports.size() ||
+      sample.controller_inputs.size() != input_ports.size()) {
+    throw Error(ErrorCode::kMalformed, "the server sent a sample of another length than the part's", name);
+  }
+  outputs = sample.sensor_outputs;
+  // While we hold the lease nobody else writes, and a sample may be older than our last write. A new era
+  // begins with values of its own.
+  if (!leased || sample.era != era) {
+    inputs = sample.controller_inputs;
+    staged = {};
+  }
+  tick = sample.tick;
+  time_ns = sample.sim_time_ns;
+  era = sample.era;
+}
+
+protocol::Connection& ClientState::link() {
+  if (!connection) throw Error(ErrorCode::kConnection, "the connection was dropped");
+  return *connection;
+}
+
+protocol::Reply ClientState::wait(std::uint64_t id) try {
+  return link().wait(id);
+} catch (const protocol::RequestError& refusal) {
+  return protocol::Error{refusal.code(), refusal.what(), refusal.owner()};
+} catch (const protocol::ConnectionError& error) {
+  throw Error(ErrorCode::kConnection, error.what());
+}
+
+protocol::Reply ClientState::request(const protocol::Request& request, const std::string& part,
+                                     const std::string& port) try {
+  return link().request(request);
+} catch (const protocol::RequestError& refusal) {
+  throw to_error(refusal, part, port);
+} catch (const protocol::ConnectionError& error) {
+  throw Error(ErrorCode::kConnection, error.what(), part, port);
+}
+
+void ClientState::post(const PartState& part, protocol::Write write) {
+  if (pending.size() >= kMaxPending) {
+    if (auto refusal = settle_oldest()) throw *refusal;
+  }
+  try {
+    pending.push_back({link().send(write), part.name});
+  } catch (const protocol::ConnectionError& error) {
+    throw Error(ErrorCode::kConnection, error.what(), part.name);
+  }
+}
+
+std::optional<Error> ClientState::settle_oldest() {
+  const PendingWrite oldest = std::move(pending.front());
+  pending.pop_front();
+  const protocol::Reply reply = wait(oldest.id);
+  if (const auto* refusal = std::get_if<protocol::Error>(&reply)) return to_error(*refusal, oldest.part);
+  return std::nullopt;
+}
+
+std::optional<Error> ClientState::settle() {
+  std::optional<Error> first;
+  while (!pending.empty()) {
+    auto refusal = settle_oldest();
+    if (!first) first = std::move(refusal);
+  }
+  return first;
+}
+
+void ClientState::throw_refusals() {
+  if (auto refusal = settle()) throw *refusal;
+}
+
+void ClientState::set_time(std::int64_t new_tick, std::int64_t new_time_ns, std::uint64_t new_era) {
+  if (new_era != era) due_ns = new_time_ns;
+  tick = new_tick;
+  time_ns = new_time_ns;
+  era = new_era;
+}
+
+// Advance and the reads leave together, so that a period costs one wait. All answers are taken in before
+// anything is thrown: none may be left over for the next period.
+void ClientState::advance(std::int64_t ticks) {
+  std::uint64_t advance_id = 0;
+  std::vector<std::uint64_t> read_ids;
+  try {
+    advance_id = link().send(protocol::Advance{ticks});
+    for (const PartState* part : parts) read_ids.push_back(link().send(protocol::Read{part->name}));
+  } catch (const protocol::ConnectionError& error) {
+    throw Error(ErrorCode::kConnection, error.what());
+  }
+  const std::optional<Error> refusal = settle();
+  const protocol::Reply advanced = wait(advance_id);
+  std::vector<protocol::Reply> samples;
+  for (const std::uint64_t id : read_ids) samples.push_back(wait(id));
+
+  if (const auto* error = std::get_if<protocol::Error>(&advanced)) throw to_error(*error);
+  const auto now = as<protocol::Advanced>(advanced);
+  set_time(now.tick, now.sim_time_ns, now.era);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (const auto* error = std::get_if<protocol::Error>(&samples[i])) throw to_error(*error, parts[i]->name);
+    parts[i]->apply(as<protocol::PartSample>(std::move(samples[i])));
+    parts[i]->fresh = true;
+  }
+  if (refusal) throw *refusal;
+}
+
+}  // namespace visum::detail

@@ -1,0 +1,91 @@
+// What stands behind visum.h's Client and Part. Private to this folder.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "clients/cpp/visum.h"
+#include "protocol/client.h"
+
+namespace visum::detail {
+
+Error to_error(const protocol::RequestError& refusal, const std::string& part = {},
+               const std::string& port = {});
+Error to_error(const protocol::Error& refusal, const std::string& part = {}, const std::string& port = {});
+
+// A half-open range of port indices.
+struct PortRange {
+  std::size_t begin = 0, end = 0;
+  bool empty() const { return begin == end; }
+  void include(std::size_t index);
+};
+
+struct PartState {
+  ClientState* client = nullptr;  // null once the client is gone
+  std::string name, kind;
+  std::vector<PortInfo> input_ports, output_ports;
+
+  std::vector<double> inputs;  // as staged; equal to what is in force where nothing is staged
+  PortRange staged, last_write;
+  std::vector<double> outputs;  // of the newest sample
+  std::int64_t tick = 0, time_ns = 0;
+  std::uint64_t era = 0;
+  bool fresh = false;  // an advance brought a sample that no read() has asked for yet
+
+  bool leased = false;
+  int exceptions_at_acquire = 0;
+
+  ClientState& connected() const;  // throws kConnection where there is no client any more
+  void apply(const protocol::PartSample& sample);
+};
+
+// A Write on its way, whose answer nobody has looked at yet.
+struct PendingWrite {
+  std::uint64_t id;
+  std::string part;
+};
+
+struct ClientState {
+  std::optional<protocol::Connection> connection;  // empty once dropped
+  ServerInfo server;
+  std::vector<PartState*> parts;  // all that live, in the order of their making
+  std::deque<PendingWrite> pending;
+
+  std::int64_t tick = 0, time_ns = 0;
+  std::uint64_t era = 0;
+  std::int64_t due_ns = 0;  // end of the period before the next advance
+
+  static constexpr std::size_t kMaxPending = 32;  // writes in flight before one is waited for
+
+  protocol::Connection& link();  // throws kConnection where it was dropped
+  void post(const PartState& part, protocol::Write write);
+  void advance(std::int64_t ticks);
+  void set_time(std::int64_t tick, std::int64_t time_ns, std::uint64_t era);
+  // Waits for the answers to all writes in flight; the first refusal, if any.
+  std::optional<Error> settle();
+  void throw_refusals();
+
+  // A round trip; refusals become Errors that name part and port.
+  protocol::Reply request(const protocol::Request& request, const std::string& part = {},
+                          const std::string& port = {});
+  template <typename T>
+  T request_as(const protocol::Request& message, const std::string& part = {}, const std::string& port = {}) {
+    return as<T>(request(message, part, port));
+  }
+  template <typename T>
+  static T as(protocol::Reply reply) {
+    if (auto* value = std::get_if<T>(&reply)) return std::move(*value);
+    throw Error(ErrorCode::kMalformed, "the server answered with a message of another kind");
+  }
+
+ private:
+  protocol::Reply wait(std::uint64_t id);
+  std::optional<Error> settle_oldest();
+};
+
+}  // namespace visum::detail

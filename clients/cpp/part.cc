@@ -1,0 +1,205 @@
+#include <exception>
+#include <utility>
+
+#include "clients/cpp/client_state.h"
+#include "protocol/config/config.h"
+
+namespace visum {
+namespace {
+
+std::string nearest_hint(const std::string& name, const std::vector<PortInfo>& ports) {
+  std::vector<std::string> candidates;
+  for (const PortInfo& port : ports) {
+    candidates.push_back(port.name);
+    if (!port.group.empty()) candidates.push_back(port.group);
+  }
+  const auto near = config::nearest(name, candidates);
+  return near ? " (did you mean '" + *near + "'?)" : std::string();
+}
+
+// The ports of this group or, where there is no such group, the one of this name.
+std::vector<std::size_t> find_ports(const detail::PartState& part, const std::vector<PortInfo>& ports,
+                                    const std::string& name, const char* vector, bool groups) {
+  std::vector<std::size_t> found;
+  for (const PortInfo& port : ports) {
+    if (groups && port.group == name) found.push_back(port.index);
+  }
+  if (!found.empty()) return found;
+  for (const PortInfo& port : ports) {
+    if (port.name == name) return {port.index};
+  }
+  throw Error(ErrorCode::kUnknownName,
+              part.name + " has no " + vector + " '" + name + "'" + nearest_hint(name, ports), part.name,
+              name);
+}
+
+std::vector<std::size_t> one_port(const detail::PartState& part, const std::vector<PortInfo>& ports,
+                                  std::size_t index, const char* vector) {
+  if (index < ports.size()) return {index};
+  throw Error(ErrorCode::kUnknownName,
+              part.name + " has no " + vector + " of index " + std::to_string(index) + "; it has " +
+                  std::to_string(ports.size()),
+              part.name);
+}
+
+std::vector<std::size_t> every_port(const std::vector<PortInfo>& ports) {
+  std::vector<std::size_t> indices;
+  for (const PortInfo& port : ports) indices.push_back(port.index);
+  return indices;
+}
+
+constexpr const char* kInput = "controller input";
+constexpr const char* kOutput = "sensor output";
+
+}  // namespace
+
+Part::Part(std::unique_ptr<detail::PartState> state) : state_(std::move(state)) {}
+Part::Part(Part&&) noexcept = default;
+Part& Part::operator=(Part&& other) noexcept {
+  if (this != &other) {
+    let_go();
+    state_ = std::move(other.state_);
+  }
+  return *this;
+}
+Part::~Part() {
+  let_go();
+}
+
+void Part::let_go() noexcept {
+  if (!state_ || state_->client == nullptr) return;
+  detail::ClientState& client = *state_->client;
+  if (state_->leased && client.connection) {
+    const bool unwinding = std::uncaught_exceptions() > state_->exceptions_at_acquire;
+    try {
+      if (!unwinding) release();
+    } catch (const Error&) {
+      // The lease ends with the connection then; a destructor has nobody to tell.
+    }
+    if (state_->leased) client.connection.reset();
+  }
+  std::erase(client.parts, state_.get());
+}
+
+const std::string& Part::name() const {
+  return state_->name;
+}
+const std::string& Part::kind() const {
+  return state_->kind;
+}
+const std::vector<PortInfo>& Part::input_ports() const {
+  return state_->input_ports;
+}
+const std::vector<PortInfo>& Part::output_ports() const {
+  return state_->output_ports;
+}
+
+Inputs Part::inputs(const std::string& group_or_name) const {
+  return Inputs(*state_, find_ports(*state_, state_->input_ports, group_or_name, kInput, true));
+}
+Inputs Part::input(const std::string& name) const {
+  return Inputs(*state_, find_ports(*state_, state_->input_ports, name, kInput, false));
+}
+Inputs Part::input(std::size_t index) const {
+  return Inputs(*state_, one_port(*state_, state_->input_ports, index, kInput));
+}
+Inputs Part::all_inputs() const {
+  return Inputs(*state_, every_port(state_->input_ports));
+}
+Outputs Part::outputs(const std::string& group_or_name) const {
+  return Outputs(*state_, find_ports(*state_, state_->output_ports, group_or_name, kOutput, true));
+}
+Outputs Part::output(const std::string& name) const {
+  return Outputs(*state_, find_ports(*state_, state_->output_ports, name, kOutput, false));
+}
+Outputs Part::output(std::size_t index) const {
+  return Outputs(*state_, one_port(*state_, state_->output_ports, index, kOutput));
+}
+Outputs Part::all_outputs() const {
+  return Outputs(*state_, every_port(state_->output_ports));
+}
+
+void Part::acquire(std::int64_t deadline_ns, bool take) {
+  detail::ClientState& client = state_->connected();
+  client.request(protocol::AcquireLease{state_->name, deadline_ns, take}, state_->name);
+  const auto sample = client.request_as<protocol::PartSample>(protocol::Read{state_->name}, state_->name);
+  state_->leased = false;  // what is in force now is what the lease begins with
+  state_->apply(sample);
+  state_->leased = true;
+  state_->exceptions_at_acquire = std::uncaught_exceptions();
+  state_->last_write = {};
+}
+
+void Part::release() {
+  if (!state_->leased) return;
+  detail::ClientState& client = state_->connected();
+  const auto refusal = client.settle();
+  client.request(protocol::ReleaseLease{state_->name}, state_->name);
+  state_->leased = false;
+  if (refusal) throw *refusal;
+}
+
+bool Part::leased() const {
+  return state_->leased;
+}
+
+void Part::write() {
+  detail::ClientState& client = state_->connected();
+  const detail::PortRange range = state_->staged.empty() ? state_->last_write : state_->staged;
+  if (range.empty()) return;
+  const auto first = state_->inputs.begin();
+  protocol::Write write{state_->name, static_cast<std::uint32_t>(range.begin), {}, 0};
+  write.values.assign(first + static_cast<std::ptrdiff_t>(range.begin),
+                      first + static_cast<std::ptrdiff_t>(range.end));
+  client.post(*state_, std::move(write));
+  state_->last_write = range;
+  state_->staged = {};
+}
+
+void Part::read() {
+  detail::ClientState& client = state_->connected();
+  if (!std::exchange(state_->fresh, false)) {
+    client.throw_refusals();
+    state_->apply(client.request_as<protocol::PartSample>(protocol::Read{state_->name}, state_->name));
+    client.set_time(state_->tick, state_->time_ns, state_->era);
+  }
+}
+
+std::int64_t Part::sample_tick() const {
+  return state_->tick;
+}
+std::int64_t Part::sample_time_ns() const {
+  return state_->time_ns;
+}
+
+ParameterValue Part::parameter(const std::string& name) const {
+  const auto list = state_->connected().request_as<protocol::ParameterList>(
+      protocol::GetParameters{state_->name}, state_->name, name);
+  std::vector<std::string> names;
+  for (const protocol::Parameter& parameter : list.parameters) {
+    if (parameter.name == name) return parameter.value;
+    names.push_back(parameter.name);
+  }
+  const auto near = config::nearest(name, names);
+  throw Error(
+      ErrorCode::kUnknownName,
+      state_->name + " has no parameter '" + name + "'" + (near ? " (did you mean '" + *near + "'?)" : ""),
+      state_->name, name);
+}
+
+void Part::set_parameter(const std::string& name, const ParameterValue& value) {
+  state_->connected().request(protocol::SetParameter{state_->name, name, value}, state_->name, name);
+}
+
+std::vector<std::byte> Part::read_blackboard(const std::string& name) const {
+  auto board = state_->connected().request_as<protocol::BlackboardData>(
+      protocol::ReadBlackboard{state_->name, name, 0, 0}, state_->name, name);
+  return std::move(board.data);
+}
+
+void Part::write_blackboard(const std::string& name, std::span<const std::byte> data, std::uint64_t offset) {
+  state_->connected().request(
+      protocol::WriteBlackboard{state_->name, name, offset, {data.begin(), data.end()}}, state_->name, name);
+}
+
+}  // namespace visum

@@ -1,0 +1,232 @@
+// Visum's client library: connect to a server, find a hardware part, take its lease, write and read its ports
+// by name or index, and wait for the tick. The same controller runs unchanged under every clock of the server
+// (realtime, lockstep, free) and in front of virtual and real parts.
+//
+//   visum::Client client("127.0.0.1:1500", {.name = "my_controller"});
+//   visum::Part arm = client.part("arm");
+//   arm.acquire();
+//   visum::Inputs desired = arm.inputs("Desired Angle");
+//   visum::Outputs actual = arm.outputs("Actual Angle");
+//   client.join();
+//   while (actual[0] < 0.5) {
+//     desired.set(0, actual[0] + 0.01);
+//     arm.write();             // posted, does not wait
+//     client.advance_ms(10);   // one wait per period: brings the part's sample along
+//   }
+//   arm.release();
+//
+// Units are SI and radians; time is simulated time in nanoseconds since the server's last reset. Blocking,
+// one thread per Client: a Client with its Parts and ports is used by one thread at a time. What goes wrong
+// throws visum::Error.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace visum {
+
+// Why a call failed. The first ones are the server's refusals, with the protocol's numbers; the last two are
+// ours.
+enum class ErrorCode {
+  kUnspecified = 0,
+  kMalformed = 1,
+  kTooLarge = 2,
+  kVersion = 3,
+  kUnauthenticated = 4,
+  kForbidden = 5,
+  kBusy = 6,
+  kUnknownName = 7,
+  kNoLease = 8,
+  kLeased = 9,
+  kBadValue = 10,
+  kStale = 11,
+  kWrongState = 12,
+  kTimeout = 13,
+  kFrozen = 14,
+  kInternal = 15,
+  kConnection = 100,  // the connection could not be made, or is gone
+  kMisuse = 101,      // the program's own mistake, e.g. a vector of the wrong length
+};
+const char* to_string(ErrorCode code);  // "bad value", ...
+
+class Error : public std::runtime_error {
+ public:
+  Error(ErrorCode code, const std::string& text, std::string part = {}, std::string port = {},
+        std::string owner = {});
+  ErrorCode code() const { return code_; }
+  const std::string& part() const { return part_; }    // empty where no part is concerned
+  const std::string& port() const { return port_; }    // empty where no single port is concerned
+  const std::string& owner() const { return owner_; }  // who holds the lease, where one is in the way
+
+ private:
+  ErrorCode code_;
+  std::string part_, port_, owner_;
+};
+
+enum class Role { kObserver = 1, kController = 2, kAdmin = 3 };
+
+struct ClientOptions {
+  std::string name = "controller";  // shown to others as the owner of leases; at most 64 bytes
+  Role role = Role::kController;
+  std::string token_file = {};  // for a server that was started with one
+  // How long the constructor keeps trying (10 ms, 20, 40, ... apart) while nobody listens; 0: one attempt.
+  std::chrono::milliseconds connect_timeout{5000};
+};
+
+struct ServerInfo {
+  std::string server;        // "visumd 0.1.0"
+  std::string scene;         // its file
+  std::string clock;         // "realtime", "lockstep" or "free"
+  std::int64_t tick_ns = 0;  // the length of a tick
+  bool simulated = true;     // false where real hardware is behind the parts
+};
+
+struct PortInfo {
+  std::size_t index = 0;  // in its vector
+  std::string name;       // "Desired Angle 1"
+  std::string unit;       // "rad", "m/s", ...; empty for a counter or a bit field
+  std::string group;      // "Desired Angle"
+  double minimum = 0.0;   // a value outside is refused
+  double maximum = 0.0;
+  double initial = 0.0;
+};
+
+using ParameterValue = std::variant<double, std::int64_t, bool, std::string>;
+
+namespace detail {
+struct ClientState;
+struct PartState;
+}  // namespace detail
+
+// Controller inputs of one part: one port or a group. A cheap view; valid as long as its Part.
+class Inputs {
+ public:
+  std::size_t size() const { return ports_.size(); }
+  const PortInfo& info(std::size_t i = 0) const;
+  double value(std::size_t i = 0) const;  // as set here or, before that, as in force when the lease was taken
+  double operator[](std::size_t i) const { return value(i); }
+
+  // Stages values for Part::write(). A value that is not finite or out of range throws kBadValue and stages
+  // nothing.
+  void set(double value);  // where this is one port
+  void set(std::size_t i, double value);
+  void set(std::span<const double> values);  // exactly size()
+  void set(std::initializer_list<double> values);
+
+ private:
+  friend class Part;
+  Inputs(detail::PartState& part, std::vector<std::size_t> ports) : part_(&part), ports_(std::move(ports)) {}
+  detail::PartState* part_;
+  std::vector<std::size_t> ports_;  // indices in the part's vector
+};
+
+// Sensor outputs of one part: one port or a group, as of the part's newest sample. Valid as long as its Part.
+class Outputs {
+ public:
+  std::size_t size() const { return ports_.size(); }
+  const PortInfo& info(std::size_t i = 0) const;
+  double value(std::size_t i = 0) const;
+  double operator[](std::size_t i) const { return value(i); }
+  std::vector<double> values() const;
+
+ private:
+  friend class Part;
+  Outputs(detail::PartState& part, std::vector<std::size_t> ports) : part_(&part), ports_(std::move(ports)) {}
+  detail::PartState* part_;
+  std::vector<std::size_t> ports_;
+};
+
+// A hardware part. Comes with a first sample. Its end releases the lease in good order (the part's last
+// values then hold), except when an exception ends it: then the client's connection is dropped, so that the
+// server knows that the controller is lost and stops the part.
+class Part {
+ public:
+  ~Part();
+  Part(Part&&) noexcept;
+  Part& operator=(Part&&) noexcept;
+
+  const std::string& name() const;
+  const std::string& kind() const;  // "amtec_arm"
+  const std::vector<PortInfo>& input_ports() const;
+  const std::vector<PortInfo>& output_ports() const;
+
+  // Ports by group or name, or by index. An unknown name throws kUnknownName with the nearest names.
+  Inputs inputs(const std::string& group_or_name) const;
+  Inputs input(const std::string& name) const;
+  Inputs input(std::size_t index) const;
+  Inputs all_inputs() const;
+  Outputs outputs(const std::string& group_or_name) const;
+  Outputs output(const std::string& name) const;
+  Outputs output(std::size_t index) const;
+  Outputs all_outputs() const;
+
+  // Takes the lease: the exclusive right to write. A deadline is simulated time without a write after which
+  // the server counts this controller as lost; 0: none. `take` (role admin) takes it from its holder.
+  void acquire(std::int64_t deadline_ns = 0, bool take = false);
+  void release();
+  bool leased() const;
+
+  // Sends what was set since the last write, as one all-or-nothing message, and does not wait: a refusal by
+  // the server is thrown by a later call of this client (the next advance or read at the latest). With
+  // nothing set it repeats the last write, as a sign of life for a deadline.
+  void write();
+  // Makes the outputs current. Costs nothing right after an advance, otherwise one round trip.
+  void read();
+  std::int64_t sample_tick() const;
+  std::int64_t sample_time_ns() const;
+
+  ParameterValue parameter(const std::string& name) const;
+  void set_parameter(const std::string& name, const ParameterValue& value);
+  std::vector<std::byte> read_blackboard(const std::string& name) const;
+  void write_blackboard(const std::string& name, std::span<const std::byte> data, std::uint64_t offset = 0);
+
+ private:
+  friend class Client;
+  explicit Part(std::unique_ptr<detail::PartState> state);
+  void let_go() noexcept;
+  std::unique_ptr<detail::PartState> state_;
+};
+
+class Client {
+ public:
+  // Connects to "HOST:PORT" and says hello.
+  explicit Client(const std::string& address = "127.0.0.1:1500", const ClientOptions& options = {});
+  ~Client();  // its Parts become unusable
+  Client(Client&&) noexcept;
+  Client& operator=(Client&&) noexcept;
+
+  const ServerInfo& server() const;
+  std::vector<std::string> part_names();
+  Part part(const std::string& name);
+
+  // Joins the clock. Under `lockstep` the world from here on waits for this client at each of its advances
+  // (at most `timeout`, wall time; 0: the server's default); under `realtime` and `free` it goes on by itself
+  // and advance() only waits for it.
+  void join(std::chrono::milliseconds timeout = std::chrono::milliseconds(0));
+  void leave();
+
+  // "I am done for this period": waits for the first tick at or after the end of the period and brings all
+  // Parts' samples along. Periods are counted without drift, also where they are no multiple of the tick;
+  // periods that this client was too late for are skipped, never made up for.
+  void advance_ns(std::int64_t period_ns);
+  void advance_ms(double period_ms);
+  void advance_ticks(std::int64_t ticks);
+
+  // As of the last join, advance or read.
+  std::int64_t time_ns() const;
+  std::int64_t tick() const;
+  std::uint64_t era() const;  // grows when the world is reset or restored
+
+ private:
+  std::unique_ptr<detail::ClientState> state_;
+};
+
+}  // namespace visum
