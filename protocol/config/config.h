@@ -1,6 +1,7 @@
-// Configuration files (scenes, drives, scenarios): a tree of values in which every value knows its file and line, so
-// that an error can name the place. Reading is by demand: what is asked for and wrong, missing or never allowed
-// throws ConfigError. Not thread-safe; used before the first tick only. YAML (yaml-cpp) stays inside config.cc.
+// Configuration files (scenes, drives, scenarios): a tree of values in which every value knows its file and
+// line, so that an error can name the place. Reading is by demand: what is asked for and wrong, missing or
+// never allowed throws ConfigError. Not thread-safe; used before the first tick only. YAML (yaml-cpp) stays
+// inside yaml_document.cc.
 #pragma once
 
 #include <cstdint>
@@ -86,8 +87,8 @@ inline constexpr std::size_t kMaxFileBytes = 16u << 20;
 inline constexpr int kMaxDepth = 64;
 inline constexpr std::size_t kMaxNodes = 1'000'000;
 
-// Reads a YAML file or text. Anchors, aliases and merge keys are refused (they can grow without bound); a repeated
-// key is an error. `name` stands for the file in errors about a text.
+// Reads a YAML file or text. Anchors, aliases and merge keys are refused (they can grow without bound); a
+// repeated key is an error. `name` stands for the file in errors about a text.
 Node load_file(const std::filesystem::path& path);
 Node load_text(const std::string& yaml, const std::string& name, const std::filesystem::path& folder = ".");
 

@@ -1,0 +1,38 @@
+#include "protocol/config/read_file.h"
+
+#include <fstream>
+#include <system_error>
+
+namespace visum::config {
+namespace {
+
+std::string too_large(std::uintmax_t bytes, std::size_t max_bytes) {
+  return "has " + std::to_string(bytes) + " bytes, at most " + std::to_string(max_bytes) + " are read";
+}
+
+}  // namespace
+
+FileContent read_file(const std::filesystem::path& path, std::size_t max_bytes) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) return {"", "no such file"};
+  if (error) return {"", "cannot be read: " + error.message()};
+  if (std::filesystem::is_directory(status)) return {"", "is a folder, not a file"};
+  if (!std::filesystem::is_regular_file(status)) return {"", "is not a regular file"};
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) return {"", "cannot be read: " + error.message()};
+  if (size > max_bytes) return {"", too_large(size, max_bytes)};
+
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) return {"", "cannot be opened: permission denied or in use"};
+  FileContent content;
+  content.bytes.resize(size);
+  stream.read(content.bytes.data(), static_cast<std::streamsize>(size));
+  content.bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  // A file that grew since its size was asked for is being written: what we have is not the whole of it.
+  if (stream.bad() || content.bytes.size() != size || stream.peek() != std::ifstream::traits_type::eof())
+    return {"", "changed while it was read"};
+  return content;
+}
+
+}  // namespace visum::config

@@ -1,0 +1,50 @@
+// A YAML document as a plain tree, read through yaml-cpp's events with caps on depth, nodes and keys. Inner
+// header of protocol/config: config.cc looks at the tree, yaml_document.cc builds it and is the only file
+// that knows yaml-cpp.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "protocol/config/config.h"
+
+namespace visum::config {
+
+struct Entry;
+
+struct Value {
+  Node::Kind kind = Node::Kind::kNull;
+  bool plain = false;  // scalar without quotes: may be a number or a boolean
+  int line = 0;        // from 1
+  std::string scalar;
+  std::vector<Value> items;    // of a list
+  std::vector<Entry> entries;  // of a map, in the order of the file
+};
+
+struct Entry {
+  std::string key;
+  int line = 0;  // of the key
+  Value value;
+};
+
+struct Document {
+  std::string file;  // as shown in errors
+  std::filesystem::path folder;
+  Value root;
+};
+
+inline constexpr std::size_t kMaxKeysPerMap = 10'000;  // look-ups are linear
+inline constexpr std::size_t kMaxLineBytes = 1u << 20;
+
+// Paths of values: "bodies" + "mass" -> "bodies.mass", "bodies" + 2 -> "bodies[2]".
+std::string member_path(const std::string& parent, const std::string& key);
+std::string item_path(const std::string& parent, std::size_t index);
+
+// Throws ConfigError for what is no YAML, beyond the caps, or refused: anchors, aliases, merge keys, tags,
+// several documents, repeated keys, keys that are no scalars, control
+// characters.
+Value parse_yaml(const std::string& yaml, const std::string& file);
+
+}  // namespace visum::config
