@@ -1,0 +1,80 @@
+#include <unordered_set>
+
+#include "server/world/fault_text.h"
+
+namespace visum::world {
+namespace {
+
+// What stands still without a joint: the world itself, or a fixed body.
+bool is_ground(const WorldModel& model, BodyId body) {
+  return !body.valid() || model.bodies[body.index()].fixed;
+}
+
+std::string ends_fault(const WorldModel& model, const Joint& joint) {
+  if (!joint.child.valid() || joint.child.index() >= model.bodies.size()) return "has no child body";
+  if (joint.parent.valid() && joint.parent.index() >= model.bodies.size())
+    return "has a parent that does not exist";
+  if (joint.parent == joint.child) return "connects a body with itself";
+  if (is_ground(model, joint.child)) return "has a child that is fixed";
+  if (is_ground(model, joint.parent)) return "";
+  const bool same = model.bodies[joint.parent.index()].engine == model.bodies[joint.child.index()].engine;
+  return same ? "" : "connects bodies of two engines";
+}
+
+std::string stops_fault(const Joint& joint) {
+  if (!is_in_range(joint.initial_position, -kMaxMagnitude, kMaxMagnitude))
+    return "has an initial position that is not finite or beyond 1e6";
+  if (!joint.limited) return "";
+  const bool ordered = is_in_range(joint.lower, -kMaxMagnitude, kMaxMagnitude) &&
+                       is_in_range(joint.upper, joint.lower, kMaxMagnitude);
+  if (!ordered) return "has stops that are not finite or not in order";
+  if (!is_in_range(joint.stop_restitution, 0.0, 1.0)) return "needs a stop_restitution from 0 to 1";
+  if (!is_in_range(joint.initial_position, joint.lower, joint.upper)) return "starts beyond its stops";
+  return "";
+}
+
+std::string joint_fault(const WorldModel& model, const Joint& joint) {
+  if (joint.name.empty()) return "has no name";
+  if (const std::string fault = ends_fault(model, joint); !fault.empty()) return fault;
+  for (const Pose& pose : {joint.X_PJ, joint.X_CJ}) {
+    if (const std::string fault = pose_fault(pose); !fault.empty()) return fault;
+  }
+  if (!is_unit(joint.axis_J.norm())) return "has an axis that is not of unit length";
+  if (!is_in_range(joint.friction, 0.0, kMaxMagnitude)) return "needs a friction between 0 and 1e6";
+  if (!is_in_range(joint.damping, 0.0, kMaxMagnitude)) return "needs a damping between 0 and 1e6";
+  return stops_fault(joint);
+}
+
+// Joints must come parents first; that also rules out a tree that bites its own tail. A body's second joint
+// closes a loop and may stand anywhere after its first.
+class TreeOrder {
+ public:
+  explicit TreeOrder(const WorldModel& model) : hangs_(model.bodies.size()), carries_(model.bodies.size()) {}
+
+  bool accepts(const Joint& joint) {
+    if (!hangs_[joint.child.index()] && carries_[joint.child.index()]) return false;
+    hangs_[joint.child.index()] = true;
+    if (joint.parent.valid()) carries_[joint.parent.index()] = true;
+    return true;
+  }
+
+ private:
+  std::vector<bool> hangs_, carries_;
+};
+
+}  // namespace
+
+std::string find_joint_fault(const WorldModel& model) {
+  std::unordered_set<std::string> names;
+  TreeOrder order(model);
+  for (const Joint& joint : model.joints) {
+    if (const std::string fault = joint_fault(model, joint); !fault.empty())
+      return "joint " + quoted(joint.name) + " " + fault;
+    if (!order.accepts(joint))
+      return "joint " + quoted(joint.name) + " stands after a joint below it, or closes a cycle";
+    if (!names.insert(joint.name).second) return "there are two joints called " + quoted(joint.name);
+  }
+  return "";
+}
+
+}  // namespace visum::world

@@ -1,0 +1,67 @@
+#include "server/world/joint_tree.h"
+#include "server/world/world_state.h"
+
+namespace visum::world {
+namespace {
+
+Pose joint_motion(const Joint& joint) {
+  switch (joint.kind) {
+    case JointKind::kHinge:
+      return {Eigen::Vector3d::Zero(),
+              Eigen::Quaterniond(Eigen::AngleAxisd(joint.initial_position, joint.axis_J))};
+    case JointKind::kSlider:
+      return {joint.initial_position * joint.axis_J, Eigen::Quaterniond::Identity()};
+    case JointKind::kFixed:
+      break;
+  }
+  return {};
+}
+
+bool moves_its_child(const Joint& joint) {
+  return joint.kind != JointKind::kFixed && joint.initial_position != 0.0;
+}
+
+// Where the links stand once the initial positions are in force: each joint passes on to its child the
+// displacement of its parent, and adds its own. Joints stand parents first, so that one pass does. A link
+// that nothing displaces keeps the pose of the model to the bit.
+std::vector<Pose> displaced_links(const WorldModel& model) {
+  std::vector<Pose> links;
+  for (const Body& body : model.bodies) links.push_back(body.X_WB);
+  const std::vector<JointId> carrying = carrying_joints(model);
+  std::vector<bool> displaced(model.bodies.size(), false);
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const Joint& joint = model.joints[i];
+    const std::size_t child = joint.child.index();
+    const bool with_parent = joint.parent.valid() && displaced[joint.parent.index()];
+    if (carrying[child].index() != i || !(with_parent || moves_its_child(joint))) continue;
+    const Pose X_WJ_old =
+        (joint.parent.valid() ? model.bodies[joint.parent.index()].X_WB : Pose{}) * joint.X_PJ;
+    const Pose X_WJ_new = (joint.parent.valid() ? links[joint.parent.index()] : Pose{}) * joint.X_PJ;
+    links[child] = X_WJ_new * joint_motion(joint) * (X_WJ_old.inverse() * links[child]);
+    displaced[child] = true;
+  }
+  return links;
+}
+
+BodyState body_state(const Body& body, const Pose& X_WB) {
+  const Eigen::Vector3d p_BC_W = X_WB.q * body.p_BC;
+  return {X_WB.p + p_BC_W, X_WB.q, body.v_WB + body.w_WB.cross(p_BC_W), body.w_WB};
+}
+
+}  // namespace
+
+WorldState initial_state(const WorldModel& model) {
+  WorldState state;
+  const std::vector<Pose> links = displaced_links(model);
+  state.bodies.reserve(model.bodies.size());
+  for (std::size_t i = 0; i < model.bodies.size(); ++i)
+    state.bodies.push_back(body_state(model.bodies[i], {links[i].p, links[i].q.normalized()}));
+  state.joints.resize(model.joints.size());
+  for (std::size_t i = 0; i < model.joints.size(); ++i)
+    state.joints[i].position = model.joints[i].initial_position;
+  state.engines.resize(model.engines.size());
+  measure_joints(model, state);
+  return state;
+}
+
+}  // namespace visum::world
