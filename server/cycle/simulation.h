@@ -1,12 +1,10 @@
 // The world at work: the cycle of the paper's figure 1, one function that reads aloud, and what happens between ticks.
-// Knows no socket, no thread and no wall clock: pacing is the loop's (gateway), commands come in as calls between ticks.
-// Lives on the tick's thread. tick() does not allocate after warm-up (FCL and ODE inside do; they are counted apart).
+// Knows no socket and no thread, and waits for nothing: pacing is the loop's (server/gateway), commands come in as
+// calls between ticks. Lives on the tick's thread. tick() does not allocate once warm (FCL and ODE inside do).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,26 +19,26 @@
 
 namespace visum::cycle {
 
-// One part bound to its joints, with its two vectors.
+// One part bound to its joints, with its two vectors. All spans are in the part's own order.
 struct BoundPart {
   std::unique_ptr<hwparts::Part> part;
-  std::vector<world::JointId> joints;         // in the part's order
-  std::vector<double> controller_inputs;      // as in force
+  std::vector<world::JointId> joints;
+  std::vector<double> controller_inputs;  // as in force
   std::vector<double> sensor_outputs;
-  std::vector<hwparts::JointSample> samples;  // scratch, in the part's order
+  std::vector<hwparts::JointSample> samples;
   std::vector<hwparts::JointDrive> drives;
+  std::vector<double> following_errors;
 };
 
-// A push of a body that lasts some ticks.
+// A push of a body that lasts until a tick.
 struct Push {
-  world::BodyId body;
-  Eigen::Vector3d force_n, torque_nm;  // in W, about the centre of mass
-  std::int64_t until_tick;
+  dynamics::Wrench wrench;
+  std::int64_t until_tick = 0;
 };
 
 class Simulation {
  public:
-  explicit Simulation(scene::Scene scene);  // throws ConfigError
+  explicit Simulation(scene::Scene scene);  // throws ConfigError, or std::runtime_error from an engine
   ~Simulation();
 
   // One pass of the cycle. Does nothing once frozen.
@@ -48,13 +46,12 @@ class Simulation {
 
   // Between ticks.
   void write_inputs(std::size_t part, std::size_t first, std::span<const double> values);  // already checked
-  void controller_lost(std::size_t part);
-  void reset();                                 // a new era
-  std::uint64_t take_snapshot();                // its number; the oldest of kMaxSnapshots is dropped
-  bool restore_snapshot(std::uint64_t number);  // a new era; false: no such snapshot
-  void push(const Push& push);
-  void add_body(const std::string& yaml);        // throws ConfigError and changes nothing
-  bool remove_body(const std::string& name);     // false: no such body, or it belongs to a model
+  void reset();                                  // the scene's initial state, a new era
+  std::uint64_t take_snapshot();                 // its number; the oldest beyond kMaxSnapshots is dropped
+  bool restore_snapshot(std::uint64_t number);   // a new era; false: no such snapshot
+  bool push(const Push& push);                   // false: kMaxPushes act already
+  void add_body(const std::string& yaml);        // throws ConfigError and changes nothing. Drops the snapshots.
+  std::string remove_body(const std::string& name);  // why not; empty: done. Drops the snapshots.
 
   const scene::Scene& scene() const { return scene_; }
   const world::WorldModel& model() const { return scene_.world; }
@@ -62,30 +59,60 @@ class Simulation {
   std::span<BoundPart> parts() { return parts_; }
   std::span<const BoundPart> parts() const { return parts_; }
   std::span<const collision::Contact> contacts() const { return contacts_; }  // of the last tick, with forces
-  const FlightRing& ring() const { return ring_; }
+  std::span<const double> following_errors() const { return following_errors_; }  // by JointId
+  // Shared with readers on another thread, who may still hold it when a change of the world makes a new one.
+  std::shared_ptr<const FlightRing> ring() const { return ring_; }
   const Phases& phases() const { return phases_; }
   std::int64_t tick_count() const { return state_.tick; }
   std::int64_t sim_time_ns() const { return state_.tick * scene_.world.tick_ns; }
   std::uint64_t era() const { return era_; }
-  std::uint64_t revision() const { return revision_; }
+  std::uint64_t revision() const { return revision_; }  // changes when bodies come or go
   bool frozen() const { return !fault_.empty(); }
   const std::string& fault() const { return fault_; }
-  // XXH64 over the world's and all parts' saved bytes.
-  std::uint64_t state_hash();
+  std::uint64_t state_hash() const;  // XXH64 over all that a snapshot holds
 
   static constexpr std::size_t kMaxSnapshots = 16;
   static constexpr std::size_t kMaxPushes = 64;
 
  private:
+  struct Snapshot {
+    std::uint64_t number;
+    world::WorldState state;
+    std::vector<std::byte> rest;  // parts, their inputs, pushes
+  };
+
+  void make_parts();
+  void rebuild_machinery();
+  void start_state();
   void sense();
   void act();
+  void collide();
   void step();
   void publish();
-  void save_all(std::vector<std::byte>& bytes) const;
+  void freeze(std::string fault);
+  void save_rest(std::vector<std::byte>& bytes) const;
+  void load_rest(std::span<const std::byte> bytes);
 
   scene::Scene scene_;
   world::WorldState state_;
-  // ... see simulation.cc
+  world::WorldState before_;  // the last good state: what a frozen world shows
+  std::vector<BoundPart> parts_;
+  std::vector<std::unique_ptr<dynamics::Engine>> engines_;
+  std::unique_ptr<collision::CollisionStage> collision_;
+  std::vector<collision::Contact> contacts_;
+  std::vector<hwparts::JointDrive> drives_;  // by JointId
+  std::vector<double> following_errors_;     // by JointId
+  std::vector<double> contact_forces_;       // by BodyId
+  std::vector<Push> pushes_;
+  std::vector<dynamics::Wrench> wrenches_;
+  std::vector<Snapshot> snapshots_;
+  std::shared_ptr<FlightRing> ring_;
+  Phases phases_;
+  std::uint64_t next_snapshot_ = 1;
+  std::uint64_t era_ = 1;
+  std::uint64_t revision_ = 1;
+  std::string fault_;
+  mutable std::vector<std::byte> scratch_;  // for state_hash()
 };
 
 }  // namespace visum::cycle

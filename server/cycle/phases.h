@@ -1,0 +1,58 @@
+// How long each phase of the tick takes, in wall time: the cycle's profile. Never influences the world.
+// Lives on the tick's thread; others get copies of summary().
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+
+namespace visum::cycle {
+
+enum class Phase { kSense, kAct, kCollide, kStep, kPublish };
+inline constexpr std::size_t kPhases = 5;
+inline constexpr std::array<const char*, kPhases> kPhaseNames{"sense", "act", "collide", "step", "publish"};
+
+class Phases {
+ public:
+  struct Time {
+    std::int64_t mean_ns = 0;
+    std::int64_t max_ns = 0;
+  };
+  using Summary = std::array<Time, kPhases>;
+
+  // Begins a tick, then ends each phase in turn.
+  void begin() { last_ = Clock::now(); }
+  void end(Phase phase) {
+    const auto now = Clock::now();
+    auto& bin = current_[static_cast<std::size_t>(phase)];
+    const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(now - last_).count();
+    bin.sum_ns += ns;
+    if (ns > bin.max_ns) bin.max_ns = ns;
+    last_ = now;
+  }
+  // Ends a tick: after about a second of wall time the summary is renewed.
+  void tick_done() {
+    ++ticks_;
+    if (last_ - window_start_ < std::chrono::seconds(1)) return;
+    for (std::size_t i = 0; i < kPhases; ++i) summary_[i] = {current_[i].sum_ns / ticks_, current_[i].max_ns};
+    current_ = {};
+    ticks_ = 0;
+    window_start_ = last_;
+  }
+  // Of the last full window.
+  const Summary& summary() const { return summary_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Bin {
+    std::int64_t sum_ns = 0;
+    std::int64_t max_ns = 0;
+  };
+  std::array<Bin, kPhases> current_{};
+  Summary summary_{};
+  std::int64_t ticks_ = 0;
+  Clock::time_point last_ = Clock::now();
+  Clock::time_point window_start_ = Clock::now();
+};
+
+}  // namespace visum::cycle

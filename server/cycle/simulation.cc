@@ -1,0 +1,249 @@
+#include "server/cycle/simulation.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/cycle/world_edit.h"
+
+namespace visum::cycle {
+namespace {
+
+hwparts::JointSample sample_of(const world::JointState& joint) { return {joint.position, joint.velocity, joint.effort}; }
+
+// The four words of the world's generator from one seed (SplitMix64, Steele et al. 2014).
+std::vector<std::uint64_t> seeded(std::uint64_t seed) {
+  std::vector<std::uint64_t> words(4);
+  for (auto& word : words) {
+    seed += 0x9E3779B97F4A7C15u;
+    word = (seed ^ (seed >> 30)) * 0xBF58476D1CE4E5B9u;
+    word = (word ^ (word >> 27)) * 0x94D049BB133111EBu;
+    word ^= word >> 31;
+  }
+  return words;
+}
+
+}  // namespace
+
+Simulation::Simulation(scene::Scene scene) : scene_(std::move(scene)) {
+  make_parts();
+  rebuild_machinery();
+  start_state();
+}
+
+Simulation::~Simulation() = default;
+
+void Simulation::make_parts() {
+  for (const auto& plan : scene_.parts) {
+    BoundPart bound;
+    bound.part = hwparts::make_part(plan.kind, plan.context);
+    for (std::size_t joint : bound.part->joints()) bound.joints.push_back(plan.joints.at(joint));
+    bound.samples.resize(bound.joints.size());
+    bound.drives.resize(bound.joints.size());
+    bound.following_errors.resize(bound.joints.size());
+    parts_.push_back(std::move(bound));
+  }
+}
+
+void Simulation::rebuild_machinery() {
+  const auto& model = scene_.world;
+  engines_.clear();
+  for (std::size_t i = 0; i < model.engines.size(); ++i)
+    engines_.push_back(dynamics::make_engine(model, static_cast<std::int32_t>(i)));
+  collision_ = std::make_unique<collision::CollisionStage>(model);
+  ring_ = std::make_shared<FlightRing>(model.joints.size(), model.bodies.size());
+  drives_.assign(model.joints.size(), {});
+  following_errors_.assign(model.joints.size(), 0.0);
+  contact_forces_.assign(model.bodies.size(), 0.0);
+  contacts_.clear();
+  pushes_.reserve(kMaxPushes);
+  wrenches_.reserve(kMaxPushes);
+}
+
+void Simulation::start_state() {
+  state_ = world::initial_state(scene_.world);
+  state_.random = seeded(scene_.seed);
+  state_.engines.resize(engines_.size());
+  before_ = state_;
+  contacts_.clear();
+  pushes_.clear();
+  fault_.clear();
+  for (auto& bound : parts_) {
+    const auto& description = bound.part->description();
+    bound.controller_inputs.clear();
+    for (const auto& port : description.controller_inputs) bound.controller_inputs.push_back(port.initial);
+    bound.sensor_outputs.clear();
+    for (const auto& port : description.sensor_outputs) bound.sensor_outputs.push_back(port.initial);
+  }
+}
+
+void Simulation::tick() {
+  if (frozen()) return;
+  phases_.begin();
+  sense();
+  phases_.end(Phase::kSense);
+  act();
+  phases_.end(Phase::kAct);
+  collide();
+  phases_.end(Phase::kCollide);
+  step();
+  phases_.end(Phase::kStep);
+  publish();
+  phases_.end(Phase::kPublish);
+  phases_.tick_done();
+}
+
+void Simulation::sense() {
+  for (auto& bound : parts_)
+    for (std::size_t i = 0; i < bound.joints.size(); ++i)
+      bound.samples[i] = sample_of(state_.joints[bound.joints[i].index()]);
+}
+
+void Simulation::act() {
+  for (auto& bound : parts_) {
+    bound.part->act(bound.controller_inputs, bound.samples, bound.drives);
+    for (std::size_t i = 0; i < bound.joints.size(); ++i) drives_[bound.joints[i].index()] = bound.drives[i];
+  }
+}
+
+void Simulation::collide() { collision_->find(state_, contacts_); }
+
+void Simulation::step() {
+  std::erase_if(pushes_, [this](const Push& push) { return push.until_tick <= state_.tick; });
+  wrenches_.clear();
+  for (const auto& push : pushes_) wrenches_.push_back(push.wrench);
+  const dynamics::StepInput input{static_cast<double>(scene_.world.tick_ns) * 1e-9, contacts_, drives_, wrenches_};
+  before_ = state_;
+  for (auto& engine : engines_) {
+    auto result = engine->step(input, state_);
+    if (!result.ok) return freeze(std::move(result.fault));
+  }
+  world::measure_joints(scene_.world, state_);
+  if (std::string offender; !world::is_sane(scene_.world, state_, &offender)) return freeze(std::move(offender));
+  ++state_.tick;
+}
+
+void Simulation::publish() {
+  if (frozen()) return;
+  sense();
+  for (auto& bound : parts_) {
+    bound.part->publish(bound.samples, bound.sensor_outputs);
+    bound.part->following_errors(bound.following_errors);
+    for (std::size_t i = 0; i < bound.joints.size(); ++i)
+      following_errors_[bound.joints[i].index()] = bound.following_errors[i];
+  }
+  std::ranges::fill(contact_forces_, 0.0);
+  for (const auto& contact : contacts_) {
+    contact_forces_[contact.body_a.index()] += contact.normal_force_n;
+    contact_forces_[contact.body_b.index()] += contact.normal_force_n;
+  }
+  ring_->record(state_.tick, following_errors_, contact_forces_);
+}
+
+void Simulation::freeze(std::string fault) {
+  fault_ = fault.empty() ? "the engine failed without a word" : std::move(fault);
+  state_ = before_;
+}
+
+void Simulation::write_inputs(std::size_t part, std::size_t first, std::span<const double> values) {
+  std::ranges::copy(values, parts_[part].controller_inputs.begin() + static_cast<std::ptrdiff_t>(first));
+}
+
+void Simulation::reset() {
+  for (auto& bound : parts_) bound.part->reset();
+  start_state();
+  ++era_;
+}
+
+std::uint64_t Simulation::take_snapshot() {
+  if (snapshots_.size() == kMaxSnapshots) snapshots_.erase(snapshots_.begin());
+  auto& snapshot = snapshots_.emplace_back(Snapshot{next_snapshot_++, state_, {}});
+  save_rest(snapshot.rest);
+  return snapshot.number;
+}
+
+bool Simulation::restore_snapshot(std::uint64_t number) {
+  const auto found = std::ranges::find(snapshots_, number, &Snapshot::number);
+  if (found == snapshots_.end()) return false;
+  state_ = found->state;
+  load_rest(found->rest);
+  contacts_.clear();
+  fault_.clear();
+  ++era_;
+  return true;
+}
+
+bool Simulation::push(const Push& push) {
+  if (pushes_.size() == kMaxPushes) return false;
+  pushes_.push_back(push);
+  return true;
+}
+
+void Simulation::add_body(const std::string& yaml) {
+  auto changed = scene_;
+  scene::add_body(changed, yaml);
+  scene_ = std::move(changed);
+  const auto fresh = world::initial_state(scene_.world);
+  for (std::size_t i = state_.bodies.size(); i < fresh.bodies.size(); ++i) state_.bodies.push_back(fresh.bodies[i]);
+  snapshots_.clear();
+  rebuild_machinery();
+  ++revision_;
+}
+
+std::string Simulation::remove_body(const std::string& name) {
+  const auto body = scene_.world.find_body(name);
+  if (!body.valid()) return "there is no body '" + name + "'";
+  if (auto reason = why_not_removable(scene_.world, body); !reason.empty()) return reason;
+  for (const auto& push : pushes_)
+    if (push.wrench.body == body) return "'" + name + "' is being pushed";
+  erase_body(scene_.world, body);
+  state_.bodies.erase(state_.bodies.begin() + body.value);
+  for (auto& push : pushes_)
+    if (push.wrench.body > body) --push.wrench.body.value;
+  snapshots_.clear();
+  rebuild_machinery();
+  ++revision_;
+  return {};
+}
+
+std::uint64_t Simulation::state_hash() const {
+  scratch_.clear();
+  world::save(state_, scratch_);
+  save_rest(scratch_);
+  return world::hash_bytes(scratch_);
+}
+
+void Simulation::save_rest(std::vector<std::byte>& bytes) const {
+  hwparts::StateWriter to(bytes);
+  for (const auto& bound : parts_) {
+    to.put(std::span<const double>(bound.controller_inputs));
+    to.put(std::span<const double>(bound.sensor_outputs));
+    bound.part->save(to);
+  }
+  to.put(static_cast<std::uint64_t>(pushes_.size()));
+  for (const auto& push : pushes_) {
+    to.put(push.wrench.body.value);
+    to.put(std::span<const double>(push.wrench.force_n.data(), 3));
+    to.put(std::span<const double>(push.wrench.torque_nm.data(), 3));
+    to.put(push.until_tick);
+  }
+}
+
+void Simulation::load_rest(std::span<const std::byte> bytes) {
+  hwparts::StateReader from(bytes);
+  for (auto& bound : parts_) {
+    from.get(std::span<double>(bound.controller_inputs));
+    from.get(std::span<double>(bound.sensor_outputs));
+    bound.part->load(from);
+  }
+  std::uint64_t count = 0;
+  from.get(count);
+  pushes_.resize(count);
+  for (auto& push : pushes_) {
+    from.get(push.wrench.body.value);
+    from.get(std::span<double>(push.wrench.force_n.data(), 3));
+    from.get(std::span<double>(push.wrench.torque_nm.data(), 3));
+    from.get(push.until_tick);
+  }
+}
+
+}  // namespace visum::cycle

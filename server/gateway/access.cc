@@ -1,0 +1,87 @@
+#include "server/gateway/access.h"
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <type_traits>
+
+#include "protocol/config/config.h"
+
+namespace visum::gateway {
+namespace {
+
+using protocol::Role;
+
+template <typename T, typename... Of>
+inline constexpr bool kIsOneOf = (std::is_same_v<T, Of> || ...);
+
+// Same time whatever the first difference: nobody learns a token byte by byte.
+bool equal_in_constant_time(const std::string& a, const std::string& b) {
+  unsigned char difference = a.size() == b.size() ? 0 : 1;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    difference = static_cast<unsigned char>(difference | (a[i] ^ (b.empty() ? 0 : b[i % b.size()])));
+  return difference == 0;
+}
+
+Role role_named(const std::string& word) {
+  if (word == "observer") return Role::kObserver;
+  if (word == "controller") return Role::kController;
+  if (word == "admin") return Role::kAdmin;
+  return Role::kUnspecified;
+}
+
+}  // namespace
+
+Role role_needed(const protocol::Request& request) {
+  return std::visit(
+      [](const auto& message) {
+        using namespace protocol;
+        using T = std::decay_t<decltype(message)>;
+        if constexpr (kIsOneOf<T, Status, ListParts, DescribePart, Read, Subscribe, Unsubscribe, GetParameters,
+                               ReadBlackboard, DescribeWorld, ReadWorld, SubscribeWorld, UnsubscribeWorld, ReadMesh>)
+          return Role::kObserver;
+        else if constexpr (kIsOneOf<T, AcquireLease, ReleaseLease, Write, SetParameter, WriteBlackboard, Join, Advance,
+                                    Leave>)
+          return Role::kController;
+        else
+          return Role::kAdmin;
+      },
+      request);
+}
+
+Tokens::Tokens(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in) throw config::ConfigError({file.string(), 0, ""}, "cannot be read");
+  using std::filesystem::perms;
+  if ((std::filesystem::status(file).permissions() & (perms::group_all | perms::others_all)) != perms::none)
+    throw config::ConfigError({file.string(), 0, ""}, "others may read it; chmod 600 makes it yours alone");
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    std::istringstream words(line.substr(0, line.find('#')));
+    std::string role, token, more;
+    if (!(words >> role)) continue;
+    const config::Place place{file.string(), number, ""};
+    if (role_named(role) == Role::kUnspecified)
+      throw config::ConfigError(place, "'" + role + "' is no role: observer, controller or admin");
+    if (!(words >> token) || token.size() < 16)
+      throw config::ConfigError(place, "the token has less than 16 characters");
+    if (words >> more) throw config::ConfigError(place, "more than a role and a token");
+    entries_.push_back({role_named(role), token});
+  }
+  if (entries_.empty()) throw config::ConfigError({file.string(), 0, ""}, "holds no token");
+}
+
+Role Tokens::grant(const std::string& token, Role wanted) const {
+  if (!required()) return wanted;
+  Role best = Role::kUnspecified;
+  for (const auto& entry : entries_)
+    if (equal_in_constant_time(entry.token, token)) best = std::max(best, entry.role);
+  return std::min(best, wanted);
+}
+
+bool is_loopback(const std::string& address) {
+  return address == "localhost" || address == "::1" || address.starts_with("127.");
+}
+
+}  // namespace visum::gateway

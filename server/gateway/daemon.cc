@@ -1,0 +1,189 @@
+#include "server/gateway/daemon.h"
+
+#include <sys/prctl.h>
+#include <time.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <thread>
+
+#include "protocol/server.h"
+#include "server/gateway/exchange.h"
+#include "server/gateway/gateway.h"
+#include "server/gateway/mailbox.h"
+#include "server/gateway/tick_side.h"
+
+namespace visum::gateway {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kIdle{20};  // how soon stop() is noticed while time stands
+
+std::size_t most_ports(const cycle::Simulation& simulation) {
+  std::size_t most = 0;
+  for (const auto& bound : simulation.parts()) most = std::max(most, bound.controller_inputs.size());
+  return most;
+}
+
+StaticWorld static_world(const cycle::Simulation& simulation) {
+  const auto& scene = simulation.scene();
+  StaticWorld world{scene.name, scene.clock, scene.world.tick_ns, std::chrono::nanoseconds(scene.lockstep_timeout_ns), {},
+                    describe_world(scene, simulation.revision())};
+  for (const auto& bound : simulation.parts()) world.parts.push_back(bound.part.get());
+  return world;
+}
+
+// steady_clock is CLOCK_MONOTONIC; an absolute time does not drift with the time that the call takes.
+void sleep_until(Clock::time_point due) {
+  const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(due.time_since_epoch()).count();
+  const timespec until{static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  }
+}
+
+}  // namespace
+
+struct Daemon::Impl {
+  Impl(cycle::Simulation& the_simulation, const DaemonOptions& options, std::atomic<bool>& stop)
+      : simulation(the_simulation),
+        stopping(stop),
+        iterations(options.iterations),
+        threaded(simulation.scene().clock == scene::ClockKind::kRealtime),
+        mailbox(most_ports(simulation)),
+        tick_side(simulation, mailbox, options.run_at_once),
+        gateway(static_world(simulation), options.token_file.empty() ? Tokens() : Tokens(options.token_file), mailbox,
+                tick_side.pacer(), [this]() -> const Published& { return threaded ? fresh_copy() : fresh_fill(); }),
+        server({options.address, options.port, {}}, gateway) {
+    if (threaded) publish(false);
+  }
+
+  // realtime: the sessions' thread takes the newest copy.
+  const Published& fresh_copy() {
+    exchange.refresh();
+    return exchange.front();
+  }
+
+  // lockstep, free: one thread; the copy is made when somebody looks, and only if something happened since.
+  const Published& fresh_fill() {
+    if (inline_copy.tick != simulation.tick_count() || inline_copy.era != simulation.era() ||
+        inline_version != tick_side.version() || inline_copy.fault.empty() == simulation.frozen()) {
+      fill(inline_copy, simulation, tick_side.pace());
+      inline_version = tick_side.version();
+    }
+    return inline_copy;
+  }
+
+  // realtime: a copy for the sessions' thread, which is woken if it has something to send.
+  void publish(bool wake) {
+    fill(exchange.back(), simulation, tick_side.pace());
+    exchange.publish();
+    published_version = tick_side.version();
+    if (wake) server.notify();
+  }
+
+  bool ended() const {
+    return stopping.load(std::memory_order_relaxed) || gateway.shutdown_asked() ||
+           (iterations > 0 && simulation.tick_count() >= iterations);
+  }
+
+  bool has_something_to_send() {
+    return gateway.next_due() <= simulation.tick_count() || simulation.frozen() || tick_side.has_told();
+  }
+
+  void run_realtime();
+  void run_inline();
+  bool may_tick_inline();
+
+  cycle::Simulation& simulation;
+  std::atomic<bool>& stopping;
+  const std::int64_t iterations;
+  const bool threaded;
+  Mailbox mailbox;
+  TickSide tick_side;
+  Exchange<Published> exchange;
+  Published inline_copy;
+  std::uint64_t inline_version = 0;
+  std::uint64_t published_version = 0;
+  Gateway gateway;
+  protocol::Server server;
+};
+
+Daemon::Daemon(cycle::Simulation& simulation, const DaemonOptions& options) {
+  if (!is_loopback(options.address) && options.token_file.empty())
+    throw std::runtime_error("--listen " + options.address +
+                             " is open to others than this machine: that needs --token-file");
+  impl_ = std::make_unique<Impl>(simulation, options, stopping_);
+}
+
+Daemon::~Daemon() = default;
+
+std::uint16_t Daemon::port() const { return impl_->server.port(); }
+
+void Daemon::run() {
+  impl_->server.start();
+  if (impl_->threaded)
+    impl_->run_realtime();
+  else
+    impl_->run_inline();
+}
+
+// The tick's thread. The sessions' thread is only ever notified, never waited for.
+void Daemon::Impl::run_realtime() {
+  prctl(PR_SET_TIMERSLACK, 1UL);
+  std::thread sessions([this] { server.run(); });
+  auto& pacer = tick_side.pacer();
+  bool was_running = false;
+  while (!ended()) {
+    tick_side.empty_mailbox();
+    if (gateway.start_asked()) tick_side.start();
+    const bool runs = tick_side.time_runs();
+    if (runs && !was_running) pacer.restart(Clock::now());
+    if (published_version != tick_side.version() || runs != was_running) publish(true);
+    was_running = runs;
+    if (!runs) {
+      mailbox.wait_for(kIdle);
+      continue;
+    }
+    sleep_until(pacer.due());
+    tick_side.empty_mailbox();
+    pacer.begin_tick(Clock::now());
+    const auto version_before = published_version;
+    tick_side.tick();
+    publish(has_something_to_send() || version_before != tick_side.version());
+  }
+  gateway.end();
+  server.notify();
+  server.stop();
+  sessions.join();
+}
+
+bool Daemon::Impl::may_tick_inline() {
+  if (gateway.start_asked()) tick_side.start();
+  if (!tick_side.time_runs()) return false;
+  if (simulation.scene().clock == scene::ClockKind::kFree) return true;
+  const auto tick = simulation.tick_count();
+  // A world that nobody steps with only moves by Step.
+  const bool let = gateway.limit(tick) > tick || (tick_side.stepping() && !gateway.has_members());
+  if (!let) gateway.check_timeouts(tick);
+  return let;
+}
+
+void Daemon::Impl::run_inline() {
+  while (!ended()) {
+    server.poll();
+    tick_side.empty_mailbox();
+    if (may_tick_inline()) {
+      tick_side.tick();
+      if (has_something_to_send()) gateway.serve();
+    } else {
+      gateway.serve();
+      server.poll_for(kIdle);
+    }
+  }
+  gateway.end();
+  gateway.serve();
+  server.stop();
+  server.poll_for(kIdle);
+}
+
+}  // namespace visum::gateway

@@ -1,0 +1,127 @@
+// What the tick's side answers between ticks: one function per request.
+#include <algorithm>
+#include <utility>
+
+#include "protocol/config/config.h"
+#include "server/gateway/tick_side.h"
+
+namespace visum::gateway {
+
+using protocol::Error;
+using protocol::ErrorCode;
+using protocol::Ok;
+using protocol::Reply;
+
+void TickSide::run(std::unique_ptr<Errand> errand) {
+  if (const auto* step = std::get_if<protocol::Step>(&errand->request)) {
+    if (started_ && !paused_) {
+      errand->reply = Error{ErrorCode::kWrongState, "Step works while the time is paused", {}};
+    } else if (step_errand_) {
+      errand->reply = Error{ErrorCode::kBusy, "another Step is still running", {}};
+    } else if (simulation_.frozen()) {
+      errand->reply = Error{ErrorCode::kFrozen, simulation_.fault(), {}};
+    } else {
+      steps_left_ = step->ticks;
+      step_errand_ = std::move(errand);
+      return;
+    }
+    return mailbox_.give_back(std::move(errand));
+  }
+  // What a client wrote before this request counts as written before it.
+  apply_inputs();
+  errand->reply = std::visit([&](const auto& request) { return answer(*errand, request); }, errand->request);
+  mailbox_.give_back(std::move(errand));
+}
+
+Reply TickSide::answer(Errand&, const protocol::Pause&) {
+  started_ = paused_ = true;
+  return Ok{};
+}
+
+Reply TickSide::answer(Errand&, const protocol::Resume&) {
+  if (simulation_.frozen()) return Error{ErrorCode::kFrozen, simulation_.fault(), {}};
+  started_ = true;
+  paused_ = false;
+  finish_steps();
+  return Ok{};
+}
+
+Reply TickSide::answer(Errand&, const protocol::SetSpeed& request) {
+  pacer_.set_speed(request.factor);
+  return Ok{};
+}
+
+Reply TickSide::answer(Errand&, const protocol::Reset&) {
+  simulation_.reset();
+  for (auto& watch : watches_) watch.last_tick = simulation_.tick_count();
+  return Ok{};
+}
+
+Reply TickSide::answer(Errand&, const protocol::TakeSnapshot&) {
+  const auto number = simulation_.take_snapshot();
+  return protocol::SnapshotTaken{number, simulation_.tick_count(), simulation_.state_hash()};
+}
+
+Reply TickSide::answer(Errand&, const protocol::RestoreSnapshot& request) {
+  if (!simulation_.restore_snapshot(request.snapshot))
+    return Error{ErrorCode::kUnknownName, "there is no snapshot " + std::to_string(request.snapshot), {}};
+  for (auto& watch : watches_) watch.last_tick = simulation_.tick_count();
+  return Ok{};
+}
+
+Reply TickSide::answer(Errand& errand, const protocol::AddBody& request) {
+  try {
+    simulation_.add_body(request.yaml);
+  } catch (const config::ConfigError& error) {
+    return Error{ErrorCode::kBadValue, error.what(), {}};
+  }
+  errand.view = std::make_unique<WorldView>(describe_world(simulation_.scene(), simulation_.revision()));
+  return Ok{};
+}
+
+Reply TickSide::answer(Errand& errand, const protocol::RemoveBody& request) {
+  if (auto reason = simulation_.remove_body(request.body); !reason.empty())
+    return Error{simulation_.model().find_body(request.body).valid() ? ErrorCode::kWrongState : ErrorCode::kUnknownName,
+                 std::move(reason), {}};
+  errand.view = std::make_unique<WorldView>(describe_world(simulation_.scene(), simulation_.revision()));
+  return Ok{};
+}
+
+Reply TickSide::answer(Errand& errand, const protocol::GetParameters&) {
+  return protocol::ParameterList{simulation_.parts()[errand.part].part->parameters()};
+}
+
+Reply TickSide::answer(Errand& errand, const protocol::SetParameter& request) {
+  if (auto reason = simulation_.parts()[errand.part].part->set_parameter(request.name, request.value))
+    return Error{ErrorCode::kBadValue, std::move(*reason), {}};
+  return Ok{};
+}
+
+Reply TickSide::answer(Errand& errand, const protocol::ReadBlackboard& request) {
+  const auto& part = *simulation_.parts()[errand.part].part;
+  const auto& boards = part.description().blackboards;
+  const auto board = std::ranges::find(boards, request.name, &protocol::Blackboard::name) - boards.begin();
+  const auto bytes = part.read_blackboard(static_cast<std::size_t>(board));
+  if (request.offset > bytes.size())
+    return Error{ErrorCode::kBadValue, "'" + request.name + "' has " + std::to_string(bytes.size()) + " bytes", {}};
+  const auto rest = bytes.subspan(request.offset);
+  const auto wanted = request.length == 0 ? rest : rest.first(std::min<std::size_t>(request.length, rest.size()));
+  return protocol::BlackboardData{request.offset, bytes.size(), {wanted.begin(), wanted.end()}, blackboard_writes_};
+}
+
+Reply TickSide::answer(Errand& errand, const protocol::WriteBlackboard& request) {
+  auto& part = *simulation_.parts()[errand.part].part;
+  const auto& boards = part.description().blackboards;
+  const auto board = std::ranges::find(boards, request.name, &protocol::Blackboard::name) - boards.begin();
+  if (auto reason = part.write_blackboard(static_cast<std::size_t>(board), request.offset, request.data))
+    return Error{ErrorCode::kBadValue, std::move(*reason), {}};
+  ++blackboard_writes_;
+  return Ok{};
+}
+
+template <typename Other>
+Reply TickSide::answer(Errand&, const Other&) {
+  return Error{ErrorCode::kInternal, "a request that is no errand", {}};
+}
+
+}  // namespace visum::gateway

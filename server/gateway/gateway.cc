@@ -1,0 +1,173 @@
+#include "server/gateway/gateway.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace visum::gateway {
+
+using protocol::ErrorCode;
+
+const char* to_string(scene::ClockKind clock) {
+  switch (clock) {
+    case scene::ClockKind::kRealtime: return "realtime";
+    case scene::ClockKind::kLockstep: return "lockstep";
+    case scene::ClockKind::kFree: return "free";
+  }
+  return "";
+}
+
+Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, const cycle::Pacer& pacer, Latest latest)
+    : world_(std::move(world)),
+      tokens_(std::move(tokens)),
+      mailbox_(mailbox),
+      pacer_(pacer),
+      latest_(std::move(latest)),
+      leases_(world_.parts.size()) {
+  for (const auto* part : world_.parts) {
+    auto& inputs = latched_.emplace_back();
+    for (const auto& port : part->description().controller_inputs) inputs.push_back(port.initial);
+  }
+}
+
+void Gateway::Call::reply(const protocol::Reply& reply) const {
+  if (id != 0) session.send(id, reply);
+}
+
+void Gateway::Call::fail(ErrorCode code, const std::string& text, const std::string& owner) const {
+  session.send(id, protocol::Error{code, text, owner});
+}
+
+protocol::Role Gateway::on_hello(protocol::Session& session, const protocol::Hello& hello, protocol::Welcome& welcome,
+                                 protocol::Error& refusal) {
+  const auto role = tokens_.grant(hello.token, hello.role);
+  if (role == protocol::Role::kUnspecified) {
+    refusal = tokens_.required() ? protocol::Error{ErrorCode::kUnauthenticated, "the token is missing or wrong", {}}
+                                 : protocol::Error{ErrorCode::kMalformed, "hello names no role", {}};
+    return role;
+  }
+  welcome.tick_ns = world_.tick_ns;
+  welcome.scene = world_.scene;
+  welcome.clock = to_string(world_.clock);
+  welcome.simulated = true;
+  clients_[session.id()].session = &session;
+  return role;
+}
+
+void Gateway::on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) {
+  const auto found = clients_.find(session.id());
+  if (found == clients_.end()) return;
+  const Call call{session, found->second, id};
+  const auto needed = role_needed(request);
+  if (session.role() < needed) {
+    ++refused_;
+    return call.fail(ErrorCode::kForbidden, std::string("this needs the role ") + protocol::to_string(needed) +
+                                                ", the session has " + protocol::to_string(session.role()));
+  }
+  std::visit([&](const auto& message) { handle(call, message); }, request);
+  note_due();
+}
+
+void Gateway::on_close(protocol::Session& session, protocol::CloseReason) {
+  const auto id = session.id();
+  for (std::uint32_t part = 0; part < world_.parts.size(); ++part)
+    if (leases_.held_by(part, id)) lose_lease(part, "'" + session.client_name() + "' is gone without a release");
+  members_.leave(id);
+  clients_.erase(id);
+}
+
+void Gateway::serve() {
+  const auto& now = latest_();
+  follow_eras(now);
+  finish_errands();
+  tell_notices();
+  answer_advances(now);
+  send_samples(now);
+  if (ending_.exchange(false)) broadcast({"shutdown", "the server ends", {}, now.era, now.tick});
+  note_due();
+}
+
+void Gateway::note_due() {
+  auto due = std::numeric_limits<std::int64_t>::max();
+  if (const auto answer = members_.next_answer()) due = *answer;
+  for (const auto& [id, client] : clients_)
+    for (const auto& subscription : client.subscriptions) due = std::min(due, subscription.next_tick);
+  next_due_.store(due, std::memory_order_relaxed);
+}
+
+void Gateway::follow_eras(const Published& now) {
+  if (!now.fault.empty() && !frozen_) broadcast({"frozen", now.fault, {}, now.era, now.tick});
+  frozen_ = !now.fault.empty();
+  if (now.era == era_) return;
+  era_ = now.era;
+  members_.rebase(now.tick);
+  for (std::size_t part = 0; part < latched_.size(); ++part) latched_[part] = now.parts[part].controller_inputs;
+  for (auto& [id, client] : clients_) {
+    client.peaks_from = now.tick;
+    for (auto& subscription : client.subscriptions) subscription.next_tick = now.tick;
+  }
+  broadcast({"era", "the world was reset or restored", {}, now.era, now.tick});
+}
+
+void Gateway::finish_errands() {
+  while (auto errand = mailbox_.next_done()) {
+    if (errand->view) {
+      world_.view = std::move(*errand->view);
+      broadcast({"world_changed", "bodies came or went", {}, latest_().era, latest_().tick});
+    }
+    if (std::holds_alternative<protocol::Error>(errand->reply)) ++refused_;
+    const auto client = clients_.find(errand->session);
+    if (client == clients_.end()) continue;
+    if (errand->id != 0 || std::holds_alternative<protocol::Error>(errand->reply))
+      client->second.session->send(errand->id, errand->reply);
+  }
+}
+
+void Gateway::tell_notices() {
+  for (Notice notice; mailbox_.next_notice(notice);) {
+    if (notice.kind == Notice::Kind::kPushRefused) {
+      broadcast({"push_refused", "too many pushes act at once", {}, era_, notice.tick});
+    } else if (leases_.of(notice.part).epoch == notice.epoch && leases_.of(notice.part).session != 0) {
+      const auto& name = world_.parts[notice.part]->description().name;
+      broadcast({"lease_lost", "'" + leases_.of(notice.part).owner + "' missed the deadline that it asked for", name, era_,
+                 notice.tick});
+      leases_.free(notice.part);
+    }
+  }
+}
+
+void Gateway::lose_lease(std::uint32_t part, const std::string& why) {
+  // A loss follows a grant, so that the inputs kept back cannot run out before there are that many parts.
+  auto* input = mailbox_.blank_input(true);
+  input->kind = Input::Kind::kLeaseLost;
+  input->part = part;
+  input->epoch = leases_.of(part).epoch;
+  mailbox_.send(input);
+  leases_.free(part);
+  broadcast({"lease_lost", why, world_.parts[part]->description().name, era_, latest_().tick});
+}
+
+void Gateway::broadcast(const protocol::Event& event) {
+  for (auto& [id, client] : clients_) client.session->send(0, event);
+}
+
+Input* Gateway::input_or_fail(const Call& call) {
+  auto& client = call.client;
+  const auto tick = latest_().tick;
+  if (client.counted_tick != tick) client.inputs_at_tick = 0;
+  client.counted_tick = tick;
+  if (++client.inputs_at_tick > kMaxInputsPerTick && world_.clock == scene::ClockKind::kRealtime) {
+    call.fail(ErrorCode::kBusy, "more than " + std::to_string(kMaxInputsPerTick) + " inputs within one tick");
+    return nullptr;
+  }
+  auto* input = mailbox_.blank_input();
+  if (!input) call.fail(ErrorCode::kBusy, "too many inputs wait for the next tick");
+  return input;
+}
+
+void Gateway::send_errand(const Call& call, const protocol::Request& request, std::uint32_t part) {
+  auto errand = std::make_unique<Errand>(Errand{call.session.id(), call.id, part, request, {}, {}});
+  if (!mailbox_.send(std::move(errand))) call.fail(ErrorCode::kBusy, "too many requests wait for the next tick");
+}
+
+}  // namespace visum::gateway

@@ -1,0 +1,167 @@
+// The sessions' side: what each request of the port protocol means. Checks at the edge, keeps leases and memberships,
+// answers from a published copy of the world, and hands the rest to the tick's side through the mailbox.
+// Lives on the sessions' thread (protocol::Server's), never touches the simulation.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/server.h"
+#include "server/cycle/pacer.h"
+#include "server/gateway/access.h"
+#include "server/gateway/leases.h"
+#include "server/gateway/mailbox.h"
+#include "server/gateway/members.h"
+#include "server/gateway/published.h"
+#include "server/gateway/world_view.h"
+
+namespace visum::gateway {
+
+// What the sessions' side knows of the world for as long as it stands.
+struct StaticWorld {
+  std::string scene;
+  scene::ClockKind clock = scene::ClockKind::kRealtime;
+  std::int64_t tick_ns = 1'000'000;
+  std::chrono::nanoseconds lockstep_timeout{};
+  std::vector<const hwparts::Part*> parts;  // only their const, any-thread functions are used
+  WorldView view;
+};
+
+const char* to_string(scene::ClockKind clock);
+
+class Gateway : public protocol::SessionHandler {
+ public:
+  // `latest` gives the newest published copy; `pacer` is read for its counters only.
+  using Latest = std::function<const Published&()>;
+  Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, const cycle::Pacer& pacer, Latest latest);
+
+  // SessionHandler
+  protocol::Role on_hello(protocol::Session& session, const protocol::Hello& hello, protocol::Welcome& welcome,
+                          protocol::Error& refusal) override;
+  void on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) override;
+  void on_close(protocol::Session& session, protocol::CloseReason reason) override;
+  void on_notify() override { serve(); }
+
+  // Sends what is due: errands' replies, answers to Advance, samples, events. After every tick, or when notified.
+  void serve();
+  // The earliest tick at which serve() has something to send; int64's maximum: none. Any thread.
+  std::int64_t next_due() const { return next_due_.load(std::memory_order_relaxed); }
+  // True once a member stepped: time starts. Any thread.
+  bool start_asked() const { return start_asked_.load(std::memory_order_relaxed); }
+  // Lockstep: the tick up to which the members let the world run; `tick` itself if nobody has joined.
+  std::int64_t limit(std::int64_t tick) const { return members_.empty() ? tick : members_.limit(); }
+  bool has_members() const { return !members_.empty(); }
+  // Lockstep, while the world waits at `tick`: drops a member that is waited for too long.
+  void check_timeouts(std::int64_t tick);
+  // True once a client asked for Shutdown. Any thread.
+  bool shutdown_asked() const { return shutdown_asked_.load(std::memory_order_relaxed); }
+  // The next serve() tells everybody that the server ends. Any thread.
+  void end() { ending_ = true; }
+
+ private:
+  struct Subscription {
+    std::uint32_t stream = 0;  // part's number, or kWorldStream
+    std::int64_t every = 1;
+    std::int64_t next_tick = 0;
+    std::uint64_t conflated = 0;
+  };
+  struct Client {
+    protocol::Session* session = nullptr;
+    std::vector<Subscription> subscriptions;
+    std::int64_t peaks_from = 0;      // tick of its previous world sample
+    std::int64_t counted_tick = -1;   // inputs per tick
+    int inputs_at_tick = 0;
+  };
+  static constexpr std::uint32_t kWorldStream = 0xFFFFFFFF;
+  static constexpr int kMaxInputsPerTick = 8;
+
+  // A request in hand: how to answer it.
+  struct Call {
+    protocol::Session& session;
+    Client& client;
+    std::uint64_t id;
+    void reply(const protocol::Reply& reply) const;
+    void fail(protocol::ErrorCode code, const std::string& text, const std::string& owner = {}) const;
+  };
+
+  // parts (part_requests.cc)
+  void handle(const Call& call, const protocol::ListParts&);
+  void handle(const Call& call, const protocol::DescribePart& request);
+  void handle(const Call& call, const protocol::AcquireLease& request);
+  void handle(const Call& call, const protocol::ReleaseLease& request);
+  void handle(const Call& call, const protocol::Write& request);
+  void handle(const Call& call, const protocol::Read& request);
+  void handle(const Call& call, const protocol::Subscribe& request);
+  void handle(const Call& call, const protocol::Unsubscribe& request);
+  void handle(const Call& call, const protocol::GetParameters& request);
+  void handle(const Call& call, const protocol::SetParameter& request);
+  void handle(const Call& call, const protocol::ReadBlackboard& request);
+  void handle(const Call& call, const protocol::WriteBlackboard& request);
+  // time (time_requests.cc)
+  void handle(const Call& call, const protocol::Hello&);
+  void handle(const Call& call, const protocol::Status&);
+  void handle(const Call& call, const protocol::Join& request);
+  void handle(const Call& call, const protocol::Advance& request);
+  void handle(const Call& call, const protocol::Leave&);
+  void handle(const Call& call, const protocol::Pause& request);
+  void handle(const Call& call, const protocol::Resume& request);
+  void handle(const Call& call, const protocol::Step& request);
+  void handle(const Call& call, const protocol::SetSpeed& request);
+  void handle(const Call& call, const protocol::Reset& request);
+  void handle(const Call& call, const protocol::TakeSnapshot& request);
+  void handle(const Call& call, const protocol::RestoreSnapshot& request);
+  void handle(const Call& call, const protocol::Shutdown&);
+  // world (world_requests.cc)
+  void handle(const Call& call, const protocol::DescribeWorld&);
+  void handle(const Call& call, const protocol::ReadWorld&);
+  void handle(const Call& call, const protocol::SubscribeWorld& request);
+  void handle(const Call& call, const protocol::UnsubscribeWorld&);
+  void handle(const Call& call, const protocol::ReadMesh& request);
+  void handle(const Call& call, const protocol::PushBody& request);
+  void handle(const Call& call, const protocol::AddBody& request);
+  void handle(const Call& call, const protocol::RemoveBody& request);
+
+  std::optional<std::uint32_t> part_or_fail(const Call& call, const std::string& name) const;
+  bool blackboard_or_fail(const Call& call, std::uint32_t part, const std::string& name, bool to_write) const;
+  bool lease_or_fail(const Call& call, std::uint32_t part) const;
+  Input* input_or_fail(const Call& call);
+  void send_errand(const Call& call, const protocol::Request& request, std::uint32_t part = 0);
+  void subscribe(const Call& call, std::uint32_t stream, std::uint32_t every);
+  void unsubscribe(const Call& call, std::uint32_t stream);
+  std::optional<std::string> why_not(std::uint32_t part, const protocol::Write& request) const;
+  void lose_lease(std::uint32_t part, const std::string& why);
+  void send_samples(const Published& now);
+  void send_sample(Client& client, Subscription& subscription, const Published& now);
+  void answer_advances(const Published& now);
+  void finish_errands();
+  void tell_notices();
+  void follow_eras(const Published& now);
+  protocol::PartSample part_sample(std::uint32_t part, const Published& now) const;
+  protocol::WorldSample world_sample(Client& client, const Published& now) const;
+  void broadcast(const protocol::Event& event);
+  void note_due();
+
+  StaticWorld world_;
+  Tokens tokens_;
+  Mailbox& mailbox_;
+  const cycle::Pacer& pacer_;
+  Latest latest_;
+  Leases leases_;
+  Members members_;
+  std::map<std::uint64_t, Client> clients_;                // by session
+  std::vector<std::vector<double>> latched_;               // by part: controller inputs as last accepted
+  std::uint64_t era_ = 1;
+  bool frozen_ = false;
+  std::atomic<bool> start_asked_{false};
+  std::atomic<bool> shutdown_asked_{false};
+  std::atomic<bool> ending_{false};
+  std::atomic<std::int64_t> next_due_{0};
+  std::uint64_t refused_ = 0;
+};
+
+}  // namespace visum::gateway

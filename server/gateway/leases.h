@@ -1,0 +1,43 @@
+// Who may command which part: one lease per part, held by one session. Lives on the sessions' thread.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace visum::gateway {
+
+struct Lease {
+  std::uint64_t session = 0;  // 0: free
+  std::string owner;          // the client's name
+  std::uint64_t epoch = 0;    // counts the grants
+  std::uint64_t sequence = 0; // of the last write that carried one
+};
+
+class Leases {
+ public:
+  explicit Leases(std::size_t parts) : leases_(parts) {}
+
+  const Lease& of(std::size_t part) const { return leases_[part]; }
+  bool held_by(std::size_t part, std::uint64_t session) const { return leases_[part].session == session; }
+
+  std::uint64_t grant(std::size_t part, std::uint64_t session, const std::string& owner) {
+    auto& lease = leases_[part];
+    lease = {session, owner, lease.epoch + 1, 0};
+    return lease.epoch;
+  }
+  void free(std::size_t part) { leases_[part] = {0, {}, leases_[part].epoch, 0}; }
+
+  // False for a sequence number that is not newer than the last one; 0 is not counted.
+  bool take_sequence(std::size_t part, std::uint64_t sequence) {
+    if (sequence == 0) return true;
+    if (sequence <= leases_[part].sequence) return false;
+    leases_[part].sequence = sequence;
+    return true;
+  }
+
+ private:
+  std::vector<Lease> leases_;
+};
+
+}  // namespace visum::gateway

@@ -1,0 +1,63 @@
+#include "server/gateway/mailbox.h"
+
+#include <utility>
+
+namespace visum::gateway {
+
+Mailbox::Mailbox(std::size_t most_ports) : pool_(kInputs) {
+  for (auto& input : pool_) {
+    input.values.reserve(most_ports);
+    blanks_.push(&input);
+  }
+}
+
+Mailbox::~Mailbox() {
+  for (Item item; sent_.pop(item);) delete item.errand;
+  for (Errand* errand = nullptr; done_.pop(errand);) delete errand;
+}
+
+Input* Mailbox::blank_input(bool urgent) {
+  if (!urgent && blanks_.read_available() <= kUrgent) return nullptr;
+  Input* input = nullptr;
+  blanks_.pop(input);
+  return input;
+}
+
+void Mailbox::send(Input* input) {
+  input->arrival = ++arrivals_;
+  sent_.push(Item{input, nullptr});
+  arrived_.release();
+}
+
+bool Mailbox::send(std::unique_ptr<Errand> errand) {
+  if (errands_out_ == kErrands) return false;
+  ++errands_out_;
+  sent_.push(Item{nullptr, errand.release()});
+  arrived_.release();
+  return true;
+}
+
+std::unique_ptr<Errand> Mailbox::next_done() {
+  Errand* errand = nullptr;
+  if (!done_.pop(errand)) return nullptr;
+  --errands_out_;
+  return std::unique_ptr<Errand>(errand);
+}
+
+bool Mailbox::next_notice(Notice& notice) { return notices_.pop(notice); }
+
+bool Mailbox::next(Item& item) { return sent_.pop(item); }
+
+void Mailbox::give_back(Input* input) { blanks_.push(input); }
+
+void Mailbox::give_back(std::unique_ptr<Errand> errand) { done_.push(errand.release()); }
+
+void Mailbox::tell(const Notice& notice) { notices_.push(notice); }
+
+void Mailbox::wait_for(std::chrono::milliseconds at_most) {
+  if (!arrived_.try_acquire_for(at_most)) return;
+  while (arrived_.try_acquire()) {
+  }
+}
+
+}  // namespace visum::gateway

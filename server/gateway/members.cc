@@ -1,0 +1,52 @@
+#include "server/gateway/members.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace visum::gateway {
+
+Member* Members::find(std::uint64_t session) {
+  const auto found = std::ranges::find(members_, session, &Member::session);
+  return found == members_.end() ? nullptr : &*found;
+}
+
+Member& Members::join(std::uint64_t session, const std::string& client, std::int64_t tick,
+                      std::chrono::nanoseconds timeout) {
+  return members_.emplace_back(Member{session, client, tick, {}, timeout, {}});
+}
+
+bool Members::leave(std::uint64_t session) {
+  return std::erase_if(members_, [session](const Member& member) { return member.session == session; }) > 0;
+}
+
+std::int64_t Members::limit() const {
+  std::int64_t limit = std::numeric_limits<std::int64_t>::max();
+  for (const auto& member : members_) limit = std::min(limit, member.granted_tick);
+  return limit;
+}
+
+std::optional<std::int64_t> Members::next_answer() const {
+  std::optional<std::int64_t> next;
+  for (const auto& member : members_)
+    if (member.advance && (!next || member.granted_tick < *next)) next = member.granted_tick;
+  return next;
+}
+
+void Members::rebase(std::int64_t tick) {
+  for (auto& member : members_) member.granted_tick = tick;
+}
+
+Member* Members::waited_too_long(std::int64_t tick, Member::Clock::time_point now) {
+  Member* late = nullptr;
+  for (auto& member : members_) {
+    if (member.granted_tick > tick) {
+      member.waited_since.reset();
+      continue;
+    }
+    if (!member.waited_since) member.waited_since = now;
+    if (!late && member.timeout.count() > 0 && now - *member.waited_since > member.timeout) late = &member;
+  }
+  return late;
+}
+
+}  // namespace visum::gateway

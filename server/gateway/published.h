@@ -1,0 +1,45 @@
+// A copy of what the sessions may see of the world, as of one tick border. Filled on the tick's thread, read on the
+// sessions'. Its vectors keep their capacity: filling it does not allocate once warm.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/collision/collision.h"
+#include "server/cycle/phases.h"
+#include "server/cycle/simulation.h"
+
+namespace visum::gateway {
+
+// How the loop stands.
+struct Pace {
+  bool paused = true;
+  double speed = 1.0;
+  double real_time_factor = 0.0;
+};
+
+struct Published {
+  struct Part {
+    std::vector<double> controller_inputs, sensor_outputs;
+  };
+  std::int64_t tick = 0;
+  std::int64_t sim_time_ns = 0;
+  std::uint64_t era = 0;
+  std::uint64_t revision = 0;
+  std::uint64_t state_hash = 0;
+  std::string fault;  // empty: not frozen
+  Pace pace;
+  std::vector<Part> parts;
+  std::vector<double> poses;       // 7 per body: x y z qw qx qy qz of the link frame
+  std::vector<double> velocities;  // 6 per body
+  std::vector<double> joint_positions, joint_velocities, joint_efforts, following_errors;
+  std::vector<collision::Contact> contacts;
+  cycle::Phases::Summary phases{};
+  std::shared_ptr<const cycle::FlightRing> ring;  // shared: a change of the world makes a new one
+};
+
+void fill(Published& published, const cycle::Simulation& simulation, const Pace& pace);
+
+}  // namespace visum::gateway

@@ -1,0 +1,112 @@
+#include "server/gateway/tick_side.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace visum::gateway {
+
+TickSide::TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running_at_once)
+    : simulation_(simulation),
+      mailbox_(mailbox),
+      pacer_(simulation.model().tick_ns),
+      watches_(simulation.parts().size()),
+      started_(running_at_once) {
+  pacer_.set_speed(simulation.scene().speed);
+  inputs_.reserve(Mailbox::kInputs);
+}
+
+void TickSide::empty_mailbox() {
+  for (Mailbox::Item item; mailbox_.next(item);) {
+    if (item.errand) {
+      run(std::unique_ptr<Errand>(item.errand));
+      ++version_;
+      continue;
+    }
+    if (item.input->kind == Input::Kind::kLeaseGranted) start();
+    inputs_.push_back(item.input);
+  }
+}
+
+void TickSide::tick() {
+  apply_inputs();
+  check_deadlines();
+  simulation_.tick();
+  measure_speed();
+  if (steps_left_ > 0 && (--steps_left_ == 0 || simulation_.frozen())) finish_steps();
+}
+
+void TickSide::apply_inputs() {
+  std::ranges::sort(inputs_, {}, [](const Input* input) { return std::tuple(input->part, input->epoch, input->arrival); });
+  for (Input* input : inputs_) {
+    apply(*input);
+    mailbox_.give_back(input);
+  }
+  inputs_.clear();
+}
+
+void TickSide::apply(const Input& input) {
+  const auto now = simulation_.tick_count();
+  switch (input.kind) {
+    case Input::Kind::kWrite:
+      simulation_.write_inputs(input.part, input.first_port, input.values);
+      watches_[input.part].last_tick = now;
+      return;
+    case Input::Kind::kLeaseGranted: watches_[input.part] = {input.epoch, input.deadline_ticks, now}; return;
+    case Input::Kind::kLeaseReleased: watches_[input.part] = {}; return;
+    case Input::Kind::kLeaseLost:
+      watches_[input.part] = {};
+      simulation_.parts()[input.part].part->controller_lost();
+      return;
+    case Input::Kind::kPush: return apply_push(input);
+  }
+}
+
+void TickSide::apply_push(const Input& input) {
+  const auto now = simulation_.tick_count();
+  auto wrench = input.wrench;
+  const auto& bodies = simulation_.state().bodies;
+  const bool pushed = input.revision == simulation_.revision() && [&] {
+    if (input.push_point) wrench.torque_nm += (*input.push_point - bodies[wrench.body.index()].p_WC).cross(wrench.force_n);
+    return simulation_.push({wrench, now + input.duration_ticks});
+  }();
+  if (!pushed) tell({Notice::Kind::kPushRefused, 0, 0, now});
+}
+
+void TickSide::check_deadlines() {
+  const auto now = simulation_.tick_count();
+  for (std::uint32_t part = 0; part < watches_.size(); ++part) {
+    auto& watch = watches_[part];
+    if (watch.deadline_ticks == 0 || now - watch.last_tick <= watch.deadline_ticks) continue;
+    simulation_.parts()[part].part->controller_lost();
+    tell({Notice::Kind::kDeadlineMissed, part, watch.epoch, now});
+    watch = {};
+  }
+}
+
+void TickSide::tell(const Notice& notice) {
+  mailbox_.tell(notice);
+  told_ = true;
+}
+
+void TickSide::measure_speed() {
+  const auto now = Clock::now();
+  if (now - measured_at_ < std::chrono::seconds(1)) return;
+  const auto sim_ns = static_cast<double>((simulation_.tick_count() - measured_tick_) * simulation_.model().tick_ns);
+  real_time_factor_ = std::max(0.0, sim_ns / std::chrono::duration<double, std::nano>(now - measured_at_).count());
+  measured_at_ = now;
+  measured_tick_ = simulation_.tick_count();
+}
+
+void TickSide::finish_steps() {
+  steps_left_ = 0;
+  if (!step_errand_) return;
+  if (simulation_.frozen())
+    step_errand_->reply = protocol::Error{protocol::ErrorCode::kFrozen, simulation_.fault(), {}};
+  else
+    step_errand_->reply = protocol::Advanced{simulation_.tick_count(), simulation_.sim_time_ns(), simulation_.era()};
+  mailbox_.give_back(std::move(step_errand_));
+  told_ = true;
+}
+
+}  // namespace visum::gateway

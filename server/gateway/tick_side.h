@@ -1,0 +1,92 @@
+// The tick's side of the gateway: what is done with the mailbox between ticks, and whether time runs at all.
+// Lives on the tick's thread.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "server/cycle/pacer.h"
+#include "server/cycle/simulation.h"
+#include "server/gateway/mailbox.h"
+#include "server/gateway/published.h"
+
+namespace visum::gateway {
+
+class TickSide {
+ public:
+  TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running_at_once);
+
+  // Takes everything out of the mailbox: errands are done at once, inputs are kept for the next tick.
+  void empty_mailbox();
+
+  // One tick: the inputs first, in their order, then the cycle.
+  void tick();
+
+  // True if neither a pause nor a fault nor a start still to come holds the time.
+  bool time_runs() const { return !simulation_.frozen() && (started_ && !paused_ ? true : steps_left_ > 0); }
+  bool stepping() const { return steps_left_ > 0; }
+  void start() { started_ = true; }  // first lease, first step of a member, resume
+  Pace pace() const { return {!started_ || paused_, pacer_.speed(), real_time_factor_}; }
+  // Changes with everything that a tick does not announce by itself: pauses, errands.
+  std::uint64_t version() const { return version_; }
+
+  // True once after the tick's side gave something to the sessions' side that waits to be sent on.
+  bool has_told() { return std::exchange(told_, false); }
+
+  cycle::Pacer& pacer() { return pacer_; }
+  const cycle::Pacer& pacer() const { return pacer_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Watch {  // a lease with a deadline
+    std::uint64_t epoch = 0;
+    std::int64_t deadline_ticks = 0;  // 0: none
+    std::int64_t last_tick = 0;
+  };
+
+  void apply_inputs();
+  void apply(const Input& input);
+  void apply_push(const Input& input);
+  void check_deadlines();
+  void run(std::unique_ptr<Errand> errand);
+  void finish_steps();
+  void measure_speed();
+  void tell(const Notice& notice);
+
+  protocol::Reply answer(Errand& errand, const protocol::Pause&);
+  protocol::Reply answer(Errand& errand, const protocol::Resume&);
+  protocol::Reply answer(Errand& errand, const protocol::SetSpeed& request);
+  protocol::Reply answer(Errand& errand, const protocol::Reset&);
+  protocol::Reply answer(Errand& errand, const protocol::TakeSnapshot&);
+  protocol::Reply answer(Errand& errand, const protocol::RestoreSnapshot& request);
+  protocol::Reply answer(Errand& errand, const protocol::AddBody& request);
+  protocol::Reply answer(Errand& errand, const protocol::RemoveBody& request);
+  protocol::Reply answer(Errand& errand, const protocol::GetParameters&);
+  protocol::Reply answer(Errand& errand, const protocol::SetParameter& request);
+  protocol::Reply answer(Errand& errand, const protocol::ReadBlackboard& request);
+  protocol::Reply answer(Errand& errand, const protocol::WriteBlackboard& request);
+  template <typename Other>
+  protocol::Reply answer(Errand& errand, const Other& request);
+
+  cycle::Simulation& simulation_;
+  Mailbox& mailbox_;
+  cycle::Pacer pacer_;
+  std::vector<Input*> inputs_;  // for the next tick
+  std::vector<Watch> watches_;  // by part
+  std::unique_ptr<Errand> step_errand_;
+  std::int64_t steps_left_ = 0;
+  bool started_;
+  bool paused_ = false;
+  std::uint64_t version_ = 0;
+  bool told_ = false;
+  std::uint64_t blackboard_writes_ = 0;
+  double real_time_factor_ = 0.0;
+  Clock::time_point measured_at_ = Clock::now();
+  std::int64_t measured_tick_ = 0;
+};
+
+}  // namespace visum::gateway

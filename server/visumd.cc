@@ -1,0 +1,166 @@
+// visumd: the daemon that holds a world and publishes its parts. The one file that knows everyone.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+#include <string>
+
+#include "protocol/config/config.h"
+#include "server/cycle/simulation.h"
+#include "server/gateway/daemon.h"
+#include "server/gateway/json.h"
+#include "server/scene/scene.h"
+
+namespace {
+
+using namespace visum;
+
+enum Exit { kPassed = 0, kFailed = 1, kUsage = 2, kSceneWrong = 3, kInterrupted = 130 };
+
+struct Options {
+  std::string scene;
+  std::string clock;
+  double speedup = 0.0;
+  std::int64_t seed = -1;
+  int verbosity = 2;
+  bool json = false;
+  scene::Options of_scene;
+  gateway::DaemonOptions of_daemon;
+};
+
+gateway::Daemon* running_daemon = nullptr;
+volatile std::sig_atomic_t caught_signal = 0;
+
+void on_signal(int signal) {
+  caught_signal = signal;
+  if (running_daemon) running_daemon->stop();
+}
+
+void catch_signals() {
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+// Tells systemd that the service is ready (sd_notify(3), Type=notify).
+void notify_manager() {
+  const char* path = std::getenv("NOTIFY_SOCKET");
+  if (!path || !*path) return;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, path, sizeof address.sun_path - 1);
+  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + std::strlen(address.sun_path));
+  if (address.sun_path[0] == '@') address.sun_path[0] = '\0';
+  const int fd = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return;
+  constexpr char kReady[] = "READY=1";
+  if (::sendto(fd, kReady, sizeof kReady - 1, 0, reinterpret_cast<sockaddr*>(&address), length) < 0)
+    spdlog::warn("NOTIFY_SOCKET: {}", std::strerror(errno));
+  ::close(fd);
+}
+
+void say_ready(const Options& options, const cycle::Simulation& simulation, std::uint16_t port) {
+  if (options.json) {
+    std::string parts;
+    for (const auto& bound : simulation.parts())
+      parts += (parts.empty() ? "" : ",") + gateway::quoted(bound.part->description().name);
+    std::cout << "{\"ready\":true,\"port\":" << port << ",\"scene\":" << gateway::quoted(simulation.scene().name)
+              << ",\"parts\":[" << parts << "]}" << std::endl;
+  } else {
+    spdlog::info("{}: {} parts, listening on {}:{}", simulation.scene().name, simulation.parts().size(),
+                 options.of_daemon.address, port);
+  }
+  notify_manager();
+}
+
+scene::Scene load(const Options& options) {
+  auto scene = scene::load_scene(options.scene, options.of_scene);
+  if (options.clock == "realtime") scene.clock = scene::ClockKind::kRealtime;
+  if (options.clock == "lockstep") scene.clock = scene::ClockKind::kLockstep;
+  if (options.clock == "free") scene.clock = scene::ClockKind::kFree;
+  if (options.speedup > 0.0) scene.speed = options.speedup;
+  if (options.seed >= 0) scene.seed = static_cast<std::uint64_t>(options.seed);
+  for (const auto& loss : scene.losses) spdlog::warn("{}", loss);
+  return scene;
+}
+
+int run(const Options& options) {
+  cycle::Simulation simulation(load(options));
+  gateway::Daemon daemon(simulation, options.of_daemon);
+  running_daemon = &daemon;
+  catch_signals();
+  say_ready(options, simulation, daemon.port());
+  daemon.run();
+  running_daemon = nullptr;
+  if (simulation.frozen()) spdlog::error("the world froze at tick {}: {}", simulation.tick_count(), simulation.fault());
+  spdlog::info("ended at tick {}", simulation.tick_count());
+  if (caught_signal == SIGINT) return kInterrupted;
+  return simulation.frozen() ? kFailed : kPassed;
+}
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("scene", options.scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
+  app.add_option("--listen", options.of_daemon.address, "address to listen on; beyond loopback with --token-file only")
+      ->capture_default_str();
+  app.add_option("--port", options.of_daemon.port, "TCP port; 0: any free one")->capture_default_str();
+  app.add_option("--clock", options.clock, "instead of the scene's: realtime, lockstep or free")
+      ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
+  app.add_option("--speedup", options.speedup, "realtime: simulated seconds per second")->check(CLI::Range(1e-3, 1e3));
+  app.add_option("--seed", options.seed, "of the world's random numbers, instead of the scene's")->check(CLI::NonNegativeNumber);
+  app.add_option("--engine", options.of_scene.engine, "moves all bodies, instead of the scene's engines");
+  app.add_option("--iterations", options.of_daemon.iterations, "end after so many ticks")->check(CLI::NonNegativeNumber);
+  app.add_option("--token-file", options.of_daemon.token_file, "lines of \"ROLE TOKEN\"; clients then need one");
+  app.add_flag("-r,--run", options.of_daemon.run_at_once, "let time run at once, not from the first lease on");
+  app.add_flag("--json", options.json, "print one line of JSON when ready");
+  app.add_option("-v", options.verbosity, "0 errors, 1 warnings, 2 news, 3 details")->check(CLI::Range(0, 3));
+  app.set_version_flag("--version", "visumd " VISUM_VERSION);
+  app.footer(
+      "Examples:\n"
+      "  visumd models/scenes/amtec_arm.yaml                       the arm in real time on 127.0.0.1:1500\n"
+      "  visumd models/scenes/amtec_arm.yaml --clock lockstep --port 0 --json\n"
+      "Exit codes: 0 ended in good order, 1 the world froze, 2 bad usage, 3 the scene is wrong, 130 interrupted.");
+}
+
+void set_up_log(int verbosity) {
+  constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::err, spdlog::level::warn, spdlog::level::info,
+                                                   spdlog::level::debug};
+  const bool colour = !std::getenv("NO_COLOR") && ::isatty(STDERR_FILENO);
+  spdlog::set_default_logger(colour ? spdlog::stderr_color_mt("visumd")
+                                    : std::make_shared<spdlog::logger>(
+                                          "visumd", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
+  spdlog::set_pattern("visumd: %^%l%$: %v");
+  spdlog::set_level(kLevels[verbosity]);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"visumd: holds a physics world and publishes its hardware parts over TCP"};
+  declare(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kPassed : kUsage;
+  }
+  set_up_log(options.verbosity);
+  try {
+    return run(options);
+  } catch (const config::ConfigError& error) {
+    spdlog::error("{}", error.what());
+    return kSceneWrong;
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return kUsage;
+  }
+}
