@@ -1,5 +1,5 @@
 // The server's end of the TCP session: listening, framing, hello, deadlines, bounded queues. What a request means is
-// the handler's business (server/gateway). Boost.Asio stays inside server.cc.
+// the handler's business (server/gateway). Boost.Asio stays inside server.cc and tcp_session.cc.
 //
 // Threads: everything, the handler's calls included, happens on the one thread that calls run() or poll(). stop() and
 // notify() may be called from any thread.
@@ -56,6 +56,7 @@ class SessionHandler {
 struct ListenOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = kDefaultPort;  // 0: any free one
+  std::string token;                  // what every Hello must show; empty: nothing
   Limits limits;
 };
 

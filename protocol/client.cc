@@ -1,0 +1,199 @@
+#include "protocol/client.h"
+
+#include <charconv>
+#include <vector>
+
+#include "protocol/client_inbox.h"
+#include "protocol/client_socket.h"
+#include "protocol/codec.h"
+#include "protocol/frame_buffer.h"
+#include "protocol/limits.h"
+
+namespace visum::protocol {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr std::size_t kReceiveBytes = 16u << 10;
+
+bool waits_for_the_world(const Request& request) {
+  return std::holds_alternative<Advance>(request) || std::holds_alternative<Step>(request);
+}
+
+}  // namespace
+
+struct Connection::Impl {
+  Impl(const std::string& host, std::uint16_t port, milliseconds timeout)
+      : timeout_(timeout),
+        socket_(host, port, steady_clock::now() + timeout),
+        in_(kReceiveBytes, kReceiveBytes) {}
+  ~Impl() { socket_.finish(); }
+
+  void say_hello(const Hello& hello, Deadline deadline);
+  void write(std::uint64_t id, const Request& request);
+  bool receive(bool for_writing, Deadline deadline);  // false: the deadline passed
+  void read_frames();
+  Reply wait(std::uint64_t id, Deadline deadline);
+  Deadline deadline_of(std::uint64_t id) const;
+
+  const milliseconds timeout_;
+  ClientSocket socket_;
+  FrameBuffer in_;
+  std::vector<std::byte> out_;
+  ClientInbox inbox_;
+  Welcome welcome_;
+  std::uint64_t last_id_ = 0;
+  std::chrono::nanoseconds spin_{0};
+};
+
+// ---------------------------------------------------------------------------------------------------- bytes
+
+// While the server is slow to read, it may be waiting for us to read: so both at once.
+void Connection::Impl::write(std::uint64_t id, const Request& request) {
+  out_.clear();
+  encode_request(id, request, out_);
+  std::span<const std::byte> left(out_);
+  while (!left.empty()) {
+    const std::size_t sent = socket_.send(left);
+    left = left.subspan(sent);
+    if (sent == 0 && !receive(true, steady_clock::now() + timeout_))
+      throw ConnectionError("the server does not read what is sent to it");
+  }
+}
+
+bool Connection::Impl::receive(bool for_writing, Deadline deadline) {
+  if (!socket_.wait(for_writing, deadline, for_writing ? std::chrono::nanoseconds{0} : spin_)) return false;
+  try {
+    in_.commit(socket_.receive(in_.space()));
+  } catch (const ConnectionError& error) {
+    if (inbox_.last_error().empty()) throw;
+    throw ConnectionError(std::string(error.what()) + ": " + inbox_.last_error());
+  }
+  read_frames();
+  return true;
+}
+
+void Connection::Impl::read_frames() {
+  for (;;) {
+    const FrameBuffer::Next next = in_.next(Limits{}.max_frame_to_client);
+    if (next.state == FrameBuffer::State::kTooLarge)
+      throw ConnectionError("the server sent a frame of " + std::to_string(next.length) +
+                            " bytes: is this Visum?");
+    if (next.state != FrameBuffer::State::kFrame) return;
+    std::string why;
+    auto frame = decode_reply(next.payload, why);
+    if (!frame) throw ConnectionError("the server sent what is no reply: " + why);
+    inbox_.put(std::move(*frame));
+  }
+}
+
+// ----------------------------------------------------------------------------------------------------
+// requests
+
+Deadline Connection::Impl::deadline_of(std::uint64_t id) const {
+  return inbox_.unbounded(id) ? kNever : steady_clock::now() + timeout_;
+}
+
+Reply Connection::Impl::wait(std::uint64_t id, Deadline deadline) {
+  for (;;) {
+    if (auto reply = inbox_.take_reply(id)) {
+      if (const auto* error = std::get_if<Error>(&*reply))
+        throw RequestError(error->code, error->text, error->owner);
+      return std::move(*reply);
+    }
+    if (receive(false, deadline)) continue;
+    inbox_.forget(id);
+    throw RequestError(ErrorCode::kTimeout, "no answer within " + std::to_string(timeout_.count()) + " ms");
+  }
+}
+
+// A refusal before the server looked at the hello (busy, ...) answers no request: it counts as the answer all
+// the same.
+void Connection::Impl::say_hello(const Hello& hello, Deadline deadline) {
+  const std::uint64_t id = ++last_id_;
+  inbox_.expect(id, false);
+  try {
+    write(id, hello);
+    Reply reply = wait(id, deadline);
+    if (!std::holds_alternative<Welcome>(reply))
+      throw ConnectionError("the server did not answer Hello with Welcome");
+    welcome_ = std::get<Welcome>(std::move(reply));
+  } catch (const ConnectionError&) {
+    while (auto reply = inbox_.take_next())
+      if (const auto* error = std::get_if<Error>(&*reply))
+        throw RequestError(error->code, error->text, error->owner);
+    throw;
+  }
+}
+
+Connection::Connection(const std::string& host, std::uint16_t port, const Hello& hello,
+                       milliseconds timeout) {
+  const Deadline deadline = steady_clock::now() + timeout;
+  impl_ = std::make_unique<Impl>(host, port, timeout);
+  impl_->say_hello(hello, deadline);
+}
+
+Connection::~Connection() = default;
+Connection::Connection(Connection&&) noexcept = default;
+Connection& Connection::operator=(Connection&&) noexcept = default;
+
+const Welcome& Connection::welcome() const {
+  return impl_->welcome_;
+}
+
+Reply Connection::request(const Request& request) {
+  return wait(send(request));
+}
+
+void Connection::post(const Request& request) {
+  impl_->write(0, request);
+}
+
+std::uint64_t Connection::send(const Request& request) {
+  const std::uint64_t id = ++impl_->last_id_;
+  impl_->inbox_.expect(id, waits_for_the_world(request));
+  impl_->write(id, request);
+  return id;
+}
+
+Reply Connection::wait(std::uint64_t id) {
+  return impl_->wait(id, impl_->deadline_of(id));
+}
+
+std::optional<Reply> Connection::next(milliseconds timeout) {
+  const Deadline deadline = steady_clock::now() + timeout;
+  for (;;) {
+    if (auto reply = impl_->inbox_.take_next()) return reply;
+    if (!impl_->receive(false, deadline)) return std::nullopt;
+  }
+}
+
+int Connection::native_handle() const {
+  return impl_->socket_.fd();
+}
+
+void Connection::set_spin(std::chrono::microseconds spin) {
+  impl_->spin_ = spin;
+}
+
+std::pair<std::string, std::uint16_t> parse_address(const std::string& text) {
+  const auto fail = [&](const char* why) {
+    throw std::invalid_argument("'" + text + "' is not HOST:PORT, [IPV6]:PORT or PORT: " + why);
+  };
+  const std::size_t colon = text.rfind(':');
+  std::string host = colon == std::string::npos ? "127.0.0.1" : text.substr(0, colon);
+  const std::string digits = colon == std::string::npos ? text : text.substr(colon + 1);
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']')
+    host = host.substr(1, host.size() - 2);
+  else if (host.find_first_of(":[]") != std::string::npos)
+    fail("an IPv6 address stands in brackets");
+  if (host.empty()) fail("the host is missing");
+  unsigned port = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
+  if (error != std::errc{} || end != digits.data() + digits.size() || port < 1 || port > 65535)
+    fail("the port is a number from 1 to 65535");
+  return {host, static_cast<std::uint16_t>(port)};
+}
+
+}  // namespace visum::protocol

@@ -1,0 +1,159 @@
+#include "protocol/client_socket.h"
+
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+
+#include "protocol/client.h"
+
+namespace visum::protocol {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kFarewell{250};
+
+std::string place(const std::string& host, std::uint16_t port) {
+  const bool v6 = host.find(':') != std::string::npos;
+  return (v6 ? "[" + host + "]" : host) + ":" + std::to_string(port);
+}
+
+// For poll(): rounded up, so that a wait never ends early and never spins.
+int milliseconds_until(Deadline deadline) {
+  if (deadline == kNever) return -1;
+  const auto left = std::chrono::ceil<milliseconds>(deadline - steady_clock::now()).count();
+  return static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000));
+}
+
+bool wait_for(int fd, short events, Deadline deadline) {
+  for (;;) {
+    pollfd poll_fd{fd, events, 0};
+    const int timeout = milliseconds_until(deadline);
+    const int ready = ::poll(&poll_fd, 1, timeout);
+    if (ready > 0) return true;
+    if (ready < 0 && errno != EINTR) throw ConnectionError(std::string("poll: ") + std::strerror(errno));
+    if (ready == 0 && steady_clock::now() >= deadline) return false;
+  }
+}
+
+using AddressList = std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)>;
+
+AddressList resolve(const std::string& host, std::uint16_t port) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = AI_NUMERICSERV;
+  addrinfo* list = nullptr;
+  const int failure = ::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &list);
+  if (failure != 0) throw ConnectionError("cannot find the host '" + host + "': " + ::gai_strerror(failure));
+  return {list, ::freeaddrinfo};
+}
+
+void set_option(int fd, int level, int name, int value) {
+  ::setsockopt(fd, level, name, &value, sizeof value);
+}
+
+// Waiting for the world has no time limit, so a server whose machine is gone must be noticed by the kernel.
+void set_options(int fd) {
+  set_option(fd, IPPROTO_TCP, TCP_NODELAY, 1);
+  set_option(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
+  set_option(fd, IPPROTO_TCP, TCP_KEEPIDLE, 1);
+  set_option(fd, IPPROTO_TCP, TCP_KEEPINTVL, 1);
+  set_option(fd, IPPROTO_TCP, TCP_KEEPCNT, 3);
+}
+
+// 0, or errno.
+int connect_within(int fd, const addrinfo& address, Deadline deadline) {
+  if (::connect(fd, address.ai_addr, address.ai_addrlen) == 0) return 0;
+  if (errno != EINPROGRESS && errno != EINTR) return errno;
+  if (!wait_for(fd, POLLOUT, deadline)) return ETIMEDOUT;
+  int error = 0;
+  socklen_t size = sizeof error;
+  ::getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
+  return error;
+}
+
+[[noreturn]] void fail_to_connect(const std::string& where, int error) {
+  if (error == ECONNREFUSED) throw ConnectionError("nothing listens at " + where + " (is visumd running?)");
+  if (error == ETIMEDOUT) throw ConnectionError("no answer from " + where);
+  throw ConnectionError("cannot connect to " + where + ": " + std::strerror(error));
+}
+
+bool would_block() {
+  return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+}
+
+}  // namespace
+
+ClientSocket::ClientSocket(const std::string& host, std::uint16_t port, Deadline deadline) {
+  const AddressList addresses = resolve(host, port);
+  int error = EADDRNOTAVAIL;
+  for (const addrinfo* address = addresses.get(); address; address = address->ai_next) {
+    const int fd = ::socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (fd < 0) {
+      error = errno;
+      continue;
+    }
+    error = connect_within(fd, *address, deadline);
+    if (error == 0) {
+      fd_ = fd;
+      set_options(fd_);
+      return;
+    }
+    ::close(fd);
+  }
+  fail_to_connect(place(host, port), error);
+}
+
+ClientSocket::~ClientSocket() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+std::size_t ClientSocket::receive(std::span<std::byte> into) {
+  const ssize_t received = ::recv(fd_, into.data(), into.size(), 0);
+  if (received > 0) return static_cast<std::size_t>(received);
+  if (received == 0) throw ConnectionError("the server closed the connection");
+  if (would_block()) return 0;
+  throw ConnectionError(std::string("the connection to the server is gone: ") + std::strerror(errno));
+}
+
+std::size_t ClientSocket::send(std::span<const std::byte> bytes) {
+  const ssize_t sent = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  if (sent >= 0) return static_cast<std::size_t>(sent);
+  if (would_block()) return 0;
+  throw ConnectionError(std::string("the connection to the server is gone: ") + std::strerror(errno));
+}
+
+bool ClientSocket::wait(bool for_writing, Deadline deadline, std::chrono::nanoseconds spin) const {
+  const short events = for_writing ? POLLIN | POLLOUT : POLLIN;
+  if (spin.count() > 0) {
+    const Deadline until = std::min(deadline, steady_clock::now() + spin);
+    char peeked;
+    do {
+      if (::recv(fd_, &peeked, 1, MSG_PEEK | MSG_DONTWAIT) >= 0 || !would_block()) return true;
+    } while (steady_clock::now() < until);
+  }
+  return wait_for(fd_, events, deadline);
+}
+
+void ClientSocket::finish() noexcept {
+  if (fd_ < 0 || ::shutdown(fd_, SHUT_WR) != 0) return;
+  try {
+    std::array<std::byte, 4096> ignored;
+    const Deadline deadline = steady_clock::now() + kFarewell;
+    while (wait_for(fd_, POLLIN, deadline)) receive(ignored);
+  } catch (const ConnectionError&) {
+    // which is what was waited for
+  }
+}
+
+}  // namespace visum::protocol

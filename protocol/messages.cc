@@ -1,0 +1,57 @@
+#include "protocol/messages.h"
+
+namespace visum::protocol {
+
+const char* to_string(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kUnspecified:
+      return "unspecified";
+    case ErrorCode::kMalformed:
+      return "malformed";
+    case ErrorCode::kTooLarge:
+      return "too large";
+    case ErrorCode::kVersion:
+      return "version";
+    case ErrorCode::kUnauthenticated:
+      return "unauthenticated";
+    case ErrorCode::kForbidden:
+      return "forbidden";
+    case ErrorCode::kBusy:
+      return "busy";
+    case ErrorCode::kUnknownName:
+      return "unknown name";
+    case ErrorCode::kNoLease:
+      return "no lease";
+    case ErrorCode::kLeased:
+      return "leased";
+    case ErrorCode::kBadValue:
+      return "bad value";
+    case ErrorCode::kStale:
+      return "stale";
+    case ErrorCode::kWrongState:
+      return "wrong state";
+    case ErrorCode::kTimeout:
+      return "timeout";
+    case ErrorCode::kFrozen:
+      return "frozen";
+    case ErrorCode::kInternal:
+      return "internal";
+  }
+  return "unknown";
+}
+
+const char* to_string(Role role) {
+  switch (role) {
+    case Role::kUnspecified:
+      return "unspecified";
+    case Role::kObserver:
+      return "observer";
+    case Role::kController:
+      return "controller";
+    case Role::kAdmin:
+      return "admin";
+  }
+  return "unknown";
+}
+
+}  // namespace visum::protocol

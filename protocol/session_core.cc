@@ -1,0 +1,181 @@
+#include "protocol/session_core.h"
+
+#include <spdlog/spdlog.h>
+
+#include <cassert>
+#include <exception>
+#include <utility>
+
+#include "protocol/codec.h"
+#include "protocol/hello.h"
+
+namespace visum::protocol {
+namespace {
+
+constexpr int kRequestsPerTurn = 64;            // then other sessions have their turn
+constexpr std::size_t kIdleBytes = 16u << 10;   // receive buffer between frames
+constexpr std::size_t kHelloBufferBytes = 512;  // receive buffer before the hello
+
+std::string seconds(std::chrono::milliseconds time) {
+  return std::to_string(time.count()) + " ms";
+}
+
+}  // namespace
+
+SessionCore::SessionCore(SessionContext& context, std::uint64_t id, std::string peer)
+    : context_(context),
+      id_(id),
+      peer_(std::move(peer)),
+      opened_(context.now),
+      in_(kHelloBufferBytes, kHelloBufferBytes) {}
+
+// ----------------------------------------------------------------------------------------------------
+// sending
+
+void SessionCore::send(std::uint64_t reply_to, const Reply& reply) {
+  assert(phase_ != Phase::kHello && "nothing may be sent before Welcome");
+  if (phase_ != Phase::kOpen) return;
+  if (queue_full() && !out_.in_flight()) flush();
+  if (phase_ != Phase::kOpen) return;
+  if (queue_full()) return close(CloseReason::kLost);
+  out_.push(reply_to, reply, context_.limits.max_frame_to_client);
+  wake();
+}
+
+bool SessionCore::send_latest(std::uint32_t stream, const Reply& sample) {
+  if (phase_ != Phase::kOpen) return true;
+  wake();
+  return out_.push_latest(stream, sample, context_.limits.max_frame_to_client);
+}
+
+void SessionCore::refuse(std::uint64_t reply_to, Error error) {
+  if (phase_ == Phase::kClosing) return;
+  context_.refused.fetch_add(1, std::memory_order_relaxed);
+  spdlog::debug("session {} ({}): refused: {}", id_, peer_, error.text);
+  out_.push(reply_to, std::move(error), context_.limits.max_frame_to_client);
+  close(CloseReason::kRefused);
+}
+
+void SessionCore::close(CloseReason reason) {
+  if (phase_ == Phase::kClosing) return;
+  phase_ = Phase::kClosing;
+  reason_ = reason;
+  wake();
+}
+
+void SessionCore::tell_closed() {
+  if (phase_ != Phase::kClosing || !granted_ || std::exchange(told_, true)) return;
+  guarded(0, [this] { context_.handler.on_close(*this, reason_); });
+}
+
+bool SessionCore::queue_full() const {
+  return out_.waiting_replies() >= context_.limits.max_queued_replies ||
+         out_.waiting_bytes() >= context_.limits.max_queued_bytes;
+}
+
+// ----------------------------------------------------------------------------------------------------
+// receiving
+
+// A client that asks faster than it reads is not answered faster: half of its queue stays free for events.
+bool SessionCore::behind() const {
+  return out_.waiting_replies() >= context_.limits.max_queued_replies / 2 ||
+         out_.waiting_bytes() >= context_.limits.max_queued_bytes / 2;
+}
+
+SessionCore::Appetite SessionCore::handle_frames() {
+  for (int handled = 0; phase_ != Phase::kClosing; ++handled) {
+    if (behind() && !out_.in_flight()) flush();
+    if (behind()) return Appetite::kPaused;
+    if (handled == kRequestsPerTurn) return Appetite::kTurn;
+    const FrameBuffer::Next next = in_.next(max_frame());
+    if (next.state == FrameBuffer::State::kFrame) {
+      frame_began_.reset();
+      handle(next.payload);
+    } else if (next.state == FrameBuffer::State::kTooLarge) {
+      too_large(next.length);
+    } else {
+      if (next.state == FrameBuffer::State::kPartial && !frame_began_) frame_began_ = context_.now;
+      return Appetite::kMore;
+    }
+  }
+  return Appetite::kNone;
+}
+
+void SessionCore::handle(std::span<const std::byte> payload) {
+  guarded(0, [&] {
+    std::string why;
+    const auto frame = decode_request(payload, context_.limits.max_depth, why);
+    if (!frame) return refuse(0, {ErrorCode::kMalformed, why, {}});
+    if (phase_ == Phase::kHello) return handle_hello(frame->id, frame->request);
+    if (std::holds_alternative<Hello>(frame->request))
+      return refuse(frame->id, {ErrorCode::kMalformed, "a second Hello", {}});
+    guarded(frame->id, [&] { context_.handler.on_request(*this, frame->id, frame->request); });
+  });
+}
+
+void SessionCore::handle_hello(std::uint64_t id, const Request& request) {
+  const Hello* hello = std::get_if<Hello>(&request);
+  if (!hello) return refuse(id, {ErrorCode::kMalformed, "the first message must be Hello", {}});
+  Welcome welcome;
+  if (auto refusal = refuse_hello(*hello, context_.token, welcome.version))
+    return refuse(id, std::move(*refusal));
+  client_name_ = hello->client_name.empty() ? peer_ : hello->client_name;
+  welcome.session = id_;
+  Error refusal;
+  const Role role = context_.handler.on_hello(*this, *hello, welcome, refusal);
+  if (role == Role::kUnspecified) return refuse(id, std::move(refusal));
+  role_ = welcome.role = role;
+  granted_ = true;
+  if (phase_ == Phase::kClosing) return;
+  phase_ = Phase::kOpen;
+  in_.reserve(kIdleBytes);
+  send(id, welcome);
+}
+
+std::size_t SessionCore::max_frame() const {
+  const Limits& limits = context_.limits;
+  if (phase_ == Phase::kHello) return limits.max_frame_before_hello;
+  return role_ == Role::kAdmin ? limits.max_frame_admin : limits.max_frame;
+}
+
+void SessionCore::too_large(std::uint32_t length) {
+  refuse(0, {ErrorCode::kTooLarge,
+             "a frame of " + std::to_string(length) + " bytes, over the limit of " +
+                 std::to_string(max_frame()) + (phase_ == Phase::kHello ? " before Hello" : ""),
+             {}});
+}
+
+void SessionCore::peer_closed() {
+  close(frame_began_ ? CloseReason::kLost : CloseReason::kGoodbye);
+}
+
+// ---------------------------------------------------------------------------------------------------- time,
+// faults
+
+bool SessionCore::over(ServedTime since, std::chrono::milliseconds deadline) const {
+  return context_.now - since > deadline + context_.step;
+}
+
+void SessionCore::check_deadlines() {
+  const Limits& limits = context_.limits;
+  if (phase_ == Phase::kHello && over(opened_, limits.hello_deadline))
+    refuse(0, {ErrorCode::kTimeout, "no Hello within " + seconds(limits.hello_deadline), {}});
+  if (phase_ != Phase::kClosing && frame_began_ && over(*frame_began_, limits.frame_deadline))
+    refuse(0, {ErrorCode::kTimeout, "a frame was not complete within " + seconds(limits.frame_deadline), {}});
+}
+
+// What the handler throws is a bug of ours; it costs this session, not the server.
+template <typename Call>
+void SessionCore::guarded(std::uint64_t request_id, Call call) {
+  std::string what = "unknown exception";
+  try {
+    return call();
+  } catch (const std::exception& error) {
+    what = error.what();
+  } catch (...) {
+  }
+  spdlog::error("session {} ({}, {}): internal error: {}", id_, client_name_, peer_, what);
+  refuse(request_id, {ErrorCode::kInternal, "internal error: " + what, {}});
+}
+
+}  // namespace visum::protocol

@@ -1,0 +1,75 @@
+// Between the plain messages (messages.h) and Protobuf's. For codec.cc and the wire_*.cc files only;
+// Protobuf's own headers are included by those, never from here. Pure functions, any thread.
+//
+// `put` fills an empty Protobuf message. `take` fills a plain one, and returns false where a value is one
+// that no message of ours has (`why` says which): an empty oneof, an enumerator that does not exist.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "protocol/messages.h"
+
+namespace visum::v1 {
+class ClientMessage;
+class ServerMessage;
+class ParameterValue;
+class PartDescription;
+class ParameterList;
+class ServerStatus;
+class WorldDescription;
+class WorldSample;
+class MeshData;
+}  // namespace visum::v1
+
+namespace visum::protocol::wire {
+
+void put(const Request& from, v1::ClientMessage& to);
+bool take(const v1::ClientMessage& from, Request& to, std::string& why);
+void put(const Reply& from, v1::ServerMessage& to);
+bool take(const v1::ServerMessage& from, Reply& to, std::string& why);
+
+// wire_part.cc
+void put(const ParameterValue& from, v1::ParameterValue& to);
+bool take(const v1::ParameterValue& from, ParameterValue& to, std::string& why);
+void put(const PartDescriptionReply& from, v1::PartDescription& to);
+bool take(const v1::PartDescription& from, PartDescriptionReply& to, std::string& why);
+void put(const ParameterList& from, v1::ParameterList& to);
+bool take(const v1::ParameterList& from, ParameterList& to, std::string& why);
+
+// wire_world.cc
+void put(const ServerStatus& from, v1::ServerStatus& to);
+void take(const v1::ServerStatus& from, ServerStatus& to);
+void put(const WorldDescription& from, v1::WorldDescription& to);
+void take(const v1::WorldDescription& from, WorldDescription& to);
+void put(const WorldSample& from, v1::WorldSample& to);
+void take(const v1::WorldSample& from, WorldSample& to);
+void put(const MeshData& from, v1::MeshData& to);
+void take(const v1::MeshData& from, MeshData& to);
+
+// An enumerator from the wire, where 0..last are the ones that exist.
+template <typename Enum>
+bool take_enum(int from, Enum last, Enum& to, const char* name, std::string& why) {
+  if (from < 0 || from > static_cast<int>(last)) {
+    why = std::string(name) + " " + std::to_string(from) + " does not exist";
+    return false;
+  }
+  to = static_cast<Enum>(from);
+  return true;
+}
+
+// Numbers, as one block: RepeatedField stores them side by side.
+template <typename T, typename Field>
+void put_numbers(const std::vector<T>& from, Field* to) {
+  to->Add(from.begin(), from.end());
+}
+template <typename Field, typename T>
+void take_numbers(const Field& from, std::vector<T>& to) {
+  to.assign(from.data(), from.data() + from.size());
+}
+
+// Bytes: Protobuf keeps them in a std::string.
+std::string bytes_of(const std::vector<std::byte>& from);
+std::vector<std::byte> bytes_of(const std::string& from);
+
+}  // namespace visum::protocol::wire

@@ -1,0 +1,261 @@
+// ClientMessage: one line per request and direction.
+#include <variant>
+
+#include "protocol/wire.h"
+#include "visum.pb.h"
+
+namespace visum::protocol::wire {
+namespace {
+
+struct PutRequest {
+  v1::ClientMessage& to;
+
+  void operator()(const Hello& m) const {
+    auto& w = *to.mutable_hello();
+    w.set_min_version(m.min_version);
+    w.set_max_version(m.max_version);
+    w.set_client_name(m.client_name);
+    w.set_role(static_cast<v1::Role>(m.role));
+    w.set_token(m.token);
+  }
+  void operator()(const Status&) const { to.mutable_status(); }
+  void operator()(const ListParts&) const { to.mutable_list_parts(); }
+  void operator()(const DescribePart& m) const { to.mutable_describe_part()->set_part(m.part); }
+  void operator()(const AcquireLease& m) const {
+    auto& w = *to.mutable_acquire_lease();
+    w.set_part(m.part);
+    w.set_deadline_ns(m.deadline_ns);
+    w.set_take(m.take);
+  }
+  void operator()(const ReleaseLease& m) const { to.mutable_release_lease()->set_part(m.part); }
+  void operator()(const Write& m) const {
+    auto& w = *to.mutable_write();
+    w.set_part(m.part);
+    w.set_first_port(m.first_port);
+    put_numbers(m.values, w.mutable_values());
+    w.set_sequence(m.sequence);
+  }
+  void operator()(const Read& m) const { to.mutable_read()->set_part(m.part); }
+  void operator()(const Subscribe& m) const {
+    to.mutable_subscribe()->set_part(m.part);
+    to.mutable_subscribe()->set_every_n_ticks(m.every_n_ticks);
+  }
+  void operator()(const Unsubscribe& m) const { to.mutable_unsubscribe()->set_part(m.part); }
+  void operator()(const GetParameters& m) const { to.mutable_get_parameters()->set_part(m.part); }
+  void operator()(const SetParameter& m) const {
+    auto& w = *to.mutable_set_parameter();
+    w.set_part(m.part);
+    w.set_name(m.name);
+    put(m.value, *w.mutable_value());
+  }
+  void operator()(const ReadBlackboard& m) const {
+    auto& w = *to.mutable_read_blackboard();
+    w.set_part(m.part);
+    w.set_name(m.name);
+    w.set_offset(m.offset);
+    w.set_length(m.length);
+  }
+  void operator()(const WriteBlackboard& m) const {
+    auto& w = *to.mutable_write_blackboard();
+    w.set_part(m.part);
+    w.set_name(m.name);
+    w.set_offset(m.offset);
+    w.set_data(bytes_of(m.data));
+  }
+  void operator()(const Join& m) const { to.mutable_join()->set_timeout_ns(m.timeout_ns); }
+  void operator()(const Advance& m) const { to.mutable_advance()->set_ticks(m.ticks); }
+  void operator()(const Leave&) const { to.mutable_leave(); }
+  void operator()(const DescribeWorld&) const { to.mutable_describe_world(); }
+  void operator()(const ReadWorld&) const { to.mutable_read_world(); }
+  void operator()(const SubscribeWorld& m) const {
+    to.mutable_subscribe_world()->set_every_n_ticks(m.every_n_ticks);
+  }
+  void operator()(const UnsubscribeWorld&) const { to.mutable_unsubscribe_world(); }
+  void operator()(const ReadMesh& m) const { to.mutable_read_mesh()->set_mesh(m.mesh); }
+  void operator()(const Pause&) const { to.mutable_pause(); }
+  void operator()(const Resume&) const { to.mutable_resume(); }
+  void operator()(const Step& m) const { to.mutable_step()->set_ticks(m.ticks); }
+  void operator()(const SetSpeed& m) const { to.mutable_set_speed()->set_factor(m.factor); }
+  void operator()(const Reset&) const { to.mutable_reset(); }
+  void operator()(const TakeSnapshot&) const { to.mutable_take_snapshot(); }
+  void operator()(const RestoreSnapshot& m) const { to.mutable_restore_snapshot()->set_snapshot(m.snapshot); }
+  void operator()(const PushBody& m) const {
+    auto& w = *to.mutable_push_body();
+    w.set_body(m.body);
+    put_numbers(m.force_n, w.mutable_force_n());
+    put_numbers(m.torque_nm, w.mutable_torque_nm());
+    put_numbers(m.point_m, w.mutable_point_m());
+    w.set_duration_ns(m.duration_ns);
+  }
+  void operator()(const AddBody& m) const { to.mutable_add_body()->set_yaml(m.yaml); }
+  void operator()(const RemoveBody& m) const { to.mutable_remove_body()->set_body(m.body); }
+  void operator()(const Shutdown&) const { to.mutable_shutdown(); }
+};
+
+bool take(const v1::Hello& from, Hello& to, std::string& why) {
+  to.min_version = from.min_version();
+  to.max_version = from.max_version();
+  to.client_name = from.client_name();
+  to.token = from.token();
+  return take_enum(from.role(), Role::kAdmin, to.role, "role", why);
+}
+
+bool take(const v1::SetParameter& from, SetParameter& to, std::string& why) {
+  to.part = from.part();
+  to.name = from.name();
+  return wire::take(from.value(), to.value, why);
+}
+
+void take(const v1::Write& from, Write& to) {
+  to.part = from.part();
+  to.first_port = from.first_port();
+  take_numbers(from.values(), to.values);
+  to.sequence = from.sequence();
+}
+
+void take(const v1::PushBody& from, PushBody& to) {
+  to.body = from.body();
+  take_numbers(from.force_n(), to.force_n);
+  take_numbers(from.torque_nm(), to.torque_nm);
+  take_numbers(from.point_m(), to.point_m);
+  to.duration_ns = from.duration_ns();
+}
+
+// The requests that name a part: leases, ports, parameters, blackboards. Nothing to refuse but a parameter's
+// value.
+bool take_part_request(const v1::ClientMessage& from, Request& to, std::string& why) {
+  switch (from.request_case()) {
+    case v1::ClientMessage::kDescribePart:
+      to = DescribePart{from.describe_part().part()};
+      return true;
+    case v1::ClientMessage::kAcquireLease: {
+      const auto& w = from.acquire_lease();
+      to = AcquireLease{w.part(), w.deadline_ns(), w.take()};
+      return true;
+    }
+    case v1::ClientMessage::kReleaseLease:
+      to = ReleaseLease{from.release_lease().part()};
+      return true;
+    case v1::ClientMessage::kWrite:
+      take(from.write(), to.emplace<Write>());
+      return true;
+    case v1::ClientMessage::kRead:
+      to.emplace<Read>().part = from.read().part();
+      return true;
+    case v1::ClientMessage::kSubscribe:
+      to = Subscribe{from.subscribe().part(), from.subscribe().every_n_ticks()};
+      return true;
+    case v1::ClientMessage::kUnsubscribe:
+      to = Unsubscribe{from.unsubscribe().part()};
+      return true;
+    case v1::ClientMessage::kGetParameters:
+      to = GetParameters{from.get_parameters().part()};
+      return true;
+    case v1::ClientMessage::kSetParameter:
+      return take(from.set_parameter(), to.emplace<SetParameter>(), why);
+    case v1::ClientMessage::kReadBlackboard: {
+      const auto& w = from.read_blackboard();
+      to = ReadBlackboard{w.part(), w.name(), w.offset(), w.length()};
+      return true;
+    }
+    case v1::ClientMessage::kWriteBlackboard: {
+      const auto& w = from.write_blackboard();
+      to = WriteBlackboard{w.part(), w.name(), w.offset(), bytes_of(w.data())};
+      return true;
+    }
+    default:
+      why = "a request that this version does not have";
+      return false;
+  }
+}
+
+// The requests to the world as a whole.
+bool take_world_request(const v1::ClientMessage& from, Request& to) {
+  switch (from.request_case()) {
+    case v1::ClientMessage::kJoin:
+      to = Join{from.join().timeout_ns()};
+      return true;
+    case v1::ClientMessage::kAdvance:
+      to = Advance{from.advance().ticks()};
+      return true;
+    case v1::ClientMessage::kLeave:
+      to = Leave{};
+      return true;
+    case v1::ClientMessage::kDescribeWorld:
+      to = DescribeWorld{};
+      return true;
+    case v1::ClientMessage::kReadWorld:
+      to = ReadWorld{};
+      return true;
+    case v1::ClientMessage::kSubscribeWorld:
+      to = SubscribeWorld{from.subscribe_world().every_n_ticks()};
+      return true;
+    case v1::ClientMessage::kUnsubscribeWorld:
+      to = UnsubscribeWorld{};
+      return true;
+    case v1::ClientMessage::kReadMesh:
+      to = ReadMesh{from.read_mesh().mesh()};
+      return true;
+    case v1::ClientMessage::kPause:
+      to = Pause{};
+      return true;
+    case v1::ClientMessage::kResume:
+      to = Resume{};
+      return true;
+    case v1::ClientMessage::kStep:
+      to = Step{from.step().ticks()};
+      return true;
+    case v1::ClientMessage::kSetSpeed:
+      to = SetSpeed{from.set_speed().factor()};
+      return true;
+    case v1::ClientMessage::kReset:
+      to = Reset{};
+      return true;
+    case v1::ClientMessage::kTakeSnapshot:
+      to = TakeSnapshot{};
+      return true;
+    case v1::ClientMessage::kRestoreSnapshot:
+      to = RestoreSnapshot{from.restore_snapshot().snapshot()};
+      return true;
+    case v1::ClientMessage::kPushBody:
+      take(from.push_body(), to.emplace<PushBody>());
+      return true;
+    case v1::ClientMessage::kAddBody:
+      to = AddBody{from.add_body().yaml()};
+      return true;
+    case v1::ClientMessage::kRemoveBody:
+      to = RemoveBody{from.remove_body().body()};
+      return true;
+    case v1::ClientMessage::kShutdown:
+      to = Shutdown{};
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+void put(const Request& from, v1::ClientMessage& to) {
+  std::visit(PutRequest{to}, from);
+}
+
+bool take(const v1::ClientMessage& from, Request& to, std::string& why) {
+  switch (from.request_case()) {
+    case v1::ClientMessage::REQUEST_NOT_SET:
+      why = "no request that this version knows";
+      return false;
+    case v1::ClientMessage::kHello:
+      return take(from.hello(), to.emplace<Hello>(), why);
+    case v1::ClientMessage::kStatus:
+      to = Status{};
+      return true;
+    case v1::ClientMessage::kListParts:
+      to = ListParts{};
+      return true;
+    default:
+      return take_world_request(from, to) || take_part_request(from, to, why);
+  }
+}
+
+}  // namespace visum::protocol::wire
