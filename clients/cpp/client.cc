@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <thread>
 
 #include "clients/cpp/client_state.h"
+#include "clients/cpp/token_file.h"
 #include "protocol/config/config.h"
 #include "protocol/limits.h"
 
@@ -12,14 +12,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::string read_token(const std::string& path) {
-  if (path.empty()) return {};
-  std::ifstream file(path);
-  std::string token;
-  if (!std::getline(file, token) || token.empty()) {
-    throw Error(ErrorCode::kUnauthenticated, "the token file '" + path + "' cannot be read or is empty");
-  }
-  return token;
+std::string read_token(const ClientOptions& options) try {
+  return read_token_file(options.token_file, static_cast<protocol::Role>(options.role));
+} catch (const std::runtime_error& error) {
+  throw Error(ErrorCode::kUnauthenticated, error.what());
 }
 
 std::pair<std::string, std::uint16_t> parse(const std::string& address) try {
@@ -60,7 +56,7 @@ std::vector<PortInfo> to_ports(const std::vector<protocol::Port>& ports) {
 Client::Client(const std::string& address, const ClientOptions& options)
     : state_(std::make_unique<detail::ClientState>()) {
   protocol::Hello hello{protocol::kProtocolVersion, protocol::kProtocolVersion, options.name,
-                        static_cast<protocol::Role>(options.role), read_token(options.token_file)};
+                        static_cast<protocol::Role>(options.role), read_token(options)};
   state_->connection.emplace(connect(address, hello, options.connect_timeout));
   const protocol::Welcome& welcome = state_->connection->welcome();
   state_->server = {welcome.server, welcome.scene, welcome.clock, welcome.tick_ns, welcome.simulated};

@@ -1,18 +1,6 @@
 #include "clients/cpp/client_state.h"
 
-#include <algorithm>
-
 namespace visum::detail {
-
-void PortRange::include(std::size_t index) {
-  if (empty()) {
-    begin = index;
-    end = index + 1;
-  } else {
-    begin = std::min(begin, index);
-    end = std::max(end, index + 1);
-  }
-}
 
 ClientState& PartState::connected() const {
   if (client == nullptr) throw Error(ErrorCode::kConnection, "the part's client is gone", name);
@@ -29,11 +17,15 @@ void PartState::apply(const protocol::PartSample& sample) {
   // begins with values of its own.
   if (!leased || sample.era != era) {
     inputs = sample.controller_inputs;
-    staged = {};
+    unstage();
   }
   tick = sample.tick;
   time_ns = sample.sim_time_ns;
   era = sample.era;
+}
+
+void PartState::unstage() {
+  staged.assign(input_ports.size(), false);
 }
 
 protocol::Connection& ClientState::link() {

@@ -18,21 +18,14 @@ Error to_error(const protocol::RequestError& refusal, const std::string& part = 
                const std::string& port = {});
 Error to_error(const protocol::Error& refusal, const std::string& part = {}, const std::string& port = {});
 
-// A half-open range of port indices.
-struct PortRange {
-  std::size_t begin = 0, end = 0;
-  bool empty() const { return begin == end; }
-  void include(std::size_t index);
-};
-
 struct PartState {
   ClientState* client = nullptr;  // null once the client is gone
   std::string name, kind;
   std::vector<PortInfo> input_ports, output_ports;
 
-  std::vector<double> inputs;  // as staged; equal to what is in force where nothing is staged
-  PortRange staged, last_write;
-  std::vector<double> outputs;  // of the newest sample
+  std::vector<double> inputs;            // as staged; equal to what is in force where nothing is staged
+  std::vector<bool> staged, last_write;  // by controller input
+  std::vector<double> outputs;           // of the newest sample
   std::int64_t tick = 0, time_ns = 0;
   std::uint64_t era = 0;
   bool fresh = false;  // an advance brought a sample that no read() has asked for yet
@@ -42,6 +35,7 @@ struct PartState {
 
   ClientState& connected() const;  // throws kConnection where there is no client any more
   void apply(const protocol::PartSample& sample);
+  void unstage();
 };
 
 // A Write on its way, whose answer nobody has looked at yet.

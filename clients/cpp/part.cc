@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <exception>
 #include <utility>
 
@@ -127,7 +128,7 @@ void Part::acquire(std::int64_t deadline_ns, bool take) {
   state_->apply(sample);
   state_->leased = true;
   state_->exceptions_at_acquire = std::uncaught_exceptions();
-  state_->last_write = {};
+  state_->last_write.assign(state_->input_ports.size(), false);
 }
 
 void Part::release() {
@@ -143,17 +144,20 @@ bool Part::leased() const {
   return state_->leased;
 }
 
+// One message per run of neighbouring ports that were set. What was not set is not sent: a sample may be
+// older than what its former holder wrote last.
 void Part::write() {
   detail::ClientState& client = state_->connected();
-  const detail::PortRange range = state_->staged.empty() ? state_->last_write : state_->staged;
-  if (range.empty()) return;
-  const auto first = state_->inputs.begin();
-  protocol::Write write{state_->name, static_cast<std::uint32_t>(range.begin), {}, 0};
-  write.values.assign(first + static_cast<std::ptrdiff_t>(range.begin),
-                      first + static_cast<std::ptrdiff_t>(range.end));
-  client.post(*state_, std::move(write));
-  state_->last_write = range;
-  state_->staged = {};
+  auto& staged = state_->staged;
+  if (std::find(staged.begin(), staged.end(), true) == staged.end()) staged = state_->last_write;
+  for (std::size_t port = 0; port < staged.size(); ++port) {
+    if (!staged[port]) continue;
+    protocol::Write write{state_->name, static_cast<std::uint32_t>(port), {}, 0};
+    for (; port < staged.size() && staged[port]; ++port) write.values.push_back(state_->inputs[port]);
+    client.post(*state_, std::move(write));
+  }
+  state_->last_write = staged;
+  state_->unstage();
 }
 
 void Part::read() {
