@@ -1,0 +1,56 @@
+// The real tree, against every rule. checks_test.cc shows that each rule can fail.
+#include <gtest/gtest.h>
+
+#include "tests/architecture/checks.h"
+
+namespace visum::architecture {
+namespace {
+
+const SourceTree& real_tree() {
+  static const SourceTree tree = read_tree(VISUM_SOURCE_DIR);
+  return tree;
+}
+
+void expect_none(const Findings& found) {
+  for (const std::string& finding : found) ADD_FAILURE() << finding;
+}
+
+TEST(Architecture, FindsTheFilesThatItIsToRead) {
+  expect_none(check_finds_files(real_tree()));
+}
+TEST(Architecture, TopLevelHoldsWhatIsListed) {
+  expect_none(check_top_level(real_tree()));
+}
+TEST(Architecture, EveryQuotedIncludeIsAFile) {
+  expect_none(check_includes_resolve(real_tree()));
+}
+TEST(Architecture, IncludesFollowTheArrows) {
+  expect_none(check_layers(real_tree()));
+}
+TEST(Architecture, NoFoldersIncludeEachOther) {
+  expect_none(check_folder_cycles(real_tree()));
+}
+TEST(Architecture, NoFilesIncludeEachOther) {
+  expect_none(check_file_cycles(real_tree()));
+}
+TEST(Architecture, WrappedLibrariesStayInTheirFolder) {
+  expect_none(check_third_parties(real_tree()));
+}
+TEST(Architecture, HeadersAreReadOnce) {
+  expect_none(check_pragma_once(real_tree()));
+}
+TEST(Architecture, FilesAreShort) {
+  expect_none(check_file_lengths(real_tree()));
+}
+TEST(Architecture, FunctionsAreShort) {
+  expect_none(check_function_lengths(real_tree()));
+}
+TEST(Architecture, NothingIsLeftUnfinished) {
+  expect_none(check_unfinished_words(real_tree()));
+}
+TEST(Architecture, ModelsAreData) {
+  expect_none(check_models_are_data(real_tree()));
+}
+
+}  // namespace
+}  // namespace visum::architecture

@@ -1,0 +1,152 @@
+#include "tests/architecture/rules.h"
+
+#include <algorithm>
+#include <array>
+
+namespace visum::architecture {
+namespace {
+
+// Bottom first. clients -> protocol <- hwparts <- server.
+const std::vector<Layer> kLayers = {
+    {"protocol/config", {}},
+    {"protocol", {"protocol/config"}},
+    {"hwparts", {"protocol/config", "protocol/part_description.h"}},
+    {"server/world", {}},
+    {"server/collision", {"server/world"}},
+    {"server/scene", {"server/world", "hwparts", "protocol/config"}},
+    {"server/dynamics", {"server/world", "server/collision", "hwparts/joint.h"}},
+    {"server/cycle",
+     {"server/world", "server/collision", "server/scene", "server/dynamics", "hwparts", "protocol/config",
+      "protocol/part_description.h"}},
+    {"server/gateway",
+     {"server/world", "server/collision", "server/scene", "server/dynamics", "server/cycle", "hwparts",
+      "protocol"}},
+    {"server", {"protocol", "hwparts"}},
+    {"server/visumd.cc", {"protocol", "hwparts", "server"}},
+    {"clients", {"protocol"}},
+    {"tests", {"protocol", "hwparts", "server", "clients"}},
+};
+
+const std::vector<std::string> kCompositionFiles = {
+    "server/visumd.cc",
+    "server/dynamics/engine_kinds.cc",
+    "hwparts/part_kinds.cc",
+};
+
+const std::vector<ThirdParty> kThirdParties = {
+    {"ode/", {"server/dynamics/ode", "tests"}},
+    {"fcl/", {"server/collision", "tests"}},
+    {"sdf/", {"server/scene", "tests"}},
+    {"ignition/", {"server/scene", "tests"}},
+    {"gz/", {"server/scene", "tests"}},
+    {"google/protobuf/", {"protocol", "tests"}},
+    {"protocol/visum.pb.h", {"protocol", "tests"}},
+    {"visum.pb.h", {"protocol", "tests"}},
+    {"boost/asio", {"protocol", "server/gateway", "tests"}},
+    {"boost/beast", {"server/gateway", "tests"}},
+    {"boost/lockfree/", {"server/gateway", "server/cycle", "tests"}},
+    {"yaml-cpp/", {"protocol/config", "tests"}},
+    {"urdf_parser/", {"clients/examples", "tests"}},
+    {"urdf_model/", {"clients/examples", "tests"}},
+    {"urdf_world/", {"clients/examples", "tests"}},
+    {"tinyxml2.h", {"server/scene", "clients/examples", "tests"}},
+    {"spdlog/", {"protocol", "server", "clients", "tests"}},
+    {"CLI/", {"server/visumd.cc", "clients", "tests"}},
+    {"xxhash.h", {"server", "tests"}},
+    {"Eigen/", {"hwparts", "server", "clients", "tests"}},
+    {"gtest/", {"tests"}},
+    {"gmock/", {"tests"}},
+    {"benchmark/", {"tests"}},
+    {"sanitizer/", {"tests"}},
+};
+
+const std::vector<std::string> kSystemFolders = {"sys/",   "netinet/", "arpa/", "net/",
+                                                 "linux/", "asm/",     "bits/"};
+const std::vector<std::string> kSystemHeaders = {
+    "assert.h", "cxxabi.h",    "dirent.h",    "dlfcn.h",    "errno.h",   "execinfo.h", "fcntl.h",
+    "fenv.h",   "getopt.h",    "glob.h",      "grp.h",      "limits.h",  "link.h",     "locale.h",
+    "malloc.h", "math.h",      "netdb.h",     "poll.h",     "pthread.h", "pty.h",      "pwd.h",
+    "sched.h",  "semaphore.h", "signal.h",    "spawn.h",    "stdint.h",  "stdio.h",    "stdlib.h",
+    "string.h", "sysexits.h",  "syslog.h",    "termios.h",  "time.h",    "ucontext.h", "unistd.h",
+    "utmp.h",   "xmmintrin.h", "pmmintrin.h", "immintrin.h"};
+
+const std::vector<std::string> kTopLevel = {
+    "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "clients", "docker",
+    "hwparts",      "models",         "protocol",          "server",  "tests"};
+const std::vector<std::string> kTopLevelHidden = {
+    ".ci",  ".clang-format",  ".clang-tidy", ".dockerignore", ".editorconfig",
+    ".git", ".gitattributes", ".github",     ".gitignore"};
+const std::vector<std::string> kUntracked = {
+    "build", ".cache", "compile_commands.json", "CMakeUserPresets.json", ".pytest_cache", ".vscode", ".idea"};
+
+const std::vector<std::string> kFoldersWithCode = {
+    "protocol",         "protocol/config", "hwparts",      "server",         "server/world", "server/scene",
+    "server/collision", "server/dynamics", "server/cycle", "server/gateway", "clients",      "tests"};
+
+// In two halves, so that this file passes its own test.
+const std::vector<std::string> kUnfinishedWords = {
+    "TO"
+    "DO",
+    "FIX"
+    "ME",
+    "XX"
+    "X",
+    "HA"
+    "CK"};
+
+const std::array<std::string_view, 11> kCodeExtensions = {".h",   ".cc",   ".py",    ".sh",    ".js", ".ts",
+                                                          ".css", ".html", ".cmake", ".proto", ".in"};
+
+bool any_prefix(const std::vector<std::string>& prefixes, std::string_view text) {
+  return std::any_of(prefixes.begin(), prefixes.end(),
+                     [&](const auto& prefix) { return text.starts_with(prefix); });
+}
+
+}  // namespace
+
+std::span<const Layer> layers() {
+  return kLayers;
+}
+std::span<const std::string> composition_files() {
+  return kCompositionFiles;
+}
+std::span<const ThirdParty> third_parties() {
+  return kThirdParties;
+}
+std::span<const std::string> top_level_entries() {
+  return kTopLevel;
+}
+std::span<const std::string> top_level_hidden_entries() {
+  return kTopLevelHidden;
+}
+std::span<const std::string> untracked_entries() {
+  return kUntracked;
+}
+std::span<const std::string> folders_with_code() {
+  return kFoldersWithCode;
+}
+std::span<const std::string> unfinished_words() {
+  return kUnfinishedWords;
+}
+
+bool is_system_header(std::string_view target) {
+  if (target.find('.') == std::string_view::npos && target.find('/') == std::string_view::npos) return true;
+  return any_prefix(kSystemFolders, target) ||
+         std::find(kSystemHeaders.begin(), kSystemHeaders.end(), target) != kSystemHeaders.end();
+}
+
+bool is_code(std::string_view path) {
+  const auto name = path.substr(path.rfind('/') + 1);
+  const auto dot = name.rfind('.');
+  if (dot == std::string_view::npos) return name != "LICENSE" && name != "Dockerfile";
+  const auto extension = name.substr(dot);
+  return name == "CMakeLists.txt" ||
+         std::find(kCodeExtensions.begin(), kCodeExtensions.end(), extension) != kCodeExtensions.end();
+}
+
+bool is_model_generator(std::string_view path) {
+  const auto name = path.substr(path.rfind('/') + 1);
+  return path.starts_with("models/") && name.starts_with("make_") && name.ends_with(".py");
+}
+
+}  // namespace visum::architecture
