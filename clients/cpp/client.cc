@@ -106,10 +106,9 @@ Part Client::part(const std::string& name) {
 
 void Client::join(std::chrono::milliseconds timeout) {
   const auto wall_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(timeout).count();
-  state_->request(protocol::Join{wall_ns});
-  const auto status = state_->request_as<protocol::ServerStatus>(protocol::Status{});
-  state_->set_time(status.tick, status.sim_time_ns, status.era);
-  state_->due_ns = status.sim_time_ns;
+  const auto now = state_->request_as<protocol::Advanced>(protocol::Join{wall_ns});
+  state_->set_time(now.tick, now.sim_time_ns, now.era);
+  state_->ahead_ns = 0;
 }
 
 void Client::leave() {
@@ -119,11 +118,11 @@ void Client::leave() {
 
 void Client::advance_ns(std::int64_t period_ns) {
   if (period_ns <= 0) throw Error(ErrorCode::kMisuse, "a period must be longer than 0 ns");
-  state_->due_ns += period_ns;
-  const std::int64_t late_ns = state_->time_ns - state_->due_ns;
-  if (late_ns >= 0) state_->due_ns += (late_ns / period_ns + 1) * period_ns;
   const std::int64_t tick_ns = state_->server.tick_ns;
-  state_->advance((state_->due_ns - state_->time_ns + tick_ns - 1) / tick_ns);
+  const std::int64_t missing_ns = period_ns - state_->ahead_ns;
+  const std::int64_t ticks = missing_ns > 0 ? (missing_ns + tick_ns - 1) / tick_ns : 0;
+  state_->ahead_ns = ticks * tick_ns - missing_ns;
+  if (ticks > 0) state_->advance(ticks);
 }
 
 void Client::advance_ms(double period_ms) {

@@ -83,14 +83,13 @@ void ClientState::throw_refusals() {
 }
 
 void ClientState::set_time(std::int64_t new_tick, std::int64_t new_time_ns, std::uint64_t new_era) {
-  if (new_era != era) due_ns = new_time_ns;
   tick = new_tick;
   time_ns = new_time_ns;
   era = new_era;
 }
 
-// Advance and the reads leave together, so that a period costs one wait. All answers are taken in before
-// anything is thrown: none may be left over for the next period.
+// Everything leaves together, so that a period costs one wait: the writes' answers lie ready when Advanced
+// comes. All answers are taken in before anything is thrown: none may be left over for the next period.
 void ClientState::advance(std::int64_t ticks) {
   std::uint64_t advance_id = 0;
   std::vector<std::uint64_t> read_ids;
@@ -100,20 +99,27 @@ void ClientState::advance(std::int64_t ticks) {
   } catch (const protocol::ConnectionError& error) {
     throw Error(ErrorCode::kConnection, error.what());
   }
-  const std::optional<Error> refusal = settle();
   const protocol::Reply advanced = wait(advance_id);
+  const std::optional<Error> refusal = settle();
   std::vector<protocol::Reply> samples;
   for (const std::uint64_t id : read_ids) samples.push_back(wait(id));
 
   if (const auto* error = std::get_if<protocol::Error>(&advanced)) throw to_error(*error);
   const auto now = as<protocol::Advanced>(advanced);
   set_time(now.tick, now.sim_time_ns, now.era);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (const auto* error = std::get_if<protocol::Error>(&samples[i])) throw to_error(*error, parts[i]->name);
-    parts[i]->apply(as<protocol::PartSample>(std::move(samples[i])));
-    parts[i]->fresh = true;
-  }
+  for (std::size_t i = 0; i < parts.size(); ++i) take_sample(*parts[i], std::move(samples[i]));
   if (refusal) throw *refusal;
+}
+
+// A server may answer Read while it still waits for the tick; such a sample is asked for again.
+void ClientState::take_sample(PartState& part, protocol::Reply reply) {
+  if (const auto* error = std::get_if<protocol::Error>(&reply)) throw to_error(*error, part.name);
+  auto sample = as<protocol::PartSample>(std::move(reply));
+  if (sample.era == era && sample.tick < tick) {
+    sample = request_as<protocol::PartSample>(protocol::Read{part.name}, part.name);
+  }
+  part.apply(sample);
+  part.fresh = true;
 }
 
 }  // namespace visum::detail

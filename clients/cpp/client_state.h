@@ -52,7 +52,7 @@ struct ClientState {
 
   std::int64_t tick = 0, time_ns = 0;
   std::uint64_t era = 0;
-  std::int64_t due_ns = 0;  // end of the period before the next advance
+  std::int64_t ahead_ns = 0;  // by which the ticks asked for are ahead of the sum of the periods
 
   static constexpr std::size_t kMaxPending = 32;  // writes in flight before one is waited for
 
@@ -78,6 +78,7 @@ struct ClientState {
   }
 
  private:
+  void take_sample(PartState& part, protocol::Reply reply);
   protocol::Reply wait(std::uint64_t id);
   std::optional<Error> settle_oldest();
 };
