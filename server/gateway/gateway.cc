@@ -57,7 +57,20 @@ protocol::Role Gateway::on_hello(protocol::Session& session, const protocol::Hel
 void Gateway::on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) {
   const auto found = clients_.find(session.id());
   if (found == clients_.end()) return;
-  const Call call{session, found->second, id};
+  auto& client = found->second;
+  if (!client.waiting) {
+    dispatch(client, id, request);
+  } else if (client.backlog.size() < kMaxBacklog) {
+    client.backlog.emplace_back(id, request);
+  } else {
+    session.send(id, protocol::Error{ErrorCode::kBusy, "too many requests behind one that waits for the world", {}});
+  }
+  note_due();
+}
+
+void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request& request) {
+  auto& session = *client.session;
+  const Call call{session, client, id};
   const auto needed = role_needed(request);
   if (session.role() < needed) {
     ++refused_;
@@ -65,7 +78,16 @@ void Gateway::on_request(protocol::Session& session, std::uint64_t id, const pro
                                                 ", the session has " + protocol::to_string(session.role()));
   }
   std::visit([&](const auto& message) { handle(call, message); }, request);
-  note_due();
+}
+
+void Gateway::work_off_backlogs() {
+  for (auto& [id, client] : clients_) {
+    while (!client.waiting && !client.backlog.empty()) {
+      const auto [request_id, request] = std::move(client.backlog.front());
+      client.backlog.pop_front();
+      dispatch(client, request_id, request);
+    }
+  }
 }
 
 void Gateway::on_close(protocol::Session& session, protocol::CloseReason) {
@@ -82,6 +104,7 @@ void Gateway::serve() {
   finish_errands();
   tell_notices();
   answer_advances(now);
+  work_off_backlogs();
   send_samples(now);
   if (ending_.exchange(false)) broadcast({"shutdown", "the server ends", {}, now.era, now.tick});
   note_due();
@@ -118,6 +141,7 @@ void Gateway::finish_errands() {
     if (std::holds_alternative<protocol::Error>(errand->reply)) ++refused_;
     const auto client = clients_.find(errand->session);
     if (client == clients_.end()) continue;
+    client->second.waiting = false;
     if (errand->id != 0 || std::holds_alternative<protocol::Error>(errand->reply))
       client->second.session->send(errand->id, errand->reply);
   }
@@ -167,7 +191,8 @@ Input* Gateway::input_or_fail(const Call& call) {
 
 void Gateway::send_errand(const Call& call, const protocol::Request& request, std::uint32_t part) {
   auto errand = std::make_unique<Errand>(Errand{call.session.id(), call.id, part, request, {}, {}});
-  if (!mailbox_.send(std::move(errand))) call.fail(ErrorCode::kBusy, "too many requests wait for the next tick");
+  call.client.waiting = mailbox_.send(std::move(errand));
+  if (!call.client.waiting) call.fail(ErrorCode::kBusy, "too many requests wait for the next tick");
 }
 
 }  // namespace visum::gateway

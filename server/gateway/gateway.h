@@ -5,10 +5,12 @@
 
 #include <atomic>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "protocol/server.h"
@@ -76,9 +78,13 @@ class Gateway : public protocol::SessionHandler {
     std::int64_t peaks_from = 0;      // tick of its previous world sample
     std::int64_t counted_tick = -1;   // inputs per tick
     int inputs_at_tick = 0;
+    // A session's requests are answered in order: while one waits for the tick's side, those behind it wait too.
+    bool waiting = false;
+    std::deque<std::pair<std::uint64_t, protocol::Request>> backlog;
   };
   static constexpr std::uint32_t kWorldStream = 0xFFFFFFFF;
   static constexpr int kMaxInputsPerTick = 8;
+  static constexpr std::size_t kMaxBacklog = 64;
 
   // A request in hand: how to answer it.
   struct Call {
@@ -145,6 +151,9 @@ class Gateway : public protocol::SessionHandler {
   protocol::WorldSample world_sample(Client& client, const Published& now) const;
   void broadcast(const protocol::Event& event);
   void note_due();
+  void dispatch(Client& client, std::uint64_t id, const protocol::Request& request);
+  void work_off_backlogs();
+  void answer(Member& member, const Published& now);
 
   StaticWorld world_;
   Tokens tokens_;

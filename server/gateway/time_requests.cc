@@ -62,9 +62,10 @@ void Gateway::handle(const Call& call, const protocol::Advance& request) {
   if (now.tick - member->granted_tick > request.ticks) member->granted_tick = now.tick;
   member->granted_tick += request.ticks;
   member->advance = call.id;
+  call.client.waiting = true;
   start_asked_ = true;
   mailbox_.wake();
-  answer_advances(now);
+  answer(*member, now);
 }
 
 void Gateway::handle(const Call& call, const protocol::Leave&) {
@@ -72,20 +73,20 @@ void Gateway::handle(const Call& call, const protocol::Leave&) {
   call.reply(protocol::Ok{});
 }
 
-// Answers whoever waits for a tick that has come.
 void Gateway::answer_advances(const Published& now) {
-  for (auto& member : members_.all()) {
-    if (!member.advance) continue;
-    if (!now.fault.empty()) {
-      clients_.at(member.session).session->send(*member.advance, protocol::Error{ErrorCode::kFrozen, now.fault, {}});
-    } else if (now.tick >= member.granted_tick) {
-      clients_.at(member.session).session->send(*member.advance,
-                                                protocol::Advanced{now.tick, now.sim_time_ns, now.era});
-    } else {
-      continue;
-    }
-    member.advance.reset();
-  }
+  for (auto& member : members_.all()) answer(member, now);
+}
+
+// Answers a member that waits for a tick that has come, or never will.
+void Gateway::answer(Member& member, const Published& now) {
+  if (!member.advance || (now.fault.empty() && now.tick < member.granted_tick)) return;
+  auto& client = clients_.at(member.session);
+  if (now.fault.empty())
+    client.session->send(*member.advance, protocol::Advanced{now.tick, now.sim_time_ns, now.era});
+  else
+    client.session->send(*member.advance, protocol::Error{ErrorCode::kFrozen, now.fault, {}});
+  member.advance.reset();
+  client.waiting = false;
 }
 
 void Gateway::check_timeouts(std::int64_t tick) {
@@ -97,7 +98,9 @@ void Gateway::check_timeouts(std::int64_t tick) {
                            " for longer than its time-out";
   for (auto& member : members_.all()) {
     if (!member.advance) continue;
-    clients_.at(member.session).session->send(*member.advance, protocol::Error{ErrorCode::kTimeout, text, {}});
+    auto& client = clients_.at(member.session);
+    client.session->send(*member.advance, protocol::Error{ErrorCode::kTimeout, text, {}});
+    client.waiting = false;
     member.advance.reset();
     member.granted_tick = tick;
     member.waited_since.reset();
