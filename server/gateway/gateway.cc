@@ -57,6 +57,7 @@ protocol::Role Gateway::on_hello(protocol::Session& session, const protocol::Hel
 void Gateway::on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) {
   const auto found = clients_.find(session.id());
   if (found == clients_.end()) return;
+  now_ = &latest_();
   auto& client = found->second;
   if (!client.waiting) {
     dispatch(client, id, request);
@@ -91,6 +92,7 @@ void Gateway::work_off_backlogs() {
 }
 
 void Gateway::on_close(protocol::Session& session, protocol::CloseReason) {
+  now_ = &latest_();
   const auto id = session.id();
   for (std::uint32_t part = 0; part < world_.parts.size(); ++part)
     if (leases_.held_by(part, id)) lose_lease(part, "'" + session.client_name() + "' is gone without a release");
@@ -99,7 +101,8 @@ void Gateway::on_close(protocol::Session& session, protocol::CloseReason) {
 }
 
 void Gateway::serve() {
-  const auto& now = latest_();
+  now_ = &latest_();
+  const auto& now = *now_;
   follow_eras(now);
   finish_errands();
   tell_notices();
@@ -136,7 +139,7 @@ void Gateway::finish_errands() {
   while (auto errand = mailbox_.next_done()) {
     if (errand->view) {
       world_.view = std::move(*errand->view);
-      broadcast({"world_changed", "bodies came or went", {}, latest_().era, latest_().tick});
+      broadcast({"world_changed", "bodies came or went", {}, now_->era, now_->tick});
     }
     if (std::holds_alternative<protocol::Error>(errand->reply)) ++refused_;
     const auto client = clients_.find(errand->session);
@@ -168,7 +171,7 @@ void Gateway::lose_lease(std::uint32_t part, const std::string& why) {
   input->epoch = leases_.of(part).epoch;
   mailbox_.send(input);
   leases_.free(part);
-  broadcast({"lease_lost", why, world_.parts[part]->description().name, era_, latest_().tick});
+  broadcast({"lease_lost", why, world_.parts[part]->description().name, era_, now_->tick});
 }
 
 void Gateway::broadcast(const protocol::Event& event) {
@@ -177,7 +180,7 @@ void Gateway::broadcast(const protocol::Event& event) {
 
 Input* Gateway::input_or_fail(const Call& call) {
   auto& client = call.client;
-  const auto tick = latest_().tick;
+  const auto tick = now_->tick;
   if (client.counted_tick != tick) client.inputs_at_tick = 0;
   client.counted_tick = tick;
   if (++client.inputs_at_tick > kMaxInputsPerTick && world_.clock == scene::ClockKind::kRealtime) {

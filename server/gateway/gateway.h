@@ -38,7 +38,7 @@ const char* to_string(scene::ClockKind clock);
 
 class Gateway : public protocol::SessionHandler {
  public:
-  // `latest` gives the newest published copy; `pacer` is read for its counters only.
+  // `latest` gives the newest published copy, which stays as it is until the next call of it; `pacer` is read for its counters only.
   using Latest = std::function<const Published&()>;
   Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, const cycle::Pacer& pacer, Latest latest);
 
@@ -160,6 +160,7 @@ class Gateway : public protocol::SessionHandler {
   Mailbox& mailbox_;
   const cycle::Pacer& pacer_;
   Latest latest_;
+  const Published* now_ = nullptr;  // the copy in use: taken anew at the start of each call from outside
   Leases leases_;
   Members members_;
   std::map<std::uint64_t, Client> clients_;                // by session

@@ -148,7 +148,7 @@ void Gateway::handle(const Call& call, const protocol::Write& request) {
 }
 
 void Gateway::handle(const Call& call, const protocol::Read& request) {
-  if (const auto part = part_or_fail(call, request.part)) call.reply(part_sample(*part, latest_()));
+  if (const auto part = part_or_fail(call, request.part)) call.reply(part_sample(*part, *now_));
 }
 
 protocol::PartSample Gateway::part_sample(std::uint32_t part, const Published& now) const {

@@ -13,7 +13,7 @@ void Gateway::handle(const Call& call, const protocol::Hello&) {
 }
 
 void Gateway::handle(const Call& call, const protocol::Status&) {
-  const auto& now = latest_();
+  const auto& now = *now_;
   protocol::ServerStatus status;
   status.tick = now.tick;
   status.sim_time_ns = now.sim_time_ns;
@@ -43,7 +43,7 @@ void Gateway::handle(const Call& call, const protocol::Status&) {
 void Gateway::handle(const Call& call, const protocol::Join& request) {
   if (members_.find(call.session.id())) return call.fail(ErrorCode::kWrongState, "this session has joined already");
   if (request.timeout_ns < 0) return call.fail(ErrorCode::kBadValue, "timeout_ns must not be negative");
-  const auto& now = latest_();
+  const auto& now = *now_;
   const auto timeout = request.timeout_ns > 0 ? std::chrono::nanoseconds(request.timeout_ns) : world_.lockstep_timeout;
   members_.join(call.session.id(), call.session.client_name(), now.tick, timeout);
   call.reply(protocol::Advanced{now.tick, now.sim_time_ns, now.era});
@@ -56,7 +56,7 @@ void Gateway::handle(const Call& call, const protocol::Advance& request) {
   if (member->advance) return call.fail(ErrorCode::kWrongState, "the previous Advance is not yet answered");
   if (request.ticks < 1 || request.ticks > kMostTicks)
     return call.fail(ErrorCode::kBadValue, "ticks must be within 1 and " + std::to_string(kMostTicks));
-  const auto& now = latest_();
+  const auto& now = *now_;
   if (!now.fault.empty()) return call.fail(ErrorCode::kFrozen, now.fault);
   // Who comes later than a whole period in realtime or free starts anew from now: no burst of answers.
   if (now.tick - member->granted_tick > request.ticks) member->granted_tick = now.tick;

@@ -50,7 +50,7 @@ void Gateway::handle(const Call& call, const protocol::ReadMesh& request) {
 }
 
 void Gateway::handle(const Call& call, const protocol::ReadWorld&) {
-  call.reply(world_sample(call.client, latest_()));
+  call.reply(world_sample(call.client, *now_));
 }
 
 protocol::WorldSample Gateway::world_sample(Client& client, const Published& now) const {
@@ -84,9 +84,9 @@ void Gateway::subscribe(const Call& call, std::uint32_t stream, std::uint32_t ev
   if (every == 0) return call.fail(ErrorCode::kBadValue, "every_n_ticks must be at least 1");
   auto& list = call.client.subscriptions;
   std::erase_if(list, [stream](const Subscription& old) { return old.stream == stream; });
-  list.push_back({stream, every, latest_().tick, 0});
+  list.push_back({stream, every, now_->tick, 0});
   call.reply(protocol::Ok{});
-  send_sample(call.client, list.back(), latest_());
+  send_sample(call.client, list.back(), *now_);
 }
 
 void Gateway::unsubscribe(const Call& call, std::uint32_t stream) {
