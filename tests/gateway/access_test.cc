@@ -1,0 +1,83 @@
+#include "server/gateway/access.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "protocol/config/config.h"
+
+namespace visum::gateway {
+namespace {
+
+using protocol::Role;
+
+TEST(Access, EveryRequestNeedsTheRoleOfTheTable) {
+  using namespace protocol;
+  for (const Request& request : std::initializer_list<Request>{Status{}, ListParts{}, DescribePart{}, Read{}, Subscribe{},
+                                                               Unsubscribe{}, GetParameters{}, ReadBlackboard{},
+                                                               DescribeWorld{}, ReadWorld{}, SubscribeWorld{},
+                                                               UnsubscribeWorld{}, ReadMesh{}})
+    EXPECT_EQ(role_needed(request), Role::kObserver) << request.index();
+  for (const Request& request : std::initializer_list<Request>{AcquireLease{}, ReleaseLease{}, Write{}, SetParameter{},
+                                                               WriteBlackboard{}, Join{}, Advance{}, Leave{}})
+    EXPECT_EQ(role_needed(request), Role::kController) << request.index();
+  for (const Request& request : std::initializer_list<Request>{Pause{}, Resume{}, Step{}, SetSpeed{}, Reset{},
+                                                               TakeSnapshot{}, RestoreSnapshot{}, PushBody{}, AddBody{},
+                                                               RemoveBody{}, Shutdown{}})
+    EXPECT_EQ(role_needed(request), Role::kAdmin) << request.index();
+}
+
+class TokenFile : public testing::Test {
+ protected:
+  std::filesystem::path write(const std::string& text) {
+    std::ofstream(file_) << text;
+    using std::filesystem::perms;
+    std::filesystem::permissions(file_, perms::owner_read | perms::owner_write);
+    return file_;
+  }
+  std::string error_of(const std::string& text) {
+    try {
+      Tokens tokens(write(text));
+    } catch (const config::ConfigError& error) {
+      return error.what();
+    }
+    return "none";
+  }
+  const std::filesystem::path file_ = std::filesystem::path(testing::TempDir()) / "visum_tokens";
+};
+
+TEST_F(TokenFile, GivesAtMostTheRoleOfItsToken) {
+  const Tokens tokens(write("# the lab\nobserver 0123456789abcdef\nadmin    fedcba9876543210\n"));
+  EXPECT_EQ(tokens.grant("0123456789abcdef", Role::kAdmin), Role::kObserver);
+  EXPECT_EQ(tokens.grant("fedcba9876543210", Role::kAdmin), Role::kAdmin);
+  EXPECT_EQ(tokens.grant("fedcba9876543210", Role::kController), Role::kController);
+}
+
+TEST_F(TokenFile, LetsNobodyInWithoutAToken) {
+  const Tokens tokens(write("admin fedcba9876543210\n"));
+  for (const auto* token : {"", "f", "fedcba987654321", "fedcba98765432100", "fedcba9876543211"})
+    EXPECT_EQ(tokens.grant(token, Role::kObserver), Role::kUnspecified) << token;
+}
+
+TEST_F(TokenFile, NamesTheLineThatIsWrong) {
+  EXPECT_NE(error_of("admin fedcba9876543210\nboss 0123456789abcdef\n").find(":2: "), std::string::npos);
+  EXPECT_NE(error_of("boss 0123456789abcdef\n").find("'boss' is no role"), std::string::npos);
+  EXPECT_NE(error_of("admin short\n").find("less than 16"), std::string::npos);
+  EXPECT_NE(error_of("admin fedcba9876543210 more\n").find("more than a role and a token"), std::string::npos);
+  EXPECT_NE(error_of("# nothing\n").find("holds no token"), std::string::npos);
+}
+
+TEST_F(TokenFile, RefusesAFileThatOthersMayRead) {
+  write("admin fedcba9876543210\n");
+  std::filesystem::permissions(file_, std::filesystem::perms::others_read, std::filesystem::perm_options::add);
+  EXPECT_THROW(Tokens{file_}, config::ConfigError);
+}
+
+TEST(Access, KnowsLoopback) {
+  for (const auto* address : {"127.0.0.1", "127.1.2.3", "::1", "localhost"}) EXPECT_TRUE(is_loopback(address)) << address;
+  for (const auto* address : {"0.0.0.0", "::", "192.168.1.2", "12.7.0.0"}) EXPECT_FALSE(is_loopback(address)) << address;
+}
+
+}  // namespace
+}  // namespace visum::gateway

@@ -1,0 +1,114 @@
+// Lockstep: the tick waits for each client that joined; the same bits whatever the order of bytes.
+#include <gtest/gtest.h>
+
+#include "tests/gateway/running_daemon.h"
+
+namespace visum::gateway {
+namespace {
+
+using namespace protocol;
+
+TEST(Lockstep, TimeStandsUntilTheClientSteps) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto client = daemon.connect("stepper");
+  EXPECT_EQ(client.request_as<Advanced>(Join{}).tick, 0);
+  EXPECT_EQ(advance(client, 10).tick, 10);
+  EXPECT_EQ(client.request_as<ServerStatus>(Status{}).tick, 10);
+  EXPECT_EQ(advance(client, 7).sim_time_ns, 17'000'000);
+}
+
+TEST(Lockstep, TheSlowestHoldsTheWorld) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto fast = daemon.connect("fast"), slow = daemon.connect("slow");
+  fast.request(Join{});
+  slow.request(Join{});
+  const auto waiting = fast.send(Advance{100});
+  EXPECT_EQ(advance(slow, 30).tick, 30);
+  const auto status = slow.request_as<ServerStatus>(Status{});
+  EXPECT_EQ(status.tick, 30);
+  ASSERT_EQ(status.lockstep.size(), 2u);
+  EXPECT_EQ(status.lockstep[0].client, "fast");
+  EXPECT_EQ(status.lockstep[0].granted_tick, 100);
+  slow.request(Leave{});
+  EXPECT_EQ(std::get<Advanced>(fast.wait(waiting)).tick, 100);
+}
+
+TEST(Lockstep, AClientThatDiesNeverHangsTheWorld) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto survivor = daemon.connect("survivor");
+  survivor.request(Join{});
+  {
+    auto doomed = daemon.connect("doomed");
+    doomed.request(Join{});
+  }
+  EXPECT_EQ(advance(survivor, 10).tick, 10);
+}
+
+TEST(Lockstep, ATimeOutIsAnErrorThatNamesTheClient) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);  // 0.3 s
+  auto waiting = daemon.connect("waiting"), asleep = daemon.connect("asleep");
+  waiting.request(Join{});
+  asleep.request(Join{});
+  const auto error = refusal_of([&] { advance(waiting, 10); });
+  EXPECT_EQ(error.code(), ErrorCode::kTimeout);
+  EXPECT_NE(std::string(error.what()).find("'asleep'"), std::string::npos) << error.what();
+  EXPECT_EQ(advance(waiting, 10).tick, 10) << "and the world goes on without it";
+  EXPECT_EQ(refusal_of([&] { advance(asleep, 1); }).code(), ErrorCode::kWrongState);
+}
+
+TEST(Lockstep, StepsNeedAJoinAndSaneNumbers) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto client = daemon.connect("confused");
+  EXPECT_EQ(refusal_of([&] { advance(client, 1); }).code(), ErrorCode::kWrongState);
+  client.request(Join{});
+  EXPECT_EQ(refusal_of([&] { client.request(Join{}); }).code(), ErrorCode::kWrongState);
+  for (std::int64_t ticks : {std::int64_t{0}, std::int64_t{-1}, std::numeric_limits<std::int64_t>::max(),
+                             std::numeric_limits<std::int64_t>::min()})
+    EXPECT_EQ(refusal_of([&] { advance(client, ticks); }).code(), ErrorCode::kBadValue) << ticks;
+}
+
+// One run of two clients with different periods; `swapped`: the other one connects and writes first.
+std::uint64_t run_of_two(bool swapped) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto mover = daemon.connect(swapped ? "pusher" : "mover", Role::kAdmin);
+  auto pusher = daemon.connect(swapped ? "mover" : "pusher", Role::kAdmin);
+  if (swapped) std::swap(mover, pusher);
+  mover.request(Join{});
+  pusher.request(Join{});
+  mover.request(AcquireLease{"arm", 0, false});
+  for (int i = 0; i < 20; ++i) {
+    const auto push = [&] { pusher.request(PushBody{"box", {0.1 * i, 0, 0}, {}, {}, 3'000'000}); };
+    const auto push_too = [&] { mover.request(PushBody{"box", {0, 0.3, 0.01 * i}, {}, {}, 2'000'000}); };
+    const auto write = [&] { mover.request(Write{"arm", 0, {0.01 * i}, 0}); };
+    if (swapped) push(), write(), push_too();
+    else write(), push_too(), push();
+    const auto reply = mover.send(Advance{10});
+    advance(pusher, 10);
+    mover.wait(reply);
+  }
+  return state_hash(mover);
+}
+
+TEST(Lockstep, TheOrderOfBytesDoesNotChangeTheBits) { EXPECT_EQ(run_of_two(false), run_of_two(true)); }
+
+// The same inputs at the same ticks, one connection, different granularity of steps.
+std::uint64_t run_in_steps_of(std::int64_t step) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto client = daemon.connect("stepper");
+  client.request(Join{});
+  client.request(AcquireLease{"arm", 0, false});
+  for (int i = 0; i < 5; ++i) {
+    client.request(Write{"arm", 0, {0.05 * i, -0.02 * i}, 0});
+    for (std::int64_t done = 0; done < 60; done += step) advance(client, step);
+  }
+  return state_hash(client);
+}
+
+TEST(Lockstep, ReadingMoreOftenDoesNotChangeTheBits) {
+  const auto hash = run_in_steps_of(60);
+  EXPECT_EQ(run_in_steps_of(1), hash);
+  EXPECT_EQ(run_in_steps_of(12), hash);
+}
+
+}  // namespace
+}  // namespace visum::gateway

@@ -1,0 +1,60 @@
+#include "server/gateway/members.h"
+
+#include <gtest/gtest.h>
+
+namespace visum::gateway {
+namespace {
+
+using namespace std::chrono_literals;
+const Member::Clock::time_point kNow{1h};
+
+TEST(Members, LetTheWorldRunAsFarAsTheSlowest) {
+  Members members;
+  members.join(1, "a", 0, 0s).granted_tick = 10;
+  members.join(2, "b", 0, 0s).granted_tick = 25;
+  EXPECT_EQ(members.limit(), 10);
+  EXPECT_TRUE(members.leave(1));
+  EXPECT_EQ(members.limit(), 25);
+  EXPECT_FALSE(members.leave(1));
+}
+
+TEST(Members, KnowWhoWaitsForTheNearestTick) {
+  Members members;
+  members.join(1, "a", 0, 0s).granted_tick = 10;
+  auto& b = members.join(2, "b", 0, 0s);
+  EXPECT_FALSE(members.next_answer());
+  b.granted_tick = 25;
+  b.advance = 99;
+  EXPECT_EQ(members.next_answer(), 25);
+}
+
+TEST(Members, NameWhoIsWaitedForTooLong) {
+  Members members;
+  members.join(1, "patient", 0, 0s);
+  members.join(2, "slow", 0, 10s);
+  members.join(3, "ahead", 0, 1s).granted_tick = 5;
+  EXPECT_EQ(members.waited_too_long(0, kNow), nullptr) << "the wait begins now";
+  EXPECT_EQ(members.waited_too_long(0, kNow + 9s), nullptr);
+  const auto* late = members.waited_too_long(0, kNow + 11s);
+  ASSERT_NE(late, nullptr);
+  EXPECT_EQ(late->client, "slow") << "no time-out for the first, no wait for the third";
+}
+
+TEST(Members, AStepEndsTheWait) {
+  Members members;
+  auto& slow = members.join(1, "slow", 0, 10s);
+  members.waited_too_long(0, kNow);
+  slow.granted_tick = 1;
+  members.waited_too_long(0, kNow + 5s);
+  EXPECT_EQ(members.waited_too_long(1, kNow + 11s), nullptr);
+}
+
+TEST(Members, AllStandAtTheTickOfARestoredWorld) {
+  Members members;
+  members.join(1, "a", 0, 0s).granted_tick = 10;
+  members.rebase(3);
+  EXPECT_EQ(members.limit(), 3);
+}
+
+}  // namespace
+}  // namespace visum::gateway

@@ -1,0 +1,130 @@
+// Pause, step, speed, reset, snapshots; the clocks realtime and free.
+#include <gtest/gtest.h>
+
+#include "tests/gateway/running_daemon.h"
+
+namespace visum::gateway {
+namespace {
+
+using namespace protocol;
+
+ServerStatus status_of(Connection& client) { return client.request_as<ServerStatus>(Status{}); }
+
+TEST(Time, StandsUntilTheFirstLease) {
+  RunningDaemon daemon(scene::ClockKind::kRealtime);
+  auto client = daemon.connect("controller");
+  EXPECT_TRUE(status_of(client).paused);
+  EXPECT_EQ(status_of(client).tick, 0);
+  client.request(AcquireLease{"arm", 0, false});
+  client.request(Join{});
+  EXPECT_GE(advance(client, 5).tick, 5);
+  client.request(ReleaseLease{"arm"});
+}
+
+TEST(Time, StepsExactlyWhilePaused) {
+  RunningDaemon daemon(scene::ClockKind::kRealtime);
+  auto admin = daemon.connect("admin", Role::kAdmin);
+  EXPECT_EQ(admin.request_as<Advanced>(Step{25}).tick, 25);
+  EXPECT_EQ(admin.request_as<Advanced>(Step{1}).tick, 26);
+  admin.request(Resume{});
+  EXPECT_EQ(refusal_of([&] { admin.request(Step{1}); }).code(), ErrorCode::kWrongState);
+  admin.request(Pause{});
+  const auto tick = status_of(admin).tick;
+  EXPECT_TRUE(status_of(admin).paused);
+  EXPECT_EQ(admin.request_as<Advanced>(Step{3}).tick, tick + 3);
+}
+
+TEST(Time, ReadsAreAnsweredWhilePaused) {
+  RunningDaemon daemon(scene::ClockKind::kRealtime);
+  auto reader = daemon.connect("reader", Role::kObserver);
+  EXPECT_EQ(reader.request_as<PartSample>(Read{"arm"}).tick, 0);
+  reader.request(Subscribe{"arm", 10});
+  const auto first = reader.next(std::chrono::seconds(5));
+  ASSERT_TRUE(first && std::holds_alternative<PartSample>(*first));
+  EXPECT_EQ(std::get<PartSample>(*first).tick, 0);
+}
+
+TEST(Time, SamplesComeEveryNTicks) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto reader = daemon.connect("reader", Role::kObserver);
+  auto stepper = daemon.connect("stepper");
+  stepper.request(Join{});
+  reader.request(Subscribe{"arm", 25});
+  reader.request(SubscribeWorld{50});
+  std::vector<std::int64_t> ticks, world_ticks;
+  for (int i = 0; i < 10; ++i) {
+    advance(stepper, 10);
+    reader.request(Status{});
+    while (const auto sample = reader.next(std::chrono::milliseconds(0))) {
+      if (const auto* part = std::get_if<PartSample>(&*sample)) ticks.push_back(part->tick);
+      if (const auto* world = std::get_if<WorldSample>(&*sample)) world_ticks.push_back(world->tick);
+    }
+  }
+  EXPECT_EQ(ticks, (std::vector<std::int64_t>{0, 25, 50, 75, 100}));
+  EXPECT_EQ(world_ticks, (std::vector<std::int64_t>{0, 50, 100}));
+}
+
+TEST(Time, TheSpeedIsOfTheClockRealtimeAndWithinBounds) {
+  RunningDaemon realtime(scene::ClockKind::kRealtime);
+  auto admin = realtime.connect("admin", Role::kAdmin);
+  admin.request(SetSpeed{20.0});
+  EXPECT_EQ(status_of(admin).speed, 20.0);
+  for (double bad : {0.0, -1.0, 1e9, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_EQ(refusal_of([&] { admin.request(SetSpeed{bad}); }).code(), ErrorCode::kBadValue) << bad;
+  RunningDaemon lockstep(scene::ClockKind::kLockstep);
+  auto other = lockstep.connect("admin", Role::kAdmin);
+  EXPECT_EQ(refusal_of([&] { other.request(SetSpeed{2.0}); }).code(), ErrorCode::kWrongState);
+}
+
+TEST(Time, SnapshotsComeBackToTheBitInANewEra) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto admin = daemon.connect("admin", Role::kAdmin);
+  admin.request(Join{});
+  admin.request(AcquireLease{"arm", 0, false});
+  admin.request(Write{"arm", 0, {0.3}, 0});
+  advance(admin, 100);
+  const auto taken = admin.request_as<SnapshotTaken>(TakeSnapshot{});
+  EXPECT_EQ(taken.tick, 100);
+  advance(admin, 100);
+  const auto later = state_hash(admin);
+  admin.request(RestoreSnapshot{taken.snapshot});
+  EXPECT_EQ(state_hash(admin), taken.state_hash);
+  const auto moved = advance(admin, 100);
+  EXPECT_EQ(moved.era, 2u);
+  EXPECT_EQ(moved.tick, 200);
+  EXPECT_EQ(state_hash(admin), later);
+  EXPECT_EQ(refusal_of([&] { admin.request(RestoreSnapshot{999}); }).code(), ErrorCode::kUnknownName);
+}
+
+TEST(Time, ResetGoesBackToTheBeginning) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto admin = daemon.connect("admin", Role::kAdmin);
+  admin.request(Join{});
+  const auto first = state_hash(admin);
+  advance(admin, 50);
+  admin.request(Reset{});
+  EXPECT_EQ(state_hash(admin), first);
+  EXPECT_EQ(advance(admin, 5).tick, 5);
+}
+
+TEST(Time, FreeRunsAsFastAsItGoesAndNobodyHoldsIt) {
+  RunningDaemon daemon(scene::ClockKind::kFree);
+  auto idle = daemon.connect("idle");
+  auto client = daemon.connect("controller");
+  idle.request(Join{});
+  client.request(AcquireLease{"arm", 0, false});
+  client.request(Join{});
+  EXPECT_GE(advance(client, 100).tick, 100) << "the idle member holds nobody";
+  client.request(ReleaseLease{"arm"});
+}
+
+TEST(Time, ANonAdminMayNotTouchIt) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto controller = daemon.connect("controller"), observer = daemon.connect("observer", Role::kObserver);
+  EXPECT_EQ(refusal_of([&] { controller.request(Reset{}); }).code(), ErrorCode::kForbidden);
+  EXPECT_EQ(refusal_of([&] { observer.request(Join{}); }).code(), ErrorCode::kForbidden);
+  EXPECT_EQ(refusal_of([&] { observer.request(AcquireLease{"arm", 0, false}); }).code(), ErrorCode::kForbidden);
+}
+
+}  // namespace
+}  // namespace visum::gateway
