@@ -1,9 +1,10 @@
-// A hardware part: one named set of ports in front of drives or sensors, virtual or real. Knows no world and no socket.
+// A hardware part: one named set of ports in front of drives or sensors, virtual or real. Knows no world and
+// no socket.
 //
-// Order of calls: construction (may throw ConfigError); then, per tick, on the tick's thread: act(), and after the
-// engines moved, publish(). Between ticks, on the same thread: reset(), set_parameter(), controller_lost(),
-// save(), load(). refuse() and description() are constant and may be called from any thread.
-// Nothing here allocates after construction, except description() and the parameter calls.
+// Order of calls: construction (may throw ConfigError); then, per tick, on the tick's thread: act(), and
+// after the engines moved, publish(). Between ticks, on the same thread: reset(), set_parameter(),
+// controller_lost(), save(), load(). refuse() and description() are constant and may be called from any
+// thread. Nothing here allocates after construction, except description() and the parameter calls.
 #pragma once
 
 #include <cstdint>
@@ -30,10 +31,10 @@ struct JointInfo {
 };
 
 struct PartContext {
-  std::string name;                // in the scene
-  config::Node config;             // the part's entry in the scene file
-  std::vector<JointInfo> joints;   // those of the model that the entry names, in the model's order
-  double tick_s;                   // the tick's length
+  std::string name;               // in the scene
+  config::Node config;            // the part's entry in the scene file
+  std::vector<JointInfo> joints;  // those of the model that the entry names, in the model's order
+  double tick_s;                  // the tick's length
 };
 
 class Part {
@@ -45,8 +46,8 @@ class Part {
   // The joints that the part drives: indices into PartContext::joints, in the order of the spans below.
   virtual std::span<const std::size_t> joints() const = 0;
 
-  // Why these controller inputs, already finite and inside their ports' ranges, cannot be taken as a whole; nothing
-  // if they can.
+  // Why these controller inputs, already finite and inside their ports' ranges, cannot be taken as a whole;
+  // nothing if they can.
   virtual std::optional<std::string> refuse(std::span<const double> controller_inputs) const = 0;
 
   // One tick's work of the drives: from inputs and what the joints do to what acts on them.
@@ -67,7 +68,8 @@ class Part {
 
   virtual std::vector<protocol::Parameter> parameters() const { return {}; }
   // Returns why not; nothing if done.
-  virtual std::optional<std::string> set_parameter(const std::string& name, const protocol::ParameterValue& value);
+  virtual std::optional<std::string> set_parameter(const std::string& name,
+                                                   const protocol::ParameterValue& value);
 
   // Blackboards by index in description(). The bytes stay valid until the next call on the tick's thread.
   virtual std::span<const std::byte> read_blackboard(std::size_t) const { return {}; }

@@ -1,5 +1,5 @@
-// Flat, byte-exact saving of the changing state of parts (and of anything else that a snapshot holds). Field by field,
-// so that padding never enters a hash. Native endianness: a snapshot stays on its machine.
+// Flat, byte-exact saving of the changing state of parts (and of anything else that a snapshot holds). Field
+// by field, so that padding never enters a hash. Native endianness: a snapshot stays on its machine.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ class StateWriter {
   explicit StateWriter(std::vector<std::byte>& bytes) : bytes_(bytes) {}
 
   template <typename T>
-    requires std::is_arithmetic_v<T> || std::is_enum_v<T>
+  requires std::is_arithmetic_v<T> || std::is_enum_v<T>
   void put(T value) {
     const auto* from = reinterpret_cast<const std::byte*>(&value);
     bytes_.insert(bytes_.end(), from, from + sizeof value);
@@ -38,10 +38,8 @@ class StateReader {
   explicit StateReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
   template <typename T>
-    requires std::is_arithmetic_v<T> || std::is_enum_v<T>
-  void get(T& value) {
-    copy(&value, sizeof value);
-  }
+  requires std::is_arithmetic_v<T> || std::is_enum_v<T>
+  void get(T& value) { copy(&value, sizeof value); }
   void get(std::span<double> values) { copy(values.data(), values.size_bytes()); }
   bool at_end() const { return bytes_.empty(); }
 

@@ -1,0 +1,52 @@
+// One servo at work. Per tick, on the tick's thread: act() before the engines' step, publish() after it. No
+// allocation.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "hwparts/drive/drive_data.h"
+#include "hwparts/drive/drive_state.h"
+#include "hwparts/drive/gear.h"
+#include "hwparts/joint.h"
+
+namespace visum::drive {
+
+// What a drive is told, every tick. Module's coordinate.
+struct Command {
+  double target = 0.0;
+  double maximum_speed = 0.0;  // above the drive's own: the drive's own
+  bool enabled = true;         // false: stop on a ramp and stand
+};
+
+class Drive {
+ public:
+  // At rest, all its joints at the same position that adds up to `position`.
+  Drive(const DriveData& data, double position, bool homed, double tick_s);
+
+  void act(const Command& command, std::span<const hwparts::JointSample> joints,
+           std::span<hwparts::JointDrive> drives);
+  // Without an act() before it (before the first tick, after a restore), only takes notice of where the
+  // joints are.
+  void publish(std::span<const hwparts::JointSample> joints);
+  // Back to the state after construction.
+  void restart();
+
+  const DriveData& data() const { return data_; }
+  const DriveState& state() const { return state_; }
+  DriveState& state() { return state_; }
+  void load(hwparts::StateReader& from);
+
+ private:
+  void move_setpoint(const Command& command);
+  MotorEffort drive_motor();
+
+  DriveData data_;
+  double tick_s_;
+  DriveState initial_;
+  DriveState state_;
+  RotorPlan plan_;      // from act() to publish() of the same tick
+  bool acted_ = false;  // plan_ holds
+};
+
+}  // namespace visum::drive

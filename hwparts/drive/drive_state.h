@@ -1,0 +1,72 @@
+// What changes about one servo from tick to tick. Plain; everything that decides the future is here, so that
+// saving it saves the drive. Units as in drive_data.h.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "hwparts/drive/drive_data.h"
+#include "hwparts/drive/ramp.h"
+#include "hwparts/state_archive.h"
+
+namespace visum::drive {
+
+// What may be changed while the drive runs; starts as the data say.
+struct Tuning {
+  double position_gain = 0.0;         // 1/s
+  double velocity_bandwidth = 0.0;    // 1/s
+  double integral_time = 0.0;         // s; 0: none
+  double maximum_acceleration = 0.0;  // [u]/s²
+  double following_error = 0.0;       // [u]
+  double soft_minimum = 0.0;          // [u]
+  double soft_maximum = 0.0;
+  double supply_voltage = 0.0;  // V
+};
+
+struct DriveState {
+  // Mechanics: the rotor in the module's coordinate, apart from the joints that hang on it by the gear's
+  // spring.
+  double rotor_position = 0.0;
+  double rotor_speed = 0.0;
+  std::array<double, kMaxJointsPerDrive> joint_position{};  // as last published
+  double gear_effort = 0.0;                                 // [F], transmitted during the last tick
+
+  // What the module knows.
+  double measured_position = 0.0;  // whole increments
+  double measured_speed = 0.0;     // filtered difference
+  Setpoint setpoint;
+  double integral_current = 0.0;  // A, the velocity loop's integral part
+  double current = 0.0;           // A, during the last tick
+
+  // Heat.
+  double i2t = 0.0;      // A²s
+  double winding = 0.0;  // °C
+
+  // Modes.
+  std::uint32_t latched = 0;  // bits of the state word that stay until something clears them
+  bool loop_closed = true;
+  bool brake_closed = false;
+  double brake_time = 0.0;  // s since the loop opened or closed
+  bool homing = false;
+  bool power_cycled = false;  // the supply was off since the last fault of the power stage
+  bool holding = false;       // stands until the command's target is another one than hold_target
+  double hold_target = 0.0;
+  std::int8_t soft_side = 0;  // -1, +1: beyond that soft limit, and known to be
+  std::int8_t hard_side = 0;
+
+  // The gear's load since the last Reset.
+  double peak_effort = 0.0;     // [F]
+  std::uint64_t overloads = 0;  // times that the rating was exceeded
+  bool overloaded = false;
+
+  Tuning tuning;
+};
+
+Tuning initial_tuning(const DriveData& data);
+// At rest at `position`, powered, with the loop closed.
+DriveState initial_state(const DriveData& data, double position, bool homed);
+
+void save(const DriveState& state, hwparts::StateWriter& to);
+void load(DriveState& state, hwparts::StateReader& from);
+
+}  // namespace visum::drive

@@ -1,0 +1,106 @@
+#include "hwparts/drive/gear.h"
+
+#include <cmath>
+
+#include "hwparts/drive/friction.h"
+
+namespace visum::drive {
+namespace {
+
+bool rigid(const GearData& gear) {
+  return gear.stiffness == 0.0;
+}
+
+double sign(double x) {
+  return x < 0.0 ? -1.0 : 1.0;
+}
+
+RotorPlan braked(const DriveData& data, double speed, double inertia, double tick_s) {
+  const double mobility = tick_s / inertia;
+  const double slowed =
+      data.reflected_inertia() * speed / inertia - mobility * data.brake.holding_effort * sign(speed);
+  const bool sticks = rigid(data.gear) || speed == 0.0 || slowed * speed <= 0.0;
+  if (sticks) return {0.0, 0.0, mobility};
+  return {slowed, mobility, mobility};
+}
+
+// Which flank of the backlash the motion runs towards: the one it touches, unless it will have crossed the
+// play.
+double flank(double torsion, double predicted, double half_play) {
+  if (torsion > half_play) return predicted < -half_play ? -1.0 : 1.0;
+  if (torsion < -half_play) return predicted > half_play ? 1.0 : -1.0;
+  return sign(predicted);
+}
+
+// The rotor is where the joint is; with the brake closed, dry friction holds it.
+hwparts::JointDrive couple_rigidly(const DriveData& data, const RotorPlan& plan, double n) {
+  const double limit = plan.mobility > 0.0 ? data.gear.breaking_effort : data.brake.holding_effort;
+  return {plan.free_speed / n, plan.mobility / n, limit, 0.0};
+}
+
+double total_effort(std::span<const hwparts::JointSample> joints) {
+  double sum = 0.0;
+  for (const auto& joint : joints) sum += joint.effort;
+  return sum / static_cast<double>(joints.size());
+}
+
+// ω⁺ by (1), or by the brake.
+double next_speed(const DriveData& data, const DriveState& state, const RotorPlan& plan, double effort) {
+  if (!state.brake_closed) return plan.free_speed - plan.mobility * effort;
+  if (plan.mobility > 0.0) {
+    const double speed = plan.free_speed - plan.mobility * effort;
+    return speed * state.rotor_speed > 0.0 ? speed : 0.0;
+  }
+  const double excess = std::abs(effort) - data.brake.holding_effort;
+  return excess > 0.0 ? -sign(effort) * plan.slip_mobility * excess : 0.0;
+}
+
+void follow_joints(std::span<const hwparts::JointSample> joints, DriveState& state) {
+  state.rotor_position = state.rotor_speed = 0.0;
+  for (const auto& joint : joints) {
+    state.rotor_position += joint.position;
+    state.rotor_speed += joint.velocity;
+  }
+}
+
+}  // namespace
+
+RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const MotorEffort& motor,
+                     double tick_s) {
+  const double speed = state.rotor_speed;
+  const double inertia =
+      data.reflected_inertia() + tick_s * (friction_secant(data.gear, speed) + motor.damping);
+  if (state.brake_closed) return braked(data, speed, inertia, tick_s);
+  const double effort = motor.effort + motor.damping * speed;  // at standstill, on the same slope
+  return {(data.reflected_inertia() * speed + tick_s * effort) / inertia, tick_s / inertia, tick_s / inertia};
+}
+
+hwparts::JointDrive couple(const DriveData& data, const RotorPlan& plan, double rotor_position,
+                           std::size_t share, const hwparts::JointSample& joint, double tick_s) {
+  const auto& gear = data.gear;
+  const double n = static_cast<double>(share);
+  if (rigid(gear)) return couple_rigidly(data, plan, n);
+  const double k = gear.stiffness / n;
+  const double kappa = tick_s * k + gear.damping / n;
+  const double c = (1.0 / kappa + n * plan.mobility) / (n * n);  // at the joint
+  const double torsion = rotor_position - n * joint.position;
+  if (gear.backlash == 0.0)
+    return {(plan.free_speed + k * torsion / kappa) / n, c, gear.breaking_effort, 0.0};
+
+  const double half_play = 0.5 * gear.backlash;
+  const double predicted = torsion + tick_s * (plan.free_speed - n * joint.velocity);
+  const double side = flank(torsion, predicted, half_play);
+  const double target = (plan.free_speed + k * (torsion - side * half_play) / kappa) / n;
+  const double half_limit = 0.5 * gear.breaking_effort;
+  return {target - c * side * half_limit, c, half_limit, side * half_limit};
+}
+
+void move_rotor(const DriveData& data, const RotorPlan& plan, std::span<const hwparts::JointSample> joints,
+                double tick_s, DriveState& state) {
+  state.gear_effort = total_effort(joints);
+  if (rigid(data.gear)) return follow_joints(joints, state);
+  state.rotor_speed = next_speed(data, state, plan, state.gear_effort);
+  state.rotor_position += tick_s * state.rotor_speed;
+}
+
+}  // namespace visum::drive

@@ -1,0 +1,68 @@
+// The gear between rotor and joint: torsion, backlash, friction, rotor inertia and brake, coupled implicitly
+// to whatever the joint hangs on. Stable at any stiffness, inertia and tick.
+//
+// Symbols (module's coordinate, see drive_data.h; ⁺ marks the tick's end):
+//   h        tick                                      θ, ω    rotor's position and speed
+//   q, q̇     joint's position and speed                φ       torsion, θ - q, less half the backlash when
+//   engaged k, d     stiffness and damping of the gear         J       reflected rotor inertia, N² J_rotor τ
+//   effort transmitted to the joint           τm      motor effort, k_m N I S        secant of friction, S ω
+//   = friction effort (friction.h), plus the back-EMF's slope where the supply limits
+//
+// Rotor, semi-implicitly:   J (ω⁺ - ω) = h (τm - S ω⁺ - τ)
+//   with  Jₑ = J + h S  and the speed without a load  ωf = (J ω + h τm) / Jₑ :      ω⁺ = ωf - h τ / Jₑ (1)
+// Spring and damper at the tick's end, φ⁺ = φ + h (ω⁺ - q̇⁺):
+//   τ = k φ⁺ + d (ω⁺ - q̇⁺) = k φ + κ (ω⁺ - q̇⁺),   κ = h k + d (2)
+// (1) in (2), with everything that the drive knows on one side:
+//   τ = (v* - q̇⁺) / c,    v* = ωf + k φ / κ,    c = 1/κ + h/Jₑ (3)
+// which is what a JointDrive says: target_velocity = v*, compliance = c. The engine finds q̇⁺ together with
+// contacts and all other joints, reports τ, and (1) moves the rotor: θ⁺ = θ + h ω⁺. A rigid gear is k ->
+// infinity: c = h/Jₑ, v* = ωf, and the rotor is where the joint is.
+//
+// Backlash b: within |θ - q| <= b/2 nothing is transmitted. The flank that the motion runs towards is a
+// spring that can push but not pull: with side s, φ = θ - q - s b/2, and s τ in [0, F], F the breaking
+// effort. A JointDrive's limits are symmetric, so half of F goes into the feedforward:  max_effort = F/2,
+// feedforward = s F/2, and v* less c s F/2 gives the same τ as (3) wherever 0 < s τ < F. Entering and leaving
+// are decided by q̇⁺ itself, within the tick, and since the flank's potential is convex, an implicit step
+// through it never gains energy.
+//
+// Brake closed: dry friction of T on the rotor. Stuck: ω⁺ = 0, so c = 1/κ, v* = k φ / κ; if |τ| > T it starts
+// to slip. Slipping: τm is 0 and T acts against ω; the rotor sticks when that would turn it around.
+//
+// n joints on one drive (q = Σ qᵢ, a gripper's fingers): each gets a share of 1/n in k, d, J and F, and its
+// own torsion θ - n qᵢ; effort and speed at the joint are n and 1/n times the module's. In (1) the shares are
+// summed, which can only lose energy against n rotors of their own. Equal fingers are exact.
+#pragma once
+
+#include <span>
+
+#include "hwparts/drive/drive_data.h"
+#include "hwparts/drive/drive_state.h"
+#include "hwparts/joint.h"
+
+namespace visum::drive {
+
+// What the motor does during a tick: effort at the speed that the rotor has, and how it falls with more
+// speed.
+struct MotorEffort {
+  double effort = 0.0;   // [F]
+  double damping = 0.0;  // [F]/([u]/s), >= 0
+};
+
+// The rotor during one tick, as (1) has it.
+struct RotorPlan {
+  double free_speed = 0.0;     // ωf
+  double mobility = 0.0;       // h/Jₑ; 0: held by the brake
+  double slip_mobility = 0.0;  // h/Jₑ should the brake slip
+};
+
+RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const MotorEffort& motor, double tick_s);
+
+// What acts on one of `share` joints.
+hwparts::JointDrive couple(const DriveData& data, const RotorPlan& plan, double rotor_position,
+                           std::size_t share, const hwparts::JointSample& joint, double tick_s);
+
+// After the step. `joints` as the engine left them.
+void move_rotor(const DriveData& data, const RotorPlan& plan, std::span<const hwparts::JointSample> joints,
+                double tick_s, DriveState& state);
+
+}  // namespace visum::drive

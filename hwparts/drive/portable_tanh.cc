@@ -1,0 +1,37 @@
+#include "hwparts/drive/portable_tanh.h"
+
+#include <cmath>
+
+namespace visum::drive {
+namespace {
+
+// e^r - 1 for |r| <= ln(2)/2 by its Taylor series in Horner form: the first term left out is below 1e-17 of
+// the sum.
+double small_expm1(double r) {
+  constexpr int kTerms = 14;
+  double sum = 1.0;
+  for (int n = kTerms; n >= 2; --n) sum = 1.0 + sum * r / n;
+  return r * sum;
+}
+
+// e^y - 1 for 0 <= y <= 40, with y = n ln2 + r. ln2 is split in two so that n * kLn2High is exact.
+double expm1_positive(double y) {
+  constexpr double kInvLn2 = 1.4426950408889634;
+  constexpr double kLn2High = 6.93147180369123816490e-01;
+  constexpr double kLn2Low = 1.90821492927058770002e-10;
+  const double n = std::floor(y * kInvLn2 + 0.5);
+  const double r = (y - n * kLn2High) - n * kLn2Low;
+  const double scale = std::ldexp(1.0, static_cast<int>(n));
+  return scale * small_expm1(r) + (scale - 1.0);
+}
+
+}  // namespace
+
+double portable_tanh(double x) {
+  const double magnitude = std::abs(x);
+  if (!(magnitude <= 20.0)) return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : x;  // the last: not a number
+  const double e = expm1_positive(2.0 * magnitude);                     // tanh x = (e^2x - 1) / (e^2x + 1)
+  return std::copysign(e / (e + 2.0), x);
+}
+
+}  // namespace visum::drive

@@ -1,0 +1,44 @@
+// What a module watches and what stops it: limits, following error, supply, heat, brake; and the three verbs
+// Reset, Home, Halt. Every fault latches its bit and ERROR. Two ways to stop:
+//   on a ramp, loop closed   Halt, TOW_ERROR, COMM_ERROR, BEYOND_SOFT
+//   at once, loop open       BEYOND_HARD and all that switch the power stage off; the brake falls in
+// Reset clears what has lost its cause. What the power stage reports (FET_TEMP, INTEGRALERR) needs a power
+// cycle first. Pushed beyond a limit, Reset takes ERROR away but leaves BEYOND_... standing until the axis is
+// back inside; meanwhile only motion away from the limit is taken, and a target further out is the same fault
+// again. A target beyond a soft limit does not lead beyond it.
+#pragma once
+
+#include <cstdint>
+
+#include "hwparts/drive/drive_data.h"
+#include "hwparts/drive/drive_state.h"
+
+namespace visum::drive {
+
+bool has(const DriveState& state, std::uint32_t bits);  // any of them, latched
+// Power on, brake open: the loop moves the rotor.
+bool ready(const DriveState& state);
+
+// Compares everything with its limit; latches and stops. Called once per tick, before the setpoint moves.
+void supervise(const DriveData& data, DriveState& state);
+// How far towards `target` the soft limits let the axis go. With a target beyond one it goes as far as the
+// limit, stops there on its ramp and trips; beyond a limit already, a target further out trips at once.
+double reachable_target(const DriveData& data, DriveState& state, double target);
+// The brake follows the loop after its release and engage time.
+void move_brake(const BrakeData& brake, DriveState& state, double tick_s);
+
+// Counts when the gear carries more than its rating.
+void watch_gear(const GearData& gear, DriveState& state);
+
+// `target`: the one in force now; it is not gone to until another one is given.
+void hold(DriveState& state, double target);
+void reset(const DriveData& data, DriveState& state, double target);
+void halt(DriveState& state, double target);
+// Nothing while a fault stands or the loop is open.
+void home(DriveState& state);
+void lose_controller(DriveState& state);
+
+// The state word as a module reports it.
+std::uint32_t state_word(const DriveState& state);
+
+}  // namespace visum::drive

@@ -1,0 +1,31 @@
+#include <array>
+
+#include "hwparts/amtec_arm/amtec_arm.h"
+#include "hwparts/part.h"
+#include "hwparts/servo_group/servo_group.h"
+
+namespace visum::hwparts {
+namespace {
+
+constexpr std::array<PartKind, 2> kKinds{{
+    {"amtec_arm", "the 7-DOF PowerCube arm with its two-finger gripper", amtec_arm::make},
+    {"servo_group", "any joints of a robot, each with a drive", servo_group::make},
+}};
+
+}  // namespace
+
+std::span<const PartKind> part_kinds() {
+  return kKinds;
+}
+
+std::unique_ptr<Part> make_part(const std::string& kind, const PartContext& context) {
+  for (const auto& row : kKinds) {
+    if (kind == row.name) return row.make(context);
+  }
+  const auto place = context.config.find("kind").value_or(context.config);
+  std::string known;
+  for (const auto& row : kKinds) known += (known.empty() ? "" : ", ") + std::string(row.name);
+  place.fail("there is no kind of part '" + kind + "'; there are: " + known);
+}
+
+}  // namespace visum::hwparts

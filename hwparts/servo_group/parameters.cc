@@ -1,0 +1,84 @@
+// The parameters of a ServoGroup: those of each drive (tuning.h), numbered, and those of the whole part.
+#include <cmath>
+#include <limits>
+
+#include "hwparts/servo_group/servo_group.h"
+#include "hwparts/servo_group/tuning.h"
+
+namespace visum::servo_group {
+namespace {
+
+constexpr const char* kSupplyVoltage = "Supply Voltage";
+constexpr const char* kOnControllerLost = "On Controller Lost";
+constexpr double kHighestSupply_v = 60.0;
+
+protocol::Parameter supply_parameter(double volts) {
+  return {kSupplyVoltage,
+          "V",
+          "of the motors; 0 is off, below the drives' minimum they switch off (POW_VOLT_ERR)",
+          volts,
+          0.0,
+          kHighestSupply_v};
+}
+
+protocol::Parameter lost_parameter(OnControllerLost now) {
+  protocol::Parameter parameter;
+  parameter.name = kOnControllerLost;
+  parameter.help = "what a lost controller does: stop on a ramp with a fault, or hold the last values";
+  parameter.value = std::string(now == OnControllerLost::kHold ? "hold" : "stop");
+  parameter.choices = {"stop", "hold"};
+  return parameter;
+}
+
+// A number in either of its two forms; NaN for what is none.
+double as_number(const protocol::ParameterValue& value) {
+  if (const auto* number = std::get_if<double>(&value)) return *number;
+  if (const auto* integer = std::get_if<std::int64_t>(&value)) return static_cast<double>(*integer);
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+std::vector<protocol::Parameter> ServoGroup::parameters() const {
+  std::vector<protocol::Parameter> all;
+  all.push_back(lost_parameter(state_.on_controller_lost));
+  all.push_back(supply_parameter(axes_.front().drive.state().tuning.supply_voltage));
+  for (std::size_t i = 0; i < axes_.size(); ++i) append_parameters(axes_[i].drive, i + 1, tick_s_, all);
+  return all;
+}
+
+std::optional<std::string> ServoGroup::set_parameter(const std::string& name,
+                                                     const protocol::ParameterValue& value) {
+  if (name == kOnControllerLost) {
+    const auto* word = std::get_if<std::string>(&value);
+    if (!word || (*word != "stop" && *word != "hold")) return "must be 'stop' or 'hold'";
+    state_.on_controller_lost = *word == "hold" ? OnControllerLost::kHold : OnControllerLost::kStop;
+    return std::nullopt;
+  }
+  for (const auto& parameter : parameters()) {
+    if (parameter.name != name) continue;
+    if (parameter.read_only) return "'" + name + "' can only be read";
+    const double number = as_number(value);
+    if (!std::isfinite(number)) return "must be a finite number";
+    return name == kSupplyVoltage ? set_supply(number) : set_tuning(name, number);
+  }
+  return Part::set_parameter(name, value);
+}
+
+std::optional<std::string> ServoGroup::set_tuning(const std::string& name, double value) {
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    for (const auto& field : tuning_fields()) {
+      if (name == field.name + (" " + std::to_string(i + 1)))
+        return tune(axes_[i].drive, field, value, tick_s_);
+    }
+  }
+  return Part::set_parameter(name, value);
+}
+
+std::optional<std::string> ServoGroup::set_supply(double volts) {
+  if (volts < 0.0 || volts > kHighestSupply_v) return "must be between 0 and 60 V";
+  for (auto& axis : axes_) axis.drive.state().tuning.supply_voltage = volts;
+  return std::nullopt;
+}
+
+}  // namespace visum::servo_group

@@ -1,0 +1,56 @@
+// The ports of a group of servos, and where each stands in the two vectors. The order is a contract:
+//   CI  per block of joints: desired 1..n, maximum speed 1..n; then Reset, Home, Halt, Execution Enable
+//   SO  actual positions of all blocks, actual speeds of all blocks, Actual Current 1..m, Module State 1..m,
+//   Part State,
+//       Changed
+// A block is joints whose ports are named alike: the arm's angles, the gripper's fingers.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hwparts/part.h"
+#include "hwparts/servo_group/drive_list.h"
+#include "hwparts/servo_group/part_state.h"
+#include "protocol/part_description.h"
+
+namespace visum::servo_group {
+
+struct PortNames {
+  const char* desired;
+  const char* maximum;
+  const char* actual;
+  const char* speed;
+};
+inline constexpr PortNames kAngle{"Desired Angle", "Maximum Speed", "Actual Angle", "Actual Speed"};
+inline constexpr PortNames kPosition{"Desired Position", "Maximum Speed", "Actual Position", "Actual Speed"};
+
+// One joint of the part, as its ports see it.
+struct Channel {
+  std::size_t drive;  // index into DriveList::drives
+  std::size_t joint;  // index into PartContext::joints
+  PortNames names;
+  int number;  // "Desired Angle 3"
+  // Where it stands in the vectors.
+  std::size_t desired = 0, maximum = 0;
+  std::size_t actual = 0, speed = 0, current = 0, state = 0;
+};
+
+struct PortLayout {
+  std::vector<protocol::Port> controller_inputs;
+  std::vector<protocol::Port> sensor_outputs;
+  std::vector<Channel> channels;  // drive by drive
+  std::size_t reset = 0, home = 0, halt = 0, enable = 0;
+  std::size_t part_state = 0, changed = 0;
+};
+
+struct Start {
+  bool homed;
+  bool execution_enable;
+};
+
+// `blocks`: the channels, grouped; their numbers count from 1 within a block's names.
+PortLayout make_layout(const std::vector<std::vector<Channel>>& blocks, const DriveList& drives,
+                       const hwparts::PartContext& context, const Start& start);
+
+}  // namespace visum::servo_group

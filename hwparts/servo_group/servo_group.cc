@@ -1,0 +1,195 @@
+#include "hwparts/servo_group/servo_group.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hwparts/drive/state_word.h"
+#include "hwparts/drive/supervision.h"
+#include "hwparts/servo_group/identity.h"
+
+namespace visum::servo_group {
+namespace {
+
+namespace bit = drive::state_bit;
+
+bool changes(double& seen, double now) {
+  const bool changed = seen != now;
+  seen = now;
+  return changed;
+}
+
+}  // namespace
+
+ServoGroup::ServoGroup(const hwparts::PartContext& context, const std::string& kind, const DriveList& drives,
+                       const PartOptions& options, PortLayout layout)
+    : layout_(std::move(layout)), tick_s_(context.tick_s), identity_(identity_text(kind, drives)) {
+  for (const auto& entry : drives.drives) {
+    axes_.push_back({drive::Drive(entry.data, entry.initial_position, options.homed, tick_s_), joints_.size(),
+                     entry.joints.size()});
+    joints_.insert(joints_.end(), entry.joints.begin(), entry.joints.end());
+  }
+  initial_.enabled = options.execution_enable;
+  initial_.on_controller_lost = options.on_controller_lost;
+  state_ = initial_;
+  description_ = {context.name,           kind,         layout_.controller_inputs,
+                  layout_.sensor_outputs, parameters(), {identity_board(identity_)}};
+}
+
+std::optional<std::string> ServoGroup::refuse(std::span<const double> inputs) const {
+  for (const std::size_t counter : {layout_.reset, layout_.home, layout_.halt, layout_.enable}) {
+    if (inputs[counter] == std::floor(inputs[counter])) continue;
+    return layout_.controller_inputs[counter].name + " takes whole numbers only";
+  }
+  for (const auto& axis : axes_) {
+    const auto& first = layout_.channels[axis.first];
+    const double tolerance = axis.drive.data().increment();
+    for (std::size_t i = axis.first + 1; i < axis.first + axis.count; ++i) {
+      const auto& other = layout_.channels[i];
+      for (const auto& [a, b] :
+           {std::pair{first.desired, other.desired}, std::pair{first.maximum, other.maximum}}) {
+        if (std::abs(inputs[a] - inputs[b]) <= tolerance) continue;
+        return layout_.controller_inputs[a].name + " and " + layout_.controller_inputs[b].name +
+               " must be equal: one drive moves both by the same amount";
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+void ServoGroup::act(std::span<const double> inputs, std::span<const hwparts::JointSample> samples,
+                     std::span<hwparts::JointDrive> drives) {
+  state_.enabled = inputs[layout_.enable] >= 0.5;
+  obey_counters(inputs);
+  interlock(inputs);
+  const bool enabled = state_.enabled && !any(bit::kError);
+  for (auto& axis : axes_) {
+    axis.drive.act({target(axis, inputs), maximum_speed(axis, inputs), enabled},
+                   samples.subspan(axis.first, axis.count), drives.subspan(axis.first, axis.count));
+  }
+  acted_ = true;
+}
+
+void ServoGroup::obey_counters(std::span<const double> inputs) {
+  if (changes(state_.reset, inputs[layout_.reset])) {
+    if (any(bit::kError | bit::kHalted)) hold_all(inputs);
+    for (auto& axis : axes_) drive::reset(axis.drive.data(), axis.drive.state(), target(axis, inputs));
+  }
+  const bool may_move = state_.enabled && !any(bit::kError);
+  if (changes(state_.home, inputs[layout_.home]) && may_move) {
+    for (auto& axis : axes_) drive::home(axis.drive.state());
+  }
+  if (changes(state_.halt, inputs[layout_.halt])) {
+    for (auto& axis : axes_) drive::halt(axis.drive.state(), target(axis, inputs));
+  }
+}
+
+// While something is stopped, everything stands, and what is commanded meanwhile does not count.
+void ServoGroup::interlock(std::span<const double> inputs) {
+  if (any(bit::kError | bit::kHalted)) hold_all(inputs);
+}
+
+void ServoGroup::hold_all(std::span<const double> inputs) {
+  for (auto& axis : axes_) drive::hold(axis.drive.state(), target(axis, inputs));
+}
+
+double ServoGroup::target(const Axis& axis, std::span<const double> inputs) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < axis.count; ++i) sum += inputs[layout_.channels[axis.first + i].desired];
+  return sum;
+}
+
+double ServoGroup::maximum_speed(const Axis& axis, std::span<const double> inputs) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < axis.count; ++i) sum += inputs[layout_.channels[axis.first + i].maximum];
+  return sum;
+}
+
+void ServoGroup::publish(std::span<const hwparts::JointSample> samples, std::span<double> outputs) {
+  if (acted_) ++state_.changed;
+  acted_ = false;
+  for (auto& axis : axes_) {
+    axis.drive.publish(samples.subspan(axis.first, axis.count));
+    const auto& state = axis.drive.state();
+    const double n = static_cast<double>(axis.count);
+    for (std::size_t i = axis.first; i < axis.first + axis.count; ++i) {
+      const auto& channel = layout_.channels[i];
+      outputs[channel.actual] = state.measured_position / n;
+      outputs[channel.speed] = state.measured_speed / n;
+      outputs[channel.current] = state.current;
+      outputs[channel.state] = drive::state_word(state);
+    }
+  }
+  outputs[layout_.part_state] = static_cast<double>(part_state());
+  outputs[layout_.changed] = static_cast<double>(state_.changed);
+}
+
+void ServoGroup::following_errors(std::span<double> errors) const {
+  for (const auto& axis : axes_) {
+    const auto& state = axis.drive.state();
+    const double commanded = state.setpoint.position / static_cast<double>(axis.count);
+    for (std::size_t i = 0; i < axis.count; ++i) errors[axis.first + i] = commanded - state.joint_position[i];
+  }
+}
+
+bool ServoGroup::any(std::uint32_t bits) const {
+  return std::ranges::any_of(axes_, [&](const Axis& axis) { return drive::has(axis.drive.state(), bits); });
+}
+
+PartState ServoGroup::part_state() const {
+  const auto some = [&](auto holds) {
+    return std::ranges::any_of(axes_, [&](const Axis& axis) { return holds(axis.drive.state()); });
+  };
+  if (any(bit::kCommError)) return PartState::kControllerLost;
+  if (any(bit::kError)) return PartState::kFault;
+  if (any(bit::kHalted)) return PartState::kHalted;
+  if (some([](const auto& state) { return state.homing; })) return PartState::kHoming;
+  if (some([](const auto& state) { return !drive::has(state, bit::kHomeOk); })) return PartState::kNotHomed;
+  if (!state_.enabled) return PartState::kDisabled;
+  const bool moving = some([](const auto& state) { return (drive::state_word(state) & bit::kMotion) != 0; });
+  return moving ? PartState::kMoving : PartState::kReady;
+}
+
+void ServoGroup::controller_lost() {
+  if (state_.on_controller_lost == OnControllerLost::kHold) return;
+  for (auto& axis : axes_) drive::lose_controller(axis.drive.state());
+}
+
+void ServoGroup::reset() {
+  for (auto& axis : axes_) axis.drive.restart();
+  state_ = initial_;
+  acted_ = false;
+}
+
+std::span<const std::byte> ServoGroup::read_blackboard(std::size_t index) const {
+  if (index != 0) return {};
+  return std::as_bytes(std::span(identity_));
+}
+
+void ServoGroup::save(hwparts::StateWriter& to) const {
+  for (const auto& axis : axes_) drive::save(axis.drive.state(), to);
+  to.put(state_.reset), to.put(state_.home), to.put(state_.halt);
+  to.put(state_.enabled), to.put(state_.on_controller_lost), to.put(state_.changed);
+}
+
+void ServoGroup::load(hwparts::StateReader& from) {
+  for (auto& axis : axes_) axis.drive.load(from);
+  from.get(state_.reset), from.get(state_.home), from.get(state_.halt);
+  from.get(state_.enabled), from.get(state_.on_controller_lost), from.get(state_.changed);
+  acted_ = false;
+}
+
+std::unique_ptr<hwparts::Part> make(const hwparts::PartContext& context) {
+  const auto options = read_options(context.config);
+  const auto drives = load_drives(context);
+  std::vector<Channel> channels;
+  for (std::size_t d = 0; d < drives.drives.size(); ++d) {
+    for (std::size_t joint : drives.drives[d].joints) {
+      const auto names = drives.drives[d].data.linear ? kPosition : kAngle;
+      channels.push_back({d, joint, names, static_cast<int>(channels.size()) + 1});
+    }
+  }
+  auto layout = make_layout({channels}, drives, context, {options.homed, options.execution_enable});
+  return std::make_unique<ServoGroup>(context, "servo_group", drives, options, std::move(layout));
+}
+
+}  // namespace visum::servo_group
