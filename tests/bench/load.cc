@@ -1,0 +1,150 @@
+// visum-load: many observers and one controller against a daemon in real time. Says whether anything was lost, and how
+// late the daemon's ticks were. Exit code 0 only if nobody was disconnected and no command was lost.
+#include <poll.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <cstdio>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "protocol/client.h"
+#include "tests/bench/percentiles.h"
+
+namespace {
+
+using namespace visum;
+using namespace visum::protocol;
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  std::string connect = "127.0.0.1:1500";
+  std::string part = "arm";
+  int observers = 64;
+  double hz = 100.0;
+  double seconds = 60.0;
+};
+
+struct Observed {
+  std::uint64_t samples = 0;
+  std::uint64_t conflated = 0;
+  int disconnects = 0;
+};
+
+Connection connect_as(const Options& options, const std::string& name, Role role) {
+  const auto [host, port] = parse_address(options.connect);
+  return Connection(host, port, {1, 1, name, role, {}});
+}
+
+std::uint32_t period_ticks(const Connection& client, double hz) {
+  return static_cast<std::uint32_t>(1e9 / hz / static_cast<double>(client.welcome().tick_ns) + 0.5);
+}
+
+// Reads all observers' samples on one thread, as they come.
+Observed observe(const Options& options, std::vector<Connection>& observers, const std::atomic<bool>& ended,
+                 bench::Percentiles& gaps) {
+  Observed observed;
+  std::vector<pollfd> waits;
+  std::vector<Clock::time_point> last(observers.size(), Clock::now());
+  for (auto& observer : observers) {
+    observer.request(Subscribe{options.part, period_ticks(observer, options.hz)});
+    waits.push_back({observer.native_handle(), POLLIN, 0});
+  }
+  while (!ended) {
+    ::poll(waits.data(), waits.size(), 100);
+    for (std::size_t i = 0; i < observers.size(); ++i) {
+      if (waits[i].fd < 0 || !waits[i].revents) continue;
+      try {
+        while (const auto reply = observers[i].next(std::chrono::milliseconds(0))) {
+          const auto* sample = std::get_if<PartSample>(&*reply);
+          if (!sample) continue;
+          ++observed.samples;
+          observed.conflated = std::max(observed.conflated, sample->conflated);
+          gaps.add(Clock::now() - std::exchange(last[i], Clock::now()));
+        }
+      } catch (const std::exception& error) {
+        std::printf("observer %zu: %s\n", i, error.what());
+        ++observed.disconnects;
+        waits[i].fd = -1;
+      }
+    }
+  }
+  return observed;
+}
+
+// Writes a vector each period and waits for the tick. Returns how many writes the server took.
+std::uint64_t control(Connection& client, const Options& options, bench::Percentiles& round_trips) {
+  const auto ticks = static_cast<std::int64_t>(period_ticks(client, options.hz));
+  const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.seconds));
+  const auto start = client.request_as<PartSample>(Read{options.part}).controller_inputs;
+  std::uint64_t sequence = 0;
+  while (Clock::now() < until) {
+    auto angles = std::vector(start.begin(), start.begin() + 7);
+    angles[0] += 1e-3 * static_cast<double>(++sequence % 100);
+    const auto sent = Clock::now();
+    client.request_as<Ok>(Write{options.part, 0, angles, sequence});
+    round_trips.add(Clock::now() - sent);
+    client.request_as<Advanced>(Advance{ticks});
+    const auto in_force = client.request_as<PartSample>(Read{options.part}).controller_inputs;
+    if (in_force[0] != angles[0]) std::printf("command %lu is not in force\n", static_cast<unsigned long>(sequence)), sequence = 0;
+    if (sequence == 0) return 0;
+  }
+  return sequence;
+}
+
+int run(const Options& options) {
+  std::vector<Connection> observers;
+  for (int i = 0; i < options.observers; ++i)
+    observers.push_back(connect_as(options, "observer " + std::to_string(i), Role::kObserver));
+  auto controller = connect_as(options, "load", Role::kController);
+  controller.request(AcquireLease{options.part, 0, false});
+  controller.request(Join{});
+
+  std::atomic<bool> ended{false};
+  const auto expected = static_cast<std::size_t>(options.hz * options.seconds);
+  bench::Percentiles gaps(expected * observers.size() * 2), round_trips(expected * 2);
+  Observed observed;
+  std::thread watching([&] { observed = observe(options, observers, ended, gaps); });
+  std::uint64_t commands = 0;
+  try {
+    commands = control(controller, options, round_trips);
+  } catch (const std::exception& error) {
+    std::printf("controller: %s\n", error.what());
+  }
+  ended = true;
+  watching.join();
+
+  const auto status = controller.request_as<ServerStatus>(Status{});
+  controller.request(Leave{});
+  controller.request(ReleaseLease{options.part});
+  std::printf("observers %d at %.0f Hz, one controller, %.0f s\n", options.observers, options.hz, options.seconds);
+  std::printf("disconnects %d, samples %lu, conflated at most %lu per observer\n", observed.disconnects,
+              static_cast<unsigned long>(observed.samples), static_cast<unsigned long>(observed.conflated));
+  std::printf("commands %lu, lost %s\n", static_cast<unsigned long>(commands), commands ? "none" : "SOME");
+  std::printf("write round trip us: p50 %.1f p99 %.1f max %.1f\n", round_trips.at(0.5), round_trips.at(0.99), round_trips.at(1.0));
+  std::printf("gap between samples us: p50 %.1f p99 %.1f max %.1f\n", gaps.at(0.5), gaps.at(0.99), gaps.at(1.0));
+  std::printf("ticks %ld, overruns %lu, lateness us: p50 %.1f p99.9 %.1f max %.1f\n", static_cast<long>(status.tick),
+              static_cast<unsigned long>(status.overruns), static_cast<double>(status.lateness_p50_ns) * 1e-3,
+              static_cast<double>(status.lateness_p999_ns) * 1e-3, static_cast<double>(status.lateness_max_ns) * 1e-3);
+  return observed.disconnects == 0 && commands > 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"visum-load: observers and a controller against a daemon in real time"};
+  app.add_option("--connect", options.connect, "HOST:PORT")->capture_default_str();
+  app.add_option("--part", options.part)->capture_default_str();
+  app.add_option("--observers", options.observers)->capture_default_str()->check(CLI::Range(0, 500));
+  app.add_option("--hz", options.hz, "of samples and commands")->capture_default_str()->check(CLI::Range(1.0, 1000.0));
+  app.add_option("--seconds", options.seconds)->capture_default_str()->check(CLI::Range(0.1, 86400.0));
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return run(options);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "visum-load: %s\n", error.what());
+    return 1;
+  }
+}
