@@ -1,0 +1,58 @@
+# What `cmake --install` and CPack put where. Included by the top CMakeLists.txt after all programs are known.
+#   bin/                       visumd, visum, the example controllers
+#   share/visum/models/        robots, scenes, scenarios; share/visum/examples/: the controllers' sources
+#   lib/, include/visum/       the C++ client library: find_package(visum) gives visum::client, pkg-config knows visum
+#   lib/python3/dist-packages/ the Python package
+#   share/doc/visum/, share/bash-completion/
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+# All programs, for those who want to run and not to test: `cmake --build build/release --target programs`.
+get_property(programs GLOBAL PROPERTY VISUM_PROGRAMS)
+add_custom_target(programs DEPENDS ${programs})
+install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+
+# The client library as one shared object: an outside project needs its header and nothing that we are built from.
+add_library(visum_client_shared SHARED $<TARGET_OBJECTS:visum_client>)
+set_target_properties(visum_client_shared PROPERTIES OUTPUT_NAME visum EXPORT_NAME client LINKER_LANGUAGE CXX
+                      VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+target_link_libraries(visum_client_shared PRIVATE visum_protocol visum_config)
+# What it takes from our static libraries stays inside; what it needs is there.
+target_link_options(visum_client_shared PRIVATE -Wl,--exclude-libs,ALL $<$<NOT:$<BOOL:${VISUM_SANITIZE}>>:-Wl,--no-undefined>)
+target_compile_features(visum_client_shared INTERFACE cxx_std_20)
+target_include_directories(visum_client_shared INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+add_dependencies(programs visum_client_shared)
+install(TARGETS visum_client_shared EXPORT visum LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(FILES clients/cpp/visum.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/visum)
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/visum)
+install(EXPORT visum NAMESPACE visum:: FILE visumConfig.cmake DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/visumConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/visumConfigVersion.cmake DESTINATION ${package_dir})
+file(RELATIVE_PATH prefix_from_pkgconfig /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+configure_file(docker/visum.pc.in ${PROJECT_BINARY_DIR}/visum.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/visum.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+install(DIRECTORY models DESTINATION ${CMAKE_INSTALL_DATADIR}/visum PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY clients/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/visum)
+file(GLOB documents CONFIGURE_DEPENDS *.md LICENSE protocol/*.md protocol/*.proto)
+install(FILES ${documents} DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES server/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/server OPTIONAL)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME visum)
+set(CPACK_PACKAGE_VENDOR Visum)
+set(CPACK_PACKAGE_CONTACT "Visum maintainers <maintainers@visum.invalid>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
+set(CPACK_PACKAGE_DESCRIPTION "The daemon visumd holds a physics world and publishes virtual hardware parts over TCP, with the ports
+of the parts that drive the real hardware: servo arms, grippers. The same controller binary runs in real
+time at a desk and in lockstep in CI, with the same bits every time. With the command visum, client
+libraries for C++ and Python, models and example controllers.")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-protobuf")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-numpy")
+include(CPack)
