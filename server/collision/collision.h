@@ -1,5 +1,5 @@
 // Collision as one stage of its own that serves every engine: broad phase, narrow phase, contacts in an order sorted by
-// stable ids. FCL stays inside collision.cc. Lives on the tick's thread.
+// stable ids. FCL stays inside gjk.cc. Lives on the tick's thread.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,0 +1,84 @@
+#include "server/collision/broad_phase.h"
+
+#include <algorithm>
+
+namespace visum::collision {
+namespace {
+
+Eigen::Index widest_axis(const std::vector<PreparedShape>& shapes, const std::vector<std::uint32_t>& boxed) {
+  Eigen::AlignedBox3d centers;
+  for (const std::uint32_t i : boxed) {
+    if (!shapes[i].box_W.isEmpty()) centers.extend(shapes[i].box_W.center());
+  }
+  Eigen::Index axis = 0;
+  if (!centers.isEmpty()) centers.sizes().maxCoeff(&axis);
+  return axis;
+}
+
+bool reaches_below(const PreparedShape& shape, const PreparedShape& plane) {
+  const Eigen::Vector3d normal = plane.placed.R.col(2);
+  const double half = normal.cwiseAbs().dot(0.5 * shape.box_W.sizes());
+  return normal.dot(shape.box_W.center() - plane.placed.p) < half;
+}
+
+}  // namespace
+
+BroadPhase::BroadPhase(const std::vector<PreparedShape>& shapes, std::vector<BodyPair> never)
+    : never_(std::move(never)) {
+  for (std::uint32_t i = 0; i < shapes.size(); ++i)
+    (shapes[i].kind == world::ShapeKind::kPlane ? planes_ : boxed_).push_back(i);
+}
+
+const std::vector<IndexPair>& BroadPhase::find(const std::vector<PreparedShape>& shapes) {
+  pairs_.clear();
+  sweep(shapes);
+  meet_planes(shapes);
+  std::sort(pairs_.begin(), pairs_.end());
+  return pairs_;
+}
+
+bool BroadPhase::may_collide(const PreparedShape& a, const PreparedShape& b) const {
+  if (a.body == b.body || (a.fixed && b.fixed)) return false;
+  const BodyPair pair = std::minmax(a.body, b.body);
+  return !std::binary_search(never_.begin(), never_.end(), pair);
+}
+
+void BroadPhase::sweep(const std::vector<PreparedShape>& shapes) {
+  const Eigen::Index axis = widest_axis(shapes, boxed_);
+  // boxed_ stays nearly sorted from tick to tick; the pairs found do not depend on its order.
+  std::sort(boxed_.begin(), boxed_.end(), [&](std::uint32_t i, std::uint32_t j) {
+    const double low_i = shapes[i].box_W.min()[axis], low_j = shapes[j].box_W.min()[axis];
+    return low_i < low_j || (low_i == low_j && i < j);
+  });
+  for (std::size_t i = 0; i < boxed_.size(); ++i) {
+    const PreparedShape& a = shapes[boxed_[i]];
+    for (std::size_t j = i + 1; j < boxed_.size(); ++j) {
+      const PreparedShape& b = shapes[boxed_[j]];
+      if (b.box_W.min()[axis] > a.box_W.max()[axis]) break;
+      if (a.box_W.intersects(b.box_W) && may_collide(a, b))
+        pairs_.push_back(std::minmax(boxed_[i], boxed_[j]));
+    }
+  }
+}
+
+void BroadPhase::meet_planes(const std::vector<PreparedShape>& shapes) {
+  for (const std::uint32_t p : planes_) {
+    if (!shapes[p].placed.R.allFinite() || !shapes[p].placed.p.allFinite()) continue;
+    for (const std::uint32_t i : boxed_) {
+      if (shapes[i].box_W.isEmpty() || !may_collide(shapes[i], shapes[p])) continue;
+      if (reaches_below(shapes[i], shapes[p])) pairs_.push_back(std::minmax(i, p));
+    }
+  }
+}
+
+std::vector<BodyPair> pairs_that_never_collide(const world::WorldModel& model) {
+  std::vector<BodyPair> pairs = model.no_collision;
+  for (const world::Joint& joint : model.joints) {
+    if (joint.parent.valid()) pairs.push_back(std::minmax(joint.parent, joint.child));
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+}  // namespace visum::collision

@@ -1,0 +1,55 @@
+// The convex shapes as the narrow phase sees them: farthest point, face and edge in a direction. In the
+// shape's own frame. Three families: flat faces (box, hull, triangle), a cylinder, and a segment with a
+// radius (sphere, capsule).
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+
+#include "server/collision/polytope.h"
+
+namespace visum::collision {
+
+inline constexpr std::size_t kMaxPolygon = 64;
+
+// A few points without allocation.
+struct Polygon {
+  std::array<Eigen::Vector3d, kMaxPolygon> points;
+  std::size_t count = 0;
+
+  void add(const Eigen::Vector3d& point) {
+    if (count < kMaxPolygon) points[count++] = point;
+  }
+};
+
+// What a shape offers in a direction. Flat: at least three points around a normal. Otherwise one or two
+// points, each the centre of a ball of `radius`; `normal` is then the direction in which the offered part
+// looks best.
+struct Feature {
+  Polygon polygon;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit
+  bool flat = false;
+  double radius = 0.0;
+};
+
+enum class Family { kPolytope, kCylinder, kRound };
+
+struct Convex {
+  Family family = Family::kRound;
+  Polytope polytope;         // of that family
+  double radius = 0.0;       // cylinder, round
+  double half_length = 0.0;  // cylinder, round: along z
+  double margin = 0.0;       // how much smaller its core is (penetration.h); 0 for round ones and triangles
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+
+  Eigen::Vector3d farthest(const Eigen::Vector3d& direction) const;  // direction: unit
+  Feature feature(const Eigen::Vector3d& direction) const;           // the face to touch with
+  Feature edge(const Eigen::Vector3d& direction) const;              // the edge or point to touch with
+};
+
+Convex make_convex(Polytope polytope);
+Convex make_cylinder(double radius, double length);
+Convex make_round(double radius, double length);  // length 0: a sphere
+
+}  // namespace visum::collision

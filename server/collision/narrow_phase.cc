@@ -1,0 +1,163 @@
+#include "server/collision/narrow_phase.h"
+
+#include <cmath>
+#include <limits>
+
+#include "server/collision/collision.h"
+
+namespace visum::collision {
+namespace {
+
+// So many points are gathered of one pair before those that matter least are dropped.
+constexpr std::size_t kMostGathered = 256;
+constexpr std::size_t kLeftWhenThinned = 48;
+constexpr double kSameNormal = 1.0 - 1e-6;
+
+Eigen::AlignedBox3d in_frame_of(const PreparedShape& frame, const Eigen::AlignedBox3d& box_W) {
+  const Eigen::Matrix3d R = frame.placed.R.transpose();
+  return box_around(box_W, R, -(R * frame.placed.p));
+}
+
+// Which edge of the triangle a point is nearest to.
+std::size_t nearest_edge(const MeshTriangle& triangle, const Eigen::Vector3d& point) {
+  std::size_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Eigen::Vector3d side = (triangle.corners[(i + 1) % 3] - triangle.corners[i]).normalized();
+    const double distance = std::abs((point - triangle.corners[i]).dot(side.cross(triangle.normal)));
+    if (distance >= least) continue;
+    least = distance;
+    best = i;
+  }
+  return best;
+}
+
+}  // namespace
+
+NarrowPhase::MovingTriangle::MovingTriangle() : convex(make_convex(make_triangle())), gjk(convex) {}
+
+Placed NarrowPhase::MovingTriangle::place(const PreparedShape& mesh, const MeshTriangle& triangle) {
+  set_triangle(convex.polytope, triangle.corners, triangle.normal);
+  convex.center = (triangle.corners[0] + triangle.corners[1] + triangle.corners[2]) / 3.0;
+  gjk.set_triangle(triangle.corners);
+  return {&convex, &gjk, mesh.placed.R, mesh.placed.p};
+}
+
+NarrowPhase::NarrowPhase() {
+  points_.reserve(2 * kMostGathered);
+}
+
+const std::vector<Point>& NarrowPhase::find(const PreparedShape& a, const PreparedShape& b) {
+  using enum world::ShapeKind;
+  points_.clear();
+  const auto turn = [this] {
+    for (Point& point : points_) point.normal_W = -point.normal_W;
+  };
+  if (b.kind == kPlane) {
+    find_with_plane(b, a);
+  } else if (a.kind == kPlane) {
+    find_with_plane(a, b);
+    turn();
+  } else if (a.kind == kMesh && b.kind == kMesh) {
+    find_meshes(a, b);
+  } else if (b.kind == kMesh) {
+    find_with_mesh(b, a);
+  } else if (a.kind == kMesh) {
+    find_with_mesh(a, b);
+    turn();
+  } else {
+    const Direction direction = find_direction(a.placed, b.placed, solver_);
+    if (!direction.apart) add_manifold(a.placed, b.placed, direction, points_);
+  }
+  reduce(points_, 0, kMaxContactsPerPair);
+  return points_;
+}
+
+void NarrowPhase::add_below(const PreparedShape& plane, const Eigen::Vector3d& point_W, double radius) {
+  const Eigen::Vector3d normal = plane.placed.R.col(2);
+  const double height = normal.dot(point_W - plane.placed.p) - radius;
+  if (height >= 0.0) return;
+  points_.push_back({point_W - (radius + 0.5 * height) * normal, normal, -height});
+  thin_out();
+}
+
+// All corners of a solid that are below count, not only those of one face.
+void NarrowPhase::find_with_plane(const PreparedShape& plane, const PreparedShape& shape) {
+  const Placed& placed = shape.placed;
+  if (shape.mesh != nullptr) {
+    const Eigen::Vector3d normal = placed.R.transpose() * plane.placed.R.col(2);
+    const double offset = plane.placed.R.col(2).dot(plane.placed.p - placed.p);
+    const auto below = [&](const Eigen::AlignedBox3d& box) {
+      return normal.dot(box.center()) - normal.cwiseAbs().dot(0.5 * box.sizes()) < offset;
+    };
+    shape.mesh->visit(below, [&](std::uint32_t i) {
+      for (const Eigen::Vector3d& corner : shape.mesh->triangles()[i].corners)
+        add_below(plane, placed.p + placed.R * corner, 0.0);
+    });
+  } else if (shape.convex.family == Family::kPolytope) {
+    for (const Eigen::Vector3d& vertex : shape.convex.polytope.vertices)
+      add_below(plane, placed.p + placed.R * vertex, 0.0);
+  } else {
+    const Feature feature = shape.convex.feature(placed.R.transpose() * -plane.placed.R.col(2));
+    for (std::size_t i = 0; i < feature.polygon.count; ++i)
+      add_below(plane, placed.p + placed.R * feature.polygon.points[i], feature.radius);
+  }
+}
+
+void NarrowPhase::find_with_mesh(const PreparedShape& mesh, const PreparedShape& shape) {
+  const Eigen::AlignedBox3d box = in_frame_of(mesh, shape.box_W);
+  mesh.mesh->visit([&](const Eigen::AlignedBox3d& node) { return node.intersects(box); },
+                   [&](std::uint32_t i) {
+                     const MeshTriangle& triangle = mesh.mesh->triangles()[i];
+                     find_with_triangle(shape.placed, triangle_a_.place(mesh, triangle), triangle);
+                     thin_out();
+                   });
+}
+
+// A triangle pushes along its own normal, to the side where the shape's middle is; sideways only over a sharp
+// edge.
+void NarrowPhase::find_with_triangle(const Placed& convex, const Placed& placed,
+                                     const MeshTriangle& triangle) {
+  Direction direction = find_direction(convex, placed, solver_);
+  if (direction.apart) return;
+  const Eigen::Vector3d up = placed.R * triangle.normal;
+  const bool in_front = up.dot(convex.center() - placed.farthest(up)) >= 0.0;
+  const Eigen::Vector3d out = in_front ? up : (-up).eval();
+  const std::size_t first = points_.size();
+  const double cosine = direction.normal_W.dot(out);
+  const bool sideways = cosine < kSameNormal;
+  if (sideways && cosine > 0.0) {
+    add_manifold(convex, placed, direction, points_);
+    const Eigen::Vector3d at = placed.R.transpose() * (points_.back().p_W - placed.p);
+    if (triangle.sharp[nearest_edge(triangle, at)]) return;
+    points_.resize(first);
+  }
+  if (sideways) direction = {false, out, overlap_along(convex, placed, out)};
+  add_manifold(convex, placed, direction, points_);
+}
+
+void NarrowPhase::find_meshes(const PreparedShape& a, const PreparedShape& b) {
+  const Eigen::AlignedBox3d shared_W = a.box_W.intersection(b.box_W);
+  const Eigen::AlignedBox3d shared = in_frame_of(a, shared_W);
+  const auto meets_shared = [&](const Eigen::AlignedBox3d& node) { return node.intersects(shared); };
+  a.mesh->visit(meets_shared, [&](std::uint32_t i) {
+    const Placed placed_a = triangle_a_.place(a, a.mesh->triangles()[i]);
+    Eigen::AlignedBox3d box_W;
+    for (const Eigen::Vector3d& corner : a.mesh->triangles()[i].corners)
+      box_W.extend(placed_a.p + placed_a.R * corner);
+    const Eigen::AlignedBox3d box = in_frame_of(b, box_W);
+    b.mesh->visit([&](const Eigen::AlignedBox3d& node) { return node.intersects(box); },
+                  [&](std::uint32_t j) {
+                    const Placed placed_b = triangle_b_.place(b, b.mesh->triangles()[j]);
+                    const Direction direction = find_direction(placed_a, placed_b, solver_);
+                    if (!direction.apart) add_manifold(placed_a, placed_b, direction, points_);
+                    thin_out();
+                  });
+  });
+}
+
+void NarrowPhase::thin_out() {
+  if (points_.size() > kMostGathered) reduce(points_, 0, kLeftWhenThinned);
+}
+
+}  // namespace visum::collision

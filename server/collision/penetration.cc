@@ -1,0 +1,102 @@
+#include "server/collision/penetration.h"
+
+#include <limits>
+
+#include "server/collision/gjk.h"
+
+namespace visum::collision {
+namespace {
+
+constexpr std::size_t kMaxSatDirections = 12;  // of faces, and of edges: 24 + 144 axes at most
+// A face is preferred to a pair of edges unless these are better by this much: a contact of faces does not
+// flicker.
+constexpr double kFaceBonus = 0.95;
+constexpr double kFaceSlackM = 1e-6;
+constexpr double kParallelSquared = 1e-8;  // of the sine of two edges that give no axis
+
+bool has_few_axes(const Convex& convex) {
+  return convex.family == Family::kPolytope && convex.polytope.normals.size() <= kMaxSatDirections &&
+         convex.polytope.edges.size() <= kMaxSatDirections;
+}
+
+// The better of an axis' two senses.
+struct Least {
+  double depth = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d normal_W = Eigen::Vector3d::Zero();
+
+  // False once the shapes are found apart.
+  bool take(const Placed& a, const Placed& b, const Eigen::Vector3d& axis_W) {
+    for (const Eigen::Vector3d& direction : {axis_W, Eigen::Vector3d(-axis_W)}) {
+      const double overlap = overlap_along(a, b, direction);
+      if (overlap <= 0.0) return false;
+      if (overlap < depth) *this = {overlap, direction};
+    }
+    return true;
+  }
+};
+
+Direction along_separating_axes(const Placed& a, const Placed& b) {
+  Least face, edge;
+  for (const Placed* side : {&a, &b}) {
+    for (const Eigen::Vector3d& normal : side->convex->polytope.normals) {
+      if (!face.take(a, b, side->R * normal)) return {};
+    }
+  }
+  for (const Eigen::Vector3d& edge_a : a.convex->polytope.edges) {
+    for (const Eigen::Vector3d& edge_b : b.convex->polytope.edges) {
+      const Eigen::Vector3d axis = (a.R * edge_a).cross(b.R * edge_b);
+      if (axis.squaredNorm() > kParallelSquared && !edge.take(a, b, axis.normalized())) return {};
+    }
+  }
+  const Least& best = edge.depth < kFaceBonus * face.depth - kFaceSlackM ? edge : face;
+  return {false, best.normal_W, best.depth};
+}
+
+// Where GJK and EPA both give up: the best of the axes of both frames and the line of centres.
+std::optional<Eigen::Vector3d> along_frames(const Placed& a, const Placed& b) {
+  Least least;
+  for (const Placed* side : {&a, &b}) {
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      if (!least.take(a, b, side->R.col(i))) return std::nullopt;
+    }
+  }
+  const Eigen::Vector3d line = a.center() - b.center();
+  if (line.squaredNorm() > 0.0 && !least.take(a, b, line.normalized())) return std::nullopt;
+  return least.normal_W;
+}
+
+// The face or side that a shape offers is often the true direction where GJK has it but nearly. For round
+// shapes GJK is exact: then a face must be better.
+Direction prefer_features(const Placed& a, const Placed& b, const Direction& found) {
+  Direction best{false, found.normal_W, std::numeric_limits<double>::infinity()};
+  bool round = false;
+  for (const Placed* side : {&a, &b}) {
+    const double sign = side == &a ? -1.0 : 1.0;
+    round |= side->convex->family == Family::kRound;
+    if (side->convex->family == Family::kRound) continue;
+    const Eigen::Vector3d looks = sign * (side->R.transpose() * found.normal_W);
+    const Eigen::Vector3d candidate = sign * (side->R * side->convex->feature(looks).normal);
+    const double depth = overlap_along(a, b, candidate);
+    if (depth <= 0.0) return {};
+    if (depth < best.depth) best = {false, candidate, depth};
+  }
+  const double bar = round ? found.depth : found.depth / kFaceBonus + kFaceSlackM;
+  return best.depth <= bar ? best : found;
+}
+
+}  // namespace
+
+double overlap_along(const Placed& a, const Placed& b, const Eigen::Vector3d& direction_W) {
+  return direction_W.dot(b.farthest(direction_W) - a.farthest(-direction_W));
+}
+
+Direction find_direction(const Placed& a, const Placed& b, GjkSolver& solver) {
+  if (has_few_axes(*a.convex) && has_few_axes(*b.convex)) return along_separating_axes(a, b);
+  auto normal = solver.separating_direction(a, b);
+  if (!normal) normal = along_frames(a, b);
+  if (!normal) return {};
+  const Direction found{false, *normal, overlap_along(a, b, *normal)};
+  return found.depth > 0.0 ? prefer_features(a, b, found) : Direction{};
+}
+
+}  // namespace visum::collision

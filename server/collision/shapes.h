@@ -1,0 +1,43 @@
+// A world's shapes, prepared for collision once, and placed anew for each tick.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <memory>
+#include <vector>
+
+#include "server/collision/gjk.h"
+#include "server/collision/mesh.h"
+#include "server/collision/penetration.h"
+#include "server/world/world_model.h"
+#include "server/world/world_state.h"
+
+namespace visum::collision {
+
+struct PreparedShape {
+  world::ShapeId id;
+  world::BodyId body;
+  world::ShapeKind kind = world::ShapeKind::kBox;
+  bool fixed = false;
+  world::Pose X_BS;
+  double friction = 0.0, restitution = 0.0;
+  Convex convex;                  // of all kinds but plane and mesh
+  std::unique_ptr<GjkShape> gjk;  // likewise
+  std::unique_ptr<Mesh> mesh;     // of a mesh
+  Eigen::AlignedBox3d mesh_box;   // of a mesh, in its frame
+  // By place():
+  Placed placed;              // for planes and meshes: the frame only
+  Eigen::AlignedBox3d box_W;  // empty where the pose is not finite; a plane's is not used
+};
+
+// Only the shapes that collide. Throws std::runtime_error for a hull without volume.
+std::vector<PreparedShape> prepare_shapes(const world::WorldModel& model);
+
+// Sets the pose and the box of a shape. A pose that is not finite gives an empty box: it meets nothing.
+void place(PreparedShape& shape, const world::WorldModel& model, const world::WorldState& state);
+
+// Axes-parallel box around a box in a rotated frame.
+Eigen::AlignedBox3d box_around(const Eigen::AlignedBox3d& box, const Eigen::Matrix3d& R,
+                               const Eigen::Vector3d& p);
+
+}  // namespace visum::collision
