@@ -1,6 +1,6 @@
-// A scene: the description of a world, read from a YAML file, with the models (URDF, SDF) and meshes that it names.
-// Everything is checked here, before the first tick; what is wrong throws ConfigError with file, line and key.
-// The format is described in server/scene/README.md. sdformat stays inside robot_model.cc.
+// A scene: the description of a world, read from a YAML file, with the models (URDF, SDF) and meshes that it
+// names. Everything is checked here, before the first tick; what is wrong throws ConfigError with file, line
+// and key. The format is described in server/scene/README.md. sdformat stays inside robot_model.cc.
 #pragma once
 
 #include <cstdint>
@@ -27,12 +27,13 @@ struct Scene {
   std::string name;
   std::filesystem::path file;
   world::WorldModel world;
+  std::vector<std::string> engine_names{"default"};  // how the scene calls world.engines
   std::vector<PartPlan> parts;
   ClockKind clock = ClockKind::kRealtime;
-  double speed = 1.0;                        // realtime: simulated seconds per second of wall time
+  double speed = 1.0;  // realtime: simulated seconds per second of wall time
   std::uint64_t seed = 1;
   std::int64_t lockstep_timeout_ns = 10'000'000'000;
-  std::vector<std::string> losses;           // what a model holds and we do not show or simulate, one sentence each
+  std::vector<std::string> losses;  // what a model holds and we do not show or simulate, one sentence each
 };
 
 struct Options {
@@ -41,7 +42,8 @@ struct Options {
 
 Scene load_scene(const std::filesystem::path& file, const Options& options = {});
 
-// One entry of `bodies:` from text, for AddBody. Appends to the world; throws ConfigError and changes nothing if wrong.
+// One entry of `bodies:` from text, for AddBody. Appends to the world; throws ConfigError and changes nothing
+// if wrong.
 void add_body(Scene& scene, const std::string& yaml);
 
 }  // namespace visum::scene

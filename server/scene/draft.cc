@@ -1,0 +1,155 @@
+#include "server/scene/draft.h"
+
+#include <algorithm>
+
+#include "server/scene/mesh_readers.h"
+
+namespace visum::scene {
+namespace {
+
+// Enough of a world around one body or joint to ask find_fault about it alone.
+world::WorldModel surroundings(const world::WorldModel& world) {
+  world::WorldModel probe;
+  probe.engines = world.engines;
+  probe.surfaces = world.surfaces;
+  return probe;
+}
+
+void refuse_fault(const world::WorldModel& probe, const config::Place& place) {
+  if (const std::string fault = world::find_fault(probe); !fault.empty())
+    throw config::ConfigError(place, fault);
+}
+
+// A joint between copies of its two bodies, as ids of the probe.
+world::Joint copied_joint(const world::WorldModel& world, world::Joint joint, world::WorldModel& probe) {
+  for (world::BodyId* end : {&joint.parent, &joint.child}) {
+    if (!end->valid()) continue;
+    probe.bodies.push_back(world.bodies[end->index()]);
+    *end = {static_cast<std::int32_t>(probe.bodies.size() - 1)};
+  }
+  return joint;
+}
+
+[[noreturn]] void fail_unknown(const config::Node& node, const std::string& what,
+                               const std::vector<std::string>& known) {
+  const std::string name = node.text();
+  const auto near = config::nearest(name, known);
+  node.fail("there is no " + what + " called '" + name + "'" +
+            (near ? "; did you mean '" + *near + "'?" : ""));
+}
+
+bool mirrors(const Eigen::Vector3d& scale) {
+  return scale[0] * scale[1] * scale[2] < 0;
+}
+
+void apply_scale(world::TriangleMesh& mesh, const Eigen::Vector3d& scale) {
+  for (Eigen::Vector3d& vertex : mesh.vertices) vertex = vertex.cwiseProduct(scale);
+  // A mirrored solid is turned inside out: its faces must be walked the other way round.
+  if (mirrors(scale))
+    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+}
+
+}  // namespace
+
+Draft::Draft(Scene& of) : scene(of) {
+  const config::Place earlier{scene.file.string(), 0, ""};
+  for (std::size_t i = 0; i < scene.world.bodies.size(); ++i) {
+    const std::string& name = scene.world.bodies[i].name;
+    names_.emplace("body '" + name + "'", earlier);
+    add_link_name(name, {{static_cast<std::int32_t>(i)}, {}});
+  }
+  for (const world::TriangleMesh& mesh : scene.world.meshes) triangles_ += mesh.triangles.size();
+}
+
+void Draft::claim(const std::string& what, const std::string& name, const config::Place& place) {
+  const auto [entry, is_new] = names_.try_emplace(what + " '" + name + "'", place);
+  if (is_new) return;
+  const config::Place& first = entry->second;
+  const std::string line = first.line > 0 ? ":" + std::to_string(first.line) : "";
+  throw config::ConfigError(place, "there is already a " + entry->first + " (" + first.file + line + ")");
+}
+
+world::SurfaceId Draft::surface(const config::Node& node) const {
+  const std::string name = node.text();
+  std::vector<std::string> known;
+  for (std::size_t i = 0; i < scene.world.surfaces.size(); ++i) {
+    if (scene.world.surfaces[i].name == name) return {static_cast<std::int32_t>(i)};
+    known.push_back(scene.world.surfaces[i].name);
+  }
+  fail_unknown(node, "surface", known);
+}
+
+std::int32_t Draft::engine(const config::Node& node) const {
+  const auto found = std::find(scene.engine_names.begin(), scene.engine_names.end(), node.text());
+  if (found == scene.engine_names.end()) fail_unknown(node, "engine", scene.engine_names);
+  return static_cast<std::int32_t>(found - scene.engine_names.begin());
+}
+
+LinkFrame Draft::link(const config::Node& node, const std::string& prefix) const {
+  const auto found = links_.find(prefix + node.text());
+  if (found != links_.end()) return found->second;
+  std::vector<std::string> known;
+  for (const auto& [name, frame] : links_)
+    if (name.compare(0, prefix.size(), prefix) == 0) known.push_back(name.substr(prefix.size()));
+  fail_unknown(node, "body", known);
+}
+
+world::BodyId Draft::add_body(const world::Body& body, const config::Place& place) {
+  claim("body", body.name, place);
+  if (scene.world.bodies.size() == world::kMaxBodies)
+    throw config::ConfigError(place, "there are more than " + std::to_string(world::kMaxBodies) + " bodies");
+  world::WorldModel probe = surroundings(scene.world);
+  probe.bodies.push_back(body);
+  refuse_fault(probe, place);
+  scene.world.bodies.push_back(body);
+  const world::BodyId id{static_cast<std::int32_t>(scene.world.bodies.size() - 1)};
+  add_link_name(body.name, {id, {}});
+  return id;
+}
+
+void Draft::add_shape(const world::Shape& shape, const config::Place& place) {
+  world::WorldModel probe = surroundings(scene.world);
+  probe.bodies.push_back(scene.world.bodies[shape.body.index()]);
+  probe.shapes.push_back(shape);
+  probe.shapes[0].body = {0};
+  // The mesh is lent, not copied: it may be large.
+  if (shape.mesh.valid()) {
+    probe.shapes[0].mesh = {0};
+    probe.meshes.emplace_back();
+    std::swap(probe.meshes[0], scene.world.meshes[shape.mesh.index()]);
+  }
+  const std::string fault = world::find_fault(probe);
+  if (shape.mesh.valid()) std::swap(probe.meshes[0], scene.world.meshes[shape.mesh.index()]);
+  if (!fault.empty()) throw config::ConfigError(place, fault);
+  scene.world.shapes.push_back(shape);
+}
+
+void Draft::add_joint(const world::Joint& joint, const config::Place& place) {
+  claim("joint", joint.name, place);
+  world::WorldModel probe = surroundings(scene.world);
+  probe.joints.push_back(copied_joint(scene.world, joint, probe));
+  refuse_fault(probe, place);
+  scene.world.joints.push_back(joint);
+  if (joint.parent.valid()) forbid_collision(joint.parent, joint.child);
+}
+
+void Draft::forbid_collision(world::BodyId a, world::BodyId b) {
+  if (a != b) scene.world.no_collision.emplace_back(std::min(a, b), std::max(a, b));
+}
+
+world::MeshId Draft::mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale,
+                          const config::Place& wanted_by) {
+  const auto [entry, is_new] = meshes_.try_emplace({file.string(), scale[0], scale[1], scale[2]});
+  if (!is_new) return entry->second;
+  world::TriangleMesh mesh = read_mesh(file, wanted_by);
+  apply_scale(mesh, scale);
+  triangles_ += mesh.triangles.size();
+  if (triangles_ > world::kMaxTriangles)
+    throw config::ConfigError(wanted_by, "the meshes of the scene have more than " +
+                                             std::to_string(world::kMaxTriangles) + " triangles");
+  scene.world.meshes.push_back(std::move(mesh));
+  entry->second = {static_cast<std::int32_t>(scene.world.meshes.size() - 1)};
+  return entry->second;
+}
+
+}  // namespace visum::scene

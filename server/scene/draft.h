@@ -1,0 +1,59 @@
+// A scene while it is being read: the world so far, and what only reading needs (who took which name, meshes
+// already read, links that were joined into others). Everything throws ConfigError at the value that is
+// wrong.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "server/scene/scene.h"
+
+namespace visum::scene {
+
+// A name of the scene that stands for a body or for a place on one: the link "palm" that was joined into
+// "link_7".
+struct LinkFrame {
+  world::BodyId body;
+  world::Pose X_BL;  // L: the link's own frame
+};
+
+class Draft {
+ public:
+  explicit Draft(Scene& scene);
+
+  Scene& scene;
+  std::vector<config::Node> part_entries;  // made last, when all joints stand in their final order
+
+  // Takes a name for a body, joint, model, part or surface (`what`); fails at `place` if it is taken already.
+  void claim(const std::string& what, const std::string& name, const config::Place& place);
+
+  // By name in the scene, else fails at `node`, naming the nearest.
+  world::SurfaceId surface(const config::Node& node) const;
+  std::int32_t engine(const config::Node& node) const;
+  LinkFrame link(const config::Node& node, const std::string& prefix = "") const;  // prefix: "arm/"
+
+  void add_link_name(const std::string& name, const LinkFrame& frame) { links_[name] = frame; }
+
+  // Appends; fails at `place` if the world is full or find_fault finds something in it.
+  world::BodyId add_body(const world::Body& body, const config::Place& place);
+  void add_shape(const world::Shape& shape, const config::Place& place);
+  void add_joint(const world::Joint& joint, const config::Place& place);
+  void forbid_collision(world::BodyId a, world::BodyId b);
+
+  // Reads a mesh once per file and scale; the triangles of all meshes together stay within kMaxTriangles.
+  world::MeshId mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale,
+                     const config::Place& wanted_by);
+
+ private:
+  std::map<std::string, config::Place> names_;  // "body 'box'" -> where
+  std::map<std::string, LinkFrame> links_;
+  std::map<std::tuple<std::string, double, double, double>, world::MeshId> meshes_;
+  std::size_t triangles_ = 0;
+};
+
+inline constexpr const char* kMainEngine = "default";  // name of world.engines[0]
+
+}  // namespace visum::scene

@@ -1,0 +1,72 @@
+#include "server/scene/mesh_readers.h"
+
+#include <algorithm>
+#include <bit>
+#include <cctype>
+
+#include "protocol/config/read_file.h"
+
+namespace visum::scene {
+namespace {
+
+std::string lower_extension(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+}  // namespace
+
+std::size_t MeshBuilder::Hash::operator()(const std::array<double, 3>& point) const {
+  std::uint64_t hash = 0;
+  for (const double x : point) hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
+  return static_cast<std::size_t>(hash ^ (hash >> 32));
+}
+
+std::uint32_t MeshBuilder::index_of(const Eigen::Vector3d& point) {
+  const std::array<double, 3> key{point[0] + 0.0, point[1] + 0.0, point[2] + 0.0};  // -0 becomes 0
+  const auto [entry, is_new] = indices_.try_emplace(key, static_cast<std::uint32_t>(mesh_.vertices.size()));
+  if (is_new) mesh_.vertices.push_back(point);
+  return entry->second;
+}
+
+void MeshBuilder::add(const std::array<Eigen::Vector3d, 3>& corners, int line) {
+  if (mesh_.triangles.size() == world::kMaxTriangles)
+    throw config::ConfigError({file_, line, ""},
+                              "more than " + std::to_string(world::kMaxTriangles) + " triangles");
+  std::array<std::uint32_t, 3> triangle{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!corners[i].allFinite())
+      throw config::ConfigError({file_, line, ""}, "triangle " + std::to_string(mesh_.triangles.size()) +
+                                                       " has a vertex that is not finite");
+    triangle[i] = index_of(corners[i]);
+  }
+  const bool degenerate =
+      triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
+  if (!degenerate) mesh_.triangles.push_back(triangle);
+}
+
+world::TriangleMesh MeshBuilder::take() {
+  if (mesh_.triangles.empty()) throw config::ConfigError({file_, 0, ""}, "holds no triangle");
+  return std::move(mesh_);
+}
+
+bool is_mesh_format(const std::filesystem::path& file) {
+  const std::string extension = lower_extension(file);
+  return extension == ".stl" || extension == ".obj";
+}
+
+world::TriangleMesh read_mesh(const std::filesystem::path& file, const config::Place& wanted_by) {
+  const std::string shown = file.string();
+  if (!is_mesh_format(file))
+    throw config::ConfigError(wanted_by, "'" + shown + "': is no mesh that can be read (.stl or .obj)");
+  config::FileContent content = config::read_file(file, kMaxMeshBytes);
+  if (!content.fault.empty()) throw config::ConfigError(wanted_by, "'" + shown + "': " + content.fault);
+  world::TriangleMesh mesh =
+      lower_extension(file) == ".stl" ? read_stl(content.bytes, shown) : read_obj(content.bytes, shown);
+  mesh.name = file.filename().string();
+  return mesh;
+}
+
+}  // namespace visum::scene

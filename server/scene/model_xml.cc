@@ -1,0 +1,137 @@
+#include "server/scene/model_xml.h"
+
+#include <cstring>
+
+#include "protocol/config/config.h"
+#include "server/scene/xml_checks.h"
+
+namespace visum::scene {
+namespace {
+
+struct TextRule {
+  const char* element;
+  std::size_t least, most;
+  NumberRule rule;
+};
+// SDF elements whose text is numbers, wherever they stand. What else is wrong, sdformat finds.
+constexpr TextRule kTexts[] = {
+    {"pose", 0, 7, NumberRule::kAny},
+    {"mass", 1, 1, NumberRule::kPositive},
+    {"ixx", 1, 1, NumberRule::kNotNegative},
+    {"iyy", 1, 1, NumberRule::kNotNegative},
+    {"izz", 1, 1, NumberRule::kNotNegative},
+    {"ixy", 1, 1, NumberRule::kAny},
+    {"ixz", 1, 1, NumberRule::kAny},
+    {"iyz", 1, 1, NumberRule::kAny},
+    {"xyz", 3, 3, NumberRule::kNotZero},
+    {"lower", 1, 1, NumberRule::kMayBeInfinite},
+    {"upper", 1, 1, NumberRule::kMayBeInfinite},
+    {"damping", 1, 1, NumberRule::kNotNegative},
+    {"radius", 1, 1, NumberRule::kPositive},
+    {"length", 1, 1, NumberRule::kPositive},
+    {"size", 2, 3, NumberRule::kPositive},
+    {"scale", 3, 3, NumberRule::kNotZero},
+};
+
+const std::vector<const char*> kUnread = {"sensor",       "plugin",     "light",   "particle_emitter",
+                                          "audio_source", "audio_sink", "battery", "gripper",
+                                          "surface",      "projector"};
+
+bool is_unread(const XMLElement& element) {
+  for (const char* name : kUnread)
+    if (!std::strcmp(name, element.Name())) return true;
+  return false;
+}
+
+void check_text(const XMLElement& element, const std::string& file) {
+  for (const TextRule& rule : kTexts)
+    if (!std::strcmp(rule.element, element.Name()))
+      check_numbers(element, rule.element, element.GetText(), rule.least, rule.most, rule.rule, file);
+}
+
+// Names with their lines, links and joints of nested models as "inner::link".
+void take_names(const XMLElement& model, const std::string& prefix, ModelXml& xml) {
+  for (const XMLElement* child = model.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    const char* attribute = child->Attribute("name");
+    if (attribute == nullptr) continue;
+    const std::string name = prefix + attribute;
+    if (!std::strcmp(child->Name(), "link")) {
+      xml.links.push_back(name);
+      xml.link_lines.emplace(name, child->GetLineNum());
+      if (!child->FirstChildElement("inertial"))
+        xml.losses.push_back("link '" + name +
+                             "' gives no <inertial>: SDF's 1 kg and 1 kg·m² are used if it moves");
+    } else if (!std::strcmp(child->Name(), "joint")) {
+      xml.joints.push_back(name);
+      xml.joint_lines.emplace(name, child->GetLineNum());
+    } else if (!std::strcmp(child->Name(), "model")) {
+      take_names(*child, name + "::", xml);
+    }
+  }
+}
+
+// Document types bring entities, which can grow without bound or name other files.
+void refuse_document_types(const tinyxml2::XMLDocument& document, const std::string& file) {
+  for (const tinyxml2::XMLNode* node = document.FirstChild(); node; node = node->NextSibling())
+    if (node->ToUnknown())
+      throw config::ConfigError({file, node->GetLineNum(), ""},
+                                "document types and entities (<!...>) are not supported");
+}
+
+std::string written(const tinyxml2::XMLDocument& document) {
+  tinyxml2::XMLPrinter printer;
+  document.Print(&printer);
+  return printer.CStr();
+}
+
+void parse(tinyxml2::XMLDocument& document, const std::string& text, const std::string& file) {
+  if (text.find('\0') != std::string::npos)
+    throw config::ConfigError({file, 0, ""}, "not valid XML: holds a zero byte");
+  if (document.Parse(text.data(), text.size()) == tinyxml2::XML_SUCCESS) return;
+  if (document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED)
+    throw config::ConfigError({file, document.ErrorLineNum(), ""}, "XML elements are nested too deeply");
+  std::string reason = tinyxml2::XMLDocument::ErrorIDToName(document.ErrorID());
+  if (document.ErrorID() == tinyxml2::XML_ERROR_EMPTY_DOCUMENT) reason = "the file is empty";
+  throw config::ConfigError({file, document.ErrorLineNum(), ""}, "not valid XML: " + reason);
+}
+
+}  // namespace
+
+void read_sdf(const XMLElement& root, const std::string& file, ModelXml& xml) {
+  if (root.FirstChildElement("world"))
+    fail_at(*root.FirstChildElement("world"), file,
+            "holds a <world>: only a file with one <model> can be placed");
+  const XMLElement* model = root.FirstChildElement("model");
+  if (model == nullptr) fail_at(root, file, "has no <model>");
+  if (const auto* second = model->NextSiblingElement("model"))
+    fail_at(*second, file, "has more than one <model>");
+  walk(root, is_unread, [&](const XMLElement& element) {
+    if (!std::strcmp(element.Name(), "include"))
+      fail_at(element, file, "<include> is not read, place models in the scene");
+    check_text(element, file);
+  });
+  take_names(*model, "", xml);
+  const auto unread = unread_elements(root, kUnread);
+  xml.losses.insert(xml.losses.begin(), unread.begin(), unread.end());
+}
+
+ModelXml read_model_xml(const std::string& text, const std::string& file) {
+  tinyxml2::XMLDocument document;
+  parse(document, text, file);
+  refuse_document_types(document, file);
+  const XMLElement* root = document.RootElement();
+  const std::string tag = root ? root->Name() : "";
+  ModelXml xml;
+  xml.urdf = tag == "robot";
+  if (xml.urdf)
+    read_urdf(document, file, xml);
+  else if (tag == "sdf")
+    read_sdf(*root, file, xml);
+  else
+    throw config::ConfigError({file, root ? root->GetLineNum() : 0, ""},
+                              "is neither URDF (<robot>) nor SDF (<sdf>): its root is <" + tag + ">");
+  xml.text = written(document);
+  return xml;
+}
+
+}  // namespace visum::scene

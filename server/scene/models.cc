@@ -1,0 +1,192 @@
+#include "server/scene/models.h"
+
+#include <algorithm>
+#include <set>
+
+#include "protocol/config/read_file.h"
+#include "server/scene/joints.h"
+#include "server/scene/model_xml.h"
+#include "server/scene/robot_model.h"
+#include "server/scene/values.h"
+
+namespace visum::scene {
+namespace {
+
+using config::Node;
+using config::Place;
+
+RobotModel load_robot(const Node& file_node) {
+  const std::filesystem::path file = read_path(file_node);
+  const config::FileContent content = config::read_file(file, kMaxModelBytes);
+  if (!content.fault.empty()) file_node.fail("'" + file.string() + "': " + content.fault);
+  RobotModel robot = read_robot_model(file, content.bytes);
+  join_links(robot);
+  return robot;
+}
+
+// One model on its way into the draft.
+class Placement {
+ public:
+  Placement(Draft& draft, const Node& node)
+      : draft_(draft),
+        node_(node),
+        name_(read_name(node.get("name"))),
+        robot_(load_robot(node.get("file"))) {}
+
+  void place() {
+    draft_.claim("model", name_, node_.place());
+    X_WM_ = read_pose_or_identity(node_, "pose");
+    if (const auto engine = node_.find("engine")) engine_ = draft_.engine(*engine);
+    ground_roots();
+    check_link_keys();
+    for (const RobotLink& link : robot_.links) place_link(link);
+    for (const JoinedLink& joined : robot_.joined)
+      draft_.add_link_name(name_ + "/" + joined.name, {body(joined.into), joined.X_IL});
+    for (const RobotJoint& joint : robot_.joints) place_joint(joint);
+    check_joint_keys();
+    read_collision_keys();
+    for (const std::string& loss : robot_.losses)
+      draft_.scene.losses.push_back("model '" + name_ + "': " + loss);
+  }
+
+ private:
+  Place link_place(const RobotLink& link) const {
+    return {robot_.file.string(), link.line, "link '" + link.name + "'"};
+  }
+  Place joint_place(const RobotJoint& joint) const {
+    return {robot_.file.string(), joint.line, "joint '" + joint.joint.name + "'"};
+  }
+  world::BodyId body(const std::string& link) const {
+    return draft_.scene.world.find_body(name_ + "/" + link);
+  }
+
+  void ground_roots() {
+    if (!node_.boolean_or("fixed", true)) return;
+    std::set<std::string> hanging;
+    for (const RobotJoint& joint : robot_.joints) hanging.insert(joint.child);
+    for (RobotLink& link : robot_.links)
+      if (hanging.count(link.name) == 0) link.on_ground = true;
+  }
+
+  // `surfaces:` names links of the file, those joined into others too.
+  void check_link_keys() const {
+    const auto surfaces = node_.find("surfaces");
+    if (!surfaces) return;
+    std::vector<std::string> known;
+    for (const RobotLink& link : robot_.links) known.push_back(link.name);
+    for (const JoinedLink& joined : robot_.joined) known.push_back(joined.name);
+    surfaces->allow_only({known.begin(), known.end()});
+  }
+
+  void place_link(const RobotLink& link) {
+    if (link.name.empty() || link.name.size() > kMaxNameBytes)
+      throw config::ConfigError(link_place(link),
+                                "its name must have 1 to " + std::to_string(kMaxNameBytes) + " bytes");
+    if (!link.on_ground && link.mass.mass_kg <= 0)
+      throw config::ConfigError(link_place(link), "moves but has no mass: give it an <inertial>");
+    world::Body body;
+    body.name = name_ + "/" + link.name;
+    body.model = name_;
+    body.fixed = link.on_ground;
+    body.engine = engine_;
+    body.X_WB = X_WM_ * link.X_ML;
+    if (!body.fixed) {
+      body.mass_kg = link.mass.mass_kg;
+      body.p_BC = link.mass.com;
+      body.inertia_C = link.mass.inertia_C;
+    }
+    const world::BodyId id = draft_.add_body(body, link_place(link));
+    for (const RobotShape& shape : link.shapes) place_shape(id, link, shape);
+  }
+
+  void place_shape(world::BodyId body, const RobotLink& link, const RobotShape& from) {
+    world::Shape shape;
+    shape.name = from.name;
+    shape.body = body;
+    shape.kind = from.kind;
+    shape.size = from.size;
+    shape.X_BS = from.X_LS;
+    shape.collides = from.collides;
+    shape.color = from.color.value_or(shape.color);
+    shape.surface = surface_of(from.link);
+    if (!from.mesh.empty()) shape.mesh = draft_.mesh(from.mesh, from.scale, link_place(link));
+    draft_.add_shape(shape, link_place(link));
+  }
+
+  world::SurfaceId surface_of(const std::string& link) const {
+    if (const auto surfaces = node_.find("surfaces"))
+      if (const auto surface = surfaces->find(link)) return draft_.surface(*surface);
+    if (const auto surface = node_.find("surface")) return draft_.surface(*surface);
+    return {0};
+  }
+
+  bool stands_still(world::BodyId body) const {
+    return !body.valid() || draft_.scene.world.bodies[body.index()].fixed;
+  }
+
+  void place_joint(const RobotJoint& from) {
+    world::Joint joint = from.joint;
+    joint.name = name_ + "/" + from.joint.name;
+    joint.child = body(from.child);
+    if (from.parent == kWorldLink)
+      joint.X_PJ = X_WM_ * joint.X_PJ;
+    else
+      joint.parent = body(from.parent);
+    if (stands_still(joint.child)) {
+      if (!stands_still(joint.parent))
+        throw config::ConfigError(joint_place(from),
+                                  "its child stands still and its parent moves: turn the joint round");
+      robot_.losses.push_back("joint '" + from.joint.name + "' is not simulated: both its links stand still");
+      return;
+    }
+    joint.initial_position = initial_position(from, joint);
+    draft_.add_joint(joint, joint_place(from));
+    placed_.push_back(from.joint.name);
+  }
+
+  double initial_position(const RobotJoint& from, const world::Joint& joint) const {
+    const auto joints = node_.find("joints");
+    const auto given = joints ? joints->find(from.joint.name) : std::nullopt;
+    if (!given) return nearest_to_zero(joint);
+    const double position = given->number(kPlaceable);
+    if (joint.limited && (position < joint.lower || position > joint.upper))
+      given->fail("must be within the joint's limits " + std::to_string(joint.lower) + " and " +
+                  std::to_string(joint.upper) + ", is " + given->text());
+    return position;
+  }
+
+  void check_joint_keys() const {
+    if (const auto joints = node_.find("joints")) joints->allow_only({placed_.begin(), placed_.end()});
+  }
+
+  void read_collision_keys() {
+    if (const auto pairs = node_.find("no_collision")) read_no_collision(draft_, *pairs, name_ + "/");
+    if (node_.boolean_or("self_collision", true)) return;
+    if (robot_.links.size() > kMaxLinksWithoutCollision)
+      node_.get("self_collision")
+          .fail("can be off for models of at most " + std::to_string(kMaxLinksWithoutCollision) + " links");
+    for (std::size_t a = 0; a < robot_.links.size(); ++a)
+      for (std::size_t b = a + 1; b < robot_.links.size(); ++b)
+        draft_.forbid_collision(body(robot_.links[a].name), body(robot_.links[b].name));
+  }
+
+  static constexpr std::size_t kMaxLinksWithoutCollision = 500;  // pairs grow with the square
+
+  Draft& draft_;
+  const Node node_;
+  const std::string name_;
+  RobotModel robot_;
+  world::Pose X_WM_;
+  std::int32_t engine_ = 0;
+  std::vector<std::string> placed_;  // joints
+};
+
+}  // namespace
+
+void read_model(Draft& draft, const Node& node) {
+  node.allow_only({"name", "file", "pose", "fixed", "joints", "surface", "surfaces", "self_collision",
+                   "no_collision", "engine"});
+  Placement(draft, node).place();
+}
+
+}  // namespace visum::scene

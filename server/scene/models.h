@@ -1,0 +1,10 @@
+// The entries of `models:`: places a robot model in the world.
+#pragma once
+
+#include "server/scene/draft.h"
+
+namespace visum::scene {
+
+void read_model(Draft& draft, const config::Node& node);
+
+}  // namespace visum::scene

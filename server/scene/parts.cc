@@ -1,0 +1,101 @@
+#include "server/scene/parts.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "server/scene/values.h"
+
+namespace visum::scene {
+namespace {
+
+using config::Node;
+using world::JointId;
+
+using JointsByName = std::map<std::string, JointId>;
+
+// The movable joints that an entry may name, under the names that it uses for them: those of its model
+// without the model's name, or all of the world.
+JointsByName offered_joints(const Draft& draft, const std::string& prefix) {
+  JointsByName offered;
+  const auto& joints = draft.scene.world.joints;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (joints[i].kind == world::JointKind::kFixed || joints[i].name.compare(0, prefix.size(), prefix) != 0)
+      continue;
+    offered.emplace(joints[i].name.substr(prefix.size()), JointId{static_cast<std::int32_t>(i)});
+  }
+  return offered;
+}
+
+JointId pick(const JointsByName& offered, const Node& node) {
+  const auto found = offered.find(node.text());
+  if (found != offered.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [name, id] : offered) names.push_back(name);
+  const auto near = config::nearest(node.text(), names);
+  node.fail("there is no movable joint called '" + node.text() + "'" +
+            (near ? "; did you mean '" + *near + "'?" : ""));
+}
+
+std::string model_prefix(const Draft& draft, const Node& entry) {
+  const auto model = entry.find("model");
+  if (!model) return "";
+  std::vector<std::string> known;
+  for (const world::Body& body : draft.scene.world.bodies)
+    if (!body.model.empty() && (known.empty() || known.back() != body.model)) known.push_back(body.model);
+  if (std::find(known.begin(), known.end(), model->text()) == known.end()) {
+    const auto near = config::nearest(model->text(), known);
+    model->fail("there is no model called '" + model->text() + "'" +
+                (near ? "; did you mean '" + *near + "'?" : ""));
+  }
+  return model->text() + "/";
+}
+
+// In the order of the world, which is the model's.
+std::vector<JointId> joints_of(const Draft& draft, const Node& entry, const std::string& prefix) {
+  const JointsByName offered = offered_joints(draft, prefix);
+  std::set<JointId> joints;
+  if (const auto list = entry.find("joints")) {
+    for (std::size_t i = 0; i < list->size(); ++i)
+      if (!joints.insert(pick(offered, list->at(i))).second) list->at(i).fail("is named twice");
+  } else if (!prefix.empty()) {
+    for (const auto& [name, id] : offered) joints.insert(id);
+  }
+  return {joints.begin(), joints.end()};
+}
+
+hwparts::JointInfo describe(const world::Joint& joint, const std::string& prefix) {
+  hwparts::JointInfo info;
+  info.name = joint.name.substr(prefix.size());
+  info.prismatic = joint.kind == world::JointKind::kSlider;
+  info.lower = joint.limited ? joint.lower : 1.0;  // lower > upper: no stops
+  info.upper = joint.limited ? joint.upper : -1.0;
+  info.initial_position = joint.initial_position;
+  return info;
+}
+
+void plan_part(Draft& draft, const Node& entry, std::map<JointId, std::string>& drivers) {
+  const auto& world = draft.scene.world;
+  const std::string name = read_name(entry.get("name"));
+  draft.claim("part", name, entry.place());
+  const std::string prefix = model_prefix(draft, entry);
+  PartPlan plan{read_name(entry.get("kind")),
+                {name, entry, {}, static_cast<double>(world.tick_ns) * 1e-9},
+                joints_of(draft, entry, prefix)};
+  for (const JointId id : plan.joints) {
+    const world::Joint& joint = world.joints[id.index()];
+    const auto [driver, is_free] = drivers.emplace(id, name);
+    if (!is_free) entry.fail("joint '" + joint.name + "' is driven by part '" + driver->second + "' already");
+    plan.context.joints.push_back(describe(joint, prefix));
+  }
+  draft.scene.parts.push_back(std::move(plan));
+}
+
+}  // namespace
+
+void plan_parts(Draft& draft) {
+  std::map<JointId, std::string> drivers;
+  for (const Node& entry : draft.part_entries) plan_part(draft, entry, drivers);
+}
+
+}  // namespace visum::scene

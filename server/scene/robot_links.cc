@@ -1,0 +1,116 @@
+// What is done to a robot model after reading it: joining links over fixed joints, matching looks with
+// solids.
+#include <algorithm>
+#include <map>
+
+#include "server/scene/robot_model.h"
+
+namespace visum::scene {
+namespace {
+
+constexpr double kSamePlace = 1e-9;
+
+bool same_pose(const world::Pose& a, const world::Pose& b) {
+  return (a.p - b.p).norm() < kSamePlace && a.q.angularDistance(b.q) < kSamePlace;
+}
+
+bool same_form(const RobotShape& a, const RobotShape& b) {
+  return a.kind == b.kind && a.size == b.size && a.mesh == b.mesh && a.scale == b.scale &&
+         same_pose(a.X_LS, b.X_LS);
+}
+
+// Moves all of `lower` into `upper`, X_UL apart.
+void absorb(RobotLink& upper, const RobotLink& lower, const world::Pose& X_UL) {
+  upper.mass = together(upper.mass, moved(lower.mass, X_UL));
+  for (RobotShape shape : lower.shapes) {
+    shape.X_LS = X_UL * shape.X_LS;
+    upper.shapes.push_back(std::move(shape));
+  }
+}
+
+// Joints and joined links that named `joint.child` now name its parent.
+void reattach(RobotModel& model, const RobotJoint& joint, const world::Pose& X_UL) {
+  for (RobotJoint& other : model.joints) {
+    if (other.parent == joint.child) {
+      other.parent = joint.parent;
+      other.joint.X_PJ = X_UL * other.joint.X_PJ;
+    }
+    if (other.child == joint.child) {
+      other.child = joint.parent;
+      other.joint.X_CJ = X_UL * other.joint.X_CJ;
+    }
+  }
+  for (JoinedLink& joined : model.joined) {
+    if (joined.into != joint.child) continue;
+    joined.into = joint.parent;
+    joined.X_IL = X_UL * joined.X_IL;
+  }
+  model.joined.push_back({joint.child, joint.parent, X_UL});
+}
+
+RobotLink& find_link(RobotModel& model, const std::string& name) {
+  return *std::find_if(model.links.begin(), model.links.end(),
+                       [&](const RobotLink& l) { return l.name == name; });
+}
+
+void join(RobotModel& model, const RobotJoint& joint) {
+  if (joint.parent == kWorldLink) {
+    find_link(model, joint.child).on_ground = true;
+    return;
+  }
+  const world::Pose X_UL = joint.joint.X_PJ * joint.joint.X_CJ.inverse();
+  const RobotLink lower = find_link(model, joint.child);
+  RobotLink& upper = find_link(model, joint.parent);
+  absorb(upper, lower, X_UL);
+  upper.on_ground = upper.on_ground || lower.on_ground;
+  model.links.erase(std::find_if(model.links.begin(), model.links.end(),
+                                 [&](const RobotLink& l) { return l.name == lower.name; }));
+  reattach(model, joint, X_UL);
+}
+
+void note_joined(RobotModel& model) {
+  std::map<std::string, std::string> lists;
+  for (const JoinedLink& joined : model.joined)
+    lists[joined.into] += (lists[joined.into].empty() ? "'" : ", '") + joined.name + "'";
+  for (const auto& [into, names] : lists)
+    model.losses.push_back("fixed joints join " + names + " into link '" + into + "': one body of that name");
+}
+
+}  // namespace
+
+void match_visuals(RobotLink& link) {
+  const bool has_visuals =
+      std::any_of(link.shapes.begin(), link.shapes.end(), [](const RobotShape& s) { return !s.collides; });
+  if (!has_visuals) return;
+  std::vector<RobotShape> kept;
+  for (const RobotShape& shape : link.shapes) {
+    if (!shape.collides) continue;
+    kept.push_back(shape);
+    kept.back().color = {0.0, 0.0, 0.0, 0.0};
+  }
+  for (RobotShape& visual : link.shapes) {
+    if (visual.collides) continue;
+    const auto twin = std::find_if(kept.begin(), kept.end(),
+                                   [&](const RobotShape& s) { return s.collides && same_form(s, visual); });
+    if (twin == kept.end())
+      kept.push_back(std::move(visual));
+    else
+      twin->color = visual.color.value_or(world::Shape{}.color);
+  }
+  link.shapes = std::move(kept);
+}
+
+void join_links(RobotModel& model) {
+  const auto is_fixed = [](const RobotJoint& j) { return j.joint.kind == world::JointKind::kFixed; };
+  for (auto found = std::find_if(model.joints.begin(), model.joints.end(), is_fixed);
+       found != model.joints.end();
+       found = std::find_if(model.joints.begin(), model.joints.end(), is_fixed)) {
+    const RobotJoint joint = *found;
+    model.joints.erase(found);
+    // A second fixed joint between links that are one already says nothing new.
+    if (joint.parent != joint.child) join(model, joint);
+  }
+  note_joined(model);
+}
+
+}  // namespace visum::scene

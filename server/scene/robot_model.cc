@@ -1,0 +1,343 @@
+#include "server/scene/robot_model.h"
+
+#include <algorithm>
+#include <iostream>
+#include <sdf/Box.hh>
+#include <sdf/Capsule.hh>
+#include <sdf/Collision.hh>
+#include <sdf/Cylinder.hh>
+#include <sdf/Error.hh>
+#include <sdf/Geometry.hh>
+#include <sdf/Joint.hh>
+#include <sdf/JointAxis.hh>
+#include <sdf/Link.hh>
+#include <sdf/Material.hh>
+#include <sdf/Mesh.hh>
+#include <sdf/Model.hh>
+#include <sdf/ParserConfig.hh>
+#include <sdf/Plane.hh>
+#include <sdf/Root.hh>
+#include <sdf/SDFImpl.hh>
+#include <sdf/Sphere.hh>
+#include <sdf/Visual.hh>
+#include <sstream>
+
+#include "protocol/config/config.h"
+#include "server/scene/mesh_path.h"
+#include "server/scene/mesh_readers.h"
+#include "server/scene/model_xml.h"
+
+namespace visum::scene {
+namespace {
+
+constexpr double kUnlimited = 1e6;  // SDF and URDF write 1e16 or infinity for "no limit"
+
+// sdformat and the URDF parser below it print what they dislike; that belongs into our message. Scenes are
+// read before the first tick, by one thread.
+class ConsoleCapture {
+ public:
+  ConsoleCapture() : cerr_(std::cerr.rdbuf(text_.rdbuf())), cout_(std::cout.rdbuf(text_.rdbuf())) {}
+  ~ConsoleCapture() {
+    std::cerr.rdbuf(cerr_);
+    std::cout.rdbuf(cout_);
+  }
+  ConsoleCapture(const ConsoleCapture&) = delete;
+  ConsoleCapture& operator=(const ConsoleCapture&) = delete;
+
+  // The first line that says something about the model.
+  std::string first_line() {
+    for (std::string line; std::getline(text_, line);)
+      if (line.find("log file") == std::string::npos && line.find("HOME") == std::string::npos) return line;
+    return "";
+  }
+
+ private:
+  std::stringstream text_;
+  std::streambuf* cerr_;
+  std::streambuf* cout_;
+};
+
+world::Pose to_pose(const ignition::math::Pose3d& pose) {
+  const auto& p = pose.Pos();
+  const auto& q = pose.Rot();
+  return {{p.X(), p.Y(), p.Z()}, Eigen::Quaterniond(q.W(), q.X(), q.Y(), q.Z()).normalized()};
+}
+
+Eigen::Vector3d to_vector(const ignition::math::Vector3d& v) {
+  return {v.X(), v.Y(), v.Z()};
+}
+
+// The name that a shape has in a URDF, out of the one that sdformat makes of it: "pad" of
+// "finger_fixed_joint_lump__pad_collision_2"; unnamed ones become "collision_2".
+std::string urdf_name(std::string name, const std::string& link) {
+  const std::string lump = link + "_fixed_joint_lump__";
+  if (name.compare(0, lump.size(), lump) != 0)
+    return name.compare(0, link.size() + 1, link + "_") == 0 ? name.substr(link.size() + 1) : name;
+  name = name.substr(lump.size());
+  const std::size_t end = std::max(name.rfind("_collision") + 1, name.rfind("_visual") + 1);  // 0: neither
+  return end > 1 ? name.substr(0, end - 1) : name;
+}
+
+class Reader {
+ public:
+  Reader(RobotModel& model, const ModelXml& xml) : model_(model), xml_(xml), file_(model.file.string()) {}
+
+  void read(const sdf::Model& top) {
+    read_model(top, "", {});
+    sort_as_in_file();
+  }
+
+ private:
+  static int line_of(const std::map<std::string, int>& lines, const std::string& name) {
+    const auto found = lines.find(name);
+    return found == lines.end() ? 0 : found->second;
+  }
+
+  config::Place link_place(const std::string& link) const {
+    return {file_, line_of(xml_.link_lines, link), "link '" + link + "'"};
+  }
+  config::Place joint_place(const std::string& joint) const {
+    return {file_, line_of(xml_.joint_lines, joint), "joint '" + joint + "'"};
+  }
+
+  void refuse(const sdf::Errors& errors, const config::Place& place) const {
+    if (!errors.empty()) throw config::ConfigError(place, errors.front().Message());
+  }
+
+  // X_TM: this model in the top one.
+  void read_model(const sdf::Model& model, const std::string& prefix, const world::Pose& X_TM) {
+    for (std::uint64_t i = 0; i < model.LinkCount(); ++i)
+      read_link(*model.LinkByIndex(i), prefix, X_TM, model.Static());
+    for (std::uint64_t i = 0; i < model.JointCount(); ++i) read_joint(*model.JointByIndex(i), prefix);
+    for (std::uint64_t i = 0; i < model.ModelCount(); ++i) {
+      const sdf::Model& inner = *model.ModelByIndex(i);
+      ignition::math::Pose3d pose;
+      refuse(inner.SemanticPose().Resolve(pose), {file_, 0, "model '" + inner.Name() + "'"});
+      read_model(inner, prefix + inner.Name() + "::", X_TM * to_pose(pose));
+    }
+  }
+
+  void read_link(const sdf::Link& from, const std::string& prefix, const world::Pose& X_TM, bool is_static) {
+    RobotLink link;
+    link.name = prefix + from.Name();
+    link.line = line_of(xml_.link_lines, link.name);
+    ignition::math::Pose3d pose;
+    refuse(from.SemanticPose().Resolve(pose, "__model__"), link_place(link.name));
+    link.X_ML = X_TM * to_pose(pose);
+    link.on_ground = is_static;
+    if (xml_.massless.count(link.name) == 0) link.mass = read_mass(from);
+    for (std::uint64_t i = 0; i < from.CollisionCount(); ++i) {
+      const sdf::Collision& collision = *from.CollisionByIndex(i);
+      add_shape(collision.Name(), *collision.Geom(), collision.SemanticPose(), true, nullptr, link);
+    }
+    for (std::uint64_t i = 0; i < from.VisualCount(); ++i) {
+      const sdf::Visual& visual = *from.VisualByIndex(i);
+      add_shape(visual.Name(), *visual.Geom(), visual.SemanticPose(), false, visual.Material(), link);
+    }
+    match_visuals(link);
+    model_.links.push_back(std::move(link));
+  }
+
+  static MassProperties read_mass(const sdf::Link& link) {
+    const auto& inertial = link.Inertial();
+    const auto moi = inertial.Moi();  // in the link's axes
+    MassProperties mass{inertial.MassMatrix().Mass(), to_vector(inertial.Pose().Pos()), {}};
+    for (std::size_t row = 0; row < 3; ++row)
+      for (std::size_t column = 0; column < 3; ++column)
+        mass.inertia_C(static_cast<int>(row), static_cast<int>(column)) = moi(row, column);
+    return mass;
+  }
+
+  void add_shape(const std::string& name, const sdf::Geometry& geometry, const sdf::SemanticPose& where,
+                 bool collides, const sdf::Material* material, RobotLink& link) {
+    RobotShape shape;
+    shape.name = xml_.urdf ? urdf_name(name, link.name) : name;
+    shape.link = link.name;
+    shape.collides = collides;
+    ignition::math::Pose3d pose;
+    refuse(where.Resolve(pose, link.name.substr(link.name.rfind(':') + 1)), link_place(link.name));
+    shape.X_LS = to_pose(pose);
+    if (material) {
+      const auto& c = material->Diffuse();
+      shape.color = {c.R(), c.G(), c.B(), c.A()};
+    }
+    const std::string loss = read_geometry(geometry, link.name, shape), shape_name = shape.name;
+    if (loss.empty()) {
+      link.shapes.push_back(std::move(shape));
+    } else if (collides) {
+      throw config::ConfigError(link_place(link.name), "collision '" + shape_name + "' " + loss);
+    } else {
+      model_.losses.push_back("visual '" + shape_name + "' of link '" + link.name + "' is not shown: it " +
+                              loss);
+    }
+  }
+
+  // Fills kind, size and mesh; else returns why it cannot.
+  std::string read_geometry(const sdf::Geometry& geometry, const std::string& link, RobotShape& shape) const {
+    using world::ShapeKind;
+    switch (geometry.Type()) {
+      case sdf::GeometryType::BOX: {
+        const auto size = geometry.BoxShape()->Size();
+        set(shape, ShapeKind::kBox, {size.X(), size.Y(), size.Z()});
+        return "";
+      }
+      case sdf::GeometryType::SPHERE:
+        set(shape, ShapeKind::kSphere, {geometry.SphereShape()->Radius(), 0, 0});
+        return "";
+      case sdf::GeometryType::CYLINDER:
+        set(shape, ShapeKind::kCylinder,
+            {geometry.CylinderShape()->Radius(), geometry.CylinderShape()->Length(), 0});
+        return "";
+      case sdf::GeometryType::CAPSULE:
+        set(shape, ShapeKind::kCapsule,
+            {geometry.CapsuleShape()->Radius(), geometry.CapsuleShape()->Length(), 0});
+        return "";
+      case sdf::GeometryType::PLANE: {
+        const Eigen::Vector3d normal = to_vector(geometry.PlaneShape()->Normal());
+        shape.kind = ShapeKind::kPlane;
+        shape.X_LS.q = shape.X_LS.q * Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
+        return "";
+      }
+      case sdf::GeometryType::MESH:
+        return read_mesh_geometry(*geometry.MeshShape(), link, shape);
+      default:
+        return "has a form that is not simulated (box, sphere, cylinder, capsule, plane and mesh are)";
+    }
+  }
+
+  static void set(RobotShape& shape, world::ShapeKind kind, std::array<double, 3> size) {
+    shape.kind = kind;
+    shape.size = size;
+  }
+
+  std::string read_mesh_geometry(const sdf::Mesh& mesh, const std::string& link, RobotShape& shape) const {
+    if (!mesh.Submesh().empty()) return "names a submesh, and only whole meshes are read";
+    if (!is_mesh_format(mesh.Uri()))
+      return "is the mesh '" + mesh.Uri() + "', and only .stl and .obj are read";
+    shape.kind = world::ShapeKind::kMesh;
+    shape.scale = to_vector(mesh.Scale());
+    shape.mesh = resolve_mesh(mesh.Uri(), model_.file, link_place(link));
+    return "";
+  }
+
+  void read_joint(const sdf::Joint& from, const std::string& prefix) {
+    RobotJoint joint;
+    joint.joint.name = prefix + from.Name();
+    joint.line = line_of(xml_.joint_lines, joint.joint.name);
+    const config::Place place = joint_place(joint.joint.name);
+    std::string parent, child;
+    refuse(from.ResolveParentLink(parent), place);
+    refuse(from.ResolveChildLink(child), place);
+    joint.parent = parent == kWorldLink ? parent : prefix + parent;
+    joint.child = prefix + child;
+    demand_link(joint.child, place);
+    if (joint.parent != kWorldLink) demand_link(joint.parent, place);
+    ignition::math::Pose3d pose;
+    refuse(from.SemanticPose().Resolve(pose, child), place);
+    joint.joint.X_CJ = to_pose(pose);
+    refuse(from.SemanticPose().Resolve(pose, parent == kWorldLink ? "__model__" : parent), place);
+    joint.joint.X_PJ = to_pose(pose);  // of a joint to the world: in the model
+    read_kind(from, place, joint.joint);
+    model_.joints.push_back(std::move(joint));
+  }
+
+  void demand_link(const std::string& link, const config::Place& place) const {
+    if (xml_.link_lines.count(link) == 0)
+      throw config::ConfigError(place, "names '" + link + "', which is no link");
+  }
+
+  void read_kind(const sdf::Joint& from, const config::Place& place, world::Joint& joint) {
+    switch (from.Type()) {
+      case sdf::JointType::FIXED:
+        joint.kind = world::JointKind::kFixed;
+        return;
+      case sdf::JointType::REVOLUTE:
+      case sdf::JointType::CONTINUOUS:
+        joint.kind = world::JointKind::kHinge;
+        break;
+      case sdf::JointType::PRISMATIC:
+        joint.kind = world::JointKind::kSlider;
+        break;
+      default:
+        throw config::ConfigError(
+            place, "joints of this type are not simulated (revolute, continuous, prismatic and fixed are)");
+    }
+    const sdf::JointAxis* axis = from.Axis();
+    if (axis == nullptr) throw config::ConfigError(place, "needs an <axis>");
+    read_axis(*axis, place, joint);
+    if (from.Type() == sdf::JointType::CONTINUOUS) joint.limited = false;
+  }
+
+  void read_axis(const sdf::JointAxis& axis, const config::Place& place, world::Joint& joint) {
+    ignition::math::Vector3d xyz;
+    refuse(axis.ResolveXyz(xyz), place);
+    joint.axis_J = to_vector(xyz).normalized();
+    joint.limited = axis.Lower() > -kUnlimited || axis.Upper() < kUnlimited;
+    joint.lower = std::max(axis.Lower(), -kUnlimited);
+    joint.upper = std::min(axis.Upper(), kUnlimited);
+    if (joint.limited && joint.lower > joint.upper)
+      throw config::ConfigError(place, "the lower limit is above the upper one");
+    joint.damping = axis.Damping();
+    joint.friction = axis.Friction();
+    if (axis.SpringStiffness() != 0.0)
+      model_.losses.push_back("joint '" + joint.name + "' has a spring, which is not simulated");
+  }
+
+  // sdformat walks the URDF's tree in the order of names; users count joints in the order of their file.
+  void sort_as_in_file() {
+    const auto rank = [](const std::vector<std::string>& names) {
+      std::map<std::string, std::size_t> ranks;
+      for (std::size_t i = 0; i < names.size(); ++i) ranks.emplace(names[i], i);
+      return ranks;
+    };
+    auto links = rank(xml_.links), joints = rank(xml_.joints);
+    std::stable_sort(model_.links.begin(), model_.links.end(),
+                     [&](const RobotLink& a, const RobotLink& b) { return links[a.name] < links[b.name]; });
+    std::stable_sort(model_.joints.begin(), model_.joints.end(),
+                     [&](const RobotJoint& a, const RobotJoint& b) {
+                       return joints[a.joint.name] < joints[b.joint.name];
+                     });
+  }
+
+  RobotModel& model_;
+  const ModelXml& xml_;
+  std::string file_;
+};
+
+sdf::ParserConfig quiet_config() {
+  sdf::ParserConfig config;
+  config.SetFindCallback([](const std::string&) { return std::string(); });  // no look-ups, no downloads
+  config.SetWarningsPolicy(sdf::EnforcementPolicy::LOG);
+  config.SetUnrecognizedElementsPolicy(sdf::EnforcementPolicy::LOG);
+  config.SetDeprecatedElementsPolicy(sdf::EnforcementPolicy::LOG);
+  return config;
+}
+
+[[noreturn]] void fail_load(const sdf::Errors& errors, ConsoleCapture& console, const std::string& file) {
+  std::string message = errors.empty() ? console.first_line() : errors.front().Message();
+  int line = 0;
+  if (!errors.empty()) line = errors.front().LineNumber().value_or(0);
+  if (message.empty()) message = "sdformat cannot read it and does not say why";
+  throw config::ConfigError({file, line, ""}, message);
+}
+
+}  // namespace
+
+RobotModel read_robot_model(const std::filesystem::path& file, const std::string& text) {
+  const ModelXml xml = read_model_xml(text, file.string());
+  RobotModel model;
+  model.file = file;
+  model.losses = xml.losses;
+  ConsoleCapture console;
+  sdf::Root root;
+  const sdf::Errors errors = root.LoadSdfString(xml.text, quiet_config());
+  if (!errors.empty() || root.Model() == nullptr) fail_load(errors, console, file.string());
+  Reader(model, xml).read(*root.Model());
+  if (model.links.size() != xml.links.size())
+    throw config::ConfigError({file.string(), 0, ""}, "sdformat kept " + std::to_string(model.links.size()) +
+                                                          " of " + std::to_string(xml.links.size()) +
+                                                          " links");
+  return model;
+}
+
+}  // namespace visum::scene

@@ -1,0 +1,102 @@
+#include "server/scene/settings.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/scene/values.h"
+
+namespace visum::scene {
+namespace {
+
+constexpr double kNsPerMs = 1e6;
+constexpr double kNsPerS = 1e9;
+constexpr double kMaxTickMs = 1000.0;
+constexpr double kMaxTimeoutS = 86400.0;
+constexpr double kMaxSpeed = 1e6;
+constexpr double kNsTolerance = 1e-6;  // what decimal fractions of a millisecond are off in binary
+
+ClockKind read_clock(const config::Node& node) {
+  const std::string word = node.one_of({"realtime", "lockstep", "free"});
+  if (word == "lockstep") return ClockKind::kLockstep;
+  return word == "free" ? ClockKind::kFree : ClockKind::kRealtime;
+}
+
+std::int64_t read_tick_ns(const config::Node& node) {
+  const double ns = node.number({0.0, kMaxTickMs, true}) * kNsPerMs;
+  if (ns < 1.0 || std::abs(ns - std::round(ns)) > kNsTolerance)
+    node.fail("must be a whole number of nanoseconds, is " + node.text() + " ms");
+  return std::llround(ns);
+}
+
+// "ode", or {kind: ode, step: quick, ...}. What a kind makes of its settings is the engine table's business.
+world::EngineSetting read_engine(const config::Node& node) {
+  world::EngineSetting engine;
+  if (node.kind() == config::Node::Kind::kScalar) {
+    engine.name = read_name(node);
+    return engine;
+  }
+  node.allow_only({"kind", "step", "iterations", "erp", "cfm"});
+  engine.name = read_name(node.get("kind"));
+  if (const auto step = node.find("step")) engine.step = step->one_of({"world", "quick"});
+  if (const auto count = node.find("iterations"))
+    engine.iterations = static_cast<int>(count->integer(1, 100'000));
+  engine.erp = node.number_or("erp", engine.erp, {0.0, 1.0});
+  engine.cfm = node.number_or("cfm", engine.cfm, {1e-9, 1e6});
+  return engine;
+}
+
+world::Surface read_surface(const std::string& name, const config::Node& node) {
+  node.allow_only({"friction", "restitution"});
+  world::Surface surface;
+  surface.name = name;
+  surface.friction = node.number_or("friction", surface.friction, {0.0, 1e6});
+  surface.restitution = node.number_or("restitution", surface.restitution, {0.0, 1.0});
+  return surface;
+}
+
+}  // namespace
+
+void read_settings(Draft& draft, const config::Node& root) {
+  Scene& scene = draft.scene;
+  if (const auto node = root.find("name")) scene.name = read_name(*node);
+  if (const auto node = root.find("gravity")) scene.world.gravity = read_vector(*node);
+  if (const auto node = root.find("tick_ms")) scene.world.tick_ns = read_tick_ns(*node);
+  if (const auto node = root.find("clock")) scene.clock = read_clock(*node);
+  if (const auto node = root.find("speed")) scene.speed = node->number({0.0, kMaxSpeed, true});
+  if (const auto node = root.find("seed")) scene.seed = static_cast<std::uint64_t>(node->integer(0));
+  if (const auto node = root.find("lockstep_timeout_s"))
+    scene.lockstep_timeout_ns = std::llround(node->number({1e-3, kMaxTimeoutS}) * kNsPerS);
+}
+
+void read_engines(Draft& draft, const config::Node& root) {
+  Scene& scene = draft.scene;
+  if (const auto node = root.find("engine")) scene.world.engines[0] = read_engine(*node);
+  const auto engines = root.find("engines");
+  if (!engines) return;
+  for (const std::string& name : engines->keys()) {
+    const config::Node node = engines->get(name);
+    if (const std::string fault = name_fault(name); !fault.empty()) node.fail("an engine's name " + fault);
+    if (name == kMainEngine) node.fail("this name stands for the scene's 'engine', choose another");
+    draft.claim("engine", name, node.place());
+    scene.world.engines.push_back(read_engine(node));
+    scene.engine_names.push_back(name);
+  }
+}
+
+void read_surfaces(Draft& draft, const config::Node& root) {
+  const auto surfaces = root.find("surfaces");
+  if (!surfaces) return;
+  for (const std::string& name : surfaces->keys()) {
+    const config::Node node = surfaces->get(name);
+    if (const std::string fault = name_fault(name); !fault.empty()) node.fail("a surface's name " + fault);
+    const world::Surface surface = read_surface(name, node);
+    if (name == draft.scene.world.surfaces[0].name) {
+      draft.scene.world.surfaces[0] = surface;  // a setting: who includes may set it again
+      continue;
+    }
+    draft.claim("surface", name, node.place());
+    draft.scene.world.surfaces.push_back(surface);
+  }
+}
+
+}  // namespace visum::scene

@@ -1,0 +1,198 @@
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+
+#include "protocol/config/config.h"
+#include "server/scene/xml_checks.h"
+
+namespace visum::scene {
+namespace {
+
+struct AttributeRule {
+  const char* element;
+  const char* attribute;
+  bool required;
+  std::size_t count;
+  NumberRule rule;
+};
+constexpr AttributeRule kAttributes[] = {
+    {"origin", "xyz", false, 3, NumberRule::kAny},
+    {"origin", "rpy", false, 3, NumberRule::kAny},
+    {"axis", "xyz", true, 3, NumberRule::kNotZero},
+    {"mass", "value", true, 1, NumberRule::kNotNegative},
+    {"inertia", "ixx", true, 1, NumberRule::kNotNegative},
+    {"inertia", "iyy", true, 1, NumberRule::kNotNegative},
+    {"inertia", "izz", true, 1, NumberRule::kNotNegative},
+    {"inertia", "ixy", true, 1, NumberRule::kAny},
+    {"inertia", "ixz", true, 1, NumberRule::kAny},
+    {"inertia", "iyz", true, 1, NumberRule::kAny},
+    {"limit", "lower", false, 1, NumberRule::kAny},
+    {"limit", "upper", false, 1, NumberRule::kAny},
+    {"limit", "effort", true, 1, NumberRule::kNotNegative},
+    {"limit", "velocity", true, 1, NumberRule::kNotNegative},
+    {"dynamics", "damping", false, 1, NumberRule::kNotNegative},
+    {"dynamics", "friction", false, 1, NumberRule::kNotNegative},
+    {"box", "size", true, 3, NumberRule::kPositive},
+    {"sphere", "radius", true, 1, NumberRule::kPositive},
+    {"cylinder", "radius", true, 1, NumberRule::kPositive},
+    {"cylinder", "length", true, 1, NumberRule::kPositive},
+    {"mesh", "scale", false, 3, NumberRule::kNotZero},
+    {"color", "rgba", true, 4, NumberRule::kNotNegative},
+};
+
+// Read by nobody here; the subtrees may hold anything.
+const std::vector<const char*> kUnread = {"gazebo", "transmission",      "ros2_control",
+                                          "sensor", "safety_controller", "calibration"};
+
+bool is_unread(const XMLElement& element) {
+  return std::any_of(kUnread.begin(), kUnread.end(),
+                     [&](const char* n) { return !std::strcmp(n, element.Name()); });
+}
+
+void check_attributes(const XMLElement& element, const std::string& file) {
+  for (const AttributeRule& rule : kAttributes) {
+    if (std::strcmp(rule.element, element.Name()) != 0) continue;
+    const char* text = element.Attribute(rule.attribute);
+    if (text == nullptr && !rule.required) continue;
+    if (text == nullptr) required(element, rule.attribute, file);
+    check_numbers(element, std::string(rule.element) + " " + rule.attribute, text, rule.count, rule.count,
+                  rule.rule, file);
+  }
+  if (!std::strcmp(element.Name(), "mesh")) required(element, "filename", file);
+}
+
+double attribute_or(const XMLElement* element, const char* name, double otherwise) {
+  return element == nullptr ? otherwise : element->DoubleAttribute(name, otherwise);
+}
+
+void check_joint_type(const XMLElement& joint, const std::string& file) {
+  const std::string type = required(joint, "type", file);
+  const std::vector<std::string> known = {"revolute", "continuous", "prismatic", "fixed"};
+  if (std::find(known.begin(), known.end(), type) == known.end())
+    fail_at(joint, file,
+            "joints of type '" + type + "' are not simulated (revolute, continuous, prismatic, fixed are)");
+  if (type != "revolute" && type != "prismatic") return;
+  const XMLElement* limit = joint.FirstChildElement("limit");
+  if (limit == nullptr) fail_at(joint, file, "a " + type + " joint needs a <limit>");
+  if (attribute_or(limit, "lower", 0) > attribute_or(limit, "upper", 0))
+    fail_at(*limit, file, "the lower limit is above the upper one");
+}
+
+std::string end_of(const XMLElement& joint, const char* tag, const ModelXml& xml, const std::string& file) {
+  const XMLElement* end = joint.FirstChildElement(tag);
+  if (end == nullptr) fail_at(joint, file, std::string("needs a <") + tag + ">");
+  const std::string link = required(*end, "link", file);
+  if (xml.link_lines.count(link) != 0) return link;
+  const auto near = config::nearest(link, xml.links);
+  fail_at(*end, file,
+          std::string(tag) + " names link '" + link + "', which does not exist" +
+              (near ? "; did you mean '" + *near + "'?" : ""));
+}
+
+// Each name once; remembers order and lines.
+void take_name(const XMLElement& element, const std::string& file, std::vector<std::string>& names,
+               std::map<std::string, int>& lines) {
+  const std::string name = required(element, "name", file);
+  const auto [first, is_new] = lines.try_emplace(name, element.GetLineNum());
+  if (!is_new)
+    fail_at(element, file, "there is already one of this name (line " + std::to_string(first->second) + ")");
+  names.push_back(name);
+}
+
+// A tree: each link has one parent joint at most, one link has none, and all hang from it.
+void check_tree(const XMLElement& root, const ModelXml& xml, const std::string& file) {
+  std::map<std::string, std::string> parents;
+  for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
+    const std::string parent = end_of(*joint, "parent", xml, file),
+                      child = end_of(*joint, "child", xml, file);
+    if (parent == child) fail_at(*joint, file, "connects link '" + child + "' with itself");
+    if (!parents.emplace(child, parent).second)
+      fail_at(*joint, file, "link '" + child + "' hangs on another joint already: a URDF is a tree");
+  }
+  std::vector<std::string> roots;
+  for (const std::string& link : xml.links)
+    if (parents.count(link) == 0) roots.push_back(link);
+  if (roots.empty()) fail_at(root, file, "the joints form a cycle: there is no root link");
+  if (roots.size() > 1)
+    fail_at(root, file, "has more than one root link: '" + roots[0] + "' and '" + roots[1] + "'");
+  for (const std::string& link : xml.links) {
+    std::string above = link;
+    for (std::size_t steps = 0; parents.count(above) != 0; ++steps) {
+      if (steps > xml.links.size()) fail_at(root, file, "the joints around link '" + link + "' form a cycle");
+      above = parents[above];
+    }
+  }
+}
+
+// sdformat drops links without a mass, with all that hangs on them. The mass that they get here never reaches
+// the world.
+void give_nominal_mass(XMLElement& link, ModelXml& xml) {
+  XMLElement* inertial = link.FirstChildElement("inertial");
+  const XMLElement* mass = inertial ? inertial->FirstChildElement("mass") : nullptr;
+  if (mass != nullptr && mass->DoubleAttribute("value") > 0.0) return;
+  xml.massless.insert(link.Attribute("name"));
+  if (inertial != nullptr) link.DeleteChild(inertial);
+  inertial = link.InsertNewChildElement("inertial");
+  inertial->InsertNewChildElement("mass")->SetAttribute("value", 1.0);
+  XMLElement* inertia = inertial->InsertNewChildElement("inertia");
+  for (const char* diagonal : {"ixx", "iyy", "izz"}) inertia->SetAttribute(diagonal, 1.0);
+  for (const char* product : {"ixy", "ixz", "iyz"}) inertia->SetAttribute(product, 0.0);
+}
+
+// sdformat divides URDF colours by 0.8 and cuts them at 1.
+void scale_colors(XMLElement& element) {
+  for (XMLElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    scale_colors(*child);
+    if (std::strcmp(child->Name(), "color") != 0) continue;
+    float rgba[4] = {0, 0, 0, 1};
+    std::sscanf(child->Attribute("rgba"), "%f %f %f %f", &rgba[0], &rgba[1], &rgba[2], &rgba[3]);
+    char text[80];
+    std::snprintf(text, sizeof text, "%.9g %.9g %.9g %.9g", 0.8 * rgba[0], 0.8 * rgba[1], 0.8 * rgba[2],
+                  static_cast<double>(rgba[3]));
+    child->SetAttribute("rgba", text);
+  }
+}
+
+void prepare_for_sdformat(XMLElement& root, ModelXml& xml) {
+  for (const char* name : kUnread)
+    while (XMLElement* unread = root.FirstChildElement(name)) root.DeleteChild(unread);
+  for (auto link = root.FirstChildElement("link"); link; link = link->NextSiblingElement("link"))
+    give_nominal_mass(*link, xml);
+  scale_colors(root);
+  std::vector<std::string> fixed;
+  for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint"))
+    if (!std::strcmp(joint->Attribute("type"), "fixed")) fixed.emplace_back(joint->Attribute("name"));
+  for (const std::string& name : fixed) {
+    XMLElement* gazebo = root.InsertNewChildElement("gazebo");
+    gazebo->SetAttribute("reference", name.c_str());
+    gazebo->InsertNewChildElement("preserveFixedJoint")->SetText("true");
+  }
+}
+
+void note_losses(const XMLElement& root, ModelXml& xml) {
+  xml.losses = unread_elements(root, kUnread);
+  for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint"))
+    if (joint->FirstChildElement("mimic"))
+      xml.losses.push_back(std::string("joint '") + joint->Attribute("name") +
+                           "' moves on its own: <mimic> is not simulated");
+}
+
+}  // namespace
+
+void read_urdf(tinyxml2::XMLDocument& document, const std::string& file, ModelXml& xml) {
+  XMLElement& root = *document.RootElement();
+  required(root, "name", file);
+  walk(root, is_unread, [&](const XMLElement& element) { check_attributes(element, file); });
+  for (auto link = root.FirstChildElement("link"); link; link = link->NextSiblingElement("link"))
+    take_name(*link, file, xml.links, xml.link_lines);
+  if (xml.links.empty()) fail_at(root, file, "has no link");
+  for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
+    take_name(*joint, file, xml.joints, xml.joint_lines);
+    check_joint_type(*joint, file);
+  }
+  check_tree(root, xml, file);
+  note_losses(root, xml);
+  prepare_for_sdformat(root, xml);
+}
+
+}  // namespace visum::scene

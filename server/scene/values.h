@@ -1,0 +1,45 @@
+// What a scene file is made of, read from configuration values: names, vectors, poses, colours, paths. All of
+// these throw ConfigError at the value's own place.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <filesystem>
+#include <string>
+
+#include "protocol/config/config.h"
+#include "server/world/world_model.h"
+
+namespace visum::scene {
+
+// Lengths, positions and speeds beyond 1e6 are slips of the pen, not scenes; sizes below a micrometre too.
+inline constexpr config::Range kPlaceable{-1e6, 1e6};
+inline constexpr config::Range kSize{1e-6, 1e6};
+
+inline constexpr std::size_t kMaxNameBytes = 128;
+
+// Why `name` cannot name a thing of a scene ("is empty", "holds a '/'"); empty if it can.
+std::string name_fault(const std::string& name);
+std::string read_name(const config::Node& node);
+
+Eigen::Vector3d read_vector(const config::Node& node, config::Range range = kPlaceable);
+
+// {xyz: [m], rpy: [rad]} or {xyz: [m], wxyz: [unit quaternion]}; each part may be left out.
+world::Pose read_pose(const config::Node& node);
+world::Pose read_pose_or_identity(const config::Node& map, std::string_view key);
+
+// Roll, pitch, yaw about fixed axes, as in URDF: R = Rz(yaw) Ry(pitch) Rx(roll).
+Eigen::Quaterniond quaternion_from_rpy(const Eigen::Vector3d& rpy);
+
+// [r, g, b] or [r, g, b, a], each 0..1.
+std::array<double, 4> read_color(const config::Node& node);
+
+// A direction of any length but zero, made unit.
+Eigen::Vector3d read_axis(const config::Node& node);
+
+// A file name, relative to the folder of the file that names it. URLs are refused: nothing here uses a
+// network.
+std::filesystem::path read_path(const config::Node& node);
+
+}  // namespace visum::scene

@@ -1,0 +1,41 @@
+// Checks that model_xml.cc and urdf_xml.cc share. Inner header: the only one that shows tinyxml2.
+#pragma once
+
+#include <tinyxml2.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "server/scene/model_xml.h"
+
+namespace visum::scene {
+
+using tinyxml2::XMLElement;
+
+// Throws ConfigError at the element, naming the link or joint around it.
+[[noreturn]] void fail_at(const XMLElement& element, const std::string& file, const std::string& message);
+
+// The attribute's text; fails if it is missing or empty.
+std::string required(const XMLElement& element, const char* attribute, const std::string& file);
+
+enum class NumberRule { kAny, kPositive, kNotNegative, kNotZero, kMayBeInfinite };
+
+// `text` holds between `least` and `most` numbers that obey `rule`; `what` names it in the error ("mass
+// value").
+void check_numbers(const XMLElement& element, const std::string& what, const char* text, std::size_t least,
+                   std::size_t most, NumberRule rule, const std::string& file);
+
+// Calls `visit` for each element below `root`, in the order of the file, unless `skip` says to leave out its
+// subtree.
+void walk(const XMLElement& root, const std::function<bool(const XMLElement&)>& skip,
+          const std::function<void(const XMLElement&)>& visit);
+
+// "2 <transmission> elements are not read", for those of `names` that stand anywhere in the file.
+std::vector<std::string> unread_elements(const XMLElement& root, const std::vector<const char*>& names);
+
+// The two kinds of file: check, then fill `xml`. urdf_xml.cc also rewrites the document for sdformat.
+void read_urdf(tinyxml2::XMLDocument& document, const std::string& file, ModelXml& xml);
+void read_sdf(const XMLElement& root, const std::string& file, ModelXml& xml);
+
+}  // namespace visum::scene
