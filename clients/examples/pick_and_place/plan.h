@@ -1,0 +1,45 @@
+// What the arm will do, thought through before anything moves: postures at the box and at its goal, straight
+// ways down and up, ways through the air. A job that cannot be done throws Unreachable in words.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "clients/examples/pick_and_place/trajectory.h"
+#include "clients/examples/pick_and_place/urdf_chain.h"
+
+namespace visum::pick_and_place {
+
+// Everything in the frame of the arm's base [m, rad].
+struct Job {
+  Eigen::Vector3d from;  // where the box stands: the middle of its foot
+  Eigen::Vector3d to;
+  double width = 0.04;  // of the box, both ways
+  double height = 0.08;
+  double yaw = 0.0;    // of the box about z
+  double lift = 0.12;  // how far it is lifted
+};
+
+using Way = std::vector<JointPath>;  // legs, with a stop after each
+
+struct Plan {
+  Way to_box;                // from the start to above the box
+  JointPath to_grasp;        // straight down
+  JointPath lift;            // straight up
+  Way carry;                 // to above the goal
+  JointPath put_down;        // straight down
+  JointPath retreat;         // straight up
+  Way home;                  // back to the start
+  double tilt_at_box = 0.0;  // of the gripper, below the horizontal [rad]
+  double tilt_at_goal = 0.0;
+};
+
+class Unreachable : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+Plan make_plan(const ArmModel& arm, const Eigen::VectorXd& start, const Job& job);
+
+}  // namespace visum::pick_and_place
