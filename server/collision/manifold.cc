@@ -64,14 +64,15 @@ bool add_face_contacts(const Feature& reference, const Feature& incident, const 
   return any;
 }
 
-void add_edge_contacts(const Feature& a, const Feature& b, const Direction& direction,
+bool add_edge_contacts(const Feature& a, const Feature& b, const Eigen::Vector3d& n,
                        std::vector<Point>& points) {
-  const Eigen::Vector3d& n = direction.normal_W;
+  const std::size_t before = points.size();
   for (const auto& [on_a, on_b] : nearest_points(a.polygon, b.polygon)) {
     const Eigen::Vector3d surface_a = on_a - a.radius * n, surface_b = on_b + b.radius * n;
     const double depth = n.dot(surface_b - surface_a);
     if (depth > 0.0) points.push_back({0.5 * (surface_a + surface_b), n, depth});
   }
+  return points.size() > before;
 }
 
 bool is_aligned(const Feature& face, const Eigen::Vector3d& direction) {
@@ -110,24 +111,23 @@ void keep_spread(std::vector<Point>& points, std::size_t first, std::size_t most
 
 }  // namespace
 
+bool add_face_manifold(const Placed& a, const Placed& b, const Eigen::Vector3d& normal_W,
+                       std::vector<Point>& points) {
+  const Feature face_a = placed(a, a.convex->feature(-(a.R.transpose() * normal_W)));
+  const Feature face_b = placed(b, b.convex->feature(b.R.transpose() * normal_W));
+  if (is_aligned(face_b, normal_W)) return add_face_contacts(face_b, face_a, normal_W, points);
+  if (is_aligned(face_a, -normal_W)) return add_face_contacts(face_a, face_b, normal_W, points);
+  return false;
+}
+
 void add_manifold(const Placed& a, const Placed& b, const Direction& direction, std::vector<Point>& points) {
   const Eigen::Vector3d& n = direction.normal_W;
-  const std::size_t first = points.size();
-  const Feature face_a = placed(a, a.convex->feature(-(a.R.transpose() * n)));
-  const Feature face_b = placed(b, b.convex->feature(b.R.transpose() * n));
-  if (is_aligned(face_b, n)) {
-    add_face_contacts(face_b, face_a, n, points);
-  } else if (is_aligned(face_a, -n)) {
-    add_face_contacts(face_a, face_b, n, points);
-  } else {
-    const Feature edge_a = placed(a, a.convex->edge(-(a.R.transpose() * n)));
-    const Feature edge_b = placed(b, b.convex->edge(b.R.transpose() * n));
-    add_edge_contacts(edge_a, edge_b, direction, points);
-  }
-  if (points.size() > first) return;
-  // They overlap, but beside the faces' outlines: one point, between the deepest ones.
-  const Eigen::Vector3d deepest = 0.5 * (a.farthest(-n) + b.farthest(n));
-  points.push_back({deepest, n, direction.depth});
+  if (add_face_manifold(a, b, n, points)) return;
+  const Feature edge_a = placed(a, a.convex->edge(-(a.R.transpose() * n)));
+  const Feature edge_b = placed(b, b.convex->edge(b.R.transpose() * n));
+  if (add_edge_contacts(edge_a, edge_b, n, points)) return;
+  // They overlap, but what they offer lies aside: one point, between the deepest ones.
+  points.push_back({0.5 * (a.farthest(-n) + b.farthest(n)), n, direction.depth});
 }
 
 void reduce(std::vector<Point>& points, std::size_t first, std::size_t most) {

@@ -114,26 +114,21 @@ void NarrowPhase::find_with_mesh(const PreparedShape& mesh, const PreparedShape&
                    });
 }
 
-// A triangle pushes along its own normal, to the side where the shape's middle is; sideways only over a sharp
-// edge.
+// Sideways a triangle pushes only over a sharp edge. Over a flat or hollow one the surface goes on: then it
+// pushes along its own normal what stands over it, and leaves the rest to its neighbour.
 void NarrowPhase::find_with_triangle(const Placed& convex, const Placed& placed,
                                      const MeshTriangle& triangle) {
-  Direction direction = find_direction(convex, placed, solver_);
+  const Direction direction = find_direction(convex, placed, solver_);
   if (direction.apart) return;
-  const Eigen::Vector3d up = placed.R * triangle.normal;
-  const bool in_front = up.dot(convex.center() - placed.farthest(up)) >= 0.0;
-  const Eigen::Vector3d out = in_front ? up : (-up).eval();
   const std::size_t first = points_.size();
-  const double cosine = direction.normal_W.dot(out);
-  const bool sideways = cosine < kSameNormal;
-  if (sideways && cosine > 0.0) {
-    add_manifold(convex, placed, direction, points_);
-    const Eigen::Vector3d at = placed.R.transpose() * (points_.back().p_W - placed.p);
-    if (triangle.sharp[nearest_edge(triangle, at)]) return;
-    points_.resize(first);
-  }
-  if (sideways) direction = {false, out, overlap_along(convex, placed, out)};
   add_manifold(convex, placed, direction, points_);
+  const Eigen::Vector3d up = placed.R * triangle.normal;
+  if (std::abs(direction.normal_W.dot(up)) >= kSameNormal) return;
+  const Eigen::Vector3d at = placed.R.transpose() * (points_.back().p_W - placed.p);
+  if (triangle.sharp[nearest_edge(triangle, at)]) return;
+  points_.resize(first);
+  const bool in_front = up.dot(convex.center() - placed.farthest(up)) >= 0.0;
+  if (in_front) add_face_manifold(convex, placed, up, points_);
 }
 
 void NarrowPhase::find_meshes(const PreparedShape& a, const PreparedShape& b) {

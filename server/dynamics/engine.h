@@ -6,6 +6,7 @@
 // step() never aborts, never throws, never leaves a NaN behind silently: what goes wrong is in the StepResult.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -44,6 +45,8 @@ class Engine {
   // Moves this engine's bodies (Body::engine == its index) from t_k to t_k+1. Sets JointState::effort of its joints;
   // position and velocity of joints are measured by the caller.
   virtual StepResult step(const StepInput& input, world::WorldState& state) = 0;
+  // How often the solver has complained since the start and gone on with what it had.
+  virtual std::uint64_t solver_warnings() const { return 0; }
 };
 
 // The kinds of engine, by name: one line each in engine_kinds.cc.

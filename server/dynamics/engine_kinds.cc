@@ -1,0 +1,38 @@
+#include <array>
+#include <stdexcept>
+
+#include "server/dynamics/engine.h"
+#include "server/dynamics/engine_factories.h"
+
+namespace visum::dynamics {
+namespace {
+
+constexpr std::array kKinds{
+    EngineKind{"ode",
+               "Open Dynamics Engine; step: world (direct, exact) or quick (iterative, for many bodies)",
+               make_ode_engine},
+};
+
+std::string known_names() {
+  std::string names;
+  for (const EngineKind& kind : kKinds) names += (names.empty() ? "" : ", ") + std::string(kind.name);
+  return names;
+}
+
+}  // namespace
+
+std::span<const EngineKind> engine_kinds() {
+  return kKinds;
+}
+
+std::unique_ptr<Engine> make_engine(const world::WorldModel& model, std::int32_t engine_index) {
+  if (engine_index < 0 || static_cast<std::size_t>(engine_index) >= model.engines.size())
+    throw std::runtime_error("there is no engine number " + std::to_string(engine_index));
+  const std::string& name = model.engines[static_cast<std::size_t>(engine_index)].name;
+  for (const EngineKind& kind : kKinds) {
+    if (name == kind.name) return kind.make(model, engine_index);
+  }
+  throw std::runtime_error("there is no engine '" + name + "'; there are: " + known_names());
+}
+
+}  // namespace visum::dynamics

@@ -1,0 +1,92 @@
+#include "server/dynamics/ode/ode_contacts.h"
+
+#include <cmath>
+
+namespace visum::dynamics::ode {
+namespace {
+
+constexpr double kSoftness = 1e-6;           // (m/s)/N: what several contacts of one face share the load by
+constexpr double kLeastBounceSpeed = 0.05;   // m/s: slower, what hits stays
+constexpr double kLeastSlidingSpeed = 1e-3;  // m/s: faster, friction is laid along the sliding
+
+Eigen::Vector3d velocity_at(const world::WorldModel& model, const world::WorldState& state, world::BodyId id,
+                            const Eigen::Vector3d& p_W) {
+  if (model.bodies[id.index()].fixed) return Eigen::Vector3d::Zero();
+  const world::BodyState& body = state.bodies[id.index()];
+  return body.v_WC + body.w_WB.cross(p_W - body.p_WC);
+}
+
+void copy(const Eigen::Vector3d& from, dReal* to) {
+  for (int i = 0; i < 3; ++i) to[i] = from[i];
+}
+
+dContact make_contact(const collision::Contact& contact, const Eigen::Vector3d& normal_W,
+                      const Eigen::Vector3d& relative_velocity, const world::EngineSetting& setting) {
+  dContact result{};  // ODE reads fields that the mode does not name, too
+  copy(contact.p_W, result.geom.pos);
+  copy(normal_W, result.geom.normal);
+  result.geom.depth = contact.depth;
+  dSurfaceParameters& surface = result.surface;
+  surface.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM;
+  surface.mu = contact.friction;
+  surface.soft_erp = setting.erp;
+  surface.soft_cfm = std::max(kSoftness, setting.cfm);
+  if (contact.restitution > 0.0) {
+    surface.mode |= dContactBounce;
+    surface.bounce = contact.restitution;
+    surface.bounce_vel = kLeastBounceSpeed;
+  }
+  // A friction pyramid brakes too strongly across its corners; laid along the sliding it brakes as a cone
+  // does.
+  const Eigen::Vector3d sliding = relative_velocity - normal_W * normal_W.dot(relative_velocity);
+  if (sliding.norm() > kLeastSlidingSpeed) {
+    surface.mode |= dContactFDir1;
+    copy(sliding.normalized(), result.fdir1);
+  }
+  return result;
+}
+
+}  // namespace
+
+OdeContacts::OdeContacts() : group_(dJointGroupCreate(0)) {}
+
+void OdeContacts::make(OdeWorld& world, const world::EngineSetting& setting,
+                       std::span<const collision::Contact> contacts, const world::WorldState& state) {
+  clear();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (world.owns(contacts[i].body_a) || world.owns(contacts[i].body_b)) made_.push_back({i});
+  }
+  for (Made& made : made_) {
+    const collision::Contact& contact = contacts[made.contact];
+    for (const world::BodyId id : {contact.body_a, contact.body_b}) {
+      if (!world.owns(id) && world.body(id) != nullptr) world.wake_stand_in(id, state);
+    }
+    // ODE wants a body that moves first; its normal points to the first.
+    const bool turned = world.body(contact.body_a) == nullptr;
+    const world::BodyId first = turned ? contact.body_b : contact.body_a;
+    const world::BodyId second = turned ? contact.body_a : contact.body_b;
+    const Eigen::Vector3d normal = turned ? (-contact.normal_W).eval() : contact.normal_W;
+    const Eigen::Vector3d relative = velocity_at(world.model(), state, first, contact.p_W) -
+                                     velocity_at(world.model(), state, second, contact.p_W);
+    const dContact surface = make_contact(contact, normal, relative, setting);
+    const dJointID joint = dJointCreateContact(world.id(), group_.get(), &surface);
+    dJointAttach(joint, world.body(first), world.body(second));
+    dJointSetFeedback(joint, &made.feedback);
+  }
+}
+
+void OdeContacts::report(std::span<collision::Contact> contacts) const {
+  for (const Made& made : made_) {
+    collision::Contact& contact = contacts[made.contact];
+    // Whichever body was first, its force along the normal is the contact's.
+    contact.normal_force_n =
+        std::abs(Eigen::Map<const Eigen::Vector3d>(made.feedback.f1).dot(contact.normal_W));
+  }
+}
+
+void OdeContacts::clear() {
+  dJointGroupEmpty(group_.get());
+  made_.clear();
+}
+
+}  // namespace visum::dynamics::ode

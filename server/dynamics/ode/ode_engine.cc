@@ -1,0 +1,155 @@
+// The engine `ode`: Open Dynamics Engine behind the Engine seam.
+#include <cstring>
+
+#include "server/dynamics/engine_factories.h"
+#include "server/dynamics/ode/ode_contacts.h"
+#include "server/dynamics/ode/ode_guard.h"
+#include "server/dynamics/ode/ode_joint.h"
+#include "server/dynamics/ode/ode_world.h"
+#include "server/dynamics/step_input.h"
+
+namespace visum::dynamics {
+namespace ode {
+namespace {
+
+// Everything that ODE holds for one engine. Made anew where ODE has given up.
+struct Mechanism {
+  Mechanism(const world::WorldModel& model, std::int32_t engine_index) : world(model, engine_index) {
+    for (std::size_t i = 0; i < model.joints.size(); ++i) {
+      const world::JointId id{static_cast<std::int32_t>(i)};
+      if (!world.owns(model.joints[i].child)) continue;
+      joint_ids.push_back(id);
+      joints.emplace_back(world, model, id);
+    }
+  }
+
+  OdeWorld world;  // outlives the contacts' group, which leaves it
+  std::vector<world::JointId> joint_ids;
+  std::vector<OdeJoint> joints;
+  OdeContacts contacts;
+};
+
+// QuickStep shuffles its rows with one generator for the whole process. Its seed is part of this world's
+// state: put in before a step and taken out after, so that worlds do not disturb each other.
+class Seed {
+ public:
+  explicit Seed(std::vector<std::byte>& bytes) : bytes_(bytes) {
+    std::uint64_t seed = 0;
+    if (bytes_.size() == sizeof seed) std::memcpy(&seed, bytes_.data(), sizeof seed);
+    dRandSetSeed(seed);
+  }
+  ~Seed() {
+    const std::uint64_t seed = dRandGetSeed();
+    bytes_.resize(sizeof seed);
+    std::memcpy(bytes_.data(), &seed, sizeof seed);
+  }
+  Seed(const Seed&) = delete;
+  Seed& operator=(const Seed&) = delete;
+
+ private:
+  std::vector<std::byte>& bytes_;
+};
+
+class OdeEngine : public Engine {
+ public:
+  OdeEngine(const world::WorldModel& model, std::int32_t engine_index)
+      : model_(model), engine_index_(engine_index), quick_(setting().step == "quick") {
+    if (!quick_ && setting().step != "world")
+      throw std::runtime_error("engine 'ode' knows no step '" + setting().step +
+                               "'; there are: world, quick");
+    ensure_ode();
+    mechanism_ = std::make_unique<Mechanism>(model_, engine_index_);
+  }
+
+  StepResult step(const StepInput& input, world::WorldState& state) override {
+    if (std::string fault = find_input_fault(model_, input, state); !fault.empty()) return {false, fault};
+    const std::uint64_t messages_before = ode_messages();
+    std::string failure;
+    try {
+      ensure_ode();
+      advance(input, state);
+    } catch (const OdeError& error) {
+      failure = error.what();
+    }
+    warnings_ += ode_messages() - messages_before;
+    if (failure.empty()) return check(state);
+    failure += first_broken_body();
+    rebuild();
+    return {false, failure};
+  }
+
+  std::uint64_t solver_warnings() const override { return warnings_; }
+
+ private:
+  const world::EngineSetting& setting() const {
+    return model_.engines[static_cast<std::size_t>(engine_index_)];
+  }
+
+  void advance(const StepInput& input, world::WorldState& state) {
+    OdeWorld& world = mechanism_->world;
+    world.load(state);
+    mechanism_->contacts.make(world, setting(), input.contacts, state);
+    for (std::size_t i = 0; i < mechanism_->joints.size(); ++i)
+      mechanism_->joints[i].apply(input.drives[mechanism_->joint_ids[i].index()], state);
+    push(input.wrenches);
+    if (quick_) {
+      const Seed seed(state.engines[static_cast<std::size_t>(engine_index_)]);
+      dWorldQuickStep(world.id(), input.tick_s);
+    } else {
+      dWorldStep(world.id(), input.tick_s);
+    }
+    world.store(state);
+    for (std::size_t i = 0; i < mechanism_->joints.size(); ++i)
+      state.joints[mechanism_->joint_ids[i].index()].effort = mechanism_->joints[i].effort();
+    mechanism_->contacts.report(input.contacts);
+  }
+
+  void push(std::span<const Wrench> wrenches) {
+    for (const Wrench& wrench : wrenches) {
+      if (!mechanism_->world.owns(wrench.body)) continue;
+      const dBodyID body = mechanism_->world.body(wrench.body);
+      dBodyAddForce(body, wrench.force_n.x(), wrench.force_n.y(), wrench.force_n.z());
+      dBodyAddTorque(body, wrench.torque_nm.x(), wrench.torque_nm.y(), wrench.torque_nm.z());
+    }
+  }
+
+  StepResult check(const world::WorldState& state) const {
+    std::string offender;
+    const bool sane = is_sane(model_, state, &offender);
+    return {sane, offender};
+  }
+
+  // Where ODE gave up, for the fault's text.
+  std::string first_broken_body() const {
+    for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+      const world::BodyId id{static_cast<std::int32_t>(i)};
+      if (!mechanism_->world.owns(id)) continue;
+      const dBodyID body = mechanism_->world.body(id);
+      const auto vector = [](const dReal* from) { return Eigen::Map<const Eigen::Vector3d>(from); };
+      if (!vector(dBodyGetPosition(body)).allFinite() || !vector(dBodyGetLinearVel(body)).allFinite() ||
+          !vector(dBodyGetAngularVel(body)).allFinite() || !vector(dBodyGetForce(body)).allFinite())
+        return ", at body '" + model_.bodies[i].name + "'";
+    }
+    return "";
+  }
+
+  void rebuild() {
+    mechanism_.reset();
+    mechanism_ = std::make_unique<Mechanism>(model_, engine_index_);
+  }
+
+  const world::WorldModel& model_;
+  std::int32_t engine_index_;
+  bool quick_;
+  std::uint64_t warnings_ = 0;
+  std::unique_ptr<Mechanism> mechanism_;
+};
+
+}  // namespace
+}  // namespace ode
+
+std::unique_ptr<Engine> make_ode_engine(const world::WorldModel& model, std::int32_t engine_index) {
+  return std::make_unique<ode::OdeEngine>(model, engine_index);
+}
+
+}  // namespace visum::dynamics

@@ -1,0 +1,19 @@
+// ODE's handles with their owners.
+#pragma once
+
+#include <ode/ode.h>
+
+#include <memory>
+#include <type_traits>
+
+namespace visum::dynamics::ode {
+
+struct Destroy {
+  void operator()(dWorldID world) const { dWorldDestroy(world); }
+  void operator()(dJointGroupID group) const { dJointGroupDestroy(group); }
+};
+
+using WorldHandle = std::unique_ptr<std::remove_pointer_t<dWorldID>, Destroy>;
+using GroupHandle = std::unique_ptr<std::remove_pointer_t<dJointGroupID>, Destroy>;
+
+}  // namespace visum::dynamics::ode

@@ -1,0 +1,123 @@
+#include "server/dynamics/ode/ode_joint.h"
+
+#include <algorithm>
+
+#include "server/dynamics/ode/ode_stops.h"
+
+namespace visum::dynamics::ode {
+namespace {
+
+constexpr int kDriveRow = 0;
+constexpr int kDampingRow = 1;
+
+bool says_nothing(const hwparts::JointDrive& drive) {
+  return drive.max_effort == 0.0 && drive.feedforward == 0.0;
+}
+
+bool is_ground(const world::WorldModel& model, world::BodyId id) {
+  return !id.valid() || model.bodies[id.index()].fixed;
+}
+
+// Where the joint's frame stands while the joint is made: with a parent that stands still, where that has it;
+// else in W itself, which keeps the numbers clean.
+world::Pose joint_frame(const world::WorldModel& model, const world::Joint& joint) {
+  if (!is_ground(model, joint.parent)) return {};
+  return joint.parent.valid() ? model.bodies[joint.parent.index()].X_WB * joint.X_PJ : joint.X_PJ;
+}
+
+}  // namespace
+
+OdeJoint::OdeJoint(OdeWorld& world, const world::WorldModel& model, world::JointId id)
+    : model_(model.joints[id.index()]),
+      setting_(model.engines[static_cast<std::size_t>(model.bodies[model_.child.index()].engine)]),
+      id_(id) {
+  const world::Pose X_WJ = joint_frame(model, model_);
+  if (!is_ground(model, model_.parent)) world.place_link(model_.parent, X_WJ * model_.X_PJ.inverse());
+  world.place_link(model_.child, X_WJ * model_.X_CJ.inverse());
+  const Eigen::Vector3d axis_W = X_WJ.q * model_.axis_J;
+  make_joint(world);
+  switch (model_.kind) {
+    case world::JointKind::kFixed:
+      dJointSetFixed(joint_);
+      return;
+    case world::JointKind::kHinge:
+      dJointSetHingeAnchor(joint_, X_WJ.p.x(), X_WJ.p.y(), X_WJ.p.z());
+      dJointSetHingeAxis(joint_, axis_W.x(), axis_W.y(), axis_W.z());
+      break;
+    case world::JointKind::kSlider:
+      dJointSetSliderAxis(joint_, axis_W.x(), axis_W.y(), axis_W.z());
+      break;
+  }
+  prepare_stops(joint_, model_, setting_);
+  make_motor(world, axis_W);
+}
+
+// The child is ODE's first body, so that positive is the child's motion against the parent.
+void OdeJoint::make_joint(OdeWorld& world) {
+  switch (model_.kind) {
+    case world::JointKind::kFixed:
+      joint_ = dJointCreateFixed(world.id(), nullptr);
+      break;
+    case world::JointKind::kHinge:
+      joint_ = dJointCreateHinge(world.id(), nullptr);
+      break;
+    case world::JointKind::kSlider:
+      joint_ = dJointCreateSlider(world.id(), nullptr);
+      break;
+  }
+  dJointAttach(joint_, world.body(model_.child), world.body(model_.parent));
+}
+
+void OdeJoint::make_motor(OdeWorld& world, const Eigen::Vector3d& axis_W) {
+  const bool hinge = model_.kind == world::JointKind::kHinge;
+  motor_ = hinge ? dJointCreateAMotor(world.id(), nullptr) : dJointCreateLMotor(world.id(), nullptr);
+  dJointAttach(motor_, world.body(model_.child), world.body(model_.parent));
+  const auto set_axis = hinge ? dJointSetAMotorAxis : dJointSetLMotorAxis;
+  (hinge ? dJointSetAMotorNumAxes : dJointSetLMotorNumAxes)(motor_, 2);
+  constexpr int kWithChild = 1;
+  for (const int row : {kDriveRow, kDampingRow})
+    set_axis(motor_, row, kWithChild, axis_W.x(), axis_W.y(), axis_W.z());
+  feedback_ = std::make_unique<dJointFeedback>();
+  dJointSetFeedback(motor_, feedback_.get());
+}
+
+void OdeJoint::set_row(int row, double velocity, double compliance, double max_effort) {
+  const auto set = model_.kind == world::JointKind::kHinge ? dJointSetAMotorParam : dJointSetLMotorParam;
+  const int group = row * dParamGroup;
+  set(motor_, group + dParamVel, velocity);
+  // Never harder than the other joints: with a softness of nothing at all ODE's solver may find no solution.
+  set(motor_, group + dParamCFM, std::max(compliance, setting_.cfm));
+  set(motor_, group + dParamFMax, max_effort);
+}
+
+void OdeJoint::add_effort(double effort) {
+  if (effort == 0.0) return;
+  if (model_.kind == world::JointKind::kHinge)
+    dJointAddHingeTorque(joint_, effort);
+  else
+    dJointAddSliderForce(joint_, effort);
+}
+
+void OdeJoint::apply(const hwparts::JointDrive& drive, const world::WorldState& state) {
+  if (motor_ == nullptr) return;
+  set_stops(joint_, model_, state.joints[id_.index()].position);
+  const bool driven = !says_nothing(drive);
+  const double damping = driven ? 0.0 : model_.damping;
+  if (driven)
+    set_row(kDriveRow, drive.target_velocity, drive.compliance, drive.max_effort);
+  else
+    set_row(kDriveRow, 0.0, 0.0, model_.friction);
+  set_row(kDampingRow, 0.0, damping > 0.0 ? 1.0 / damping : 0.0, damping > 0.0 ? dInfinity : 0.0);
+  feedforward_ = drive.feedforward;
+  add_effort(feedforward_);
+  axis_W_ = state.bodies[model_.child.index()].q_WB * (model_.X_CJ.q * model_.axis_J);
+  *feedback_ = {};  // ODE writes it only for rows that exist
+}
+
+double OdeJoint::effort() const {
+  if (motor_ == nullptr) return 0.0;
+  const dReal* transmitted = model_.kind == world::JointKind::kHinge ? feedback_->t1 : feedback_->f1;
+  return Eigen::Map<const Eigen::Vector3d>(transmitted).dot(axis_W_) + feedforward_;
+}
+
+}  // namespace visum::dynamics::ode

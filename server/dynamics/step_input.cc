@@ -1,0 +1,79 @@
+#include "server/dynamics/step_input.h"
+
+#include <cmath>
+
+namespace visum::dynamics {
+namespace {
+
+constexpr double kLongestTickS = 1.0;
+
+const char* drive_fault(const hwparts::JointDrive& drive) {
+  if (!std::isfinite(drive.target_velocity)) return "a target velocity that is not finite";
+  if (!std::isfinite(drive.feedforward)) return "a feedforward that is not finite";
+  if (!std::isfinite(drive.compliance) || drive.compliance < 0.0)
+    return "a compliance that is negative or not finite";
+  if (!std::isfinite(drive.max_effort) || drive.max_effort < 0.0)
+    return "a torque limit that is negative or not finite";
+  return nullptr;
+}
+
+std::string find_drive_fault(const world::WorldModel& model, std::span<const hwparts::JointDrive> drives) {
+  if (drives.size() != model.joints.size())
+    return std::to_string(drives.size()) + " drives for " + std::to_string(model.joints.size()) + " joints";
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    if (const char* fault = drive_fault(drives[i]); fault != nullptr)
+      return "joint '" + model.joints[i].name + "' was given " + fault;
+  }
+  return "";
+}
+
+std::string find_wrench_fault(const world::WorldModel& model, std::span<const Wrench> wrenches) {
+  for (const Wrench& wrench : wrenches) {
+    if (!wrench.body.valid() || wrench.body.index() >= model.bodies.size())
+      return "a force acts on a body that does not exist";
+    if (!wrench.force_n.allFinite() || !wrench.torque_nm.allFinite())
+      return "body '" + model.bodies[wrench.body.index()].name + "' was given a force that is not finite";
+  }
+  return "";
+}
+
+bool is_usable(const collision::Contact& contact) {
+  return contact.p_W.allFinite() && contact.normal_W.allFinite() && std::isfinite(contact.depth) &&
+         contact.friction >= 0.0 && std::isfinite(contact.friction) && contact.restitution >= 0.0 &&
+         contact.restitution <= 1.0;
+}
+
+std::string find_contact_fault(const world::WorldModel& model, std::span<const collision::Contact> contacts) {
+  for (const collision::Contact& contact : contacts) {
+    for (const world::BodyId body : {contact.body_a, contact.body_b}) {
+      if (!body.valid() || body.index() >= model.bodies.size())
+        return "a contact touches a body that does not exist";
+    }
+    if (!is_usable(contact))
+      return "the contact of body '" + model.bodies[contact.body_a.index()].name + "' with body '" +
+             model.bodies[contact.body_b.index()].name + "' is not finite";
+  }
+  return "";
+}
+
+std::string find_state_fault(const world::WorldModel& model, const world::WorldState& state) {
+  if (state.bodies.size() != model.bodies.size() || state.joints.size() != model.joints.size() ||
+      state.engines.size() != model.engines.size())
+    return "the state belongs to another world";
+  std::string offender;
+  is_sane(model, state, &offender);
+  return offender;
+}
+
+}  // namespace
+
+std::string find_input_fault(const world::WorldModel& model, const StepInput& input,
+                             const world::WorldState& state) {
+  if (!(input.tick_s > 0.0 && input.tick_s <= kLongestTickS)) return "the tick is not between 0 and 1 s";
+  if (std::string fault = find_state_fault(model, state); !fault.empty()) return fault;
+  if (std::string fault = find_drive_fault(model, input.drives); !fault.empty()) return fault;
+  if (std::string fault = find_wrench_fault(model, input.wrenches); !fault.empty()) return fault;
+  return find_contact_fault(model, input.contacts);
+}
+
+}  // namespace visum::dynamics
