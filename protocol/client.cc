@@ -32,7 +32,10 @@ struct Connection::Impl {
 
   void say_hello(const Hello& hello, Deadline deadline);
   void write(std::uint64_t id, const Request& request);
-  bool receive(bool for_writing, Deadline deadline);  // false: the deadline passed
+  bool receive(Deadline deadline);  // false: the deadline passed
+  bool taken(std::size_t received);
+  template <typename Call>
+  std::size_t explained(Call call);
   void read_frames();
   Reply wait(std::uint64_t id, Deadline deadline);
   Deadline deadline_of(std::uint64_t id) const;
@@ -55,23 +58,40 @@ void Connection::Impl::write(std::uint64_t id, const Request& request) {
   encode_request(id, request, out_);
   std::span<const std::byte> left(out_);
   while (!left.empty()) {
-    const std::size_t sent = socket_.send(left);
+    const std::size_t sent = explained([&] { return socket_.send(left); });
     left = left.subspan(sent);
-    if (sent == 0 && !receive(true, steady_clock::now() + timeout_))
+    if (sent > 0) continue;
+    if (!socket_.wait_to_send(steady_clock::now() + timeout_))
       throw ConnectionError("the server does not read what is sent to it");
+    taken(explained([&] { return socket_.receive(in_.space()); }));
   }
 }
 
-bool Connection::Impl::receive(bool for_writing, Deadline deadline) {
-  if (!socket_.wait(for_writing, deadline, for_writing ? std::chrono::nanoseconds{0} : spin_)) return false;
+bool Connection::Impl::receive(Deadline deadline) {
+  return taken(explained([&] { return socket_.receive(in_.space(), deadline, spin_); }));
+}
+
+bool Connection::Impl::taken(std::size_t received) {
+  in_.commit(received);
+  read_frames();
+  return received > 0;
+}
+
+// A lost connection, with what the server said last where it said something: that may not have been read yet.
+template <typename Call>
+std::size_t Connection::Impl::explained(Call call) {
   try {
-    in_.commit(socket_.receive(in_.space()));
+    return call();
   } catch (const ConnectionError& error) {
+    try {
+      while (taken(socket_.receive(in_.space()))) {
+      }
+    } catch (const ConnectionError&) {
+      // all is read
+    }
     if (inbox_.last_error().empty()) throw;
     throw ConnectionError(std::string(error.what()) + ": " + inbox_.last_error());
   }
-  read_frames();
-  return true;
 }
 
 void Connection::Impl::read_frames() {
@@ -102,7 +122,7 @@ Reply Connection::Impl::wait(std::uint64_t id, Deadline deadline) {
         throw RequestError(error->code, error->text, error->owner);
       return std::move(*reply);
     }
-    if (receive(false, deadline)) continue;
+    if (receive(deadline)) continue;
     inbox_.forget(id);
     throw RequestError(ErrorCode::kTimeout, "no answer within " + std::to_string(timeout_.count()) + " ms");
   }
@@ -161,11 +181,23 @@ Reply Connection::wait(std::uint64_t id) {
   return impl_->wait(id, impl_->deadline_of(id));
 }
 
+std::optional<Reply> Connection::wait_for(std::uint64_t id, milliseconds timeout) {
+  const Deadline deadline = steady_clock::now() + timeout;
+  for (;;) {
+    if (auto reply = impl_->inbox_.take_reply(id)) {
+      if (const auto* error = std::get_if<Error>(&*reply))
+        throw RequestError(error->code, error->text, error->owner);
+      return reply;
+    }
+    if (!impl_->receive(deadline)) return std::nullopt;
+  }
+}
+
 std::optional<Reply> Connection::next(milliseconds timeout) {
   const Deadline deadline = steady_clock::now() + timeout;
   for (;;) {
     if (auto reply = impl_->inbox_.take_next()) return reply;
-    if (!impl_->receive(false, deadline)) return std::nullopt;
+    if (!impl_->receive(deadline)) return std::nullopt;
   }
 }
 

@@ -59,6 +59,8 @@ class Connection {
   // Several requests in flight: send() now, wait() for the reply to that id later.
   std::uint64_t send(const Request& request);
   Reply wait(std::uint64_t id);
+  // The same for at most `timeout`; nothing if it did not come by then: it can still be waited for.
+  std::optional<Reply> wait_for(std::uint64_t id, std::chrono::milliseconds timeout);
 
   // The next sample or event, waiting up to `timeout`; nothing if none came.
   std::optional<Reply> next(std::chrono::milliseconds timeout);

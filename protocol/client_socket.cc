@@ -1,10 +1,12 @@
 #include "protocol/client_socket.h"
 
+#include <fcntl.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,6 +24,9 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kFarewell{250};
+// A receive with more time than this sleeps in recv() itself, in slices of this: one system call instead of
+// two.
+constexpr std::chrono::seconds kSlice{1};
 
 std::string place(const std::string& host, std::uint16_t port) {
   const bool v6 = host.find(':') != std::string::npos;
@@ -69,6 +74,9 @@ void set_options(int fd) {
   set_option(fd, IPPROTO_TCP, TCP_KEEPIDLE, 1);
   set_option(fd, IPPROTO_TCP, TCP_KEEPINTVL, 1);
   set_option(fd, IPPROTO_TCP, TCP_KEEPCNT, 3);
+  const timeval slice{kSlice.count(), 0};
+  ::setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &slice, sizeof slice);
+  ::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) & ~O_NONBLOCK);
 }
 
 // 0, or errno.
@@ -118,31 +126,43 @@ ClientSocket::~ClientSocket() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-std::size_t ClientSocket::receive(std::span<std::byte> into) {
-  const ssize_t received = ::recv(fd_, into.data(), into.size(), 0);
+std::size_t ClientSocket::send(std::span<const std::byte> bytes) {
+  const ssize_t sent = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  if (sent >= 0) return static_cast<std::size_t>(sent);
+  if (would_block()) return 0;
+  throw ConnectionError(std::string("the connection to the server is gone: ") + std::strerror(errno));
+}
+
+bool ClientSocket::wait_to_send(Deadline deadline) const {
+  return wait_for(fd_, POLLIN | POLLOUT, deadline);
+}
+
+std::size_t ClientSocket::receive_with(std::span<std::byte> into, int flags) {
+  const ssize_t received = ::recv(fd_, into.data(), into.size(), flags);
   if (received > 0) return static_cast<std::size_t>(received);
   if (received == 0) throw ConnectionError("the server closed the connection");
   if (would_block()) return 0;
   throw ConnectionError(std::string("the connection to the server is gone: ") + std::strerror(errno));
 }
 
-std::size_t ClientSocket::send(std::span<const std::byte> bytes) {
-  const ssize_t sent = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-  if (sent >= 0) return static_cast<std::size_t>(sent);
-  if (would_block()) return 0;
-  throw ConnectionError(std::string("the connection to the server is gone: ") + std::strerror(errno));
+std::size_t ClientSocket::receive(std::span<std::byte> into) {
+  return receive_with(into, MSG_DONTWAIT);
 }
 
-bool ClientSocket::wait(bool for_writing, Deadline deadline, std::chrono::nanoseconds spin) const {
-  const short events = for_writing ? POLLIN | POLLOUT : POLLIN;
+std::size_t ClientSocket::receive(std::span<std::byte> into, Deadline deadline,
+                                  std::chrono::nanoseconds spin) {
   if (spin.count() > 0) {
     const Deadline until = std::min(deadline, steady_clock::now() + spin);
-    char peeked;
     do {
-      if (::recv(fd_, &peeked, 1, MSG_PEEK | MSG_DONTWAIT) >= 0 || !would_block()) return true;
+      if (const std::size_t received = receive(into)) return received;
     } while (steady_clock::now() < until);
   }
-  return wait_for(fd_, events, deadline);
+  while (deadline == kNever || deadline - steady_clock::now() >= kSlice)
+    if (const std::size_t received = receive_with(into, 0)) return received;
+  do {
+    if (const std::size_t received = receive(into)) return received;
+  } while (wait_for(fd_, POLLIN, deadline));
+  return 0;
 }
 
 void ClientSocket::finish() noexcept {

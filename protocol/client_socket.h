@@ -23,18 +23,21 @@ class ClientSocket {
 
   int fd() const { return fd_; }
 
-  // What is there, without waiting; 0: nothing yet.
-  std::size_t receive(std::span<std::byte> into);
   // What goes out without waiting.
   std::size_t send(std::span<const std::byte> bytes);
-  // Until there is something to read (or, where asked for, room to write). False where the deadline passed.
-  // Spins for `spin` before it sleeps.
-  bool wait(bool for_writing, Deadline deadline, std::chrono::nanoseconds spin = {}) const;
+  // Until there is room to write, or something to read. False where the deadline passed.
+  bool wait_to_send(Deadline deadline) const;
+  // What is there, without waiting; 0: nothing yet.
+  std::size_t receive(std::span<std::byte> into);
+  // Waits for something to be there; 0: the deadline passed. Spins for `spin` before it sleeps.
+  std::size_t receive(std::span<std::byte> into, Deadline deadline, std::chrono::nanoseconds spin);
 
   // Tells the server that no more comes, and waits a moment for it to close, so that nothing sent is lost.
   void finish() noexcept;
 
  private:
+  std::size_t receive_with(std::span<std::byte> into, int flags);
+
   int fd_ = -1;
 };
 

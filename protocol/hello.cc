@@ -13,15 +13,6 @@ std::string range(std::uint32_t from, std::uint32_t to) {
   return from == to ? std::to_string(from) : std::to_string(from) + " to " + std::to_string(to);
 }
 
-// In a time that does not tell how much of it was right.
-bool same_secret(const std::string& given, const std::string& wanted) {
-  unsigned difference = given.size() == wanted.size() ? 0u : 1u;
-  for (std::size_t i = 0; i < given.size(); ++i)
-    difference |=
-        static_cast<unsigned char>(given[i]) ^ static_cast<unsigned char>(wanted[i % wanted.size()]);
-  return difference == 0;
-}
-
 // Names are shown in terminals and logs.
 bool has_control_character(const std::string& name) {
   return std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
@@ -29,7 +20,7 @@ bool has_control_character(const std::string& name) {
 
 }  // namespace
 
-std::optional<Error> refuse_hello(const Hello& hello, const std::string& token, std::uint32_t& version) {
+std::optional<Error> refuse_hello(const Hello& hello, std::uint32_t& version) {
   if (hello.min_version > hello.max_version)
     return Error{ErrorCode::kVersion, "the hello's min_version is above its max_version", {}};
   version = std::min(hello.max_version, kProtocolVersion);
@@ -37,10 +28,6 @@ std::optional<Error> refuse_hello(const Hello& hello, const std::string& token, 
     return Error{ErrorCode::kVersion,
                  "this server speaks protocol version " + range(kOldestVersion, kProtocolVersion) +
                      ", the client " + range(hello.min_version, hello.max_version),
-                 {}};
-  if (!token.empty() && !same_secret(hello.token, token))
-    return Error{ErrorCode::kUnauthenticated,
-                 hello.token.empty() ? "this server asks for a token" : "the token is wrong",
                  {}};
   if (hello.role == Role::kUnspecified)
     return Error{ErrorCode::kBadValue, "the hello names no role (observer, controller or admin)", {}};

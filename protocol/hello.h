@@ -1,4 +1,4 @@
-// The checks of a Hello that need no knowledge of the world: version, role, name, token. Pure.
+// The checks of a Hello that need no knowledge of the world: version, role, name. Pure.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,7 @@ namespace visum::protocol {
 
 inline constexpr std::size_t kMaxClientName = 64;  // bytes
 
-// Nothing if the hello is good; `version` is then the highest that both sides speak. `token` is what a client
-// must show; empty: none asked for.
-std::optional<Error> refuse_hello(const Hello& hello, const std::string& token, std::uint32_t& version);
+// Nothing if the hello is good; `version` is then the highest that both sides speak.
+std::optional<Error> refuse_hello(const Hello& hello, std::uint32_t& version);
 
 }  // namespace visum::protocol

@@ -99,7 +99,7 @@ struct Server::Impl final : SessionOwner {
   asio::executor_work_guard<asio::io_context::executor_type> stay_{io_.get_executor()};
   const ListenOptions options_;
   SessionHandler& handler_;
-  SessionContext context_{options_.limits, handler_, options_.token};
+  SessionContext context_{options_.limits, handler_};
   tcp::acceptor acceptor_{io_};
   std::uint16_t port_ = 0;
   asio::steady_timer accept_timer_{io_};
@@ -309,13 +309,15 @@ void Server::Impl::sweep() {
 // as well.
 void Server::Impl::settle() {
   if (woken_.empty()) return;
+  bool any_closed = false;
   for (std::size_t i = 0; i < woken_.size(); ++i) {
     TcpSession& session = *woken_[i];
     session.work();
+    any_closed |= session.closing();
     if (session.finished() && !session.is_woken()) sessions_.erase(session.id());
   }
   woken_.clear();
-  if (open_sessions_.load(std::memory_order_relaxed) != sessions_.size()) count_open();
+  if (any_closed) count_open();
 }
 
 Server::Server(const ListenOptions& options, SessionHandler& handler)

@@ -45,8 +45,8 @@ class Session {
 class SessionHandler {
  public:
   virtual ~SessionHandler() = default;
-  // Hello is in and its version and token are good. Fills what Welcome tells of the world. Returns the granted role, or
-  // kUnspecified with `refusal` filled.
+  // Hello is in, its version, role and name are good; the token is the handler's to judge. Fills what Welcome tells of
+  // the world. Returns the granted role, or kUnspecified with `refusal` filled. Sends nothing: Welcome comes first.
   virtual Role on_hello(Session& session, const Hello& hello, Welcome& welcome, Error& refusal) = 0;
   virtual void on_request(Session& session, std::uint64_t id, const Request& request) = 0;
   virtual void on_close(Session& session, CloseReason reason) = 0;  // only after on_hello granted a role
@@ -56,7 +56,6 @@ class SessionHandler {
 struct ListenOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = kDefaultPort;  // 0: any free one
-  std::string token;                  // what every Hello must show; empty: nothing
   Limits limits;
 };
 
@@ -64,14 +63,16 @@ class Server {
  public:
   // Binds and listens, accepts nothing yet. Throws std::runtime_error naming address and port where that fails.
   Server(const ListenOptions& options, SessionHandler& handler);
-  ~Server();
+  ~Server();  // cuts off what is left, without a word to the handler
 
   std::uint16_t port() const;
   void start();                                // begins to accept
   void run();                                  // until stop(); on a thread of its own (clock realtime)
-  bool poll();                                 // handles what is ready; true if there was anything
-  void poll_for(std::chrono::nanoseconds at_most);  // waits for something to be ready, handles it
-  void stop();                                 // closes sessions after their queued replies; any thread
+  bool poll();                                 // handles what is ready, bounded; true if there was anything
+  // Waits for something to be ready, handles it. The wait is rounded up to whole milliseconds.
+  void poll_for(std::chrono::nanoseconds at_most);
+  void stop();                                 // closes sessions after their queued replies; any thread. run() returns
+                                               // then; who polls goes on until session_count() is 0
   void notify();                               // makes on_notify() be called soon; any thread, no lock, no allocation
   std::size_t session_count() const;
   std::uint64_t refused() const;               // frames and sessions refused since start

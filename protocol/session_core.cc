@@ -16,7 +16,7 @@ constexpr int kRequestsPerTurn = 64;            // then other sessions have thei
 constexpr std::size_t kIdleBytes = 16u << 10;   // receive buffer between frames
 constexpr std::size_t kHelloBufferBytes = 512;  // receive buffer before the hello
 
-std::string seconds(std::chrono::milliseconds time) {
+std::string in_words(std::chrono::milliseconds time) {
   return std::to_string(time.count()) + " ms";
 }
 
@@ -117,8 +117,7 @@ void SessionCore::handle_hello(std::uint64_t id, const Request& request) {
   const Hello* hello = std::get_if<Hello>(&request);
   if (!hello) return refuse(id, {ErrorCode::kMalformed, "the first message must be Hello", {}});
   Welcome welcome;
-  if (auto refusal = refuse_hello(*hello, context_.token, welcome.version))
-    return refuse(id, std::move(*refusal));
+  if (auto refusal = refuse_hello(*hello, welcome.version)) return refuse(id, std::move(*refusal));
   client_name_ = hello->client_name.empty() ? peer_ : hello->client_name;
   welcome.session = id_;
   Error refusal;
@@ -159,9 +158,10 @@ bool SessionCore::over(ServedTime since, std::chrono::milliseconds deadline) con
 void SessionCore::check_deadlines() {
   const Limits& limits = context_.limits;
   if (phase_ == Phase::kHello && over(opened_, limits.hello_deadline))
-    refuse(0, {ErrorCode::kTimeout, "no Hello within " + seconds(limits.hello_deadline), {}});
+    refuse(0, {ErrorCode::kTimeout, "no Hello within " + in_words(limits.hello_deadline), {}});
   if (phase_ != Phase::kClosing && frame_began_ && over(*frame_began_, limits.frame_deadline))
-    refuse(0, {ErrorCode::kTimeout, "a frame was not complete within " + seconds(limits.frame_deadline), {}});
+    refuse(0,
+           {ErrorCode::kTimeout, "a frame was not complete within " + in_words(limits.frame_deadline), {}});
 }
 
 // What the handler throws is a bug of ours; it costs this session, not the server.

@@ -22,7 +22,6 @@ using ServedTime = std::chrono::nanoseconds;
 struct SessionContext {
   const Limits& limits;
   SessionHandler& handler;
-  const std::string& token;
   ServedTime now{0};
   ServedTime step{0};  // how far `now` may lag behind
   std::atomic<std::uint64_t> refused{0};

@@ -1,0 +1,53 @@
+// A client that may misbehave: it sends what it is told, in pieces if need be, reads only when asked, resets
+// instead of closing. Non-blocking; what it waits for is driven by the test (fixture.h). Throws
+// std::system_error where the system fails.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "protocol/codec.h"
+#include "protocol/limits.h"
+
+namespace visum::testing {
+
+class RawClient {
+ public:
+  struct Options {
+    std::string address = "127.0.0.1";  // or "::1"
+    int receive_buffer = 0;             // bytes; 0: the system's choice
+  };
+  explicit RawClient(std::uint16_t port) : RawClient(port, Options()) {}
+  RawClient(std::uint16_t port, const Options& options);
+  ~RawClient();
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
+
+  // How many bytes the system took; 0 where it takes no more for now, or the connection is gone.
+  std::size_t send(std::span<const std::byte> bytes);
+  void send(std::uint64_t id, const protocol::Request& request);
+  void send_hello(protocol::Role role, const std::string& name = "tester");
+
+  // Reads what is there. The oldest unread reply, if a whole one has come.
+  std::optional<protocol::ReplyFrame> reply();
+  bool closed();  // the server closed the connection, and every reply was read
+
+  void finish_sending();  // FIN
+  void reset();           // RST
+
+ private:
+  void read();
+  void close();
+
+  int fd_ = -1;
+  bool end_seen_ = false;
+  std::vector<std::byte> bytes_;
+};
+
+std::vector<std::byte> frame_of(std::uint64_t id, const protocol::Request& request);
+// A header that announces so many bytes.
+std::vector<std::byte> header_of(std::uint32_t length);
+
+}  // namespace visum::testing

@@ -1,0 +1,158 @@
+#include "tests/protocol/sample_messages.h"
+
+#include <limits>
+
+namespace visum::testing {
+namespace {
+
+using namespace protocol;
+
+std::vector<std::byte> bytes(std::initializer_list<int> values) {
+  std::vector<std::byte> result;
+  for (const int value : values) result.push_back(static_cast<std::byte>(value));
+  return result;
+}
+
+PartDescription arm() {
+  PartDescription part{"arm", "amtec_arm", {}, {}, {}, {}};
+  part.controller_inputs = {{"Desired Angle 1", "rad", -3.5, 3.5, 0.25, "Desired Angle"},
+                            {"Reset", "", 0.0, 4294967295.0, 1.0, "Reset"}};
+  part.sensor_outputs = {{"Actual Angle 1", "rad", -7.0, 7.0, 0.125, "Actual Angle"}};
+  part.parameters = {{"loss_reaction",
+                      "1",
+                      "What a lost controller causes",
+                      std::string("stop"),
+                      -1,
+                      1,
+                      {"stop", "hold"},
+                      true},
+                     {"cycles", "1", "Cycles since start", std::int64_t{-42}, -100, 100, {}, false}};
+  part.blackboards = {{"log", "text/plain", 1, 12, 4096, true}};
+  return part;
+}
+
+ServerStatus status() {
+  ServerStatus s;
+  s.tick = 1234;
+  s.sim_time_ns = 1'234'000'000;
+  s.era = 2;
+  s.paused = s.frozen = true;
+  s.frozen_reason = "the position of arm/link_3 is not finite";
+  s.clock = "lockstep";
+  s.speed = 2.0;
+  s.real_time_factor = 1.5;
+  s.overruns = 3;
+  s.lateness_p50_ns = 40'000;
+  s.lateness_p999_ns = 900'000;
+  s.lateness_max_ns = 2'000'000;
+  s.state_hash = 0x9f00000000000001;
+  s.sessions = 4;
+  s.lockstep = {{"pick_and_place", 1240, 5'000'000}};
+  s.phases = {{"sense", 1000, 2000}, {"step", 30'000, 90'000}};
+  s.refused = 7;
+  s.own_allocations = 6;
+  return s;
+}
+
+WorldDescription world() {
+  WorldDescription w;
+  w.scene = "amtec_arm";
+  w.tick_ns = 1'000'000;
+  w.gravity = {0, 0, -9.81};
+  w.bodies = {{"box",
+               "box",
+               true,
+               0.5,
+               {{"box", {0.1, 0.1, 0.1}, {0, 0, 0.5, 1, 0, 0, 0}, {1, 0, 0, 1}, 2, "wood", true}},
+               "ode"}};
+  w.joints = {{"arm/joint_1", "hinge", "arm/base", "arm/link_1", -2.0, 2.0, "arm"}};
+  w.revision = 5;
+  return w;
+}
+
+WorldSample sample() {
+  WorldSample w;
+  w.tick = 100;
+  w.sim_time_ns = 100'000'000;
+  w.era = 1;
+  w.poses = {0, 0, 0.5, 1, 0, 0, 0};
+  w.velocities = {0, 0, -0.1, 0, 0, 0.5};
+  w.joint_positions = {0.25};
+  w.joint_velocities = {0.5};
+  w.joint_efforts = {12.5};
+  w.following_errors = {-0.001};
+  w.peak_following_errors = {0.002};
+  w.peak_contact_forces = {4.9};
+  w.contacts = {{1, 2, {0.1, 0.2, 0.3}, {0, 0, 1}, 0.0001, 4.905}};
+  w.state_hash = std::numeric_limits<std::uint64_t>::max();
+  w.revision = 5;
+  w.conflated = 9;
+  return w;
+}
+
+}  // namespace
+
+Samples<Request> sample_requests() {
+  return {
+      {"hello", Hello{1, 2, "pick_and_place", Role::kController, "secret"}},
+      {"status", Status{}},
+      {"list_parts", ListParts{}},
+      {"describe_part", DescribePart{"arm"}},
+      {"acquire_lease", AcquireLease{"arm", 50'000'000, true}},
+      {"release_lease", ReleaseLease{"arm"}},
+      {"write", Write{"arm", 7, {0.5, -1.25, 1e-300, 5e-324}, 42}},
+      {"read", Read{"arm"}},
+      {"subscribe", Subscribe{"arm", 10}},
+      {"unsubscribe", Unsubscribe{"arm"}},
+      {"get_parameters", GetParameters{"arm"}},
+      {"set_parameter_number", SetParameter{"arm", "max_current", 2.5}},
+      {"set_parameter_integer", SetParameter{"arm", "cycles", std::numeric_limits<std::int64_t>::min()}},
+      {"set_parameter_flag", SetParameter{"arm", "brake", true}},
+      {"set_parameter_text", SetParameter{"arm", "loss_reaction", std::string("h\xC3\xB6ld")}},
+      {"read_blackboard", ReadBlackboard{"arm", "log", 16, 32}},
+      {"write_blackboard", WriteBlackboard{"arm", "log", 4, bytes({0, 255, 10, 0})}},
+      {"join", Join{2'000'000'000}},
+      {"advance", Advance{10}},
+      {"leave", Leave{}},
+      {"describe_world", DescribeWorld{}},
+      {"read_world", ReadWorld{}},
+      {"subscribe_world", SubscribeWorld{33}},
+      {"unsubscribe_world", UnsubscribeWorld{}},
+      {"read_mesh", ReadMesh{3}},
+      {"pause", Pause{}},
+      {"resume", Resume{}},
+      {"step", Step{5}},
+      {"set_speed", SetSpeed{0.5}},
+      {"reset", Reset{}},
+      {"take_snapshot", TakeSnapshot{}},
+      {"restore_snapshot", RestoreSnapshot{2}},
+      {"push_body", PushBody{"box", {1, 0, 0}, {0, 0.5, 0}, {0, 0, 0.1}, 100'000'000}},
+      {"add_body", AddBody{"name: ball\nshape: {sphere: 0.1}\n"}},
+      {"remove_body", RemoveBody{"box"}},
+      {"shutdown", Shutdown{}},
+  };
+}
+
+Samples<Reply> sample_replies() {
+  return {
+      {"error", Error{ErrorCode::kLeased, "'arm' is leased by panel", "panel"}},
+      {"ok", Ok{}},
+      {"welcome",
+       Welcome{1, "visumd 0.1.0", 17, Role::kController, 1'000'000, "amtec_arm", "realtime", true}},
+      {"status", status()},
+      {"parts", PartList{{{"arm", "amtec_arm", "panel"}, {"cart", "cart", ""}}}},
+      {"part_description", PartDescriptionReply{arm(), "panel"}},
+      {"lease", LeaseGrant{"arm", 3}},
+      {"part_sample", PartSample{"arm", 12, 12'000'000, 1, {0.5, 1.5}, {0.25, -0.25, 65536.0}, 2}},
+      {"parameters", ParameterList{arm().parameters}},
+      {"blackboard", BlackboardData{4, 16, bytes({1, 2, 0, 254}), 8}},
+      {"advanced", Advanced{20, 20'000'000, 1}},
+      {"world_description", world()},
+      {"world_sample", sample()},
+      {"mesh", MeshData{{0, 0, 0, 1, 0, 0, 0, 1, 0.5f}, {0, 1, 2}}},
+      {"snapshot", SnapshotTaken{2, 100, 0xdeadbeefcafe}},
+      {"event", Event{"lease_lost", "pick_and_place is gone", "arm", 1, 77}},
+  };
+}
+
+}  // namespace visum::testing

@@ -1,0 +1,19 @@
+// One well-filled message of each kind, for round trips, conformance vectors and the fuzzer's seeds. Every
+// field holds something other than its default.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "protocol/messages.h"
+
+namespace visum::testing {
+
+template <typename Message>
+using Samples = std::vector<std::pair<std::string, Message>>;  // name of the vector, "set_parameter_text"
+
+Samples<protocol::Request> sample_requests();
+Samples<protocol::Reply> sample_replies();
+
+}  // namespace visum::testing
