@@ -111,14 +111,9 @@ void ClientState::advance(std::int64_t ticks) {
   if (refusal) throw *refusal;
 }
 
-// A server may answer Read while it still waits for the tick; such a sample is asked for again.
 void ClientState::take_sample(PartState& part, protocol::Reply reply) {
   if (const auto* error = std::get_if<protocol::Error>(&reply)) throw to_error(*error, part.name);
-  auto sample = as<protocol::PartSample>(std::move(reply));
-  if (sample.era == era && sample.tick < tick) {
-    sample = request_as<protocol::PartSample>(protocol::Read{part.name}, part.name);
-  }
-  part.apply(sample);
+  part.apply(as<protocol::PartSample>(std::move(reply)));
   part.fresh = true;
 }
 

@@ -1,0 +1,49 @@
+#include "clients/visum/common/link.h"
+
+#include <algorithm>
+
+#include "clients/cpp/token_file.h"
+#include "clients/visum/common/exit_code.h"
+#include "protocol/config/config.h"
+#include "protocol/limits.h"
+
+namespace visum::cli {
+namespace {
+
+std::string read_token(const LinkOptions& options, protocol::Role role) try {
+  return read_token_file(options.token_file, role);
+} catch (const std::runtime_error& error) {
+  throw ExitError(kUsage, error.what());
+}
+
+}  // namespace
+
+protocol::Connection open_link(const LinkOptions& options, protocol::Role role,
+                               const std::string& client_name) {
+  const protocol::Hello hello{protocol::kProtocolVersion, protocol::kProtocolVersion, client_name, role,
+                              read_token(options, role)};
+  try {
+    const auto [host, port] = protocol::parse_address(options.connect);
+    return protocol::Connection(host, port, hello);
+  } catch (const std::invalid_argument& error) {
+    throw ExitError(kUsage, std::string("--connect: ") + error.what());
+  }
+}
+
+protocol::PartDescriptionReply describe_part(protocol::Connection& link, const std::string& part) {
+  std::vector<std::string> names;
+  for (const auto& summary : link.request_as<protocol::PartList>(protocol::ListParts{}).parts) {
+    names.push_back(summary.name);
+  }
+  if (std::find(names.begin(), names.end(), part) == names.end()) {
+    throw ExitError(kUsage, "no part '" + part + "' on this server" + did_you_mean(part, names));
+  }
+  return link.request_as<protocol::PartDescriptionReply>(protocol::DescribePart{part});
+}
+
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates) {
+  const auto near = config::nearest(word, candidates);
+  return near ? " (did you mean '" + *near + "'?)" : std::string();
+}
+
+}  // namespace visum::cli

@@ -1,0 +1,42 @@
+#include "clients/visum/common/samples.h"
+
+#include "clients/visum/common/exit_code.h"
+#include "clients/visum/common/format.h"
+#include "clients/visum/common/json_writer.h"
+
+namespace visum::cli {
+
+double value_of(const protocol::PartSample& sample, const PortRef& port) {
+  const auto& values = port.output ? sample.sensor_outputs : sample.controller_inputs;
+  if (port.index < values.size()) return values[port.index];
+  throw ExitError(kFailed, "the server sent a sample without '" + port.port->name + "'");
+}
+
+std::string sample_table(const protocol::PartSample& sample, const std::vector<PortRef>& ports) {
+  Table table;
+  for (const PortRef& port : ports) {
+    // A state word is a bit field: seven digits of a float would cut it.
+    const double value = value_of(sample, port);
+    table.row({port.port->name, port.port->unit.empty() ? exact(value) : fixed(value, 6), port.port->unit});
+  }
+  return table.text();
+}
+
+std::string sample_json(const protocol::PartSample& sample, const std::vector<PortRef>& ports) {
+  JsonWriter json;
+  json.begin_object().member("part", sample.part).member("tick", sample.tick);
+  json.member("sim_time_ns", sample.sim_time_ns).member("era", sample.era).key("ports").begin_object();
+  for (const PortRef& port : ports) json.member(port.port->name, value_of(sample, port));
+  return json.end_object().end_object().text();
+}
+
+std::string sample_line(const protocol::PartSample& sample, const std::vector<PortRef>& ports) {
+  std::string line = seconds(sample.sim_time_ns);
+  for (const PortRef& port : ports) {
+    line += "  " + port.port->name + "=" + rounded(value_of(sample, port), 9);
+    if (!port.port->unit.empty()) line += " " + port.port->unit;
+  }
+  return line;
+}
+
+}  // namespace visum::cli

@@ -1,0 +1,12 @@
+// Text from elsewhere, made safe for formats that must be UTF-8.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace visum::cli {
+
+// Bytes that are no UTF-8 become '?'.
+std::string valid_utf8(std::string_view text);
+
+}  // namespace visum::cli

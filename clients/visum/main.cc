@@ -1,0 +1,102 @@
+// visum: the command line. Its verbs stand in the table below; each is a file in verbs/.
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <vector>
+
+#include "clients/visum/common/exit_code.h"
+#include "clients/visum/verbs/verbs.h"
+#include "protocol/client.h"
+#include "protocol/config/config.h"
+
+namespace {
+
+using namespace visum;
+
+struct Row {
+  const char* name;
+  const char* help;
+  std::unique_ptr<cli::Verb> (*make)();
+};
+
+constexpr Row kVerbs[] = {
+    {"parts", "list the parts that a server offers", cli::make_parts},
+    {"describe", "show a part's ports, parameters and blackboards", cli::make_describe},
+    {"get", "read ports", cli::make_get},
+    {"set", "write controller inputs", cli::make_set},
+    {"watch", "follow ports", cli::make_watch},
+    {"params", "show a part's parameters", cli::make_params},
+    {"param-set", "change a part's parameter", cli::make_param_set},
+    {"status", "show time, pace, load, and who is waited for", cli::make_status},
+    {"pause", "stop time", cli::make_pause},
+    {"resume", "let time run", cli::make_resume},
+    {"step", "let a paused world do some ticks", cli::make_step},
+    {"speedup", "run faster or slower than the wall clock", cli::make_speedup},
+    {"reset", "go back to the scene's beginning", cli::make_reset},
+    {"snapshot", "keep the state of the world", cli::make_snapshot},
+    {"restore", "go back to a snapshot", cli::make_restore},
+    {"push", "push a body", cli::make_push},
+    {"run", "run a scenario and check it", cli::make_run},
+    {"completion", "print a completion script for a shell", cli::make_completion},
+};
+
+int complain(cli::ExitCode code, const char* text) {
+  std::fprintf(stderr, "visum: %s\n", text);
+  return code;
+}
+
+// Wrong names and values are the user's, as wrong options are.
+cli::ExitCode code_of(protocol::ErrorCode code) {
+  switch (code) {
+    case protocol::ErrorCode::kUnknownName:
+    case protocol::ErrorCode::kBadValue:
+      return cli::kUsage;
+    case protocol::ErrorCode::kTimeout:
+      return cli::kLost;
+    default:
+      return cli::kFailed;
+  }
+}
+
+int run(cli::Verb& verb) try { return verb.run(); } catch (const cli::ExitError& error) {
+  return complain(error.code(), error.what());
+} catch (const config::ConfigError& error) {
+  return complain(cli::kBadConfig, error.what());
+} catch (const protocol::RequestError& error) {
+  return complain(code_of(error.code()), error.what());
+} catch (const protocol::ConnectionError& error) {
+  return complain(cli::kLost, error.what());
+} catch (const std::exception& error) {
+  return complain(cli::kFailed, error.what());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);
+  CLI::App app{"visum: looks at and commands the parts of a Visum server, and runs scenarios"};
+  app.set_version_flag("--version", "visum " VISUM_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "`visum VERB --help` shows a verb's options and examples.\n"
+      "Exit codes: 0 done or passed, 1 refused or failed, 2 bad usage, unknown names and values, 3 scene or "
+      "scenario\n"
+      "wrong, 4 connection or controller lost, 124 timed out, 130 interrupted.");
+  std::vector<std::pair<CLI::App*, std::unique_ptr<cli::Verb>>> verbs;
+  for (const Row& row : kVerbs) {
+    verbs.emplace_back(app.add_subcommand(row.name, row.help), row.make());
+    verbs.back().second->declare(*verbs.back().first);
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? cli::kDone : cli::kUsage;
+  }
+  for (const auto& [command, verb] : verbs) {
+    if (command->parsed()) return run(*verb);
+  }
+  return cli::kUsage;
+}

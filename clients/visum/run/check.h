@@ -1,0 +1,42 @@
+// One demand of a scenario, followed through a run.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "clients/visum/run/quantity.h"
+
+namespace visum::run {
+
+struct CheckResult {
+  std::string name;
+  std::string text;   // what is measured
+  std::string bound;  // "below 0.01 m"
+  std::string unit;
+  bool passed = false;
+  std::optional<double> value;  // at the end, the worst, or the best one, as the window has it
+  double at_s = 0.0;            // when it was measured
+  std::string failure;          // empty if passed
+};
+
+class Check {
+ public:
+  // `spec` must outlive the check. Throws ConfigError where it names what is not there.
+  Check(const CheckSpec& spec, const Catalogue& catalogue);
+
+  void observe(const Observation& now);
+  CheckResult result() const;  // as of the last observation
+
+ private:
+  void keep(double value, double margin, double at_s);
+
+  const CheckSpec& spec_;
+  Quantity quantity_;
+  std::optional<double> value_;
+  double margin_ = 0.0;
+  double at_s_ = 0.0;
+  bool held_ = false;  // as its window demands, so far
+};
+
+}  // namespace visum::run

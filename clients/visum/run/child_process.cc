@@ -1,0 +1,127 @@
+#include "clients/visum/run/child_process.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <utility>
+
+#include "clients/visum/run/spawn.h"
+
+namespace visum::run {
+
+using Clock = std::chrono::steady_clock;
+
+std::string ExitStatus::text() const {
+  if (!by_signal) return "exited with code " + std::to_string(number);
+  return "was ended by signal " + std::to_string(number) + " (" + ::strsignal(number) + ")";
+}
+
+ChildProcess::ChildProcess(std::string name, const std::vector<std::string>& argv, OnLine on_out,
+                           OnLine on_err)
+    : name_(std::move(name)) {
+  const Spawned spawned = spawn(argv);
+  pid_ = spawned.pid;
+  out_ = {spawned.out_fd, {}, std::move(on_out)};
+  err_ = {spawned.err_fd, {}, std::move(on_err)};
+}
+
+ChildProcess::~ChildProcess() {
+  signal(SIGKILL);
+  while (!check_exit()) wait_exit(std::chrono::seconds(1));
+  close_pipe(out_);
+  close_pipe(err_);
+}
+
+void ChildProcess::add_to(std::vector<pollfd>& set) const {
+  for (const Pipe* pipe : {&out_, &err_}) {
+    if (pipe->fd >= 0) set.push_back({pipe->fd, POLLIN, 0});
+  }
+}
+
+void ChildProcess::drain() {
+  read_pipe(out_);
+  read_pipe(err_);
+}
+
+void ChildProcess::read_pipe(Pipe& pipe) {
+  std::array<char, 4096> buffer;
+  while (pipe.fd >= 0) {
+    const ssize_t got = ::read(pipe.fd, buffer.data(), buffer.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0 && errno == EAGAIN) return;
+    if (got <= 0) {
+      if (!pipe.partial.empty()) take_line(pipe);
+      close_pipe(pipe);
+      return;
+    }
+    for (ssize_t i = 0; i < got; ++i) {
+      if (buffer[static_cast<std::size_t>(i)] == '\n') {
+        take_line(pipe);
+      } else if (pipe.partial.size() < kLongestLine) {
+        pipe.partial += buffer[static_cast<std::size_t>(i)];
+      }
+    }
+  }
+}
+
+void ChildProcess::take_line(Pipe& pipe) {
+  const std::string line = std::exchange(pipe.partial, {});
+  last_lines_.push_back(line);
+  if (last_lines_.size() > kKeptLines) last_lines_.pop_front();
+  if (pipe.on_line) pipe.on_line(line);
+}
+
+void ChildProcess::close_pipe(Pipe& pipe) {
+  if (pipe.fd >= 0) ::close(pipe.fd);
+  pipe.fd = -1;
+}
+
+// The rest of its group is killed while the ended child still keeps the group's number.
+const std::optional<ExitStatus>& ChildProcess::check_exit() {
+  if (exit_) return exit_;
+  siginfo_t info{};
+  if (::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0) {
+    if (errno == ECHILD) exit_ = ExitStatus{false, -1};  // somebody else took it: it is gone all the same
+    return exit_;
+  }
+  if (info.si_pid != pid_) return exit_;
+  ::kill(-pid_, SIGKILL);
+  ::waitpid(pid_, nullptr, 0);
+  exit_ = ExitStatus{info.si_code != CLD_EXITED, info.si_status};
+  drain();
+  return exit_;
+}
+
+// A child that ends closes its pipes, which ends the poll; one that only closed its pipes is looked after at
+// intervals.
+bool ChildProcess::wait_exit(std::chrono::milliseconds patience) {
+  const auto give_up = Clock::now() + patience;
+  while (!check_exit()) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(give_up - Clock::now());
+    if (left.count() <= 0) return false;
+    std::vector<pollfd> set;
+    add_to(set);
+    ::poll(set.data(), set.size(), static_cast<int>(std::min(left, std::chrono::milliseconds(5)).count()));
+    drain();
+  }
+  return true;
+}
+
+void ChildProcess::signal(int number) const {
+  if (!exit_) ::kill(-pid_, number);
+}
+
+void ChildProcess::stop(std::chrono::milliseconds patience) {
+  signal(SIGINT);
+  if (wait_exit(patience)) return;
+  signal(SIGKILL);
+  while (!wait_exit(std::chrono::seconds(1))) {
+  }
+}
+
+}  // namespace visum::run

@@ -1,0 +1,65 @@
+// A program that runs under ours: its output line by line, its end, and the promise that nothing of it is
+// left: it gets a process group of its own, which is killed when it ends, when this object goes, or (the
+// program itself) when our process dies. One thread; nothing happens but in these calls.
+#pragma once
+
+#include <poll.h>
+#include <sys/types.h>
+
+#include <chrono>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace visum::run {
+
+struct ExitStatus {
+  bool by_signal = false;
+  int number = 0;            // exit code or signal
+  std::string text() const;  // "exited with code 3", "was ended by signal 9 (Killed)"
+};
+
+class ChildProcess {
+ public:
+  using OnLine = std::function<void(const std::string& line)>;
+
+  // Starts argv[0], looked up in PATH where it has no slash. Throws std::runtime_error where it cannot be
+  // started.
+  ChildProcess(std::string name, const std::vector<std::string>& argv, OnLine on_out, OnLine on_err);
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  const std::string& name() const { return name_; }
+  void add_to(std::vector<pollfd>& set) const;    // its open pipes, to be polled for input
+  void drain();                                   // hands out the lines that are there, without waiting
+  const std::optional<ExitStatus>& check_exit();  // without waiting
+  bool wait_exit(std::chrono::milliseconds patience);
+  void signal(int number) const;
+  // SIGINT; after `patience` SIGKILL. Returns when it has ended.
+  void stop(std::chrono::milliseconds patience);
+
+  const std::deque<std::string>& last_lines() const { return last_lines_; }  // of both outputs, newest last
+  static constexpr std::size_t kKeptLines = 40;
+  static constexpr std::size_t kLongestLine = 4096;
+
+ private:
+  struct Pipe {
+    int fd = -1;
+    std::string partial;  // line
+    OnLine on_line;
+  };
+  void read_pipe(Pipe& pipe);
+  void take_line(Pipe& pipe);
+  void close_pipe(Pipe& pipe);
+
+  std::string name_;
+  pid_t pid_ = -1;
+  Pipe out_, err_;
+  std::deque<std::string> last_lines_;
+  std::optional<ExitStatus> exit_;
+};
+
+}  // namespace visum::run

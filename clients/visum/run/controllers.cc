@@ -1,0 +1,200 @@
+#include "clients/visum/run/controllers.h"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+
+#include "clients/visum/common/exit_code.h"
+#include "clients/visum/common/format.h"
+#include "clients/visum/run/placeholders.h"
+
+namespace visum::run {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+constexpr milliseconds kPatienceAtEnd{2000};     // after SIGINT
+constexpr milliseconds kPatienceToLeave{10000};  // from leaving the lockstep to the end of the process
+
+const protocol::LockstepMember* find_member(const protocol::ServerStatus& status, const std::string& client) {
+  const auto found =
+      std::find_if(status.lockstep.begin(), status.lockstep.end(),
+                   [&](const protocol::LockstepMember& member) { return member.client == client; });
+  return found == status.lockstep.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+Controllers::Controllers(const std::vector<ControllerSpec>& specs,
+                         const std::map<std::string, std::string>& values, Session& session, Vigil& vigil,
+                         OnLine on_line)
+    : values_(values), session_(session), vigil_(vigil), on_line_(std::move(on_line)) {
+  for (const ControllerSpec& spec : specs) {
+    Controller controller;
+    controller.spec = &spec;
+    controller.joins = spec.joins.value_or(session.clock() == "lockstep");
+    controllers_.push_back(std::move(controller));
+  }
+}
+
+Controllers::~Controllers() {
+  stop_all();
+  for (Controller& controller : controllers_) {
+    if (controller.process) vigil_.forget(*controller.process);
+  }
+}
+
+void Controllers::start(double patience_s) {
+  for (Controller& controller : controllers_) start_one(controller);
+  await_joined(patience_s);
+}
+
+void Controllers::start_one(Controller& controller) {
+  std::vector<std::string> argv;
+  for (const std::string& word : controller.spec->command) argv.push_back(fill_in(word, values_));
+  const auto hand_on = [this, spec = controller.spec](const std::string& line) {
+    on_line_(spec->name, line);
+  };
+  try {
+    controller.process = std::make_unique<ChildProcess>(controller.spec->name, argv, hand_on, hand_on);
+  } catch (const std::runtime_error& error) {
+    throw config::ConfigError(controller.spec->place, error.what());
+  }
+  vigil_.watch(*controller.process);
+}
+
+void Controllers::await_joined(double patience_s) {
+  const auto give_up = Clock::now() + std::chrono::duration<double>(patience_s);
+  for (;;) {
+    const auto status = session_.status();
+    std::string missing;
+    for (Controller& controller : controllers_) {
+      controller.joined = controller.joined || find_member(status, controller.spec->client) != nullptr;
+      if (!controller.joins || controller.joined) continue;
+      missing = controller.spec->name;
+      if (const auto& exit = controller.process->check_exit()) {
+        throw cli::ExitError(exit->by_signal ? cli::kLost : cli::kFailed,
+                             "controller '" + missing + "' " + exit->text() + " before it joined the clock");
+      }
+    }
+    if (missing.empty()) return;
+    if (Clock::now() > give_up) {
+      throw cli::ExitError(cli::kLost, "controller '" + missing + "' has not joined the clock within " +
+                                           cli::exact(patience_s) + " s");
+    }
+    vigil_.wait(-1, milliseconds(1));
+  }
+}
+
+bool Controllers::is_undecided(const protocol::ServerStatus& status) const {
+  return std::any_of(controllers_.begin(), controllers_.end(), [&](const Controller& controller) {
+    if (!controller.joined || controller.left) return false;
+    const auto* member = find_member(status, controller.spec->client);
+    return member != nullptr && member->granted_tick <= status.tick;
+  });
+}
+
+void Controllers::note_who_left(const protocol::ServerStatus& status) {
+  for (Controller& controller : controllers_) {
+    const bool is_member = find_member(status, controller.spec->client) != nullptr;
+    if (!controller.joined || controller.left || is_member) continue;
+    controller.left = true;
+    await_exit(controller);
+  }
+}
+
+// While the world stands. The status that follows makes sure that the server, too, has seen the connection's
+// end.
+void Controllers::await_exit(Controller& controller) {
+  const auto give_up = Clock::now() + kPatienceToLeave;
+  while (!controller.process->check_exit()) {
+    if (Clock::now() > give_up) {
+      throw cli::ExitError(cli::kLost,
+                           "controller '" + controller.spec->name + "' left the clock but did not end");
+    }
+    vigil_.wait(-1, milliseconds(1));
+  }
+  check_ends();
+  session_.status();
+}
+
+// The members' own work is what takes the time here; asking often at first finds out at once who is quick.
+void Controllers::settle() {
+  if (std::all_of(controllers_.begin(), controllers_.end(),
+                  [](const auto& c) { return !c.joined || c.left; }))
+    return;
+  auto status = session_.status();
+  for (int tries = 0; session_.clock() == "lockstep" && is_undecided(status); ++tries) {
+    if (tries > 20) vigil_.wait(-1, milliseconds(1));
+    status = session_.status();
+  }
+  note_who_left(status);
+}
+
+bool Controllers::all_done() const {
+  return std::all_of(controllers_.begin(), controllers_.end(), [](const Controller& controller) {
+    return controller.joined ? controller.left : controller.process->check_exit().has_value();
+  });
+}
+
+void Controllers::check_ends() {
+  for (const Controller& controller : controllers_) {
+    const std::string failure = failure_of(controller);
+    if (failure.empty()) continue;
+    const bool by_signal = controller.process->check_exit()->by_signal;
+    throw cli::ExitError(by_signal ? cli::kLost : cli::kFailed,
+                         "controller '" + controller.spec->name + "' " + failure);
+  }
+}
+
+std::string Controllers::failure_of(const Controller& controller) const {
+  if (!controller.process || controller.signalled || controller.stopped) return {};
+  const auto& exit = controller.process->check_exit();
+  return exit && (exit->by_signal || exit->number != 0) ? exit->text() : std::string();
+}
+
+// A killed process is gone when this returns, and the server has seen it: what follows is the same in every
+// run.
+void Controllers::signal(const std::string& name, int number) {
+  for (Controller& controller : controllers_) {
+    if (controller.spec->name != name || !controller.process) continue;
+    controller.signalled = true;
+    controller.process->signal(number);
+    if (number != SIGKILL) continue;
+    await_exit(controller);
+    controller.left = true;
+  }
+}
+
+void Controllers::stop_all() {
+  for (Controller& controller : controllers_) {
+    if (!controller.process || controller.process->check_exit()) continue;
+    controller.stopped = true;
+    controller.process->signal(SIGINT);
+  }
+  const auto give_up = Clock::now() + kPatienceAtEnd;
+  for (Controller& controller : controllers_) {
+    if (!controller.process) continue;
+    const auto left = std::chrono::duration_cast<milliseconds>(give_up - Clock::now());
+    if (!controller.process->wait_exit(std::max(left, milliseconds(0))))
+      controller.process->stop(milliseconds(0));
+  }
+}
+
+std::vector<ControllerResult> Controllers::results() const {
+  std::vector<ControllerResult> results;
+  for (const Controller& controller : controllers_) {
+    ControllerResult result{controller.spec->name, "was not started", failure_of(controller), {}};
+    if (controller.process) {
+      const auto& lines = controller.process->last_lines();
+      result.last_lines.assign(lines.begin(), lines.end());
+      const auto& exit = controller.process->check_exit();
+      result.end = controller.stopped ? "was stopped at the end" : exit ? exit->text() : "still runs";
+    }
+    results.push_back(std::move(result));
+  }
+  return results;
+}
+
+}  // namespace visum::run

@@ -1,0 +1,74 @@
+// The scenario's controllers as processes and as members of the lockstep.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "clients/visum/run/child_process.h"
+#include "clients/visum/run/scenario.h"
+#include "clients/visum/run/session.h"
+#include "clients/visum/run/vigil.h"
+
+namespace visum::run {
+
+struct ControllerResult {
+  std::string name;
+  std::string end;                      // "exited with code 0", "was stopped at the end"
+  std::string failure;                  // empty if it ended well
+  std::vector<std::string> last_lines;  // of its output
+};
+
+class Controllers {
+ public:
+  using OnLine = std::function<void(const std::string& controller, const std::string& line)>;
+
+  // `specs` must outlive it. `values` fill the placeholders of the commands.
+  Controllers(const std::vector<ControllerSpec>& specs, const std::map<std::string, std::string>& values,
+              Session& session, Vigil& vigil, OnLine on_line);
+  ~Controllers();  // stops those that still run, all at once
+
+  // Starts all, and returns when those that join the clock have joined it. Throws ConfigError where a program
+  // cannot be started, ExitError where one ends before it joined (kFailed) or does not join in time (kLost).
+  void start(double patience_s);
+
+  // After a step, while we hold the world: waits until every member either lets the world run on or has left,
+  // and for those that have left, until they have ended. What it knows then does not depend on who was
+  // faster.
+  void settle();
+  // All have ended or are known to have left.
+  bool all_done() const;
+
+  // Throws ExitError where one ended badly: kFailed for an exit code, kLost for a signal that the time line
+  // did not send.
+  void check_ends();
+  void signal(const std::string& name, int number);
+  void stop_all();
+  std::vector<ControllerResult> results() const;
+
+ private:
+  struct Controller {
+    const ControllerSpec* spec = nullptr;
+    std::unique_ptr<ChildProcess> process;
+    bool joins = false, joined = false, left = false;
+    bool signalled = false;  // by the time line: its end is no failure
+    bool stopped = false;    // by us, at the end
+  };
+
+  void start_one(Controller& controller);
+  void await_joined(double patience_s);
+  bool is_undecided(const protocol::ServerStatus& status) const;
+  void note_who_left(const protocol::ServerStatus& status);
+  void await_exit(Controller& controller);
+  std::string failure_of(const Controller& controller) const;
+
+  const std::map<std::string, std::string> values_;
+  Session& session_;
+  Vigil& vigil_;
+  OnLine on_line_;
+  std::vector<Controller> controllers_;
+};
+
+}  // namespace visum::run

@@ -1,0 +1,111 @@
+#include "clients/visum/run/daemon.h"
+
+#include <unistd.h>
+
+#include <system_error>
+
+#include "clients/visum/common/exit_code.h"
+#include "clients/visum/common/format.h"
+#include "protocol/config/config.h"
+
+namespace visum::run {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+constexpr milliseconds kFarewell{5000};  // it ends its tick and its sessions first
+
+std::vector<std::string> command_line(const DaemonOptions& options) {
+  std::vector<std::string> argv{options.program.string(),
+                                options.scene.string(),
+                                "--json",
+                                "-v",
+                                "1",
+                                "--clock",
+                                options.clock,
+                                "--port",
+                                std::to_string(options.port)};
+  if (options.engine) argv.insert(argv.end(), {"--engine", *options.engine});
+  if (options.seed) argv.insert(argv.end(), {"--seed", std::to_string(*options.seed)});
+  return argv;
+}
+
+std::string join_lines(const std::deque<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += (text.empty() ? "" : "\n") + line;
+  return text;
+}
+
+// JSON is YAML, so the reader of scenes reads it.
+std::uint16_t port_of(const std::string& ready_line) try {
+  const auto node = config::load_text(ready_line, "visumd's ready line");
+  if (!node.get("ready").boolean()) node.fail("not ready");
+  return static_cast<std::uint16_t>(node.get("port").integer(1, 65535));
+} catch (const config::ConfigError& error) {
+  throw cli::ExitError(cli::kFailed, std::string("visumd said what is no ready line: ") + error.what());
+}
+
+}  // namespace
+
+std::filesystem::path own_folder() {
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  return error ? std::filesystem::path() : self.parent_path();
+}
+
+std::filesystem::path find_visumd() {
+  const auto beside = own_folder() / "visumd";
+  return ::access(beside.c_str(), X_OK) == 0 ? beside : std::filesystem::path("visumd");
+}
+
+Daemon::Daemon(const DaemonOptions& options, double patience_s, Vigil& vigil, ChildProcess::OnLine on_line)
+    : vigil_(vigil) {
+  try {
+    process_.emplace(
+        "visumd", command_line(options),
+        [this](const std::string& line) {
+          if (ready_line_.empty()) ready_line_ = line;
+        },
+        on_line);
+  } catch (const std::runtime_error& error) {
+    throw cli::ExitError(cli::kFailed, error.what());
+  }
+  vigil_.watch(*process_);
+  try {
+    wait_until_ready(patience_s);
+  } catch (...) {
+    vigil_.forget(*process_);
+    throw;
+  }
+}
+
+Daemon::~Daemon() {
+  vigil_.forget(*process_);
+  process_->stop(kFarewell);
+}
+
+void Daemon::wait_until_ready(double patience_s) {
+  const auto give_up = Clock::now() + std::chrono::duration<double>(patience_s);
+  while (ready_line_.empty()) {
+    vigil_.wait(-1, milliseconds(20));
+    if (const auto& exit = process_->check_exit()) {
+      const bool explained =
+          !exit->by_signal && (exit->number == cli::kBadConfig || exit->number == cli::kUsage);
+      const std::string words = join_lines(process_->last_lines());
+      if (explained) throw cli::ExitError(static_cast<cli::ExitCode>(exit->number), words);
+      throw cli::ExitError(cli::kFailed, "visumd " + exit->text() + " before it was ready\n" + words);
+    }
+    if (Clock::now() > give_up) {
+      throw cli::ExitError(cli::kFailed, "visumd is not ready after " + cli::exact(patience_s) + " s");
+    }
+  }
+  port_ = port_of(ready_line_);
+}
+
+std::string Daemon::obituary() {
+  if (!process_->wait_exit(milliseconds(500))) return {};
+  return "visumd " + process_->check_exit()->text() + "\n" + join_lines(process_->last_lines());
+}
+
+}  // namespace visum::run

@@ -1,0 +1,52 @@
+// The visumd that a scenario runs against: started on a free port, ended with this object.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "clients/visum/run/child_process.h"
+#include "clients/visum/run/vigil.h"
+
+namespace visum::run {
+
+struct DaemonOptions {
+  std::filesystem::path program;  // find_visumd()
+  std::filesystem::path scene;
+  std::string clock;
+  std::uint16_t port = 0;  // 0: any free one
+  std::optional<std::string> engine;
+  std::optional<std::int64_t> seed;
+};
+
+// The folder of the program that runs now.
+std::filesystem::path own_folder();
+// `visumd` beside our own program, else as PATH has it.
+std::filesystem::path find_visumd();
+
+class Daemon {
+ public:
+  // Returns when it is ready to be connected to. Throws cli::ExitError: kBadConfig where visumd says that the
+  // scene is wrong, kUsage where it refuses its options, kFailed where it does not become ready within
+  // `patience_s`.
+  Daemon(const DaemonOptions& options, double patience_s, Vigil& vigil, ChildProcess::OnLine on_line);
+  ~Daemon();
+  Daemon(const Daemon&) = delete;
+  Daemon& operator=(const Daemon&) = delete;
+
+  std::uint16_t port() const { return port_; }
+  ChildProcess& process() { return *process_; }
+  // Why it is gone, with its last words; empty while it runs.
+  std::string obituary();
+
+ private:
+  void wait_until_ready(double patience_s);
+
+  Vigil& vigil_;
+  std::string ready_line_;
+  std::uint16_t port_ = 0;
+  std::optional<ChildProcess> process_;
+};
+
+}  // namespace visum::run

@@ -1,0 +1,56 @@
+#include "clients/visum/run/placeholders.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "protocol/config/config.h"
+
+namespace visum::run {
+namespace {
+
+const std::vector<std::string> kKnown{"connect", "host", "port", "scenario_dir",
+                                      "scene",   "bin",  "seed", "clock"};
+
+// Calls literal(text) and name(text) for the pieces of `text` in turn; returns what is wrong with it, if
+// anything.
+std::optional<std::string> split(const std::string& text, auto&& literal, auto&& name) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool doubled = i + 1 < text.size() && text[i + 1] == text[i];
+    if (text[i] != '{' && text[i] != '}') {
+      literal(text[i]);
+    } else if (doubled) {
+      literal(text[i++]);
+    } else if (text[i] == '}') {
+      return "a '}' without its '{' (write '}}' for the brace itself)";
+    } else {
+      const std::size_t end = text.find('}', i);
+      if (end == std::string::npos) return "a '{' without its '}' (write '{{' for the brace itself)";
+      name(text.substr(i + 1, end - i - 1));
+      i = end;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> find_fault(const std::string& text) {
+  std::optional<std::string> unknown;
+  const auto check = [&](const std::string& name) {
+    if (std::find(kKnown.begin(), kKnown.end(), name) != kKnown.end()) return;
+    const auto near = config::nearest(name, kKnown);
+    unknown = "there is no placeholder {" + name + "}" + (near ? " (did you mean {" + *near + "}?)" : "");
+  };
+  const auto fault = split(
+      text, [](char) {}, check);
+  return fault ? fault : unknown;
+}
+
+std::string fill_in(const std::string& text, const std::map<std::string, std::string>& values) {
+  std::string filled;
+  split(
+      text, [&](char c) { filled += c; }, [&](const std::string& name) { filled += values.at(name); });
+  return filled;
+}
+
+}  // namespace visum::run

@@ -1,0 +1,30 @@
+// How a run went: plain data for the reports.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "clients/visum/common/exit_code.h"
+#include "clients/visum/run/check.h"
+#include "clients/visum/run/controllers.h"
+
+namespace visum::run {
+
+struct Report {
+  std::string name, file, scene, clock, engine;  // engine: empty for the scene's own
+  std::int64_t seed = -1;                        // -1: the scene's own
+  cli::ExitCode code = cli::kDone;
+  std::string error;                  // why the run could not go to its end; empty if it did
+  std::vector<std::string> failures;  // of the run as a whole, e.g. an end that never came
+  std::vector<CheckResult> checks;
+  std::vector<ControllerResult> controllers;
+  std::int64_t ticks = 0;
+  double sim_seconds = 0.0;
+  double wall_seconds = 0.0;  // of the stepping, without the start
+  std::uint64_t state_hash = 0;
+
+  bool passed() const { return code == cli::kDone; }
+};
+
+}  // namespace visum::run

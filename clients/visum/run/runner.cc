@@ -1,0 +1,255 @@
+#include "clients/visum/run/runner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include "clients/visum/common/format.h"
+#include "clients/visum/run/actions.h"
+#include "clients/visum/run/bounds.h"
+#include "clients/visum/run/daemon.h"
+#include "clients/visum/run/session.h"
+#include "clients/visum/run/timeline.h"
+
+namespace visum::run {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kRounding_s = 1e-9;  // see check.cc
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+double sim_seconds(const Observation& now) {
+  return static_cast<double>(now.world.sim_time_ns) * 1e-9;
+}
+
+std::map<std::string, std::string> placeholder_values(const Scenario& scenario, std::uint16_t port) {
+  const std::string number = std::to_string(port);
+  const auto folder = scenario.file.parent_path();
+  return {{"connect", "127.0.0.1:" + number},
+          {"host", "127.0.0.1"},
+          {"port", number},
+          {"scenario_dir", folder.empty() ? "." : folder.string()},
+          {"scene", scenario.scene.string()},
+          {"bin", own_folder().string()},
+          {"seed", std::to_string(scenario.seed.value_or(0))},
+          {"clock", scenario.clock}};
+}
+
+void note_part(const Condition& condition, std::set<std::string>& parts) {
+  if (condition.quantity.kind == "port") parts.insert(condition.quantity.part);
+}
+
+// The parts whose ports somebody looks at; no others are read.
+std::set<std::string> parts_needed(const Scenario& scenario) {
+  std::set<std::string> parts;
+  for (const auto& check : scenario.checks) note_part(check.that, parts);
+  for (const auto& entry : scenario.timeline) {
+    if (entry.when) note_part(*entry.when, parts);
+  }
+  if (scenario.until.condition) note_part(*scenario.until.condition, parts);
+  return parts;
+}
+
+// One run, once the daemon is ready.
+class Run {
+ public:
+  Run(const Scenario& scenario, const RunOptions& options, Daemon& daemon, Vigil& vigil, Report& report)
+      : scenario_(scenario),
+        options_(options),
+        daemon_(daemon),
+        vigil_(vigil),
+        report_(report),
+        session_(daemon.port(), vigil),
+        parts_(parts_needed(scenario)),
+        controllers_(scenario.controllers, placeholder_values(scenario, daemon.port()), session_, vigil,
+                     options.on_line) {}
+
+  void go();
+  void collect();  // what is known so far, into the report
+  void keep();
+
+ private:
+  void prepare();
+  void step();
+  void act();
+  bool is_over();
+  void note_unfinished();
+
+  const Scenario& scenario_;
+  const RunOptions& options_;
+  Daemon& daemon_;
+  Vigil& vigil_;
+  Report& report_;
+  Session session_;
+  const std::set<std::string> parts_;
+  Controllers controllers_;
+  Catalogue catalogue_;
+  std::vector<Check> checks_;
+  std::optional<Timeline> timeline_;
+  std::optional<Actions> actions_;
+  std::optional<Quantity> until_;
+  Observation now_;
+  std::int64_t step_ticks_ = 1;
+  std::optional<double> settled_at_s_;  // when `until` came true
+  Clock::time_point began_ = Clock::now();
+};
+
+void Run::prepare() {
+  session_.join();
+  catalogue_ = session_.catalogue();
+  for (const auto& spec : scenario_.checks) checks_.emplace_back(spec, catalogue_);
+  timeline_.emplace(scenario_.timeline, catalogue_);
+  actions_.emplace(session_, controllers_, catalogue_,
+                   [this](const std::string& text) { options_.on_line("scenario", text); });
+  if (scenario_.until.condition) until_ = tie(scenario_.until.condition->quantity, catalogue_);
+  const double tick_ms = static_cast<double>(session_.tick_ns()) * 1e-6;
+  step_ticks_ = std::max<std::int64_t>(1, std::llround(scenario_.check_every_ms / tick_ms));
+  controllers_.start(scenario_.start_wall_s);
+  now_ = session_.look(parts_);
+}
+
+// The scenario, aloud: what is due is done while the world stands, then a step, then everybody looks.
+void Run::go() {
+  prepare();
+  began_ = Clock::now();
+  act();
+  while (!is_over()) {
+    step();
+    for (Check& check : checks_) check.observe(now_);
+    if (options_.on_step) options_.on_step(sim_seconds(now_));
+    act();
+  }
+  note_unfinished();
+}
+
+void Run::step() {
+  now_ = session_.step(step_ticks_, parts_);
+  controllers_.check_ends();
+  if (scenario_.until.kind == Until::Kind::kControllers) controllers_.settle();
+}
+
+void Run::act() {
+  for (const TimelineEntry* entry : timeline_->due(now_)) actions_->perform(*entry);
+}
+
+bool Run::is_over() {
+  const double now_s = sim_seconds(now_);
+  if (!settled_at_s_) {
+    const Until& until = scenario_.until;
+    const bool reached = until.kind == Until::Kind::kControllers ? controllers_.all_done()
+                         : until.kind == Until::Kind::kTime
+                             ? now_s >= until.at_s - kRounding_s
+                             : holds(until.condition->bounds, until_->measure(*until_, now_));
+    if (reached) settled_at_s_ = now_s;
+  }
+  if (settled_at_s_ && now_s >= *settled_at_s_ + scenario_.settle_s - kRounding_s) return true;
+  return now_s >= scenario_.max_sim_s - kRounding_s;
+}
+
+void Run::note_unfinished() {
+  if (!settled_at_s_) {
+    const char* what = scenario_.until.kind == Until::Kind::kControllers ? "the controllers have not ended"
+                       : scenario_.until.kind == Until::Kind::kTime ? "the time of 'until' was not reached"
+                                                                    : "the condition of 'until' never held";
+    report_.failures.push_back(std::string(what) + " within max_sim_s, " + cli::exact(scenario_.max_sim_s) +
+                               " s");
+  }
+  for (const TimelineEntry* entry : timeline_->missed()) {
+    report_.failures.push_back(config::ConfigError(entry->place, "this entry never came due").what());
+  }
+}
+
+void Run::collect() {
+  report_.wall_seconds = seconds_since(began_);
+  report_.ticks = now_.world.tick;
+  report_.sim_seconds = sim_seconds(now_);
+  report_.state_hash = now_.world.state_hash;
+  for (const Check& check : checks_) report_.checks.push_back(check.result());
+  controllers_.stop_all();
+  report_.controllers = controllers_.results();
+}
+
+// We are the one who steps this world, so its real time is ours to pace; a burst to catch up there is none.
+void Run::keep() {
+  if (!options_.keep) return;
+  options_.on_keep(report_, daemon_.port(), catalogue_);
+  const auto step =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::nanoseconds(step_ticks_ * session_.tick_ns()));
+  for (auto due = Clock::now(); true; due = std::max(due + step, Clock::now() - step)) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(due - Clock::now());
+    if (left.count() > 0) vigil_.wait(-1, left);
+    session_.step(step_ticks_, {});
+  }
+}
+
+void fail(Report& report, cli::ExitCode code, const std::string& error) {
+  report.code = code;
+  report.error = error;
+}
+
+// Runs `work`; what it throws becomes the report's error.
+void guard(Report& report, Daemon* daemon, auto&& work) {
+  try {
+    work();
+  } catch (const cli::ExitError& error) {
+    fail(report, error.code(), error.what());
+  } catch (const config::ConfigError& error) {
+    fail(report, cli::kBadConfig, error.what());
+  } catch (const protocol::ConnectionError& error) {
+    const std::string obituary = daemon != nullptr ? daemon->obituary() : std::string();
+    fail(report, cli::kFailed, obituary.empty() ? error.what() : obituary);
+  } catch (const protocol::RequestError& error) {
+    fail(report, cli::kFailed, std::string("visumd refused: ") + error.what());
+  }
+}
+
+void judge(Report& report) {
+  if (report.code != cli::kDone) return;
+  const bool good = report.failures.empty() && std::all_of(report.checks.begin(), report.checks.end(),
+                                                           [](const auto& c) { return c.passed; });
+  report.code = good ? cli::kDone : cli::kFailed;
+}
+
+void run_with(Daemon& daemon, const Scenario& scenario, const RunOptions& options, Vigil& vigil,
+              Report& report) {
+  std::optional<Run> run;
+  guard(report, &daemon, [&] {
+    run.emplace(scenario, options, daemon, vigil, report);
+    run->go();
+  });
+  if (!run) return;
+  run->collect();
+  judge(report);
+  if (report.code == cli::kDone || report.code == cli::kFailed) {
+    Report afterwards;  // how the time after the scenario ends does not matter to its result
+    guard(afterwards, &daemon, [&] { run->keep(); });
+  }
+}
+
+}  // namespace
+
+Report run_scenario(const Scenario& scenario, const RunOptions& options) {
+  Report report;
+  report.name = scenario.name;
+  report.file = scenario.file.string();
+  report.scene = scenario.scene.string();
+  report.clock = scenario.clock;
+  report.engine = scenario.engine.value_or("");
+  report.seed = scenario.seed.value_or(-1);
+  Vigil vigil(scenario.max_wall_s);
+  guard(report, nullptr, [&] {
+    const DaemonOptions daemon_options{options.visumd, scenario.scene,  scenario.clock,
+                                       options.port,   scenario.engine, scenario.seed};
+    Daemon daemon(daemon_options, scenario.start_wall_s, vigil,
+                  [&](const std::string& line) { options.on_line("visumd", line); });
+    run_with(daemon, scenario, options, vigil, report);
+  });
+  return report;
+}
+
+}  // namespace visum::run

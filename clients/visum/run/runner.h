@@ -1,0 +1,30 @@
+// Runs a scenario from start to end: daemon, controllers, steps, checks.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "clients/visum/run/report.h"
+#include "clients/visum/run/scenario.h"
+
+namespace visum::run {
+
+struct RunOptions {
+  std::filesystem::path visumd;  // the daemon's program
+  std::uint16_t port = 0;        // 0: any free one
+  bool keep = false;             // afterwards let the world run in real time until interrupted
+  // Called with each line of the daemon and the controllers, and with what the time line says.
+  std::function<void(const std::string& who, const std::string& line)> on_line;
+  // Called after each step.
+  std::function<void(double sim_s)> on_step;
+  // Called once when the scenario is over and `keep` begins, before the world goes on.
+  std::function<void(const Report& report, std::uint16_t port, const Catalogue& catalogue)> on_keep;
+};
+
+// Never throws for what goes wrong in the run: Report::code and error tell. Nothing that it started is left.
+Report run_scenario(const Scenario& scenario, const RunOptions& options);
+
+}  // namespace visum::run

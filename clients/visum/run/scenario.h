@@ -1,0 +1,136 @@
+// A scenario as plain data: what to start, what to do when, what must hold. SCENARIOS.md describes the file.
+// All times are simulated seconds since the start, unless a name says wall. Places lead back to the file, for
+// errors that only show once the world is known.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "protocol/config/config.h"
+
+namespace visum::run {
+
+// Something that can be measured. Which fields are used depends on the kind: see the table in quantity.cc.
+struct QuantitySpec {
+  std::string kind;  // "distance", "tilt", "port", ...
+  std::string body;
+  std::string other_body;     // distance, touching
+  std::vector<double> point;  // distance: x y z in the world, instead of another body
+  std::string axes;           // distance: "xyz", "xy", ...; position, tilt: one of x y z
+  std::string joint;
+  std::string part;
+  std::string port;
+  std::optional<std::uint64_t> mask;  // port: only these bits
+  config::Place place;                // of the quantity's own map
+};
+
+// What a measured value must be. At least one is given; all that are given must hold.
+struct Bounds {
+  std::optional<double> below;                       // value < below
+  std::optional<double> above;                       // value > above
+  std::optional<std::pair<double, double>> between;  // first <= value <= second
+  std::optional<double> equals;                      // |value - equals| <= within
+  double within = 0.0;
+};
+
+struct Condition {
+  QuantitySpec quantity;
+  Bounds bounds;
+};
+
+// When a check must hold.
+struct Window {
+  enum class Kind {
+    kEnd,         // at the last step
+    kAlways,      // at every step from `from_s` to `to_s`
+    kEventually,  // at one step at least, until `to_s`
+  };
+  Kind kind = Kind::kEnd;
+  double from_s = 0.0;
+  double to_s = std::numeric_limits<double>::infinity();
+};
+
+struct CheckSpec {
+  std::string name;
+  Condition that;
+  Window when;
+};
+
+struct ControllerSpec {
+  std::string name;
+  std::vector<std::string> command;  // with its placeholders
+  std::string client;                // the name that it says hello with
+  std::optional<bool> joins;         // the clock; not given: under lockstep
+  config::Place place;
+};
+
+// ---------------------------------------------------------------------------------------------- the time
+// line
+
+struct SetPort {
+  std::string part, port;
+  double value = 0.0;
+  bool take = false;  // the lease from its holder
+};
+struct Push {
+  std::string body;
+  std::vector<double> force_n, torque_nm, point_m;
+  double duration_s = 0.1;
+};
+struct SetParameter {
+  std::string part, name;
+  std::string value;  // as written; the parameter's own type decides what it means
+};
+struct Signal {
+  std::string controller;
+  int number = 0;
+};
+struct RemoveBody {
+  std::string body;
+};
+struct Say {
+  std::string text;
+};
+using Action = std::variant<SetPort, Push, SetParameter, Signal, RemoveBody, Say>;
+
+struct TimelineEntry {
+  double at_s = 0.0;              // where there is no condition
+  std::optional<Condition> when;  // at the first step at which it holds
+  Action action;
+  config::Place place;
+};
+
+// ---------------------------------------------------------------------------------------------- the whole
+
+struct Until {
+  enum class Kind { kControllers, kTime, kCondition };
+  Kind kind = Kind::kControllers;  // all have left and ended
+  double at_s = 0.0;
+  std::optional<Condition> condition;
+};
+
+struct Scenario {
+  std::filesystem::path file, scene;
+  std::string name;
+  std::string clock = "lockstep";
+  std::optional<std::string> engine;
+  std::optional<std::int64_t> seed;
+  double max_sim_s = 60.0;
+  double max_wall_s = 300.0;
+  double start_wall_s = 10.0;  // for daemon and controllers to be ready
+  double check_every_ms = 10.0;
+  double settle_s = 0.0;  // from the end of `until` to the end
+  Until until;
+  std::vector<ControllerSpec> controllers;
+  std::vector<TimelineEntry> timeline;
+  std::vector<CheckSpec> checks;
+};
+
+}  // namespace visum::run

@@ -1,0 +1,127 @@
+#include "clients/visum/run/scenario_reader.h"
+
+#include <algorithm>
+
+#include "clients/visum/run/placeholders.h"
+#include "clients/visum/run/scenario_parts.h"
+
+namespace visum::run {
+namespace {
+
+using config::Node;
+
+// Wall and simulated times end somewhere, so that nothing can overflow: 10^7 s are 115 days.
+constexpr config::Range kSeconds{0.0, 1e7, false};
+constexpr config::Range kSomeSeconds{0.0, 1e7, true};
+
+std::vector<Node> items(const Node& root, const char* key) {
+  std::vector<Node> nodes;
+  const auto list = root.find(key);
+  if (!list) return nodes;
+  if (list->kind() != Node::Kind::kList) list->fail("must be a list");
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    nodes.push_back(list->at(i));
+    if (nodes.back().kind() != Node::Kind::kMap) nodes.back().fail("must be a map");
+  }
+  return nodes;
+}
+
+void read_controllers(const Node& root, Scenario& scenario) {
+  for (const Node& node : items(root, "controllers")) {
+    ControllerSpec controller = read_controller(node);
+    for (const ControllerSpec& other : scenario.controllers) {
+      if (other.name == controller.name) node.fail("a second controller '" + controller.name + "'");
+      if (other.client == controller.client)
+        node.fail("a second controller with client '" + controller.client + "'");
+    }
+    scenario.controllers.push_back(std::move(controller));
+  }
+}
+
+Until read_until(const Node& root, const Scenario& scenario) {
+  const auto node = root.find("until");
+  Until until;
+  if (node && node->kind() == Node::Kind::kMap && node->find("at_s")) {
+    node->allow_only({"at_s"});
+    until.kind = Until::Kind::kTime;
+    until.at_s = node->get("at_s").number(kSeconds);
+  } else if (node && node->kind() == Node::Kind::kMap) {
+    until.kind = Until::Kind::kCondition;
+    until.condition = read_condition(*node);
+  } else if (node) {
+    node->one_of({"controllers"});
+  }
+  if (until.kind == Until::Kind::kControllers && scenario.controllers.empty()) {
+    (node ? *node : root)
+        .fail("without controllers, 'until' must say when the scenario ends: {at_s: 5}, or a condition");
+  }
+  return until;
+}
+
+void read_times(const Node& root, Scenario& scenario) {
+  scenario.max_sim_s = root.number_or("max_sim_s", scenario.max_sim_s, kSomeSeconds);
+  scenario.max_wall_s = root.number_or("max_wall_s", scenario.max_wall_s, kSomeSeconds);
+  scenario.start_wall_s = root.number_or("start_wall_s", scenario.start_wall_s, kSomeSeconds);
+  scenario.settle_s = root.number_or("settle_s", scenario.settle_s, kSeconds);
+  scenario.check_every_ms = root.number_or("check_every_ms", scenario.check_every_ms, {0.0, 4000.0, true});
+}
+
+void read_basics(const Node& root, Scenario& scenario) {
+  if (root.get("visum_scenario").integer() != 1)
+    root.get("visum_scenario").fail("this program reads version 1");
+  scenario.file = root.place().file;
+  scenario.name = root.get("name").text();
+  if (scenario.name.empty()) root.get("name").fail("must not be empty");
+  const Node scene = root.get("scene");
+  scenario.scene = (scene.folder() / scene.text()).lexically_normal();
+  if (!std::filesystem::is_regular_file(scenario.scene)) {
+    scene.fail("there is no file '" + scenario.scene.string() + "'");
+  }
+  if (const auto clock = root.find("clock")) scenario.clock = clock->one_of({"realtime", "lockstep", "free"});
+  if (const auto engine = root.find("engine")) scenario.engine = engine->text();
+  if (const auto seed = root.find("seed")) scenario.seed = seed->integer(0);
+}
+
+}  // namespace
+
+ControllerSpec read_controller(const Node& node) {
+  node.allow_only({"name", "command", "client", "joins"});
+  ControllerSpec controller;
+  controller.place = node.place();
+  controller.name = node.get("name").text();
+  if (controller.name.empty()) node.get("name").fail("must not be empty");
+  const Node command = node.get("command");
+  if (command.kind() != Node::Kind::kList || command.size() == 0) {
+    command.fail("must be a list: the program, then its arguments");
+  }
+  for (std::size_t i = 0; i < command.size(); ++i) {
+    controller.command.push_back(command.at(i).text());
+    if (const auto fault = find_fault(controller.command.back())) command.at(i).fail(*fault);
+  }
+  controller.client = node.text_or("client", controller.name);
+  if (const auto joins = node.find("joins")) controller.joins = joins->boolean();
+  return controller;
+}
+
+Scenario read_scenario(const Node& root) {
+  if (root.kind() != Node::Kind::kMap) root.fail("a scenario is a map");
+  root.allow_only({"visum_scenario", "name", "description", "scene", "clock", "engine", "seed", "max_sim_s",
+                   "max_wall_s", "start_wall_s", "settle_s", "check_every_ms", "until", "controllers",
+                   "timeline", "checks"});
+  Scenario scenario;
+  read_basics(root, scenario);
+  read_times(root, scenario);
+  read_controllers(root, scenario);
+  scenario.until = read_until(root, scenario);
+  for (const Node& node : items(root, "timeline")) {
+    scenario.timeline.push_back(read_timeline_entry(node, scenario.controllers));
+  }
+  for (const Node& node : items(root, "checks")) scenario.checks.push_back(read_check(node));
+  return scenario;
+}
+
+Scenario read_scenario(const std::filesystem::path& file) {
+  return read_scenario(config::load_file(file));
+}
+
+}  // namespace visum::run

@@ -1,0 +1,71 @@
+#include "clients/visum/run/timeline.h"
+
+#include "clients/visum/common/format.h"
+#include "clients/visum/run/bounds.h"
+#include "clients/visum/run/lookup.h"
+
+namespace visum::run {
+namespace {
+
+constexpr double kRounding_s = 1e-9;  // see check.cc
+
+// Finds out before the first tick what an action names that is not there.
+struct Inspector {
+  const Catalogue& catalogue;
+  const config::Place& place;
+
+  void operator()(const SetPort& set) const {
+    const auto found = find_port(find_part(catalogue, set.part, place), set.port, place);
+    if (found.output)
+      throw config::ConfigError(place, "'" + set.port + "' is a sensor output and cannot be set");
+    if (set.value < found.port->minimum || set.value > found.port->maximum) {
+      throw config::ConfigError(place, "port '" + set.port + "' takes " + cli::exact(found.port->minimum) +
+                                           " .. " + cli::exact(found.port->maximum) + ", not " +
+                                           cli::exact(set.value));
+    }
+  }
+  void operator()(const Push& push) const { find_body(catalogue, push.body, place); }
+  void operator()(const RemoveBody& remove) const { find_body(catalogue, remove.body, place); }
+  void operator()(const SetParameter& set) const {
+    std::vector<std::string> known;
+    for (const auto& parameter : find_part(catalogue, set.part, place).parameters) {
+      if (parameter.name == set.name) return;
+      known.push_back(parameter.name);
+    }
+    fail_unknown(place, "parameter of part '" + set.part + "' called", set.name, known);
+  }
+  void operator()(const Signal&) const {}
+  void operator()(const Say&) const {}
+};
+
+}  // namespace
+
+Timeline::Timeline(const std::vector<TimelineEntry>& entries, const Catalogue& catalogue) {
+  for (const TimelineEntry& entry : entries) {
+    std::visit(Inspector{catalogue, entry.place}, entry.action);
+    items_.push_back({&entry, std::nullopt});
+    if (entry.when) items_.back().quantity = tie(entry.when->quantity, catalogue);
+  }
+}
+
+std::vector<const TimelineEntry*> Timeline::due(const Observation& now) {
+  const double now_s = static_cast<double>(now.world.sim_time_ns) * 1e-9;
+  std::vector<const TimelineEntry*> due;
+  for (Item& item : items_) {
+    if (item.done) continue;
+    item.done = item.quantity ? holds(item.entry->when->bounds, item.quantity->measure(*item.quantity, now))
+                              : now_s >= item.entry->at_s - kRounding_s;
+    if (item.done) due.push_back(item.entry);
+  }
+  return due;
+}
+
+std::vector<const TimelineEntry*> Timeline::missed() const {
+  std::vector<const TimelineEntry*> missed;
+  for (const Item& item : items_) {
+    if (!item.done) missed.push_back(item.entry);
+  }
+  return missed;
+}
+
+}  // namespace visum::run

@@ -1,0 +1,118 @@
+#include <cstdio>
+#include <fstream>
+
+#include "clients/visum/common/exit_code.h"
+#include "clients/visum/common/interrupt.h"
+#include "clients/visum/common/terminal.h"
+#include "clients/visum/run/daemon.h"
+#include "clients/visum/run/progress.h"
+#include "clients/visum/run/report_junit.h"
+#include "clients/visum/run/report_text.h"
+#include "clients/visum/run/runner.h"
+#include "clients/visum/run/scenario_reader.h"
+#include "clients/visum/verbs/verbs.h"
+
+namespace visum::cli {
+namespace {
+
+// Before the run, so that a report that cannot be written does not cost one.
+void check_writable(const std::string& file) {
+  if (file.empty()) return;
+  std::ofstream out(file, std::ios::app);
+  if (!out) throw ExitError(kUsage, file + ": cannot be written");
+}
+
+class RunVerb : public Verb {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("SCENARIO", file_, "a scenario's YAML file")->required();
+    app.add_option("--junit", junit_, "write a JUnit XML report to this file");
+    app.add_flag("--json", json_, "print JSON: a line per check, then the result");
+    app.add_option("--engine", engine_, "moves the bodies, instead of the scene's engines");
+    app.add_option("--seed", seed_, "of the world's random numbers")->check(CLI::NonNegativeNumber);
+    app.add_option("--clock", clock_, "instead of the scenario's")
+        ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
+    app.add_option("--port", port_, "the daemon's port; 0: any free one")->capture_default_str();
+    app.add_option("--timeout", timeout_s_, "wall seconds after which the run is given up")
+        ->check(CLI::PositiveNumber);
+    app.add_flag("--progress", progress_, "show time, pace and the controller's last line while it runs");
+    app.add_flag("--keep", keep_, "afterwards let the world run on in real time, until Ctrl-C");
+    app.footer(
+        "Starts visumd on a free port and the scenario's controllers, lets time run, checks, ends all of "
+        "it.\n"
+        "Exit codes: 0 passed, 1 a check failed, 3 scene or scenario wrong, 4 a controller was lost or timed "
+        "out,\n"
+        "124 the wall time was over, 130 interrupted.\n\nExamples:\n"
+        "  visum run models/scenarios/pick_and_place.yaml\n"
+        "  visum run models/scenarios/pick_and_place.yaml --junit report.xml --json");
+  }
+
+  int run() override {
+    const run::Scenario scenario = read();
+    check_writable(junit_);
+    catch_interrupts();
+    run::Progress progress(progress_, json_ ? stderr : stdout);
+    run::RunOptions options;
+    options.visumd = run::find_visumd();
+    options.port = port_;
+    options.keep = keep_;
+    options.on_line = [&](const std::string& who, const std::string& line) { progress.line(who, line); };
+    options.on_step = [&](double sim_s) { progress.step(sim_s); };
+    options.on_keep = [&](const run::Report& report, std::uint16_t port, const run::Catalogue& catalogue) {
+      progress.finish();
+      tell(report);
+      invite(port, catalogue);
+    };
+    const run::Report report = run::run_scenario(scenario, options);
+    progress.finish();
+    if (!told_) tell(report);
+    return report.code;
+  }
+
+ private:
+  run::Scenario read() const {
+    run::Scenario scenario = run::read_scenario(file_);
+    if (!engine_.empty()) scenario.engine = engine_;
+    if (!clock_.empty()) scenario.clock = clock_;
+    if (seed_) scenario.seed = seed_;
+    if (timeout_s_ > 0.0) scenario.max_wall_s = timeout_s_;
+    return scenario;
+  }
+
+  void tell(const run::Report& report) {
+    told_ = true;
+    std::FILE* people = json_ ? stderr : stdout;
+    std::fputs(run::report_text(report, Style(people)).c_str(), people);
+    if (!junit_.empty()) {
+      std::ofstream out(junit_, std::ios::trunc);
+      out << run::report_junit(report);
+      if (!out.flush()) std::fprintf(stderr, "visum: %s: cannot be written\n", junit_.c_str());
+    }
+    if (json_) std::printf("%s%s\n", run::checks_json(report).c_str(), run::report_json(report).c_str());
+    std::fflush(stdout);
+  }
+
+  void invite(std::uint16_t port, const run::Catalogue& catalogue) const {
+    const std::string connect = " --connect 127.0.0.1:" + std::to_string(port);
+    std::fprintf(stderr,
+                 "The world goes on in real time. Look at it from another terminal, end it with Ctrl-C:\n");
+    std::fprintf(stderr, "  visum status%s\n", connect.c_str());
+    for (const auto& [part, description] : catalogue.parts) {
+      std::fprintf(stderr, "  visum watch %s%s\n", part.c_str(), connect.c_str());
+    }
+  }
+
+  std::string file_, junit_, engine_, clock_;
+  bool json_ = false, progress_ = false, keep_ = false, told_ = false;
+  std::optional<std::int64_t> seed_;
+  std::uint16_t port_ = 0;
+  double timeout_s_ = 0.0;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_run() {
+  return std::make_unique<RunVerb>();
+}
+
+}  // namespace visum::cli

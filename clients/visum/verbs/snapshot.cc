@@ -1,0 +1,42 @@
+#include <cstdio>
+
+#include "clients/visum/common/format.h"
+#include "clients/visum/common/json_writer.h"
+#include "clients/visum/verbs/verbs.h"
+
+namespace visum::cli {
+namespace {
+
+class SnapshotVerb : public Verb {
+ public:
+  void declare(CLI::App& app) override {
+    add_link_options(app, link_);
+    app.footer(
+        "Prints the snapshot's number; the server keeps the newest ones in memory.\n\nExample:\n  visum "
+        "restore $(visum snapshot)");
+  }
+
+  int run() override {
+    auto link = open_link(link_, protocol::Role::kAdmin);
+    const auto taken = link.request_as<protocol::SnapshotTaken>(protocol::TakeSnapshot{});
+    if (link_.json) {
+      JsonWriter json;
+      json.begin_object().member("snapshot", taken.snapshot).member("tick", taken.tick);
+      std::puts(json.member("state_hash", hex(taken.state_hash)).end_object().text().c_str());
+    } else {
+      std::puts(std::to_string(taken.snapshot).c_str());
+    }
+    return 0;
+  }
+
+ private:
+  LinkOptions link_;
+};
+
+}  // namespace
+
+std::unique_ptr<Verb> make_snapshot() {
+  return std::make_unique<SnapshotVerb>();
+}
+
+}  // namespace visum::cli

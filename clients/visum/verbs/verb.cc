@@ -1,0 +1,16 @@
+#include "clients/visum/verbs/verb.h"
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+namespace visum::cli {
+
+void add_link_options(CLI::App& app, LinkOptions& options, bool json) {
+  app.add_option("--connect", options.connect, "the server's HOST:PORT")
+      ->capture_default_str()
+      ->envname("VISUM_CONNECT");
+  app.add_option("--token-file", options.token_file, "file with the token, for a server that asks for one");
+  if (json) app.add_flag("--json", options.json, "print JSON instead of text");
+}
+
+}  // namespace visum::cli

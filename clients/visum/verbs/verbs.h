@@ -1,0 +1,29 @@
+// The verbs' factories, one per file of this folder.
+#pragma once
+
+#include <memory>
+
+#include "clients/visum/verbs/verb.h"
+
+namespace visum::cli {
+
+std::unique_ptr<Verb> make_parts();
+std::unique_ptr<Verb> make_describe();
+std::unique_ptr<Verb> make_get();
+std::unique_ptr<Verb> make_set();
+std::unique_ptr<Verb> make_watch();
+std::unique_ptr<Verb> make_params();
+std::unique_ptr<Verb> make_param_set();
+std::unique_ptr<Verb> make_status();
+std::unique_ptr<Verb> make_pause();
+std::unique_ptr<Verb> make_resume();
+std::unique_ptr<Verb> make_step();
+std::unique_ptr<Verb> make_speedup();
+std::unique_ptr<Verb> make_reset();
+std::unique_ptr<Verb> make_snapshot();
+std::unique_ptr<Verb> make_restore();
+std::unique_ptr<Verb> make_push();
+std::unique_ptr<Verb> make_run();
+std::unique_ptr<Verb> make_completion();
+
+}  // namespace visum::cli
