@@ -15,13 +15,13 @@ double sign(double x) {
   return x < 0.0 ? -1.0 : 1.0;
 }
 
-RotorPlan braked(const DriveData& data, double speed, double inertia, double tick_s) {
+RotorPlan braked(const DriveData& data, const DriveState& state, double inertia, double tick_s) {
   const double mobility = tick_s / inertia;
-  const double slowed =
-      data.reflected_inertia() * speed / inertia - mobility * data.brake.holding_effort * sign(speed);
-  const bool sticks = rigid(data.gear) || speed == 0.0 || slowed * speed <= 0.0;
-  if (sticks) return {0.0, 0.0, mobility};
-  return {slowed, mobility, mobility};
+  const double momentum = data.reflected_inertia() * state.rotor_speed;
+  const double moving = momentum - tick_s * state.gear_effort;
+  const double brake = tick_s * data.brake.holding_effort;
+  if (rigid(data.gear) || std::abs(moving) <= brake) return {0.0, 0.0, mobility, 0.0};
+  return {(momentum - brake * sign(moving)) / inertia, mobility, mobility, sign(moving)};
 }
 
 // Which flank of the backlash the motion runs towards: the one it touches, unless it will have crossed the
@@ -46,11 +46,9 @@ double total_effort(std::span<const hwparts::JointSample> joints) {
 
 // ω⁺ by (1), or by the brake.
 double next_speed(const DriveData& data, const DriveState& state, const RotorPlan& plan, double effort) {
-  if (!state.brake_closed) return plan.free_speed - plan.mobility * effort;
-  if (plan.mobility > 0.0) {
-    const double speed = plan.free_speed - plan.mobility * effort;
-    return speed * state.rotor_speed > 0.0 ? speed : 0.0;
-  }
+  const double speed = plan.free_speed - plan.mobility * effort;
+  if (!state.brake_closed) return speed;
+  if (plan.slip_direction != 0.0) return speed * plan.slip_direction > 0.0 ? speed : 0.0;
   const double excess = std::abs(effort) - data.brake.holding_effort;
   return excess > 0.0 ? -sign(effort) * plan.slip_mobility * excess : 0.0;
 }
@@ -70,9 +68,10 @@ RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const Motor
   const double speed = state.rotor_speed;
   const double inertia =
       data.reflected_inertia() + tick_s * (friction_secant(data.gear, speed) + motor.damping);
-  if (state.brake_closed) return braked(data, speed, inertia, tick_s);
+  if (state.brake_closed) return braked(data, state, inertia, tick_s);
   const double effort = motor.effort + motor.damping * speed;  // at standstill, on the same slope
-  return {(data.reflected_inertia() * speed + tick_s * effort) / inertia, tick_s / inertia, tick_s / inertia};
+  return {(data.reflected_inertia() * speed + tick_s * effort) / inertia, tick_s / inertia, tick_s / inertia,
+          0.0};
 }
 
 hwparts::JointDrive couple(const DriveData& data, const RotorPlan& plan, double rotor_position,

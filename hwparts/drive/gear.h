@@ -25,8 +25,10 @@
 // are decided by q̇⁺ itself, within the tick, and since the flank's potential is convex, an implicit step
 // through it never gains energy.
 //
-// Brake closed: dry friction of T on the rotor. Stuck: ω⁺ = 0, so c = 1/κ, v* = k φ / κ; if |τ| > T it starts
-// to slip. Slipping: τm is 0 and T acts against ω; the rotor sticks when that would turn it around.
+// Brake closed: dry friction of T on the rotor, τm = 0. With p = J ω - h τ, τ of the tick before, as what
+// moves it: |p| <= h T, it is stuck: ω⁺ = 0, so c = 1/κ and v* = k φ / κ, and should τ turn out above T, it
+// starts to slip. Otherwise it slips, T acts against p: ωf = (J ω - h T sign p) / Jₑ, and it sticks where (1)
+// would turn it around.
 //
 // n joints on one drive (q = Σ qᵢ, a gripper's fingers): each gets a share of 1/n in k, d, J and F, and its
 // own torsion θ - n qᵢ; effort and speed at the joint are n and 1/n times the module's. In (1) the shares are
@@ -50,9 +52,10 @@ struct MotorEffort {
 
 // The rotor during one tick, as (1) has it.
 struct RotorPlan {
-  double free_speed = 0.0;     // ωf
-  double mobility = 0.0;       // h/Jₑ; 0: held by the brake
-  double slip_mobility = 0.0;  // h/Jₑ should the brake slip
+  double free_speed = 0.0;      // ωf
+  double mobility = 0.0;        // h/Jₑ; 0: stuck in the brake
+  double slip_mobility = 0.0;   // h/Jₑ should it start to slip
+  double slip_direction = 0.0;  // of a rotor that slips in the brake, -1 or +1
 };
 
 RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const MotorEffort& motor, double tick_s);

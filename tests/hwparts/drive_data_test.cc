@@ -1,0 +1,174 @@
+// What may stand in a drives file and in a scene's entry, and what is said about what may not.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "hwparts/servo_group/drive_list.h"
+#include "hwparts/servo_group/part_options.h"
+#include "tests/hwparts/rig.h"
+
+namespace visum::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string arm_file() {
+  std::ifstream file(VISUM_SOURCE_DIR "/models/amtec_arm/drives.yaml");
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+// The error that the arm's file gives once `what` is replaced by `with`.
+std::string error_of(const std::string& what, const std::string& with, double tick_s = 0.001) {
+  std::string text = arm_file();
+  const auto at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  if (at == std::string::npos) return "";
+  text.replace(at, what.size(), with);
+  const auto folder = std::filesystem::path(testing::TempDir()) /
+                      testing::UnitTest::GetInstance()->current_test_info()->name();
+  std::filesystem::create_directories(folder / "models/amtec_arm");
+  std::ofstream(folder / "models/amtec_arm/drives.yaml") << text;
+  auto context = arm_context(tick_s);
+  context.config = config::load_text("{name: arm, kind: amtec_arm, drives: models/amtec_arm/drives.yaml}",
+                                     "scene", folder);
+  try {
+    servo_group::load_drives(context);
+    return "";
+  } catch (const config::ConfigError& error) {
+    return error.what();
+  }
+}
+
+TEST(DriveData, OfTheArmIsWhatWasIdentified) {
+  const double torque[] = {178, 178, 178, 178, 49, 49, 49};
+  const double inertia[] = {7.8, 15.2, 8.0, 14.6, 3.6, 5.8, 5.0};
+  for (int i = 0; i < 7; ++i) {
+    const auto data = arm_drive(i + 1);
+    EXPECT_NEAR(data.effort_per_amp() * data.motor.current_limit, torque[i], 0.5);
+    EXPECT_NEAR(data.reflected_inertia(), inertia[i], 0.2);
+    EXPECT_EQ(data.module, i + 1);
+  }
+  EXPECT_EQ(arm_drive(6).limits.maximum_speed, 0.475);
+  EXPECT_EQ(arm_drive(7).limits.maximum_speed, 0.475);
+}
+
+TEST(DriveData, ErrorsNameFileLineAndKey) {
+  EXPECT_THAT(error_of("resistance_ohm: 0.6", "resistance_ohm: -0.6"),
+              AllOf(HasSubstr("drives.yaml:"), HasSubstr("drives[0].motor.resistance_ohm")));
+}
+
+struct BadCase {
+  const char* name;
+  const char* what;
+  const char* with;
+  const char* says;
+};
+
+class BadDriveData : public testing::TestWithParam<BadCase> {};
+
+TEST_P(BadDriveData, IsRefusedWithTheReason) {
+  EXPECT_THAT(error_of(GetParam().what, GetParam().with), HasSubstr(GetParam().says));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, BadDriveData,
+    testing::Values(
+        BadCase{"UnknownKey", "ratio: 596", "ration: 596", "ration"},
+        BadCase{"MissingKey", "current_limit_a: 9.5", "#", "current_limit_a"},
+        BadCase{"WrongUnit", "backlash_rad: 1.5e-4", "backlash_m: 1.5e-4", "backlash_m"},
+        BadCase{"UnknownSection", "encoder:", "encoders:", "encoders"},
+        BadCase{"NotANumber", "ratio: 596", "ratio: many", "ratio"},
+        BadCase{"Infinite", "ratio: 596", "ratio: .inf", "ratio"},
+        BadCase{"NominalAboveLimit", "nominal_current_a: 5.7", "nominal_current_a: 10",
+                "above current_limit_a"},
+        BadCase{"ColdLimit", "maximum_winding_c: 120", "maximum_winding_c: 20", "above ambient_c"},
+        BadCase{"WeakGear", "breaking_torque_nm: 1110", "breaking_torque_nm: 100", "below the rated peak"},
+        BadCase{"RigidWithPlay", "stiffness_nm_per_rad: 60000", "#", "stiffness_nm_per_rad"},
+        BadCase{"SoftBeyondHard", "soft_rad: [-3.093, 3.093]", "soft_rad: [-3.2, 3.093]",
+                "reaches beyond hard_rad"},
+        BadCase{"LimitsReversed", "soft_rad: [-3.093, 3.093]", "soft_rad: [3.093, -3.093]",
+                "smaller, larger"},
+        BadCase{"HomeOutside", "position_rad: 0", "position_rad: 3.12", "outside of the soft limits"},
+        BadCase{"HomeTooFast", "speed_rad_per_s: 0.2", "speed_rad_per_s: 0.6", "above limits' speed"},
+        BadCase{"SupplyReversed", "minimum_voltage_v: 22", "minimum_voltage_v: 25",
+                "above nominal_voltage_v"},
+        BadCase{"FasterThanTheMotorCan", "speed_rad_per_s: 0.438", "speed_rad_per_s: 1.3", "cannot reach"},
+        BadCase{"UnknownModule", "module: 1", "module: 32", "module"},
+        BadCase{"ModuleTwice", "module: 2", "module: 1", "two drives have the module id 1"},
+        BadCase{"JointTwice", "joints: [joint_2]", "joints: [joint_1]", "joint"},
+        BadCase{"HalfAGripper", "[finger_left_joint, finger_right_joint]", "[finger_left_joint, thumb]",
+                "not all"},
+        BadCase{"HingeAndSlider", "joints: [joint_7]", "joints: [joint_7, finger_left_joint]", "alike"},
+        BadCase{"NoJoint", "joints: [joint_7]", "joints: []", "must name 1 to 4 joints"},
+        BadCase{"JointWithoutDrive", "joints: [joint_7]", "joints: [joint_8]",
+                "no drive for the joint 'joint_7'"},
+        BadCase{"FastIntegral", "integral_time_s: 0.08", "integral_time_s: -1", "integral_time_s"},
+        BadCase{"NoSource", "source:", "sources:", "source"}),
+    [](const auto& info) { return info.param.name; });
+
+TEST(DriveData, OpenRavesSpeedOfTheWristIsRefusedWithTheReason) {
+  std::string text = arm_file();
+  const auto joint_6 = text.find("joints: [joint_6]");
+  const auto at = text.find("speed_rad_per_s: 0.475", joint_6);
+  EXPECT_THAT(error_of(text.substr(joint_6, at + 22 - joint_6),
+                       text.substr(joint_6, at - joint_6) + "speed_rad_per_s: 0.873"),
+              AllOf(HasSubstr("cannot reach the maximum speed"), HasSubstr("drives[5].limits")));
+}
+
+TEST(DriveData, GainsTooHighForTheTickAreRefused) {
+  EXPECT_EQ(error_of("type: PRL120", "type: PRL120", 0.005), "");
+  EXPECT_THAT(error_of("type: PRL120", "type: PRL120", 0.01), HasSubstr("Velocity Gain"));
+}
+
+TEST(DriveList, RefusesFingersThatStartApartAndAStartBeyondAHardLimit) {
+  auto context = arm_context();
+  context.joints[8].initial_position = 0.02;
+  EXPECT_THROW(servo_group::load_drives(context), config::ConfigError);
+  context = arm_context();
+  context.joints[1].initial_position = 2.5;
+  EXPECT_THROW(servo_group::load_drives(context), config::ConfigError);
+}
+
+TEST(DriveList, RefusesAPartWithoutJointsAndAFileThatIsNotThere) {
+  auto context = arm_context();
+  context.joints.clear();
+  EXPECT_THROW(servo_group::load_drives(context), config::ConfigError);
+  context = arm_context();
+  context.config = config::load_text("{name: arm, drives: nowhere.yaml}", "scene", VISUM_SOURCE_DIR);
+  EXPECT_THROW(servo_group::load_drives(context), config::ConfigError);
+}
+
+servo_group::PartOptions options(const std::string& more) {
+  return servo_group::read_options(
+      config::load_text("{name: arm, kind: amtec_arm, drives: d.yaml" + more + "}", "scene"));
+}
+
+TEST(PartOptions, HaveTheirDefaults) {
+  EXPECT_EQ(options("").on_controller_lost, servo_group::OnControllerLost::kStop);
+  EXPECT_TRUE(options("").homed);
+  EXPECT_TRUE(options("").execution_enable);
+}
+
+TEST(PartOptions, AreRead) {
+  const auto read =
+      options(", model: arm, joints: [a], on_controller_lost: hold, homed: false, execution_enable: 0");
+  EXPECT_EQ(read.on_controller_lost, servo_group::OnControllerLost::kHold);
+  EXPECT_FALSE(read.homed);
+  EXPECT_FALSE(read.execution_enable);
+}
+
+TEST(PartOptions, RefuseWhatTheyDoNotKnow) {
+  EXPECT_THROW(options(", on_controller_lost: freeze"), config::ConfigError);
+  EXPECT_THROW(options(", homed: maybe"), config::ConfigError);
+  EXPECT_THROW(options(", execution_enable: 2"), config::ConfigError);
+  EXPECT_THROW(options(", homd: true"), config::ConfigError);
+}
+
+}  // namespace
+}  // namespace visum::test

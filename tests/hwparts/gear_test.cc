@@ -1,0 +1,244 @@
+// The gear against closed form: torsion, lost motion, coupling, energy, brake.
+#include "hwparts/drive/gear.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tests/hwparts/rig.h"
+
+namespace visum::test {
+namespace {
+
+// No motor, no brake, no friction: rotor, spring and load alone.
+drive::DriveData passive(drive::DriveData data) {
+  data.gear.viscous_friction = data.gear.coulomb_friction = 0.0;
+  data.brake.present = false;
+  return data;
+}
+
+double energy(const Rig& rig) {
+  const auto& data = rig.drive.data();
+  const auto& state = rig.state();
+  const double torsion = state.rotor_position - rig.position();
+  const double stretch = std::max(0.0, std::abs(torsion) - 0.5 * data.gear.backlash);
+  const double speed = rig.plants[0].joint.velocity;
+  return 0.5 * data.reflected_inertia() * state.rotor_speed * state.rotor_speed +
+         0.5 * rig.plants[0].inertia * speed * speed + 0.5 * data.gear.stiffness * stretch * stretch;
+}
+
+TEST(Gear, TorsionUnderLoadIsLoadOverStiffness) {
+  auto data = arm_drive(2);
+  data.gear.backlash = 0.0;
+  Rig rig(data);
+  rig.plants[0].external = -60.0;
+  rig.run(5.0);
+  EXPECT_NEAR(rig.state().rotor_position - rig.position(), 60.0 / data.gear.stiffness, 1e-8);
+  EXPECT_NEAR(rig.state().gear_effort, 60.0, 1e-2);
+}
+
+TEST(Gear, EncoderDoesNotSeeTorsionButTheJointDoes) {
+  Rig rig(arm_drive(2));
+  rig.plants[0].external = -60.0;
+  rig.run(5.0);
+  EXPECT_NEAR(rig.state().measured_position, 0.0, 5e-6);
+  EXPECT_NEAR(rig.position(), -60.0 / 60000.0 - 0.5 * 1.5e-4, 1e-5);
+}
+
+TEST(Gear, LostMotionIsExactlyTheBacklash) {
+  auto data = arm_drive(1);
+  const double load = 3.0;
+  Rig up(data), down(data);
+  up.plants[0].external = load;
+  down.plants[0].external = -load;
+  up.run(8.0);
+  down.run(8.0);
+  const double torsion = 2.0 * load / data.gear.stiffness;
+  const double rotor_shift = up.state().rotor_position - down.state().rotor_position;
+  EXPECT_NEAR(up.position() - down.position() - rotor_shift, data.gear.backlash + torsion, 1e-7);
+}
+
+TEST(Gear, NothingIsTransmittedInsideThePlay) {
+  auto data = arm_drive(1);
+  data.gear.backlash = 0.02;
+  Rig rig(data);
+  rig.plants[0].joint.velocity = 0.01;  // coasts through half of the play in 1 s
+  for (int k = 0; k < 900; ++k) {
+    rig.tick();
+    ASSERT_EQ(rig.plants[0].joint.effort, 0.0) << k;
+  }
+  EXPECT_NEAR(rig.plants[0].joint.velocity, 0.01, 1e-12);
+  rig.run(0.3);
+  EXPECT_LT(rig.plants[0].joint.velocity, 0.0);  // bounced off the flank
+}
+
+TEST(Gear, FlankPushesButNeverPulls) {
+  auto data = arm_drive(1);
+  Rig rig(data);
+  rig.plants[0].external = -20.0;
+  rig.run(3.0);
+  rig.plants[0].external = 20.0;
+  for (int k = 0; k < 3000; ++k) {
+    const double torsion = rig.state().rotor_position - rig.position();
+    rig.tick();
+    const double effort = rig.plants[0].joint.effort;
+    if (torsion > 0.5 * data.gear.backlash) {
+      EXPECT_GE(effort, 0.0) << k;
+    }
+    if (torsion < -0.5 * data.gear.backlash) {
+      EXPECT_LE(effort, 0.0) << k;
+    }
+  }
+}
+
+TEST(Gear, OscillatesWithTheFrequencyOfTwoMassesAndASpring) {
+  auto data = passive(arm_drive(5));
+  data.gear.backlash = data.gear.damping = 0.0;
+  const double h = 1e-5, inertia = 2.0;
+  Rig rig(data, h);
+  rig.drive.state().tuning.supply_voltage = 0.0;
+  rig.plants[0].inertia = inertia;
+  rig.plants[0].joint.position = -1e-4;  // stretched, at rest
+  int crossings = 0;
+  double before = 1e-4, elapsed = 0.0, first = 0.0, last = 0.0;
+  for (int k = 1; k <= 100'000; ++k) {
+    rig.tick();
+    elapsed += h;
+    const double torsion = rig.state().rotor_position - rig.position();
+    if (before > 0.0 && torsion <= 0.0) {
+      if (crossings++ == 0) first = elapsed;
+      last = elapsed;
+    }
+    before = torsion;
+  }
+  const double k = data.gear.stiffness, j = data.reflected_inertia();
+  const double frequency = std::sqrt(k * (1.0 / j + 1.0 / inertia)) / (2.0 * std::numbers::pi);
+  EXPECT_NEAR((crossings - 1) / (last - first), frequency, 0.005 * frequency);
+}
+
+// Rotor and load rattle through the play: energy may only go.
+class GearEnergy : public testing::TestWithParam<double> {};
+
+TEST_P(GearEnergy, NeverGrowsWhateverTheTickAndThePlay) {
+  const double h = GetParam();
+  for (const double backlash : {0.0, 1e-5, 1e-4, 1e-2}) {
+    for (const double inertia : {0.01, 1.0, 100.0}) {
+      auto data = passive(arm_drive(3));
+      data.gear.damping = 0.0;
+      data.gear.backlash = backlash;
+      Rig rig(data, h);
+      rig.drive.state().tuning.supply_voltage = 0.0;
+      rig.plants[0].inertia = inertia;
+      rig.plants[0].joint.velocity = 0.5;
+      double before = energy(rig);
+      const double start = before;
+      for (int k = 0; k < 3000; ++k) {
+        rig.tick();
+        ASSERT_LE(energy(rig), before * (1.0 + 1e-9) + 1e-9 * start)
+            << backlash << " " << inertia << " " << k;
+        before = energy(rig);
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Ticks, GearEnergy, testing::Values(0.001, 0.002, 0.004, 0.005));
+
+TEST(Gear, MomentumOfRotorAndLoadIsKept) {
+  auto data = passive(arm_drive(3));
+  Rig rig(data);
+  rig.drive.state().tuning.supply_voltage = 0.0;
+  rig.plants[0].joint.velocity = 0.5;
+  rig.run(2.0);
+  const double sum = rig.plants[0].inertia * rig.plants[0].joint.velocity +
+                     data.reflected_inertia() * rig.state().rotor_speed;
+  EXPECT_NEAR(sum, 0.5, 1e-9);
+}
+
+TEST(Gear, RigidGearAddsTheRotorsInertia) {
+  auto data = passive(ideal(arm_drive(4)));
+  Rig rig(data);
+  rig.drive.state().tuning.supply_voltage = 0.0;
+  rig.plants[0].external = 5.0;
+  rig.run(1.0);
+  EXPECT_NEAR(rig.plants[0].joint.velocity, 5.0 / (1.0 + data.reflected_inertia()), 1e-9);
+  EXPECT_EQ(rig.state().rotor_position, rig.position());
+}
+
+TEST(Gear, BreaksRatherThanTransmitMoreThanItsLimit) {
+  auto data = arm_drive(7);
+  Rig rig(data);
+  rig.plants[0].joint.velocity = 5.0;  // a blow
+  double most = 0.0;
+  for (int k = 0; k < 200; ++k) {
+    rig.tick();
+    most = std::max(most, std::abs(rig.plants[0].joint.effort));
+  }
+  EXPECT_LE(most, data.gear.breaking_effort * (1.0 + 1e-12));
+  EXPECT_GT(most, data.gear.peak_effort);
+}
+
+TEST(Gear, CountsOverloadsOfItsRatingOnceEach) {
+  auto data = arm_drive(7);
+  Rig rig(data);
+  EXPECT_EQ(rig.state().overloads, 0u);
+  for (std::uint64_t blow = 1; blow <= 3; ++blow) {
+    const double load = 2.0 * data.gear.peak_effort;
+    for (double part = 0.0; part <= 2.0; part += 0.0005) {  // up and down, slowly: nothing swings
+      rig.plants[0].external = load * std::min(part, 2.0 - part);
+      rig.tick();
+    }
+    rig.run(1.0);
+    EXPECT_EQ(rig.state().overloads, blow);
+  }
+  EXPECT_GT(rig.state().peak_effort, data.gear.peak_effort);
+  rig.reset();
+  EXPECT_EQ(rig.state().overloads, 0u);
+  EXPECT_EQ(rig.state().peak_effort, 0.0);
+}
+
+TEST(Brake, HoldsWithoutPowerUpToItsTorqueAndSlipsBeyond) {
+  for (const bool rigid : {false, true}) {
+    auto data = rigid ? ideal(arm_drive(4)) : arm_drive(4);
+    Rig rig(data);
+    rig.drive.state().tuning.supply_voltage = 0.0;
+    rig.run(0.1);
+    ASSERT_TRUE(rig.has(bit::kBrakeActive));
+    const double torsion =
+        rigid ? 0.0 : 0.95 * data.brake.holding_effort / data.gear.stiffness + data.gear.backlash;
+    for (double part = 0.0; part <= 1.0; part += 0.0005) {  // slowly: nothing swings
+      rig.plants[0].external = 0.95 * part * data.brake.holding_effort;
+      rig.tick();
+    }
+    rig.run(2.0);
+    EXPECT_LT(std::abs(rig.position()), torsion + 1e-9) << rigid;
+    rig.plants[0].external = 1.3 * data.brake.holding_effort;
+    rig.run(2.0);
+    EXPECT_GT(rig.position(), 0.05) << rigid;
+  }
+}
+
+TEST(Brake, StopsAMovingRotorWithItsTorqueAndHoldsItStill) {
+  auto data = ideal(arm_drive(4));
+  data.gear.stiffness = 30000.0;
+  data.gear.damping = 66.0;
+  data.brake.engage_time = 0.0;
+  Rig rig(data);
+  rig.plants[0].inertia = 0.001;
+  rig.plants[0].joint.velocity = 0.5;
+  rig.drive.state().rotor_speed = 0.5;
+  rig.drive.state().tuning.supply_voltage = 0.0;
+  const double stopping = 0.5 * data.reflected_inertia() / data.brake.holding_effort;
+  rig.run(0.5 * stopping);
+  EXPECT_NEAR(rig.state().rotor_speed, 0.25, 0.02);
+  rig.run(0.6 * stopping + 0.002);
+  EXPECT_EQ(rig.state().rotor_speed, 0.0);
+  const double stood = rig.state().rotor_position;
+  rig.run(1.0);
+  EXPECT_EQ(rig.state().rotor_position, stood);
+}
+
+}  // namespace
+}  // namespace visum::test
