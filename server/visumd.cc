@@ -1,5 +1,6 @@
 // visumd: the daemon that holds a world and publishes its parts. The one file that knows everyone.
 #include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -134,10 +135,9 @@ void declare(CLI::App& app, Options& options) {
 void set_up_log(int verbosity) {
   constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::err, spdlog::level::warn, spdlog::level::info,
                                                    spdlog::level::debug};
-  const bool colour = !std::getenv("NO_COLOR") && ::isatty(STDERR_FILENO);
-  spdlog::set_default_logger(colour ? spdlog::stderr_color_mt("visumd")
-                                    : std::make_shared<spdlog::logger>(
-                                          "visumd", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
+  // The colouring sink looks for itself whether stderr is a terminal.
+  spdlog::set_default_logger(std::getenv("NO_COLOR") ? spdlog::stderr_logger_mt("visumd")
+                                                     : spdlog::stderr_color_mt("visumd"));
   spdlog::set_pattern("visumd: %^%l%$: %v");
   spdlog::set_level(kLevels[verbosity]);
 }
