@@ -21,7 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Mass per volume relative to a full motor module: aluminium transitions are hollow, coloured bands are paint.
+# Mass per volume by material, relative to a full motor module (1.0, also for other materials): aluminium transitions are
+# hollow, coloured bands are paint.
 RELATIVE_DENSITY = {"module": 1.0, "metal": 0.6, "accent": 0.0, "rubber": 0.3}
 
 INERTIAL = re.compile(r"<inertial>.*?</inertial>", re.DOTALL)
@@ -70,7 +71,7 @@ def solid_of(visual: ElementTree.Element) -> Solid:
     volume, unit_inertia = volume_and_unit_inertia(visual.find("geometry"))
     material = visual.find("material").get("name")
     origin = visual.find("origin")
-    return Solid(volume * RELATIVE_DENSITY[material], np.array(numbers(origin, "xyz")),
+    return Solid(volume * RELATIVE_DENSITY.get(material, 1.0), np.array(numbers(origin, "xyz")),
                  rotation_from_rpy(numbers(origin, "rpy")), unit_inertia)
 
 

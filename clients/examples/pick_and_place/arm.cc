@@ -49,13 +49,12 @@ Eigen::VectorXd to_eigen(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), Eigen::Index(values.size()));
 }
 
-// The acceleration of each joint's ramp, where the part tells it.
-std::vector<double> ramp_accelerations(const visum::Part& part, std::size_t joints) {
+Eigen::VectorXd read_ramp_accelerations(const visum::Part& part, std::size_t joints) {
   std::vector<double> values;
   for (std::size_t i = 1; i <= joints; ++i) {
     values.push_back(std::get<double>(part.parameter("Maximum Acceleration " + std::to_string(i))));
   }
-  return values;
+  return to_eigen(values);
 }
 
 }  // namespace
@@ -76,7 +75,7 @@ Arm::Arm(visum::Client& client, const std::string& part, std::size_t joints, std
       module_state_(part_.outputs("Module State")) {
   expect_size(desired_angle_.size(), joints, "Desired Angle", part);
   expect_size(desired_finger_.size(), fingers, "Desired Finger Position", part);
-  acceleration_ = ramp_accelerations(part_, joints);
+  ramp_accelerations_ = read_ramp_accelerations(part_, joints);
   check_drives();
   part_.acquire();
   client_.join();
@@ -118,7 +117,7 @@ double Arm::largest_following_error() const {
 }
 
 double Arm::braking_distance(std::size_t joint, double speed) const {
-  return 0.5 * speed * std::abs(speed) / acceleration_[joint];
+  return 0.5 * speed * std::abs(speed) / ramp_accelerations_[Eigen::Index(joint)];
 }
 
 void Arm::command(const MotionState& next) {

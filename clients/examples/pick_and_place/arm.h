@@ -38,6 +38,7 @@ class Arm {
   double time_s() const;                   // since construction, simulated
   Eigen::VectorXd angles() const;          // rad
   Eigen::VectorXd maximum_speeds() const;  // the drives' own, rad/s
+  const Eigen::VectorXd& ramp_accelerations() const { return ramp_accelerations_; }  // of the drives, rad/s²
   std::vector<double> finger_positions() const;
   double largest_finger_speed() const;     // m/s, magnitude
   double maximum_finger_speed() const;     // the drive's own
@@ -64,8 +65,8 @@ class Arm {
   const volatile std::sig_atomic_t& stop_;
   visum::Inputs desired_angle_, maximum_speed_, desired_finger_, maximum_finger_speed_;
   visum::Outputs actual_angle_, actual_speed_, actual_finger_, actual_finger_speed_, module_state_;
-  std::vector<double> acceleration_;  // of the drives' ramps, rad/s²
-  Eigen::VectorXd commanded_;         // where the trajectory is, rad
+  Eigen::VectorXd ramp_accelerations_;
+  Eigen::VectorXd commanded_;  // where the trajectory is, rad
   double largest_error_ = 0.0;
   std::int64_t start_ns_ = 0;
 };

@@ -10,7 +10,7 @@ class Gripper {
  public:
   // `upper`: how far a finger can open [m]; `squeeze`: how much closer than the object's side it is told to
   // go.
-  Gripper(Arm& arm, double upper_m, double squeeze_m = 0.002)
+  Gripper(Arm& arm, double upper_m, double squeeze_m = 0.0012)
       : arm_(arm), upper_m_(upper_m), squeeze_m_(squeeze_m) {}
 
   // Opens to leave some room beside an object that is `width` wide; returns when the fingers stand there.

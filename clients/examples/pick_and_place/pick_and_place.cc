@@ -25,9 +25,10 @@ void listen_to_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
+// Some acceleration is left for the drives to catch up with.
 MotionLimits motion_limits(const Arm& arm, const Options& options) {
-  const Eigen::VectorXd speeds = arm.maximum_speeds();
-  return {options.speed * speeds, Eigen::VectorXd::Constant(speeds.size(), options.acceleration)};
+  return {options.speed * arm.maximum_speeds(),
+          (0.9 * arm.ramp_accelerations()).cwiseMin(options.acceleration)};
 }
 
 int say_why(const std::exception& error, int exit_code) {

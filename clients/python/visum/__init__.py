@@ -1,0 +1,28 @@
+"""Visum's client for Python: connect to a server, find a hardware part, take its lease, write and read its ports.
+
+    import visum
+
+    with visum.Client("127.0.0.1:1500", name="my_script") as client:
+        arm = client.part("arm")
+        desired = arm.inputs("Desired Angle")
+        actual = arm.outputs("Actual Angle")
+        with arm.lease():
+            client.join()
+            while actual[0] < 0.5:
+                desired[0] = actual[0] + 0.01
+                arm.write()
+                client.advance_ms(10)
+
+The verbs are those of the C++ library (clients/cpp/visum.h). Units are SI and radians; time is simulated time since the
+server's last reset. Blocking; a Client with its Parts belongs to one thread. What goes wrong raises visum.Error.
+"""
+
+from visum.client import Client, ServerInfo
+from visum.errors import Error, ErrorCode
+from visum.part import Part
+from visum.ports import Inputs, Outputs, Port
+from visum.world import Body, Contact, Joint, World, WorldView
+
+__all__ = ["Body", "Client", "Contact", "Error", "ErrorCode", "Inputs", "Joint", "Outputs", "Part", "Port",
+           "ServerInfo", "World", "WorldView"]
+__version__ = "0.1.0"

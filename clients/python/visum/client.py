@@ -1,0 +1,208 @@
+"""One connection to a server, and what can be asked of it."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple
+
+from visum.connection import VERSION, Connection, pb
+from visum.errors import Error, ErrorCode, nearest_hint
+from visum.part import Part
+from visum.world import World, WorldView
+
+_ROLES = {"observer": pb.ROLE_OBSERVER, "controller": pb.ROLE_CONTROLLER, "admin": pb.ROLE_ADMIN}
+_MAX_PENDING_WRITES = 32
+
+
+class ServerInfo(NamedTuple):
+    """What the server said in its welcome."""
+
+    server: str
+    scene: str
+    clock: str  # realtime, lockstep or free
+    tick_ns: int
+    simulated: bool  # False where real hardware is behind the parts
+
+
+class Client:
+    """Connects at construction; a context manager that closes. `name` is shown to others as the owner of leases;
+    `role` is observer, controller or admin. Keeps trying for `connect_timeout_s` while nobody listens."""
+
+    def __init__(self, address: str = "127.0.0.1:1500", *, name: str = "python", role: str = "controller",
+                 token_file: str | Path | None = None, connect_timeout_s: float = 5.0) -> None:
+        if role not in _ROLES:
+            raise Error(ErrorCode.MISUSE, f"no role '{role}'{nearest_hint(role, list(_ROLES))}")
+        token = Path(token_file).read_bytes().strip() if token_file else b""
+        hello = pb.Hello(min_version=VERSION, max_version=VERSION, client_name=name, role=_ROLES[role], token=token)
+        self.connection = Connection(address, hello, connect_timeout_s)
+        welcome = self.connection.welcome
+        self.server = ServerInfo(welcome.server, welcome.scene, welcome.clock, welcome.tick_ns, welcome.simulated)
+        self.tick = 0  # as of the last join or advance
+        self.time_ns = 0
+        self.era = 0
+        self._parts: list[Part] = []
+        self._pending_writes: deque[int] = deque()
+        self._ahead_ns = 0  # by which the ticks asked for are ahead of the sum of the periods
+        self._world: World | None = None
+        self._world_revision = -1
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
+                 trace: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Ends the session. Leases that were not released count as lost: their parts stop."""
+        self.connection.close()
+
+    # Parts ---------------------------------------------------------------------------------------------------------
+
+    def part_names(self) -> list[str]:
+        return [part.name for part in self.connection.request(list_parts=pb.ListParts()).parts.parts]
+
+    def part(self, name: str) -> Part:
+        names = self.part_names()
+        if name not in names:
+            raise Error(ErrorCode.UNKNOWN_NAME, f"no part '{name}' here{nearest_hint(name, names)}")
+        self._parts.append(Part(self, name))
+        return self._parts[-1]
+
+    def post_write(self, write: pb.Write) -> None:
+        """Sends without waiting; settle_writes() looks at the answers."""
+        if len(self._pending_writes) >= _MAX_PENDING_WRITES:
+            self.settle_writes()
+        self._pending_writes.append(self.connection.send(write=write))
+
+    def settle_writes(self) -> None:
+        """Waits for the answers to all writes under way; raises the first refusal."""
+        first: Error | None = None
+        while self._pending_writes:
+            try:
+                self.connection.wait(self._pending_writes.popleft())
+            except Error as refusal:
+                if self.connection.closed or refusal.code == ErrorCode.CONNECTION:
+                    raise
+                first = first or refusal
+        if first:
+            raise first
+
+    # Time ----------------------------------------------------------------------------------------------------------
+
+    def join(self, timeout_s: float = 0.0) -> None:
+        """Joins the clock. Under lockstep the world from here on waits for this client at each of its advances, at
+        most `timeout_s` of wall time (0: the server's default); else advance() only waits for the world."""
+        self._set_time(self.connection.request(join=pb.Join(timeout_ns=round(timeout_s * 1e9))).advanced)
+        self._ahead_ns = 0
+
+    def leave(self) -> None:
+        self.settle_writes()
+        self.connection.request(leave=pb.Leave())
+
+    def advance_ns(self, period_ns: int) -> None:
+        """"I am done for this period": waits for the first tick at or after its end and brings all parts' samples
+        along. Periods are counted without drift, also where they are no multiple of the tick."""
+        if period_ns <= 0:
+            raise Error(ErrorCode.MISUSE, "a period must be longer than 0 ns")
+        missing_ns = period_ns - self._ahead_ns
+        ticks = max(0, math.ceil(missing_ns / self.server.tick_ns))
+        self._ahead_ns = ticks * self.server.tick_ns - missing_ns
+        if ticks > 0:
+            self._advance(ticks)
+
+    def advance_ms(self, period_ms: float) -> None:
+        self.advance_ns(round(period_ms * 1e6))
+
+    def advance_ticks(self, ticks: int) -> None:
+        self.advance_ns(ticks * self.server.tick_ns)
+
+    def _advance(self, ticks: int) -> None:
+        advance = self.connection.send(advance=pb.Advance(ticks=ticks))
+        reads = [self.connection.send(read=pb.Read(part=part.name)) for part in self._parts]
+        refusal: Error | None = None
+        try:
+            self.settle_writes()
+        except Error as error:
+            refusal = error
+        self._set_time(self.connection.wait(advance).advanced)
+        for part, number in zip(self._parts, reads):
+            part.apply(self.connection.wait(number).part_sample)
+        if refusal:
+            raise refusal
+
+    def _set_time(self, now: pb.Advanced) -> None:
+        self.tick, self.time_ns, self.era = now.tick, now.sim_time_ns, now.era
+
+    # The world's truth ---------------------------------------------------------------------------------------------
+
+    def status(self) -> pb.ServerStatus:
+        """Tick, clock, pace, lateness, who is waited for in lockstep, and more: the message ServerStatus."""
+        return self.connection.request(status=pb.Status()).status
+
+    def world(self) -> World:
+        """What bodies and joints there are."""
+        description = self.connection.request(describe_world=pb.DescribeWorld()).world_description
+        self._world, self._world_revision = World(description), description.revision
+        return self._world
+
+    def read_world(self) -> WorldView:
+        """The world now."""
+        sample = self.connection.request(read_world=pb.ReadWorld()).world_sample
+        if self._world is None or self._world_revision != sample.revision:
+            self.world()
+        assert self._world is not None
+        return WorldView(self._world, sample)
+
+    def events(self) -> list[pb.Event]:
+        """What has been told since the last call (lease_lost, lockstep_timeout, era, frozen, ...)."""
+        self.connection.poll()
+        events = list(self.connection.events)
+        self.connection.events.clear()
+        return events
+
+    # Role admin ----------------------------------------------------------------------------------------------------
+
+    def pause(self) -> None:
+        self.connection.request(pause=pb.Pause())
+
+    def resume(self) -> None:
+        self.connection.request(resume=pb.Resume())
+
+    def step(self, ticks: int = 1) -> None:
+        """While paused: runs that many ticks."""
+        self.connection.request(step=pb.Step(ticks=ticks))
+
+    def set_speed(self, factor: float) -> None:
+        """Simulated seconds per second of wall time, under the realtime clock."""
+        self.connection.request(set_speed=pb.SetSpeed(factor=factor))
+
+    def reset(self) -> None:
+        """Back to the scene's initial state, in a new era."""
+        self.connection.request(reset=pb.Reset())
+
+    def take_snapshot(self) -> int:
+        return self.connection.request(take_snapshot=pb.TakeSnapshot()).snapshot.snapshot
+
+    def restore_snapshot(self, snapshot: int) -> None:
+        self.connection.request(restore_snapshot=pb.RestoreSnapshot(snapshot=snapshot))
+
+    def push_body(self, body: str, force_n: Sequence[float], duration_s: float, *, torque_nm: Sequence[float] = (),
+                  point_m: Sequence[float] = ()) -> None:
+        """Pushes for a while; vectors in the world frame; without a point, at the centre of mass."""
+        self.connection.request(push_body=pb.PushBody(body=body, force_n=force_n, torque_nm=torque_nm,
+                                                      point_m=point_m, duration_ns=round(duration_s * 1e9)))
+
+    def add_body(self, yaml: str) -> None:
+        """One entry of a scene's `bodies:`."""
+        self.connection.request(add_body=pb.AddBody(yaml=yaml))
+
+    def remove_body(self, name: str) -> None:
+        self.connection.request(remove_body=pb.RemoveBody(body=name))
+
+    def shutdown(self) -> None:
+        self.connection.request(shutdown=pb.Shutdown())

@@ -1,0 +1,144 @@
+"""The TCP session: frames, replies in order, and what comes in between. protocol/SPEC.md describes it."""
+
+from __future__ import annotations
+
+import socket
+import struct
+import time
+from collections import deque
+
+from visum.errors import Error, ErrorCode
+
+try:
+    from visum import visum_pb2 as pb
+except ImportError as missing:
+    raise ImportError("visum_pb2 is missing: it is made by the build. Use PYTHONPATH=build/<preset>/python") from missing
+
+VERSION = 1
+MAX_FRAME_BYTES = 64 << 20
+MAX_EVENTS = 1024
+_LENGTH = struct.Struct("<I")
+
+
+def parse_address(text: str) -> tuple[str, int]:
+    """"HOST:PORT", "[::1]:PORT" or "PORT"."""
+    host, _, port = text.rpartition(":")
+    if not port.isdigit() or not 0 < int(port) < 65536:
+        raise Error(ErrorCode.MISUSE, f"'{text}' is no address: HOST:PORT is expected")
+    return host.strip("[]") or "127.0.0.1", int(port)
+
+
+def _connect(address: str, patience_s: float) -> socket.socket:
+    """Tries until somebody listens or the time is over, with pauses that double."""
+    end = time.monotonic() + patience_s
+    pause = 0.01
+    while True:
+        try:
+            return socket.create_connection(parse_address(address), timeout=5.0)
+        except OSError as error:
+            if time.monotonic() + pause > end:
+                raise Error(ErrorCode.CONNECTION, f"cannot connect to {address}: {error}") from error
+        time.sleep(pause)
+        pause = min(2 * pause, 0.5)
+
+
+class Connection:
+    """One session. Requests are answered in the order in which they are sent."""
+
+    def __init__(self, address: str, hello: pb.Hello, patience_s: float) -> None:
+        self._next_id = 1
+        self._received = bytearray()
+        self._replies: dict[int, pb.ServerMessage] = {}
+        self.events: deque[pb.Event] = deque(maxlen=MAX_EVENTS)
+        self.latest_samples: dict[str, pb.PartSample] = {}  # by part, of subscriptions
+        self.latest_world: pb.WorldSample | None = None
+        self._socket = _connect(address, patience_s)
+        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.welcome: pb.Welcome = self.request(hello=hello).welcome
+        self._socket.settimeout(None)
+
+    def close(self) -> None:
+        """Ends the session. Leases that were not released count as lost."""
+        self._socket.close()
+
+    @property
+    def closed(self) -> bool:
+        return self._socket.fileno() < 0
+
+    def send(self, **request: object) -> int:
+        """Sends one request, given as its name in ClientMessage, and returns the id that wait() takes."""
+        number = self._next_id
+        self._next_id += 1
+        payload = pb.ClientMessage(id=number, **request).SerializeToString()
+        try:
+            self._socket.sendall(_LENGTH.pack(len(payload)) + payload)
+        except OSError as error:
+            raise Error(ErrorCode.CONNECTION, f"the connection is gone: {error}") from error
+        return number
+
+    def wait(self, number: int) -> pb.ServerMessage:
+        """The reply to that request. A refusal raises."""
+        while number not in self._replies:
+            self._sort(self._receive())
+        reply = self._replies.pop(number)
+        if reply.WhichOneof("body") == "error":
+            raise _to_error(reply.error)
+        return reply
+
+    def request(self, **request: object) -> pb.ServerMessage:
+        return self.wait(self.send(**request))
+
+    def poll(self) -> None:
+        """Takes in what has arrived, without waiting."""
+        self._socket.setblocking(False)
+        try:
+            while True:
+                self._sort(self._receive())
+        except BlockingIOError:
+            pass
+        finally:
+            if not self.closed:
+                self._socket.settimeout(None)
+
+    def _sort(self, message: pb.ServerMessage) -> None:
+        if message.reply_to != 0:
+            self._replies[message.reply_to] = message
+            return
+        kind = message.WhichOneof("body")
+        if kind == "part_sample":
+            self.latest_samples[message.part_sample.part] = message.part_sample
+        elif kind == "world_sample":
+            self.latest_world = message.world_sample
+        elif kind == "event":
+            self.events.append(message.event)
+        elif kind == "error":
+            raise _to_error(message.error)  # the reason why the server closes
+
+    def _receive(self) -> pb.ServerMessage:
+        self._fill(_LENGTH.size)
+        (length,) = _LENGTH.unpack_from(self._received)
+        if length > MAX_FRAME_BYTES:
+            self.close()
+            raise Error(ErrorCode.TOO_LARGE, f"the server sent a frame of {length} bytes")
+        self._fill(_LENGTH.size + length)
+        message = pb.ServerMessage.FromString(bytes(self._received[_LENGTH.size:_LENGTH.size + length]))
+        del self._received[:_LENGTH.size + length]
+        return message
+
+    def _fill(self, size: int) -> None:
+        """Receives until `size` bytes are there."""
+        while len(self._received) < size:
+            try:
+                chunk = self._socket.recv(65536)
+            except BlockingIOError:
+                raise
+            except OSError as error:
+                raise Error(ErrorCode.CONNECTION, f"the connection is gone: {error}") from error
+            if not chunk:
+                raise Error(ErrorCode.CONNECTION, "the server closed the connection")
+            self._received += chunk
+
+
+def _to_error(error: pb.Error) -> Error:
+    known = error.code in ErrorCode.__members__.values()
+    return Error(ErrorCode(error.code) if known else ErrorCode.UNSPECIFIED, error.text, error.owner)

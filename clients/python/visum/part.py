@@ -1,0 +1,143 @@
+"""A hardware part: its ports, its lease, its parameters and blackboards."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from visum.connection import pb
+from visum.errors import Error, ErrorCode, nearest_hint
+from visum.ports import Inputs, Outputs, Port, find_ports
+
+if TYPE_CHECKING:
+    from visum.client import Client
+
+ParameterValue = float | int | bool | str
+
+
+def _ports(descriptions: list[pb.PortDescription]) -> list[Port]:
+    return [Port(i, d.name, d.unit, d.group, d.minimum, d.maximum, d.initial) for i, d in enumerate(descriptions)]
+
+
+class Part:
+    """Made by Client.part(); comes with a first sample."""
+
+    def __init__(self, client: Client, name: str) -> None:
+        self._client = client
+        description = client.connection.request(describe_part=pb.DescribePart(part=name)).part_description
+        self.name = name
+        self.kind: str = description.kind
+        self.input_ports = _ports(description.controller_inputs)
+        self.output_ports = _ports(description.sensor_outputs)
+        self.input_values: list[float] = []
+        self.output_values: list[float] = []
+        self.sample_tick = 0
+        self.sample_time_ns = 0
+        self._staged: dict[int, float] = {}
+        self._last_write: dict[int, float] = {}
+        self.leased = False
+        self.read()
+
+    # Ports ---------------------------------------------------------------------------------------------------------
+
+    def inputs(self, group_or_name: str) -> Inputs:
+        return Inputs(self, find_ports(self.input_ports, group_or_name))
+
+    def outputs(self, group_or_name: str) -> Outputs:
+        return Outputs(self, find_ports(self.output_ports, group_or_name))
+
+    def stage(self, index: int, value: float) -> None:
+        """Remembers a controller input for the next write()."""
+        self._staged[index] = value
+        self.input_values[index] = value
+
+    def write(self) -> None:
+        """Sends what was set since the last write and does not wait: a refusal is raised by a later call of this
+        client (the next advance or read at the latest). With nothing set it repeats the last write, as a sign of life
+        for a deadline."""
+        values = self._staged or self._last_write
+        self._staged, self._last_write = {}, dict(values)
+        for first, run in _runs(values):
+            self._client.post_write(pb.Write(part=self.name, first_port=first, values=run))
+
+    def read(self) -> None:
+        """Makes the outputs current, with one round trip."""
+        number = self._client.connection.send(read=pb.Read(part=self.name))
+        self._client.settle_writes()
+        self.apply(self._client.connection.wait(number).part_sample)
+
+    def apply(self, sample: pb.PartSample) -> None:
+        self.output_values = list(sample.sensor_outputs)
+        self.sample_tick, self.sample_time_ns = sample.tick, sample.sim_time_ns
+        self.input_values = list(sample.controller_inputs)
+        for index, value in self._staged.items():
+            self.input_values[index] = value
+
+    # Lease ---------------------------------------------------------------------------------------------------------
+
+    def acquire(self, deadline_s: float = 0.0, take: bool = False) -> None:
+        """Takes the exclusive right to write. `deadline_s`: simulated time without a write after which the server
+        counts this controller as lost; 0: none. `take` (role admin): from its holder."""
+        self._client.connection.request(acquire_lease=pb.AcquireLease(
+            part=self.name, deadline_ns=round(deadline_s * 1e9), take=take))
+        self.leased = True
+
+    def release(self) -> None:
+        """Gives the lease back in good order: the last values go on holding."""
+        self._client.settle_writes()
+        self._client.connection.request(release_lease=pb.ReleaseLease(part=self.name))
+        self.leased = False
+
+    @contextmanager
+    def lease(self, deadline_s: float = 0.0, take: bool = False) -> Iterator[Part]:
+        """Holds the lease for a block. An exception that leaves the block drops the connection instead of releasing,
+        so that the server knows that the controller is lost and stops the part."""
+        self.acquire(deadline_s, take)
+        try:
+            yield self
+        except BaseException:
+            self._client.close()
+            raise
+        if self.leased:
+            self.release()
+
+    # Parameters and blackboards ------------------------------------------------------------------------------------
+
+    def parameters(self) -> dict[str, ParameterValue]:
+        reply = self._client.connection.request(get_parameters=pb.GetParameters(part=self.name))
+        return {p.name: getattr(p.value, p.value.WhichOneof("value")) for p in reply.parameters.parameters}
+
+    def parameter(self, name: str) -> ParameterValue:
+        known = self.parameters()
+        if name not in known:
+            raise Error(ErrorCode.UNKNOWN_NAME, f"no parameter '{name}' here{nearest_hint(name, list(known))}")
+        return known[name]
+
+    def set_parameter(self, name: str, value: ParameterValue) -> None:
+        field = {bool: "flag", int: "integer", float: "number", str: "text"}[type(value)]
+        self._client.connection.request(set_parameter=pb.SetParameter(
+            part=self.name, name=name, value=pb.ParameterValue(**{field: value})))
+
+    def read_blackboard(self, name: str) -> bytes:
+        return self._client.connection.request(
+            read_blackboard=pb.ReadBlackboard(part=self.name, name=name)).blackboard.data
+
+    def write_blackboard(self, name: str, data: bytes, offset: int = 0) -> None:
+        self._client.connection.request(write_blackboard=pb.WriteBlackboard(
+            part=self.name, name=name, offset=offset, data=data))
+
+
+def _runs(values: dict[int, float]) -> Iterator[tuple[int, list[float]]]:
+    """Neighbouring ports together, as one message can carry them."""
+    run: list[float] = []
+    first = 0
+    for index in sorted(values):
+        if run and index != first + len(run):
+            yield first, run
+            run = []
+        if not run:
+            first = index
+        run.append(values[index])
+    if run:
+        yield first, run
