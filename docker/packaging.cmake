@@ -2,14 +2,14 @@
 #   bin/                       visumd, visum, the example controllers
 #   share/visum/models/        robots, scenes, scenarios; share/visum/examples/: the controllers' sources
 #   lib/, include/visum/       the C++ client library: find_package(visum) gives visum::client, pkg-config knows visum
-#   lib/python3/dist-packages/ the Python package
-#   share/doc/visum/, share/bash-completion/
+#   share/doc/visum/, and the shells' completion
+# The Python package installs itself (clients/python).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 # All programs, for those who want to run and not to test: `cmake --build build/release --target programs`.
 get_property(programs GLOBAL PROPERTY VISUM_PROGRAMS)
-add_custom_target(programs DEPENDS ${programs})
+add_custom_target(programs DEPENDS ${programs} visum_python)
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
 # The client library as one shared object: an outside project needs its header and nothing that we are built from.
@@ -34,7 +34,22 @@ configure_file(docker/visum.pc.in ${PROJECT_BINARY_DIR}/visum.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/visum.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 install(DIRECTORY models DESTINATION ${CMAKE_INSTALL_DATADIR}/visum PATTERN __pycache__ EXCLUDE)
-install(DIRECTORY clients/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/visum)
+install(DIRECTORY clients/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/visum PATTERN CMakeLists.txt EXCLUDE)
+
+# The shells' completion, as the program itself writes it.
+function(visum_completion shell folder file)
+  set(script ${PROJECT_BINARY_DIR}/completion/${file})
+  add_custom_command(OUTPUT ${script}
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_BINARY_DIR}/completion
+    COMMAND visum completion ${shell} > ${script}
+    DEPENDS visum VERBATIM)
+  add_custom_target(visum_completion_${shell} ALL DEPENDS ${script})
+  add_dependencies(programs visum_completion_${shell})
+  install(FILES ${script} DESTINATION ${CMAKE_INSTALL_DATADIR}/${folder})
+endfunction()
+visum_completion(bash bash-completion/completions visum)
+visum_completion(zsh zsh/vendor-completions _visum)
+visum_completion(fish fish/vendor_completions.d visum.fish)
 file(GLOB documents CONFIGURE_DEPENDS *.md LICENSE protocol/*.md protocol/*.proto)
 install(FILES ${documents} DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES server/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/server OPTIONAL)
