@@ -1,0 +1,33 @@
+"""Runs a scenario twice with the real programs over real TCP. Both runs must pass, with the same bits at the end.
+
+    run_twice.py VISUM SCENARIO.yaml
+"""
+
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree as ElementTree
+
+from scenario_runs import run_scenario
+
+
+def main() -> int:
+    program, scenario = sys.argv[1:]
+    with tempfile.NamedTemporaryFile(suffix=".xml") as report:
+        first = run_scenario(program, scenario, "--junit", report.name)
+        suite = ElementTree.parse(report.name).getroot()
+    second = run_scenario(program, scenario)
+    assert first["passed"] and second["passed"]
+    assert first["state_hash"] == second["state_hash"], (first, second)
+    assert first["ticks"] == second["ticks"] > 0, (first, second)
+    assert list(suite.iter("testcase")), "the report has no test cases"
+    assert not list(suite.iter("failure")), "the report has failures"
+    print(f"state_hash {first['state_hash']} twice, {first['sim_seconds']} s in {first['wall_seconds']} s of wall time")
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except subprocess.SubprocessError as error:
+        sys.exit(str(error))
