@@ -28,7 +28,7 @@ std::uint32_t frame_length(std::span<const std::byte, kHeaderBytes> header);
 std::optional<RequestFrame> decode_request(std::span<const std::byte> payload, int max_depth, std::string& why);
 std::optional<ReplyFrame> decode_reply(std::span<const std::byte> payload, std::string& why);
 
-// Appends header and payload to `out`.
+// Appends header and payload to `out`. Texts must be UTF-8: the receiver refuses a frame with any that is not.
 void encode_request(std::uint64_t id, const Request& request, std::vector<std::byte>& out);
 void encode_reply(std::uint64_t reply_to, const Reply& reply, std::vector<std::byte>& out);
 
