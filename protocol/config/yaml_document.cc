@@ -118,6 +118,8 @@ class TreeBuilder : public YAML::EventHandler {
     } else if (Frame& frame = frames_.back(); frame.value.kind == Node::Kind::kList) {
       frame.value.items.push_back(std::move(value));
     } else {
+      // What is missing, yaml-cpp sees where the next thing begins; readers look at the key.
+      if (value.kind == Node::Kind::kNull) value.line = frame.value.entries.back().line;
       frame.value.entries.back().value = std::move(value);
       frame.key_open = false;
     }

@@ -8,7 +8,6 @@ namespace {
 
 using config::Node;
 
-constexpr config::Range kMass{1e-9, 1e12};
 constexpr std::size_t kMaxShapes = 1000;  // of one body
 
 Looks read_looks(const Draft& draft, const Node& body) {
@@ -59,12 +58,13 @@ MassProperties read_mass(const Draft& draft, const Node& body, const std::vector
   if (inertia) {
     if (!mass) inertia->fail("needs 'mass' beside it");
     const auto com = body.find("com");
-    return {mass->number(kMass), com ? read_vector(*com) : Eigen::Vector3d::Zero(), read_inertia(*inertia)};
+    return {mass->number(config::kPositive), com ? read_vector(*com) : Eigen::Vector3d::Zero(),
+            read_inertia(*inertia)};
   }
   if (const auto com = body.find("com"))
     com->fail("needs 'inertia' beside it (without, both come from the shapes)");
-  const double factor = density ? density->number(kMass) : 0.0;
-  const double mass_kg = mass ? mass->number(kMass) : 0.0;
+  const double factor = density ? density->number(config::kPositive) : 0.0;
+  const double mass_kg = mass ? mass->number(config::kPositive) : 0.0;
   const MassProperties solid = solid_of_shapes(draft, body, shapes);
   return scaled(solid, density ? factor : mass_kg / solid.mass_kg);
 }

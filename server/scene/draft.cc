@@ -7,11 +7,10 @@
 namespace visum::scene {
 namespace {
 
-// Enough of a world around one body or joint to ask find_fault about it alone.
+// Enough of a world around one body, shape or joint to ask find_fault about it alone.
 world::WorldModel surroundings(const world::WorldModel& world) {
   world::WorldModel probe;
   probe.engines = world.engines;
-  probe.surfaces = world.surfaces;
   return probe;
 }
 
@@ -94,6 +93,11 @@ LinkFrame Draft::link(const config::Node& node, const std::string& prefix) const
   fail_unknown(node, "body", known);
 }
 
+world::BodyId Draft::body(const std::string& name) const {
+  const auto found = links_.find(name);
+  return found == links_.end() ? world::BodyId{} : found->second.body;
+}
+
 world::BodyId Draft::add_body(const world::Body& body, const config::Place& place) {
   claim("body", body.name, place);
   if (scene.world.bodies.size() == world::kMaxBodies)
@@ -112,6 +116,8 @@ void Draft::add_shape(const world::Shape& shape, const config::Place& place) {
   probe.bodies.push_back(scene.world.bodies[shape.body.index()]);
   probe.shapes.push_back(shape);
   probe.shapes[0].body = {0};
+  probe.surfaces = {scene.world.surfaces[shape.surface.index()]};
+  probe.shapes[0].surface = {0};
   // The mesh is lent, not copied: it may be large.
   if (shape.mesh.valid()) {
     probe.shapes[0].mesh = {0};

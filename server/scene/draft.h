@@ -35,6 +35,8 @@ class Draft {
   std::int32_t engine(const config::Node& node) const;
   LinkFrame link(const config::Node& node, const std::string& prefix = "") const;  // prefix: "arm/"
 
+  // The body that a link or body of this name is, or was joined into; invalid if there is none.
+  world::BodyId body(const std::string& name) const;
   void add_link_name(const std::string& name, const LinkFrame& frame) { links_[name] = frame; }
 
   // Appends; fails at `place` if the world is full or find_fault finds something in it.
@@ -54,6 +56,8 @@ class Draft {
   std::size_t triangles_ = 0;
 };
 
+inline constexpr std::size_t kMaxEngines = 16;
+inline constexpr std::size_t kMaxSurfaces = 1000;
 inline constexpr const char* kMainEngine = "default";  // name of world.engines[0]
 
 }  // namespace visum::scene

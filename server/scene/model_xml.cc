@@ -84,15 +84,31 @@ std::string written(const tinyxml2::XMLDocument& document) {
   return printer.CStr();
 }
 
+std::string in_words(tinyxml2::XMLError error) {
+  switch (error) {
+    case tinyxml2::XML_ERROR_EMPTY_DOCUMENT:
+      return "the file is empty";
+    case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
+      return "an element is not closed, or by another one's name";
+    case tinyxml2::XML_ERROR_PARSING_ELEMENT:
+      return "an element is cut off or not well written";
+    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
+      return "an attribute is not well written";
+    case tinyxml2::XML_ERROR_PARSING_TEXT:
+      return "text stands outside of all elements";
+    default:
+      return tinyxml2::XMLDocument::ErrorIDToName(error);
+  }
+}
+
 void parse(tinyxml2::XMLDocument& document, const std::string& text, const std::string& file) {
   if (text.find('\0') != std::string::npos)
     throw config::ConfigError({file, 0, ""}, "not valid XML: holds a zero byte");
   if (document.Parse(text.data(), text.size()) == tinyxml2::XML_SUCCESS) return;
   if (document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED)
     throw config::ConfigError({file, document.ErrorLineNum(), ""}, "XML elements are nested too deeply");
-  std::string reason = tinyxml2::XMLDocument::ErrorIDToName(document.ErrorID());
-  if (document.ErrorID() == tinyxml2::XML_ERROR_EMPTY_DOCUMENT) reason = "the file is empty";
-  throw config::ConfigError({file, document.ErrorLineNum(), ""}, "not valid XML: " + reason);
+  throw config::ConfigError({file, document.ErrorLineNum(), ""},
+                            "not valid XML: " + in_words(document.ErrorID()));
 }
 
 }  // namespace
@@ -105,12 +121,13 @@ void read_sdf(const XMLElement& root, const std::string& file, ModelXml& xml) {
   if (model == nullptr) fail_at(root, file, "has no <model>");
   if (const auto* second = model->NextSiblingElement("model"))
     fail_at(*second, file, "has more than one <model>");
-  walk(root, is_unread, [&](const XMLElement& element) {
+  const std::size_t elements = walk(root, is_unread, [&](const XMLElement& element) {
     if (!std::strcmp(element.Name(), "include"))
       fail_at(element, file, "<include> is not read, place models in the scene");
     check_text(element, file);
   });
   take_names(*model, "", xml);
+  check_amount(elements, xml, file);
   const auto unread = unread_elements(root, kUnread);
   xml.losses.insert(xml.losses.begin(), unread.begin(), unread.end());
 }

@@ -56,9 +56,7 @@ class Placement {
   Place joint_place(const RobotJoint& joint) const {
     return {robot_.file.string(), joint.line, "joint '" + joint.joint.name + "'"};
   }
-  world::BodyId body(const std::string& link) const {
-    return draft_.scene.world.find_body(name_ + "/" + link);
-  }
+  world::BodyId body(const std::string& link) const { return draft_.body(name_ + "/" + link); }
 
   void ground_roots() {
     if (!node_.boolean_or("fixed", true)) return;

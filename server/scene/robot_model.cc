@@ -264,19 +264,21 @@ class Reader {
     }
     const sdf::JointAxis* axis = from.Axis();
     if (axis == nullptr) throw config::ConfigError(place, "needs an <axis>");
-    read_axis(*axis, place, joint);
-    if (from.Type() == sdf::JointType::CONTINUOUS) joint.limited = false;
+    read_axis(from, *axis, place, joint);
   }
 
-  void read_axis(const sdf::JointAxis& axis, const config::Place& place, world::Joint& joint) {
+  void read_axis(const sdf::Joint& from, const sdf::JointAxis& axis, const config::Place& place,
+                 world::Joint& joint) {
     ignition::math::Vector3d xyz;
     refuse(axis.ResolveXyz(xyz), place);
     joint.axis_J = to_vector(xyz).normalized();
-    joint.limited = axis.Lower() > -kUnlimited || axis.Upper() < kUnlimited;
-    joint.lower = std::max(axis.Lower(), -kUnlimited);
-    joint.upper = std::min(axis.Upper(), kUnlimited);
-    if (joint.limited && joint.lower > joint.upper)
-      throw config::ConfigError(place, "the lower limit is above the upper one");
+    joint.limited = from.Type() != sdf::JointType::CONTINUOUS &&
+                    (axis.Lower() > -kUnlimited || axis.Upper() < kUnlimited);
+    if (joint.limited) {
+      joint.lower = std::max(axis.Lower(), -kUnlimited);
+      joint.upper = std::min(axis.Upper(), kUnlimited);
+    }
+    if (joint.lower > joint.upper) throw config::ConfigError(place, "the lower limit is above the upper one");
     joint.damping = axis.Damping();
     joint.friction = axis.Friction();
     if (axis.SpringStiffness() != 0.0)

@@ -78,6 +78,8 @@ void read_engines(Draft& draft, const config::Node& root) {
     if (const std::string fault = name_fault(name); !fault.empty()) node.fail("an engine's name " + fault);
     if (name == kMainEngine) node.fail("this name stands for the scene's 'engine', choose another");
     draft.claim("engine", name, node.place());
+    if (scene.world.engines.size() == kMaxEngines)
+      node.fail("there are more than " + std::to_string(kMaxEngines) + " engines");
     scene.world.engines.push_back(read_engine(node));
     scene.engine_names.push_back(name);
   }
@@ -95,6 +97,8 @@ void read_surfaces(Draft& draft, const config::Node& root) {
       continue;
     }
     draft.claim("surface", name, node.place());
+    if (draft.scene.world.surfaces.size() == kMaxSurfaces)
+      node.fail("there are more than " + std::to_string(kMaxSurfaces) + " surfaces");
     draft.scene.world.surfaces.push_back(surface);
   }
 }

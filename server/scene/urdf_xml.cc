@@ -169,6 +169,19 @@ void prepare_for_sdformat(XMLElement& root, ModelXml& xml) {
   }
 }
 
+// A root link called "world" is the world itself; sdformat reads it so, and leaves it out.
+void take_out_world(const XMLElement& root, const std::string& file, ModelXml& xml) {
+  const auto world = std::find(xml.links.begin(), xml.links.end(), "world");
+  if (world == xml.links.end()) return;
+  for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint"))
+    if (!std::strcmp(joint->FirstChildElement("child")->Attribute("link"), "world"))
+      fail_at(*joint, file, "link 'world' stands for the world: it cannot hang on a joint");
+  for (auto link = root.FirstChildElement("link"); link; link = link->NextSiblingElement("link"))
+    if (!std::strcmp(link->Attribute("name"), "world") && !link->NoChildren())
+      xml.losses.push_back("link 'world' stands for the world: what it holds is not read");
+  xml.links.erase(world);
+}
+
 void note_losses(const XMLElement& root, ModelXml& xml) {
   xml.losses = unread_elements(root, kUnread);
   for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint"))
@@ -182,15 +195,18 @@ void note_losses(const XMLElement& root, ModelXml& xml) {
 void read_urdf(tinyxml2::XMLDocument& document, const std::string& file, ModelXml& xml) {
   XMLElement& root = *document.RootElement();
   required(root, "name", file);
-  walk(root, is_unread, [&](const XMLElement& element) { check_attributes(element, file); });
+  const std::size_t elements =
+      walk(root, is_unread, [&](const XMLElement& element) { check_attributes(element, file); });
   for (auto link = root.FirstChildElement("link"); link; link = link->NextSiblingElement("link"))
     take_name(*link, file, xml.links, xml.link_lines);
   if (xml.links.empty()) fail_at(root, file, "has no link");
+  check_amount(elements, xml, file);
   for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
     take_name(*joint, file, xml.joints, xml.joint_lines);
     check_joint_type(*joint, file);
   }
   check_tree(root, xml, file);
+  take_out_world(root, file, xml);
   note_losses(root, xml);
   prepare_for_sdformat(root, xml);
 }

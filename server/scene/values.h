@@ -13,9 +13,9 @@
 
 namespace visum::scene {
 
-// Lengths, positions and speeds beyond 1e6 are slips of the pen, not scenes; sizes below a micrometre too.
+// Lengths, positions and speeds beyond 1e6 are slips of the pen, not scenes.
 inline constexpr config::Range kPlaceable{-1e6, 1e6};
-inline constexpr config::Range kSize{1e-6, 1e6};
+inline constexpr config::Range kSize{0.0, 1e6, true};
 
 inline constexpr std::size_t kMaxNameBytes = 128;
 

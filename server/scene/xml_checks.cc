@@ -68,14 +68,25 @@ void check_numbers(const XMLElement& element, const std::string& what, const cha
   if (rule == NumberRule::kNotZero && all_zero) fail_at(element, file, what + " must not be zero");
 }
 
-void walk(const XMLElement& root, const std::function<bool(const XMLElement&)>& skip,
-          const std::function<void(const XMLElement&)>& visit) {
-  for (const XMLElement* child = root.FirstChildElement(); child != nullptr;
-       child = child->NextSiblingElement()) {
+std::size_t walk(const XMLElement& root, const std::function<bool(const XMLElement&)>& skip,
+                 const std::function<void(const XMLElement&)>& visit) {
+  std::size_t count = 0;
+  for (const XMLElement* child = root.FirstChildElement(); child; child = child->NextSiblingElement()) {
     if (skip(*child)) continue;
     visit(*child);
-    walk(*child, skip, visit);
+    count += 1 + walk(*child, skip, visit);
   }
+  return count;
+}
+
+void check_amount(std::size_t elements, const ModelXml& xml, const std::string& file) {
+  const auto refuse = [&](std::size_t count, std::size_t most, const std::string& what) {
+    if (count > most)
+      throw config::ConfigError({file, 0, ""}, "has " + std::to_string(count) + " " + what + ", at most " +
+                                                   std::to_string(most) + " are read");
+  };
+  refuse(elements, kMaxModelElements, "XML elements");
+  refuse(xml.links.size(), kMaxModelLinks, "links");
 }
 
 std::vector<std::string> unread_elements(const XMLElement& root, const std::vector<const char*>& names) {

@@ -28,11 +28,17 @@ void check_numbers(const XMLElement& element, const std::string& what, const cha
 
 // Calls `visit` for each element below `root`, in the order of the file, unless `skip` says to leave out its
 // subtree.
-void walk(const XMLElement& root, const std::function<bool(const XMLElement&)>& skip,
-          const std::function<void(const XMLElement&)>& visit);
+std::size_t walk(const XMLElement& root, const std::function<bool(const XMLElement&)>& skip,
+                 const std::function<void(const XMLElement&)>& visit);
 
 // "2 <transmission> elements are not read", for those of `names` that stand anywhere in the file.
 std::vector<std::string> unread_elements(const XMLElement& root, const std::vector<const char*>& names);
+
+// Refuses more links or elements than sdformat can take in a second or two and half a gigabyte (it needs
+// about 50 kB for an element and 1.7 MB for a link).
+inline constexpr std::size_t kMaxModelElements = 8000;
+inline constexpr std::size_t kMaxModelLinks = 250;
+void check_amount(std::size_t elements, const ModelXml& xml, const std::string& file);
 
 // The two kinds of file: check, then fill `xml`. urdf_xml.cc also rewrites the document for sdformat.
 void read_urdf(tinyxml2::XMLDocument& document, const std::string& file, ModelXml& xml);
