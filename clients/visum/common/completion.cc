@@ -79,8 +79,13 @@ constexpr const char* kZshTail = R"(    esac
       fi ;;
   esac
 }
-(( $+functions[compdef] )) || { autoload -Uz compinit && compinit; }
-compdef _visum visum
+# Found in $fpath this file is _visum itself; sourced, it must make itself known.
+if [[ ${funcstack[1]} == _visum ]]; then
+  _visum "$@"
+else
+  (( $+functions[compdef] )) || { autoload -Uz compinit && compinit; }
+  compdef _visum visum
+fi
 )";
 
 }  // namespace

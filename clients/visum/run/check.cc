@@ -26,6 +26,10 @@ std::string window_text(const Window& window) {
 Check::Check(const CheckSpec& spec, const Catalogue& catalogue)
     : spec_(spec), quantity_(tie(spec.that.quantity, catalogue)) {}
 
+void Check::tie_again(const Catalogue& catalogue) {
+  quantity_ = tie(spec_.that.quantity, catalogue);
+}
+
 void Check::keep(double value, double margin, double at_s) {
   value_ = value;
   margin_ = margin;

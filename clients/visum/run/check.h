@@ -25,6 +25,7 @@ class Check {
   // `spec` must outlive the check. Throws ConfigError where it names what is not there.
   Check(const CheckSpec& spec, const Catalogue& catalogue);
 
+  void tie_again(const Catalogue& catalogue);  // after bodies came or went
   void observe(const Observation& now);
   CheckResult result() const;  // as of the last observation
 

@@ -75,6 +75,8 @@ class Run {
 
  private:
   void prepare();
+  void tie_until();
+  void tie_again();
   void step();
   void act();
   bool is_over();
@@ -106,11 +108,23 @@ void Run::prepare() {
   timeline_.emplace(scenario_.timeline, catalogue_);
   actions_.emplace(session_, controllers_, catalogue_,
                    [this](const std::string& text) { options_.on_line("scenario", text); });
-  if (scenario_.until.condition) until_ = tie(scenario_.until.condition->quantity, catalogue_);
+  tie_until();
   const double tick_ms = static_cast<double>(session_.tick_ns()) * 1e-6;
   step_ticks_ = std::max<std::int64_t>(1, std::llround(scenario_.check_every_ms / tick_ms));
   controllers_.start(scenario_.start_wall_s);
   now_ = session_.look(parts_);
+}
+
+void Run::tie_until() {
+  if (scenario_.until.condition) until_ = tie(scenario_.until.condition->quantity, catalogue_);
+}
+
+// Bodies came or went: the same names have other places now.
+void Run::tie_again() {
+  catalogue_ = session_.catalogue();
+  for (Check& check : checks_) check.tie_again(catalogue_);
+  timeline_->tie_again(catalogue_);
+  tie_until();
 }
 
 // The scenario, aloud: what is due is done while the world stands, then a step, then everybody looks.
@@ -129,6 +143,7 @@ void Run::go() {
 
 void Run::step() {
   now_ = session_.step(step_ticks_, parts_);
+  if (now_.world.revision != catalogue_.world.revision) tie_again();
   controllers_.check_ends();
   if (scenario_.until.kind == Until::Kind::kControllers) controllers_.settle();
 }
@@ -178,6 +193,7 @@ void Run::collect() {
 void Run::keep() {
   if (!options_.keep) return;
   options_.on_keep(report_, daemon_.port(), catalogue_);
+  vigil_.lift_limit();
   const auto step =
       std::chrono::duration_cast<Clock::duration>(std::chrono::nanoseconds(step_ticks_ * session_.tick_ns()));
   for (auto due = Clock::now(); true; due = std::max(due + step, Clock::now() - step)) {

@@ -40,11 +40,21 @@ struct Inspector {
 
 }  // namespace
 
+void Timeline::tie_item(Item& item, const Catalogue& catalogue) {
+  std::visit(Inspector{catalogue, item.entry->place}, item.entry->action);
+  if (item.entry->when) item.quantity = tie(item.entry->when->quantity, catalogue);
+}
+
 Timeline::Timeline(const std::vector<TimelineEntry>& entries, const Catalogue& catalogue) {
   for (const TimelineEntry& entry : entries) {
-    std::visit(Inspector{catalogue, entry.place}, entry.action);
     items_.push_back({&entry, std::nullopt});
-    if (entry.when) items_.back().quantity = tie(entry.when->quantity, catalogue);
+    tie_item(items_.back(), catalogue);
+  }
+}
+
+void Timeline::tie_again(const Catalogue& catalogue) {
+  for (Item& item : items_) {
+    if (!item.done) tie_item(item, catalogue);
   }
 }
 

@@ -15,11 +15,15 @@ class Timeline {
   // value that its port does not take.
   Timeline(const std::vector<TimelineEntry>& entries, const Catalogue& catalogue);
 
+  void tie_again(const Catalogue& catalogue);  // after bodies came or went: what is still to come
   std::vector<const TimelineEntry*> due(const Observation& now);
   // Entries that never came due.
   std::vector<const TimelineEntry*> missed() const;
 
  private:
+  struct Item;
+  static void tie_item(Item& item, const Catalogue& catalogue);
+
   struct Item {
     const TimelineEntry* entry;
     std::optional<Quantity> quantity;

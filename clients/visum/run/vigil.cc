@@ -21,7 +21,7 @@ bool Vigil::wait(int fd, milliseconds patience) {
     set_.clear();
     if (fd >= 0) set_.push_back({fd, POLLIN, 0});
     for (const ChildProcess* child : children_) child->add_to(set_);
-    const auto left = std::chrono::ceil<milliseconds>(std::min(end, give_up_) - now);
+    const auto left = std::chrono::ceil<milliseconds>(std::min(end, give_up_) - now);  // `end` is never far
     ::poll(set_.data(), set_.size(),
            static_cast<int>(std::clamp(left, milliseconds(0), milliseconds(1000)).count()));
     const bool readable = fd >= 0 && set_.front().revents != 0;

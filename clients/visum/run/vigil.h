@@ -15,6 +15,7 @@ class Vigil {
 
   void watch(ChildProcess& child) { children_.push_back(&child); }
   void forget(ChildProcess& child) { std::erase(children_, &child); }
+  void lift_limit() { give_up_ = Clock::time_point::max(); }  // of the wall time
 
   // Until `fd` can be read (true) or `patience` is over (false); fd -1: only children. Throws ExitError
   // (interrupted, timed out).
