@@ -17,7 +17,7 @@ struct MeshTriangle {
   Eigen::Vector3d normal;  // unit, by the winding
   // Edge i runs from corner i to i + 1. A sharp one (convex, or at the mesh's border) may push sideways; a
   // flat or hollow one may not: what slides over it must not stumble.
-  std::array<bool, 3> sharp;
+  std::array<bool, 3> sharp{};
 };
 
 class Mesh {

@@ -1,5 +1,7 @@
 #include "server/collision/segments.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 
 namespace visum::collision {

@@ -15,11 +15,8 @@ constexpr double kReach = 1.0;
 void set_hinge_stops(dJointID joint, const world::Joint& model, double position) {
   const double angle = dJointGetHingeAngle(joint);
   const double unwrapped = angle + kTurn * std::round((position - angle) / kTurn);
-  // The high stop is set twice, as ODE's manual wants: a low one above it would be refused.
-  const double high = angle + std::min(model.upper - unwrapped, kReach);
-  dJointSetHingeParam(joint, dParamHiStop, high);
   dJointSetHingeParam(joint, dParamLoStop, angle + std::max(model.lower - unwrapped, -kReach));
-  dJointSetHingeParam(joint, dParamHiStop, high);
+  dJointSetHingeParam(joint, dParamHiStop, angle + std::min(model.upper - unwrapped, kReach));
 }
 
 }  // namespace

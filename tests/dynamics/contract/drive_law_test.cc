@@ -1,0 +1,138 @@
+// The law of hwparts/joint.h, tick by tick, on a rotor and on a slide of known inertia.
+#include <algorithm>
+
+#include "tests/dynamics/contract/rows.h"
+
+namespace visum::dynamics::testing {
+namespace {
+
+using world::JointKind;
+constexpr double kInertia = 0.25;        // kg·m², and kg of the slide
+constexpr double kSoftnessOfOde = 1e-9;  // m/s or rad/s that its least cfm lets through at about 1 N
+
+// One tick of an inertia under a drive, in closed form: the drive's first term, were it not limited, and its
+// limit.
+struct ImplicitDrive {
+  double inertia, tick_s;
+
+  double next(double v, const hwparts::JointDrive& drive) const {
+    const double free = v + tick_s / inertia * drive.feedforward;
+    const double wanted =
+        inertia / tick_s * (drive.target_velocity - free) / (1.0 + drive.compliance * inertia / tick_s);
+    return free + tick_s / inertia * std::clamp(wanted, -drive.max_effort, drive.max_effort);
+  }
+};
+
+struct Mechanism {
+  friend void PrintTo(const Mechanism& mechanism, std::ostream* out) { *out << mechanism.name; }
+
+  const char* name;
+  JointKind kind;
+  bool on_a_free_parent;
+};
+
+class DriveLaw : public ::testing::TestWithParam<std::tuple<Row, Mechanism>> {
+ protected:
+  const Row& row() const { return std::get<0>(GetParam()); }
+
+  // The joint stands askew, so that no axis is a coordinate axis.
+  ModelBuilder builder() const {
+    const Mechanism& mechanism = std::get<1>(GetParam());
+    ModelBuilder b(row().engine);
+    b.model.gravity.setZero();
+    const Eigen::Vector3d axis = Eigen::Vector3d(1, -2, 3).normalized();
+    BodyId parent;
+    // A free parent of a billion times the inertia stands for the ground, and goes through the two-body code.
+    if (mechanism.on_a_free_parent)
+      parent = b.add_rotor("base", 1e9 * kInertia, 1e9 * kInertia, at(0.3, 0.2, 0.1));
+    const BodyId child = b.add_rotor("rotor", kInertia, kInertia, at(0.3, 0.2, 0.1, 0.5, {1, 1, 0}));
+    b.add_joint("joint", mechanism.kind, parent, child, {0.3, 0.2, 0.1}, axis);
+    return b;
+  }
+
+  void expect_law(Lab& lab, const hwparts::JointDrive& drive, int ticks) const {
+    const ImplicitDrive exact{kInertia, lab.tick_s()};
+    lab.drive("joint") = drive;
+    const double scale =
+        std::max({std::abs(drive.target_velocity), std::abs(lab.joint("joint").velocity), 1e-3});
+    for (int i = 0; i < ticks; ++i) {
+      const double before = lab.joint("joint").velocity;
+      ASSERT_TRUE(lab.step().ok);
+      const double after = lab.joint("joint").velocity;
+      ASSERT_NEAR(after, exact.next(before, drive),
+                  row().accuracy.drive_law * scale + 1e-7 * scale + kSoftnessOfOde)
+          << "tick " << i;
+      const double felt = kInertia * (after - before) / lab.tick_s();
+      ASSERT_NEAR(lab.joint("joint").effort, felt, 1e-5 * std::max(1.0, std::abs(felt))) << "tick " << i;
+    }
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(
+    Engines, DriveLaw,
+    ::testing::Combine(::testing::ValuesIn(rows()),
+                       ::testing::Values(Mechanism{"Hinge", JointKind::kHinge, false},
+                                         Mechanism{"Slider", JointKind::kSlider, false},
+                                         Mechanism{"HingeOnABody", JointKind::kHinge, true},
+                                         Mechanism{"SliderOnABody", JointKind::kSlider, true})),
+    [](const auto& info) { return std::get<0>(info.param).name + std::get<1>(info.param).name; });
+
+TEST_P(DriveLaw, ASoftDriveApproachesItsTarget) {
+  Lab lab(builder().model);
+  expect_law(lab, {2.0, 0.5, 100.0, 0.0}, 200);
+  EXPECT_GT(lab.joint("joint").velocity, 1.0);
+}
+
+TEST_P(DriveLaw, ARotorsComplianceOfTickByInertiaIsARotorInSeries) {
+  // h / J_r: the velocity after one tick is that of two inertias that hit without bouncing.
+  Lab lab(builder().model);
+  const double rotor = 3.0 * kInertia;
+  lab.drive("joint") = {1.0, lab.tick_s() / rotor, 1e6, 0.0};
+  ASSERT_TRUE(lab.step().ok);
+  EXPECT_NEAR(lab.joint("joint").velocity, 0.75, 0.75 * row().accuracy.drive_law + 1e-7);
+}
+
+TEST_P(DriveLaw, TheLimitCapsTheEffort) {
+  Lab lab(builder().model);
+  expect_law(lab, {100.0, 1e-3, 0.7, 0.0}, 100);
+  EXPECT_NEAR(lab.joint("joint").effort, 0.7, 1e-6);
+}
+
+TEST_P(DriveLaw, ANegativeTargetPullsTheOtherWay) {
+  Lab lab(builder().model);
+  expect_law(lab, {-3.0, 1e-2, 2.0, 0.0}, 200);
+  EXPECT_LT(lab.joint("joint").velocity, -1.0);
+  EXPECT_LT(lab.joint("joint").position, -0.1);
+}
+
+TEST_P(DriveLaw, WithoutComplianceTheTargetIsReachedAtOnce) {
+  Lab lab(builder().model);
+  lab.drive("joint") = {0.5, 0.0, 1e4, 0.0};
+  ASSERT_TRUE(lab.step().ok);
+  EXPECT_NEAR(lab.joint("joint").velocity, 0.5, 0.5 * row().accuracy.drive_law + 1e-6);
+}
+
+TEST_P(DriveLaw, AFeedforwardIsAPureTorque) {
+  Lab lab(builder().model);
+  expect_law(lab, {5.0, 0.1, 0.0, -0.4}, 100);
+  EXPECT_NEAR(lab.joint("joint").effort, -0.4, 1e-9);
+}
+
+TEST_P(DriveLaw, FeedforwardAndLimitedTermAdd) {
+  Lab lab(builder().model);
+  expect_law(lab, {1.0, 0.05, 0.3, -0.4}, 100);
+}
+
+TEST_P(DriveLaw, DryFrictionBrakesToAStandAndHolds) {
+  auto b = builder();
+  Lab lab(b.model);
+  lab.drive("joint") = {1.0, 0.0, 1e4, 0.0};
+  ASSERT_TRUE(lab.step().ok);
+  expect_law(lab, {0.0, 0.0, 0.5, 0.0}, 600);
+  EXPECT_NEAR(lab.joint("joint").velocity, 0.0, 1e-6);
+  expect_law(lab, {0.0, 0.0, 0.5, 0.4}, 10);  // pushed with less than the friction
+  EXPECT_NEAR(lab.joint("joint").velocity, 0.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace visum::dynamics::testing

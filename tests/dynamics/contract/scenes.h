@@ -1,0 +1,13 @@
+// Scenes that several tests of the suite share.
+#pragma once
+
+#include "tests/dynamics/contract/rows.h"
+
+namespace visum::dynamics::testing {
+
+// An arm of three hinges and a slider on the world, over the ground, with boxes, a ball and a cylinder
+// falling on it: every kind of joint, contacts that come and go, drives in use.
+world::WorldModel busy_model(const world::EngineSetting& engine);
+void set_busy_drives(Lab& lab);
+
+}  // namespace visum::dynamics::testing
