@@ -71,35 +71,35 @@ void add_point(std::vector<Triangle>& hull, Points points, std::uint32_t point, 
     hull.push_back(make_triangle_of(points, edge.first, edge.second, point));
 }
 
-// The corners of the polygon that a plane of the hull carries, counter-clockwise about its normal: sorted by
-// angle about their middle.
+// The corners of the polygon that a plane of the hull carries, counter-clockwise about its normal: the convex
+// hull in the plane (Andrew's monotone chain), without what lies inside or on an edge.
 std::vector<std::uint32_t> polygon_on(Points points, const std::vector<std::uint32_t>& on_hull,
                                       const Triangle& plane, double tolerance) {
-  std::vector<std::uint32_t> corners;
+  std::vector<std::uint32_t> near;
   for (const std::uint32_t i : on_hull) {
-    if (std::abs(plane.normal.dot(points[i]) - plane.offset) <= tolerance) corners.push_back(i);
+    if (std::abs(plane.normal.dot(points[i]) - plane.offset) <= tolerance) near.push_back(i);
   }
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const std::uint32_t i : corners) middle += points[i] / static_cast<double>(corners.size());
   const Eigen::Vector3d u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
-  const auto angle = [&](std::uint32_t i) {
-    return std::atan2(v.dot(points[i] - middle), u.dot(points[i] - middle));
+  const auto place = [&](std::uint32_t i) { return std::pair(u.dot(points[i]), v.dot(points[i])); };
+  std::sort(near.begin(), near.end(), [&](auto i, auto j) { return place(i) < place(j); });
+  const auto turns_left = [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) {
+    const Eigen::Vector3d first = points[j] - points[i], second = points[k] - points[j];
+    return plane.normal.dot(first.cross(second)) > tolerance * (first + second).norm();
   };
-  std::sort(corners.begin(), corners.end(), [&](auto i, auto j) { return angle(i) < angle(j); });
+  const auto chain = [&](auto begin, auto end) {
+    std::vector<std::uint32_t> corners;
+    for (auto it = begin; it != end; ++it) {
+      while (corners.size() > 1 && !turns_left(corners[corners.size() - 2], corners.back(), *it))
+        corners.pop_back();
+      corners.push_back(*it);
+    }
+    corners.pop_back();  // the other chain begins with it
+    return corners;
+  };
+  std::vector<std::uint32_t> corners = chain(near.begin(), near.end());
+  const auto upper = chain(near.rbegin(), near.rend());
+  corners.insert(corners.end(), upper.begin(), upper.end());
   return corners;
-}
-
-// Drops corners that lie on the straight line between their neighbours.
-void drop_straight_corners(Points points, std::vector<std::uint32_t>& corners, double tolerance) {
-  for (std::size_t i = 0; corners.size() > 3 && i < corners.size();) {
-    const Eigen::Vector3d& before = points[corners[(i + corners.size() - 1) % corners.size()]];
-    const Eigen::Vector3d& after = points[corners[(i + 1) % corners.size()]];
-    const Eigen::Vector3d side = (after - before).normalized();
-    if ((points[corners[i]] - before).cross(side).norm() <= tolerance)
-      corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(i));
-    else
-      ++i;
-  }
 }
 
 class PolytopeBuilder {
@@ -155,9 +155,8 @@ Polytope join_coplanar(Points points, std::vector<Triangle> triangles, double to
   std::vector<bool> joined(triangles.size(), false);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     if (joined[i]) continue;
-    auto corners = polygon_on(points, on_hull, triangles[i], tolerance);
-    drop_straight_corners(points, corners, tolerance);
-    builder.add_face(triangles[i].normal, corners);
+    const auto corners = polygon_on(points, on_hull, triangles[i], tolerance);
+    if (corners.size() > 2) builder.add_face(triangles[i].normal, corners);  // fewer: a sliver
     for (std::size_t j = i + 1; j < triangles.size(); ++j) {
       const auto is_on_plane = [&](std::uint32_t c) {
         return std::abs(triangles[i].normal.dot(points[c]) - triangles[i].offset) <= tolerance;

@@ -1,0 +1,70 @@
+// No allocation per tick once warm: counted by this program's own operator new.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "tests/collision/scene.h"
+
+namespace {
+std::size_t allocations = 0;
+}
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  ++allocations;
+  const auto step = static_cast<std::size_t>(alignment);
+  if (void* memory = std::aligned_alloc(step, (size + step - 1) / step * step)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+
+namespace visum::collision::testing {
+namespace {
+
+using enum ShapeKind;
+
+TEST(Allocation, FindDoesNotAllocateOnceWarm) {
+  SceneBuilder scene;
+  scene.add({kPlane, {}}, {});
+  const std::vector<ShapeSpec> kinds{{kBox, {1, 1, 1}},      {kSphere, {0.5}},       {kCylinder, {0.5, 1.0}},
+                                     {kCapsule, {0.3, 0.8}}, {kConvex, {1, 1, 0.7}}, {kMesh, {1, 1, 1}}};
+  for (int i = 0; i < 24; ++i)
+    scene.add(kinds[static_cast<std::size_t>(i) % 6],
+              at(0.6 * (i % 5), 0.7 * (i / 5), 0.4, 0.3 * i, {1, 2, 3}));
+  CollisionStage stage(scene.model);
+  world::WorldState state = initial_state(scene.model);
+  std::vector<Contact> contacts;
+  const auto shake = [&](double by) {
+    for (std::size_t i = 1; i < state.bodies.size(); ++i) state.bodies[i].p_WC.z() += i % 2 == 0 ? by : -by;
+  };
+  for (int i = 0; i < 10; ++i) {
+    shake(i % 2 == 0 ? 0.05 : -0.05);
+    stage.find(state, contacts);
+  }
+  const std::size_t before = allocations;
+  for (int i = 0; i < 100; ++i) {
+    shake(i % 2 == 0 ? 0.05 : -0.05);
+    stage.find(state, contacts);
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_GT(contacts.size(), 30u);
+}
+
+}  // namespace
+}  // namespace visum::collision::testing

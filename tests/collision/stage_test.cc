@@ -1,0 +1,244 @@
+// The stage as a whole: order, purity, what never collides, surfaces, caps.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+#include <set>
+#include <tuple>
+
+#include "tests/collision/scene.h"
+
+namespace visum::collision::testing {
+namespace {
+
+using enum ShapeKind;
+const ShapeSpec kUnitBox{kBox, {1, 1, 1}};
+
+// A heap of all kinds, thrown together with a seed.
+SceneBuilder make_heap(unsigned seed, int count) {
+  SceneBuilder scene;
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(-1.5, 1.5), angle(-3.0, 3.0);
+  const std::vector<ShapeSpec> kinds{kUnitBox,
+                                     {kSphere, {0.5}},
+                                     {kCylinder, {0.4, 1.0}},
+                                     {kCapsule, {0.3, 0.8}},
+                                     {kConvex, {1, 0.7, 0.5}},
+                                     {kMesh, {0.8, 1, 0.6}}};
+  scene.add({kPlane, {}}, at(0, 0, -0.8));
+  for (int i = 0; i < count; ++i) {
+    const double x = place(random), y = place(random), z = place(random), turn = angle(random);
+    scene.add(kinds[static_cast<std::size_t>(i) % kinds.size()], at(x, y, z, turn, {1, x, y}));
+  }
+  return scene;
+}
+
+bool same_bits(const Contact& a, const Contact& b) {
+  return a.shape_a == b.shape_a && a.shape_b == b.shape_b && a.body_a == b.body_a && a.body_b == b.body_b &&
+         a.feature == b.feature && a.p_W == b.p_W && a.normal_W == b.normal_W && a.depth == b.depth &&
+         a.friction == b.friction && a.restitution == b.restitution;
+}
+
+bool same_bits(const std::vector<Contact>& a, const std::vector<Contact>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Contact& x, const Contact& y) { return same_bits(x, y); });
+}
+
+TEST(CollisionStage, ContactsAreSortedAndSoundInEveryHeap) {
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    const SceneBuilder scene = make_heap(seed, 18);
+    const auto contacts = contacts_of(scene.model);
+    EXPECT_FALSE(contacts.empty());
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      const Contact& c = contacts[i];
+      EXPECT_LT(c.shape_a, c.shape_b);
+      EXPECT_EQ(c.body_a, scene.model.shapes[c.shape_a.index()].body);
+      EXPECT_EQ(c.body_b, scene.model.shapes[c.shape_b.index()].body);
+      EXPECT_GT(c.depth, 0.0);
+      EXPECT_LT(c.depth, 3.0);
+      EXPECT_NEAR(c.normal_W.norm(), 1.0, 1e-9);
+      EXPECT_TRUE(c.p_W.allFinite());
+      EXPECT_LT(static_cast<std::size_t>(c.feature), kMaxContactsPerPair);
+      if (i == 0) continue;
+      const Contact& p = contacts[i - 1];
+      EXPECT_LT(std::tie(p.shape_a, p.shape_b, p.feature), std::tie(c.shape_a, c.shape_b, c.feature));
+    }
+  }
+}
+
+double deepest(const std::vector<Contact>& contacts) {
+  double depth = 0.0;
+  for (const Contact& contact : contacts) depth = std::max(depth, contact.depth);
+  return depth;
+}
+
+// The normal's promise: pushed along it by the deepest point's depth (and a hair), two convex shapes are
+// apart. Where the deepest part lies beside the face that pushes, or between the corners that stand for a
+// rim, it takes a few.
+TEST(CollisionStage, PushingAlongTheNormalSeparatesTwoConvexShapes) {
+  const std::vector<ShapeSpec> kinds{
+      kUnitBox, {kSphere, {0.5}}, {kCylinder, {0.4, 1.0}}, {kCapsule, {0.3, 0.8}}, {kConvex, {1, 0.7, 0.5}}};
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-0.8, 0.8), angle(-3.0, 3.0);
+  int touching = 0, more_than_once = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const ShapeSpec& a = kinds[static_cast<std::size_t>(i) % 5];
+    const ShapeSpec& b = kinds[static_cast<std::size_t>(i / 5) % 5];
+    const double x = place(random), y = place(random), z = place(random), turn = angle(random);
+    Pose X_WA = at(x, y, z, turn, {1, y, x});
+    const Pose X_WB = at(0, 0, 0, angle(random), {x, 1, z});
+    int pushes = 0;
+    for (auto contacts = contacts_between(a, X_WA, b, X_WB); !contacts.empty() && pushes < 10; ++pushes) {
+      X_WA.p += contacts.front().normal_W * (deepest(contacts) + 1e-5);
+      contacts = contacts_between(a, X_WA, b, X_WB);
+    }
+    EXPECT_LT(pushes, 10) << "pair " << i;
+    touching += pushes > 0 ? 1 : 0;
+    more_than_once += pushes > 1 ? 1 : 0;
+  }
+  EXPECT_GT(touching, 1000);
+  EXPECT_LT(more_than_once, touching / 10);
+}
+
+TEST(CollisionStage, FindsThePairsThatTestingAllPairsFinds) {
+  for (unsigned seed = 100; seed < 110; ++seed) {
+    const SceneBuilder scene = make_heap(seed, 12);
+    std::set<std::pair<std::int32_t, std::int32_t>> found, expected;
+    for (const Contact& c : contacts_of(scene.model)) found.insert({c.shape_a.value, c.shape_b.value});
+    for (std::size_t i = 0; i < scene.model.shapes.size(); ++i) {
+      for (std::size_t j = i + 1; j < scene.model.shapes.size(); ++j) {
+        world::WorldModel pair = scene.model;
+        for (std::size_t k = 0; k < pair.shapes.size(); ++k) pair.shapes[k].collides = k == i || k == j;
+        if (!contacts_of(pair).empty())
+          expected.insert({static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)});
+      }
+    }
+    EXPECT_EQ(found, expected);
+  }
+}
+
+TEST(CollisionStage, IsAFunctionOfThePosesAlone) {
+  const SceneBuilder scene = make_heap(7, 18);
+  const world::WorldState start = initial_state(scene.model);
+  CollisionStage stage(scene.model);
+  std::vector<Contact> first, again;
+  stage.find(start, first);
+  world::WorldState moved = start;
+  for (int i = 0; i < 20; ++i) {
+    for (world::BodyState& body : moved.bodies) body.p_WC = -0.9 * body.p_WC + Eigen::Vector3d(0.1, 0.05, 0);
+    stage.find(moved, again);
+  }
+  stage.find(start, again);
+  EXPECT_TRUE(same_bits(first, again));
+  EXPECT_TRUE(same_bits(first, contacts_of(scene.model))) << "a fresh stage finds the same";
+}
+
+TEST(CollisionStage, VelocitiesDoNotMatter) {
+  const SceneBuilder scene = make_heap(8, 12);
+  world::WorldState state = initial_state(scene.model);
+  for (world::BodyState& body : state.bodies) body.v_WC = {5, 6, 7};
+  CollisionStage stage(scene.model);
+  std::vector<Contact> contacts;
+  stage.find(state, contacts);
+  EXPECT_TRUE(same_bits(contacts, contacts_of(scene.model)));
+}
+
+TEST(CollisionStage, FixedBodiesNeverCollideWithEachOther) {
+  SceneBuilder scene;
+  scene.add({kPlane, {}}, {});
+  scene.add_fixed(kUnitBox, {});
+  scene.add_fixed(kUnitBox, at(0.5, 0, 0));
+  EXPECT_TRUE(contacts_of(scene.model).empty());
+}
+
+TEST(CollisionStage, PairsNamedInNoCollisionNeverCollide) {
+  SceneBuilder scene;
+  scene.add(kUnitBox, {});
+  scene.add(kUnitBox, at(0.5, 0, 0));
+  EXPECT_FALSE(contacts_of(scene.model).empty());
+  scene.model.no_collision = {{{0}, {1}}};
+  EXPECT_TRUE(contacts_of(scene.model).empty());
+}
+
+TEST(CollisionStage, BodiesOfOneJointNeverCollide) {
+  SceneBuilder scene;
+  scene.add(kUnitBox, {});
+  scene.add(kUnitBox, at(0.5, 0, 0));
+  world::Joint joint;
+  joint.name = "joint";
+  joint.parent = {1};
+  joint.child = {0};
+  scene.model.joints.push_back(joint);
+  EXPECT_TRUE(contacts_of(scene.model).empty());
+}
+
+TEST(CollisionStage, ShapesOnlyToBeLookedAtDoNotCollide) {
+  SceneBuilder scene;
+  scene.add(kUnitBox, {});
+  scene.add(kUnitBox, at(0.5, 0, 0));
+  scene.model.shapes[1].collides = false;
+  EXPECT_TRUE(contacts_of(scene.model).empty());
+}
+
+TEST(CollisionStage, ShapesOfOneBodyDoNotCollide) {
+  SceneBuilder scene;
+  scene.add(kUnitBox, {});
+  scene.model.shapes.push_back(scene.model.shapes[0]);
+  EXPECT_TRUE(contacts_of(scene.model).empty());
+}
+
+TEST(CollisionStage, FrictionIsTheGeometricMeanAndRestitutionTheLarger) {
+  SceneBuilder scene;
+  scene.add(kUnitBox, {});
+  scene.add(kUnitBox, at(0, 0, 0.99));
+  scene.model.surfaces = {{"rough", 0.9, 0.1}, {"smooth", 0.4, 0.3}};
+  scene.model.shapes[1].surface = {1};
+  const auto contacts = contacts_of(scene.model);
+  ASSERT_FALSE(contacts.empty());
+  EXPECT_DOUBLE_EQ(contacts[0].friction, 0.6);
+  EXPECT_DOUBLE_EQ(contacts[0].restitution, 0.3);
+}
+
+TEST(CollisionStage, AShapesOwnPoseCounts) {
+  SceneBuilder scene;
+  scene.add(kUnitBox, {});
+  scene.add(kUnitBox, at(5, 0, 0));
+  EXPECT_TRUE(contacts_of(scene.model).empty());
+  scene.model.shapes[1].X_BS.p.x() = -4.01;
+  ASSERT_FALSE(contacts_of(scene.model).empty());
+  EXPECT_NEAR(contacts_of(scene.model)[0].depth, 0.01, 1e-12);
+}
+
+TEST(CollisionStage, ABodyWhoseStateIsNotFiniteMeetsNothingAndOthersGoOn) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    for (const ShapeSpec& kind : {kUnitBox, ShapeSpec{kCylinder, {0.5, 1}}, ShapeSpec{kMesh, {1, 1, 1}}}) {
+      SceneBuilder scene;
+      scene.add({kPlane, {}}, {});
+      scene.add(kind, at(0, 0, 0.4));
+      scene.add(kUnitBox, at(3, 0, 0.4));
+      CollisionStage stage(scene.model);
+      world::WorldState state = initial_state(scene.model);
+      state.bodies[1].p_WC.y() = bad;
+      std::vector<Contact> contacts;
+      stage.find(state, contacts);
+      EXPECT_EQ(contacts.size(), 4u);
+      state.bodies[1].p_WC.y() = 0.0;
+      state.bodies[1].q_WB.x() = bad;
+      stage.find(state, contacts);
+      EXPECT_EQ(contacts.size(), 4u);
+      state.bodies[0].p_WC.z() = bad;  // the ground
+      stage.find(state, contacts);
+      EXPECT_TRUE(contacts.empty());
+    }
+  }
+}
+
+TEST(CollisionStage, NoMoreThanTheCapIsEverFound) {
+  SceneBuilder scene;
+  for (int i = 0; i < 150; ++i) scene.add(kUnitBox, at(1e-3 * i, 2e-3 * i, 0));
+  EXPECT_EQ(contacts_of(scene.model).size(), kMaxContacts);
+}
+
+}  // namespace
+}  // namespace visum::collision::testing
