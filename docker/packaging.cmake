@@ -17,8 +17,11 @@ add_library(visum_client_shared SHARED $<TARGET_OBJECTS:visum_client>)
 set_target_properties(visum_client_shared PROPERTIES OUTPUT_NAME visum EXPORT_NAME client LINKER_LANGUAGE CXX
                       VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 target_link_libraries(visum_client_shared PRIVATE visum_protocol visum_config)
-# What it takes from our static libraries stays inside; what it needs is there.
-target_link_options(visum_client_shared PRIVATE -Wl,--exclude-libs,ALL $<$<NOT:$<BOOL:${VISUM_SANITIZE}>>:-Wl,--no-undefined>)
+# What it takes from our static libraries stays inside; what it needs is there (but for a sanitizer's run time).
+target_link_options(visum_client_shared PRIVATE -Wl,--exclude-libs,ALL)
+if(NOT VISUM_SANITIZE)
+  target_link_options(visum_client_shared PRIVATE -Wl,--no-undefined)
+endif()
 target_compile_features(visum_client_shared INTERFACE cxx_std_20)
 target_include_directories(visum_client_shared INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 add_dependencies(programs visum_client_shared)

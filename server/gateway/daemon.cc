@@ -18,6 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kIdle{20};  // how soon stop() is noticed while time stands
+constexpr std::chrono::seconds kFarewell{2};     // for clients that read their last frames slowly
 
 std::size_t most_ports(const cycle::Simulation& simulation) {
   std::size_t most = 0;
@@ -183,7 +184,8 @@ void Daemon::Impl::run_inline() {
   gateway.end();
   gateway.serve();
   server.stop();
-  server.poll_for(kIdle);
+  const auto patience = Clock::now() + kFarewell;
+  while (server.session_count() > 0 && Clock::now() < patience) server.poll_for(kIdle);
 }
 
 }  // namespace visum::gateway
