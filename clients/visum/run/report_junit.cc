@@ -50,9 +50,9 @@ class Suite {
   }
 
   std::string text() const {
-    const std::string counts = attribute("tests", std::to_string(cases_)) +
-                               attribute("failures", std::to_string(failures_)) +
-                               attribute("errors", std::to_string(errors_));
+    const std::string counts =
+        attribute("tests", std::to_string(cases_)) + attribute("failures", std::to_string(failures_)) +
+        attribute("errors", std::to_string(errors_)) + attribute("skipped", std::to_string(skipped_));
     const std::string time = attribute("time", cli::fixed(report_.wall_seconds, 3));
     return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + counts + time + ">\n  <testsuite" +
            attribute("name", report_.name) + counts + time + ">\n" + properties() + body_ +
@@ -87,6 +87,11 @@ class Suite {
     return "      <failure" + attribute("message", message) + "/>\n";
   }
 
+  std::string skipped() {
+    ++skipped_;
+    return "      <skipped message=\"the run did not come to it\"/>\n";
+  }
+
   void add_run() {
     std::string content;
     if (!report_.error.empty()) {
@@ -101,7 +106,9 @@ class Suite {
   }
 
   void add_check(const CheckResult& check) {
-    std::string content = check.passed ? std::string() : failure(check.failure);
+    // What the run did not come to is neither good nor bad; the run's own case tells why.
+    const bool not_reached = !check.value && !report_.error.empty();
+    std::string content = check.passed ? std::string() : not_reached ? skipped() : failure(check.failure);
     if (check.value) {
       content += "      <system-out>" +
                  escaped(check.text + " " + cli::exact(*check.value) + " " + check.unit + " at " +
@@ -122,7 +129,7 @@ class Suite {
   const Report& report_;
   std::string class_;
   std::string body_;
-  int cases_ = 0, failures_ = 0, errors_ = 0;
+  int cases_ = 0, failures_ = 0, errors_ = 0, skipped_ = 0;
 };
 
 }  // namespace

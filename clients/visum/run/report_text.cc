@@ -14,12 +14,17 @@ std::string measured(const CheckResult& check) {
          " at " + cli::fixed(check.at_s, 3) + " s, must be " + check.bound;
 }
 
+std::string verdict(const Report& report, const CheckResult& check, const cli::Style& style) {
+  if (check.passed) return style.green("passed");
+  return check.value || report.error.empty() ? style.red("FAILED") : style.dim("  -   ");
+}
+
 std::string check_lines(const Report& report, const cli::Style& style) {
   std::size_t widest = 0;
   for (const auto& check : report.checks) widest = std::max(widest, check.name.size());
   std::string text;
   for (const auto& check : report.checks) {
-    text += "  " + (check.passed ? style.green("passed") : style.red("FAILED")) + "  " + check.name +
+    text += "  " + verdict(report, check, style) + "  " + check.name +
             std::string(widest - check.name.size() + 2, ' ') + measured(check) + "\n";
   }
   return text;
