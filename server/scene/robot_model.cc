@@ -331,10 +331,17 @@ RobotModel read_robot_model(const std::filesystem::path& file, const std::string
   model.file = file;
   model.losses = xml.losses;
   ConsoleCapture console;
-  sdf::Root root;
-  const sdf::Errors errors = root.LoadSdfString(xml.text, quiet_config());
-  if (!errors.empty() || root.Model() == nullptr) fail_load(errors, console, file.string());
-  Reader(model, xml).read(*root.Model());
+  try {
+    sdf::Root root;
+    const sdf::Errors errors = root.LoadSdfString(xml.text, quiet_config());
+    if (!errors.empty() || root.Model() == nullptr) fail_load(errors, console, file.string());
+    Reader(model, xml).read(*root.Model());
+  } catch (const config::ConfigError&) {
+    throw;
+  } catch (const std::exception& error) {  // a version that is no number, for one
+    throw config::ConfigError({file.string(), 0, ""},
+                              std::string("sdformat cannot read it: ") + error.what());
+  }
   if (model.links.size() != xml.links.size())
     throw config::ConfigError({file.string(), 0, ""}, "sdformat kept " + std::to_string(model.links.size()) +
                                                           " of " + std::to_string(xml.links.size()) +

@@ -157,7 +157,9 @@ TEST(BadSdf, EachFaultIsNamed) {
             "m.urdf:3: link 'a': collision 'c' has a form that is not simulated (box, sphere, cylinder, "
             "capsule, plane "
             "and mesh are)");
-  // What sdformat itself finds comes in its words.
+  // What sdformat itself finds comes in its words, thrown or returned.
+  EXPECT_EQ(error("<sdf version='x'><model name='m'><link name='a'/></model></sdf>"),
+            "m.urdf: sdformat cannot read it: stoi");
   EXPECT_EQ(sdf("<model name='m'/>"), "m.urdf: A model must have at least one link.");
 }
 

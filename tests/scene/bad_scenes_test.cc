@@ -272,6 +272,9 @@ TEST(BadScene, FaultsInMeshesAndModelsNameTheirOwnFiles) {
   };
   EXPECT_EQ(load("visum: 1\nbodies: [{name: a, fixed: true, shapes: [{mesh: bad.obj}]}]"),
             "bad.obj:2: face names vertex 2, there are 1 so far");
+  std::filesystem::resize_file(files.write("huge.urdf", "<robot"), (16u << 20) + 1);
+  EXPECT_EQ(load("visum: 1\nmodels: [{name: a, file: huge.urdf}]"),
+            "s.yaml:2: models[0].file: 'huge.urdf': has 16777217 bytes, at most 16777216 are read");
   EXPECT_EQ(load("visum: 1\nmodels: [{name: a, file: bad.urdf}]"),
             "bad.urdf:2: not valid XML: an element is not closed, or by another one's name");
 }
