@@ -1,0 +1,28 @@
+// The state's hash after a second of the busy scene, for each engine and step setting: the same from GCC and Clang,
+// debug and optimised. A hash that changes needs a line in the changelog that says why. The bits are promised per class
+// of processor only (ODE and the C library choose code by processor).
+#include <map>
+
+#include "tests/dynamics/contract/scenes.h"
+
+namespace visum::dynamics::testing {
+namespace {
+
+const std::map<std::string, std::uint64_t> kGolden{
+    {"OdeWorld", 0x5f3645d2ae39c5a4ull},
+    {"OdeQuick", 0x11d35464ad05ddcfull},
+};
+
+class Golden : public Contract {};
+VISUM_INSTANTIATE_CONTRACT(Golden);
+
+TEST_P(Golden, AThousandTicksGiveTheKnownHash) {
+  Lab lab(busy_model(GetParam().engine));
+  set_busy_drives(lab);
+  lab.run_ticks(1000);
+  ASSERT_TRUE(kGolden.contains(GetParam().name)) << "this engine has no golden hash yet";
+  EXPECT_EQ(lab.hash(), kGolden.at(GetParam().name)) << std::hex << "now: 0x" << lab.hash();
+}
+
+}  // namespace
+}  // namespace visum::dynamics::testing
