@@ -64,6 +64,18 @@ TEST_F(Plans, ReachAGridOfPlacesOnTheTable) {
   }
 }
 
+TEST_F(Plans, KeepTheBoxUprightFromGraspToGoal) {
+  for (const Job& task :
+       {job(0.42, 0.15, 0.55, -0.10), job(0.58, 0.0, 0.42, -0.25), job(0.45, -0.22, 0.52, 0.24)}) {
+    const Plan plan = make_plan(arm_, start_, task);
+    const Eigen::Matrix3d R_grasp = tool_pose(arm_.chain, plan.to_grasp.back()).linear();
+    const Eigen::Matrix3d R_put = tool_pose(arm_.chain, plan.put_down.back()).linear();
+    const Eigen::Vector3d up =
+        R_put * R_grasp.transpose() * Eigen::Vector3d::UnitZ();  // the box's, at the goal
+    EXPECT_NEAR((up - Eigen::Vector3d::UnitZ()).norm(), 0.0, 1e-3);
+  }
+}
+
 TEST_F(Plans, TurnWithTheBox) {
   Job turned = job(0.5, 0.2, 0.5, -0.2);
   turned.yaw = 0.4;

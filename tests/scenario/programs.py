@@ -27,4 +27,5 @@ def running_daemon(scene: str, *options: str) -> Iterator[str]:
 
 
 def pick_and_place(address: str, *options: str) -> list[str]:
-    return [str(BIN / "visum-pick-and-place"), "--connect", address, *options]
+    urdf = MODELS / "amtec_arm" / "amtec_arm.urdf"
+    return [str(BIN / "visum-pick-and-place"), "--connect", address, "--urdf", str(urdf), *options]

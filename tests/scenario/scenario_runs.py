@@ -32,6 +32,7 @@ def moved_box(folder: Path, box: tuple[float, float], goal: tuple[float, float],
     command = scenario["controllers"][0]["command"]
     command[command.index("--from") + 1] = f"{box[0]},{box[1]}"
     command[command.index("--to") + 1] = f"{goal[0]},{goal[1]}"
+    command[command.index("--urdf") + 1] = str(MODELS / "amtec_arm" / "amtec_arm.urdf")
     command += ["--yaw", str(yaw)]
     (folder / "scenario.yaml").write_text(yaml.safe_dump(scenario))
     return folder / "scenario.yaml"

@@ -9,7 +9,8 @@ namespace {
 
 constexpr int kBadUsage = 2;
 
-// The arm's URDF in the source tree or in an installation that this binary stands in.
+// The arm's URDF in the source tree or in an installation that this binary stands in, or in the working
+// directory's models; empty if there is none.
 std::string default_urdf() {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -20,7 +21,8 @@ std::string default_urdf() {
       if (fs::exists(file, error)) return file.string();
     }
   }
-  return {};
+  const fs::path here = fs::path("models") / "amtec_arm" / "amtec_arm.urdf";
+  return fs::exists(here, error) ? here.string() : std::string();
 }
 
 Eigen::Vector3d to_place(const std::vector<double>& numbers, double table) {
@@ -43,7 +45,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   app.set_version_flag("--version", "visum-pick-and-place 0.1.0");
   app.add_option("--connect", o.connect, "server, HOST:PORT")->capture_default_str();
   app.add_option("--part", o.part, "name of the arm")->capture_default_str();
-  app.add_option("--urdf", o.urdf, "the arm's model")->capture_default_str();
+  app.add_option("--urdf", o.urdf, "the arm's model")->capture_default_str()->required(o.urdf.empty());
   app.add_option("--token-file", o.token_file, "for a server that demands a token");
   app.add_option("--from", from, "x,y[,z] where the box stands; z of the surface below it")
       ->delimiter(',')

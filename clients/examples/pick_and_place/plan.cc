@@ -23,31 +23,26 @@ constexpr double kLeastDexterity = 0.04;    // smallest singular value of the Ja
 constexpr std::size_t kPosturesPerApproach = 2;
 constexpr double kWaySample_rad = 0.05;
 
-// How the gripper comes to a place: pointing down by `tilt`, towards `azimuth`.
-struct Approach {
-  double tilt;
-  double azimuth;
+// How the gripper holds the box. The same at both places, or the box would not stand upright at the second
+// one.
+struct Grip {
+  double tilt;   // below the horizontal
   bool flipped;  // turned by half a turn about its own axis: the fingers swap sides
 };
 
 struct Place {
   Eigen::Vector3d foot;  // of the box
   const char* name;
-  double gap;  // extra height of the tool
+  double gap;            // extra height of the tool
+  bool reached = false;  // with some grip
 };
 
-// A way to be at a place, from straight above.
-struct Visit {
-  JointPath down;
-  double tilt;
-};
-
-Eigen::Matrix3d orientation(const Approach& approach) {
-  const double c = std::cos(approach.azimuth), s = std::sin(approach.azimuth);
+// The gripper holds as `grip` says and points towards `azimuth`.
+Eigen::Matrix3d orientation(const Grip& grip, double azimuth) {
+  const double c = std::cos(azimuth), s = std::sin(azimuth);
   Eigen::Matrix3d R;
-  R.col(2) =
-      Eigen::Vector3d(c * std::cos(approach.tilt), s * std::cos(approach.tilt), -std::sin(approach.tilt));
-  R.col(1) = (approach.flipped ? -1.0 : 1.0) * Eigen::Vector3d(-s, c, 0.0);
+  R.col(2) = Eigen::Vector3d(c * std::cos(grip.tilt), s * std::cos(grip.tilt), -std::sin(grip.tilt));
+  R.col(1) = (grip.flipped ? -1.0 : 1.0) * Eigen::Vector3d(-s, c, 0.0);
   R.col(0) = R.col(1).cross(R.col(2));
   return R;
 }
@@ -60,9 +55,9 @@ class Planner {
   Plan plan() const;
 
  private:
-  std::vector<Visit> visits(const Place& place) const;
-  std::vector<Approach> approaches(const Eigen::Vector3d& foot) const;
-  void add_visits(const Place& place, const Approach& approach, std::vector<Visit>& visits) const;
+  std::optional<Plan> plan_with(const Grip& grip, Place& box, Place& goal) const;
+  std::vector<JointPath> ways_down(Place& place, const Grip& grip) const;
+  std::vector<double> azimuths(const Eigen::Vector3d& foot) const;
   std::optional<double> grip_height(double tilt) const;
   bool is_clear(const JointPath& path, double least_tool_z) const;
   bool posture_is_clear(const Eigen::VectorXd& angles, double least_tool_z) const;
@@ -82,22 +77,14 @@ std::optional<double> Planner::grip_height(double tilt) const {
   return height;
 }
 
-// The steepest first; of equally steep ones, the one that points away from the base first.
-std::vector<Approach> Planner::approaches(const Eigen::Vector3d& foot) const {
+// The four sides of the box, the one that lets the gripper point away from the base first.
+std::vector<double> Planner::azimuths(const Eigen::Vector3d& foot) const {
   const double outward = std::atan2(foot.y(), foot.x());
-  std::vector<Approach> all;
-  for (const double tilt : kTilts) {
-    std::vector<Approach> of_tilt;
-    for (int quarter = 0; quarter < 4; ++quarter) {
-      for (const bool flipped : {false, true}) {
-        of_tilt.push_back({tilt, job_.yaw + quarter * 90 * kDegree, flipped});
-      }
-    }
-    std::stable_sort(of_tilt.begin(), of_tilt.end(), [outward](const Approach& a, const Approach& b) {
-      return std::cos(a.azimuth - outward) > std::cos(b.azimuth - outward) + 1e-9;
-    });
-    all.insert(all.end(), of_tilt.begin(), of_tilt.end());
-  }
+  std::vector<double> all;
+  for (int quarter = 0; quarter < 4; ++quarter) all.push_back(job_.yaw + quarter * 90 * kDegree);
+  std::stable_sort(all.begin(), all.end(), [outward](double a, double b) {
+    return std::cos(a - outward) > std::cos(b - outward) + 1e-9;
+  });
   return all;
 }
 
@@ -123,36 +110,37 @@ bool Planner::is_clear(const JointPath& path, double least_tool_z) const {
                      [&](const Eigen::VectorXd& angles) { return posture_is_clear(angles, least_tool_z); });
 }
 
-void Planner::add_visits(const Place& place, const Approach& approach, std::vector<Visit>& visits) const {
-  const auto height = grip_height(approach.tilt);
-  if (!height) return;
-  Eigen::Isometry3d X_down = Eigen::Isometry3d::Identity();
-  X_down.linear() = orientation(approach);
-  X_down.translation() = place.foot + Eigen::Vector3d(0.0, 0.0, *height + place.gap);
-  Eigen::Isometry3d X_up = X_down;
-  X_up.translation().z() += job_.lift;
+// From straight above the place down to it.
+std::vector<JointPath> Planner::ways_down(Place& place, const Grip& grip) const {
+  constexpr std::size_t kEnough = 3;
+  std::vector<JointPath> ways;
+  const auto height = grip_height(grip.tilt);
+  if (!height) return ways;
   Eigen::VectorXd rest = start_;
   rest[0] = std::atan2(place.foot.y(), place.foot.x());
-  for (const Eigen::VectorXd& above : solve_all(arm_.chain, X_up, rest, kPosturesPerApproach)) {
-    JointPath down = follow_line(arm_.chain, above, X_down, rest);
-    if (!down.empty() && is_clear(down, place.foot.z())) visits.push_back({std::move(down), approach.tilt});
+  for (const double azimuth : azimuths(place.foot)) {
+    Eigen::Isometry3d X_down = Eigen::Isometry3d::Identity();
+    X_down.linear() = orientation(grip, azimuth);
+    X_down.translation() = place.foot + Eigen::Vector3d(0.0, 0.0, *height + place.gap);
+    Eigen::Isometry3d X_up = X_down;
+    X_up.translation().z() += job_.lift;
+    for (const Eigen::VectorXd& above : solve_all(arm_.chain, X_up, rest, kPosturesPerApproach)) {
+      JointPath down = follow_line(arm_.chain, above, X_down, rest);
+      if (!down.empty() && is_clear(down, place.foot.z())) ways.push_back(std::move(down));
+    }
+    if (ways.size() >= kEnough) break;
   }
+  place.reached = place.reached || !ways.empty();
+  return ways;
 }
 
-std::vector<Visit> Planner::visits(const Place& place) const {
-  constexpr std::size_t kEnough = 4;
-  std::vector<Visit> found;
-  for (const Approach& approach : approaches(place.foot)) {
-    add_visits(place, approach, found);
-    if (found.size() >= kEnough) break;
-  }
-  if (!found.empty()) return found;
+[[noreturn]] void fail(const Place& place, double lift) {
   char text[200];
   std::snprintf(
       text, sizeof text,
       "%s (%.3f, %.3f, %.3f) is out of reach: no posture within the joints' limits holds the box there and "
       "%.0f mm above, with the gripper pointing down by 30 to 90 degrees",
-      place.name, place.foot.x(), place.foot.y(), place.foot.z(), 1e3 * job_.lift);
+      place.name, place.foot.x(), place.foot.y(), place.foot.z(), 1e3 * lift);
   throw Unreachable(text);
 }
 
@@ -177,23 +165,39 @@ std::optional<Way> Planner::way(const Eigen::VectorXd& from, const Eigen::Vector
   return std::nullopt;
 }
 
-Plan Planner::plan() const {
-  const auto at_box = visits({job_.from, "the box's place", 0.0});
-  const auto at_goal = visits({job_.to, "the goal", kReleaseGap_m});
-  for (const Visit& box : at_box) {
-    const double least_tool_z = surface_ + *grip_height(box.tilt) + kCarryClearance_m;
-    for (const Visit& goal : at_goal) {
-      const auto there = way(start_, box.down.front(), least_tool_z);
-      const auto carry = way(box.down.front(), goal.down.front(), least_tool_z);
-      const auto home = way(goal.down.front(), start_, least_tool_z);
-      if (!there || !carry || !home) continue;
-      const JointPath up{box.down.rbegin(), box.down.rend()};
-      const JointPath away{goal.down.rbegin(), goal.down.rend()};
-      return {*there, box.down, up, *carry, goal.down, away, *home, box.tilt, goal.tilt};
+std::optional<Plan> Planner::plan_with(const Grip& grip, Place& box, Place& goal) const {
+  const auto down_to_box = ways_down(box, grip);
+  const auto down_to_goal = ways_down(goal, grip);
+  const double least_tool_z = surface_ + grip_height(grip.tilt).value_or(0.0) + kCarryClearance_m;
+  for (const JointPath& grasp : down_to_box) {
+    const auto there = way(start_, grasp.front(), least_tool_z);
+    if (!there) continue;
+    for (const JointPath& put : down_to_goal) {
+      const auto carry = way(grasp.front(), put.front(), least_tool_z);
+      const auto home = way(put.front(), start_, least_tool_z);
+      if (!carry || !home) continue;
+      const JointPath lift{grasp.rbegin(), grasp.rend()};
+      const JointPath retreat{put.rbegin(), put.rend()};
+      return Plan{*there, grasp, lift, *carry, put, retreat, *home, grip.tilt};
     }
   }
+  return std::nullopt;
+}
+
+// The steepest first.
+Plan Planner::plan() const {
+  Place box{job_.from, "the box's place", 0.0};
+  Place goal{job_.to, "the goal", kReleaseGap_m};
+  for (const double tilt : kTilts) {
+    for (const bool flipped : {false, true}) {
+      if (const auto plan = plan_with({tilt, flipped}, box, goal)) return *plan;
+    }
+  }
+  for (const Place& place : {box, goal}) {
+    if (!place.reached) fail(place, job_.lift);
+  }
   throw Unreachable(
-      "both places can be reached, but no way from the one to the other keeps clear of the table");
+      "both places can be reached, but not with one grip and on a way that keeps clear of the table");
 }
 
 void check_box(const ArmModel& arm, const Job& job) {

@@ -24,15 +24,14 @@ struct Job {
 using Way = std::vector<JointPath>;  // legs, with a stop after each
 
 struct Plan {
-  Way to_box;                // from the start to above the box
-  JointPath to_grasp;        // straight down
-  JointPath lift;            // straight up
-  Way carry;                 // to above the goal
-  JointPath put_down;        // straight down
-  JointPath retreat;         // straight up
-  Way home;                  // back to the start
-  double tilt_at_box = 0.0;  // of the gripper, below the horizontal [rad]
-  double tilt_at_goal = 0.0;
+  Way to_box;          // from the start to above the box
+  JointPath to_grasp;  // straight down
+  JointPath lift;      // straight up
+  Way carry;           // to above the goal
+  JointPath put_down;  // straight down
+  JointPath retreat;   // straight up
+  Way home;            // back to the start
+  double tilt = 0.0;   // of the gripper at both places, below the horizontal [rad]
 };
 
 class Unreachable : public std::runtime_error {

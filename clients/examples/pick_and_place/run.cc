@@ -69,7 +69,7 @@ void run(Arm& arm, const ArmModel& model, const Plan& plan, const Job& job, cons
   worker.say("opens the gripper");
   worker.open(job.width);
   worker.say("moves above the box at (%.3f, %.3f), the gripper pointing down by %.0f degrees", job.from.x(),
-             job.from.y(), kDegrees * plan.tilt_at_box);
+             job.from.y(), kDegrees * plan.tilt);
   worker.move(plan.to_box);
   worker.say("goes down to it");
   worker.move_carefully(plan.to_grasp);

@@ -173,20 +173,21 @@ def is_clear(chain: Chain, path: Path_, surface: float, least_tool_z: float) -> 
     return True
 
 
-def way_down(chain: Chain, place: Vector, what: str, options: argparse.Namespace, start: Vector) -> Path_:
-    """From above a place straight down to where the gripper holds a box that stands there; the steepest that works."""
+def ways_down(chain: Chain, place: Vector, grip: tuple[float, float], options: argparse.Namespace,
+              start: Vector) -> list[Path_]:
+    """From above a place straight down to where the gripper holds a box that stands there, from each of its sides."""
+    tilt, side = grip
     rest = start.copy()
     rest[0] = outward = math.atan2(place[1], place[0])
-    quarters = sorted((options.yaw + k * math.pi / 2 for k in range(4)), key=lambda a: -math.cos(a - outward))
-    for tilt in np.radians([90, 75, 60, 45, 30]):
-        grip = np.array([0, 0, max(options.height / 2, 0.018 * math.sin(tilt) + 0.011 * math.cos(tilt) + 0.006)])
-        for azimuth, side in [(a, s) for a in quarters for s in (1, -1)]:
-            R = orientation(tilt, azimuth, side)
-            above = solve(chain, R, place + grip + [0, 0, options.lift], rest, rest)
-            line = None if above is None else follow_line(chain, above, place + grip, rest)
-            if line is not None and is_clear(chain, line, place[2], place[2]):
-                return line
-    raise Failed(f"{what} ({place[0]:.3f}, {place[1]:.3f}, {place[2]:.3f}) is out of reach")
+    height = max(options.height / 2, 0.018 * math.sin(tilt) + 0.011 * math.cos(tilt) + 0.006)
+    tool = place + [0, 0, height]
+    ways = []
+    for azimuth in sorted((options.yaw + k * math.pi / 2 for k in range(4)), key=lambda a: -math.cos(a - outward)):
+        above = solve(chain, orientation(tilt, azimuth, side), tool + [0, 0, options.lift], rest, rest)
+        line = None if above is None else follow_line(chain, above, tool, rest)
+        if line is not None and is_clear(chain, line, place[2], place[2]):
+            ways.append(line)
+    return ways
 
 
 def straight(a: Vector, b: Vector) -> Path_:
@@ -194,12 +195,12 @@ def straight(a: Vector, b: Vector) -> Path_:
     return [a + i / steps * (b - a) for i in range(steps + 1)]
 
 
-def through_the_air(chain: Chain, a: Vector, b: Vector, start: Vector, surface: float, low: float) -> list[Path_]:
+def through_the_air(chain: Chain, a: Vector, b: Vector, start: Vector, surface: float, low: float) -> list[Path_] | None:
     """Straight in joint space, or by way of the start posture where that would come too low."""
     for way in ([straight(a, b)], [straight(a, start), straight(start, b)]):
         if all(is_clear(chain, leg[1:-1], surface, low) for leg in way):
             return way
-    raise Failed("both places can be reached, but no way from the one to the other keeps clear of the table")
+    return None
 
 
 class Plan(NamedTuple):
@@ -214,15 +215,27 @@ class Plan(NamedTuple):
 
 
 def make_plan(chain: Chain, start: Vector, options: argparse.Namespace) -> Plan:
+    """The grip is the same at both places, or the box would not stand upright at the second; the steepest that works."""
     if options.width >= 2 * chain.finger_upper:
         raise Failed(f"the box is {options.width:g} m wide, the gripper opens to {2 * chain.finger_upper:g} m")
-    down = way_down(chain, options.source, "the box's place", options, start)
-    put = way_down(chain, options.to + [0, 0, 0.001], "the goal", options, start)
-    surface = max(options.source[2], options.to[2])
+    box, goal = options.source, options.to
+    surface = max(box[2], goal[2])
     low = surface + options.height / 2 + 0.03
-    return Plan(through_the_air(chain, start, down[0], start, surface, low), down,
-                through_the_air(chain, down[0], put[0], start, surface, low), put,
-                through_the_air(chain, put[0], start, start, surface, low), chain.finger_upper)
+    reached = {"the box's place": False, "the goal": False}
+    for grip in [(math.radians(tilt), side) for tilt in (90, 75, 60, 45, 30) for side in (1, -1)]:
+        downs = ways_down(chain, box, grip, options, start)
+        puts = ways_down(chain, goal + [0, 0, 0.001], grip, options, start)
+        reached["the box's place"] |= bool(downs)
+        reached["the goal"] |= bool(puts)
+        for down, put in [(d, p) for d in downs for p in puts]:
+            ways = [through_the_air(chain, a, b, start, surface, low)
+                    for a, b in ((start, down[0]), (down[0], put[0]), (put[0], start))]
+            if all(ways):
+                return Plan(ways[0], down, ways[1], put, ways[2], chain.finger_upper)
+    for (name, was_reached), place_ in zip(reached.items(), (box, goal)):
+        if not was_reached:
+            raise Failed(f"{name} ({place_[0]:.3f}, {place_[1]:.3f}, {place_[2]:.3f}) is out of reach")
+    raise Failed("both places can be reached, but not with one grip and on a way that keeps clear of the table")
 
 
 # The arm ---------------------------------------------------------------------------------------------------------------
