@@ -18,8 +18,8 @@ class View:
     """Where the eye stands, what it looks at, and how wide it sees."""
 
     eye: tuple = (1.9, -1.3, 1.15)
-    target: tuple = (0.28, 0.0, 0.38)
-    field_of_view: float = 0.62  # rad, vertical
+    target: tuple = (0.32, 0.0, 0.34)
+    field_of_view: float = 0.5  # rad, vertical
     width: int = 960  # pixels
     height: int = 640
 
@@ -30,7 +30,8 @@ def draw(world, sample, view=View()):
     for index, body in enumerate(world.bodies):
         pose = _matrix(sample.poses[7 * index : 7 * index + 7])
         for shape in body.shapes:
-            faces += [(face, shape.color) for face in _faces(shape, pose)]
+            if len(shape.color) < 4 or shape.color[3] > 0:  # alpha 0: there to collide, not to be seen
+                faces += [(face, shape.color, shape.kind == "plane") for face in _faces(shape, pose)]
     return _svg(_painted(faces, view), view)
 
 
@@ -124,7 +125,7 @@ def _plane():
 
 
 def _painted(faces, view):
-    """(distance, screen corners, colour) of the faces that look at the eye, the farthest first."""
+    """(order, screen corners, colour) of the faces that look at the eye: planes first, then the farthest."""
     eye = np.array(view.eye, dtype=float)
     forward = np.array(view.target, dtype=float) - eye
     forward /= np.linalg.norm(forward)
@@ -133,7 +134,7 @@ def _painted(faces, view):
     up = np.cross(right, forward)
     scale = view.height / 2 / np.tan(view.field_of_view / 2)
     painted = []
-    for face, colour in faces:
+    for face, colour, ground in faces:
         normal = np.cross(face[1] - face[0], face[2] - face[1])
         length = np.linalg.norm(normal)
         depths = (face - eye) @ forward
@@ -147,7 +148,7 @@ def _painted(faces, view):
             axis=1,
         )
         brightness = 0.55 + 0.45 * max(0.0, normal @ _LIGHT / length)
-        painted.append((np.linalg.norm(face.mean(axis=0) - eye), screen, np.array(colour[:3]) * brightness))
+        painted.append((1e9 if ground else np.linalg.norm(face.mean(axis=0) - eye), screen, np.array(colour[:3]) * brightness))
     painted.sort(key=lambda entry: -entry[0])
     return painted
 
