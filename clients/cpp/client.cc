@@ -99,6 +99,7 @@ Part Client::part(const std::string& name) {
   part->kind = reply.description.kind;
   part->input_ports = to_ports(reply.description.controller_inputs);
   part->output_ports = to_ports(reply.description.sensor_outputs);
+  part->forget_writes();
   part->apply(state_->request_as<protocol::PartSample>(protocol::Read{name}, name));
   state_->parts.push_back(part.get());
   return Part(std::move(part));

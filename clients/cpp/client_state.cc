@@ -15,17 +15,18 @@ void PartState::apply(const protocol::PartSample& sample) {
   outputs = sample.sensor_outputs;
   // While we hold the lease nobody else writes, and a sample may be older than our last write. A new era
   // begins with values of its own.
-  if (!leased || sample.era != era) {
-    inputs = sample.controller_inputs;
-    unstage();
+  if (!leased || sample.era != era) forget_writes();
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    if (!set[i]) inputs[i] = sample.controller_inputs[i];
   }
   tick = sample.tick;
   time_ns = sample.sim_time_ns;
   era = sample.era;
 }
 
-void PartState::unstage() {
-  staged.assign(input_ports.size(), false);
+void PartState::forget_writes() {
+  inputs.resize(input_ports.size());
+  for (auto* flags : {&set, &staged, &last_write}) flags->assign(input_ports.size(), false);
 }
 
 protocol::Connection& ClientState::link() {
@@ -104,11 +105,20 @@ void ClientState::advance(std::int64_t ticks) {
   std::vector<protocol::Reply> samples;
   for (const std::uint64_t id : read_ids) samples.push_back(wait(id));
 
-  if (const auto* error = std::get_if<protocol::Error>(&advanced)) throw to_error(*error);
+  if (const auto* error = std::get_if<protocol::Error>(&advanced)) throw explain(*error);
   const auto now = as<protocol::Advanced>(advanced);
   set_time(now.tick, now.sim_time_ns, now.era);
   for (std::size_t i = 0; i < parts.size(); ++i) take_sample(*parts[i], std::move(samples[i]));
   if (refusal) throw *refusal;
+}
+
+// Who was dropped from the lockstep has been told so by an event, and learns it here.
+Error ClientState::explain(const protocol::Error& refusal) {
+  while (const auto message = link().next(std::chrono::milliseconds(0))) {
+    const auto* event = std::get_if<protocol::Event>(&*message);
+    if (event != nullptr && event->kind == "lockstep_timeout") return Error(ErrorCode::kTimeout, event->text);
+  }
+  return to_error(refusal);
 }
 
 void ClientState::take_sample(PartState& part, protocol::Reply reply) {

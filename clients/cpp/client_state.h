@@ -23,9 +23,10 @@ struct PartState {
   std::string name, kind;
   std::vector<PortInfo> input_ports, output_ports;
 
-  std::vector<double> inputs;            // as staged; equal to what is in force where nothing is staged
-  std::vector<bool> staged, last_write;  // by controller input
-  std::vector<double> outputs;           // of the newest sample
+  std::vector<double> inputs;  // as staged; equal to what is in force where nothing is staged
+  std::vector<bool> set, staged,
+      last_write;               // by controller input: since acquire(), since the last write, in it
+  std::vector<double> outputs;  // of the newest sample
   std::int64_t tick = 0, time_ns = 0;
   std::uint64_t era = 0;
   bool fresh = false;  // an advance brought a sample that no read() has asked for yet
@@ -35,7 +36,7 @@ struct PartState {
 
   ClientState& connected() const;  // throws kConnection where there is no client any more
   void apply(const protocol::PartSample& sample);
-  void unstage();
+  void forget_writes();
 };
 
 // A Write on its way, whose answer nobody has looked at yet.
@@ -79,6 +80,7 @@ struct ClientState {
 
  private:
   void take_sample(PartState& part, protocol::Reply reply);
+  Error explain(const protocol::Error& refusal);
   protocol::Reply wait(std::uint64_t id);
   std::optional<Error> settle_oldest();
 };

@@ -123,12 +123,10 @@ Outputs Part::all_outputs() const {
 void Part::acquire(std::int64_t deadline_ns, bool take) {
   detail::ClientState& client = state_->connected();
   client.request(protocol::AcquireLease{state_->name, deadline_ns, take}, state_->name);
-  const auto sample = client.request_as<protocol::PartSample>(protocol::Read{state_->name}, state_->name);
-  state_->leased = false;  // what is in force now is what the lease begins with
-  state_->apply(sample);
   state_->leased = true;
   state_->exceptions_at_acquire = std::uncaught_exceptions();
-  state_->last_write.assign(state_->input_ports.size(), false);
+  state_->set = state_->staged;
+  state_->apply(client.request_as<protocol::PartSample>(protocol::Read{state_->name}, state_->name));
 }
 
 void Part::release() {
@@ -137,6 +135,7 @@ void Part::release() {
   const auto refusal = client.settle();
   client.request(protocol::ReleaseLease{state_->name}, state_->name);
   state_->leased = false;
+  state_->forget_writes();
   if (refusal) throw *refusal;
 }
 
@@ -157,7 +156,7 @@ void Part::write() {
     client.post(*state_, std::move(write));
   }
   state_->last_write = staged;
-  state_->unstage();
+  staged.assign(staged.size(), false);
 }
 
 void Part::read() {

@@ -40,7 +40,7 @@ void Inputs::set(std::size_t i, double value) {
   const PortInfo& port = info(i);
   check_value(*part_, port, value);
   part_->inputs[port.index] = value;
-  part_->staged[port.index] = true;
+  part_->set[port.index] = part_->staged[port.index] = true;
 }
 
 void Inputs::set(std::span<const double> values) {

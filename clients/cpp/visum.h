@@ -111,7 +111,7 @@ class Inputs {
  public:
   std::size_t size() const { return ports_.size(); }
   const PortInfo& info(std::size_t i = 0) const;
-  double value(std::size_t i = 0) const;  // as set here or, before that, as in force when the lease was taken
+  double value(std::size_t i = 0) const;  // as set under this lease, else as in force at the newest sample
   double operator[](std::size_t i) const { return value(i); }
 
   // Stages values for Part::write(). A value that is not finite or out of range throws kBadValue and stages

@@ -102,7 +102,7 @@ const std::optional<ExitStatus>& ChildProcess::check_exit() {
 bool ChildProcess::wait_exit(std::chrono::milliseconds patience) {
   const auto give_up = Clock::now() + patience;
   while (!check_exit()) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(give_up - Clock::now());
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(give_up - Clock::now());
     if (left.count() <= 0) return false;
     std::vector<pollfd> set;
     add_to(set);

@@ -46,7 +46,7 @@ Window read_window(const Node& node) {
     node.fail("must be end, always, eventually, {from_s:, to_s:} or {by_s:}");
   node.allow_only({"from_s", "to_s", "by_s"});
   if (const auto by = node.find("by_s")) {
-    if (node.size() > 1) node.fail("'by_s' stands alone");
+    if (node.keys().size() > 1) node.fail("'by_s' stands alone");
     window.kind = Window::Kind::kEventually;
     window.to_s = by->number(config::kNonNegative);
     return window;

@@ -48,8 +48,8 @@ Until read_until(const Node& root, const Scenario& scenario) {
   } else if (node && node->kind() == Node::Kind::kMap) {
     until.kind = Until::Kind::kCondition;
     until.condition = read_condition(*node);
-  } else if (node) {
-    node->one_of({"controllers"});
+  } else if (node && (node->kind() != Node::Kind::kScalar || node->text() != "controllers")) {
+    node->fail("must be controllers, {at_s: 5} or a condition");
   }
   if (until.kind == Until::Kind::kControllers && scenario.controllers.empty()) {
     (node ? *node : root)

@@ -1,6 +1,7 @@
 #include "clients/visum/run/spawn.h"
 
 #include <fcntl.h>
+#include <linux/close_range.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -39,6 +40,7 @@ void close_all(std::initializer_list<int> descriptors) {
   for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGHUP}) ::signal(signal, SIG_DFL);
   const int null = ::open("/dev/null", O_RDONLY);
   if (null >= 0 && ::dup2(null, 0) >= 0 && ::dup2(out.write, 1) >= 0 && ::dup2(err.write, 2) >= 0) {
+    ::close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);  // ours are so already; what we inherited need not be
     ::execvp(argv[0], argv);
   }
   const int error = errno;

@@ -1,0 +1,299 @@
+"""visum run with the real daemon: passing, failing, controllers that crash, hang, or are killed; nothing is left."""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+import textwrap
+import unittest
+import xml.etree.ElementTree as xml
+
+from programs import ARM, BIN, DEADLINE_S, SOURCE, processes_with, visum
+
+RESULT = {"passed", "ticks", "sim_seconds", "wall_seconds", "state_hash"}
+
+
+class Scenario(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="visum_run_test_")))
+
+    def write(self, text, name="scenario.yaml"):
+        """The world is the arm's, in a file of this folder, so that all processes name the folder in their commands."""
+        (self.folder / "world.yaml").write_text(f"visum: 1\ninclude: [{ARM}]\n")
+        file = self.folder / name
+        file.write_text(f"visum_scenario: 1\nname: {file.stem}\nscene: world.yaml\n" + textwrap.dedent(text))
+        return file
+
+    def run_it(self, text, *options, expect=0):
+        """The result's line, and all that visum did."""
+        done = visum("run", self.write(text), "--json", *options, expect=expect)
+        result = json.loads(done.stdout.splitlines()[-1])
+        self.assertEqual(set(result), RESULT)
+        self.assertEqual(result["passed"], expect == 0)
+        self.assert_nothing_left()
+        return result, done
+
+    def assert_nothing_left(self):
+        self.assertEqual(processes_with(str(self.folder)), [])
+
+
+class Worlds(Scenario):
+    """Without a controller."""
+
+    def test_passes_with_the_same_bits_every_time(self):
+        text = """
+            until: {at_s: 0.5}
+            timeline:
+              - {at_s: 0.1, push: {body: box, force_n: [0.5, 0, 0], duration_s: 0.05}}
+              - {at_s: 0.2, set: {part: arm, port: Desired Angle 1, value: 0.1}}
+            checks:
+              - {that: {tilt: {body: box}, below: 0.1}, when: always}
+              - {that: {joint_position: {joint: arm/joint_1}, above: 0.01}}
+        """
+        results = [self.run_it(text)[0] for _ in range(2)]
+        self.assertEqual(results[0]["state_hash"], results[1]["state_hash"])
+        self.assertEqual([r["ticks"] for r in results], [500, 500])
+        self.assertEqual(results[0]["sim_seconds"], 0.5)
+
+    def test_another_push_gives_other_bits(self):
+        text = "until: {{at_s: 0.2}}\ntimeline: [{{at_s: 0.1, push: {{body: box, force_n: [{}, 0, 0]}}}}]\n"
+        self.assertNotEqual(self.run_it(text.format(0.5))[0]["state_hash"], self.run_it(text.format(0.6))[0]["state_hash"])
+
+    def test_a_check_that_fails_is_1_and_shows_what_was_measured(self):
+        result, done = self.run_it("""
+            until: {at_s: 0.05}
+            checks:
+              - {name: flies, that: {position: {body: box, axis: z}, above: 1}}
+              - {name: stands, that: {tilt: {body: box}, below: 0.1}}
+        """, expect=1)
+        checks = [json.loads(line) for line in done.stdout.splitlines()[:-1]]
+        self.assertEqual([(c["check"], c["passed"]) for c in checks], [("flies", False), ("stands", True)])
+        self.assertAlmostEqual(checks[0]["value"], 0.24, places=3)
+        self.assertRegex(done.stderr, r"FAILED  flies   z of box 0\.2\S+ m at 0\.050 s, must be above 1 m")
+        self.assertEqual(result["ticks"], 50)
+
+    def test_ends_when_its_condition_holds_and_settles(self):
+        result, _ = self.run_it("until: {time: {}, above: 0.095}\nsettle_s: 0.05\n")
+        self.assertEqual(result["ticks"], 150)
+
+    def test_a_condition_that_never_holds_fails(self):
+        _, done = self.run_it("until: {position: {body: box, axis: z}, above: 5}\nmax_sim_s: 0.05\n", expect=1)
+        self.assertIn("the condition of 'until' never held within max_sim_s, 0.05 s", done.stderr)
+
+    def test_an_entry_that_never_came_due_fails(self):
+        _, done = self.run_it("until: {at_s: 0.02}\ntimeline: [{at_s: 5, say: late}]\n", expect=1)
+        self.assertRegex(done.stderr, r"scenario\.yaml:5: timeline\[0\]: this entry never came due")
+
+    def test_a_body_that_goes_does_not_confuse_the_others(self):
+        self.run_it("""
+            until: {at_s: 0.1}
+            timeline: [{at_s: 0.05, remove_body: table}]
+            checks: [{that: {position: {body: target, axis: x}, equals: 0.5, within: 0.0001}, when: always}]
+        """)
+
+    def test_junit(self):
+        report = self.folder / "report.xml"
+        result, _ = self.run_it("until: {at_s: 0.02}\nchecks: [{name: \"a <b> & c\", that: {tilt: {body: box}, below: 1}}]\n",
+                                "--junit", report)
+        suite = xml.parse(report).getroot().find("testsuite")
+        self.assertEqual([case.get("name") for case in suite.findall("testcase")], ["the run goes to its end", "a <b> & c"])
+        properties = {p.get("name"): p.get("value") for p in suite.find("properties")}
+        self.assertEqual(properties["state_hash"], result["state_hash"])
+
+    def test_every_clock(self):
+        for clock in ("lockstep", "free", "realtime"):
+            result, _ = self.run_it("until: {at_s: 0.05}\n", "--clock", clock)
+            self.assertGreaterEqual(result["sim_seconds"], 0.05)
+
+    def test_many_side_by_side(self):
+        file = self.write("until: {at_s: 0.05}\n")
+        runs = [subprocess.Popen([BIN / "visum", "run", file, "--json"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                                 text=True) for _ in range(4)]
+        hashes = {json.loads(run.communicate(timeout=DEADLINE_S)[0].splitlines()[-1])["state_hash"] for run in runs}
+        self.assertEqual(len(hashes), 1)
+
+
+class WrongFiles(Scenario):
+    def error(self, text, line, key, reason):
+        done = visum("run", self.write(text), expect=3)
+        self.assertIn(f"scenario.yaml:{line}: {key}: {reason}", done.stdout + done.stderr)
+        self.assert_nothing_left()
+
+    def test_names_that_only_the_world_knows_are_3(self):
+        self.error("until: {at_s: 1}\nchecks: [{that: {tilt: {body: bux}, below: 1}}]\n", 5, "checks[0].that.tilt",
+                   "there is no body 'bux' (did you mean 'box'?)")
+        self.error("until: {at_s: 1}\nchecks: [{that: {port: {part: arm, name: Part Stat}, below: 1}}]\n", 5,
+                   "checks[0].that.port", "there is no port of part 'arm' called 'Part Stat' (did you mean 'Part State'?)")
+        self.error("until: {at_s: 1}\ntimeline: [{at_s: 0, set: {part: arm, port: Halt, value: -5}}]\n", 5, "timeline[0]",
+                   "port 'Halt' takes")
+
+    def test_a_scene_that_is_wrong_is_3_with_its_own_line(self):
+        (self.folder / "scene.yaml").write_text("visum: 1\nbodies:\n  - {name: b, mass: -1, shapes: [{sphere: 1}]}\n")
+        file = self.folder / "scenario.yaml"
+        file.write_text("visum_scenario: 1\nname: n\nscene: scene.yaml\nuntil: {at_s: 1}\n")
+        done = visum("run", file, expect=3)
+        self.assertRegex(done.stdout + done.stderr, r"scene\.yaml:3: bodies\[0\]\.mass")
+
+    def test_a_file_that_is_not_there_is_3(self):
+        self.assertIn("/nowhere.yaml", visum("run", "/nowhere.yaml", expect=3).stderr)
+
+    def test_a_controller_that_cannot_be_started_is_3(self):
+        self.error("controllers: [{name: c, command: [/nowhere/program]}]\n", 4, "controllers[0]",
+                   "cannot start '/nowhere/program': No such file or directory")
+
+    def test_a_report_that_cannot_be_written_is_2(self):
+        visum("run", self.write("until: {at_s: 1}\n"), "--junit", "/nowhere/report.xml", expect=2)
+
+
+class Controllers(Scenario):
+    """Small controllers in Python, with the protocol's own client, beside the real one."""
+
+    PICK = '["{bin}/visum-pick-and-place", "--connect", "{connect}", "--urdf", "%s", "--from", "0.5,0.2", "--to", "0.5,-0.2"]' % (
+        SOURCE / "models/amtec_arm/amtec_arm.urdf")
+
+    def pick(self, more=""):
+        return f"""
+            max_sim_s: 60
+            controllers: [{{name: pick, client: visum-pick-and-place, command: {self.PICK}}}]
+            {more}
+        """
+
+    def test_one_that_ends_badly_before_it_joined_is_1_with_its_last_words(self):
+        _, done = self.run_it("controllers: [{name: c, command: [sh, -c, 'echo oh dear; exit 7']}]\n", expect=1)
+        self.assertIn("controller 'c' exited with code 7 before it joined the clock", done.stderr)
+        self.assertIn("| oh dear", done.stderr)
+
+    def test_one_that_never_joins_is_4(self):
+        _, done = self.run_it("start_wall_s: 1\ncontrollers: [{name: c, command: [sleep, '1000']}]\n", expect=4)
+        self.assertIn("controller 'c' has not joined the clock within 1 s", done.stderr)
+
+    def test_one_that_does_not_join_may_end_whenever_it_likes(self):
+        result, done = self.run_it("controllers: [{name: c, joins: false, command: [sh, -c, 'echo $0 {port}', hello]}]\n")
+        self.assertRegex(done.stderr, r"c \| hello \d+")
+
+    def test_one_that_is_killed_by_the_time_line_stops_the_arm(self):
+        text = self.pick("""until: {at_s: 2.5}
+            timeline: [{at_s: 1.5, kill: pick}]
+            checks:
+              - {name: fault, that: {port: {part: arm, name: Part State}, above: 1.5}}
+              - {name: stopped, that: {joint_speed: {joint: arm/joint_2}, between: [-0.001, 0.001]}}""")
+        results = [self.run_it(text)[0] for _ in range(2)]
+        self.assertEqual(results[0]["state_hash"], results[1]["state_hash"], "also a kill is the same every time")
+
+    def test_one_that_is_killed_from_outside_is_4(self):
+        process = subprocess.Popen([BIN / "visum", "run", self.write(self.pick()), "--json"], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        for line in process.stderr:
+            if line.startswith("pick |"):
+                break
+        victims = [pid for pid in processes_with("visum-pick-and-place")
+                   if pathlib.Path(f"/proc/{pid}/stat").read_text().split(") ")[1].split()[1] == str(process.pid)]
+        self.assertEqual(len(victims), 1)
+        os.kill(victims[0], signal.SIGKILL)
+        out, err = process.communicate(timeout=DEADLINE_S)
+        self.assertEqual(process.returncode, 4, err)
+        self.assertIn("was ended by signal 9 (Killed)", err)
+        self.assertFalse(json.loads(out.splitlines()[-1])["passed"])
+
+    def test_one_that_hangs_in_the_lockstep_is_4(self):
+        scene = self.folder / "impatient.yaml"
+        scene.write_text(f"visum: 1\ninclude: [{ARM}]\nlockstep_timeout_s: 0.5\n")
+        text = self.pick("timeline: [{at_s: 1, say: now}]")
+        file = self.write(text)
+        file.write_text(file.read_text().replace("world.yaml", scene.name))
+        process = subprocess.Popen([BIN / "visum", "run", file, "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True)
+        for line in process.stderr:
+            if line.startswith("scenario | now"):
+                break
+        for pid in processes_with("visum-pick-and-place"):
+            os.kill(pid, signal.SIGSTOP)
+        _, err = process.communicate(timeout=DEADLINE_S)
+        self.assertEqual(process.returncode, 4, err)
+        self.assertIn("'visum-pick-and-place' held the lockstep", err)
+        self.assert_nothing_left()
+
+    def test_wall_time_that_is_over_is_124(self):
+        _, done = self.run_it("start_wall_s: 100\ncontrollers: [{name: c, command: [sleep, '1000']}]\n", "--timeout", "0.5",
+                              expect=124)
+        self.assertIn("not done after 0.5 s of wall time", done.stderr)
+
+    def test_a_controller_that_prints_without_end_blocks_nothing(self):
+        self.run_it("until: {at_s: 0.2}\ncontrollers: [{name: c, joins: false, command: ['yes']}]\n")
+
+
+class Ends(Scenario):
+    """However visum ends, nothing of it is left."""
+
+    def start(self, text, *options):
+        process = subprocess.Popen([BIN / "visum", "run", self.write(text), *options], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        line = ""
+        while "ready" not in line:
+            line = process.stderr.readline()
+            self.assertTrue(line, "visum ended too early")
+        self.assertTrue(processes_with(str(self.folder)))
+        return process
+
+    TEXT = "max_sim_s: 1e6\nuntil: {at_s: 1e6}\ntimeline: [{at_s: 0.01, say: ready}]\n" \
+           "controllers: [{name: c, joins: false, command: [sh, -c, 'sleep 1000; true', '{scenario_dir}']}]\n"
+
+    def test_by_interrupt(self):
+        process = self.start(self.TEXT)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=DEADLINE_S)
+        self.assertEqual(process.returncode, 130, err)
+        self.assert_nothing_left()
+
+    def test_by_kill(self):
+        process = self.start(self.TEXT)
+        process.kill()
+        process.communicate(timeout=DEADLINE_S)
+        for _ in range(1000):  # the kernel kills them when it gets to it
+            if not processes_with(str(self.folder)):
+                break
+            subprocess.run(["sleep", "0.01"], check=True)
+        self.assert_nothing_left()
+
+    def test_by_the_death_of_the_daemon(self):
+        process = self.start(self.TEXT)
+        for pid in processes_with("visumd"):
+            if str(process.pid) == pathlib.Path(f"/proc/{pid}/stat").read_text().split(") ")[1].split()[1]:
+                os.kill(pid, signal.SIGKILL)
+        _, err = process.communicate(timeout=DEADLINE_S)
+        self.assertEqual(process.returncode, 1, err)
+        self.assertIn("visumd was ended by signal 9 (Killed)", err)
+        self.assert_nothing_left()
+
+    def test_keep_goes_on_until_it_is_interrupted(self):
+        file = self.write("until: {at_s: 0.05}\nchecks: [{that: {tilt: {body: box}, below: 1}}]\n")
+        process = subprocess.Popen([BIN / "visum", "run", file, "--keep"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True)
+        connect = None
+        while connect is None:
+            line = process.stderr.readline()
+            self.assertTrue(line, "visum ended too early")
+            if "visum watch arm" in line:
+                connect = line.split("--connect ")[1].strip()
+        samples = visum("watch", "arm", "Part State", "--every", "10", "--count", "5", "--json", "--connect", connect).stdout
+        ticks = [json.loads(sample)["tick"] for sample in samples.splitlines()]
+        self.assertEqual(ticks, sorted(set(ticks)), "time goes on")
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=DEADLINE_S)
+        self.assertEqual(process.returncode, 0, err)
+        self.assertIn("PASSED: 1 of 1 checks", out)
+        self.assert_nothing_left()
+
+    def test_a_fixed_port(self):
+        import socket
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        text = "until: {at_s: 0.02}\ncontrollers: [{name: c, joins: false, command: [echo, '{connect}']}]\n"
+        done = visum("run", self.write(text), "--port", port)
+        self.assertIn(f"c | 127.0.0.1:{port}", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

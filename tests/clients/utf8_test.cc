@@ -1,0 +1,37 @@
+#include "clients/visum/common/utf8.h"
+
+#include <gtest/gtest.h>
+
+#include "clients/visum/common/terminal.h"
+
+namespace visum::cli {
+namespace {
+
+TEST(Utf8, KeepsWhatIsWellFormed) {
+  const std::string good = "K\xc3\xbcste \xe2\x82\xac \xf0\x9f\x93\xa6";
+  EXPECT_EQ(valid_utf8(good), good);
+}
+
+TEST(Utf8, ReplacesEachByteThatIsNot) {
+  EXPECT_EQ(valid_utf8("a\xff"), "a?");
+  EXPECT_EQ(valid_utf8("\xc0\xaf"), "??") << "overlong";
+  EXPECT_EQ(valid_utf8("\xe0\x80\x80"), "???") << "overlong";
+  EXPECT_EQ(valid_utf8("\xed\xa0\x80"), "???") << "surrogate";
+  EXPECT_EQ(valid_utf8("\xf4\x90\x80\x80"), "????") << "beyond the last code point";
+  EXPECT_EQ(valid_utf8("\xc3"), "?") << "cut off";
+  EXPECT_EQ(valid_utf8("\xe2\x82"
+                       "a"),
+            "??a");
+}
+
+TEST(Terminal, PrintableTextSteersNothing) {
+  EXPECT_EQ(printable("a\033[2Jb\rc\td"), "a [2Jb c\td");
+}
+
+TEST(Terminal, StyleWithoutColoursIsTheTextAlone) {
+  EXPECT_EQ(Style(false).red("x"), "x");
+  EXPECT_EQ(Style(true).red("x"), "\033[31mx\033[0m");
+}
+
+}  // namespace
+}  // namespace visum::cli

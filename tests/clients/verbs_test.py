@@ -1,0 +1,267 @@
+"""The command line against a real daemon: what it prints, and its exit codes."""
+import json
+import os
+import pty
+import re
+import signal
+import subprocess
+import tempfile
+import unittest
+
+from programs import ARM, BIN, DEADLINE_S, Daemon, visum
+
+QUERIES = [("parts",), ("describe", "arm"), ("get", "arm"), ("get", "arm", "Actual Angle"), ("params", "arm"), ("status",)]
+
+
+class Usage(unittest.TestCase):
+    def test_version_and_help(self):
+        self.assertRegex(visum("--version").stdout, r"^visum \d+\.\d+\.\d+\n$")
+        self.assertIn("Exit codes", visum("--help").stdout)
+
+    def test_every_verb_has_help_with_an_example(self):
+        verbs = re.findall(r"^  ([a-z-]+)  +\w", visum("--help").stdout.split("Subcommands:")[1], re.M)
+        self.assertGreater(len(verbs), 15)
+        for verb in verbs:
+            self.assertRegex(visum(verb, "--help").stdout, r"Examples?:\n  (source <\()?visum", verb)
+
+    def test_wrong_usage_is_2(self):
+        for words in ([], ["prats"], ["get"], ["get", "arm", "--nonsense"], ["step", "0"], ["step", "x"], ["speedup", "0"],
+                      ["speedup", "nan"], ["push", "box", "1", "2"], ["completion", "tcsh"], ["run"],
+                      ["parts", "--connect", "here:there"], ["parts", "--connect", "localhost:0"],
+                      ["parts", "--token-file", "/nowhere"]):
+            visum(*words, expect=2)
+
+    def test_nobody_there_is_4(self):
+        with Daemon("--clock", "lockstep") as daemon:
+            connect = daemon.connect
+        done = visum("parts", "--connect", connect, expect=4)
+        self.assertIn(f"nothing listens at {connect}", done.stderr)
+
+    def test_connect_comes_from_the_environment_too(self):
+        with Daemon("--clock", "lockstep") as daemon:
+            self.assertEqual(visum("parts", "--names", env={"VISUM_CONNECT": daemon.connect}).stdout, "arm\n")
+
+
+class Queries(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = cls.enterClassContext(Daemon("--clock", "lockstep"))
+
+    def test_every_query_prints_one_json_value(self):
+        for words in QUERIES:
+            self.assertIsInstance(json.loads(self.daemon.visum(*words, "--json").stdout), dict, words)
+            self.assertTrue(self.daemon.visum(*words).stdout, words)
+
+    def test_parts(self):
+        self.assertEqual(self.daemon.json("parts"),
+                         {"parts": [{"name": "arm", "kind": "amtec_arm", "lease_owner": ""}]})
+
+    def test_describe_names_every_port_with_index_unit_and_range(self):
+        part = self.daemon.json("describe", "arm")
+        first = part["controller_inputs"][0]
+        self.assertEqual((first["index"], first["name"], first["unit"]), (0, "Desired Angle 1", "rad"))
+        self.assertLess(first["minimum"], first["maximum"])
+        names = self.daemon.visum("describe", "arm", "--names").stdout.splitlines()
+        self.assertEqual(names, [p["name"] for p in part["controller_inputs"] + part["sensor_outputs"]])
+
+    def test_get_of_one_port_is_a_number_alone(self):
+        self.assertEqual(float(self.daemon.visum("get", "arm", "Actual Angle 2").stdout),
+                         self.daemon.json("get", "arm", "Actual Angle 2")["ports"]["Actual Angle 2"])
+
+    def test_get_of_a_group_is_all_of_it(self):
+        ports = self.daemon.json("get", "arm", "Actual Angle")["ports"]
+        self.assertEqual(list(ports), [f"Actual Angle {i}" for i in range(1, 8)])
+
+    def test_unknown_names_are_told_with_the_nearest(self):
+        self.assertEqual(self.daemon.visum("get", "amr", expect=2).stderr,
+                         "visum: no part 'amr' on this server (did you mean 'arm'?)\n")
+        self.assertEqual(self.daemon.visum("get", "arm", "Actual Angel 1", expect=2).stderr,
+                         "visum: part 'arm' has no port 'Actual Angel 1' (did you mean 'Actual Angle 1'?)\n")
+
+    def test_status_names_clock_and_hash(self):
+        status = self.daemon.json("status")
+        self.assertEqual((status["clock"], status["tick"], status["simulated"]), ("lockstep", 0, True))
+        self.assertRegex(status["state_hash"], r"^[0-9a-f]{16}$")
+
+    def test_no_colours_in_a_pipe(self):
+        self.assertNotIn("\033", self.daemon.visum("status").stdout)
+
+
+class Commands(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = cls.enterClassContext(Daemon("--clock", "realtime", "--speedup", "20", "--run"))
+
+    def get(self, port):
+        return float(self.daemon.visum("get", "arm", port).stdout)
+
+    def test_set_is_in_force_when_it_returns_and_holds_after_it(self):
+        self.daemon.visum("set", "arm", "Maximum Speed 1", "0.25", "Desired Angle 1", "0.5")
+        self.assertEqual(self.get("Maximum Speed 1"), 0.25)
+        self.assertEqual(self.get("Desired Angle 1"), 0.5)
+        self.assertEqual(self.daemon.json("parts")["parts"][0]["lease_owner"], "")
+        self.assertLess(self.get("Part State"), 2, "a release in good order is no fault")
+        done = self.daemon.json("set", "arm", "Maximum Speed 1", "0.5")
+        self.assertEqual((done["part"], done["applied"]), ("arm", True))
+
+    def test_set_takes_negative_numbers(self):
+        self.daemon.visum("set", "arm", "Desired Angle 7", "-0.25")
+        self.assertEqual(self.get("Desired Angle 7"), -0.25)
+
+    def test_set_of_nonsense_is_2_and_changes_nothing(self):
+        before = self.daemon.json("get", "arm", "Desired Angle")["ports"]
+        for words in (["Desired Angle 1"], ["Desired Angle 1", "nan"], ["Desired Angle 1", "1e9"],
+                      ["Actual Angle 1", "1"], ["Desired Angel 1", "1"],
+                      ["Desired Angle 1", "0.1", "Desired Angle 1", "0.2"], ["Desired Angle 1", "0.1", "Desired Angle 2", "x"]):
+            self.daemon.visum("set", "arm", *words, expect=2)
+        self.assertEqual(self.daemon.json("get", "arm", "Desired Angle")["ports"], before)
+
+    def test_set_of_a_value_out_of_range_names_port_and_range(self):
+        error = self.daemon.visum("set", "arm", "Desired Angle 1", "1e9", expect=2).stderr
+        self.assertRegex(error, r"^visum: port 'Desired Angle 1' of part 'arm' takes -\S+ .. \S+ rad, not '1e9'\n$")
+
+    def test_what_the_part_refuses_as_a_whole_leaves_the_lease_free(self):
+        error = self.daemon.visum("set", "arm", "Desired Finger Position 1", "0.01",
+                                  "Desired Finger Position 2", "0.03", expect=2).stderr
+        self.assertTrue(error)
+        self.assertEqual(self.daemon.json("parts")["parts"][0]["lease_owner"], "")
+
+    def test_param_set(self):
+        for parameter in self.daemon.json("params", "arm")["parameters"]:
+            if parameter["read_only"]:
+                continue
+            value = parameter["value"]
+            text = str(value).lower() if isinstance(value, bool) else str(value)
+            self.daemon.visum("param-set", "arm", parameter["name"], text)
+            break
+        else:
+            self.fail("the arm has no parameter that can be set")
+        self.daemon.visum("param-set", "arm", "nonsense", "1", expect=2)
+
+    def test_pause_step_and_resume(self):
+        self.daemon.visum("pause")
+        before = self.daemon.json("status")
+        self.assertTrue(before["paused"])
+        self.assertEqual(self.daemon.json("step", "25")["tick"], before["tick"] + 25)
+        done = self.daemon.visum("set", "arm", "Maximum Speed 2", "0.5")
+        self.assertIn("takes effect with the next tick", done.stderr)
+        self.assertEqual(self.daemon.json("status")["tick"], before["tick"] + 25)
+        self.daemon.visum("resume")
+        self.assertFalse(self.daemon.json("status")["paused"])
+
+    def test_speedup(self):
+        self.daemon.visum("speedup", "10")
+        self.assertEqual(self.daemon.json("status")["speed"], 10)
+        self.daemon.visum("speedup", "20")
+
+    def test_snapshot_restore_and_reset_begin_new_eras(self):
+        era = self.daemon.json("status")["era"]
+        number = self.daemon.visum("snapshot").stdout.strip()
+        self.daemon.visum("restore", number)
+        self.assertEqual(self.daemon.json("status")["era"], era + 1)
+        self.daemon.visum("reset")
+        self.assertEqual(self.daemon.json("status")["era"], era + 2)
+        self.assertEqual(self.daemon.visum("restore", "999999", expect=2).stdout, "")
+
+    def test_push(self):
+        self.daemon.visum("push", "box", "0", "0", "-5", "--for", "0.01")
+        self.daemon.visum("push", "bux", "0", "0", "5", expect=2)
+
+    def test_watch_prints_a_line_per_sample_and_ends_by_count(self):
+        lines = self.daemon.visum("watch", "arm", "Actual Angle 1", "--every", "10", "--count", "3").stdout.splitlines()
+        self.assertEqual(len(lines), 3)
+        for line in lines:
+            self.assertRegex(line, r"^\d+\.\d{3} s  Actual Angle 1=\S+ rad$")
+        samples = [json.loads(line) for line in
+                   self.daemon.visum("watch", "arm", "Part State", "--count", "2", "--json").stdout.splitlines()]
+        self.assertEqual([list(sample["ports"]) for sample in samples], [["Part State"]] * 2)
+
+    def test_watch_ends_by_interrupt(self):
+        process = subprocess.Popen([BIN / "visum", "watch", "arm", "--connect", self.daemon.connect],
+                                   stdout=subprocess.PIPE, text=True)
+        self.assertTrue(process.stdout.readline())
+        process.send_signal(signal.SIGINT)
+        process.stdout.read()
+        process.stdout.close()
+        self.assertEqual(process.wait(timeout=DEADLINE_S), 130)
+
+    def test_watch_draws_a_table_on_a_terminal_and_gives_the_cursor_back(self):
+        main, terminal = pty.openpty()
+        env = {**os.environ, "TERM": "xterm", "NO_COLOR": "1"}
+        with subprocess.Popen([BIN / "visum", "watch", "arm", "Actual Angle", "--count", "2", "--connect", self.daemon.connect],
+                              stdout=terminal, env=env) as process:
+            self.assertEqual(process.wait(timeout=DEADLINE_S), 0)
+        os.close(terminal)
+        shown = b""
+        try:
+            while chunk := os.read(main, 4096):
+                shown += chunk
+        except OSError:
+            pass  # the other end is closed: all is read
+        os.close(main)
+        text = shown.decode()
+        self.assertIn("VIRTUAL  arm at ", text)
+        self.assertTrue(text.startswith("\033[?25l") and text.endswith("\033[?25h"))
+        self.assertIn("\033[8A", text, "the second table is drawn over the first")
+        self.assertNotIn("\033[1m", text, "NO_COLOR")
+
+
+class Refusals(unittest.TestCase):
+    def test_a_lease_in_the_way_is_1_and_names_its_owner(self):
+        with Daemon("--clock", "realtime", "--speedup", "20") as daemon:
+            holder = subprocess.Popen([BIN / "visum-pick-and-place", "--connect", daemon.connect], stdout=subprocess.PIPE,
+                                      stderr=subprocess.DEVNULL)
+            holder.stdout.readline()
+            error = daemon.visum("set", "arm", "Desired Angle 1", "0", expect=1).stderr
+            self.assertIn("visum-pick-and-place", error)
+            holder.kill()
+            holder.stdout.close()
+            holder.wait(timeout=DEADLINE_S)
+
+    def test_speedup_needs_realtime(self):
+        with Daemon("--clock", "lockstep") as daemon:
+            self.assertIn("realtime", daemon.visum("speedup", "2", expect=1).stderr)
+
+    def test_tokens(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".tokens") as tokens:
+            tokens.write("observer 0123456789abcdef\nadmin fedcba9876543210\n")
+            tokens.flush()
+            with Daemon("--clock", "lockstep", "--token-file", tokens.name) as daemon:
+                daemon.visum("parts", expect=1)
+                daemon.visum("parts", "--token-file", tokens.name)
+                daemon.visum("pause", "--token-file", tokens.name)
+
+
+class Completion(unittest.TestCase):
+    def complete(self, connect, *words):
+        """What bash offers for the last word."""
+        script = visum("completion", "bash").stdout + f"""
+COMP_WORDS=({' '.join(words)}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _visum; printf '%s\\n' "${{COMPREPLY[@]}}"
+"""
+        env = {**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}", "VISUM_CONNECT": connect}
+        done = subprocess.run(["bash", "--norc", "-eu", "-c", script], capture_output=True, text=True, env=env,
+                              timeout=DEADLINE_S, check=True)
+        return done.stdout.splitlines()
+
+    def test_bash_completes_verbs_options_parts_and_ports(self):
+        with Daemon("--clock", "lockstep") as daemon:
+            self.assertEqual(self.complete(daemon.connect, "visum", "desc"), ["describe"])
+            self.assertEqual(self.complete(daemon.connect, "visum", "run", "--ju"), ["--junit"])
+            self.assertEqual(self.complete(daemon.connect, "visum", "get", "a"), ["arm"])
+            self.assertEqual(self.complete(daemon.connect, "visum", "get", "arm", r"Actual\\\ Angle\\\ 7"),
+                             [r"Actual\ Angle\ 7"])
+            self.assertEqual(self.complete(daemon.connect, "visum", "get", "arm", r"\"Part\ St"), ["Part State"])
+            self.assertEqual(self.complete(daemon.connect, "visum", "completion", "z"), ["zsh"])
+
+    def test_scripts_are_well_formed(self):
+        for shell, check in (("bash", ["bash", "-n"]), ("zsh", ["zsh", "-n"]), ("fish", ["fish", "-n"])):
+            script = visum("completion", shell).stdout
+            self.assertIn("visum", script)
+            try:
+                subprocess.run([*check], input=script, text=True, check=True, timeout=DEADLINE_S)
+            except FileNotFoundError:
+                self.assertNotEqual(shell, "bash", "bash is always there")
+
+
+if __name__ == "__main__":
+    unittest.main()
