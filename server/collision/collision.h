@@ -1,5 +1,5 @@
-// Collision as one stage of its own that serves every engine: broad phase, narrow phase, contacts in an order sorted by
-// stable ids. FCL stays inside gjk.cc. Lives on the tick's thread.
+// Collision as one stage of its own that serves every engine: broad phase, narrow phase, contacts in an order
+// sorted by stable ids. FCL stays inside gjk.cc. Lives on the tick's thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,13 +16,13 @@ namespace visum::collision {
 struct Contact {
   world::ShapeId shape_a, shape_b;
   world::BodyId body_a, body_b;
-  std::int32_t feature = 0;    // stable number of the point within its pair
-  Eigen::Vector3d p_W;         // midway between the surfaces
-  Eigen::Vector3d normal_W;    // unit, from b to a: pushing a along it separates the two
-  double depth = 0.0;          // > 0: overlap
+  std::int32_t feature = 0;  // stable number of the point within its pair
+  Eigen::Vector3d p_W;       // midway between the surfaces
+  Eigen::Vector3d normal_W;  // unit, from b to a: pushing a along it separates the two
+  double depth = 0.0;        // > 0: overlap
   double friction = 0.0;
   double restitution = 0.0;
-  double normal_force_n = 0.0; // filled by the engine: mean over the tick
+  double normal_force_n = 0.0;  // filled by the engine: mean over the tick
 };
 
 class CollisionStage {
@@ -32,8 +32,8 @@ class CollisionStage {
   CollisionStage(const CollisionStage&) = delete;
   CollisionStage& operator=(const CollisionStage&) = delete;
 
-  // Replaces `contacts`, sorted by (shape_a, shape_b, feature). A function of the bodies' poses alone: no memory of
-  // earlier calls, so that a restored world collides with the same bits.
+  // Replaces `contacts`, sorted by (shape_a, shape_b, feature). A function of the bodies' poses alone: no
+  // memory of earlier calls, so that a restored world collides with the same bits.
   void find(const world::WorldState& state, std::vector<Contact>& contacts);
 
  private:

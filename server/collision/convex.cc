@@ -25,7 +25,7 @@ Eigen::Vector3d mean(const std::vector<Eigen::Vector3d>& points) {
 }
 
 Eigen::Vector3d radial(const Eigen::Vector3d& direction) {
-  const double length = std::hypot(direction.x(), direction.y());
+  const double length = direction.head<2>().norm();
   if (length == 0.0) return Eigen::Vector3d::UnitX();
   return {direction.x() / length, direction.y() / length, 0.0};
 }
@@ -88,7 +88,7 @@ bool is_between(const std::array<double, 2>& from, const Eigen::Vector3d& direct
 Feature cylinder_cap(const Convex& cylinder, const Eigen::Vector3d& direction) {
   const double side = direction.z() >= 0.0 ? 1.0 : -1.0;
   const Eigen::Vector3d middle(0, 0, side * cylinder.half_length);
-  const bool leans = std::hypot(direction.x(), direction.y()) > kUprightSine;
+  const bool leans = direction.head<2>().norm() > kUprightSine;
   Feature feature;
   for (std::size_t i = 0; i < kRim.size(); ++i) {
     const auto& corner = kRim[i];

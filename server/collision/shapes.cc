@@ -24,6 +24,23 @@ Convex make_convex_of(const world::WorldModel& model, const world::Shape& shape)
   return {};
 }
 
+Eigen::AlignedBox3d box_of(const Convex& convex) {
+  Eigen::AlignedBox3d box;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    box.max()[i] = convex.farthest(Eigen::Vector3d::Unit(i))[i];
+    box.min()[i] = convex.farthest(-Eigen::Vector3d::Unit(i))[i];
+  }
+  return box;
+}
+
+Eigen::AlignedBox3d box_of(const Mesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const MeshTriangle& triangle : mesh.triangles()) {
+    for (const Eigen::Vector3d& corner : triangle.corners) box.extend(corner);
+  }
+  return box;
+}
+
 PreparedShape prepare(const world::WorldModel& model, world::ShapeId id) {
   const world::Shape& shape = model.shapes[id.index()];
   const world::Surface& surface = model.surfaces[shape.surface.index()];
@@ -35,30 +52,15 @@ PreparedShape prepare(const world::WorldModel& model, world::ShapeId id) {
   prepared.X_BS = shape.X_BS;
   prepared.friction = surface.friction;
   prepared.restitution = surface.restitution;
-  if (shape.kind == world::ShapeKind::kMesh)
+  if (shape.kind == world::ShapeKind::kMesh) {
     prepared.mesh = std::make_unique<Mesh>(model.meshes[shape.mesh.index()]);
-  else if (shape.kind != world::ShapeKind::kPlane)
+    prepared.box_S = box_of(*prepared.mesh);
+  } else if (shape.kind != world::ShapeKind::kPlane) {
     prepared.convex = make_convex_of(model, shape);
+    prepared.gjk = std::make_unique<GjkShape>(prepared.convex);
+    prepared.box_S = box_of(prepared.convex);
+  }
   return prepared;
-}
-
-// The box of a convex shape, from its farthest points along the world's axes.
-Eigen::AlignedBox3d convex_box(const Placed& placed) {
-  Eigen::AlignedBox3d box;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const Eigen::Vector3d axis = Eigen::Vector3d::Unit(i);
-    box.max()[i] = placed.farthest(axis)[i];
-    box.min()[i] = placed.farthest(-axis)[i];
-  }
-  return box;
-}
-
-Eigen::AlignedBox3d mesh_box(const Mesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const MeshTriangle& triangle : mesh.triangles()) {
-    for (const Eigen::Vector3d& corner : triangle.corners) box.extend(corner);
-  }
-  return box;
 }
 
 }  // namespace
@@ -75,14 +77,6 @@ std::vector<PreparedShape> prepare_shapes(const world::WorldModel& model) {
   for (std::size_t i = 0; i < model.shapes.size(); ++i) {
     if (model.shapes[i].collides) shapes.push_back(prepare(model, {static_cast<std::int32_t>(i)}));
   }
-  for (PreparedShape& shape : shapes) {
-    if (shape.kind == world::ShapeKind::kPlane) continue;
-    if (shape.mesh != nullptr) {
-      shape.mesh_box = mesh_box(*shape.mesh);
-      continue;
-    }
-    shape.gjk = std::make_unique<GjkShape>(shape.convex);
-  }
   return shapes;
 }
 
@@ -91,11 +85,8 @@ void place(PreparedShape& shape, const world::WorldModel& model, const world::Wo
       link_pose(model.bodies[shape.body.index()], state.bodies[shape.body.index()]) * shape.X_BS;
   shape.placed = {&shape.convex, shape.gjk.get(), X_WS.q.toRotationMatrix(), X_WS.p};
   shape.box_W.setEmpty();
-  if (!shape.placed.p.allFinite() || !shape.placed.R.allFinite()) return;
-  if (shape.mesh != nullptr)
-    shape.box_W = box_around(shape.mesh_box, shape.placed.R, shape.placed.p);
-  else if (shape.kind != world::ShapeKind::kPlane)
-    shape.box_W = convex_box(shape.placed);
+  if (shape.placed.p.allFinite() && shape.placed.R.allFinite() && !shape.box_S.isEmpty())
+    shape.box_W = box_around(shape.box_S, shape.placed.R, shape.placed.p);
 }
 
 }  // namespace visum::collision

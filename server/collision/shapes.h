@@ -24,7 +24,7 @@ struct PreparedShape {
   Convex convex;                  // of all kinds but plane and mesh
   std::unique_ptr<GjkShape> gjk;  // likewise
   std::unique_ptr<Mesh> mesh;     // of a mesh
-  Eigen::AlignedBox3d mesh_box;   // of a mesh, in its frame
+  Eigen::AlignedBox3d box_S;      // around it, in its frame; empty for a plane
   // By place():
   Placed placed;              // for planes and meshes: the frame only
   Eigen::AlignedBox3d box_W;  // empty where the pose is not finite; a plane's is not used

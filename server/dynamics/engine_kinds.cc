@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::array kKinds{
     EngineKind{"ode",
-               "Open Dynamics Engine; step: world (direct, exact) or quick (iterative, for many bodies)",
+               "Open Dynamics Engine; step: world (direct) or quick (iterative, for many bodies)",
                make_ode_engine},
 };
 

@@ -11,6 +11,8 @@ constexpr double kMaxSeparatingSpeed = 0.5;
 // So much overlap is left alone: a contact at rest stays one from tick to tick. 10 µm are below what anyone
 // measures.
 constexpr double kSurfaceLayerM = 1e-5;
+// Of the iterative solver where it does a tick that the direct one has given up on.
+constexpr int kStandInIterations = 200;
 
 void set_mass(dBodyID id, const world::Body& body) {
   const Eigen::Matrix3d& i = body.inertia_C;
@@ -46,7 +48,7 @@ OdeWorld::OdeWorld(const world::WorldModel& model, std::int32_t engine_index)
   dWorldSetGravity(id(), model.gravity.x(), model.gravity.y(), model.gravity.z());
   dWorldSetERP(id(), setting.erp);
   dWorldSetCFM(id(), setting.cfm);
-  dWorldSetQuickStepNumIterations(id(), setting.iterations);
+  dWorldSetQuickStepNumIterations(id(), setting.step == "quick" ? setting.iterations : kStandInIterations);
   dWorldSetContactMaxCorrectingVel(id(), kMaxSeparatingSpeed);
   dWorldSetContactSurfaceLayer(id(), kSurfaceLayerM);
   dWorldSetAutoDisableFlag(id(), 0);
