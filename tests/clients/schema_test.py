@@ -19,7 +19,7 @@ HEAD = {"visum_scenario": 1, "name": "n", "scene": str(SOURCE / "models/scenes/a
 
 # Wrong for the program and for the schema. Additions to HEAD.
 WRONG = [
-    {"nonsense": 1}, {"visum_scenario": 2}, {"name": ""}, {"name": 1}, {"clock": "fast"}, {"seed": -1}, {"seed": 1.5},
+    {"nonsense": 1}, {"visum_scenario": 2}, {"name": ""}, {"clock": "fast"}, {"seed": -1}, {"seed": 1.5},
     {"max_sim_s": 0}, {"max_wall_s": "long"}, {"settle_s": -1}, {"check_every_ms": 0}, {"check_every_ms": 4001},
     {"until": "never"}, {"until": {"at_s": -1}}, {"until": {"at_s": 1, "below": 1}}, {"until": {"below": 1}},
     {"controllers": {}}, {"controllers": [{}]}, {"controllers": [{"name": "a"}]},

@@ -8,8 +8,9 @@ import subprocess
 import tempfile
 import unittest
 
-from programs import ARM, BIN, DEADLINE_S, Daemon, visum
+from programs import BIN, DEADLINE_S, Daemon, SOURCE, visum
 
+URDF = SOURCE / "models" / "amtec_arm" / "amtec_arm.urdf"
 QUERIES = [("parts",), ("describe", "arm"), ("get", "arm"), ("get", "arm", "Actual Angle"), ("params", "arm"), ("status",)]
 
 
@@ -133,6 +134,7 @@ class Commands(unittest.TestCase):
             value = parameter["value"]
             text = str(value).lower() if isinstance(value, bool) else str(value)
             self.daemon.visum("param-set", "arm", parameter["name"], text)
+            self.assertEqual(self.daemon.json("parts")["parts"][0]["lease_owner"], "")
             break
         else:
             self.fail("the arm has no parameter that can be set")
@@ -209,7 +211,7 @@ class Commands(unittest.TestCase):
 class Refusals(unittest.TestCase):
     def test_a_lease_in_the_way_is_1_and_names_its_owner(self):
         with Daemon("--clock", "realtime", "--speedup", "20") as daemon:
-            holder = subprocess.Popen([BIN / "visum-pick-and-place", "--connect", daemon.connect], stdout=subprocess.PIPE,
+            holder = subprocess.Popen([BIN / "visum-pick-and-place", "--connect", daemon.connect, "--urdf", URDF], stdout=subprocess.PIPE,
                                       stderr=subprocess.DEVNULL)
             holder.stdout.readline()
             error = daemon.visum("set", "arm", "Desired Angle 1", "0", expect=1).stderr

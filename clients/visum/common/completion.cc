@@ -38,9 +38,9 @@ _visum() {
   COMPREPLY=()
   for ((i = 1; i < COMP_CWORD; i++)); do
     case "${COMP_WORDS[i]}" in
-      --connect|--token-file) link+=("${COMP_WORDS[i]}" "${COMP_WORDS[i+1]}"); ((i++)) ;;
+      --connect|--token-file) link+=("${COMP_WORDS[i]}" "${COMP_WORDS[i+1]}"); i=$((i + 1)) ;;
       -*) ;;
-      *) if [[ -z "$verb" ]]; then verb="${COMP_WORDS[i]}"; else part="${part:-${COMP_WORDS[i]}}"; ((count++)); fi ;;
+      *) if [[ -z "$verb" ]]; then verb="${COMP_WORDS[i]}"; else part="${part:-${COMP_WORDS[i]}}"; count=$((count + 1)); fi ;;
     esac
   done
   if [[ -z "$verb" ]]; then

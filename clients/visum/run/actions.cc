@@ -16,8 +16,7 @@ void Actions::perform(const TimelineEntry& entry) try {
 }
 
 void Actions::perform(const SetPort& set) {
-  const auto& part = catalogue_.parts.at(set.part);
-  const auto found = find_port(part, set.port, {});
+  const auto found = find_port(catalogue_.parts.at(set.part), set.port, {});
   session_.request(protocol::AcquireLease{set.part, 0, set.take});
   session_.request(protocol::Write{set.part, static_cast<std::uint32_t>(found.index), {set.value}, 0});
   session_.request(protocol::ReleaseLease{set.part});

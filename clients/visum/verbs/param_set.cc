@@ -11,11 +11,13 @@ class ParamSet : public Verb {
     app.add_option("NAME", name_, "the parameter's name")->required();
     app.add_option("VALUE", value_, "its new value")->required();
     add_link_options(app, link_, false);
-    app.footer("Example:\n  visum param-set arm \"On Loss\" hold");
+    app.footer(
+        "Works while a controller holds the lease, too.\n\nExample:\n  visum param-set arm \"On Controller "
+        "Lost\" hold");
   }
 
   int run() override {
-    auto link = open_link(link_, protocol::Role::kController);
+    auto link = open_link(link_, protocol::Role::kAdmin);
     describe_part(link, part_);
     const auto list = link.request_as<protocol::ParameterList>(protocol::GetParameters{part_});
     const auto& parameter = find_parameter(part_, list.parameters, name_);

@@ -16,7 +16,7 @@ class PushVerb : public Verb {
         ->expected(3);
     app.add_option("--for", duration_s_, "how long, in simulated seconds")
         ->capture_default_str()
-        ->check(CLI::Range(1e-9, 1e6));
+        ->check(number_within(1e-9, 1e6));
     add_link_options(app, link_, false);
     app.footer("Example:\n  visum push box 0 0 5 --for 0.2");
   }

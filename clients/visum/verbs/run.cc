@@ -34,7 +34,7 @@ class RunVerb : public Verb {
         ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
     app.add_option("--port", port_, "the daemon's port; 0: any free one")->capture_default_str();
     app.add_option("--timeout", timeout_s_, "wall seconds after which the run is given up")
-        ->check(CLI::PositiveNumber);
+        ->check(number_within(1e-3, 1e7));
     app.add_flag("--progress", progress_, "show time, pace and the controller's last line while it runs");
     app.add_flag("--keep", keep_, "afterwards let the world run on in real time, until Ctrl-C");
     app.footer(

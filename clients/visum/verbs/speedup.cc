@@ -8,7 +8,7 @@ class SpeedupVerb : public Verb {
   void declare(CLI::App& app) override {
     app.add_option("FACTOR", factor_, "simulated seconds per second of wall time")
         ->required()
-        ->check(CLI::Range(1e-6, 1e6));
+        ->check(number_within(1e-3, 1e3));
     add_link_options(app, link_, false);
     app.footer("For a server with the clock realtime.\n\nExample:\n  visum speedup 0.5");
   }

@@ -2,6 +2,9 @@
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <CLI/TypeTools.hpp>
+
+#include "clients/visum/common/format.h"
 
 namespace visum::cli {
 
@@ -11,6 +14,16 @@ void add_link_options(CLI::App& app, LinkOptions& options, bool json) {
       ->envname("VISUM_CONNECT");
   app.add_option("--token-file", options.token_file, "file with the token, for a server that asks for one");
   if (json) app.add_flag("--json", options.json, "print JSON instead of text");
+}
+
+CLI::Validator number_within(double least, double most) {
+  const std::string range = exact(least) + " .. " + exact(most);
+  return {[=](std::string& text) {
+            double number = 0.0;
+            const bool good = CLI::detail::lexical_cast(text, number) && number >= least && number <= most;
+            return good ? std::string() : "'" + text + "' is no number within " + range;
+          },
+          range};
 }
 
 }  // namespace visum::cli

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <CLI/Validators.hpp>
 #include <memory>
 
 #include "clients/visum/common/link.h"
@@ -18,5 +19,8 @@ class Verb {
 
 // --connect and --token-file, and --json where the verb has something to tell.
 void add_link_options(CLI::App& app, LinkOptions& options, bool json = true);
+
+// A check for an option: a number in [least, most]. NaN is none.
+CLI::Validator number_within(double least, double most);
 
 }  // namespace visum::cli

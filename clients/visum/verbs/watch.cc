@@ -43,7 +43,7 @@ class Watch : public Verb {
     add_link_options(app, link_);
     app.add_option("--every", every_ms_, "simulated milliseconds between samples")
         ->capture_default_str()
-        ->check(CLI::Range(0.001, 1e9));
+        ->check(number_within(1e-3, 1e9));
     app.add_option("--count", count_, "end after this many samples; 0: by Ctrl-C")
         ->check(CLI::NonNegativeNumber);
     app.footer(
