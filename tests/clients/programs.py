@@ -55,3 +55,16 @@ def processes_with(text):
         except OSError:
             pass  # it ended meanwhile
     return found
+
+
+def children_of(process, name):
+    """The ids of the processes called `name` that `process` started."""
+    found = []
+    for pid in processes_with(name):
+        try:
+            stat = pathlib.Path(f"/proc/{pid}/stat").read_text()
+        except OSError:
+            continue
+        if int(stat.rsplit(") ", 1)[1].split()[1]) == process.pid:
+            found.append(pid)
+    return found

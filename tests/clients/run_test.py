@@ -3,13 +3,14 @@ import json
 import os
 import pathlib
 import signal
+import socket
 import subprocess
 import tempfile
 import textwrap
 import unittest
 import xml.etree.ElementTree as xml
 
-from programs import ARM, BIN, DEADLINE_S, SOURCE, processes_with, visum
+from programs import ARM, BIN, DEADLINE_S, SOURCE, children_of, processes_with, visum
 
 RESULT = {"passed", "ticks", "sim_seconds", "wall_seconds", "state_hash"}
 
@@ -187,10 +188,8 @@ class Controllers(Scenario):
         for line in process.stderr:
             if line.startswith("pick |"):
                 break
-        victims = [pid for pid in processes_with("visum-pick-and-place")
-                   if pathlib.Path(f"/proc/{pid}/stat").read_text().split(") ")[1].split()[1] == str(process.pid)]
-        self.assertEqual(len(victims), 1)
-        os.kill(victims[0], signal.SIGKILL)
+        (victim,) = children_of(process, "visum-pick-and-place")
+        os.kill(victim, signal.SIGKILL)
         out, err = process.communicate(timeout=DEADLINE_S)
         self.assertEqual(process.returncode, 4, err)
         self.assertIn("was ended by signal 9 (Killed)", err)
@@ -207,8 +206,8 @@ class Controllers(Scenario):
         for line in process.stderr:
             if line.startswith("scenario | now"):
                 break
-        for pid in processes_with("visum-pick-and-place"):
-            os.kill(pid, signal.SIGSTOP)
+        (victim,) = children_of(process, "visum-pick-and-place")
+        os.kill(victim, signal.SIGSTOP)
         _, err = process.communicate(timeout=DEADLINE_S)
         self.assertEqual(process.returncode, 4, err)
         self.assertIn("'visum-pick-and-place' held the lockstep", err)
@@ -258,12 +257,11 @@ class Ends(Scenario):
 
     def test_by_the_death_of_the_daemon(self):
         process = self.start(self.TEXT)
-        for pid in processes_with("visumd"):
-            if str(process.pid) == pathlib.Path(f"/proc/{pid}/stat").read_text().split(") ")[1].split()[1]:
-                os.kill(pid, signal.SIGKILL)
-        _, err = process.communicate(timeout=DEADLINE_S)
+        (victim,) = children_of(process, "visumd")
+        os.kill(victim, signal.SIGKILL)
+        out, err = process.communicate(timeout=DEADLINE_S)
         self.assertEqual(process.returncode, 1, err)
-        self.assertIn("visumd was ended by signal 9 (Killed)", err)
+        self.assertIn("visumd was ended by signal 9 (Killed)", out)
         self.assert_nothing_left()
 
     def test_keep_goes_on_until_it_is_interrupted(self):
@@ -286,7 +284,6 @@ class Ends(Scenario):
         self.assert_nothing_left()
 
     def test_a_fixed_port(self):
-        import socket
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             port = probe.getsockname()[1]
