@@ -75,8 +75,9 @@ void say_ready(const Options& options, const cycle::Simulation& simulation, std:
     std::string parts;
     for (const auto& bound : simulation.parts())
       parts += (parts.empty() ? "" : ",") + gateway::quoted(bound.part->description().name);
-    std::cout << "{\"ready\":true,\"port\":" << port << ",\"scene\":" << gateway::quoted(simulation.scene().name)
-              << ",\"parts\":[" << parts << "]}" << std::endl;
+    std::cout << "{\"ready\":true,\"port\":" << port
+              << ",\"scene\":" << gateway::quoted(simulation.scene().name) << ",\"parts\":[" << parts << "]}"
+              << std::endl;
   } else {
     spdlog::info("{}: {} parts, listening on {}:{}", simulation.scene().name, simulation.parts().size(),
                  options.of_daemon.address, port);
@@ -103,7 +104,8 @@ int run(const Options& options) {
   say_ready(options, simulation, daemon.port());
   daemon.run();
   running_daemon = nullptr;
-  if (simulation.frozen()) spdlog::error("the world froze at tick {}: {}", simulation.tick_count(), simulation.fault());
+  if (simulation.frozen())
+    spdlog::error("the world froze at tick {}: {}", simulation.tick_count(), simulation.fault());
   spdlog::info("ended at tick {}", simulation.tick_count());
   if (caught_signal == SIGINT) return kInterrupted;
   return simulation.frozen() ? kFailed : kPassed;
@@ -111,17 +113,23 @@ int run(const Options& options) {
 
 void declare(CLI::App& app, Options& options) {
   app.add_option("scene", options.scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
-  app.add_option("--listen", options.of_daemon.address, "address to listen on; beyond loopback with --token-file only")
+  app.add_option("--listen", options.of_daemon.address,
+                 "address to listen on; beyond loopback with --token-file only")
       ->capture_default_str();
   app.add_option("--port", options.of_daemon.port, "TCP port; 0: any free one")->capture_default_str();
   app.add_option("--clock", options.clock, "instead of the scene's: realtime, lockstep or free")
       ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
-  app.add_option("--speedup", options.speedup, "realtime: simulated seconds per second")->check(CLI::Range(1e-3, 1e3));
-  app.add_option("--seed", options.seed, "of the world's random numbers, instead of the scene's")->check(CLI::NonNegativeNumber);
+  app.add_option("--speedup", options.speedup, "realtime: simulated seconds per second")
+      ->check(CLI::Range(1e-3, 1e3));
+  app.add_option("--seed", options.seed, "of the world's random numbers, instead of the scene's")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--engine", options.of_scene.engine, "moves all bodies, instead of the scene's engines");
-  app.add_option("--iterations", options.of_daemon.iterations, "end after so many ticks")->check(CLI::NonNegativeNumber);
-  app.add_option("--token-file", options.of_daemon.token_file, "lines of \"ROLE TOKEN\"; clients then need one");
-  app.add_flag("-r,--run", options.of_daemon.run_at_once, "let time run at once, not from the first lease on");
+  app.add_option("--iterations", options.of_daemon.iterations, "end after so many ticks")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--token-file", options.of_daemon.token_file,
+                 "lines of \"ROLE TOKEN\"; clients then need one");
+  app.add_flag("-r,--run", options.of_daemon.run_at_once,
+               "let time run at once, not from the first lease on");
   app.add_flag("--json", options.json, "print one line of JSON when ready");
   app.add_option("-v", options.verbosity, "0 errors, 1 warnings, 2 news, 3 details")->check(CLI::Range(0, 3));
   app.set_version_flag("--version", "visumd " VISUM_VERSION);
@@ -129,12 +137,13 @@ void declare(CLI::App& app, Options& options) {
       "Examples:\n"
       "  visumd models/scenes/amtec_arm.yaml                       the arm in real time on 127.0.0.1:1500\n"
       "  visumd models/scenes/amtec_arm.yaml --clock lockstep --port 0 --json\n"
-      "Exit codes: 0 ended in good order, 1 the world froze, 2 bad usage, 3 the scene is wrong, 130 interrupted.");
+      "Exit codes: 0 ended in good order, 1 the world froze, 2 bad usage, 3 the scene is wrong, 130 "
+      "interrupted.");
 }
 
 void set_up_log(int verbosity) {
-  constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::err, spdlog::level::warn, spdlog::level::info,
-                                                   spdlog::level::debug};
+  constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::err, spdlog::level::warn,
+                                                   spdlog::level::info, spdlog::level::debug};
   // The colouring sink looks for itself whether stderr is a terminal.
   spdlog::set_default_logger(std::getenv("NO_COLOR") ? spdlog::stderr_logger_mt("visumd")
                                                      : spdlog::stderr_color_mt("visumd"));

@@ -8,7 +8,8 @@ namespace visum::cycle {
 FlightRing::FlightRing(std::size_t joints, std::size_t bodies)
     : joints_(joints),
       bodies_(bodies),
-      numbers_(std::make_unique<std::atomic<double>[]>(static_cast<std::size_t>(kTicks) * (joints + bodies))) {}
+      numbers_(
+          std::make_unique<std::atomic<double>[]>(static_cast<std::size_t>(kTicks) * (joints + bodies))) {}
 
 void FlightRing::record(std::int64_t tick, std::span<const double> errors, std::span<const double> forces) {
   auto* to = numbers_.get() + row(tick);

@@ -1,6 +1,6 @@
-// What happened in the last 4096 ticks, per joint and per body, so that a reader that samples now and then still sees
-// every peak. Written on the tick's thread; read from any one other thread at the same time: the numbers are relaxed
-// atomics, and a row that was overwritten meanwhile can only show a newer tick's number.
+// What happened in the last 4096 ticks, per joint and per body, so that a reader that samples now and then
+// still sees every peak. Written on the tick's thread; read from any one other thread at the same time: the
+// numbers are relaxed atomics, and a row that was overwritten meanwhile can only show a newer tick's number.
 #pragma once
 
 #include <atomic>
@@ -16,14 +16,18 @@ class FlightRing {
 
   FlightRing(std::size_t joints, std::size_t bodies);
 
-  // The state after tick number `tick` (1 is the first). `errors` per joint, `forces` per body; magnitudes are kept.
+  // The state after tick number `tick` (1 is the first). `errors` per joint, `forces` per body; magnitudes
+  // are kept.
   void record(std::int64_t tick, std::span<const double> errors, std::span<const double> forces);
 
   // Largest magnitudes over the ticks (after, until], as far as they are still there.
-  void peaks(std::int64_t after, std::int64_t until, std::span<double> errors, std::span<double> forces) const;
+  void peaks(std::int64_t after, std::int64_t until, std::span<double> errors,
+             std::span<double> forces) const;
 
  private:
-  std::size_t row(std::int64_t tick) const { return static_cast<std::size_t>(tick % kTicks) * (joints_ + bodies_); }
+  std::size_t row(std::int64_t tick) const {
+    return static_cast<std::size_t>(tick % kTicks) * (joints_ + bodies_);
+  }
 
   std::size_t joints_, bodies_;
   std::unique_ptr<std::atomic<double>[]> numbers_;

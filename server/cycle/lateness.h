@@ -1,5 +1,5 @@
-// How late ticks begin, as a histogram of fixed size: eight bins per octave from 1 ns to 2^40 ns, so a quantile is
-// right to 9 %. Written by one thread, read by any: the counts are relaxed atomics.
+// How late ticks begin, as a histogram of fixed size: eight bins per octave from 1 ns to 2^40 ns, so a
+// quantile is right to 9 %. Written by one thread, read by any: the counts are relaxed atomics.
 #pragma once
 
 #include <array>
@@ -24,7 +24,8 @@ class LatenessHistogram {
     std::uint64_t seen = 0;
     for (std::size_t i = 0; i < kBins; ++i) {
       seen += bins_[i].load(std::memory_order_relaxed);
-      if (seen > 0 && static_cast<double>(seen) >= wanted) return upper_edge(i) < max() ? upper_edge(i) : max();
+      if (seen > 0 && static_cast<double>(seen) >= wanted)
+        return upper_edge(i) < max() ? upper_edge(i) : max();
     }
     return max();
   }

@@ -1,5 +1,5 @@
-// Pacing to the wall clock for clock realtime: when the next tick is due, and what to do when it is already late.
-// Lives on the tick's thread; the counters may be read from others.
+// Pacing to the wall clock for clock realtime: when the next tick is due, and what to do when it is already
+// late. Lives on the tick's thread; the counters may be read from others.
 #pragma once
 
 #include <atomic>
@@ -25,8 +25,8 @@ class Pacer {
 
   Clock::time_point due() const { return due_; }
 
-  // A tick begins at `now`. One that begins more than a period late is an overrun: counted, and what was missed is
-  // dropped, so that no burst of ticks follows.
+  // A tick begins at `now`. One that begins more than a period late is an overrun: counted, and what was
+  // missed is dropped, so that no burst of ticks follows.
   void begin_tick(Clock::time_point now);
 
   std::uint64_t overruns() const { return overruns_.load(std::memory_order_relaxed); }

@@ -8,7 +8,9 @@
 namespace visum::cycle {
 namespace {
 
-hwparts::JointSample sample_of(const world::JointState& joint) { return {joint.position, joint.velocity, joint.effort}; }
+hwparts::JointSample sample_of(const world::JointState& joint) {
+  return {joint.position, joint.velocity, joint.effort};
+}
 
 // The four words of the world's generator from one seed (SplitMix64, Steele et al. 2014).
 std::vector<std::uint64_t> seeded(std::uint64_t seed) {
@@ -105,20 +107,24 @@ void Simulation::act() {
   }
 }
 
-void Simulation::collide() { collision_->find(state_, contacts_); }
+void Simulation::collide() {
+  collision_->find(state_, contacts_);
+}
 
 void Simulation::step() {
   std::erase_if(pushes_, [this](const Push& push) { return push.until_tick <= state_.tick; });
   wrenches_.clear();
   for (const auto& push : pushes_) wrenches_.push_back(push.wrench);
-  const dynamics::StepInput input{static_cast<double>(scene_.world.tick_ns) * 1e-9, contacts_, drives_, wrenches_};
+  const dynamics::StepInput input{static_cast<double>(scene_.world.tick_ns) * 1e-9, contacts_, drives_,
+                                  wrenches_};
   before_ = state_;
   for (auto& engine : engines_) {
     auto result = engine->step(input, state_);
     if (!result.ok) return freeze(std::move(result.fault));
   }
   world::measure_joints(scene_.world, state_);
-  if (std::string offender; !world::is_sane(scene_.world, state_, &offender)) return freeze(std::move(offender));
+  if (std::string offender; !world::is_sane(scene_.world, state_, &offender))
+    return freeze(std::move(offender));
   ++state_.tick;
 }
 
@@ -183,7 +189,8 @@ void Simulation::add_body(const std::string& yaml) {
   scene::add_body(changed, yaml);
   scene_ = std::move(changed);
   const auto fresh = world::initial_state(scene_.world);
-  for (std::size_t i = state_.bodies.size(); i < fresh.bodies.size(); ++i) state_.bodies.push_back(fresh.bodies[i]);
+  for (std::size_t i = state_.bodies.size(); i < fresh.bodies.size(); ++i)
+    state_.bodies.push_back(fresh.bodies[i]);
   snapshots_.clear();
   rebuild_machinery();
   ++revision_;

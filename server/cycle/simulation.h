@@ -1,6 +1,7 @@
-// The world at work: the cycle of the paper's figure 1, one function that reads aloud, and what happens between ticks.
-// Knows no socket and no thread, and waits for nothing: pacing is the loop's (server/gateway), commands come in as
-// calls between ticks. Lives on the tick's thread. tick() does not allocate once warm (FCL and ODE inside do).
+// The world at work: the cycle of the paper's figure 1, one function that reads aloud, and what happens
+// between ticks. Knows no socket and no thread, and waits for nothing: pacing is the loop's (server/gateway),
+// commands come in as calls between ticks. Lives on the tick's thread. tick() does not allocate once warm
+// (FCL and ODE inside do).
 #pragma once
 
 #include <cstdint>
@@ -46,11 +47,11 @@ class Simulation {
 
   // Between ticks.
   void write_inputs(std::size_t part, std::size_t first, std::span<const double> values);  // already checked
-  void reset();                                  // the scene's initial state, a new era
-  std::uint64_t take_snapshot();                 // its number; the oldest beyond kMaxSnapshots is dropped
-  bool restore_snapshot(std::uint64_t number);   // a new era; false: no such snapshot
-  bool push(const Push& push);                   // false: kMaxPushes act already
-  void add_body(const std::string& yaml);        // throws ConfigError and changes nothing. Drops the snapshots.
+  void reset();                                 // the scene's initial state, a new era
+  std::uint64_t take_snapshot();                // its number; the oldest beyond kMaxSnapshots is dropped
+  bool restore_snapshot(std::uint64_t number);  // a new era; false: no such snapshot
+  bool push(const Push& push);                  // false: kMaxPushes act already
+  void add_body(const std::string& yaml);  // throws ConfigError and changes nothing. Drops the snapshots.
   std::string remove_body(const std::string& name);  // why not; empty: done. Drops the snapshots.
 
   const scene::Scene& scene() const { return scene_; }

@@ -37,11 +37,12 @@ Role role_needed(const protocol::Request& request) {
       [](const auto& message) {
         using namespace protocol;
         using T = std::decay_t<decltype(message)>;
-        if constexpr (kIsOneOf<T, Status, ListParts, DescribePart, Read, Subscribe, Unsubscribe, GetParameters,
-                               ReadBlackboard, DescribeWorld, ReadWorld, SubscribeWorld, UnsubscribeWorld, ReadMesh>)
+        if constexpr (kIsOneOf<T, Status, ListParts, DescribePart, Read, Subscribe, Unsubscribe,
+                               GetParameters, ReadBlackboard, DescribeWorld, ReadWorld, SubscribeWorld,
+                               UnsubscribeWorld, ReadMesh>)
           return Role::kObserver;
-        else if constexpr (kIsOneOf<T, AcquireLease, ReleaseLease, Write, SetParameter, WriteBlackboard, Join, Advance,
-                                    Leave>)
+        else if constexpr (kIsOneOf<T, AcquireLease, ReleaseLease, Write, SetParameter, WriteBlackboard, Join,
+                                    Advance, Leave>)
           return Role::kController;
         else
           return Role::kAdmin;

@@ -16,8 +16,8 @@ protocol::Role role_needed(const protocol::Request& request);
 class Tokens {
  public:
   Tokens() = default;  // no file: no token is asked for
-  // Lines of "observer|controller|admin TOKEN", # begins a comment; a token has at least 16 characters (128 bits as
-  // hex are 32). Throws ConfigError for a wrong line, or a file that others may read.
+  // Lines of "observer|controller|admin TOKEN", # begins a comment; a token has at least 16 characters (128
+  // bits as hex are 32). Throws ConfigError for a wrong line, or a file that others may read.
   explicit Tokens(const std::filesystem::path& file);
 
   bool required() const { return !entries_.empty(); }

@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kIdle{20};  // how soon stop() is noticed while time stands
-constexpr std::chrono::seconds kFarewell{2};     // for clients that read their last frames slowly
+constexpr std::chrono::seconds kFarewell{2};    // for clients that read their last frames slowly
 
 std::size_t most_ports(const cycle::Simulation& simulation) {
   std::size_t most = 0;
@@ -28,7 +28,11 @@ std::size_t most_ports(const cycle::Simulation& simulation) {
 
 StaticWorld static_world(const cycle::Simulation& simulation) {
   const auto& scene = simulation.scene();
-  StaticWorld world{scene.name, scene.clock, scene.world.tick_ns, std::chrono::nanoseconds(scene.lockstep_timeout_ns), {},
+  StaticWorld world{scene.name,
+                    scene.clock,
+                    scene.world.tick_ns,
+                    std::chrono::nanoseconds(scene.lockstep_timeout_ns),
+                    {},
                     describe_world(scene, simulation.revision())};
   for (const auto& bound : simulation.parts()) world.parts.push_back(bound.part.get());
   return world;
@@ -52,8 +56,9 @@ struct Daemon::Impl {
         threaded(simulation.scene().clock == scene::ClockKind::kRealtime),
         mailbox(most_ports(simulation)),
         tick_side(simulation, mailbox, options.run_at_once),
-        gateway(static_world(simulation), options.token_file.empty() ? Tokens() : Tokens(options.token_file), mailbox,
-                tick_side.pacer(), [this]() -> const Published& { return threaded ? fresh_copy() : fresh_fill(); }),
+        gateway(static_world(simulation), options.token_file.empty() ? Tokens() : Tokens(options.token_file),
+                mailbox, tick_side.pacer(),
+                [this]() -> const Published& { return threaded ? fresh_copy() : fresh_fill(); }),
         server({options.address, options.port, {}}, gateway) {
     if (threaded) publish(false);
   }
@@ -118,7 +123,9 @@ Daemon::Daemon(cycle::Simulation& simulation, const DaemonOptions& options) {
 
 Daemon::~Daemon() = default;
 
-std::uint16_t Daemon::port() const { return impl_->server.port(); }
+std::uint16_t Daemon::port() const {
+  return impl_->server.port();
+}
 
 void Daemon::run() {
   impl_->server.start();
@@ -172,7 +179,10 @@ bool Daemon::Impl::may_tick_inline() {
 void Daemon::Impl::run_inline() {
   while (!ended()) {
     server.poll();
+    const auto version = tick_side.version();
     tick_side.empty_mailbox();
+    // First of all the members learn of a reset: what they granted was of the era before.
+    if (version != tick_side.version()) gateway.serve();
     if (may_tick_inline()) {
       tick_side.tick();
       if (has_something_to_send()) gateway.serve();

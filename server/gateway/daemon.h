@@ -1,6 +1,6 @@
-// The daemon: a simulation, the sessions in front of it, and the loop that runs both. In clock realtime the sessions
-// have a thread of their own and the tick never waits for them; in lockstep and free both share the caller's thread,
-// so that no step pays for waking another thread.
+// The daemon: a simulation, the sessions in front of it, and the loop that runs both. In clock realtime the
+// sessions have a thread of their own and the tick never waits for them; in lockstep and free both share the
+// caller's thread, so that no step pays for waking another thread.
 #pragma once
 
 #include <atomic>
@@ -16,15 +16,15 @@ namespace visum::gateway {
 struct DaemonOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = 1500;
-  bool run_at_once = false;       // else time starts with the first lease, the first step of a member, or resume
-  std::int64_t iterations = 0;    // ends after so many ticks; 0: never
-  std::string token_file;         // needed where the address is not loopback
+  bool run_at_once = false;  // else time starts with the first lease, the first step of a member, or resume
+  std::int64_t iterations = 0;  // ends after so many ticks; 0: never
+  std::string token_file;       // needed where the address is not loopback
 };
 
 class Daemon {
  public:
-  // Binds the port; clients that connect from now on are served once run() is called. Throws ConfigError (token file),
-  // std::runtime_error (address in use, an address beyond loopback without a token file, ...).
+  // Binds the port; clients that connect from now on are served once run() is called. Throws ConfigError
+  // (token file), std::runtime_error (address in use, an address beyond loopback without a token file, ...).
   Daemon(cycle::Simulation& simulation, const DaemonOptions& options);
   ~Daemon();
 

@@ -81,8 +81,10 @@ Reply TickSide::answer(Errand& errand, const protocol::AddBody& request) {
 
 Reply TickSide::answer(Errand& errand, const protocol::RemoveBody& request) {
   if (auto reason = simulation_.remove_body(request.body); !reason.empty())
-    return Error{simulation_.model().find_body(request.body).valid() ? ErrorCode::kWrongState : ErrorCode::kUnknownName,
-                 std::move(reason), {}};
+    return Error{simulation_.model().find_body(request.body).valid() ? ErrorCode::kWrongState
+                                                                     : ErrorCode::kUnknownName,
+                 std::move(reason),
+                 {}};
   errand.view = std::make_unique<WorldView>(describe_world(simulation_.scene(), simulation_.revision()));
   return Ok{};
 }
@@ -103,10 +105,13 @@ Reply TickSide::answer(Errand& errand, const protocol::ReadBlackboard& request) 
   const auto board = std::ranges::find(boards, request.name, &protocol::Blackboard::name) - boards.begin();
   const auto bytes = part.read_blackboard(static_cast<std::size_t>(board));
   if (request.offset > bytes.size())
-    return Error{ErrorCode::kBadValue, "'" + request.name + "' has " + std::to_string(bytes.size()) + " bytes", {}};
+    return Error{
+        ErrorCode::kBadValue, "'" + request.name + "' has " + std::to_string(bytes.size()) + " bytes", {}};
   const auto rest = bytes.subspan(request.offset);
-  const auto wanted = request.length == 0 ? rest : rest.first(std::min<std::size_t>(request.length, rest.size()));
-  return protocol::BlackboardData{request.offset, bytes.size(), {wanted.begin(), wanted.end()}, blackboard_writes_};
+  const auto wanted =
+      request.length == 0 ? rest : rest.first(std::min<std::size_t>(request.length, rest.size()));
+  return protocol::BlackboardData{
+      request.offset, bytes.size(), {wanted.begin(), wanted.end()}, blackboard_writes_};
 }
 
 Reply TickSide::answer(Errand& errand, const protocol::WriteBlackboard& request) {

@@ -1,5 +1,6 @@
-// The latest value of something big, handed from one thread to another without a lock and without waiting: a triple
-// buffer. The writer fills its own copy and swaps it in; the reader takes the newest when it wants one.
+// The latest value of something big, handed from one thread to another without a lock and without waiting: a
+// triple buffer. The writer fills its own copy and swaps it in; the reader takes the newest when it wants
+// one.
 #pragma once
 
 #include <array>

@@ -10,9 +10,12 @@ using protocol::ErrorCode;
 
 const char* to_string(scene::ClockKind clock) {
   switch (clock) {
-    case scene::ClockKind::kRealtime: return "realtime";
-    case scene::ClockKind::kLockstep: return "lockstep";
-    case scene::ClockKind::kFree: return "free";
+    case scene::ClockKind::kRealtime:
+      return "realtime";
+    case scene::ClockKind::kLockstep:
+      return "lockstep";
+    case scene::ClockKind::kFree:
+      return "free";
   }
   return "";
 }
@@ -38,12 +41,13 @@ void Gateway::Call::fail(ErrorCode code, const std::string& text, const std::str
   session.send(id, protocol::Error{code, text, owner});
 }
 
-protocol::Role Gateway::on_hello(protocol::Session& session, const protocol::Hello& hello, protocol::Welcome& welcome,
-                                 protocol::Error& refusal) {
+protocol::Role Gateway::on_hello(protocol::Session& session, const protocol::Hello& hello,
+                                 protocol::Welcome& welcome, protocol::Error& refusal) {
   const auto role = tokens_.grant(hello.token, hello.role);
   if (role == protocol::Role::kUnspecified) {
-    refusal = tokens_.required() ? protocol::Error{ErrorCode::kUnauthenticated, "the token is missing or wrong", {}}
-                                 : protocol::Error{ErrorCode::kMalformed, "hello names no role", {}};
+    refusal = tokens_.required()
+                  ? protocol::Error{ErrorCode::kUnauthenticated, "the token is missing or wrong", {}}
+                  : protocol::Error{ErrorCode::kMalformed, "hello names no role", {}};
     return role;
   }
   welcome.tick_ns = world_.tick_ns;
@@ -64,7 +68,8 @@ void Gateway::on_request(protocol::Session& session, std::uint64_t id, const pro
   } else if (client.backlog.size() < kMaxBacklog) {
     client.backlog.emplace_back(id, request);
   } else {
-    session.send(id, protocol::Error{ErrorCode::kBusy, "too many requests behind one that waits for the world", {}});
+    session.send(
+        id, protocol::Error{ErrorCode::kBusy, "too many requests behind one that waits for the world", {}});
   }
   note_due();
 }
@@ -75,8 +80,9 @@ void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request
   const auto needed = role_needed(request);
   if (session.role() < needed) {
     ++refused_;
-    return call.fail(ErrorCode::kForbidden, std::string("this needs the role ") + protocol::to_string(needed) +
-                                                ", the session has " + protocol::to_string(session.role()));
+    return call.fail(ErrorCode::kForbidden, std::string("this needs the role ") +
+                                                protocol::to_string(needed) + ", the session has " +
+                                                protocol::to_string(session.role()));
   }
   std::visit([&](const auto& message) { handle(call, message); }, request);
 }
@@ -95,7 +101,8 @@ void Gateway::on_close(protocol::Session& session, protocol::CloseReason) {
   now_ = &latest_();
   const auto id = session.id();
   for (std::uint32_t part = 0; part < world_.parts.size(); ++part)
-    if (leases_.held_by(part, id)) lose_lease(part, "'" + session.client_name() + "' is gone without a release");
+    if (leases_.held_by(part, id))
+      lose_lease(part, "'" + session.client_name() + "' is gone without a release");
   members_.leave(id);
   clients_.erase(id);
 }
@@ -127,7 +134,8 @@ void Gateway::follow_eras(const Published& now) {
   if (now.era == era_) return;
   era_ = now.era;
   members_.rebase(now.tick);
-  for (std::size_t part = 0; part < latched_.size(); ++part) latched_[part] = now.parts[part].controller_inputs;
+  for (std::size_t part = 0; part < latched_.size(); ++part)
+    latched_[part] = now.parts[part].controller_inputs;
   for (auto& [id, client] : clients_) {
     client.peaks_from = now.tick;
     for (auto& subscription : client.subscriptions) subscription.next_tick = now.tick;
@@ -156,7 +164,8 @@ void Gateway::tell_notices() {
       broadcast({"push_refused", "too many pushes act at once", {}, era_, notice.tick});
     } else if (leases_.of(notice.part).epoch == notice.epoch && leases_.of(notice.part).session != 0) {
       const auto& name = world_.parts[notice.part]->description().name;
-      broadcast({"lease_lost", "'" + leases_.of(notice.part).owner + "' missed the deadline that it asked for", name, era_,
+      broadcast({"lease_lost",
+                 "'" + leases_.of(notice.part).owner + "' missed the deadline that it asked for", name, era_,
                  notice.tick});
       leases_.free(notice.part);
     }

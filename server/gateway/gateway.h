@@ -1,6 +1,6 @@
-// The sessions' side: what each request of the port protocol means. Checks at the edge, keeps leases and memberships,
-// answers from a published copy of the world, and hands the rest to the tick's side through the mailbox.
-// Lives on the sessions' thread (protocol::Server's), never touches the simulation.
+// The sessions' side: what each request of the port protocol means. Checks at the edge, keeps leases and
+// memberships, answers from a published copy of the world, and hands the rest to the tick's side through the
+// mailbox. Lives on the sessions' thread (protocol::Server's), never touches the simulation.
 #pragma once
 
 #include <atomic>
@@ -38,18 +38,20 @@ const char* to_string(scene::ClockKind clock);
 
 class Gateway : public protocol::SessionHandler {
  public:
-  // `latest` gives the newest published copy, which stays as it is until the next call of it; `pacer` is read for its counters only.
+  // `latest` gives the newest published copy, which stays as it is until the next call of it; `pacer` is read
+  // for its counters only.
   using Latest = std::function<const Published&()>;
   Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, const cycle::Pacer& pacer, Latest latest);
 
   // SessionHandler
-  protocol::Role on_hello(protocol::Session& session, const protocol::Hello& hello, protocol::Welcome& welcome,
-                          protocol::Error& refusal) override;
+  protocol::Role on_hello(protocol::Session& session, const protocol::Hello& hello,
+                          protocol::Welcome& welcome, protocol::Error& refusal) override;
   void on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) override;
   void on_close(protocol::Session& session, protocol::CloseReason reason) override;
   void on_notify() override { serve(); }
 
-  // Sends what is due: errands' replies, answers to Advance, samples, events. After every tick, or when notified.
+  // Sends what is due: errands' replies, answers to Advance, samples, events. After every tick, or when
+  // notified.
   void serve();
   // The earliest tick at which serve() has something to send; int64's maximum: none. Any thread.
   std::int64_t next_due() const { return next_due_.load(std::memory_order_relaxed); }
@@ -75,10 +77,11 @@ class Gateway : public protocol::SessionHandler {
   struct Client {
     protocol::Session* session = nullptr;
     std::vector<Subscription> subscriptions;
-    std::int64_t peaks_from = 0;      // tick of its previous world sample
-    std::int64_t counted_tick = -1;   // inputs per tick
+    std::int64_t peaks_from = 0;     // tick of its previous world sample
+    std::int64_t counted_tick = -1;  // inputs per tick
     int inputs_at_tick = 0;
-    // A session's requests are answered in order: while one waits for the tick's side, those behind it wait too.
+    // A session's requests are answered in order: while one waits for the tick's side, those behind it wait
+    // too.
     bool waiting = false;
     std::deque<std::pair<std::uint64_t, protocol::Request>> backlog;
   };
@@ -163,8 +166,8 @@ class Gateway : public protocol::SessionHandler {
   const Published* now_ = nullptr;  // the copy in use: taken anew at the start of each call from outside
   Leases leases_;
   Members members_;
-  std::map<std::uint64_t, Client> clients_;                // by session
-  std::vector<std::vector<double>> latched_;               // by part: controller inputs as last accepted
+  std::map<std::uint64_t, Client> clients_;   // by session
+  std::vector<std::vector<double>> latched_;  // by part: controller inputs as last accepted
   std::uint64_t era_ = 1;
   bool frozen_ = false;
   std::atomic<bool> start_asked_{false};

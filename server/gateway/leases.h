@@ -8,10 +8,10 @@
 namespace visum::gateway {
 
 struct Lease {
-  std::uint64_t session = 0;  // 0: free
-  std::string owner;          // the client's name
-  std::uint64_t epoch = 0;    // counts the grants
-  std::uint64_t sequence = 0; // of the last write that carried one
+  std::uint64_t session = 0;   // 0: free
+  std::string owner;           // the client's name
+  std::uint64_t epoch = 0;     // counts the grants
+  std::uint64_t sequence = 0;  // of the last write that carried one
 };
 
 class Leases {

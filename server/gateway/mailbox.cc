@@ -44,15 +44,25 @@ std::unique_ptr<Errand> Mailbox::next_done() {
   return std::unique_ptr<Errand>(errand);
 }
 
-bool Mailbox::next_notice(Notice& notice) { return notices_.pop(notice); }
+bool Mailbox::next_notice(Notice& notice) {
+  return notices_.pop(notice);
+}
 
-bool Mailbox::next(Item& item) { return sent_.pop(item); }
+bool Mailbox::next(Item& item) {
+  return sent_.pop(item);
+}
 
-void Mailbox::give_back(Input* input) { blanks_.push(input); }
+void Mailbox::give_back(Input* input) {
+  blanks_.push(input);
+}
 
-void Mailbox::give_back(std::unique_ptr<Errand> errand) { done_.push(errand.release()); }
+void Mailbox::give_back(std::unique_ptr<Errand> errand) {
+  done_.push(errand.release());
+}
 
-void Mailbox::tell(const Notice& notice) { notices_.push(notice); }
+void Mailbox::tell(const Notice& notice) {
+  notices_.push(notice);
+}
 
 void Mailbox::wait_for(std::chrono::milliseconds at_most) {
   if (!arrived_.try_acquire_for(at_most)) return;

@@ -1,6 +1,7 @@
-// What crosses from the sessions' thread to the tick's thread and back, without a lock: bounded single-producer,
-// single-consumer queues. Inputs (writes, pushes, leases) wait for the next tick border; errands (reset, snapshot,
-// parameters, ...) are done at once, and come back with their reply. In lockstep and free both ends are one thread.
+// What crosses from the sessions' thread to the tick's thread and back, without a lock: bounded
+// single-producer, single-consumer queues. Inputs (writes, pushes, leases) wait for the next tick border;
+// errands (reset, snapshot, parameters, ...) are done at once, and come back with their reply. In lockstep
+// and free both ends are one thread.
 #pragma once
 
 #include <boost/lockfree/spsc_queue.hpp>
@@ -17,20 +18,20 @@
 
 namespace visum::gateway {
 
-// Something latched for the next tick border. Applied in the order of (part, lease epoch, arrival), so that it does
-// not matter which of two clients' bytes came first.
+// Something latched for the next tick border. Applied in the order of (part, lease epoch, arrival), so that
+// it does not matter which of two clients' bytes came first.
 struct Input {
   enum class Kind { kWrite, kLeaseGranted, kLeaseReleased, kLeaseLost, kPush };
   Kind kind = Kind::kWrite;
   std::uint32_t part = 0;
-  std::uint64_t epoch = 0;              // of the part's lease; pushes: a hash of the client's name
-  std::uint32_t first_port = 0;         // kWrite
-  std::vector<double> values;           // kWrite; its capacity is kept
-  std::int64_t deadline_ticks = 0;      // kLeaseGranted; 0: none
-  dynamics::Wrench wrench{};            // kPush
-  std::uint64_t revision = 0;           // kPush: of the world that the body's number is of
+  std::uint64_t epoch = 0;                    // of the part's lease; pushes: a hash of the client's name
+  std::uint32_t first_port = 0;               // kWrite
+  std::vector<double> values;                 // kWrite; its capacity is kept
+  std::int64_t deadline_ticks = 0;            // kLeaseGranted; 0: none
+  dynamics::Wrench wrench{};                  // kPush
+  std::uint64_t revision = 0;                 // kPush: of the world that the body's number is of
   std::optional<Eigen::Vector3d> push_point;  // kPush: where the force acts, in W; none: the centre of mass
-  std::int64_t duration_ticks = 0;      // kPush
+  std::int64_t duration_ticks = 0;            // kPush
   std::uint64_t arrival = 0;
 };
 
@@ -38,10 +39,10 @@ struct Input {
 struct Errand {
   std::uint64_t session = 0;
   std::uint64_t id = 0;
-  std::uint32_t part = 0;               // where the request is about one
+  std::uint32_t part = 0;  // where the request is about one
   protocol::Request request;
-  protocol::Reply reply;                // filled by the tick's side
-  std::unique_ptr<WorldView> view;      // filled where the world's description changed
+  protocol::Reply reply;            // filled by the tick's side
+  std::unique_ptr<WorldView> view;  // filled where the world's description changed
 };
 
 // The tick's side tells of something that no request asked for.
@@ -66,8 +67,8 @@ class Mailbox {
   // To be filled and sent; none: the queue is full. Some are kept back for what must not be lost.
   Input* blank_input(bool urgent = false);
   void send(Input* input);
-  bool send(std::unique_ptr<Errand> errand);        // false: full
-  std::unique_ptr<Errand> next_done();              // none: nothing came back
+  bool send(std::unique_ptr<Errand> errand);  // false: full
+  std::unique_ptr<Errand> next_done();        // none: nothing came back
   bool next_notice(Notice& notice);
 
   // The tick's side.
@@ -78,7 +79,7 @@ class Mailbox {
   bool next(Item& item);
   void give_back(Input* input);
   void give_back(std::unique_ptr<Errand> errand);
-  void tell(const Notice& notice);                  // dropped where the queue is full
+  void tell(const Notice& notice);                   // dropped where the queue is full
   void wait_for(std::chrono::milliseconds at_most);  // until something was sent
   void wake() { arrived_.release(); }                // makes wait_for return; any thread
 

@@ -38,8 +38,9 @@ void Members::rebase(std::int64_t tick) {
 
 Member* Members::waited_too_long(std::int64_t tick, Member::Clock::time_point now) {
   Member* late = nullptr;
+  const bool anybody_waits = next_answer().has_value();
   for (auto& member : members_) {
-    if (member.granted_tick > tick) {
+    if (member.granted_tick > tick || !anybody_waits) {
       member.waited_since.reset();
       continue;
     }

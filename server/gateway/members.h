@@ -1,5 +1,5 @@
-// The clients that step with the world: how far each lets it run, and who waits for which tick. In lockstep they hold
-// the world; with the other clocks they only wait for it. Lives on the sessions' thread.
+// The clients that step with the world: how far each lets it run, and who waits for which tick. In lockstep
+// they hold the world; with the other clocks they only wait for it. Lives on the sessions' thread.
 #pragma once
 
 #include <chrono>
@@ -14,16 +14,17 @@ struct Member {
   using Clock = std::chrono::steady_clock;
   std::uint64_t session = 0;
   std::string client;
-  std::int64_t granted_tick = 0;             // lets the world run up to here
-  std::optional<std::uint64_t> advance;      // id of the Advance that waits to be answered
-  std::chrono::nanoseconds timeout{};        // 0: none
+  std::int64_t granted_tick = 0;                  // lets the world run up to here
+  std::optional<std::uint64_t> advance;           // id of the Advance that waits to be answered
+  std::chrono::nanoseconds timeout{};             // 0: none
   std::optional<Clock::time_point> waited_since;  // the world waits for it
 };
 
 class Members {
  public:
   Member* find(std::uint64_t session);
-  Member& join(std::uint64_t session, const std::string& client, std::int64_t tick, std::chrono::nanoseconds timeout);
+  Member& join(std::uint64_t session, const std::string& client, std::int64_t tick,
+               std::chrono::nanoseconds timeout);
   bool leave(std::uint64_t session);  // false: was none
   bool empty() const { return members_.empty(); }
   std::vector<Member>& all() { return members_; }
@@ -35,8 +36,9 @@ class Members {
   std::optional<std::int64_t> next_answer() const;
   // After a reset or restore: everybody stands at `tick`.
   void rebase(std::int64_t tick);
-  // Marks those that hold the world at `tick` as waited for since `now`, unmarks the rest. Returns the first that has
-  // been waited for longer than its time-out.
+  // Marks those that hold the world at `tick` as waited for since `now`, unmarks the rest. Returns the first
+  // that has been waited for longer than its time-out. Nobody is waited for while no member waits for an
+  // answer: who is alone may stand in a debugger for as long as he likes.
   Member* waited_too_long(std::int64_t tick, Member::Clock::time_point now);
 
  private:

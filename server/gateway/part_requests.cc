@@ -49,7 +49,8 @@ bool Gateway::lease_or_fail(const Call& call, std::uint32_t part) const {
   const auto& lease = leases_.of(part);
   const auto& name = world_.parts[part]->description().name;
   call.fail(ErrorCode::kNoLease,
-            "the part '" + name + "' is " + (lease.session == 0 ? "leased by nobody" : "leased by '" + lease.owner + "'") +
+            "the part '" + name + "' is " +
+                (lease.session == 0 ? "leased by nobody" : "leased by '" + lease.owner + "'") +
                 "; acquire its lease first",
             lease.owner);
   return false;
@@ -76,9 +77,11 @@ void Gateway::handle(const Call& call, const protocol::AcquireLease& request) {
   const auto& lease = leases_.of(*part);
   if (lease.session != 0 && lease.session != call.session.id()) {
     if (!request.take)
-      return call.fail(ErrorCode::kLeased, "the part '" + request.part + "' is leased by '" + lease.owner + "'", lease.owner);
+      return call.fail(ErrorCode::kLeased,
+                       "the part '" + request.part + "' is leased by '" + lease.owner + "'", lease.owner);
     if (call.session.role() < protocol::Role::kAdmin)
-      return call.fail(ErrorCode::kForbidden, "only the role admin takes a lease from '" + lease.owner + "'", lease.owner);
+      return call.fail(ErrorCode::kForbidden, "only the role admin takes a lease from '" + lease.owner + "'",
+                       lease.owner);
     lose_lease(*part, "taken by '" + call.session.client_name() + "'");
   }
   auto* input = input_or_fail(call);
@@ -111,15 +114,16 @@ std::optional<std::string> Gateway::why_not(std::uint32_t part, const protocol::
   if (request.values.empty()) return "no values";
   if (request.first_port >= ports.size() || request.values.size() > ports.size() - request.first_port)
     return "ports " + std::to_string(request.first_port) + " to " +
-           std::to_string(request.first_port + request.values.size() - 1) + " of " + std::to_string(ports.size());
+           std::to_string(request.first_port + request.values.size() - 1) + " of " +
+           std::to_string(ports.size());
   auto wanted = latched_[part];
   for (std::size_t i = 0; i < request.values.size(); ++i) {
     const auto& port = ports[request.first_port + i];
     const double value = request.values[i];
     if (!std::isfinite(value)) return "'" + port.name + "' must be a finite number";
     if (value < port.minimum || value > port.maximum)
-      return "'" + port.name + "' must be within " + in_words(port.minimum) + " and " + in_words(port.maximum) + ", is " +
-             in_words(value);
+      return "'" + port.name + "' must be within " + in_words(port.minimum) + " and " +
+             in_words(port.maximum) + ", is " + in_words(value);
     wanted[request.first_port + i] = value;
   }
   return world_.parts[part]->refuse(wanted);
@@ -133,7 +137,8 @@ void Gateway::handle(const Call& call, const protocol::Write& request) {
     return call.fail(ErrorCode::kBadValue, *reason);
   }
   if (!leases_.take_sequence(*part, request.sequence))
-    return call.fail(ErrorCode::kStale, "sequence " + std::to_string(request.sequence) + " is not newer than " +
+    return call.fail(ErrorCode::kStale, "sequence " + std::to_string(request.sequence) +
+                                            " is not newer than " +
                                             std::to_string(leases_.of(*part).sequence));
   auto* input = input_or_fail(call);
   if (!input) return;
@@ -153,8 +158,13 @@ void Gateway::handle(const Call& call, const protocol::Read& request) {
 
 protocol::PartSample Gateway::part_sample(std::uint32_t part, const Published& now) const {
   const auto& values = now.parts[part];
-  return {world_.parts[part]->description().name, now.tick, now.sim_time_ns, now.era, values.controller_inputs,
-          values.sensor_outputs, 0};
+  return {world_.parts[part]->description().name,
+          now.tick,
+          now.sim_time_ns,
+          now.era,
+          values.controller_inputs,
+          values.sensor_outputs,
+          0};
 }
 
 void Gateway::handle(const Call& call, const protocol::Subscribe& request) {
@@ -181,7 +191,8 @@ void Gateway::handle(const Call& call, const protocol::SetParameter& request) {
   send_errand(call, request, *part);
 }
 
-bool Gateway::blackboard_or_fail(const Call& call, std::uint32_t part, const std::string& name, bool to_write) const {
+bool Gateway::blackboard_or_fail(const Call& call, std::uint32_t part, const std::string& name,
+                                 bool to_write) const {
   const auto& boards = world_.parts[part]->description().blackboards;
   const auto board = std::ranges::find(boards, name, &protocol::Blackboard::name);
   if (board == boards.end()) {

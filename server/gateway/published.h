@@ -1,5 +1,5 @@
-// A copy of what the sessions may see of the world, as of one tick border. Filled on the tick's thread, read on the
-// sessions'. Its vectors keep their capacity: filling it does not allocate once warm.
+// A copy of what the sessions may see of the world, as of one tick border. Filled on the tick's thread, read
+// on the sessions'. Its vectors keep their capacity: filling it does not allocate once warm.
 #pragma once
 
 #include <cstdint>

@@ -37,7 +37,8 @@ void TickSide::tick() {
 }
 
 void TickSide::apply_inputs() {
-  std::ranges::sort(inputs_, {}, [](const Input* input) { return std::tuple(input->part, input->epoch, input->arrival); });
+  std::ranges::sort(inputs_, {},
+                    [](const Input* input) { return std::tuple(input->part, input->epoch, input->arrival); });
   for (Input* input : inputs_) {
     apply(*input);
     mailbox_.give_back(input);
@@ -52,13 +53,18 @@ void TickSide::apply(const Input& input) {
       simulation_.write_inputs(input.part, input.first_port, input.values);
       watches_[input.part].last_tick = now;
       return;
-    case Input::Kind::kLeaseGranted: watches_[input.part] = {input.epoch, input.deadline_ticks, now}; return;
-    case Input::Kind::kLeaseReleased: watches_[input.part] = {}; return;
+    case Input::Kind::kLeaseGranted:
+      watches_[input.part] = {input.epoch, input.deadline_ticks, now};
+      return;
+    case Input::Kind::kLeaseReleased:
+      watches_[input.part] = {};
+      return;
     case Input::Kind::kLeaseLost:
       watches_[input.part] = {};
       simulation_.parts()[input.part].part->controller_lost();
       return;
-    case Input::Kind::kPush: return apply_push(input);
+    case Input::Kind::kPush:
+      return apply_push(input);
   }
 }
 
@@ -67,7 +73,8 @@ void TickSide::apply_push(const Input& input) {
   auto wrench = input.wrench;
   const auto& bodies = simulation_.state().bodies;
   const bool pushed = input.revision == simulation_.revision() && [&] {
-    if (input.push_point) wrench.torque_nm += (*input.push_point - bodies[wrench.body.index()].p_WC).cross(wrench.force_n);
+    if (input.push_point)
+      wrench.torque_nm += (*input.push_point - bodies[wrench.body.index()].p_WC).cross(wrench.force_n);
     return simulation_.push({wrench, now + input.duration_ticks});
   }();
   if (!pushed) tell({Notice::Kind::kPushRefused, 0, 0, now});
@@ -92,8 +99,10 @@ void TickSide::tell(const Notice& notice) {
 void TickSide::measure_speed() {
   const auto now = Clock::now();
   if (now - measured_at_ < std::chrono::seconds(1)) return;
-  const auto sim_ns = static_cast<double>((simulation_.tick_count() - measured_tick_) * simulation_.model().tick_ns);
-  real_time_factor_ = std::max(0.0, sim_ns / std::chrono::duration<double, std::nano>(now - measured_at_).count());
+  const auto sim_ns =
+      static_cast<double>((simulation_.tick_count() - measured_tick_) * simulation_.model().tick_ns);
+  real_time_factor_ =
+      std::max(0.0, sim_ns / std::chrono::duration<double, std::nano>(now - measured_at_).count());
   measured_at_ = now;
   measured_tick_ = simulation_.tick_count();
 }
@@ -104,7 +113,8 @@ void TickSide::finish_steps() {
   if (simulation_.frozen())
     step_errand_->reply = protocol::Error{protocol::ErrorCode::kFrozen, simulation_.fault(), {}};
   else
-    step_errand_->reply = protocol::Advanced{simulation_.tick_count(), simulation_.sim_time_ns(), simulation_.era()};
+    step_errand_->reply =
+        protocol::Advanced{simulation_.tick_count(), simulation_.sim_time_ns(), simulation_.era()};
   mailbox_.give_back(std::move(step_errand_));
   told_ = true;
 }

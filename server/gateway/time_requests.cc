@@ -32,7 +32,8 @@ void Gateway::handle(const Call& call, const protocol::Status&) {
   status.sessions = static_cast<std::uint32_t>(clients_.size());
   status.refused = refused_;
   for (const auto& member : members_.all()) {
-    const auto waited = member.waited_since ? Member::Clock::now() - *member.waited_since : Member::Clock::duration{};
+    const auto waited =
+        member.waited_since ? Member::Clock::now() - *member.waited_since : Member::Clock::duration{};
     status.lockstep.push_back({member.client, member.granted_tick, std::chrono::nanoseconds(waited).count()});
   }
   for (std::size_t i = 0; i < cycle::kPhases; ++i)
@@ -41,10 +42,12 @@ void Gateway::handle(const Call& call, const protocol::Status&) {
 }
 
 void Gateway::handle(const Call& call, const protocol::Join& request) {
-  if (members_.find(call.session.id())) return call.fail(ErrorCode::kWrongState, "this session has joined already");
+  if (members_.find(call.session.id()))
+    return call.fail(ErrorCode::kWrongState, "this session has joined already");
   if (request.timeout_ns < 0) return call.fail(ErrorCode::kBadValue, "timeout_ns must not be negative");
   const auto& now = *now_;
-  const auto timeout = request.timeout_ns > 0 ? std::chrono::nanoseconds(request.timeout_ns) : world_.lockstep_timeout;
+  const auto timeout =
+      request.timeout_ns > 0 ? std::chrono::nanoseconds(request.timeout_ns) : world_.lockstep_timeout;
   members_.join(call.session.id(), call.session.client_name(), now.tick, timeout);
   call.reply(protocol::Advanced{now.tick, now.sim_time_ns, now.era});
 }
@@ -69,7 +72,8 @@ void Gateway::handle(const Call& call, const protocol::Advance& request) {
 }
 
 void Gateway::handle(const Call& call, const protocol::Leave&) {
-  if (!members_.leave(call.session.id())) return call.fail(ErrorCode::kWrongState, "this session has not joined");
+  if (!members_.leave(call.session.id()))
+    return call.fail(ErrorCode::kWrongState, "this session has not joined");
   call.reply(protocol::Ok{});
 }
 
@@ -111,8 +115,12 @@ void Gateway::check_timeouts(std::int64_t tick) {
   broadcast({"lockstep_timeout", text, {}, era_, tick});
 }
 
-void Gateway::handle(const Call& call, const protocol::Pause& request) { send_errand(call, request); }
-void Gateway::handle(const Call& call, const protocol::Resume& request) { send_errand(call, request); }
+void Gateway::handle(const Call& call, const protocol::Pause& request) {
+  send_errand(call, request);
+}
+void Gateway::handle(const Call& call, const protocol::Resume& request) {
+  send_errand(call, request);
+}
 
 void Gateway::handle(const Call& call, const protocol::Step& request) {
   constexpr std::int64_t kMostTicks = 1'000'000'000;
@@ -123,16 +131,22 @@ void Gateway::handle(const Call& call, const protocol::Step& request) {
 
 void Gateway::handle(const Call& call, const protocol::SetSpeed& request) {
   if (world_.clock != scene::ClockKind::kRealtime)
-    return call.fail(ErrorCode::kWrongState, std::string("the clock is ") + to_string(world_.clock) +
-                                                 "; only realtime has a speed");
+    return call.fail(ErrorCode::kWrongState,
+                     std::string("the clock is ") + to_string(world_.clock) + "; only realtime has a speed");
   if (!(request.factor >= 1e-3 && request.factor <= 1e3))
     return call.fail(ErrorCode::kBadValue, "the speed must be within 0.001 and 1000");
   send_errand(call, request);
 }
 
-void Gateway::handle(const Call& call, const protocol::Reset& request) { send_errand(call, request); }
-void Gateway::handle(const Call& call, const protocol::TakeSnapshot& request) { send_errand(call, request); }
-void Gateway::handle(const Call& call, const protocol::RestoreSnapshot& request) { send_errand(call, request); }
+void Gateway::handle(const Call& call, const protocol::Reset& request) {
+  send_errand(call, request);
+}
+void Gateway::handle(const Call& call, const protocol::TakeSnapshot& request) {
+  send_errand(call, request);
+}
+void Gateway::handle(const Call& call, const protocol::RestoreSnapshot& request) {
+  send_errand(call, request);
+}
 
 void Gateway::handle(const Call& call, const protocol::Shutdown&) {
   shutdown_asked_ = true;

@@ -41,11 +41,14 @@ protocol::ContactSample to_sample(const collision::Contact& contact) {
 
 }  // namespace
 
-void Gateway::handle(const Call& call, const protocol::DescribeWorld&) { call.reply(world_.view.description); }
+void Gateway::handle(const Call& call, const protocol::DescribeWorld&) {
+  call.reply(world_.view.description);
+}
 
 void Gateway::handle(const Call& call, const protocol::ReadMesh& request) {
   if (request.mesh >= world_.view.meshes.size())
-    return call.fail(ErrorCode::kUnknownName, "there are " + std::to_string(world_.view.meshes.size()) + " meshes");
+    return call.fail(ErrorCode::kUnknownName,
+                     "there are " + std::to_string(world_.view.meshes.size()) + " meshes");
   call.reply(world_.view.meshes[request.mesh]);
 }
 
@@ -78,7 +81,9 @@ void Gateway::handle(const Call& call, const protocol::SubscribeWorld& request) 
   subscribe(call, kWorldStream, request.every_n_ticks);
 }
 
-void Gateway::handle(const Call& call, const protocol::UnsubscribeWorld&) { unsubscribe(call, kWorldStream); }
+void Gateway::handle(const Call& call, const protocol::UnsubscribeWorld&) {
+  unsubscribe(call, kWorldStream);
+}
 
 void Gateway::subscribe(const Call& call, std::uint32_t stream, std::uint32_t every) {
   if (every == 0) return call.fail(ErrorCode::kBadValue, "every_n_ticks must be at least 1");
@@ -90,7 +95,8 @@ void Gateway::subscribe(const Call& call, std::uint32_t stream, std::uint32_t ev
 }
 
 void Gateway::unsubscribe(const Call& call, std::uint32_t stream) {
-  if (std::erase_if(call.client.subscriptions, [stream](const Subscription& old) { return old.stream == stream; }) == 0)
+  if (std::erase_if(call.client.subscriptions,
+                    [stream](const Subscription& old) { return old.stream == stream; }) == 0)
     return call.fail(ErrorCode::kWrongState, "there is no such subscription");
   call.reply(protocol::Ok{});
 }
@@ -103,8 +109,8 @@ void Gateway::send_samples(const Published& now) {
 
 void Gateway::send_sample(Client& client, Subscription& subscription, const Published& now) {
   subscription.next_tick = now.tick + subscription.every;
-  // Latest wins: what a slow reader has not been sent yet is replaced, and counted. Peaks of a world sample that is
-  // replaced must not be lost, so that one is only made when the way is free.
+  // Latest wins: what a slow reader has not been sent yet is replaced, and counted. Peaks of a world sample
+  // that is replaced must not be lost, so that one is only made when the way is free.
   const bool free = client.session->ready_for(subscription.stream);
   if (!free) ++subscription.conflated;
   if (subscription.stream == kWorldStream) {
@@ -122,10 +128,13 @@ void Gateway::send_sample(Client& client, Subscription& subscription, const Publ
 void Gateway::handle(const Call& call, const protocol::PushBody& request) {
   const auto& bodies = world_.view.description.bodies;
   const auto found = std::ranges::find(bodies, request.body, &protocol::BodyDescription::name);
-  if (found == bodies.end()) return call.fail(ErrorCode::kUnknownName, "there is no body '" + request.body + "'");
+  if (found == bodies.end())
+    return call.fail(ErrorCode::kUnknownName, "there is no body '" + request.body + "'");
   if (found->fixed) return call.fail(ErrorCode::kWrongState, "'" + request.body + "' is fixed");
-  if (!is_vector(request.force_n, false) || !is_vector(request.torque_nm, true) || !is_vector(request.point_m, true))
-    return call.fail(ErrorCode::kBadValue, "force, torque and point need three numbers each, none beyond 1e6");
+  if (!is_vector(request.force_n, false) || !is_vector(request.torque_nm, true) ||
+      !is_vector(request.point_m, true))
+    return call.fail(ErrorCode::kBadValue,
+                     "force, torque and point need three numbers each, none beyond 1e6");
   constexpr std::int64_t kLongest = 3'600'000'000'000;
   if (request.duration_ns <= 0 || request.duration_ns > kLongest)
     return call.fail(ErrorCode::kBadValue, "duration_ns must be within 1 and one hour");
@@ -143,7 +152,11 @@ void Gateway::handle(const Call& call, const protocol::PushBody& request) {
   call.reply(protocol::Ok{});
 }
 
-void Gateway::handle(const Call& call, const protocol::AddBody& request) { send_errand(call, request); }
-void Gateway::handle(const Call& call, const protocol::RemoveBody& request) { send_errand(call, request); }
+void Gateway::handle(const Call& call, const protocol::AddBody& request) {
+  send_errand(call, request);
+}
+void Gateway::handle(const Call& call, const protocol::RemoveBody& request) {
+  send_errand(call, request);
+}
 
 }  // namespace visum::gateway

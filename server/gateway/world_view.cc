@@ -7,22 +7,32 @@ namespace {
 
 const char* kind_name(world::ShapeKind kind) {
   switch (kind) {
-    case world::ShapeKind::kBox: return "box";
-    case world::ShapeKind::kSphere: return "sphere";
-    case world::ShapeKind::kCylinder: return "cylinder";
-    case world::ShapeKind::kCapsule: return "capsule";
-    case world::ShapeKind::kPlane: return "plane";
-    case world::ShapeKind::kConvex: return "convex";
-    case world::ShapeKind::kMesh: return "mesh";
+    case world::ShapeKind::kBox:
+      return "box";
+    case world::ShapeKind::kSphere:
+      return "sphere";
+    case world::ShapeKind::kCylinder:
+      return "cylinder";
+    case world::ShapeKind::kCapsule:
+      return "capsule";
+    case world::ShapeKind::kPlane:
+      return "plane";
+    case world::ShapeKind::kConvex:
+      return "convex";
+    case world::ShapeKind::kMesh:
+      return "mesh";
   }
   return "";
 }
 
 const char* kind_name(world::JointKind kind) {
   switch (kind) {
-    case world::JointKind::kFixed: return "fixed";
-    case world::JointKind::kHinge: return "hinge";
-    case world::JointKind::kSlider: return "slider";
+    case world::JointKind::kFixed:
+      return "fixed";
+    case world::JointKind::kHinge:
+      return "hinge";
+    case world::JointKind::kSlider:
+      return "slider";
   }
   return "";
 }
@@ -30,11 +40,15 @@ const char* kind_name(world::JointKind kind) {
 // How many numbers of Shape::size mean something.
 std::size_t sizes_of(world::ShapeKind kind) {
   switch (kind) {
-    case world::ShapeKind::kBox: return 3;
-    case world::ShapeKind::kSphere: return 1;
+    case world::ShapeKind::kBox:
+      return 3;
+    case world::ShapeKind::kSphere:
+      return 1;
     case world::ShapeKind::kCylinder:
-    case world::ShapeKind::kCapsule: return 2;
-    default: return 0;
+    case world::ShapeKind::kCapsule:
+      return 2;
+    default:
+      return 0;
   }
 }
 
@@ -42,7 +56,8 @@ protocol::ShapeDescription describe(const world::Shape& shape, const world::Worl
   const auto& [p, q] = shape.X_BS;
   protocol::ShapeDescription description;
   description.kind = kind_name(shape.kind);
-  description.size.assign(shape.size.begin(), shape.size.begin() + static_cast<std::ptrdiff_t>(sizes_of(shape.kind)));
+  description.size.assign(shape.size.begin(),
+                          shape.size.begin() + static_cast<std::ptrdiff_t>(sizes_of(shape.kind)));
   description.pose = {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()};
   description.color.assign(shape.color.begin(), shape.color.end());
   if (shape.mesh.valid()) description.mesh = static_cast<std::uint32_t>(shape.mesh.value);
@@ -91,9 +106,14 @@ WorldView describe_world(const scene::Scene& scene, std::uint64_t revision) {
   world.gravity = {model.gravity.x(), model.gravity.y(), model.gravity.z()};
   world.revision = revision;
   for (const auto& body : model.bodies)
-    world.bodies.push_back({body.name, body.model, body.fixed, body.mass_kg, {},
+    world.bodies.push_back({body.name,
+                            body.model,
+                            body.fixed,
+                            body.mass_kg,
+                            {},
                             model.engines[static_cast<std::size_t>(body.engine)].name});
-  for (const auto& shape : model.shapes) world.bodies[shape.body.index()].shapes.push_back(describe(shape, model));
+  for (const auto& shape : model.shapes)
+    world.bodies[shape.body.index()].shapes.push_back(describe(shape, model));
   for (std::size_t i = 0; i < model.joints.size(); ++i)
     world.joints.push_back(describe(model.joints[i], world::JointId{static_cast<std::int32_t>(i)}, scene));
   for (const auto& mesh : model.meshes) view.meshes.push_back(describe(mesh));

@@ -11,7 +11,8 @@ namespace visum::bench {
 namespace {
 
 void find_contacts(benchmark::State& state) {
-  const auto scene = scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml");
+  const auto scene =
+      scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml");
   const auto start = world::initial_state(scene.world);
   collision::CollisionStage stage(scene.world);
   std::vector<collision::Contact> contacts;

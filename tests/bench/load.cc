@@ -1,5 +1,6 @@
-// visum-load: many observers and one controller against a daemon in real time. Says whether anything was lost, and how
-// late the daemon's ticks were. Exit code 0 only if nobody was disconnected and no command was lost.
+// visum-load: many observers and one controller against a daemon in real time. Says whether anything was
+// lost, and how late the daemon's ticks were. Exit code 0 only if nobody was disconnected and no command was
+// lost.
 #include <poll.h>
 
 #include <CLI/CLI.hpp>
@@ -76,7 +77,8 @@ Observed observe(const Options& options, std::vector<Connection>& observers, con
 // Writes a vector each period and waits for the tick. Returns how many writes the server took.
 std::uint64_t control(Connection& client, const Options& options, bench::Percentiles& round_trips) {
   const auto ticks = static_cast<std::int64_t>(period_ticks(client, options.hz));
-  const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.seconds));
+  const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                        std::chrono::duration<double>(options.seconds));
   const auto start = client.request_as<PartSample>(Read{options.part}).controller_inputs;
   std::uint64_t sequence = 0;
   while (Clock::now() < until) {
@@ -87,7 +89,8 @@ std::uint64_t control(Connection& client, const Options& options, bench::Percent
     round_trips.add(Clock::now() - sent);
     client.request_as<Advanced>(Advance{ticks});
     const auto in_force = client.request_as<PartSample>(Read{options.part}).controller_inputs;
-    if (in_force[0] != angles[0]) std::printf("command %lu is not in force\n", static_cast<unsigned long>(sequence)), sequence = 0;
+    if (in_force[0] != angles[0])
+      std::printf("command %lu is not in force\n", static_cast<unsigned long>(sequence)), sequence = 0;
     if (sequence == 0) return 0;
   }
   return sequence;
@@ -118,15 +121,20 @@ int run(const Options& options) {
   const auto status = controller.request_as<ServerStatus>(Status{});
   controller.request(Leave{});
   controller.request(ReleaseLease{options.part});
-  std::printf("observers %d at %.0f Hz, one controller, %.0f s\n", options.observers, options.hz, options.seconds);
+  std::printf("observers %d at %.0f Hz, one controller, %.0f s\n", options.observers, options.hz,
+              options.seconds);
   std::printf("disconnects %d, samples %lu, conflated at most %lu per observer\n", observed.disconnects,
               static_cast<unsigned long>(observed.samples), static_cast<unsigned long>(observed.conflated));
   std::printf("commands %lu, lost %s\n", static_cast<unsigned long>(commands), commands ? "none" : "SOME");
-  std::printf("write round trip us: p50 %.1f p99 %.1f max %.1f\n", round_trips.at(0.5), round_trips.at(0.99), round_trips.at(1.0));
-  std::printf("gap between samples us: p50 %.1f p99 %.1f max %.1f\n", gaps.at(0.5), gaps.at(0.99), gaps.at(1.0));
-  std::printf("ticks %ld, overruns %lu, lateness us: p50 %.1f p99.9 %.1f max %.1f\n", static_cast<long>(status.tick),
-              static_cast<unsigned long>(status.overruns), static_cast<double>(status.lateness_p50_ns) * 1e-3,
-              static_cast<double>(status.lateness_p999_ns) * 1e-3, static_cast<double>(status.lateness_max_ns) * 1e-3);
+  std::printf("write round trip us: p50 %.1f p99 %.1f max %.1f\n", round_trips.at(0.5), round_trips.at(0.99),
+              round_trips.at(1.0));
+  std::printf("gap between samples us: p50 %.1f p99 %.1f max %.1f\n", gaps.at(0.5), gaps.at(0.99),
+              gaps.at(1.0));
+  std::printf("ticks %ld, overruns %lu, lateness us: p50 %.1f p99.9 %.1f max %.1f\n",
+              static_cast<long>(status.tick), static_cast<unsigned long>(status.overruns),
+              static_cast<double>(status.lateness_p50_ns) * 1e-3,
+              static_cast<double>(status.lateness_p999_ns) * 1e-3,
+              static_cast<double>(status.lateness_max_ns) * 1e-3);
   return observed.disconnects == 0 && commands > 0 ? 0 : 1;
 }
 
@@ -138,7 +146,9 @@ int main(int argc, char** argv) {
   app.add_option("--connect", options.connect, "HOST:PORT")->capture_default_str();
   app.add_option("--part", options.part)->capture_default_str();
   app.add_option("--observers", options.observers)->capture_default_str()->check(CLI::Range(0, 500));
-  app.add_option("--hz", options.hz, "of samples and commands")->capture_default_str()->check(CLI::Range(1.0, 1000.0));
+  app.add_option("--hz", options.hz, "of samples and commands")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1000.0));
   app.add_option("--seconds", options.seconds)->capture_default_str()->check(CLI::Range(0.1, 86400.0));
   CLI11_PARSE(app, argc, argv);
   try {

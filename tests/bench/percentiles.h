@@ -10,7 +10,9 @@ namespace visum::bench {
 class Percentiles {
  public:
   explicit Percentiles(std::size_t expected) { microseconds_.reserve(expected); }
-  void add(std::chrono::nanoseconds duration) { microseconds_.push_back(static_cast<double>(duration.count()) * 1e-3); }
+  void add(std::chrono::nanoseconds duration) {
+    microseconds_.push_back(static_cast<double>(duration.count()) * 1e-3);
+  }
   std::size_t count() const { return microseconds_.size(); }
   // In µs; q in 0..1.
   double at(double q) {

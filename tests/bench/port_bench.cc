@@ -1,6 +1,6 @@
-// Round trip of a port: write one vector of 22 controller inputs, read the reply; beside a raw TCP echo of the same
-// bytes. Both take turns within one run, each with a blocking client thread and a server thread of its own, so that
-// the machine's noise falls on both. The figure is the ratio.
+// Round trip of a port: write one vector of 22 controller inputs, read the reply; beside a raw TCP echo of
+// the same bytes. Both take turns within one run, each with a blocking client thread and a server thread of
+// its own, so that the machine's noise falls on both. The figure is the ratio.
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
@@ -38,7 +38,8 @@ void timed(Percentiles& into, Action action) {
 }
 
 void round_trip(benchmark::State& state) {
-  // The world steps with nobody: the daemon's one thread only answers. In clock realtime the sessions' thread does.
+  // The world steps with nobody: the daemon's one thread only answers. In clock realtime the sessions' thread
+  // does.
   auto scene = scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml");
   scene.clock = scene::ClockKind::kLockstep;
   cycle::Simulation simulation(std::move(scene));
@@ -50,9 +51,11 @@ void round_trip(benchmark::State& state) {
   protocol::Connection client("127.0.0.1", daemon.port(), {1, 1, "bench", protocol::Role::kAdmin, {}});
   client.request(protocol::AcquireLease{"arm", 0, false});
   const protocol::Write write{"arm", 0, simulation.parts()[0].controller_inputs, 0};
-  testing::RawEchoServer echo(frame_bytes(protocol::Request(write)), frame_bytes(protocol::Reply(protocol::Ok{})));
+  testing::RawEchoServer echo(frame_bytes(protocol::Request(write)),
+                              frame_bytes(protocol::Reply(protocol::Ok{})));
   {
-    testing::RawEchoClient raw(echo.port(), frame_bytes(protocol::Request(write)), frame_bytes(protocol::Reply(protocol::Ok{})));
+    testing::RawEchoClient raw(echo.port(), frame_bytes(protocol::Request(write)),
+                               frame_bytes(protocol::Reply(protocol::Ok{})));
     Percentiles ours(1 << 20), bare(1 << 20);
     for (auto _ : state) {
       timed(bare, [&] { raw.round_trip(); });
@@ -71,7 +74,11 @@ void round_trip(benchmark::State& state) {
   daemon.stop();
   server.join();
 }
-BENCHMARK(round_trip)->Name("PortRoundTrip/write22")->Unit(benchmark::kMicrosecond)->Iterations(20'000)->UseRealTime();
+BENCHMARK(round_trip)
+    ->Name("PortRoundTrip/write22")
+    ->Unit(benchmark::kMicrosecond)
+    ->Iterations(20'000)
+    ->UseRealTime();
 
 }  // namespace
 }  // namespace visum::bench

@@ -1,5 +1,5 @@
-// The whole tick of the arm's scene, by phase: drives, part, collision, engine, publishing. The arm moves all the time
-// (each angle swings about its initial value), from the same state before each batch.
+// The whole tick of the arm's scene, by phase: drives, part, collision, engine, publishing. The arm moves all
+// the time (each angle swings about its initial value), from the same state before each batch.
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
@@ -49,10 +49,17 @@ void tick(benchmark::State& state, const std::string& step) {
   const auto phases = simulation.phases().summary();
   for (std::size_t i = 0; i < cycle::kPhases; ++i)
     state.counters[std::string(cycle::kPhaseNames[i]) + "_ns"] = static_cast<double>(phases[i].mean_ns);
-  state.counters["sim_per_wall"] = benchmark::Counter(static_cast<double>(state.iterations()) * 1e-3, benchmark::Counter::kIsRate);
+  state.counters["sim_per_wall"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * 1e-3, benchmark::Counter::kIsRate);
 }
-BENCHMARK_CAPTURE(tick, arm/ode, std::string("world"))->Name("Tick/arm/ode")->Unit(benchmark::kMicrosecond)->MinTime(3.0);
-BENCHMARK_CAPTURE(tick, arm/ode-quick, std::string("quick"))->Name("Tick/arm/ode-quick")->Unit(benchmark::kMicrosecond)->MinTime(3.0);
+BENCHMARK_CAPTURE(tick, arm / ode, std::string("world"))
+    ->Name("Tick/arm/ode")
+    ->Unit(benchmark::kMicrosecond)
+    ->MinTime(3.0);
+BENCHMARK_CAPTURE(tick, arm / ode - quick, std::string("quick"))
+    ->Name("Tick/arm/ode-quick")
+    ->Unit(benchmark::kMicrosecond)
+    ->MinTime(3.0);
 
 void snapshot(benchmark::State& state) {
   auto simulation = arm("world");

@@ -24,7 +24,9 @@ bodies:
   return scene::load_scene(file);
 }
 
-scene::Scene arm() { return scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml"); }
+scene::Scene arm() {
+  return scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml");
+}
 
 void run(Simulation& simulation, int ticks) {
   for (int i = 0; i < ticks; ++i) simulation.tick();

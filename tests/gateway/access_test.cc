@@ -14,17 +14,17 @@ using protocol::Role;
 
 TEST(Access, EveryRequestNeedsTheRoleOfTheTable) {
   using namespace protocol;
-  for (const Request& request : std::initializer_list<Request>{Status{}, ListParts{}, DescribePart{}, Read{}, Subscribe{},
-                                                               Unsubscribe{}, GetParameters{}, ReadBlackboard{},
-                                                               DescribeWorld{}, ReadWorld{}, SubscribeWorld{},
-                                                               UnsubscribeWorld{}, ReadMesh{}})
+  for (const Request& request : std::initializer_list<Request>{
+           Status{}, ListParts{}, DescribePart{}, Read{}, Subscribe{}, Unsubscribe{}, GetParameters{},
+           ReadBlackboard{}, DescribeWorld{}, ReadWorld{}, SubscribeWorld{}, UnsubscribeWorld{}, ReadMesh{}})
     EXPECT_EQ(role_needed(request), Role::kObserver) << request.index();
-  for (const Request& request : std::initializer_list<Request>{AcquireLease{}, ReleaseLease{}, Write{}, SetParameter{},
-                                                               WriteBlackboard{}, Join{}, Advance{}, Leave{}})
+  for (const Request& request :
+       std::initializer_list<Request>{AcquireLease{}, ReleaseLease{}, Write{}, SetParameter{},
+                                      WriteBlackboard{}, Join{}, Advance{}, Leave{}})
     EXPECT_EQ(role_needed(request), Role::kController) << request.index();
-  for (const Request& request : std::initializer_list<Request>{Pause{}, Resume{}, Step{}, SetSpeed{}, Reset{},
-                                                               TakeSnapshot{}, RestoreSnapshot{}, PushBody{}, AddBody{},
-                                                               RemoveBody{}, Shutdown{}})
+  for (const Request& request :
+       std::initializer_list<Request>{Pause{}, Resume{}, Step{}, SetSpeed{}, Reset{}, TakeSnapshot{},
+                                      RestoreSnapshot{}, PushBody{}, AddBody{}, RemoveBody{}, Shutdown{}})
     EXPECT_EQ(role_needed(request), Role::kAdmin) << request.index();
 }
 
@@ -64,19 +64,23 @@ TEST_F(TokenFile, NamesTheLineThatIsWrong) {
   EXPECT_NE(error_of("admin fedcba9876543210\nboss 0123456789abcdef\n").find(":2: "), std::string::npos);
   EXPECT_NE(error_of("boss 0123456789abcdef\n").find("'boss' is no role"), std::string::npos);
   EXPECT_NE(error_of("admin short\n").find("less than 16"), std::string::npos);
-  EXPECT_NE(error_of("admin fedcba9876543210 more\n").find("more than a role and a token"), std::string::npos);
+  EXPECT_NE(error_of("admin fedcba9876543210 more\n").find("more than a role and a token"),
+            std::string::npos);
   EXPECT_NE(error_of("# nothing\n").find("holds no token"), std::string::npos);
 }
 
 TEST_F(TokenFile, RefusesAFileThatOthersMayRead) {
   write("admin fedcba9876543210\n");
-  std::filesystem::permissions(file_, std::filesystem::perms::others_read, std::filesystem::perm_options::add);
+  std::filesystem::permissions(file_, std::filesystem::perms::others_read,
+                               std::filesystem::perm_options::add);
   EXPECT_THROW(Tokens{file_}, config::ConfigError);
 }
 
 TEST(Access, KnowsLoopback) {
-  for (const auto* address : {"127.0.0.1", "127.1.2.3", "::1", "localhost"}) EXPECT_TRUE(is_loopback(address)) << address;
-  for (const auto* address : {"0.0.0.0", "::", "192.168.1.2", "12.7.0.0"}) EXPECT_FALSE(is_loopback(address)) << address;
+  for (const auto* address : {"127.0.0.1", "127.1.2.3", "::1", "localhost"})
+    EXPECT_TRUE(is_loopback(address)) << address;
+  for (const auto* address : {"0.0.0.0", "::", "192.168.1.2", "12.7.0.0"})
+    EXPECT_FALSE(is_loopback(address)) << address;
 }
 
 }  // namespace

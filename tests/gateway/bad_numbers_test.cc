@@ -1,5 +1,5 @@
-// Every number that a client can send × NaN, infinities, 1e308: refused with a code, and the world's hash is as if
-// nothing had come.
+// Every number that a client can send × NaN, infinities, 1e308: refused with a code, and the world's hash is
+// as if nothing had come.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -11,7 +11,8 @@ namespace {
 
 using namespace protocol;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(),
+                 kInf = std::numeric_limits<double>::infinity();
 constexpr double kBad[] = {kNaN, -kNaN, kInf, -kInf, 1e308, -1e308};
 
 // Sends every bad number in every place, and counts the refusals.
@@ -19,7 +20,8 @@ int bombard(Connection& client, std::size_t ports) {
   int refused = 0;
   const auto expect_refusal = [&](const Request& request) {
     const auto error = refusal_of([&] { client.request(request); });
-    EXPECT_TRUE(error.code() == ErrorCode::kBadValue || error.code() == ErrorCode::kWrongState) << error.what();
+    EXPECT_TRUE(error.code() == ErrorCode::kBadValue || error.code() == ErrorCode::kWrongState)
+        << error.what();
     ++refused;
   };
   for (double bad : kBad) {
@@ -33,7 +35,8 @@ int bombard(Connection& client, std::size_t ports) {
     }
     expect_refusal(SetSpeed{bad});
     for (const auto& parameter : client.request_as<ParameterList>(GetParameters{"arm"}).parameters)
-      if (std::holds_alternative<double>(parameter.value)) expect_refusal(SetParameter{"arm", parameter.name, bad});
+      if (std::holds_alternative<double>(parameter.value))
+        expect_refusal(SetParameter{"arm", parameter.name, bad});
   }
   return refused;
 }
@@ -45,12 +48,16 @@ std::uint64_t run(bool bombarded) {
   client.request(AcquireLease{"arm", 0, false});
   client.request(Write{"arm", 0, {0.2}, 0});
   advance(client, 50);
-  if (bombarded) EXPECT_GT(bombard(client, describe_arm(client).controller_inputs.size()), 200);
+  if (bombarded) {
+    EXPECT_GT(bombard(client, describe_arm(client).controller_inputs.size()), 200);
+  }
   advance(client, 50);
   return state_hash(client);
 }
 
-TEST(BadNumbers, AreRefusedAndLeaveNoTrace) { EXPECT_EQ(run(true), run(false)); }
+TEST(BadNumbers, AreRefusedAndLeaveNoTrace) {
+  EXPECT_EQ(run(true), run(false));
+}
 
 TEST(BadNumbers, MinusZeroAndDenormalsAreNumbersLikeOthers) {
   RunningDaemon daemon(scene::ClockKind::kLockstep);

@@ -13,12 +13,14 @@ using namespace protocol;
 std::string token_file() {
   const auto file = std::filesystem::path(testing::TempDir()) / "visum_door_tokens";
   std::ofstream(file) << "observer looking-only-0001\nadmin    does-anything-0001\n";
-  std::filesystem::permissions(file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  std::filesystem::permissions(file,
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
   return file;
 }
 
 TEST(Doors, AnAddressBeyondLoopbackNeedsTokens) {
-  cycle::Simulation simulation(scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml"));
+  cycle::Simulation simulation(
+      scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml"));
   DaemonOptions options;
   options.address = "0.0.0.0";
   options.port = 0;

@@ -80,8 +80,10 @@ std::uint64_t run_of_two(bool swapped) {
     const auto push = [&] { pusher.request(PushBody{"box", {0.1 * i, 0, 0}, {}, {}, 3'000'000}); };
     const auto push_too = [&] { mover.request(PushBody{"box", {0, 0.3, 0.01 * i}, {}, {}, 2'000'000}); };
     const auto write = [&] { mover.request(Write{"arm", 0, {0.01 * i}, 0}); };
-    if (swapped) push(), write(), push_too();
-    else write(), push_too(), push();
+    if (swapped)
+      push(), write(), push_too();
+    else
+      write(), push_too(), push();
     const auto reply = mover.send(Advance{10});
     advance(pusher, 10);
     mover.wait(reply);
@@ -89,7 +91,9 @@ std::uint64_t run_of_two(bool swapped) {
   return state_hash(mover);
 }
 
-TEST(Lockstep, TheOrderOfBytesDoesNotChangeTheBits) { EXPECT_EQ(run_of_two(false), run_of_two(true)); }
+TEST(Lockstep, TheOrderOfBytesDoesNotChangeTheBits) {
+  EXPECT_EQ(run_of_two(false), run_of_two(true));
+}
 
 // The same inputs at the same ticks, one connection, different granularity of steps.
 std::uint64_t run_in_steps_of(std::int64_t step) {

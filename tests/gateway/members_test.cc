@@ -32,7 +32,9 @@ TEST(Members, NameWhoIsWaitedForTooLong) {
   Members members;
   members.join(1, "patient", 0, 0s);
   members.join(2, "slow", 0, 10s);
-  members.join(3, "ahead", 0, 1s).granted_tick = 5;
+  auto& ahead = members.join(3, "ahead", 0, 1s);
+  ahead.granted_tick = 5;
+  ahead.advance = 1;
   EXPECT_EQ(members.waited_too_long(0, kNow), nullptr) << "the wait begins now";
   EXPECT_EQ(members.waited_too_long(0, kNow + 9s), nullptr);
   const auto* late = members.waited_too_long(0, kNow + 11s);
@@ -40,9 +42,18 @@ TEST(Members, NameWhoIsWaitedForTooLong) {
   EXPECT_EQ(late->client, "slow") << "no time-out for the first, no wait for the third";
 }
 
+TEST(Members, WhoeverIsAloneIsNotWaitedFor) {
+  Members members;
+  members.join(1, "in a debugger", 0, 1s);
+  members.waited_too_long(0, kNow);
+  EXPECT_EQ(members.waited_too_long(0, kNow + 60s), nullptr);
+}
+
 TEST(Members, AStepEndsTheWait) {
   Members members;
-  auto& slow = members.join(1, "slow", 0, 10s);
+  members.join(1, "waiting", 0, 0s).advance = 1;
+  members.find(1)->granted_tick = 9;
+  auto& slow = members.join(2, "slow", 0, 10s);
   members.waited_too_long(0, kNow);
   slow.granted_tick = 1;
   members.waited_too_long(0, kNow + 5s);

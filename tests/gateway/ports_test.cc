@@ -1,6 +1,7 @@
 // Ports, leases, parameters and blackboards, as a client sees them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "tests/gateway/running_daemon.h"
@@ -134,9 +135,18 @@ TEST(Writes, AreAllOrNothing) {
   client.request(Join{});
   advance(client, 1);
   const auto before = client.request_as<PartSample>(Read{"arm"}).controller_inputs;
-  EXPECT_EQ(refusal_of([&] { client.request(Write{"arm", 0, {0.1, 0.2, 1e9}, 0}); }).code(), ErrorCode::kBadValue);
-  EXPECT_EQ(refusal_of([&] { client.request(Write{"arm", 20, {0, 0, 0, 0}, 0}); }).code(), ErrorCode::kBadValue);
-  EXPECT_EQ(refusal_of([&] { client.request(Write{"arm", 4'000'000'000, {0.0}, 0}); }).code(), ErrorCode::kBadValue);
+  EXPECT_EQ(refusal_of([&] {
+              client.request(Write{"arm", 0, {0.1, 0.2, 1e9}, 0});
+            }).code(),
+            ErrorCode::kBadValue);
+  EXPECT_EQ(refusal_of([&] {
+              client.request(Write{"arm", 20, {0, 0, 0, 0}, 0});
+            }).code(),
+            ErrorCode::kBadValue);
+  EXPECT_EQ(refusal_of([&] {
+              client.request(Write{"arm", 4'000'000'000, {0.0}, 0});
+            }).code(),
+            ErrorCode::kBadValue);
   EXPECT_EQ(refusal_of([&] { client.request(Write{"arm", 0, {}, 0}); }).code(), ErrorCode::kBadValue);
   advance(client, 1);
   EXPECT_EQ(client.request_as<PartSample>(Read{"arm"}).controller_inputs, before);
@@ -162,11 +172,17 @@ TEST(Parameters, AreReadByAnyoneAndSetByTheHolder) {
   EXPECT_EQ(refusal_of([&] { client.request(to_maximum); }).code(), ErrorCode::kNoLease);
   client.request(AcquireLease{"arm", 0, false});
   client.request(to_maximum);
-  EXPECT_EQ(refusal_of([&] { client.request(SetParameter{"arm", tunable->name, tunable->maximum * 2 + 1}); }).code(),
+  EXPECT_EQ(refusal_of([&] {
+              client.request(SetParameter{"arm", tunable->name, tunable->maximum * 2 + 1});
+            }).code(),
             ErrorCode::kBadValue);
-  EXPECT_EQ(refusal_of([&] { client.request(SetParameter{"arm", "nonsense", 1.0}); }).code(), ErrorCode::kUnknownName);
-  for (const auto& parameter : reader.request_as<ParameterList>(GetParameters{"arm"}).parameters)
-    if (parameter.name == tunable->name) EXPECT_EQ(std::get<double>(parameter.value), tunable->maximum);
+  EXPECT_EQ(refusal_of([&] {
+              client.request(SetParameter{"arm", "nonsense", 1.0});
+            }).code(),
+            ErrorCode::kUnknownName);
+  const auto after = reader.request_as<ParameterList>(GetParameters{"arm"}).parameters;
+  const auto tuned = std::ranges::find(after, tunable->name, &Parameter::name);
+  EXPECT_EQ(std::get<double>(tuned->value), tunable->maximum);
 }
 
 TEST(Blackboards, AreReadInPartAndReadOnlyOnesStay) {
@@ -180,10 +196,14 @@ TEST(Blackboards, AreReadInPartAndReadOnlyOnesStay) {
   EXPECT_EQ(piece.data, std::vector(whole.data.begin() + 1, whole.data.begin() + 4));
   EXPECT_EQ(piece.total, whole.data.size());
   const auto most = std::numeric_limits<std::uint64_t>::max();
-  EXPECT_EQ(refusal_of([&] { client.request(ReadBlackboard{"arm", boards[0].name, most, most}); }).code(),
+  EXPECT_EQ(refusal_of([&] {
+              client.request(ReadBlackboard{"arm", boards[0].name, most, most});
+            }).code(),
             ErrorCode::kBadValue);
   client.request(AcquireLease{"arm", 0, false});
-  EXPECT_EQ(refusal_of([&] { client.request(WriteBlackboard{"arm", boards[0].name, 0, {std::byte{1}}}); }).code(),
+  EXPECT_EQ(refusal_of([&] {
+              client.request(WriteBlackboard{"arm", boards[0].name, 0, {std::byte{1}}});
+            }).code(),
             ErrorCode::kForbidden);
 }
 

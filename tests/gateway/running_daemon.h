@@ -73,7 +73,8 @@ inline protocol::PartDescription describe_arm(protocol::Connection& client) {
 
 inline double sensor(protocol::Connection& client, const std::string& name) {
   const auto ports = describe_arm(client).sensor_outputs;
-  return client.request_as<protocol::PartSample>(protocol::Read{"arm"}).sensor_outputs.at(index_of(ports, name));
+  return client.request_as<protocol::PartSample>(protocol::Read{"arm"})
+      .sensor_outputs.at(index_of(ports, name));
 }
 
 inline protocol::Advanced advance(protocol::Connection& client, std::int64_t ticks) {

@@ -8,7 +8,9 @@ namespace {
 
 using namespace protocol;
 
-ServerStatus status_of(Connection& client) { return client.request_as<ServerStatus>(Status{}); }
+ServerStatus status_of(Connection& client) {
+  return client.request_as<ServerStatus>(Status{});
+}
 
 TEST(Time, StandsUntilTheFirstLease) {
   RunningDaemon daemon(scene::ClockKind::kRealtime);
@@ -123,7 +125,10 @@ TEST(Time, ANonAdminMayNotTouchIt) {
   auto controller = daemon.connect("controller"), observer = daemon.connect("observer", Role::kObserver);
   EXPECT_EQ(refusal_of([&] { controller.request(Reset{}); }).code(), ErrorCode::kForbidden);
   EXPECT_EQ(refusal_of([&] { observer.request(Join{}); }).code(), ErrorCode::kForbidden);
-  EXPECT_EQ(refusal_of([&] { observer.request(AcquireLease{"arm", 0, false}); }).code(), ErrorCode::kForbidden);
+  EXPECT_EQ(refusal_of([&] {
+              observer.request(AcquireLease{"arm", 0, false});
+            }).code(),
+            ErrorCode::kForbidden);
 }
 
 }  // namespace

@@ -52,13 +52,15 @@ TEST(Truth, BodiesComeAndGo) {
   auto world = client.request_as<WorldDescription>(DescribeWorld{});
   const auto ball = body_index(world, "ball");
   advance(client, 2000);
-  EXPECT_NEAR(client.request_as<WorldSample>(ReadWorld{}).poses.at(7 * ball + 2), 0.05, 2e-3) << "it lies on the floor";
+  EXPECT_NEAR(client.request_as<WorldSample>(ReadWorld{}).poses.at(7 * ball + 2), 0.05, 2e-3)
+      << "it lies on the floor";
   client.request(RemoveBody{"ball"});
   world = client.request_as<WorldDescription>(DescribeWorld{});
   for (const auto& body : world.bodies) EXPECT_NE(body.name, "ball");
   EXPECT_EQ(refusal_of([&] { client.request(RemoveBody{"ball"}); }).code(), ErrorCode::kUnknownName);
   EXPECT_EQ(refusal_of([&] { client.request(RemoveBody{"arm/link_3"}); }).code(), ErrorCode::kWrongState);
-  const auto wrong = refusal_of([&] { client.request(AddBody{"{name: egg, mass: -1, shapes: [{sphere: 0.05}]}"}); });
+  const auto wrong =
+      refusal_of([&] { client.request(AddBody{"{name: egg, mass: -1, shapes: [{sphere: 0.05}]}"}); });
   EXPECT_EQ(wrong.code(), ErrorCode::kBadValue);
   EXPECT_NE(std::string(wrong.what()).find("mass"), std::string::npos) << wrong.what();
 }
