@@ -1,6 +1,7 @@
-// Which shapes may touch: a sweep over their boxes, sorted along the axis on which they spread most. Planes meet every
-// shape whose box reaches below them. FCL's dynamic tree was tried: for boxes piled on a plane it takes as long with
-// 900 and 10,000 shapes (0.16 ms, 4.8 ms), twice as long with 100, four times as long for an arm of 26 (2 us to 0.5).
+// Which shapes may touch: a sweep over their boxes, sorted along the axis on which they spread most. Planes
+// meet every shape whose box reaches below them. FCL's dynamic tree was tried: for boxes piled on a plane it
+// takes as long with 900 and 10,000 shapes (0.16 ms, 4.8 ms), twice as long with 100, four times as long for
+// an arm of 26 (2 us to 0.5).
 #pragma once
 
 #include <cstdint>

@@ -1,9 +1,10 @@
-// An engine moves a set of bodies forward in time. The seam behind which ODE and the impulse engine stand; the paper
-// calls it a controller. Engines hold no truth of their own: they read WorldState and write it.
+// An engine moves a set of bodies forward in time. The seam behind which ODE and the impulse engine stand;
+// the paper calls it a controller. Engines hold no truth of their own: they read WorldState and write it.
 //
-// Order of calls: make_engine() (throws std::runtime_error with a clear word for settings it cannot take), then step()
-// any number of times on the tick's thread, each time on whatever state it is given: a restored one, another era's.
-// step() never aborts, never throws, never leaves a NaN behind silently: what goes wrong is in the StepResult.
+// Order of calls: make_engine() (throws std::runtime_error with a clear word for settings it cannot take),
+// then step() any number of times on the tick's thread, each time on whatever state it is given: a restored
+// one, another era's. step() never aborts, never throws, never leaves a NaN behind silently: what goes wrong
+// is in the StepResult.
 #pragma once
 
 #include <cstdint>
@@ -28,9 +29,10 @@ struct Wrench {
 
 struct StepInput {
   double tick_s;
-  std::span<collision::Contact> contacts;            // all of the world; an engine acts on those that touch its bodies and
-                                                     // fills normal_force_n. A body of another engine moves as it moves.
-  std::span<const hwparts::JointDrive> drives;       // by JointId
+  // All of the world; an engine acts on those that touch its bodies and fills normal_force_n. A body of
+  // another engine moves as it moves.
+  std::span<collision::Contact> contacts;
+  std::span<const hwparts::JointDrive> drives;  // by JointId
   std::span<const Wrench> wrenches;
 };
 
@@ -42,8 +44,8 @@ struct StepResult {
 class Engine {
  public:
   virtual ~Engine() = default;
-  // Moves this engine's bodies (Body::engine == its index) from t_k to t_k+1. Sets JointState::effort of its joints;
-  // position and velocity of joints are measured by the caller.
+  // Moves this engine's bodies (Body::engine == its index) from t_k to t_k+1. Sets JointState::effort of its
+  // joints; position and velocity of joints are measured by the caller.
   virtual StepResult step(const StepInput& input, world::WorldState& state) = 0;
   // How often the solver has complained since the start and gone on with what it had.
   virtual std::uint64_t solver_warnings() const { return 0; }

@@ -8,8 +8,7 @@ namespace visum::dynamics {
 namespace {
 
 constexpr std::array kKinds{
-    EngineKind{"ode",
-               "Open Dynamics Engine; step: world (direct) or quick (iterative, for many bodies)",
+    EngineKind{"ode", "Open Dynamics Engine; step: world (direct) or quick (iterative, for many bodies)",
                make_ode_engine},
 };
 

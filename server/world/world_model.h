@@ -1,9 +1,10 @@
-// The constant half of a world: what bodies, shapes, joints and surfaces there are. Built once by a scene (or by a
-// test), checked by find_fault(), then never changed while ticking; adding or removing a body builds a new model.
+// The constant half of a world: what bodies, shapes, joints and surfaces there are. Built once by a scene (or
+// by a test), checked by find_fault(), then never changed while ticking; adding or removing a body builds a
+// new model.
 //
-// Frames: W world (right-handed, z up), B a body's link frame (as in the URDF), C its centre of mass (axes parallel
-// to B), S a shape, J a joint. p_BC is the vector from B's origin to C's, in B. X_BS maps S coordinates to B.
-// SI units, radians. Quaternions as Eigen's.
+// Frames: W world (right-handed, z up), B a body's link frame (as in the URDF), C its centre of mass (axes
+// parallel to B), S a shape, J a joint. p_BC is the vector from B's origin to C's, in B. X_BS maps S
+// coordinates to B. SI units, radians. Quaternions as Eigen's.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,7 +36,7 @@ struct Surface {
 
 struct TriangleMesh {
   std::string name;
-  std::vector<Eigen::Vector3d> vertices;            // in the shape's frame, scaled
+  std::vector<Eigen::Vector3d> vertices;  // in the shape's frame, scaled
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
@@ -45,8 +46,8 @@ struct Shape {
   std::string name;
   BodyId body;
   ShapeKind kind = ShapeKind::kBox;
-  // box: full lengths x y z; sphere: radius; cylinder, capsule: radius, length along z (capsule: without the caps);
-  // plane: nothing (its frame's z = 0, solid below); convex, mesh: nothing.
+  // box: full lengths x y z; sphere: radius; cylinder, capsule: radius, length along z (capsule: without the
+  // caps); plane: nothing (its frame's z = 0, solid below); convex, mesh: nothing.
   std::array<double, 3> size{};
   MeshId mesh;  // convex: the hull of its vertices
   Pose X_BS;
@@ -70,8 +71,8 @@ struct Body {
 
 enum class JointKind { kFixed, kHinge, kSlider };
 
-// The child moves against the parent about (hinge) or along (slider) axis_J. At position 0 the frame J seen from the
-// parent (X_PJ) and seen from the child (X_CJ) is the same in W.
+// The child moves against the parent about (hinge) or along (slider) axis_J. At position 0 the frame J seen
+// from the parent (X_PJ) and seen from the child (X_CJ) is the same in W.
 struct Joint {
   std::string name;  // "arm/joint_3"
   JointKind kind = JointKind::kHinge;
@@ -91,11 +92,11 @@ struct Joint {
 
 // Settings of one engine instance, as the scene gives them.
 struct EngineSetting {
-  std::string name;  // row of the engine table, "ode"
-  std::string step = "world";       // ode: "world" (dWorldStep) or "quick" (QuickStep)
-  int iterations = 20;              // ode quick
-  double erp = 0.2;                 // ode: share of a joint's error corrected per step
-  double cfm = 1e-9;                // ode: softness; >= 1e-9 keeps contradictory joints solvable
+  std::string name;            // row of the engine table, "ode"
+  std::string step = "world";  // ode: "world" (dWorldStep) or "quick" (QuickStep)
+  int iterations = 20;         // ode quick
+  double erp = 0.2;            // ode: share of a joint's error corrected per step
+  double cfm = 1e-9;           // ode: softness; >= 1e-9 keeps contradictory joints solvable
 };
 
 struct WorldModel {
@@ -118,8 +119,9 @@ struct WorldModel {
 inline constexpr std::size_t kMaxBodies = 10'000;
 inline constexpr std::size_t kMaxTriangles = 2'000'000;
 
-// Everything that would make an engine abort or lie: finite numbers, mass > 0, A + B >= C, unit quaternions and axes,
-// sizes, mesh indices, joints within one engine, caps. Returns the first fault in words, empty if there is none.
+// Everything that would make an engine abort or lie: finite numbers, mass > 0, A + B >= C, unit quaternions
+// and axes, sizes, mesh indices, joints within one engine, caps. Returns the first fault in words, empty if
+// there is none.
 std::string find_fault(const WorldModel& model);
 
 }  // namespace visum::world

@@ -1,5 +1,5 @@
-// The changing half of a world: flat, copyable, hashable. This is the only truth: an engine reads it before a step and
-// writes it after; restoring is assigning. Lives on the tick's thread; others get copies.
+// The changing half of a world: flat, copyable, hashable. This is the only truth: an engine reads it before a
+// step and writes it after; restoring is assigning. Lives on the tick's thread; others get copies.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,8 @@
 
 namespace visum::world {
 
-// One body's motion, of its centre of mass. q is kept exactly as the engine left it: never renormalised on the way.
+// One body's motion, of its centre of mass. q is kept exactly as the engine left it: never renormalised on
+// the way.
 struct BodyState {
   Eigen::Vector3d p_WC;     // m
   Eigen::Quaterniond q_WB;  // unit
@@ -24,24 +25,26 @@ struct BodyState {
 struct JointState {
   double position = 0.0;  // rad or m, unwrapped
   double velocity = 0.0;
-  double effort = 0.0;    // what the joint's drive transmitted in the last tick (hwparts/joint.h)
+  double effort = 0.0;  // what the joint's drive transmitted in the last tick (hwparts/joint.h)
 };
 
 struct WorldState {
   std::int64_t tick = 0;
-  std::vector<BodyState> bodies;  // by BodyId, fixed ones too
-  std::vector<JointState> joints; // by JointId; derived from bodies, except that position counts turns
-  std::vector<std::uint64_t> random;             // one generator per world: its words
-  std::vector<std::vector<std::byte>> engines;   // what an engine needs beyond bodies (seeds, warm starts), by engine
+  std::vector<BodyState> bodies;      // by BodyId, fixed ones too
+  std::vector<JointState> joints;     // by JointId; derived from bodies, except that position counts turns
+  std::vector<std::uint64_t> random;  // one generator per world: its words
+  std::vector<std::vector<std::byte>>
+      engines;  // what an engine needs beyond bodies (seeds, warm starts), by engine
 };
 
 // The scene's initial state. Applies each joint's initial position by moving the subtree below it.
 WorldState initial_state(const WorldModel& model);
 
-Pose link_pose(const Body& body, const BodyState& state);  // X_WB
+Pose link_pose(const Body& body, const BodyState& state);                 // X_WB
 Eigen::Vector3d link_velocity(const Body& body, const BodyState& state);  // of B's origin, in W
 
-// Joint positions and velocities from the bodies'; hinge positions continue from the previous value across turns.
+// Joint positions and velocities from the bodies'; hinge positions continue from the previous value across
+// turns.
 void measure_joints(const WorldModel& model, WorldState& state);
 
 // True if all is finite and within 1e6 m, m/s, rad/s (reliability.md §5). Names the first offender otherwise.

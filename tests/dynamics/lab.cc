@@ -24,18 +24,9 @@ Lab::Lab(world::WorldModel world_model)
 
 StepResult Lab::step() {
   stage_.find(state, contacts);
-  // Every engine sees the others' bodies as they were at the start of the tick.
-  const world::WorldState before = state;
-  for (std::size_t i = 0; i < engines.size(); ++i) {
-    world::WorldState moved = before;
-    moved.joints = state.joints;
-    const StepResult result = engines[i]->step({tick_s(), contacts, drives, wrenches}, moved);
-    if (!result.ok) return result;
-    for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-      if (model.bodies[b].engine == static_cast<std::int32_t>(i)) state.bodies[b] = moved.bodies[b];
-    }
-    state.joints = moved.joints;
-    state.engines[i] = moved.engines[i];
+  const StepInput input{tick_s(), contacts, drives, wrenches};
+  for (const auto& engine : engines) {
+    if (StepResult result = engine->step(input, state); !result.ok) return result;
   }
   ++state.tick;
   measure_joints(model, state);
