@@ -1,6 +1,6 @@
-// The client's end of the TCP session: blocking, one thread. Requests are answered in order of arrival; samples and
-// events that come in between are kept (bounded: the latest sample of a stream wins, events up to 1024).
-// Plain POSIX sockets inside client.cc, so that a client costs no Asio.
+// The client's end of the TCP session: blocking, one thread. Requests are answered in order of arrival;
+// samples and events that come in between are kept (bounded: the latest sample of a stream wins, events up to
+// 1024). Plain POSIX sockets inside client.cc, so that a client costs no Asio.
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,8 @@
 
 namespace visum::protocol {
 
-// The server's refusal of a request, or (kTimeout, kInternal with no text from the server) the connection's own trouble.
+// The server's refusal of a request, or (kTimeout, kInternal with no text from the server) the connection's
+// own trouble.
 class RequestError : public std::runtime_error {
  public:
   RequestError(ErrorCode code, const std::string& text, std::string owner = {})
@@ -45,8 +46,8 @@ class Connection {
 
   const Welcome& welcome() const;
 
-  // Sends a request and waits for its reply. Throws RequestError if that is an Error or does not come in time (no
-  // timeout: Advance and Step wait as long as the world takes).
+  // Sends a request and waits for its reply. Throws RequestError if that is an Error or does not come in time
+  // (no timeout: Advance and Step wait as long as the world takes).
   Reply request(const Request& request);
   template <typename T>
   T request_as(const Request& message) {
@@ -66,7 +67,8 @@ class Connection {
   std::optional<Reply> next(std::chrono::milliseconds timeout);
 
   int native_handle() const;  // for poll()
-  void set_spin(std::chrono::microseconds spin);  // busy-polls this long before it blocks; 0 (default): blocks at once
+  void set_spin(
+      std::chrono::microseconds spin);  // busy-polls this long before it blocks; 0 (default): blocks at once
 
  private:
   struct Impl;

@@ -1,5 +1,6 @@
-// The messages of the port protocol as plain values, one struct per message of visum.proto, same names, same meaning:
-// the comments there and SPEC.md are not repeated here. codec.h turns them into frames; Protobuf stays inside.
+// The messages of the port protocol as plain values, one struct per message of visum.proto, same names, same
+// meaning: the comments there and SPEC.md are not repeated here. codec.h turns them into frames; Protobuf
+// stays inside.
 #pragma once
 
 #include <cstddef>
@@ -35,7 +36,8 @@ enum class ErrorCode {
 const char* to_string(ErrorCode code);  // "bad value", ...
 const char* to_string(Role role);       // "observer", ...
 
-// ------------------------------------------------------------------------------------------------ client to server
+// ------------------------------------------------------------------------------------------------ client to
+// server
 
 struct Hello {
   std::uint32_t min_version = 1, max_version = 1;
@@ -45,26 +47,36 @@ struct Hello {
 };
 struct Status {};
 struct ListParts {};
-struct DescribePart { std::string part; };
+struct DescribePart {
+  std::string part;
+};
 struct AcquireLease {
   std::string part;
   std::int64_t deadline_ns = 0;
   bool take = false;
 };
-struct ReleaseLease { std::string part; };
+struct ReleaseLease {
+  std::string part;
+};
 struct Write {
   std::string part;
   std::uint32_t first_port = 0;
   std::vector<double> values;
   std::uint64_t sequence = 0;
 };
-struct Read { std::string part; };
+struct Read {
+  std::string part;
+};
 struct Subscribe {
   std::string part;
   std::uint32_t every_n_ticks = 1;
 };
-struct Unsubscribe { std::string part; };
-struct GetParameters { std::string part; };
+struct Unsubscribe {
+  std::string part;
+};
+struct GetParameters {
+  std::string part;
+};
 struct SetParameter {
   std::string part, name;
   ParameterValue value;
@@ -78,37 +90,56 @@ struct WriteBlackboard {
   std::uint64_t offset = 0;
   std::vector<std::byte> data;
 };
-struct Join { std::int64_t timeout_ns = 0; };
-struct Advance { std::int64_t ticks = 1; };
+struct Join {
+  std::int64_t timeout_ns = 0;
+};
+struct Advance {
+  std::int64_t ticks = 1;
+};
 struct Leave {};
 struct DescribeWorld {};
 struct ReadWorld {};
-struct SubscribeWorld { std::uint32_t every_n_ticks = 1; };
+struct SubscribeWorld {
+  std::uint32_t every_n_ticks = 1;
+};
 struct UnsubscribeWorld {};
-struct ReadMesh { std::uint32_t mesh = 0; };
+struct ReadMesh {
+  std::uint32_t mesh = 0;
+};
 struct Pause {};
 struct Resume {};
-struct Step { std::int64_t ticks = 1; };
-struct SetSpeed { double factor = 1.0; };
+struct Step {
+  std::int64_t ticks = 1;
+};
+struct SetSpeed {
+  double factor = 1.0;
+};
 struct Reset {};
 struct TakeSnapshot {};
-struct RestoreSnapshot { std::uint64_t snapshot = 0; };
+struct RestoreSnapshot {
+  std::uint64_t snapshot = 0;
+};
 struct PushBody {
   std::string body;
   std::vector<double> force_n, torque_nm, point_m;
   std::int64_t duration_ns = 0;
 };
-struct AddBody { std::string yaml; };
-struct RemoveBody { std::string body; };
+struct AddBody {
+  std::string yaml;
+};
+struct RemoveBody {
+  std::string body;
+};
 struct Shutdown {};
 
-using Request =
-    std::variant<Hello, Status, ListParts, DescribePart, AcquireLease, ReleaseLease, Write, Read, Subscribe, Unsubscribe,
-                 GetParameters, SetParameter, ReadBlackboard, WriteBlackboard, Join, Advance, Leave, DescribeWorld,
-                 ReadWorld, SubscribeWorld, UnsubscribeWorld, ReadMesh, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot,
-                 RestoreSnapshot, PushBody, AddBody, RemoveBody, Shutdown>;
+using Request = std::variant<Hello, Status, ListParts, DescribePart, AcquireLease, ReleaseLease, Write, Read,
+                             Subscribe, Unsubscribe, GetParameters, SetParameter, ReadBlackboard,
+                             WriteBlackboard, Join, Advance, Leave, DescribeWorld, ReadWorld, SubscribeWorld,
+                             UnsubscribeWorld, ReadMesh, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot,
+                             RestoreSnapshot, PushBody, AddBody, RemoveBody, Shutdown>;
 
-// ------------------------------------------------------------------------------------------------ server to client
+// ------------------------------------------------------------------------------------------------ server to
+// client
 
 struct Error {
   ErrorCode code = ErrorCode::kUnspecified;
@@ -151,8 +182,12 @@ struct ServerStatus {
   std::uint64_t refused = 0;
   std::int64_t own_allocations = -1;
 };
-struct PartSummary { std::string name, kind, lease_owner; };
-struct PartList { std::vector<PartSummary> parts; };
+struct PartSummary {
+  std::string name, kind, lease_owner;
+};
+struct PartList {
+  std::vector<PartSummary> parts;
+};
 struct PartDescriptionReply {
   PartDescription description;
   std::string lease_owner;
@@ -168,7 +203,9 @@ struct PartSample {
   std::vector<double> controller_inputs, sensor_outputs;
   std::uint64_t conflated = 0;
 };
-struct ParameterList { std::vector<Parameter> parameters; };
+struct ParameterList {
+  std::vector<Parameter> parameters;
+};
 struct BlackboardData {
   std::uint64_t offset = 0, total = 0;
   std::vector<std::byte> data;
@@ -234,8 +271,8 @@ struct Event {
   std::int64_t tick = 0;
 };
 
-using Reply = std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant, PartSample,
-                           ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample, MeshData, SnapshotTaken,
-                           Event>;
+using Reply = std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant,
+                           PartSample, ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample,
+                           MeshData, SnapshotTaken, Event>;
 
 }  // namespace visum::protocol

@@ -1,5 +1,5 @@
-// What a hardware part has to offer: its ports, parameters and blackboards, in the order that is its contract.
-// Plain values; the wire form is PartDescription in visum.proto, translated in protocol/wire.h.
+// What a hardware part has to offer: its ports, parameters and blackboards, in the order that is its
+// contract. Plain values; the wire form is PartDescription in visum.proto, translated in protocol/wire.h.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@ namespace visum::protocol {
 
 // One number of a part. Its index in the vector is the contract; saved panels refer to it.
 struct Port {
-  std::string name;   // natural form, "Desired Angle 1"
-  std::string unit;   // "rad", "rad/s", "m", "m/s", "A"; empty for counters and bit fields
-  double minimum;     // a value outside [minimum, maximum] is refused
+  std::string name;  // natural form, "Desired Angle 1"
+  std::string unit;  // "rad", "rad/s", "m", "m/s", "A"; empty for counters and bit fields
+  double minimum;    // a value outside [minimum, maximum] is refused
   double maximum;
   double initial;     // controller inputs: value until somebody writes
   std::string group;  // the ports that belong together, "Desired Angle"
@@ -26,8 +26,8 @@ struct Parameter {
   std::string name;
   std::string unit;
   std::string help;
-  ParameterValue value;              // as it was when described
-  double minimum = 0.0;              // numbers and integers
+  ParameterValue value;  // as it was when described
+  double minimum = 0.0;  // numbers and integers
   double maximum = 0.0;
   std::vector<std::string> choices;  // texts; empty: any
   bool read_only = false;

@@ -1,8 +1,8 @@
-// The server's end of the TCP session: listening, framing, hello, deadlines, bounded queues. What a request means is
-// the handler's business (server/gateway). Boost.Asio stays inside server.cc and tcp_session.cc.
+// The server's end of the TCP session: listening, framing, hello, deadlines, bounded queues. What a request
+// means is the handler's business (server/gateway). Boost.Asio stays inside server.cc and tcp_session.cc.
 //
-// Threads: everything, the handler's calls included, happens on the one thread that calls run() or poll(). stop() and
-// notify() may be called from any thread.
+// Threads: everything, the handler's calls included, happens on the one thread that calls run() or poll().
+// stop() and notify() may be called from any thread.
 #pragma once
 
 #include <chrono>
@@ -17,9 +17,9 @@
 namespace visum::protocol {
 
 enum class CloseReason {
-  kGoodbye,   // the peer closed its side between two frames
-  kLost,      // reset, cut inside a frame, keepalive failed, stalled
-  kRefused,   // we closed it: bad frame, bad hello, limits
+  kGoodbye,  // the peer closed its side between two frames
+  kLost,     // reset, cut inside a frame, keepalive failed, stalled
+  kRefused,  // we closed it: bad frame, bad hello, limits
   kShutdown,
 };
 
@@ -45,8 +45,9 @@ class Session {
 class SessionHandler {
  public:
   virtual ~SessionHandler() = default;
-  // Hello is in, its version, role and name are good; the token is the handler's to judge. Fills what Welcome tells of
-  // the world. Returns the granted role, or kUnspecified with `refusal` filled. Sends nothing: Welcome comes first.
+  // Hello is in, its version, role and name are good; the token is the handler's to judge. Fills what Welcome
+  // tells of the world. Returns the granted role, or kUnspecified with `refusal` filled. Sends nothing:
+  // Welcome comes first.
   virtual Role on_hello(Session& session, const Hello& hello, Welcome& welcome, Error& refusal) = 0;
   virtual void on_request(Session& session, std::uint64_t id, const Request& request) = 0;
   virtual void on_close(Session& session, CloseReason reason) = 0;  // only after on_hello granted a role
@@ -61,21 +62,22 @@ struct ListenOptions {
 
 class Server {
  public:
-  // Binds and listens, accepts nothing yet. Throws std::runtime_error naming address and port where that fails.
+  // Binds and listens, accepts nothing yet. Throws std::runtime_error naming address and port where that
+  // fails.
   Server(const ListenOptions& options, SessionHandler& handler);
   ~Server();  // cuts off what is left, without a word to the handler
 
   std::uint16_t port() const;
-  void start();                                // begins to accept
-  void run();                                  // until stop(); on a thread of its own (clock realtime)
-  bool poll();                                 // handles what is ready, bounded; true if there was anything
+  void start();  // begins to accept
+  void run();    // until stop(); on a thread of its own (clock realtime)
+  bool poll();   // handles what is ready, bounded; true if there was anything
   // Waits for something to be ready, handles it. The wait is rounded up to whole milliseconds.
   void poll_for(std::chrono::nanoseconds at_most);
-  void stop();                                 // closes sessions after their queued replies; any thread. run() returns
-                                               // then; who polls goes on until session_count() is 0
-  void notify();                               // makes on_notify() be called soon; any thread, no lock, no allocation
+  void stop();    // closes sessions after their queued replies; any thread. run() returns
+                  // then; who polls goes on until session_count() is 0
+  void notify();  // makes on_notify() be called soon; any thread, no lock, no allocation
   std::size_t session_count() const;
-  std::uint64_t refused() const;               // frames and sessions refused since start
+  std::uint64_t refused() const;  // frames and sessions refused since start
 
  private:
   struct Impl;
