@@ -42,7 +42,7 @@ class OnTheArm(unittest.TestCase):
 
     def test_bad_usage_is_2(self) -> None:
         for command in (pick_and_place, python_example):
-            for options in (["--from", "here"], ["--from", "0.5"], ["--nonsense"], ["--to", "nan,0"]):
+            for options in (["--from", "here"], ["--from", "0.5"], ["--nonsense"], ["--to", "nan,0"], ["--to", "0.5,inf"]):
                 self.assertEqual(run(command(self.address, *options)).returncode, 2, options)
 
     def test_absent_box_is_noticed_and_the_arm_stays_ready(self) -> None:

@@ -140,7 +140,7 @@ class OnTheTwoLinkRobot(unittest.TestCase):
         self.admin.add_body("{name: ball, mass: 0.5, pose: {xyz: [1, 1, 0.5]}, shapes: [{sphere: 0.05}]}")
         self.admin.push_body("ball", [1.0, 0.0, 0.0], 0.1)
         self.client.join()
-        self.client.advance_ms(100)
+        self.client.advance_ms(110)
         self.client.leave()
         # Impulse over mass: 1 N for 0.1 s on 0.5 kg.
         self.assertAlmostEqual(self.admin.read_world().body("ball").velocity[0], 0.2, places=6)

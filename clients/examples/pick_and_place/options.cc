@@ -1,7 +1,9 @@
 #include "clients/examples/pick_and_place/options.h"
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace visum::pick_and_place {
@@ -25,6 +27,19 @@ std::string default_urdf() {
   return fs::exists(here, error) ? here.string() : std::string();
 }
 
+// As CLI::Range, which lets NaN through.
+CLI::Validator between(double minimum, double maximum) {
+  char text[64];
+  std::snprintf(text, sizeof text, "from %g to %g", minimum, maximum);
+  const std::string range = text;
+  return {[=](const std::string& word) {
+            double value = 0.0;
+            if (!CLI::detail::lexical_cast(word, value)) return "'" + word + "' is no number";
+            return value >= minimum && value <= maximum ? std::string() : "'" + word + "' is not " + range;
+          },
+          range};
+}
+
 Eigen::Vector3d to_place(const std::vector<double>& numbers, double table) {
   return {numbers[0], numbers[1], numbers.size() > 2 ? numbers[2] : table};
 }
@@ -37,11 +52,12 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   o.urdf = default_urdf();
   std::vector<double> from{0.5, 0.2}, to{0.5, -0.2};
   double table = 0.2;
-  const CLI::Range length(0.001, 10.0);
+  const CLI::Validator length = between(0.001, 10.0);
 
   CLI::App app(
       "Picks a box up and puts it down elsewhere, with an arm that is served as a hardware part.\n"
       "Places are in metres, in the frame of the arm's base.");
+  app.name("visum-pick-and-place");
   app.set_version_flag("--version", "visum-pick-and-place 0.1.0");
   app.add_option("--connect", o.connect, "server, HOST:PORT")->capture_default_str();
   app.add_option("--part", o.part, "name of the arm")->capture_default_str();
@@ -50,27 +66,27 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   app.add_option("--from", from, "x,y[,z] where the box stands; z of the surface below it")
       ->delimiter(',')
       ->expected(2, 3)
-      ->check(CLI::Range(-10.0, 10.0))
+      ->check(between(-10.0, 10.0))
       ->capture_default_str();
   app.add_option("--to", to, "x,y[,z] where to put it")
       ->delimiter(',')
       ->expected(2, 3)
-      ->check(CLI::Range(-10.0, 10.0))
+      ->check(between(-10.0, 10.0))
       ->capture_default_str();
   app.add_option("--table", table, "z of the surface, where a place has none")
-      ->check(CLI::Range(-10.0, 10.0))
+      ->check(between(-10.0, 10.0))
       ->capture_default_str();
   app.add_option("--width", o.job.width, "of the box")->check(length)->capture_default_str();
   app.add_option("--height", o.job.height, "of the box")->check(length)->capture_default_str();
   app.add_option("--yaw", o.job.yaw, "of the box about z [rad]")
-      ->check(CLI::Range(-7.0, 7.0))
+      ->check(between(-7.0, 7.0))
       ->capture_default_str();
   app.add_option("--lift", o.job.lift, "how high to lift it")->check(length)->capture_default_str();
   app.add_option("--speed", o.speed, "share of the drives' maximum speeds")
-      ->check(CLI::Range(0.05, 0.95))
+      ->check(between(0.05, 0.95))
       ->capture_default_str();
   app.add_option("--acceleration", o.acceleration, "of every joint, at most [rad/s^2]")
-      ->check(CLI::Range(0.05, 10.0))
+      ->check(between(0.05, 10.0))
       ->capture_default_str();
   app.footer(
       "Example:\n  visum-pick-and-place --connect 127.0.0.1:1500 --from 0.5,0.2 --to 0.5,-0.2\n\n"

@@ -224,7 +224,7 @@ def make_plan(chain: Chain, start: Vector, options: argparse.Namespace) -> Plan:
     reached = {"the box's place": False, "the goal": False}
     for grip in [(math.radians(tilt), side) for tilt in (90, 75, 60, 45, 30) for side in (1, -1)]:
         downs = ways_down(chain, box, grip, options, start)
-        puts = ways_down(chain, goal + [0, 0, 0.001], grip, options, start)
+        puts = ways_down(chain, goal + [0, 0, 0.002], grip, options, start)
         reached["the box's place"] |= bool(downs)
         reached["the goal"] |= bool(puts)
         for down, put in [(d, p) for d in downs for p in puts]:
@@ -321,7 +321,7 @@ def run(arm: Arm, plan: Plan, options: argparse.Namespace) -> None:
     arm.follow(plan.down, slow)
     arm.say("closes the gripper")
     closed = max(0.0, options.width / 2 - 0.0012)
-    arm.fingers(closed, 0.02)
+    arm.fingers(closed, 0.012)
     arm.held_above = closed + 0.0005
     if min(arm.actual_finger) < arm.held_above:
         raise Failed("the gripper closed on nothing: no box is there")
