@@ -48,9 +48,11 @@ void ChildProcess::drain() {
   read_pipe(err_);
 }
 
+// At most what a pipe holds: one that is filled faster than it is read must not keep us from everything else.
 void ChildProcess::read_pipe(Pipe& pipe) {
+  constexpr int kMostReads = 16;  // of 4 KiB each: Linux' pipe
   std::array<char, 4096> buffer;
-  while (pipe.fd >= 0) {
+  for (int reads = 0; reads < kMostReads && pipe.fd >= 0; ++reads) {
     const ssize_t got = ::read(pipe.fd, buffer.data(), buffer.size());
     if (got < 0 && errno == EINTR) continue;
     if (got < 0 && errno == EAGAIN) return;
