@@ -48,11 +48,13 @@ void ChildProcess::drain() {
   read_pipe(err_);
 }
 
-// At most what a pipe holds: one that is filled faster than it is read must not keep us from everything else.
+// A piece at a time: a child that prints without end must not keep us from everything else. What an ended one
+// left behind is at most what a pipe holds.
 void ChildProcess::read_pipe(Pipe& pipe) {
-  constexpr int kMostReads = 16;  // of 4 KiB each: Linux' pipe
+  constexpr int kPipeReads = 16;  // of 4 KiB each: Linux' pipe
   std::array<char, 4096> buffer;
-  for (int reads = 0; reads < kMostReads && pipe.fd >= 0; ++reads) {
+  const int most = exit_ ? kPipeReads : 1;
+  for (int reads = 0; reads < most && pipe.fd >= 0; ++reads) {
     const ssize_t got = ::read(pipe.fd, buffer.data(), buffer.size());
     if (got < 0 && errno == EINTR) continue;
     if (got < 0 && errno == EAGAIN) return;
