@@ -38,9 +38,9 @@ void Members::rebase(std::int64_t tick) {
 
 Member* Members::waited_too_long(std::int64_t tick, Member::Clock::time_point now) {
   Member* late = nullptr;
-  const bool anybody_waits = next_answer().has_value();
+  const bool alone = members_.size() == 1;
   for (auto& member : members_) {
-    if (member.granted_tick > tick || !anybody_waits) {
+    if (member.granted_tick > tick || alone) {
       member.waited_since.reset();
       continue;
     }

@@ -37,8 +37,8 @@ class Members {
   // After a reset or restore: everybody stands at `tick`.
   void rebase(std::int64_t tick);
   // Marks those that hold the world at `tick` as waited for since `now`, unmarks the rest. Returns the first
-  // that has been waited for longer than its time-out. Nobody is waited for while no member waits for an
-  // answer: who is alone may stand in a debugger for as long as he likes.
+  // that has been waited for longer than its time-out. Who is alone is not waited for: he may stand
+  // in a debugger for as long as he likes.
   Member* waited_too_long(std::int64_t tick, Member::Clock::time_point now);
 
  private:
