@@ -31,12 +31,14 @@ struct Connection::Impl {
   ~Impl() { socket_.finish(); }
 
   void say_hello(const Hello& hello, Deadline deadline);
-  void write(std::uint64_t id, const Request& request);
-  bool receive(Deadline deadline);  // false: the deadline passed
+  std::uint64_t encode(const Request& request);  // as one more request in flight; its id
+  void flush();                                  // what was encoded
+  bool receive(Deadline deadline);               // false: the deadline passed
   bool taken(std::size_t received);
   template <typename Call>
   std::size_t explained(Call call);
   void read_frames();
+  std::optional<Reply> wait_for(std::uint64_t id, Deadline deadline);  // nothing: the deadline passed
   Reply wait(std::uint64_t id, Deadline deadline);
   Deadline deadline_of(std::uint64_t id) const;
 
@@ -52,10 +54,15 @@ struct Connection::Impl {
 
 // ---------------------------------------------------------------------------------------------------- bytes
 
-// While the server is slow to read, it may be waiting for us to read: so both at once.
-void Connection::Impl::write(std::uint64_t id, const Request& request) {
-  out_.clear();
+std::uint64_t Connection::Impl::encode(const Request& request) {
+  const std::uint64_t id = ++last_id_;
+  inbox_.expect(id, waits_for_the_world(request));
   encode_request(id, request, out_);
+  return id;
+}
+
+// While the server is slow to read, it may be waiting for us to read: so both at once.
+void Connection::Impl::flush() {
   std::span<const std::byte> left(out_);
   while (!left.empty()) {
     const std::size_t sent = explained([&] { return socket_.send(left); });
@@ -65,6 +72,7 @@ void Connection::Impl::write(std::uint64_t id, const Request& request) {
       throw ConnectionError("the server does not read what is sent to it");
     taken(explained([&] { return socket_.receive(in_.space()); }));
   }
+  out_.clear();
 }
 
 bool Connection::Impl::receive(Deadline deadline) {
@@ -115,26 +123,29 @@ Deadline Connection::Impl::deadline_of(std::uint64_t id) const {
   return inbox_.unbounded(id) ? kNever : steady_clock::now() + timeout_;
 }
 
-Reply Connection::Impl::wait(std::uint64_t id, Deadline deadline) {
+std::optional<Reply> Connection::Impl::wait_for(std::uint64_t id, Deadline deadline) {
   for (;;) {
     if (auto reply = inbox_.take_reply(id)) {
       if (const auto* error = std::get_if<Error>(&*reply))
         throw RequestError(error->code, error->text, error->owner);
-      return std::move(*reply);
+      return reply;
     }
-    if (receive(deadline)) continue;
-    inbox_.forget(id);
-    throw RequestError(ErrorCode::kTimeout, "no answer within " + std::to_string(timeout_.count()) + " ms");
+    if (!receive(deadline)) return std::nullopt;
   }
+}
+
+Reply Connection::Impl::wait(std::uint64_t id, Deadline deadline) {
+  if (auto reply = wait_for(id, deadline)) return std::move(*reply);
+  inbox_.forget(id);
+  throw RequestError(ErrorCode::kTimeout, "no answer within " + std::to_string(timeout_.count()) + " ms");
 }
 
 // A refusal before the server looked at the hello (busy, ...) answers no request: it counts as the answer all
 // the same.
 void Connection::Impl::say_hello(const Hello& hello, Deadline deadline) {
-  const std::uint64_t id = ++last_id_;
-  inbox_.expect(id, false);
+  const std::uint64_t id = encode(hello);
   try {
-    write(id, hello);
+    flush();
     Reply reply = wait(id, deadline);
     if (!std::holds_alternative<Welcome>(reply))
       throw ConnectionError("the server did not answer Hello with Welcome");
@@ -167,14 +178,21 @@ Reply Connection::request(const Request& request) {
 }
 
 void Connection::post(const Request& request) {
-  impl_->write(0, request);
+  encode_request(0, request, impl_->out_);
+  impl_->flush();
 }
 
 std::uint64_t Connection::send(const Request& request) {
-  const std::uint64_t id = ++impl_->last_id_;
-  impl_->inbox_.expect(id, waits_for_the_world(request));
-  impl_->write(id, request);
+  const std::uint64_t id = impl_->encode(request);
+  impl_->flush();
   return id;
+}
+
+std::vector<std::uint64_t> Connection::send_together(const std::vector<Request>& requests) {
+  std::vector<std::uint64_t> ids;
+  for (const Request& request : requests) ids.push_back(impl_->encode(request));
+  impl_->flush();
+  return ids;
 }
 
 Reply Connection::wait(std::uint64_t id) {
@@ -182,15 +200,7 @@ Reply Connection::wait(std::uint64_t id) {
 }
 
 std::optional<Reply> Connection::wait_for(std::uint64_t id, milliseconds timeout) {
-  const Deadline deadline = steady_clock::now() + timeout;
-  for (;;) {
-    if (auto reply = impl_->inbox_.take_reply(id)) {
-      if (const auto* error = std::get_if<Error>(&*reply))
-        throw RequestError(error->code, error->text, error->owner);
-      return reply;
-    }
-    if (!impl_->receive(deadline)) return std::nullopt;
-  }
+  return impl_->wait_for(id, steady_clock::now() + timeout);
 }
 
 std::optional<Reply> Connection::next(milliseconds timeout) {

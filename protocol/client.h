@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "protocol/messages.h"
 
@@ -59,6 +60,8 @@ class Connection {
   void post(const Request& request);
   // Several requests in flight: send() now, wait() for the reply to that id later.
   std::uint64_t send(const Request& request);
+  // The same for several at once, which leave, and mostly arrive, together. Their ids, in the same order.
+  std::vector<std::uint64_t> send_together(const std::vector<Request>& requests);
   Reply wait(std::uint64_t id);
   // The same for at most `timeout`; nothing if it did not come by then: it can still be waited for.
   std::optional<Reply> wait_for(std::uint64_t id, std::chrono::milliseconds timeout);

@@ -92,18 +92,18 @@ void ClientState::set_time(std::int64_t new_tick, std::int64_t new_time_ns, std:
 // Everything leaves together, so that a period costs one wait: the writes' answers lie ready when Advanced
 // comes. All answers are taken in before anything is thrown: none may be left over for the next period.
 void ClientState::advance(std::int64_t ticks) {
-  std::uint64_t advance_id = 0;
-  std::vector<std::uint64_t> read_ids;
+  std::vector<protocol::Request> requests{protocol::Advance{ticks}};
+  for (const PartState* part : parts) requests.push_back(protocol::Read{part->name});
+  std::vector<std::uint64_t> ids;
   try {
-    advance_id = link().send(protocol::Advance{ticks});
-    for (const PartState* part : parts) read_ids.push_back(link().send(protocol::Read{part->name}));
+    ids = link().send_together(requests);
   } catch (const protocol::ConnectionError& error) {
     throw Error(ErrorCode::kConnection, error.what());
   }
-  const protocol::Reply advanced = wait(advance_id);
+  const protocol::Reply advanced = wait(ids.front());
   const std::optional<Error> refusal = settle();
   std::vector<protocol::Reply> samples;
-  for (const std::uint64_t id : read_ids) samples.push_back(wait(id));
+  for (std::size_t i = 1; i < ids.size(); ++i) samples.push_back(wait(ids[i]));
 
   if (const auto* error = std::get_if<protocol::Error>(&advanced)) throw explain(*error);
   const auto now = as<protocol::Advanced>(advanced);

@@ -70,6 +70,8 @@ INSTANTIATE_TEST_SUITE_P(
               "s.yaml:4: controllers[0].command: must be a list: the program, then its arguments"},
         Wrong{"controllers: [{name: a, command: [a, '{prt}']}]\n",
               "s.yaml:4: controllers[0].command[1]: there is no placeholder {prt} (did you mean {port}?)"},
+        Wrong{"controllers: [{name: scenario, command: [a]}]\n",
+              "s.yaml:4: controllers[0]: the client name 'scenario' is the runner's own"},
         Wrong{"controllers: [{name: a, command: [a]}, {name: a, command: [b]}]\n",
               "s.yaml:4: controllers[1]: a second controller 'a'"},
         Wrong{"controllers: [{name: a, command: [a], client: c}, {name: b, command: [b], client: c}]\n",

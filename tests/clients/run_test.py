@@ -235,7 +235,7 @@ class Ends(Scenario):
         self.assertTrue(processes_with(str(self.folder)))
         return process
 
-    TEXT = "max_sim_s: 1e6\nuntil: {at_s: 1e6}\ntimeline: [{at_s: 0.01, say: ready}]\n" \
+    TEXT = "max_sim_s: 1e5\nuntil: {at_s: 1e5}\ntimeline: [{at_s: 0.01, say: ready}]\n" \
            "controllers: [{name: c, joins: false, command: [sh, -c, 'sleep 1000; true', '{scenario_dir}']}]\n"
 
     def test_by_interrupt(self):

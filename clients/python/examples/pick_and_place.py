@@ -224,7 +224,7 @@ def make_plan(chain: Chain, start: Vector, options: argparse.Namespace) -> Plan:
     reached = {"the box's place": False, "the goal": False}
     for grip in [(math.radians(tilt), side) for tilt in (90, 75, 60, 45, 30) for side in (1, -1)]:
         downs = ways_down(chain, box, grip, options, start)
-        puts = ways_down(chain, goal + [0, 0, 0.002], grip, options, start)
+        puts = ways_down(chain, goal + [0, 0, 0.001], grip, options, start)
         reached["the box's place"] |= bool(downs)
         reached["the goal"] |= bool(puts)
         for down, put in [(d, p) for d in downs for p in puts]:

@@ -120,11 +120,7 @@ void Controllers::await_exit(Controller& controller) {
 }
 
 // The members' own work is what takes the time here; asking often at first finds out at once who is quick.
-void Controllers::settle() {
-  if (std::all_of(controllers_.begin(), controllers_.end(),
-                  [](const auto& c) { return !c.joined || c.left; }))
-    return;
-  auto status = session_.status();
+void Controllers::settle(protocol::ServerStatus status) {
   for (int tries = 0; session_.clock() == "lockstep" && is_undecided(status); ++tries) {
     if (tries > 20) vigil_.wait(-1, milliseconds(1));
     status = session_.status();

@@ -37,7 +37,8 @@ class Controllers {
   // After a step, while we hold the world: waits until every member either lets the world run on or has left,
   // and for those that have left, until they have ended. What it knows then does not depend on who was
   // faster.
-  void settle();
+  // `status` is that of the step.
+  void settle(protocol::ServerStatus status);
   // All have ended or are known to have left.
   bool all_done() const;
 

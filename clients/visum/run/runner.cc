@@ -111,6 +111,9 @@ void Run::prepare() {
   tie_until();
   const double tick_ms = static_cast<double>(session_.tick_ns()) * 1e-6;
   step_ticks_ = std::max<std::int64_t>(1, std::llround(scenario_.check_every_ms / tick_ms));
+  if (scenario_.max_sim_s * 1e3 / tick_ms > static_cast<double>(Session::kMostTicks)) {
+    throw config::ConfigError({scenario_.file.string(), 0, "max_sim_s"}, "must be at most 900 million ticks");
+  }
   controllers_.start(scenario_.start_wall_s);
   now_ = session_.look(parts_);
 }
@@ -142,10 +145,11 @@ void Run::go() {
 }
 
 void Run::step() {
-  now_ = session_.step(step_ticks_, parts_);
+  auto step = session_.step(step_ticks_, parts_);
+  now_ = std::move(step.now);
   if (now_.world.revision != catalogue_.world.revision) tie_again();
   controllers_.check_ends();
-  if (scenario_.until.kind == Until::Kind::kControllers) controllers_.settle();
+  if (scenario_.until.kind == Until::Kind::kControllers) controllers_.settle(std::move(step.status));
 }
 
 void Run::act() {

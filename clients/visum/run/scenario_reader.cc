@@ -4,6 +4,7 @@
 
 #include "clients/visum/run/placeholders.h"
 #include "clients/visum/run/scenario_parts.h"
+#include "clients/visum/run/session.h"
 
 namespace visum::run {
 namespace {
@@ -99,6 +100,10 @@ ControllerSpec read_controller(const Node& node) {
     if (const auto fault = find_fault(controller.command.back())) command.at(i).fail(*fault);
   }
   controller.client = node.text_or("client", controller.name);
+  for (const char* ours : {Session::kName, Session::kWaiterName}) {
+    if (controller.client == ours)
+      node.fail("the client name '" + controller.client + "' is the runner's own");
+  }
   if (const auto joins = node.find("joins")) controller.joins = joins->boolean();
   return controller;
 }

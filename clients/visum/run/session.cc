@@ -15,18 +15,31 @@ T as(protocol::Reply reply) {
   throw cli::ExitError(cli::kFailed, "visumd answered with a message of another kind");
 }
 
-protocol::Hello hello() {
-  return {protocol::kProtocolVersion, protocol::kProtocolVersion, Session::kName, protocol::Role::kAdmin, {}};
+std::vector<protocol::Request> to_look(const std::set<std::string>& parts) {
+  std::vector<protocol::Request> requests{protocol::ReadWorld{}};
+  for (const auto& part : parts) requests.push_back(protocol::Read{part});
+  return requests;
+}
+
+protocol::Hello hello(const char* name) {
+  return {protocol::kProtocolVersion, protocol::kProtocolVersion, name, protocol::Role::kAdmin, {}};
 }
 
 }  // namespace
 
-Session::Session(std::uint16_t port, Vigil& vigil) : vigil_(vigil), connection_("127.0.0.1", port, hello()) {}
+Session::Session(std::uint16_t port, Vigil& vigil)
+    : vigil_(vigil), connection_("127.0.0.1", port, hello(kName)) {
+  if (clock() == "lockstep") waiter_.emplace("127.0.0.1", port, hello(kWaiterName));
+}
 
 // While controllers start, and while their ends are waited for, the world waits for us; that has limits of
 // its own.
 void Session::join() {
-  connection_.request(protocol::Join{nanoseconds(hours(24)).count()});
+  const protocol::Join patiently{nanoseconds(hours(24)).count()};
+  era_ = connection_.request_as<protocol::Advanced>(patiently).era;
+  if (!waiter_) return;
+  waiter_->request(patiently);
+  waiter_->send(protocol::Advance{kMostTicks + 1});
 }
 
 Catalogue Session::catalogue() {
@@ -40,32 +53,37 @@ Catalogue Session::catalogue() {
 }
 
 Observation Session::look(const std::set<std::string>& parts) {
-  const auto world_id = connection_.send(protocol::ReadWorld{});
-  std::vector<std::uint64_t> part_ids;
-  for (const auto& part : parts) part_ids.push_back(connection_.send(protocol::Read{part}));
-  return take(world_id, part_ids);
+  const auto ids = connection_.send_together(to_look(parts));
+  return take(ids);
 }
 
-Observation Session::step(std::int64_t ticks, const std::set<std::string>& parts) {
-  const auto advance_id = connection_.send(protocol::Advance{ticks});
-  const auto world_id = connection_.send(protocol::ReadWorld{});
-  std::vector<std::uint64_t> part_ids;
-  for (const auto& part : parts) part_ids.push_back(connection_.send(protocol::Read{part}));
-  try {
-    // Events, which are no answer, make the socket readable too.
-    while (!connection_.wait_for(advance_id, std::chrono::milliseconds(0)))
-      vigil_.wait(connection_.native_handle());
-  } catch (const protocol::RequestError& error) {
-    if (error.code() == protocol::ErrorCode::kTimeout) throw cli::ExitError(cli::kLost, error.what());
-    throw cli::ExitError(cli::kFailed, std::string("the world stopped: ") + error.what());
-  }
-  return take(world_id, part_ids);
+Session::Step Session::step(std::int64_t ticks, const std::set<std::string>& parts) {
+  std::vector<protocol::Request> requests{protocol::Advance{ticks}, protocol::Status{}};
+  for (auto& request : to_look(parts)) requests.push_back(std::move(request));
+  const auto ids = connection_.send_together(requests);
+  await_advance(ids[0]);
+  Step step;
+  step.status = as<protocol::ServerStatus>(connection_.wait(ids[1]));
+  step.now = take(std::span(ids).subspan(2));
+  if (step.now.world.era != era_)
+    throw cli::ExitError(cli::kFailed, "the world was reset or restored from outside");
+  hear_events();
+  return step;
 }
 
-Observation Session::take(std::uint64_t world_id, const std::vector<std::uint64_t>& part_ids) {
+// Events, which are no answer, make the socket readable too.
+void Session::await_advance(std::uint64_t id) try {
+  while (!connection_.wait_for(id, std::chrono::milliseconds(0))) vigil_.wait(connection_.native_handle());
+} catch (const protocol::RequestError& error) {
+  if (error.code() == protocol::ErrorCode::kTimeout) throw cli::ExitError(cli::kLost, error.what());
+  throw cli::ExitError(cli::kFailed, std::string("the world stopped: ") + error.what());
+}
+
+// The answers to to_look().
+Observation Session::take(std::span<const std::uint64_t> ids) {
   Observation now;
-  now.world = as<protocol::WorldSample>(connection_.wait(world_id));
-  for (const auto id : part_ids) {
+  now.world = as<protocol::WorldSample>(connection_.wait(ids.front()));
+  for (const auto id : ids.subspan(1)) {
     auto sample = as<protocol::PartSample>(connection_.wait(id));
     now.parts[sample.part] = std::move(sample);
   }

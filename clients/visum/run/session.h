@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <set>
+#include <span>
 #include <string>
 
 #include "clients/visum/run/quantity.h"
@@ -13,7 +15,11 @@ namespace visum::run {
 
 class Session {
  public:
-  static constexpr const char* kName = "scenario";  // in the lockstep, to others
+  // In the lockstep, to others: the one that steps, and one that always waits for the next tick. Who keeps
+  // the world waiting is timed by the server only while somebody waits; we do not, while we ask who has left.
+  static constexpr const char* kName = "scenario";
+  static constexpr const char* kWaiterName = "scenario-waits";
+  static constexpr std::int64_t kMostTicks = 900'000'000;  // of a run: the waiter waits for a later one
 
   Session(std::uint16_t port, Vigil& vigil);
 
@@ -21,9 +27,13 @@ class Session {
   Catalogue catalogue();
   // The state as it is, of the world and of these parts.
   Observation look(const std::set<std::string>& parts);
-  // Lets `ticks` pass, then the same: one wait for all of it. Throws ExitError: kLost where a client in the
-  // lockstep timed out, kFailed where the world froze.
-  Observation step(std::int64_t ticks, const std::set<std::string>& parts);
+  // Lets `ticks` pass, then the same, and the server's status at that tick: one wait for all of it. Throws
+  // ExitError: kLost where a client in the lockstep timed out, kFailed where the world froze.
+  struct Step {
+    Observation now;
+    protocol::ServerStatus status;
+  };
+  Step step(std::int64_t ticks, const std::set<std::string>& parts);
   protocol::ServerStatus status();
   protocol::Reply request(const protocol::Request& request) { return connection_.request(request); }
 
@@ -31,11 +41,14 @@ class Session {
   const std::string& clock() const { return connection_.welcome().clock; }
 
  private:
-  Observation take(std::uint64_t world_id, const std::vector<std::uint64_t>& part_ids);
+  void await_advance(std::uint64_t id);
+  Observation take(std::span<const std::uint64_t> ids);
   void hear_events();
 
   Vigil& vigil_;
   protocol::Connection connection_;
+  std::optional<protocol::Connection> waiter_;
+  std::uint64_t era_ = 0;
 };
 
 }  // namespace visum::run
