@@ -68,6 +68,8 @@ struct BadCase {
   const char* what;
   const char* with;
   const char* says;
+
+  friend void PrintTo(const BadCase& bad, std::ostream* out) { *out << bad.name; }
 };
 
 class BadDriveData : public testing::TestWithParam<BadCase> {};
