@@ -93,6 +93,7 @@ scene::Scene load(const Options& options) {
   if (options.speedup > 0.0) scene.speed = options.speedup;
   if (options.seed >= 0) scene.seed = static_cast<std::uint64_t>(options.seed);
   for (const auto& loss : scene.losses) spdlog::warn("{}", loss);
+  for (const auto& note : scene.notes) spdlog::debug("{}", note);
   return scene;
 }
 

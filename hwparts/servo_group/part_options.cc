@@ -12,7 +12,7 @@ PartOptions read_options(const config::Node& entry) {
   }
   options.homed = entry.boolean_or("homed", true);
   if (const auto enable = entry.find("execution_enable"))
-    options.execution_enable = enable->integer(0, 1) == 1;
+    options.execution_enable = enable->boolean();
   return options;
 }
 

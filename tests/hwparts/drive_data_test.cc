@@ -159,7 +159,7 @@ TEST(PartOptions, HaveTheirDefaults) {
 
 TEST(PartOptions, AreRead) {
   const auto read =
-      options(", model: arm, joints: [a], on_controller_lost: hold, homed: false, execution_enable: 0");
+      options(", model: arm, joints: [a], on_controller_lost: hold, homed: false, execution_enable: false");
   EXPECT_EQ(read.on_controller_lost, servo_group::OnControllerLost::kHold);
   EXPECT_FALSE(read.homed);
   EXPECT_FALSE(read.execution_enable);
