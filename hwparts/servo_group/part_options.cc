@@ -11,8 +11,7 @@ PartOptions read_options(const config::Node& entry) {
         lost->one_of({"stop", "hold"}) == "hold" ? OnControllerLost::kHold : OnControllerLost::kStop;
   }
   options.homed = entry.boolean_or("homed", true);
-  if (const auto enable = entry.find("execution_enable"))
-    options.execution_enable = enable->boolean();
+  if (const auto enable = entry.find("execution_enable")) options.execution_enable = enable->boolean();
   return options;
 }
 
