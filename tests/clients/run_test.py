@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import random
 import signal
 import socket
 import subprocess
@@ -13,6 +14,18 @@ import xml.etree.ElementTree as xml
 from programs import ARM, BIN, DEADLINE_S, SOURCE, children_of, processes_with, visum
 
 RESULT = {"passed", "ticks", "sim_seconds", "wall_seconds", "state_hash"}
+
+
+def free_port_that_nobody_is_given():
+    """Below the range of ports that the kernel hands out to tests that run beside this one."""
+    for port in random.sample(range(20000, 30000), 50):
+        with socket.socket() as probe:
+            try:
+                probe.bind(("127.0.0.1", port))
+                return port
+            except OSError:
+                continue
+    raise RuntimeError("no free port")
 
 
 class Scenario(unittest.TestCase):
