@@ -199,9 +199,11 @@ void home(DriveState& state) {
 
 void set_zero(DriveState& state) {
   const double change = state.home_offset - state.zero_offset;
+  if (change == 0.0) return;
   state.zero_offset += change;
   state.measured_position += change;
   state.setpoint.position += change;
+  hold(state, state.commanded);  // what was commanded meant another place
 }
 
 void take_from_bus(DriveState& state, const Motion& motion) {

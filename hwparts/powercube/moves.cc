@@ -58,11 +58,13 @@ bool goes_to_a_place(MotionKind kind) {
 bool judge_target(const ModuleView& view, double& target) {
   if (!view.data.limits.limited) return true;
   const double inside = std::clamp(target, view.drive.tuning.soft_minimum, view.drive.tuning.soft_maximum);
+  if (static_cast<float>(inside) == static_cast<float>(target))
+    target = inside;  // the limit itself, as it was read
   const bool beyond = inside != target;
   if (beyond && view.settings.beyond_limits == BeyondLimits::kRefuse) return false;
-  if (beyond && view.settings.beyond_limits == BeyondLimits::kClamp) target = inside;
-  // The limit itself, rounded to binary32, is not beyond it.
-  if (static_cast<float>(inside) == static_cast<float>(target)) target = inside;
+  // So far inside that the end of a ramp does not trip.
+  if (beyond && view.settings.beyond_limits == BeyondLimits::kClamp)
+    target = inside + (inside < target ? -view.data.limits.tolerance : view.data.limits.tolerance);
   return true;
 }
 
@@ -95,6 +97,9 @@ MoveResult begin_step(const ModuleEdit& edit, double target, double duration_s) 
     return MoveResult::kDone;
   }
   if (running.queued && edit.settings.third_step == ThirdStep::kRefuse) return MoveResult::kRefused;
+  if (running.queued && edit.settings.third_step == ThirdStep::kAdvance)
+    running = drive::start_step(running, edit.drive.setpoint, running.next_target, running.next_duration_s,
+                                limits_of(edit));
   drive::queue_step(running, target, duration_s);
   return MoveResult::kDone;
 }

@@ -56,9 +56,12 @@ void read_behaviour(const Node& node, Settings& settings) {
                              : choice == "clamp" ? BeyondLimits::kClamp
                                                  : BeyondLimits::kRefuse;
   }
-  if (const auto at = node.find("third_step"))
-    settings.third_step =
-        at->one_of({"replace", "refuse"}) == "replace" ? ThirdStep::kReplace : ThirdStep::kRefuse;
+  if (const auto at = node.find("third_step")) {
+    const auto choice = at->one_of({"advance", "replace", "refuse"});
+    settings.third_step = choice == "advance"   ? ThirdStep::kAdvance
+                          : choice == "replace" ? ThirdStep::kReplace
+                                                : ThirdStep::kRefuse;
+  }
   if (const auto at = node.find("above_maximum"))
     settings.above_maximum =
         at->one_of({"clamp", "refuse"}) == "clamp" ? AboveMaximum::kClamp : AboveMaximum::kRefuse;

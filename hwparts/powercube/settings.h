@@ -41,7 +41,7 @@ inline constexpr std::uint16_t kIncremental = 0x3521;
 inline constexpr std::uint16_t kAbsolute = 0x4634;
 
 enum class BeyondLimits { kStop, kClamp, kRefuse };
-enum class ThirdStep { kReplace, kRefuse };
+enum class ThirdStep { kAdvance, kReplace, kRefuse };
 enum class AboveMaximum { kClamp, kRefuse };
 
 struct Settings {
@@ -54,7 +54,8 @@ struct Settings {
   // Open in the sources; the defaults are guesses.
   BeyondLimits beyond_limits =
       BeyondLimits::kStop;                     // a target outside: up to the limit, and BEYOND_SOFT there
-  ThirdStep third_step = ThirdStep::kReplace;  // a step more than the queue holds
+  ThirdStep third_step = ThirdStep::kAdvance;  // one more than the queue holds: cuts the running one
+                                               // short, or takes the place of the one that waits
   AboveMaximum above_maximum = AboveMaximum::kClamp;  // a parameter beyond the factory's limit
   bool answers_refused = true;                        // refused commands, with `refused_byte` for 64
   std::uint8_t refused_byte = 0x00;
