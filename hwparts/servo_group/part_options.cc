@@ -3,8 +3,8 @@
 namespace visum::servo_group {
 
 PartOptions read_options(const config::Node& entry) {
-  entry.allow_only(
-      {"name", "kind", "model", "joints", "drives", "on_controller_lost", "homed", "execution_enable"});
+  entry.allow_only({"name", "kind", "model", "joints", "drives", "on_controller_lost", "homed",
+                    "execution_enable", "modules", "bus"});
   PartOptions options;
   if (const auto lost = entry.find("on_controller_lost")) {
     options.on_controller_lost =
