@@ -1,8 +1,7 @@
 /* PowerCube modules on a serial line: frames, one request and its answer, and the few commands that a test
  * program needs. Speaks to real modules and to virtual ones alike. One thread; every call returns within its
  * time-out. */
-#ifndef SERIAL_ARM_MODULES_H
-#define SERIAL_ARM_MODULES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -61,5 +60,3 @@ bool module_set_float(struct line* line, int id, uint8_t parameter, float value)
 bool module_ramp(struct line* line, int id, float target, float speed, float acceleration);
 /* Be at `target` in `ms`; `position` is where it was when the request came. */
 bool module_step(struct line* line, int id, float target, unsigned ms, float* position);
-
-#endif
