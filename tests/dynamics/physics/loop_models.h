@@ -1,5 +1,4 @@
-// Mechanisms with closed loops, from the library of benchmarks of multibody dynamics of IFToMM (A02 to A05)
-// and the test set for initial value problems of the University of Bari.
+// Mechanisms with closed loops, from the library of benchmarks of multibody dynamics of IFToMM (A02, A04).
 #pragma once
 
 #include "server/world/world_model.h"
@@ -18,8 +17,5 @@ const std::vector<TipAt>& four_bars_tips();               // of B0, for two loop
 // IFToMM A04: Bricard's mechanism: five rods of 1 m and 1 kg, 0.1 m square, six hinges whose axes are
 // perpendicular in turn. By count it cannot move; it can.
 world::WorldModel bricard(const world::EngineSetting& engine, double tick_s);
-
-// IFToMM A05: the flyball governor, at rest in its frame at 2 pi rad/s, spring and damper along the shaft.
-world::WorldModel governor(const world::EngineSetting& engine, double tick_s);
 
 }  // namespace visum::physics

@@ -105,8 +105,8 @@ const std::vector<TipAt>& double_pendulum_tips() {
   return tips;
 }
 
-world::WorldModel point_pendulum(const world::EngineSetting& engine, double tick_s, double angle) {
-  return serial_model(engine, tick_s, {pendulum(1.0, -1.0, Vector3d::Constant(1e-12), angle)});
+world::WorldModel metre_pendulum(const world::EngineSetting& engine, double tick_s, double angle) {
+  return serial_model(engine, tick_s, {pendulum(1.0, -0.5, Vector3d::Constant(0.25), angle)});
 }
 
 world::WorldModel rod_pendulum(const world::EngineSetting& engine, double tick_s, double angle) {

@@ -42,8 +42,9 @@ world::WorldModel double_pendulum(const world::EngineSetting& engine, double tic
 inline const Eigen::Vector3d kDoublePendulumTip{0.0, 0.0, -1.0};
 const std::vector<TipAt>& double_pendulum_tips();  // y is 0
 
-// A point mass (1 kg, inertia 1e-12 of it) on a massless rod of 1 m, from `angle` off its lowest place.
-world::WorldModel point_pendulum(const world::EngineSetting& engine, double tick_s, double angle);
+// A pendulum that swings as a point on a rod of 1 m does: 1 kg, d = 0.5 m from the axis, inertia m d (1 m -
+// d); at rest `angle` off its lowest place. (A point's own inertia of nothing would be no test of physics.)
+world::WorldModel metre_pendulum(const world::EngineSetting& engine, double tick_s, double angle);
 // A thin rod of 1 m and 1 kg about its end.
 world::WorldModel rod_pendulum(const world::EngineSetting& engine, double tick_s, double angle);
 
