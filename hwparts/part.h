@@ -19,6 +19,10 @@
 #include "protocol/config/config.h"
 #include "protocol/part_description.h"
 
+namespace visum::powercube {
+class ModuleBus;
+}
+
 namespace visum::hwparts {
 
 // What a part needs to know of a joint that it drives. From the robot's model.
@@ -75,6 +79,9 @@ class Part {
   virtual std::span<const std::byte> read_blackboard(std::size_t) const { return {}; }
   virtual std::optional<std::string> write_blackboard(std::size_t index, std::uint64_t offset,
                                                       std::span<const std::byte> data);
+
+  // The part's modules on a field bus, to be talked to between ticks; none: it has no bus.
+  virtual powercube::ModuleBus* modules() { return nullptr; }
 
   virtual void save(StateWriter& to) const = 0;
   virtual void load(StateReader& from) = 0;

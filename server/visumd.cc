@@ -33,6 +33,7 @@ struct Options {
   std::int64_t seed = -1;
   int verbosity = 2;
   bool json = false;
+  std::vector<std::string> buses;
   scene::Options of_scene;
   gateway::DaemonOptions of_daemon;
 };
@@ -70,17 +71,31 @@ void notify_manager() {
   ::close(fd);
 }
 
-void say_ready(const Options& options, const cycle::Simulation& simulation, std::uint16_t port) {
+// {"arm":["pty:arm.tty","tcp:40123"]}
+std::string buses_as_json(const gateway::BusNames& buses) {
+  std::string json;
+  for (const auto& [part, names] : buses) {
+    std::string list;
+    for (const auto& name : names) list += (list.empty() ? "" : ",") + gateway::quoted(name);
+    json += (json.empty() ? "" : ",") + gateway::quoted(part) + ":[" + list + "]";
+  }
+  return "{" + json + "}";
+}
+
+void say_ready(const Options& options, const cycle::Simulation& simulation, const gateway::Daemon& daemon) {
+  const auto port = daemon.port();
   if (options.json) {
     std::string parts;
     for (const auto& bound : simulation.parts())
       parts += (parts.empty() ? "" : ",") + gateway::quoted(bound.part->description().name);
     std::cout << "{\"ready\":true,\"port\":" << port
-              << ",\"scene\":" << gateway::quoted(simulation.scene().name) << ",\"parts\":[" << parts << "]}"
-              << std::endl;
+              << ",\"scene\":" << gateway::quoted(simulation.scene().name) << ",\"parts\":[" << parts
+              << "],\"buses\":" << buses_as_json(daemon.buses()) << "}" << std::endl;
   } else {
     spdlog::info("{}: {} parts, listening on {}:{}", simulation.scene().name, simulation.parts().size(),
                  options.of_daemon.address, port);
+    for (const auto& [part, names] : daemon.buses())
+      for (const auto& name : names) spdlog::info("{}: bus {}", part, name);
   }
   notify_manager();
 }
@@ -93,15 +108,18 @@ scene::Scene load(const Options& options) {
   if (options.speedup > 0.0) scene.speed = options.speedup;
   if (options.seed >= 0) scene.seed = static_cast<std::uint64_t>(options.seed);
   for (const auto& loss : scene.losses) spdlog::warn("{}", loss);
+  for (const auto& note : scene.notes) spdlog::debug("{}", note);
   return scene;
 }
 
-int run(const Options& options) {
+int run(Options options) {
   cycle::Simulation simulation(load(options));
+  for (const auto& bus : options.buses)
+    options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
   gateway::Daemon daemon(simulation, options.of_daemon);
   running_daemon = &daemon;
   catch_signals();
-  say_ready(options, simulation, daemon.port());
+  say_ready(options, simulation, daemon);
   daemon.run();
   running_daemon = nullptr;
   if (simulation.frozen())
@@ -128,6 +146,10 @@ void declare(CLI::App& app, Options& options) {
       ->check(CLI::NonNegativeNumber);
   app.add_option("--token-file", options.of_daemon.token_file,
                  "lines of \"ROLE TOKEN\"; clients then need one");
+  app.add_option("--bus", options.buses,
+                 "PART=KIND:WHERE, a field bus to the part's modules; repeatable. KIND:WHERE is pty:PATH,\n"
+                 "tcp:PORT, slcan:PATH or socketcan:INTERFACE, then ,baud=N and ,delay_ms=X if wanted")
+      ->type_name("BUS");
   app.add_flag("-r,--run", options.of_daemon.run_at_once,
                "let time run at once, not from the first lease on");
   app.add_flag("--json", options.json, "print one line of JSON when ready");
@@ -137,6 +159,7 @@ void declare(CLI::App& app, Options& options) {
       "Examples:\n"
       "  visumd models/scenes/amtec_arm.yaml                       the arm in real time on 127.0.0.1:1500\n"
       "  visumd models/scenes/amtec_arm.yaml --clock lockstep --port 0 --json\n"
+      "  visumd models/scenes/amtec_arm.yaml --bus arm=pty:arm.tty   with its modules on a serial line, too\n"
       "Exit codes: 0 ended in good order, 1 the world froze, 2 bad usage, 3 the scene is wrong, 130 "
       "interrupted.");
 }

@@ -1,6 +1,7 @@
 #include "hwparts/drive/drive.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "hwparts/drive/encoder.h"
 #include "hwparts/drive/motor.h"
@@ -9,6 +10,18 @@
 #include "hwparts/drive/supervision.h"
 
 namespace visum::drive {
+namespace {
+
+constexpr double kStillSpeed = 5e-3;  // of the maximum: less is standing, for a motor that gets a current
+
+// No more than the bus allows.
+CurrentWindow narrowed(CurrentWindow window, double most) {
+  if (window.upper > most) window.upper = most, window.upper_by_voltage = false;
+  if (window.lower < -most) window.lower = -most, window.lower_by_voltage = false;
+  return window;
+}
+
+}  // namespace
 
 Drive::Drive(const DriveData& data, double position, bool homed, double tick_s)
     : data_(data), tick_s_(tick_s), initial_(initial_state(data, position, homed)), state_(initial_) {}
@@ -31,7 +44,7 @@ void Drive::publish(std::span<const hwparts::JointSample> joints) {
   acted_ = false;
   move_rotor(data_, plan_, joints, tick_s_, state_);
   watch_gear(data_.gear, state_);
-  const double measured = quantised(data_, state_.rotor_position);
+  const double measured = quantised(data_, state_.rotor_position) + state_.zero_offset;
   state_.measured_speed =
       filtered_speed(data_.loop, state_.measured_speed, measured - state_.measured_position, tick_s_);
   state_.measured_position = measured;
@@ -49,33 +62,78 @@ void Drive::load(hwparts::StateReader& from) {
   acted_ = false;
 }
 
-// Where to: home, to the target, or to a stop; nowhere while the loop is open.
+// Where to: home, where the bus said, to the target, or to a stop; nowhere while the loop is open.
 void Drive::move_setpoint(const Command& command) {
   auto& setpoint = state_.setpoint;
+  state_.commanded = command.target;
   if (!ready(state_)) {
     setpoint = {state_.measured_position, 0.0, RampPhase::kEnd};
     return;
   }
-  const double acceleration = state_.tuning.maximum_acceleration;
-  if (state_.homing && command.enabled) {
-    setpoint = ramp_to(setpoint, data_.home.position, data_.home.speed, acceleration, tick_s_);
-    if (setpoint.phase != RampPhase::kEnd) return;
-    state_.homing = false;
-    state_.latched |= state_bit::kHomeOk;
-    hold(state_, command.target);
-    return;
+  if (state_.homing && command.enabled) return home_on(command);
+  const bool stopped = has(state_, state_bit::kError | state_bit::kHalted) || !command.enabled;
+  if (stopped) state_.motion = {};
+  const bool free = !stopped && has(state_, state_bit::kHomeOk);  // to go where the ports say
+  if (free && state_.holding) state_.holding = command.target == state_.hold_target;
+  if (free && !state_.holding) release_to_ports(state_);
+  if (state_.motion.kind != MotionKind::kNone) {
+    const auto next = follow_bus();
+    if (!has(state_, state_bit::kError)) {
+      setpoint = next;
+      return;
+    }
   }
-  const bool stopped =
-      has(state_, state_bit::kError | state_bit::kHalted) || !has(state_, state_bit::kHomeOk);
-  if (!stopped && command.enabled && state_.holding) state_.holding = command.target == state_.hold_target;
-  const bool follows = !stopped && command.enabled && !state_.holding;
+  const bool follows = free && !state_.by_bus && !state_.holding;
   const double target = follows ? reachable_target(data_, state_, command.target) : 0.0;
   if (follows && !has(state_, state_bit::kError)) {
-    const double speed = std::min(command.maximum_speed, data_.limits.maximum_speed);
-    setpoint = ramp_to(setpoint, target, speed, acceleration, tick_s_);
+    const double speed = std::min(command.maximum_speed, state_.tuning.maximum_speed);
+    setpoint = ramp_to(setpoint, target, speed, state_.tuning.maximum_acceleration, tick_s_);
   } else {
     setpoint = ramp_stop(setpoint, data_.limits.stop_deceleration, tick_s_);
   }
+}
+
+// To the reference switch, where the encoder's zero becomes known; then, where asked for, to 0.
+void Drive::home_on(const Command& command) {
+  auto& setpoint = state_.setpoint;
+  const double target = state_.moves_to_zero ? 0.0 : data_.home.position + state_.zero_offset;
+  setpoint = ramp_to(setpoint, target, state_.tuning.home_speed, state_.tuning.maximum_acceleration, tick_s_);
+  if (setpoint.phase != RampPhase::kEnd) return;
+  if (!state_.moves_to_zero) set_zero(state_);
+  state_.referenced = true;
+  state_.moves_to_zero = state_.zero_after_home && !state_.moves_to_zero;
+  if (state_.moves_to_zero) return;
+  state_.homing = false;
+  state_.latched |= state_bit::kHomeOk;
+  hold(state_, command.target);
+}
+
+// One tick of what the bus said.
+Setpoint Drive::follow_bus() {
+  constexpr double kFar = 1e6;  // [u], further than anything goes in a lifetime
+  auto& motion = state_.motion;
+  const auto& from = state_.setpoint;
+  const MotionLimits limits{state_.tuning.maximum_speed, state_.tuning.maximum_acceleration};
+  const double speed = std::min(motion.speed, limits.speed);
+  const double acceleration = std::min(motion.acceleration, limits.acceleration);
+  switch (motion.kind) {
+    case MotionKind::kRamp:
+      return ramp_to(from, reachable_target(data_, state_, motion.target), speed, acceleration, tick_s_);
+    case MotionKind::kVelocity: {
+      if (motion.target == 0.0) return ramp_stop(from, acceleration, tick_s_);
+      const double target = reachable_target(data_, state_, motion.target > 0.0 ? kFar : -kFar);
+      return ramp_to(from, target, std::min(std::abs(motion.target), limits.speed), acceleration, tick_s_);
+    }
+    case MotionKind::kStep:
+      return step_on(motion, from, reachable_target(data_, state_, motion.target), limits, tick_s_);
+    case MotionKind::kCurrent: {
+      const bool moves = std::abs(state_.measured_speed) > kStillSpeed * limits.speed;
+      return follow_axis(motion, state_.measured_position, state_.measured_speed, moves, tick_s_);
+    }
+    case MotionKind::kNone:
+      break;
+  }
+  return from;
 }
 
 MotorEffort Drive::drive_motor() {
@@ -83,8 +141,11 @@ MotorEffort Drive::drive_motor() {
     state_.current = state_.integral_current = 0.0;
     return {};
   }
-  const auto window = current_window(data_, state_.tuning.supply_voltage, state_.rotor_speed);
-  const auto command = control_current(data_, state_, window, tick_s_);
+  const auto window = narrowed(current_window(data_, state_.tuning.supply_voltage, state_.rotor_speed),
+                               state_.tuning.maximum_current);
+  const auto command = state_.motion.kind == MotionKind::kCurrent
+                           ? limit_current(state_.motion.target, state_.integral_current, window)
+                           : control_current(data_, state_, window, tick_s_);
   state_.current = command.current;
   state_.integral_current = command.integral;
   if (command.limited) state_.latched |= state_bit::kCurLimit;

@@ -39,6 +39,8 @@ class Drive {
 
  private:
   void move_setpoint(const Command& command);
+  void home_on(const Command& command);
+  Setpoint follow_bus();
   MotorEffort drive_motor();
 
   DriveData data_;

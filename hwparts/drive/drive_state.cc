@@ -12,17 +12,21 @@ void visit_fields(State& s, Visit visit) {
   visit(s.rotor_position), visit(s.rotor_speed);
   for (auto& position : s.joint_position) visit(position);
   visit(s.gear_effort);
+  visit(s.zero_offset), visit(s.home_offset), visit(s.referenced);
   visit(s.measured_position), visit(s.measured_speed);
   visit(s.setpoint.position), visit(s.setpoint.speed), visit(s.setpoint.phase);
   visit(s.integral_current), visit(s.current);
   visit(s.i2t), visit(s.winding);
   visit(s.latched), visit(s.loop_closed), visit(s.brake_closed), visit(s.brake_time);
-  visit(s.homing), visit(s.power_cycled), visit(s.holding), visit(s.hold_target);
+  visit(s.homing), visit(s.zero_after_home), visit(s.moves_to_zero);
+  visit(s.power_cycled), visit(s.holding), visit(s.hold_target), visit(s.commanded), visit(s.by_bus);
   visit(s.soft_side), visit(s.hard_side);
   visit(s.peak_effort), visit(s.overloads), visit(s.overloaded);
+  visit_motion(s.motion, visit);
   auto& t = s.tuning;
   visit(t.position_gain), visit(t.velocity_bandwidth), visit(t.integral_time), visit(t.maximum_acceleration);
   visit(t.following_error), visit(t.soft_minimum), visit(t.soft_maximum), visit(t.supply_voltage);
+  visit(t.maximum_speed), visit(t.maximum_current), visit(t.home_speed), visit(t.brake_engage_time);
 }
 
 }  // namespace
@@ -37,6 +41,10 @@ Tuning initial_tuning(const DriveData& data) {
   tuning.soft_minimum = data.limits.soft_minimum;
   tuning.soft_maximum = data.limits.soft_maximum;
   tuning.supply_voltage = data.supply.nominal_voltage;
+  tuning.maximum_speed = data.limits.maximum_speed;
+  tuning.maximum_current = data.motor.current_limit;
+  tuning.home_speed = data.home.speed;
+  tuning.brake_engage_time = data.brake.engage_time;
   return tuning;
 }
 
@@ -45,6 +53,7 @@ DriveState initial_state(const DriveData& data, double position, bool homed) {
   state.rotor_position = position;
   state.measured_position = quantised(data, position);
   state.setpoint.position = position;
+  state.commanded = position;
   state.winding = data.motor.ambient;
   state.latched = homed ? state_bit::kHomeOk : 0;
   state.tuning = initial_tuning(data);

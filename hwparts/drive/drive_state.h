@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "hwparts/drive/drive_data.h"
+#include "hwparts/drive/motion.h"
 #include "hwparts/drive/ramp.h"
 #include "hwparts/state_archive.h"
 
@@ -21,6 +22,11 @@ struct Tuning {
   double soft_minimum = 0.0;          // [u]
   double soft_maximum = 0.0;
   double supply_voltage = 0.0;  // V
+  // Only a field bus changes these.
+  double maximum_speed = 0.0;      // [u]/s
+  double maximum_current = 0.0;    // A
+  double home_speed = 0.0;         // [u]/s
+  double brake_engage_time = 0.0;  // s
 };
 
 struct DriveState {
@@ -31,7 +37,10 @@ struct DriveState {
   std::array<double, kMaxJointsPerDrive> joint_position{};  // as last published
   double gear_effort = 0.0;                                 // [F], transmitted during the last tick
 
-  // What the module knows.
+  // What the module knows. Its positions are the rotor's plus zero_offset.
+  double zero_offset = 0.0;        // [u], whole increments; wrong until homed where `referenced` is false
+  double home_offset = 0.0;        // [u], what zero_offset becomes with the next homing or Reset
+  bool referenced = true;          // false: soft limits mean nothing yet
   double measured_position = 0.0;  // whole increments
   double measured_speed = 0.0;     // filtered difference
   Setpoint setpoint;
@@ -48,9 +57,14 @@ struct DriveState {
   bool brake_closed = false;
   double brake_time = 0.0;  // s since the loop opened or closed
   bool homing = false;
-  bool power_cycled = false;  // the supply was off since the last fault of the power stage
-  bool holding = false;       // stands until the command's target is another one than hold_target
+  bool zero_after_home = false;  // homing ends with a move to 0
+  bool moves_to_zero = false;    // ... and this is it
+  bool power_cycled = false;     // the supply was off since the last fault of the power stage
+  bool holding = false;          // stands until the command's target is another one than hold_target
   double hold_target = 0.0;
+  double commanded = 0.0;  // the command's target, as of the last tick
+  bool by_bus = false;     // the last word was a field bus's: until the command's target becomes another one
+  Motion motion;           // what that word was
   std::int8_t soft_side = 0;  // -1, +1: beyond that soft limit, and known to be
   std::int8_t hard_side = 0;
 

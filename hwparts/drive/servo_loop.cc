@@ -3,18 +3,16 @@
 #include <algorithm>
 
 namespace visum::drive {
-namespace {
 
-CurrentCommand limit_current(double wanted, const CurrentWindow& window) {
+CurrentCommand limit_current(double wanted, double integral, const CurrentWindow& window) {
   CurrentCommand command;
+  command.integral = integral;
   command.current = std::clamp(wanted, window.lower, window.upper);
   command.limited = command.current != wanted;
   command.by_voltage =
       command.limited && (wanted > window.upper ? window.upper_by_voltage : window.lower_by_voltage);
   return command;
 }
-
-}  // namespace
 
 CurrentCommand control_current(const DriveData& data, const DriveState& state, const CurrentWindow& window,
                                double tick_s) {
@@ -26,7 +24,7 @@ CurrentCommand control_current(const DriveData& data, const DriveState& state, c
       tuning.velocity_bandwidth * data.reflected_inertia() / data.effort_per_amp();  // A per [u]/s
 
   double integral = tuning.integral_time > 0.0 ? state.integral_current : 0.0;
-  auto command = limit_current(gain * slip + integral, window);
+  auto command = limit_current(gain * slip + integral, integral, window);
   // Anti-windup: a limited command is not integrated further into its limit.
   const bool winds_up = command.limited && slip * command.current > 0.0;
   if (tuning.integral_time > 0.0 && !winds_up) integral += tick_s / tuning.integral_time * gain * slip;

@@ -15,6 +15,9 @@ struct CurrentCommand {
   bool by_voltage = false;  // ... and it was the supply that limited
 };
 
+// A current that is commanded, as far as it can flow. The integral part stays.
+CurrentCommand limit_current(double wanted, double integral, const CurrentWindow& window);
+
 CurrentCommand control_current(const DriveData& data, const DriveState& state, const CurrentWindow& window,
                                double tick_s);
 

@@ -16,12 +16,7 @@ constexpr double kCooledK = 10.0;  // a power stage that tripped must be this mu
 void trip(DriveState& state, std::uint32_t bits) {
   state.latched |= state_bit::kError | bits;
   state.homing = false;
-}
-
-void open_loop(DriveState& state) {
-  if (!state.loop_closed) return;
-  state.loop_closed = false;
-  state.brake_time = 0.0;
+  state.motion = {};
 }
 
 void trip_power_stage(DriveState& state, std::uint32_t bit) {
@@ -55,6 +50,7 @@ bool watch_limit(DriveState& state, std::int8_t now, std::int8_t& known, std::ui
 void watch_soft_limits(const DriveData& data, DriveState& state) {
   const double minimum = state.tuning.soft_minimum - data.limits.tolerance;
   const double maximum = state.tuning.soft_maximum + data.limits.tolerance;
+  if (!state.referenced) return;
   watch_limit(state, side_of(state.measured_position, minimum, maximum), state.soft_side,
               state_bit::kBeyondSoft);
 }
@@ -63,7 +59,7 @@ void watch_hard_limits(const DriveData& data, DriveState& state) {
   const auto& limits = data.limits;
   const double tolerance = limits.tolerance;
   const auto side =
-      side_of(state.measured_position, limits.hard_minimum - tolerance, limits.hard_maximum + tolerance);
+      side_of(switch_position(state), limits.hard_minimum - tolerance, limits.hard_maximum + tolerance);
   if (watch_limit(state, side, state.hard_side, state_bit::kBeyondHard)) open_loop(state);
 }
 
@@ -121,6 +117,10 @@ bool ready(const DriveState& state) {
   return state.loop_closed && !state.brake_closed;
 }
 
+double switch_position(const DriveState& state) {
+  return state.measured_position - state.zero_offset;
+}
+
 void supervise(const DriveData& data, DriveState& state) {
   watch_supply(data, state);
   watch_heat(data, state);
@@ -132,7 +132,7 @@ void supervise(const DriveData& data, DriveState& state) {
 }
 
 double reachable_target(const DriveData& data, DriveState& state, double target) {
-  if (!data.limits.limited) return target;
+  if (!data.limits.limited || !state.referenced) return target;
   const double way = target - state.setpoint.position;
   if (state.soft_side * way > 0.0) trip(state, state_bit::kBeyondSoft);
   if (state.hard_side * way > 0.0) trip(state, state_bit::kBeyondHard);
@@ -145,9 +145,15 @@ double reachable_target(const DriveData& data, DriveState& state, double target)
 void move_brake(const BrakeData& brake, DriveState& state, double tick_s) {
   if (!brake.present || state.brake_closed == !state.loop_closed) return;
   state.brake_time += tick_s;
-  const double delay = state.loop_closed ? brake.release_time : brake.engage_time;
+  const double delay = state.loop_closed ? brake.release_time : state.tuning.brake_engage_time;
   if (state.brake_time < delay) return;
   state.brake_closed = !state.loop_closed;
+}
+
+void open_loop(DriveState& state) {
+  if (!state.loop_closed) return;
+  state.loop_closed = false;
+  state.brake_time = 0.0;
 }
 
 void watch_gear(const GearData& gear, DriveState& state) {
@@ -179,6 +185,7 @@ void reset(const DriveData& data, DriveState& state, double target) {
 void halt(DriveState& state, double target) {
   state.latched |= state_bit::kHalted;
   state.homing = false;
+  state.motion = {};
   hold(state, target);
 }
 
@@ -186,6 +193,28 @@ void home(DriveState& state) {
   if (has(state, state_bit::kError) || !ready(state)) return;
   state.latched &= ~state_bit::kHomeOk;
   state.homing = true;
+  state.moves_to_zero = false;
+  state.motion = {};
+}
+
+void set_zero(DriveState& state) {
+  const double change = state.home_offset - state.zero_offset;
+  if (change == 0.0) return;
+  state.zero_offset += change;
+  state.measured_position += change;
+  state.setpoint.position += change;
+  hold(state, state.commanded);  // what was commanded meant another place
+}
+
+void take_from_bus(DriveState& state, const Motion& motion) {
+  hold(state, state.commanded);
+  state.by_bus = true;
+  state.motion = motion;
+}
+
+void release_to_ports(DriveState& state) {
+  state.by_bus = false;
+  state.motion = {};
 }
 
 void lose_controller(DriveState& state) {
@@ -194,6 +223,8 @@ void lose_controller(DriveState& state) {
 
 std::uint32_t state_word(const DriveState& state) {
   std::uint32_t word = state.latched;
+  if (state.motion.in_progress) word |= state_bit::kInProgress;
+  if (state.motion.queued) word |= state_bit::kFullBuffer;
   if (state.brake_closed) word |= state_bit::kBrakeActive;
   switch (state.setpoint.phase) {
     case RampPhase::kEnd:

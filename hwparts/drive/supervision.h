@@ -18,6 +18,8 @@ namespace visum::drive {
 bool has(const DriveState& state, std::uint32_t bits);  // any of them, latched
 // Power on, brake open: the loop moves the rotor.
 bool ready(const DriveState& state);
+// The rotor's own position, as far as the encoder tells: limit and reference switches know no zero.
+double switch_position(const DriveState& state);
 
 // Compares everything with its limit; latches and stops. Called once per tick, before the setpoint moves.
 void supervise(const DriveData& data, DriveState& state);
@@ -26,6 +28,8 @@ void supervise(const DriveData& data, DriveState& state);
 double reachable_target(const DriveData& data, DriveState& state, double target);
 // The brake follows the loop after its release and engage time.
 void move_brake(const BrakeData& brake, DriveState& state, double tick_s);
+// Switches the power stage off without a fault; the brake falls in. Reset closes the loop again.
+void open_loop(DriveState& state);
 
 // Counts when the gear carries more than its rating.
 void watch_gear(const GearData& gear, DriveState& state);
@@ -36,6 +40,13 @@ void reset(const DriveData& data, DriveState& state, double target);
 void halt(DriveState& state, double target);
 // Nothing while a fault stands or the loop is open.
 void home(DriveState& state);
+// home_offset becomes the encoder's zero_offset. Moves nothing.
+void set_zero(DriveState& state);
+
+// A field bus says what to do: from now on that holds, until the command's target becomes another one.
+void take_from_bus(DriveState& state, const Motion& motion);
+// The ports' command holds again.
+void release_to_ports(DriveState& state);
 void lose_controller(DriveState& state);
 
 // The state word as a module reports it.

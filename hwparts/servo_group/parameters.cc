@@ -10,6 +10,8 @@ namespace {
 
 constexpr const char* kSupplyVoltage = "Supply Voltage";
 constexpr const char* kOnControllerLost = "On Controller Lost";
+constexpr const char* kEmergencyStop = "Emergency Stop";
+constexpr const char* kFieldBus = "Field Bus";
 constexpr double kHighestSupply_v = 60.0;
 
 protocol::Parameter supply_parameter(double volts) {
@@ -30,6 +32,14 @@ protocol::Parameter lost_parameter(OnControllerLost now) {
   return parameter;
 }
 
+protocol::Parameter flag_parameter(const char* name, const char* help, bool now) {
+  protocol::Parameter parameter;
+  parameter.name = name;
+  parameter.help = help;
+  parameter.value = now;
+  return parameter;
+}
+
 // A number in either of its two forms; NaN for what is none.
 double as_number(const protocol::ParameterValue& value) {
   if (const auto* number = std::get_if<double>(&value)) return *number;
@@ -42,7 +52,11 @@ double as_number(const protocol::ParameterValue& value) {
 std::vector<protocol::Parameter> ServoGroup::parameters() const {
   std::vector<protocol::Parameter> all;
   all.push_back(lost_parameter(state_.on_controller_lost));
-  all.push_back(supply_parameter(axes_.front().drive.state().tuning.supply_voltage));
+  all.push_back(supply_parameter(state_.supply_voltage));
+  all.push_back(
+      flag_parameter(kEmergencyStop, "pressed: takes the supply from all motors", state_.emergency_stop));
+  all.push_back(flag_parameter(kFieldBus, "false: the modules' bus is cut, nothing is heard or answered",
+                               modules_.connected()));
   for (std::size_t i = 0; i < axes_.size(); ++i) append_parameters(axes_[i].drive, i + 1, tick_s_, all);
   return all;
 }
@@ -53,6 +67,14 @@ std::optional<std::string> ServoGroup::set_parameter(const std::string& name,
     const auto* word = std::get_if<std::string>(&value);
     if (!word || (*word != "stop" && *word != "hold")) return "must be 'stop' or 'hold'";
     state_.on_controller_lost = *word == "hold" ? OnControllerLost::kHold : OnControllerLost::kStop;
+    return std::nullopt;
+  }
+  if (name == kEmergencyStop || name == kFieldBus) {
+    const auto* flag = std::get_if<bool>(&value);
+    if (!flag) return "must be true or false";
+    if (name == kFieldBus) modules_.connect(*flag);
+    if (name == kEmergencyStop) state_.emergency_stop = *flag;
+    supply_drives();
     return std::nullopt;
   }
   for (const auto& parameter : parameters()) {
@@ -77,8 +99,14 @@ std::optional<std::string> ServoGroup::set_tuning(const std::string& name, doubl
 
 std::optional<std::string> ServoGroup::set_supply(double volts) {
   if (volts < 0.0 || volts > kHighestSupply_v) return "must be between 0 and 60 V";
-  for (auto& axis : axes_) axis.drive.state().tuning.supply_voltage = volts;
+  state_.supply_voltage = volts;
+  supply_drives();
   return std::nullopt;
+}
+
+void ServoGroup::supply_drives() {
+  const double volts = state_.emergency_stop ? 0.0 : state_.supply_voltage;
+  for (auto& axis : axes_) axis.drive.state().tuning.supply_voltage = volts;
 }
 
 }  // namespace visum::servo_group

@@ -3,16 +3,15 @@
 namespace visum::servo_group {
 
 PartOptions read_options(const config::Node& entry) {
-  entry.allow_only(
-      {"name", "kind", "model", "joints", "drives", "on_controller_lost", "homed", "execution_enable"});
+  entry.allow_only({"name", "kind", "model", "joints", "drives", "on_controller_lost", "homed",
+                    "execution_enable", "modules", "bus"});
   PartOptions options;
   if (const auto lost = entry.find("on_controller_lost")) {
     options.on_controller_lost =
         lost->one_of({"stop", "hold"}) == "hold" ? OnControllerLost::kHold : OnControllerLost::kStop;
   }
   options.homed = entry.boolean_or("homed", true);
-  if (const auto enable = entry.find("execution_enable"))
-    options.execution_enable = enable->integer(0, 1) == 1;
+  if (const auto enable = entry.find("execution_enable")) options.execution_enable = enable->boolean();
   return options;
 }
 

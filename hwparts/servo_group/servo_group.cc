@@ -12,6 +12,18 @@ namespace {
 
 namespace bit = drive::state_bit;
 
+std::vector<drive::DriveData> data_of(const DriveList& list) {
+  std::vector<drive::DriveData> data;
+  for (const auto& entry : list.drives) data.push_back(entry.data);
+  return data;
+}
+
+std::vector<double> positions_of(const DriveList& list) {
+  std::vector<double> positions;
+  for (const auto& entry : list.drives) positions.push_back(entry.initial_position);
+  return positions;
+}
+
 bool changes(double& seen, double now) {
   const bool changed = seen != now;
   seen = now;
@@ -22,13 +34,18 @@ bool changes(double& seen, double now) {
 
 ServoGroup::ServoGroup(const hwparts::PartContext& context, const std::string& kind, const DriveList& drives,
                        const PartOptions& options, PortLayout layout)
-    : layout_(std::move(layout)), tick_s_(context.tick_s), identity_(identity_text(kind, drives)) {
+    : layout_(std::move(layout)),
+      tick_s_(context.tick_s),
+      modules_(context.config, data_of(drives), positions_of(drives), options.homed, context.tick_s),
+      identity_(identity_text(kind, drives)) {
   for (const auto& entry : drives.drives) {
     axes_.push_back({drive::Drive(entry.data, entry.initial_position, options.homed, tick_s_), joints_.size(),
                      entry.joints.size()});
     joints_.insert(joints_.end(), entry.joints.begin(), entry.joints.end());
   }
+  for (std::size_t i = 0; i < axes_.size(); ++i) modules_.bind(i, axes_[i].drive);
   initial_.enabled = options.execution_enable;
+  initial_.supply_voltage = axes_.front().drive.state().tuning.supply_voltage;
   initial_.on_controller_lost = options.on_controller_lost;
   state_ = initial_;
   description_ = {context.name,           kind,         layout_.controller_inputs,
@@ -61,8 +78,10 @@ void ServoGroup::act(std::span<const double> inputs, std::span<const hwparts::Jo
   state_.enabled = inputs[layout_.enable] >= 0.5;
   obey_counters(inputs);
   interlock(inputs);
-  const bool enabled = state_.enabled && !any(bit::kError);
+  modules_.tick();
+  const bool fault = any(bit::kError);
   for (auto& axis : axes_) {
+    const bool enabled = state_.enabled && (!fault || axis.drive.state().by_bus);
     axis.drive.act({target(axis, inputs), maximum_speed(axis, inputs), enabled},
                    samples.subspan(axis.first, axis.count), drives.subspan(axis.first, axis.count));
   }
@@ -76,7 +95,10 @@ void ServoGroup::obey_counters(std::span<const double> inputs) {
   }
   const bool may_move = state_.enabled && !any(bit::kError);
   if (changes(state_.home, inputs[layout_.home]) && may_move) {
-    for (auto& axis : axes_) drive::home(axis.drive.state());
+    for (auto& axis : axes_) {
+      drive::release_to_ports(axis.drive.state());
+      drive::home(axis.drive.state());
+    }
   }
   if (changes(state_.halt, inputs[layout_.halt])) {
     for (auto& axis : axes_) drive::halt(axis.drive.state(), target(axis, inputs));
@@ -107,7 +129,8 @@ double ServoGroup::maximum_speed(const Axis& axis, std::span<const double> input
 void ServoGroup::publish(std::span<const hwparts::JointSample> samples, std::span<double> outputs) {
   if (acted_) ++state_.changed;
   acted_ = false;
-  for (auto& axis : axes_) {
+  for (std::size_t number = 0; number < axes_.size(); ++number) {
+    auto& axis = axes_[number];
     axis.drive.publish(samples.subspan(axis.first, axis.count));
     const auto& state = axis.drive.state();
     const double n = static_cast<double>(axis.count);
@@ -116,7 +139,7 @@ void ServoGroup::publish(std::span<const hwparts::JointSample> samples, std::spa
       outputs[channel.actual] = state.measured_position / n;
       outputs[channel.speed] = state.measured_speed / n;
       outputs[channel.current] = state.current;
-      outputs[channel.state] = drive::state_word(state);
+      outputs[channel.state] = modules_.state_word(number);
     }
   }
   outputs[layout_.part_state] = static_cast<double>(part_state());
@@ -126,7 +149,7 @@ void ServoGroup::publish(std::span<const hwparts::JointSample> samples, std::spa
 void ServoGroup::following_errors(std::span<double> errors) const {
   for (const auto& axis : axes_) {
     const auto& state = axis.drive.state();
-    const double commanded = state.setpoint.position / static_cast<double>(axis.count);
+    const double commanded = (state.setpoint.position - state.zero_offset) / static_cast<double>(axis.count);
     for (std::size_t i = 0; i < axis.count; ++i) errors[axis.first + i] = commanded - state.joint_position[i];
   }
 }
@@ -156,6 +179,7 @@ void ServoGroup::controller_lost() {
 
 void ServoGroup::reset() {
   for (auto& axis : axes_) axis.drive.restart();
+  modules_.restart();
   state_ = initial_;
   acted_ = false;
 }
@@ -167,14 +191,18 @@ std::span<const std::byte> ServoGroup::read_blackboard(std::size_t index) const 
 
 void ServoGroup::save(hwparts::StateWriter& to) const {
   for (const auto& axis : axes_) drive::save(axis.drive.state(), to);
+  modules_.save(to);
   to.put(state_.reset), to.put(state_.home), to.put(state_.halt);
   to.put(state_.enabled), to.put(state_.on_controller_lost), to.put(state_.changed);
+  to.put(state_.supply_voltage), to.put(state_.emergency_stop);
 }
 
 void ServoGroup::load(hwparts::StateReader& from) {
   for (auto& axis : axes_) axis.drive.load(from);
+  modules_.load(from);
   from.get(state_.reset), from.get(state_.home), from.get(state_.halt);
   from.get(state_.enabled), from.get(state_.on_controller_lost), from.get(state_.changed);
+  from.get(state_.supply_voltage), from.get(state_.emergency_stop);
   acted_ = false;
 }
 

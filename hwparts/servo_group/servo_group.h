@@ -12,6 +12,10 @@
 //   command, or one written together with the Reset, moves nothing. After Home it is the same, from where
 //   home is.
 // - Execution Enable 0 stops on a ramp and keeps standing; 1 again goes on to the desired values.
+// - A field bus (powercube::ModuleBus) commands the same drives. Who spoke last to a drive moves it: after a
+// command over
+//   the bus, the ports again as soon as the drive's desired value becomes another one. What the bus moves is
+//   not stopped by the fault of another drive.
 // - A lost controller: `stop` is a fault (COMM_ERROR) of all drives; `hold` leaves the last values in force.
 #pragma once
 
@@ -21,6 +25,7 @@
 
 #include "hwparts/drive/drive.h"
 #include "hwparts/part.h"
+#include "hwparts/powercube/module_bus.h"
 #include "hwparts/servo_group/drive_list.h"
 #include "hwparts/servo_group/part_options.h"
 #include "hwparts/servo_group/part_state.h"
@@ -46,6 +51,7 @@ class ServoGroup : public hwparts::Part {
   std::optional<std::string> set_parameter(const std::string& name,
                                            const protocol::ParameterValue& value) override;
   std::span<const std::byte> read_blackboard(std::size_t index) const override;
+  powercube::ModuleBus* modules() override { return &modules_; }
   void save(hwparts::StateWriter& to) const override;
   void load(hwparts::StateReader& from) override;
 
@@ -61,6 +67,8 @@ class ServoGroup : public hwparts::Part {
     double reset = 0.0, home = 0.0, halt = 0.0;  // the counters as last seen
     bool enabled = true;
     OnControllerLost on_controller_lost = OnControllerLost::kStop;
+    double supply_voltage = 0.0;  // V; reaches the drives unless the emergency stop is pressed
+    bool emergency_stop = false;
     std::uint64_t changed = 0;
   };
 
@@ -73,11 +81,13 @@ class ServoGroup : public hwparts::Part {
   void hold_all(std::span<const double> inputs);
   std::optional<std::string> set_tuning(const std::string& name, double value);
   std::optional<std::string> set_supply(double volts);
+  void supply_drives();
 
   PortLayout layout_;
   std::vector<std::size_t> joints_;
   double tick_s_;
   std::vector<Axis> axes_;
+  powercube::ModuleBus modules_;
   State initial_;
   State state_;
   bool acted_ = false;  // between act() and publish()

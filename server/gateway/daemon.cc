@@ -4,10 +4,12 @@
 #include <time.h>
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
 #include "protocol/server.h"
+#include "server/gateway/bus/buses.h"
 #include "server/gateway/exchange.h"
 #include "server/gateway/gateway.h"
 #include "server/gateway/mailbox.h"
@@ -60,7 +62,35 @@ struct Daemon::Impl {
                 mailbox, tick_side.pacer(),
                 [this]() -> const Published& { return threaded ? fresh_copy() : fresh_fill(); }),
         server({options.address, options.port, {}}, gateway) {
+    open_buses(options.buses);
     if (threaded) publish(false);
+  }
+
+  void open_buses(std::vector<BusAddress> addresses) {
+    auto of_scene = scene_buses(simulation.scene());
+    addresses.insert(addresses.begin(), of_scene.begin(), of_scene.end());
+    if (addresses.empty()) return;
+    buses.emplace(simulation, addresses, [this] {
+      if (threaded) return mailbox.wake();
+      server.notify();
+    });
+  }
+
+  // Between ticks: what came over the buses. The first frame starts the time.
+  void serve_buses() {
+    if (!buses || !buses->serve()) return;
+    tick_side.start();
+    if (!threaded) tick_side.touch();
+  }
+
+  void wait_until(Clock::time_point due) {
+    if (!buses) return sleep_until(due);
+    buses->serve_until(due);
+  }
+
+  void do_tick() {
+    tick_side.tick();
+    if (buses) buses->after_tick();
   }
 
   // realtime: the sessions' thread takes the newest copy.
@@ -112,6 +142,7 @@ struct Daemon::Impl {
   std::uint64_t published_version = 0;
   Gateway gateway;
   protocol::Server server;
+  std::optional<Buses> buses;  // gone first: its thread wakes the others
 };
 
 Daemon::Daemon(cycle::Simulation& simulation, const DaemonOptions& options) {
@@ -125,6 +156,11 @@ Daemon::~Daemon() = default;
 
 std::uint16_t Daemon::port() const {
   return impl_->server.port();
+}
+
+const BusNames& Daemon::buses() const {
+  static const BusNames kNone;
+  return impl_->buses ? impl_->buses->names() : kNone;
 }
 
 void Daemon::run() {
@@ -143,6 +179,7 @@ void Daemon::Impl::run_realtime() {
   bool was_running = false;
   while (!ended()) {
     tick_side.empty_mailbox();
+    serve_buses();
     if (gateway.start_asked()) tick_side.start();
     const bool runs = tick_side.time_runs();
     if (runs && !was_running) pacer.restart(Clock::now());
@@ -152,11 +189,11 @@ void Daemon::Impl::run_realtime() {
       mailbox.wait_for(kIdle);
       continue;
     }
-    sleep_until(pacer.due());
+    wait_until(pacer.due());
     tick_side.empty_mailbox();
     pacer.begin_tick(Clock::now());
     const auto version_before = published_version;
-    tick_side.tick();
+    do_tick();
     publish(has_something_to_send() || version_before != tick_side.version());
   }
   gateway.end();
@@ -183,8 +220,9 @@ void Daemon::Impl::run_inline() {
     tick_side.empty_mailbox();
     // First of all the members learn of a reset: what they granted was of the era before.
     if (version != tick_side.version()) gateway.serve();
+    serve_buses();
     if (may_tick_inline()) {
-      tick_side.tick();
+      do_tick();
       if (has_something_to_send()) gateway.serve();
     } else {
       gateway.serve();

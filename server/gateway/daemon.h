@@ -10,6 +10,7 @@
 
 #include "server/cycle/simulation.h"
 #include "server/gateway/access.h"
+#include "server/gateway/bus/address.h"
 
 namespace visum::gateway {
 
@@ -17,18 +18,21 @@ struct DaemonOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = 1500;
   bool run_at_once = false;  // else time starts with the first lease, the first step of a member, or resume
-  std::int64_t iterations = 0;  // ends after so many ticks; 0: never
-  std::string token_file;       // needed where the address is not loopback
+  std::int64_t iterations = 0;    // ends after so many ticks; 0: never
+  std::string token_file;         // needed where the address is not loopback
+  std::vector<BusAddress> buses;  // beside those of the scene
 };
 
 class Daemon {
  public:
-  // Binds the port; clients that connect from now on are served once run() is called. Throws ConfigError
-  // (token file), std::runtime_error (address in use, an address beyond loopback without a token file, ...).
+  // Opens the buses and binds the port; clients that connect from now on are served once run() is called.
+  // Throws ConfigError (token file), std::runtime_error (address in use, an address beyond loopback without a
+  // token file, ...).
   Daemon(cycle::Simulation& simulation, const DaemonOptions& options);
   ~Daemon();
 
   std::uint16_t port() const;
+  const BusNames& buses() const;
   // Until stop(), a client's Shutdown, or `iterations` ticks.
   void run();
   // Any thread, and signal handlers: the current tick is finished, replies are flushed, run() returns.

@@ -33,6 +33,7 @@ class TickSide {
   Pace pace() const { return {!started_ || paused_, pacer_.speed(), real_time_factor_}; }
   // Changes with everything that a tick does not announce by itself: pauses, errands.
   std::uint64_t version() const { return version_; }
+  void touch() { ++version_; }  // something beside the mailbox changed the world between ticks
 
   // True once after the tick's side gave something to the sessions' side that waits to be sent on.
   bool has_told() { return std::exchange(told_, false); }

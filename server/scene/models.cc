@@ -45,11 +45,15 @@ class Placement {
     for (const RobotJoint& joint : robot_.joints) place_joint(joint);
     check_joint_keys();
     read_collision_keys();
-    for (const std::string& loss : robot_.losses)
-      draft_.scene.losses.push_back("model '" + name_ + "': " + loss);
+    report(robot_.losses, draft_.scene.losses);
+    report(robot_.notes, draft_.scene.notes);
   }
 
  private:
+  void report(const std::vector<std::string>& sentences, std::vector<std::string>& to) const {
+    for (const std::string& sentence : sentences) to.push_back("model '" + name_ + "': " + sentence);
+  }
+
   Place link_place(const RobotLink& link) const {
     return {robot_.file.string(), link.line, "link '" + link.name + "'"};
   }

@@ -73,7 +73,7 @@ void note_joined(RobotModel& model) {
   for (const JoinedLink& joined : model.joined)
     lists[joined.into] += (lists[joined.into].empty() ? "'" : ", '") + joined.name + "'";
   for (const auto& [into, names] : lists)
-    model.losses.push_back("fixed joints join " + names + " into link '" + into + "': one body of that name");
+    model.notes.push_back("fixed joints join " + names + " into link '" + into + "': one body of that name");
 }
 
 }  // namespace

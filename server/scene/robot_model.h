@@ -55,6 +55,7 @@ struct RobotModel {
   std::vector<RobotJoint> joints;  // in the order of the file; none is fixed once joined
   std::vector<JoinedLink> joined;
   std::vector<std::string> losses;  // what is not shown or not simulated, one sentence each
+  std::vector<std::string> notes;   // what was read otherwise than it stands there, at no loss
 };
 
 inline constexpr const char* kWorldLink = "world";

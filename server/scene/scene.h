@@ -34,6 +34,7 @@ struct Scene {
   std::uint64_t seed = 1;
   std::int64_t lockstep_timeout_ns = 10'000'000'000;
   std::vector<std::string> losses;  // what a model holds and we do not show or simulate, one sentence each
+  std::vector<std::string> notes;   // what was read otherwise than it stands there, at no loss
 };
 
 struct Options {

@@ -70,6 +70,8 @@ TEST(IncludesResolve, RefusesARelativeInclude) {
 
 struct Arrow {
   const char *from, *to;
+
+  friend void PrintTo(const Arrow& arrow, std::ostream* out) { *out << arrow.from << " -> " << arrow.to; }
 };
 
 class RightArrow : public testing::TestWithParam<Arrow> {};

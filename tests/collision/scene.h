@@ -1,6 +1,8 @@
 // Small worlds of two shapes or a few for collision tests.
 #pragma once
 
+#include <array>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,11 @@ using world::ShapeKind;
 struct ShapeSpec {
   ShapeKind kind;
   std::array<double, 3> size{};
+
+  friend void PrintTo(const ShapeSpec& spec, std::ostream* out) {
+    constexpr const char* kNames[] = {"Box", "Sphere", "Cylinder", "Capsule", "Plane", "Convex", "Mesh"};
+    *out << kNames[static_cast<int>(spec.kind)];
+  }
 };
 
 // The corners of a box as points, and as twelve triangles.

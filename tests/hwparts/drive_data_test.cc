@@ -68,6 +68,8 @@ struct BadCase {
   const char* what;
   const char* with;
   const char* says;
+
+  friend void PrintTo(const BadCase& bad, std::ostream* out) { *out << bad.name; }
 };
 
 class BadDriveData : public testing::TestWithParam<BadCase> {};
@@ -157,7 +159,7 @@ TEST(PartOptions, HaveTheirDefaults) {
 
 TEST(PartOptions, AreRead) {
   const auto read =
-      options(", model: arm, joints: [a], on_controller_lost: hold, homed: false, execution_enable: 0");
+      options(", model: arm, joints: [a], on_controller_lost: hold, homed: false, execution_enable: false");
   EXPECT_EQ(read.on_controller_lost, servo_group::OnControllerLost::kHold);
   EXPECT_FALSE(read.homed);
   EXPECT_FALSE(read.execution_enable);

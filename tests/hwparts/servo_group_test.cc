@@ -159,7 +159,7 @@ TEST(Home, AnUnhomedGroupFollowsNothingBeforeIt) {
 }
 
 TEST(ExecutionEnable, ZeroMeansNoMotionAndNoFault) {
-  auto bench = arm(", execution_enable: 0");
+  auto bench = arm(", execution_enable: false");
   EXPECT_STATE(bench, kDisabled);
   EXPECT_EQ(bench.in("Execution Enable"), 0.0);
   bench.set_angles(0.5);

@@ -90,12 +90,13 @@ TEST(Urdf, FixedJointsJoinLinksWithTheirMasses) {
 }
 
 TEST(Urdf, LossesSayWhatIsNotSimulated) {
-  EXPECT_THAT(joined("robot.urdf").losses,
-              ElementsAre("1 <transmission> element is not read",
-                          "joint 'grip' moves on its own: <mimic> is not simulated",
-                          "visual 'logo' of link 'zz_upper_arm' is not shown: it is the mesh "
-                          "'model://data/meshes/logo.dae', and only .stl and .obj are read",
-                          "fixed joints join 'tool', 'tcp' into link 'lower_arm': one body of that name"));
+  const RobotModel model = joined("robot.urdf");
+  EXPECT_THAT(model.losses, ElementsAre("1 <transmission> element is not read",
+                                        "joint 'grip' moves on its own: <mimic> is not simulated",
+                                        "visual 'logo' of link 'zz_upper_arm' is not shown: it is the mesh "
+                                        "'model://data/meshes/logo.dae', and only .stl and .obj are read"));
+  EXPECT_THAT(model.notes,
+              ElementsAre("fixed joints join 'tool', 'tcp' into link 'lower_arm': one body of that name"));
 }
 
 TEST(Urdf, VisualsGiveTheirColourToEqualSolids) {

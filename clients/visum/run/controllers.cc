@@ -104,11 +104,10 @@ void Controllers::note_who_left(const protocol::ServerStatus& status) {
   }
 }
 
-// While the world stands. The status that follows makes sure that the server, too, has seen the connection's
-// end.
+// While the world stands. The server, too, has then seen the connection's end.
 void Controllers::await_exit(Controller& controller) {
   const auto give_up = Clock::now() + kPatienceToLeave;
-  while (!controller.process->check_exit()) {
+  while (!controller.process->check_exit() || find_member(session_.status(), controller.spec->client)) {
     if (Clock::now() > give_up) {
       throw cli::ExitError(cli::kLost,
                            "controller '" + controller.spec->name + "' left the clock but did not end");
@@ -116,7 +115,6 @@ void Controllers::await_exit(Controller& controller) {
     vigil_.wait(-1, milliseconds(1));
   }
   check_ends();
-  session_.status();
 }
 
 // The members' own work is what takes the time here; asking often at first finds out at once who is quick.

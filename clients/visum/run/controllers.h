@@ -34,10 +34,9 @@ class Controllers {
   // cannot be started, ExitError where one ends before it joined (kFailed) or does not join in time (kLost).
   void start(double patience_s);
 
-  // After a step, while we hold the world: waits until every member either lets the world run on or has left,
-  // and for those that have left, until they have ended. What it knows then does not depend on who was
-  // faster.
-  // `status` is that of the step.
+  // While we hold the world: waits until every member either lets the world run on or has left, and for those
+  // that have left, until they have ended. What it knows then does not depend on who was faster. `status` is
+  // the newest there is.
   void settle(protocol::ServerStatus status);
   // All have ended or are known to have left.
   bool all_done() const;

@@ -89,7 +89,8 @@ void Daemon::wait_until_ready(double patience_s) {
   const auto give_up = Clock::now() + std::chrono::duration<double>(patience_s);
   while (ready_line_.empty()) {
     vigil_.wait(-1, milliseconds(20));
-    if (const auto& exit = process_->check_exit()) {
+    // Its end makes us read what it said before: that may be the line that we wait for.
+    if (const auto& exit = process_->check_exit(); exit && ready_line_.empty()) {
       const bool explained =
           !exit->by_signal && (exit->number == cli::kBadConfig || exit->number == cli::kUsage);
       const std::string words = join_lines(process_->last_lines());

@@ -152,8 +152,12 @@ void Run::step() {
   if (scenario_.until.kind == Until::Kind::kControllers) controllers_.settle(std::move(step.status));
 }
 
+// What the controllers sent for the next tick has arrived before we act, or it would depend on who was
+// faster.
 void Run::act() {
-  for (const TimelineEntry* entry : timeline_->due(now_)) actions_->perform(*entry);
+  const auto due = timeline_->due(now_);
+  if (!due.empty() && session_.clock() == "lockstep") controllers_.settle(session_.status());
+  for (const TimelineEntry* entry : due) actions_->perform(*entry);
 }
 
 bool Run::is_over() {

@@ -1,0 +1,89 @@
+#include "hwparts/drive/motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace visum::drive {
+namespace {
+
+constexpr double kStill_s = 0.1;  // without motion for so long: the axis stands
+
+// The speed of a trapezoid that starts with speed u (towards the target: > 0) and is at rest after `distance`
+// in `time`; the highest allowed where that is too soon.
+double cruise_speed(double distance, double u, double time, const MotionLimits& limits) {
+  const double a = limits.acceleration;
+  // Accelerating to v and braking:  v² - v (a t + u) + a d + u²/2 = 0
+  const double sum = a * time + u;
+  const double discriminant = sum * sum - 4.0 * (a * distance + 0.5 * u * u);
+  if (sum <= 0.0 || discriminant < 0.0) return limits.speed;
+  const double v = 0.5 * (sum - std::sqrt(discriminant));
+  if (v >= u) return std::min(v, limits.speed);
+  // Slowing down to v:  u²/2a + v (t - u/a) = d
+  const double rest = time - u / a;
+  const double slower = rest > 0.0 ? (distance - 0.5 * u * u / a) / rest : limits.speed;
+  return slower > 0.0 ? std::min(slower, limits.speed) : limits.speed;
+}
+
+RampPhase phase_of(double before, double after) {
+  if (std::abs(after) == std::abs(before)) return after == 0.0 ? RampPhase::kEnd : RampPhase::kSteady;
+  return std::abs(after) > std::abs(before) ? RampPhase::kAccelerating : RampPhase::kDecelerating;
+}
+
+// Evenly towards `target`, due in `remaining_s`.
+Setpoint run_evenly(const Setpoint& from, double target, double remaining_s, const MotionLimits& limits,
+                    double tick_s) {
+  const double wanted = (target - from.position) / std::max(remaining_s, tick_s);
+  const double change = limits.acceleration * tick_s;
+  const double lower = std::max(-limits.speed, from.speed - change);
+  const double upper = std::min(limits.speed, from.speed + change);
+  const double speed = lower < upper ? std::clamp(wanted, lower, upper) : std::clamp(wanted, upper, lower);
+  const bool arrives = remaining_s <= tick_s && speed == wanted;
+  return {arrives ? target : from.position + speed * tick_s, speed, phase_of(from.speed, speed)};
+}
+
+}  // namespace
+
+Motion start_step(const Motion& before, const Setpoint& from, double target, double duration_s,
+                  const MotionLimits& limits) {
+  Motion step;
+  step.kind = MotionKind::kStep;
+  step.target = target;
+  step.duration_s = step.remaining_s = duration_s;
+  step.in_progress = true;
+  step.goes_on = before.kind == MotionKind::kStep && -before.remaining_s < duration_s;
+  step.acceleration = limits.acceleration;
+  const double direction = target >= from.position ? 1.0 : -1.0;
+  step.speed = cruise_speed(std::abs(target - from.position), direction * from.speed, duration_s, limits);
+  return step;
+}
+
+void queue_step(Motion& motion, double target, double duration_s) {
+  motion.queued = true;
+  motion.next_target = target;
+  motion.next_duration_s = duration_s;
+}
+
+Setpoint step_on(Motion& motion, const Setpoint& from, double target, const MotionLimits& limits,
+                 double tick_s) {
+  const double remaining_s = motion.remaining_s;
+  motion.remaining_s -= tick_s;
+  const bool evenly = motion.goes_on && remaining_s > 0.5 * tick_s;
+  const double speed = motion.goes_on || remaining_s <= 0.0 ? limits.speed : motion.speed;
+  const auto setpoint = evenly ? run_evenly(from, target, remaining_s, limits, tick_s)
+                               : ramp_to(from, target, speed, limits.acceleration, tick_s);
+  const bool due = motion.remaining_s < 0.5 * tick_s;
+  const bool arrived = setpoint.position == target;
+  if (due && motion.queued) {
+    motion = start_step(motion, setpoint, motion.next_target, motion.next_duration_s, limits);
+  } else if (due && arrived) {
+    motion.in_progress = false;
+  }
+  return setpoint;
+}
+
+Setpoint follow_axis(Motion& motion, double position, double speed, bool moves, double tick_s) {
+  motion.still_s = moves ? 0.0 : motion.still_s + tick_s;
+  return {position, speed, motion.still_s < kStill_s ? RampPhase::kSteady : RampPhase::kEnd};
+}
+
+}  // namespace visum::drive

@@ -1,0 +1,91 @@
+#include "hwparts/powercube/module_bus.h"
+
+#include "hwparts/drive/encoder.h"
+#include "hwparts/drive/state_word.h"
+
+namespace visum::powercube {
+
+ModuleBus::ModuleBus(const config::Node& part, std::span<const drive::DriveData> drives,
+                     std::span<const double> positions, bool homed, double tick_s)
+    : tick_s_(tick_s) {
+  std::vector<int> ids;
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    ids.push_back(drives[i].module);
+    auto& module = modules_.emplace_back();
+    module.settings = read_settings(part, drives[i], homed);
+    module.initial = initial_state(module.settings, drives[i], positions[i]);
+    module.state = module.initial;
+  }
+  check_exceptions(part, ids);
+  spontaneous_.resize(modules_.size());
+}
+
+void ModuleBus::bind(std::size_t i, drive::Drive& drive) {
+  modules_[i].drive = &drive;
+  power_up(modules_[i]);
+}
+
+// What a drive does not know of itself: whether its module comes up homed, and from where it counts.
+void ModuleBus::power_up(Module& module) {
+  auto& state = module.drive->state();
+  const auto& settings = module.settings;
+  state.latched &= ~drive::state_bit::kHomeOk;
+  if (settings.homed) state.latched |= drive::state_bit::kHomeOk;
+  state.zero_after_home = (settings.config & config_bit::kZeroMoveAfterHome) != 0;
+  if (settings.homed || !settings.counts_from_zero) return;
+  state.referenced = false;
+  state.zero_offset = -drive::quantised(module.drive->data(), state.rotor_position);
+  state.measured_position += state.zero_offset;
+  state.setpoint.position += state.zero_offset;
+}
+
+std::optional<Telegram> ModuleBus::obey(const Telegram& telegram, Wire wire) {
+  if (!connected_ || from_module(telegram.kind)) return std::nullopt;
+  if (telegram.kind == Telegram::Kind::kBroadcast) {
+    for (auto& module : modules_) obey_broadcast(edit(module), telegram.message, wire);
+    return std::nullopt;
+  }
+  // On CAN the frame's id says whether something is read or written, and the two must agree.
+  const bool reads = telegram.message.command() == command::kGetParameter;
+  if (wire == Wire::kCan && reads != (telegram.kind == Telegram::Kind::kGet)) return std::nullopt;
+  for (auto& module : modules_) {
+    if (module.state.address != telegram.module) continue;
+    const auto answer = powercube::obey(edit(module), telegram.message, wire);
+    if (answer) return Telegram{Telegram::Kind::kAnswer, telegram.module, *answer};
+    return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+void ModuleBus::tick() {
+  spontaneous_count_ = 0;
+  for (auto& module : modules_) {
+    const auto whole = edit(module);
+    powercube::tick(whole, tick_s_);
+    const auto state = spontaneous_state(whole, tick_s_);
+    if (state && connected_)
+      spontaneous_[spontaneous_count_++] = {Telegram::Kind::kState, module.state.address, *state};
+  }
+}
+
+void ModuleBus::restart() {
+  connected_ = true;
+  spontaneous_count_ = 0;
+  for (auto& module : modules_) {
+    module.state = module.initial;
+    power_up(module);
+  }
+}
+
+void ModuleBus::save(hwparts::StateWriter& to) const {
+  to.put(connected_);
+  for (const auto& module : modules_) powercube::save(module.state, to);
+}
+
+void ModuleBus::load(hwparts::StateReader& from) {
+  from.get(connected_);
+  for (auto& module : modules_) powercube::load(module.state, from);
+  spontaneous_count_ = 0;
+}
+
+}  // namespace visum::powercube

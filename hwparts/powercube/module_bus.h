@@ -1,0 +1,68 @@
+// All modules of one part as a bus sees them: telegrams in, at most one answer each, and what they send
+// unasked. The drives are the part's own, so that ports and bus command and show the same. Lives on the
+// tick's thread. No allocation after construction.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hwparts/drive/drive.h"
+#include "hwparts/powercube/module.h"
+
+namespace visum::powercube {
+
+class ModuleBus {
+ public:
+  // A module for each of the drives. Throws ConfigError where the part's `modules:` is wrong.
+  ModuleBus(const config::Node& part, std::span<const drive::DriveData> drives,
+            std::span<const double> positions, bool homed, double tick_s);
+
+  // The drive of module i, for all of them before anything else; it must stay where it is. Comes up as the
+  // module's settings say.
+  void bind(std::size_t i, drive::Drive& drive);
+
+  // Between ticks. `telegram` as it came over `wire`.
+  std::optional<Telegram> obey(const Telegram& telegram, Wire wire);
+  // Cut: nothing is received and nothing sent.
+  void connect(bool connected) { connected_ = connected; }
+  bool connected() const { return connected_; }
+
+  // Once per tick, before the drives' act().
+  void tick();
+  // State frames of the last tick.
+  std::span<const Telegram> spontaneous() const { return {spontaneous_.data(), spontaneous_count_}; }
+
+  std::size_t size() const { return modules_.size(); }
+  std::uint32_t state_word(std::size_t i) const { return powercube::state_word(view(modules_[i])); }
+  const ModuleState& state(std::size_t i) const { return modules_[i].state; }
+
+  // Back to the state after construction, once the drives are restarted.
+  void restart();
+  void save(hwparts::StateWriter& to) const;
+  void load(hwparts::StateReader& from);
+
+ private:
+  struct Module {
+    Settings settings;
+    drive::Drive* drive = nullptr;
+    ModuleState initial;
+    ModuleState state;
+  };
+  static ModuleEdit edit(Module& module) {
+    return {module.settings, module.drive->data(), module.drive->state(), module.state};
+  }
+  static ModuleView view(const Module& module) {
+    const drive::Drive& drive = *module.drive;
+    return {module.settings, drive.data(), drive.state(), module.state};
+  }
+  static void power_up(Module& module);
+
+  double tick_s_;
+  bool connected_ = true;
+  std::vector<Module> modules_;
+  std::vector<Telegram> spontaneous_;
+  std::size_t spontaneous_count_ = 0;
+};
+
+}  // namespace visum::powercube

@@ -1,0 +1,69 @@
+// What changes about a module beside its drive: settings that came over the bus, and what it remembers.
+// Plain; saving it and the drive saves the module. [u] is rad or m.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "hwparts/drive/drive.h"
+#include "hwparts/powercube/settings.h"
+#include "hwparts/state_archive.h"
+
+namespace visum::powercube {
+
+// Parameters that are kept and returned, and change nothing else. The factory's values: parameters.cc.
+inline constexpr std::size_t kKept = 19;
+
+struct ModuleState {
+  std::uint8_t address = 0;
+  std::uint32_t config = 0;
+  double target_speed = 0.0;         // [u]/s, of ramps; back to the maximum with every Reset
+  double target_acceleration = 0.0;  // [u]/s²
+  double target_position = 0.0;      // [u], of the last ramp or step
+  std::uint8_t move_mode = 0;        // of the last SETMOVE
+  double previous_position = 0.0;    // [u], a tick ago
+  double saved_position = 0.0;       // [u], by SAVEPOS
+  std::uint8_t outputs = 0;          // bits 4..7 of the digital outputs
+  std::uint8_t burn_count = 1;
+  bool deferred = false;  // SYNC_MOTION: waits for the start
+  drive::Motion deferred_motion;
+  bool watchdog_armed = false;
+  double watchdog_s = 0.0;       // since the last life sign
+  double state_s = 0.0;          // since the last state frame
+  std::uint32_t state_sent = 0;  // in it
+  std::array<double, kKept> kept{};
+};
+
+ModuleState initial_state(const Settings& settings, const drive::DriveData& data, double position);
+void save(const ModuleState& state, hwparts::StateWriter& to);
+void load(ModuleState& state, hwparts::StateReader& from);
+
+// One module whole, to be read and to be changed.
+struct ModuleView {
+  const Settings& settings;
+  const drive::DriveData& data;
+  const drive::DriveState& drive;
+  const ModuleState& module;
+};
+struct ModuleEdit {
+  const Settings& settings;
+  const drive::DriveData& data;
+  drive::DriveState& drive;
+  ModuleState& module;
+  operator ModuleView() const { return {settings, data, drive, module}; }
+};
+
+// The state word (parameter 27): the drive's, and the switches that the configuration enables. The reference
+// switch is on just below home, the limit switches beyond the hard limits.
+std::uint32_t state_word(const ModuleView& view);
+// The byte of extended answers: NOT_OK, switches, and how the motion stands.
+std::uint8_t short_state(const ModuleView& view);
+// Inputs in bits 0..3 (none is wired), outputs in 4..7.
+std::uint8_t dio_byte(const ModuleView& view);
+std::uint32_t dio_word(const ModuleView& view);
+
+// A position as the module counts it.
+std::int32_t to_increments(const ModuleView& view, double value);
+double from_increments(const ModuleView& view, double increments);
+
+}  // namespace visum::powercube

@@ -1,0 +1,152 @@
+#include "server/gateway/bus/buses.h"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "hwparts/powercube/module_bus.h"
+
+namespace visum::gateway {
+namespace {
+
+std::uint32_t part_index(const cycle::Simulation& simulation, const std::string& name) {
+  const auto parts = simulation.parts();
+  for (std::uint32_t i = 0; i < parts.size(); ++i)
+    if (parts[i].part->description().name == name) return i;
+  throw std::runtime_error("there is no part '" + name + "'");
+}
+
+std::unique_ptr<BusLink> open(const BusAddress& address) {
+  const auto kinds = bus_kinds();
+  const auto row = std::ranges::find(kinds, address.kind, &BusKind::name);
+  return row->open(address.where);
+}
+
+}  // namespace
+
+Buses::Buses(cycle::Simulation& simulation, const std::vector<BusAddress>& addresses,
+             std::function<void()> wake)
+    : simulation_(simulation),
+      wake_(std::move(wake)),
+      waiting_(addresses.size()),
+      era_(simulation.era()),
+      request_fd_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (request_fd_ < 0) throw std::runtime_error("eventfd: no descriptor left");
+  if (addresses.size() > kMaxBusLinks)
+    throw std::runtime_error("more than " + std::to_string(kMaxBusLinks) + " buses");
+  std::vector<BusThread::Wiring> wirings;
+  for (const auto& address : addresses) {
+    const auto part = part_index(simulation, address.part);
+    if (!simulation.parts()[part].part->modules())
+      throw std::runtime_error("the part '" + address.part + "' has no modules that a bus could reach");
+    auto link = open(address);
+    names_[address.part].push_back(link->name());
+    parts_.push_back(part);
+    timings_.emplace_back(address.timing);
+    wirings.push_back({std::move(link), part});
+  }
+  thread_ = std::make_unique<BusThread>(std::move(wirings), [this] {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const auto written = ::write(request_fd_, &one, sizeof one);
+    wake_();
+  });
+}
+
+Buses::~Buses() {
+  thread_.reset();
+  ::close(request_fd_);
+}
+
+powercube::ModuleBus& Buses::modules(const BusItem& item) {
+  return *simulation_.parts()[parts_[item.link]].part->modules();
+}
+
+void Buses::obey(const BusItem& item) {
+  const auto answer = modules(item).obey(item.telegram, item.wire);
+  if (!answer) return;
+  BusItem reply = item;
+  reply.telegram = *answer;
+  auto& timing = timings_[item.link];
+  if (timing.ideal()) {
+    thread_->answer(reply);
+    answered_ = true;
+    return;
+  }
+  const auto out = timing.pass(*answer, item.wire, simulation_.sim_time_ns() + timing.delay_ns());
+  waiting_[item.link].push_back({out, true, reply});
+}
+
+bool Buses::serve() {
+  bool any = false;
+  for (BusItem item; thread_->next_request(item); any = true) {
+    auto& timing = timings_[item.link];
+    auto& waiting = waiting_[item.link];
+    if (timing.ideal()) {
+      obey(item);
+    } else if (waiting.size() < BusThread::kQueue) {
+      waiting.push_back({timing.pass(item.telegram, item.wire, simulation_.sim_time_ns()), false, item});
+    }
+  }
+  if (answered_) thread_->flush();
+  answered_ = false;
+  return any;
+}
+
+void Buses::serve_until(Clock::time_point due) {
+  for (;;) {
+    serve();
+    const auto left = due - Clock::now();
+    if (left <= Clock::duration::zero()) return;
+    const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(left).count();
+    const timespec wait{static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
+    pollfd request{request_fd_, POLLIN, 0};
+    if (::ppoll(&request, 1, &wait, nullptr) <= 0) continue;
+    std::uint64_t count = 0;
+    [[maybe_unused]] const auto got = ::read(request_fd_, &count, sizeof count);
+  }
+}
+
+void Buses::after_tick() {
+  move_lines();
+  send_spontaneous();
+  if (answered_) thread_->flush();
+  answered_ = false;
+}
+
+// Requests that have come in are obeyed, answers that have gone out are written.
+void Buses::move_lines() {
+  if (era_ != simulation_.era()) {
+    era_ = simulation_.era();
+    for (auto& timing : timings_) timing.restart();
+    for (auto& waiting : waiting_) waiting.clear();
+  }
+  for (auto& waiting : waiting_) {
+    while (!waiting.empty() && waiting.front().due_ns <= simulation_.sim_time_ns()) {
+      const Waiting first = waiting.front();
+      waiting.pop_front();
+      if (!first.answered) {
+        obey(first.item);
+        continue;
+      }
+      thread_->answer(first.item);
+      answered_ = true;
+    }
+  }
+}
+
+void Buses::send_spontaneous() {
+  for (std::uint32_t link = 0; link < parts_.size(); ++link) {
+    // Once for each part: the bus thread spreads it over all its links.
+    if (std::ranges::find(parts_, parts_[link]) != parts_.begin() + link) continue;
+    for (const auto& telegram : simulation_.parts()[parts_[link]].part->modules()->spontaneous()) {
+      thread_->answer({link, 0, powercube::Wire::kCan, telegram});
+      answered_ = true;
+    }
+  }
+}
+
+}  // namespace visum::gateway

@@ -1,0 +1,59 @@
+// The buses of a world's parts: requests that came over any of them reach the part's modules between ticks,
+// on the tick's thread, and are answered at once from what the modules know as of the last tick.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/cycle/simulation.h"
+#include "server/gateway/bus/address.h"
+#include "server/gateway/bus/bus_thread.h"
+#include "server/gateway/bus/line_timing.h"
+
+namespace visum::gateway {
+
+class Buses {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  // Opens all links. `wake`, called on the bus thread, makes the loop call serve() soon where it does not
+  // wait in serve_until(). Throws std::runtime_error naming what cannot be opened.
+  Buses(cycle::Simulation& simulation, const std::vector<BusAddress>& addresses, std::function<void()> wake);
+  ~Buses();
+
+  const BusNames& names() const { return names_; }
+
+  // The tick's thread, between ticks.
+  bool serve();                             // what is there; true if there was something
+  void serve_until(Clock::time_point due);  // what comes until then
+  void after_tick();                        // sends what modules say unasked, and what the line held back
+
+ private:
+  struct Waiting {  // on a line that is not ideal
+    std::int64_t due_ns;
+    bool answered;  // an answer on its way out; else a request on its way in
+    BusItem item;
+  };
+  powercube::ModuleBus& modules(const BusItem& item);
+  void obey(const BusItem& item);
+  void move_lines();
+  void send_spontaneous();
+
+  cycle::Simulation& simulation_;
+  std::function<void()> wake_;
+  BusNames names_;
+  std::vector<std::uint32_t> parts_;          // by link
+  std::vector<LineTiming> timings_;           // by link
+  std::vector<std::deque<Waiting>> waiting_;  // by link, in the order of the line
+  std::uint64_t era_ = 0;
+  bool answered_ = false;  // something waits for flush()
+  int request_fd_;
+  std::unique_ptr<BusThread> thread_;
+};
+
+}  // namespace visum::gateway

@@ -1,0 +1,57 @@
+// One stream of bytes with a client's program at its other end, and how it is spoken on. Everything happens
+// on the thread that owns the channel; nothing blocks. What cannot be written at once is lost, as on a real
+// line that nobody reads.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "hwparts/powercube/can_codec.h"
+#include "hwparts/powercube/module.h"
+
+namespace visum::gateway {
+
+enum class Speech {
+  kUndecided,  // TCP: the first byte tells
+  kSerial,     // RS-232 frames
+  kSlcan,      // CAN frames as lines of text
+  kSocketCan,  // CAN frames of the kernel
+};
+
+class Channel {
+ public:
+  using OnTelegram = std::function<void(const powercube::Telegram&, powercube::Wire)>;
+
+  Channel(int fd, Speech speech) : fd_(fd), speech_(speech) {}  // owns fd, which must not block
+  ~Channel();
+  Channel(const Channel&) = delete;
+  Channel& operator=(const Channel&) = delete;
+
+  int fd() const { return fd_; }
+  // On a CAN bus everybody hears everything, on a serial line only what is meant for him.
+  bool is_can() const { return speech_ == Speech::kSlcan || speech_ == Speech::kSocketCan; }
+
+  // Takes in what is there. False: the other end is gone.
+  bool read(const OnTelegram& on_telegram);
+  // One write.
+  void send(const powercube::Telegram& telegram);
+
+ private:
+  bool read_bytes(const OnTelegram& on_telegram);
+  bool read_can(const OnTelegram& on_telegram);
+  void decode(const OnTelegram& on_telegram);
+  void decide();
+  void take_serial(const OnTelegram& on_telegram);
+  void take_slcan(const OnTelegram& on_telegram);
+  void obey_adapter(const powercube::SlcanDecoded& decoded, const OnTelegram& on_telegram);
+  void write(const void* data, std::size_t size);
+
+  int fd_;
+  Speech speech_;
+  bool open_ = false;  // slcan: between "O" and "C"
+  bool listens_only_ = false;
+  std::vector<std::uint8_t> received_;  // not decoded yet; shorter than one read and one frame
+};
+
+}  // namespace visum::gateway

@@ -1,0 +1,111 @@
+// A client's end of a bus: a tty or a TCP connection, and a temporary folder for links.
+#pragma once
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <sys/socket.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include "hwparts/powercube/can_codec.h"
+#include "hwparts/powercube/serial_codec.h"
+
+namespace visum::gateway {
+
+class BusLine {
+ public:
+  static BusLine tty(const std::filesystem::path& path) {
+    BusLine line(::open(path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+    termios settings{};
+    EXPECT_EQ(::tcgetattr(line.fd_, &settings), 0) << path;
+    ::cfmakeraw(&settings);
+    EXPECT_EQ(::tcsetattr(line.fd_, TCSANOW, &settings), 0);
+    return line;
+  }
+  // `name`: as the ready line has it, "tcp:40123".
+  static BusLine tcp(const std::string& name) {
+    BusLine line(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(name.substr(4))));
+    EXPECT_EQ(::connect(line.fd_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0) << name;
+    return line;
+  }
+  BusLine(BusLine&& other) noexcept : fd_(std::exchange(other.fd_, -1)), rest_(std::move(other.rest_)) {}
+  ~BusLine() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+
+  void send(const std::string& bytes) {
+    ASSERT_EQ(::write(fd_, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  }
+  void send(const powercube::Telegram& telegram) { send(serial(telegram)); }
+  static std::string serial(const powercube::Telegram& telegram) {
+    const auto wire = powercube::encode_serial(telegram);
+    return {wire.data.begin(), wire.data.begin() + static_cast<std::ptrdiff_t>(wire.size)};
+  }
+  static std::string slcan(const powercube::Telegram& telegram) {
+    const auto wire = powercube::encode_slcan(powercube::to_can(telegram));
+    return {wire.data.begin(), wire.data.begin() + static_cast<std::ptrdiff_t>(wire.size)};
+  }
+
+  // What one read() gives; empty: nothing within `patience_ms`, or the end.
+  std::string read_once(int patience_ms = 10'000) {
+    pollfd set{fd_, POLLIN, 0};
+    if (::poll(&set, 1, patience_ms) <= 0) return {};
+    char bytes[512];
+    const auto count = ::read(fd_, bytes, sizeof bytes);
+    return count > 0 ? std::string(bytes, static_cast<std::size_t>(count)) : std::string();
+  }
+  // Up to and with `end`, which the last byte is.
+  std::string read_to(char end) {
+    for (;;) {
+      const auto at = rest_.find(end);
+      if (at != std::string::npos) {
+        const auto found = rest_.substr(0, at + 1);
+        rest_.erase(0, at + 1);
+        return found;
+      }
+      const auto more = read_once();
+      if (more.empty()) return {};
+      rest_ += more;
+    }
+  }
+  powercube::Telegram ask(const powercube::Telegram& telegram) {
+    send(telegram);
+    const auto bytes = read_to('\x03');
+    const auto decoded =
+        powercube::decode_serial({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+    EXPECT_EQ(decoded.progress, powercube::Progress::kComplete) << bytes.size() << " bytes";
+    return decoded.telegram;
+  }
+  int fd() const { return fd_; }
+
+ private:
+  explicit BusLine(int fd) : fd_(fd) { EXPECT_GE(fd, 0); }
+  int fd_;
+  std::string rest_;
+};
+
+class LinkFolder {
+ public:
+  LinkFolder() {
+    char name[] = "/tmp/visum-bus-XXXXXX";
+    path_ = ::mkdtemp(name);
+  }
+  ~LinkFolder() { std::filesystem::remove_all(path_); }
+  std::string operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace visum::gateway

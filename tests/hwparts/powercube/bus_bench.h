@@ -1,0 +1,82 @@
+// The arm's part in closed loop, with a host on its field bus: requests in, answers out, ticked by hand.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+
+#include "hwparts/drive/state_word.h"
+#include "hwparts/powercube/module_bus.h"
+#include "tests/hwparts/part_bench.h"
+#include "tests/hwparts/rig.h"
+
+namespace visum::test {
+
+namespace bit = drive::state_bit;
+using powercube::Message;
+using powercube::Telegram;
+using powercube::Wire;
+
+template <typename T>
+Message with_value(std::initializer_list<std::uint8_t> head, T value) {
+  Message message(head);
+  powercube::put_value(message, value);
+  return message;
+}
+
+class BusBench : public PartBench {
+ public:
+  // `more`: further keys of the part, "homed: false, modules: {...}".
+  explicit BusBench(const std::string& more = "", double tick_s = 0.001, double angle = 0.0)
+      : PartBench("amtec_arm", arm_context(tick_s, angle, 0.017, more.empty() ? "" : ", " + more)) {}
+
+  // As a client sends it on a serial line; on CAN with the id that fits.
+  std::optional<Message> send(int module, const Message& message, Wire wire = Wire::kSerial) {
+    using Kind = Telegram::Kind;
+    const bool reads = message.command() == powercube::command::kGetParameter;
+    const auto kind = module == 0 ? Kind::kBroadcast : reads ? Kind::kGet : Kind::kSet;
+    const auto answer = part->modules()->obey({kind, static_cast<std::uint8_t>(module), message}, wire);
+    if (!answer) return std::nullopt;
+    EXPECT_EQ(answer->kind, Kind::kAnswer);
+    EXPECT_EQ(answer->module, module);
+    return answer->message;
+  }
+  void broadcast(const Message& message, Wire wire = Wire::kSerial) {
+    EXPECT_EQ(send(0, message, wire), std::nullopt);
+  }
+
+  template <typename T>
+  T get(int module, std::uint8_t parameter) {
+    const auto answer = send(module, {0x0A, parameter});
+    if (!answer || answer->size != 2 + sizeof(T) || answer->data[1] != parameter) {
+      ADD_FAILURE() << "parameter " << int(parameter) << " of module " << module << " is not answered so";
+      return T{};
+    }
+    return powercube::value_at<T>(*answer, 2);
+  }
+  template <typename T>
+  bool set(int module, std::uint8_t parameter, T value) {
+    return send(module, with_value({0x08, parameter}, value)) == Message{0x08, parameter, 0x64};
+  }
+  std::uint32_t word(int module) { return get<std::uint32_t>(module, 0x27); }
+  float position(int module) { return get<float>(module, 0x3C); }
+  bool ramp(int module, float target) {
+    return send(module, with_value({0x0B, 0x04}, target)) == Message{0x0B, 0x04, 0x64};
+  }
+  static Message step(std::uint8_t mode, float target, std::uint16_t ms) {
+    auto message = with_value({0x0B, mode}, target);
+    powercube::put_value(message, ms);
+    return message;
+  }
+  // Ticks until `bits` are all there; false after `seconds`.
+  bool wait_for(int module, std::uint32_t bits, double seconds) {
+    for (double t = 0.0; t < seconds; t += tick_s) {
+      if ((word(module) & bits) == bits) return true;
+      tick();
+    }
+    return false;
+  }
+};
+
+}  // namespace visum::test

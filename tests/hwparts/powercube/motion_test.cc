@@ -1,0 +1,252 @@
+// Motion commands over the bus: each mode, its increment and extended form, and steps with their queue.
+#include <cmath>
+
+#include "tests/hwparts/powercube/bus_bench.h"
+
+namespace visum::test {
+namespace {
+
+struct Form {
+  const char* name;
+  std::uint8_t mode;
+  bool increments, extended;
+};
+
+class Ramps : public testing::TestWithParam<Form> {};
+
+TEST_P(Ramps, ReachTheTarget) {
+  const auto form = GetParam();
+  BusBench bench;
+  const float per_unit = bench.get<float>(2, 0x3B);
+  const auto request =
+      form.increments ? with_value({0x0B, form.mode}, static_cast<std::int32_t>(std::lround(0.4f * per_unit)))
+                      : with_value({0x0B, form.mode}, 0.4f);
+  const auto answer = bench.send(2, request);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->size, form.extended ? 8 : 3);
+  if (form.extended) {
+    EXPECT_EQ(answer->data[6], 0x10);  // MOTION, nothing else
+  }
+  EXPECT_EQ(bench.get<std::uint8_t>(2, 0x3A), form.mode);
+  bench.run(3.0);
+  EXPECT_NEAR(bench.position(2), 0.4, 1e-3);
+  EXPECT_NEAR(bench.get<float>(2, 0x4E), 0.4, 1e-5);
+}
+INSTANTIATE_TEST_SUITE_P(Modes, Ramps,
+                         testing::Values(Form{"Float", 0x04, false, false},
+                                         Form{"FloatExtended", 0x0E, false, true},
+                                         Form{"Increments", 0x09, true, false},
+                                         Form{"IncrementsExtended", 0x13, true, true}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+class Velocities : public testing::TestWithParam<Form> {};
+
+TEST_P(Velocities, RunUntilAnotherCommand) {
+  const auto form = GetParam();
+  BusBench bench;
+  const float per_unit = bench.get<float>(2, 0x3B);
+  const auto run = [&](float speed) {
+    const auto request =
+        form.increments
+            ? with_value({0x0B, form.mode}, static_cast<std::int32_t>(std::lround(speed * per_unit)))
+            : with_value({0x0B, form.mode}, speed);
+    return bench.send(2, request);
+  };
+  ASSERT_EQ(run(-0.2f)->size, form.extended ? 8 : 3);
+  bench.run(1.0);
+  EXPECT_NEAR(bench.get<float>(2, 0x41), -0.2, 0.01);
+  EXPECT_TRUE(bench.word(2) & bit::kRampSteady);
+  run(0.0f);
+  bench.run(1.0);
+  EXPECT_EQ(bench.word(2) & (bit::kMotion | bit::kRampEnd), bit::kRampEnd);
+}
+INSTANTIATE_TEST_SUITE_P(Modes, Velocities,
+                         testing::Values(Form{"Float", 0x07, false, false},
+                                         Form{"FloatExtended", 0x11, false, true},
+                                         Form{"Increments", 0x0C, true, false},
+                                         Form{"IncrementsExtended", 0x16, true, true}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+TEST(PowerCubeMotion, TargetSpeedAndAccelerationShapeTheRamp) {
+  BusBench bench;
+  EXPECT_TRUE(bench.set(1, 0x4F, 0.1f) && bench.set(1, 0x50, 0.5f));
+  bench.ramp(1, 0.4f);
+  double fastest = 0.0;
+  int ticks = 0;
+  while (bench.word(1) & bit::kMotion && ++ticks < 10'000) {
+    bench.tick();
+    fastest = std::max(fastest, static_cast<double>(bench.get<float>(1, 0x42)));
+  }
+  EXPECT_NEAR(fastest, 0.1, 1e-6);
+  EXPECT_NEAR(ticks * 1e-3, 0.4 / 0.1 + 0.1 / 0.5, 0.01);
+}
+
+TEST(PowerCubeMotion, SpeedsAboveTheMaximumAreBroughtDownToIt) {
+  BusBench bench, strict("modules: {above_maximum: refuse}");
+  EXPECT_TRUE(bench.set(1, 0x48, 5.0f));
+  EXPECT_FLOAT_EQ(bench.get<float>(1, 0x48), 0.438f);
+  EXPECT_TRUE(bench.set(1, 0x48, 0.2f));
+  EXPECT_TRUE(bench.set(1, 0x4F, 0.4f));
+  EXPECT_FLOAT_EQ(bench.get<float>(1, 0x4F), 0.2f);
+  EXPECT_FALSE(strict.set(1, 0x48, 5.0f));
+  EXPECT_TRUE(strict.set(1, 0x48, 0.438f));  // the maximum itself, as it was read
+}
+
+TEST(PowerCubeMotion, AStepByItselfArrivesAtRestWhenItIsDue) {
+  BusBench bench;
+  bench.send(1, BusBench::step(0x06, 0.2f, 1000));
+  EXPECT_TRUE(bench.word(1) & bit::kInProgress);
+  bench.run(0.5);
+  EXPECT_NEAR(bench.get<float>(1, 0x3E), 0.1, 2e-3);
+  bench.run(0.499);
+  EXPECT_TRUE(bench.word(1) & bit::kInProgress);
+  bench.run(0.003);
+  EXPECT_FALSE(bench.word(1) & bit::kInProgress);
+  EXPECT_FLOAT_EQ(bench.get<float>(1, 0x3E), 0.2f);
+  EXPECT_EQ(bench.get<float>(1, 0x42), 0.0f);
+}
+
+TEST(PowerCubeMotion, AStepThatAsksTooMuchIsAsFastAsTheLimitsAllow) {
+  for (const std::uint16_t ms : {0, 1, 100}) {
+    BusBench bench;
+    bench.send(1, BusBench::step(0x10, 0.5f, ms));
+    double fastest = 0.0;
+    for (int i = 0; i < 2000; ++i) {
+      bench.tick();
+      fastest = std::max(fastest, static_cast<double>(bench.get<float>(1, 0x42)));
+    }
+    EXPECT_NEAR(fastest, 0.438, 1e-6);
+    EXPECT_NEAR(bench.position(1), 0.5, 1e-3);
+    EXPECT_FALSE(bench.word(1) & bit::kError);
+  }
+}
+
+TEST(PowerCubeMotion, ASecondStepWaitsAndAThirdCutsTheFirstShort) {
+  BusBench bench;
+  bench.send(1, BusBench::step(0x06, 0.05f, 500));
+  EXPECT_EQ(bench.word(1) & (bit::kInProgress | bit::kFullBuffer), bit::kInProgress);
+  bench.send(1, BusBench::step(0x06, 0.3f, 500));
+  EXPECT_TRUE(bench.word(1) & bit::kFullBuffer);
+  bench.send(1, BusBench::step(0x06, 0.1f, 500));
+  EXPECT_TRUE(bench.word(1) & bit::kFullBuffer);
+  bench.run(0.501);
+  EXPECT_EQ(bench.word(1) & (bit::kInProgress | bit::kFullBuffer), bit::kInProgress);
+  bench.run(1.5);
+  EXPECT_NEAR(bench.position(1), 0.1, 1e-3);
+  EXPECT_FALSE(bench.word(1) & bit::kInProgress);
+}
+
+TEST(PowerCubeMotion, AThirdStepMayReplaceTheSecondOrBeRefused) {
+  BusBench replaces("modules: {third_step: replace}");
+  for (const float target : {0.05f, 0.3f, 0.1f}) replaces.send(1, BusBench::step(0x06, target, 500));
+  replaces.run(0.4);
+  EXPECT_LT(replaces.position(1), 0.06f);
+  replaces.run(1.5);
+  EXPECT_NEAR(replaces.position(1), 0.1, 1e-3);
+
+  BusBench strict("modules: {third_step: refuse}");
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(strict.send(1, BusBench::step(0x06, 0.1f, 500))->data[2], 0x64);
+  EXPECT_EQ(strict.send(1, BusBench::step(0x06, 0.1f, 500))->data[2], 0x00);
+}
+
+// A client that streams a sine in steps of 20 ms, each a little longer than its period, as KTH's does.
+TEST(PowerCubeMotion, StreamedStepsFollowThePathWithoutStopping) {
+  BusBench bench;
+  const auto path = [](double t) { return 0.15 * (1.0 - std::cos(1.2 * t)); };
+  double worst = 0.0, slowest = 1.0;
+  for (int k = 0; k < 150; ++k) {
+    const double t = k * 0.02;
+    bench.send(3, BusBench::step(0x10, static_cast<float>(path(t + 0.02)), 22));
+    for (int i = 0; i < 20; ++i) {
+      bench.tick();
+      const double now = t + i * 1e-3;
+      worst = std::max(worst, std::abs(bench.get<float>(3, 0x3E) - path(now - 0.02)));
+      if (now > 1.0 && now < 1.6) slowest = std::min(slowest, static_cast<double>(bench.get<float>(3, 0x42)));
+    }
+  }
+  EXPECT_LT(worst, 0.01);    // no more behind than the queue is long
+  EXPECT_GT(slowest, 0.12);  // the path runs with 0.17 there
+  EXPECT_FALSE(bench.word(3) & bit::kError);
+}
+
+TEST(PowerCubeMotion, CurrentGripsAndShowsWhenItStands) {
+  BusBench bench;
+  bench.plants[7].lower = bench.plants[8].lower = 0.010;  // a thing of 20 mm between the fingers
+  EXPECT_EQ(bench.send(8, with_value({0x0B, 0x08}, -1.0f)), (Message{0x0B, 0x08, 0x64}));
+  EXPECT_TRUE(bench.word(8) & bit::kMotion);
+  ASSERT_TRUE(bench.wait_for(8, bit::kRampEnd, 5.0));
+  EXPECT_NEAR(bench.position(8), 0.020, 1e-3);
+  EXPECT_NEAR(bench.get<float>(8, 0x4D), -1.0, 1e-3);
+  EXPECT_FALSE(bench.word(8) & bit::kError);
+  bench.send(8, with_value({0x0B, 0x08}, 1.0f));  // positive opens
+  bench.run(0.1);
+  EXPECT_GT(bench.position(8), 0.022f);
+  bench.ramp(8, 0.03f);  // and back under position control
+  bench.run(2.0);
+  EXPECT_NEAR(bench.position(8), 0.03, 1e-3);
+}
+
+TEST(PowerCubeMotion, CurrentIsLimitedToNominalUnlessAllOfItIsAllowed) {
+  BusBench bench;
+  bench.plants[0].lower = bench.plants[0].upper = 0.0;
+  bench.send(1, with_value({0x0B, 0x08}, 20.0f));
+  bench.run(0.1);
+  EXPECT_NEAR(bench.get<float>(1, 0x4D), 5.7, 1e-3);
+  EXPECT_TRUE(bench.word(1) & bit::kCurLimit);
+  bench.send(1, {0x00});
+  EXPECT_FALSE(bench.word(1) & bit::kCurLimit);
+  EXPECT_TRUE(bench.set<std::uint32_t>(1, 0x39, 0x00080108));
+  bench.send(1, with_value({0x0B, 0x08}, 20.0f));
+  bench.run(0.1);
+  EXPECT_NEAR(bench.get<float>(1, 0x4D), 9.5, 1e-3);
+}
+
+TEST(PowerCubeMotion, CurrentInDigitsComesWithSixteenBitsOrThirtyTwo) {
+  BusBench bench;
+  bench.plants[0].lower = bench.plants[0].upper = 0.0;
+  bench.send(1, with_value({0x0B, 0x0D}, static_cast<std::int16_t>(-100)));
+  bench.run(0.05);
+  EXPECT_NEAR(bench.get<float>(1, 0x4D), -1.9, 1e-3);
+  EXPECT_EQ(bench.send(1, with_value({0x0B, 0x17}, static_cast<std::int32_t>(200)))->size, 8);
+  bench.run(0.05);
+  EXPECT_NEAR(bench.get<float>(1, 0x4D), 3.8, 1e-3);
+  EXPECT_EQ(bench.get<std::int16_t>(1, 0x35), 200);
+}
+
+TEST(PowerCubeMotion, OverloadTripsTheI2tMonitor) {
+  BusBench bench;
+  bench.plants[0].lower = bench.plants[0].upper = 0.0;
+  bench.set<std::uint32_t>(1, 0x39, 0x00080108);
+  bench.send(1, with_value({0x0B, 0x08}, 9.5f));
+  EXPECT_FALSE(bench.wait_for(1, bit::kIntegralErr, 19.5));
+  EXPECT_TRUE(bench.wait_for(1, bit::kIntegralErr | bit::kPowerFault | bit::kError, 1.0));
+  EXPECT_TRUE(bench.wait_for(1, bit::kBrakeActive, 1.0));
+}
+
+TEST(PowerCubeMotion, BadValuesAndLengthsMoveNothing) {
+  BusBench bench;
+  const auto before = bench.save();
+  const float nan = std::nanf(""), infinite = INFINITY;
+  for (const auto mode : {0x04, 0x07, 0x08, 0x0E, 0x11, 0x12})
+    for (const float bad : {nan, infinite, -infinite})
+      bench.send(1, with_value({0x0B, static_cast<std::uint8_t>(mode)}, bad));
+  bench.send(1, BusBench::step(0x06, nan, 100));
+  for (const auto mode : {0x00, 0x05, 0x18, 0x19, 0xFF})
+    EXPECT_EQ(bench.send(1, with_value({0x0B, static_cast<std::uint8_t>(mode)}, 1.0f)), std::nullopt);
+  for (const Message& cut : {Message{0x0B}, Message{0x0B, 0x04}, Message{0x0B, 0x04, 0x00}, Message{0x0A}})
+    EXPECT_EQ(bench.send(1, cut), std::nullopt);
+  bench.set(1, 0x48, nan);
+  bench.set(1, 0x45, infinite);
+  EXPECT_EQ(bench.save(), before);
+}
+
+TEST(PowerCubeMotion, AnUnhomedModuleLooksLikeAnErrorInTheShortState) {
+  BusBench bench("homed: false");
+  const auto answer = bench.send(1, {0x0A, 0x62});
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->size, 8);
+  EXPECT_EQ(answer->data[6], 0x21);  // NOT_OK, RAMP_END
+}
+
+}  // namespace
+}  // namespace visum::test
