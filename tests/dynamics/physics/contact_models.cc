@@ -16,7 +16,7 @@ world::WorldModel stack(const world::EngineSetting& engine, double tick_s, int c
   builder.add_ground();
   for (int i = 0; i < count; ++i)
     builder.add_box("box_" + std::to_string(i), Eigen::Vector3d::Constant(kEdge),
-                    i == count - 1 ? top_mass_kg : 1.0, at(0.0, 0.0, kEdge * (i + 0.5)));
+                    i == count - 1 ? top_mass_kg : 1.0, at(0.0, 0.0, kEdge * (i + 0.5) - kTouch * (i + 1)));
   return builder.model;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tests/dynamics/physics/case.h"
+#include "tests/dynamics/physics/contact_models.h"
 
 namespace visum::physics {
 namespace {
@@ -27,7 +28,8 @@ struct Grasp {
     ModelBuilder b(engine);
     b.model.tick_ns = std::llround(1e9 * tick_s);
     const auto surface = b.add_surface(friction, 0.0);
-    const double half = 0.5 * (kEdge * count + kEdge);
+    constexpr double kPitch = kEdge - kTouch;
+    const double half = 0.5 * kPitch * (count + 1);
     const auto jaw = [&](const std::string& side, double x) {
       const auto id = b.add_box("jaw_" + side, {kEdge, kTall, kTall}, 1.0, at(x, 0, 1), surface);
       b.add_joint("slide_" + side, world::JointKind::kSlider, {}, id, {x, 0, 1}, Vector3d::UnitX());
@@ -36,7 +38,7 @@ struct Grasp {
     jaw("right", half);
     for (int i = 0; i < count; ++i)
       b.add_box("block_" + std::to_string(i), Vector3d::Constant(kEdge), 1.0,
-                at(kEdge * (i - 0.5 * (count - 1)), 0, 1), surface);
+                at(kPitch * (i - 0.5 * (count - 1)), 0, 1), surface);
     return b.model;
   }
 
