@@ -298,7 +298,7 @@ class Ends(Scenario):
 
     def test_a_fixed_port(self):
         port = free_port_that_nobody_is_given()
-        text = "until: {at_s: 0.02}\ncontrollers: [{name: c, joins: false, command: [echo, '{connect}']}]\n"
+        text = "controllers: [{name: c, joins: false, command: [echo, '{connect}']}]\n"
         done = visum("run", self.write(text), "--port", port)
         self.assertIn(f"c | 127.0.0.1:{port}", done.stderr)
 
