@@ -1,7 +1,7 @@
 // Engines behind our seam, by the name of their row.
 #pragma once
 
-#include "tests/bench/stepper.h"
+#include "tests/bench/peers/stepper.h"
 
 namespace visum::bench {
 

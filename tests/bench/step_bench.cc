@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "tests/bench/stepper.h"
+#include "tests/bench/stepper_kinds.h"
 #include "tests/dynamics/physics/contact_models.h"
 #include "tests/dynamics/physics/engine_rows.h"
 #include "tests/dynamics/physics/loop_models.h"

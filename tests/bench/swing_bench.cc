@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "tests/bench/stepper.h"
+#include "tests/bench/stepper_kinds.h"
 #include "tests/dynamics/physics/engine_rows.h"
 #include "tests/dynamics/physics/measures.h"
 #include "tests/dynamics/physics/serial_models.h"

@@ -1,6 +1,10 @@
 # The other engines that this machine has (peers.txt), each from one file. Their headers are not ours: no warnings
 # from them.
 
+add_library(bench_stepper STATIC peers/stepper.cc)
+target_link_libraries(bench_stepper PUBLIC visum_world)
+target_link_libraries(visum-bench PRIVATE bench_stepper)
+
 # visum_peer(NAME FOUND SOURCES... LINK targets or flags...)
 function(visum_peer name found)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;INCLUDES;OPTIONS" ${ARGN})
@@ -13,7 +17,7 @@ function(visum_peer name found)
   target_include_directories(bench_${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_include_directories(bench_${name} SYSTEM PRIVATE ${ARG_INCLUDES})
   target_compile_options(bench_${name} PRIVATE -Wall -Wextra -Werror -Wno-missing-field-initializers ${ARG_OPTIONS})
-  target_link_libraries(bench_${name} PUBLIC visum_world PRIVATE ${ARG_LINK})
+  target_link_libraries(bench_${name} PUBLIC bench_stepper PRIVATE ${ARG_LINK})
   target_link_libraries(visum-bench PRIVATE bench_${name})
   target_compile_definitions(visum-bench PRIVATE VISUM_PEER_${upper})
 endfunction()

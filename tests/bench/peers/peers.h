@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "tests/bench/stepper.h"
+#include "tests/bench/peers/stepper.h"
 
 namespace visum::bench {
 

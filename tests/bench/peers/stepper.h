@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "server/world/world_model.h"
 #include "server/world/world_state.h"
@@ -23,9 +22,6 @@ struct StepperKind {
   bool (*takes)(const world::WorldModel& model);
   std::unique_ptr<Stepper> (*make)(const world::WorldModel& model, const std::string& name);
 };
-
-// Ours, then the other engines that this build has found, in the order of the table in stepper_kinds.cc.
-const std::vector<StepperKind>& stepper_kinds();
 
 // What other engines can be given of our models.
 bool is_open_chain(const world::WorldModel& model);  // hinges only, no loop, no shape
