@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::array kKinds{
     EngineKind{"impulse",
-               "joints held by impulses that look ahead; solver: direct or iterate, order: 2, 4 or 6",
+               "joints held by impulses that look ahead; order: 2, 4 or 6, impact: newton or poisson",
                make_impulse_engine},
     EngineKind{"ode", "Open Dynamics Engine; step: world (direct) or quick (iterative, for many bodies)",
                make_ode_engine},

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <stdexcept>
 
 #include "server/dynamics/engine_factories.h"
 #include "server/dynamics/impulse/composition.h"
@@ -19,7 +20,11 @@ constexpr int kMostHalvings = 6;
 class ImpulseEngine : public Engine {
  public:
   ImpulseEngine(const world::WorldModel& model, std::int32_t engine_index)
-      : index_(static_cast<std::size_t>(engine_index)), plant_(model, engine_index), stepper_(plant_) {}
+      : index_(static_cast<std::size_t>(engine_index)), plant_(model, engine_index), stepper_(plant_) {
+    if (plant_.setting.solver != "direct")
+      throw std::runtime_error("engine 'impulse' has no solver '" + plant_.setting.solver +
+                               "', only 'direct'");
+  }
 
   StepResult step(const StepInput& input, world::WorldState& state) override {
     if (std::string fault = find_input_fault(plant_.model, input, state); !fault.empty())

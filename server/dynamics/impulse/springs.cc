@@ -45,15 +45,16 @@ void push_by_springs(Plant& plant, const world::WorldState& state) {
     measure(spring, bodies, state);
     spring.total += 2.0 * impulse;
     if (impulse == 0.0) continue;
-    const auto& [w, v, pa, pb] = spring.pull;
+    const Pull& pull = spring.pull;
     const auto push = [&](int number, double sign, const Vector3d& p) {
       if (number < 0) return;
       const auto i = static_cast<std::size_t>(number);
-      bodies.v[i] += sign * impulse * bodies.constants[i].inverse_mass * v;
-      bodies.w[i] += sign * impulse * (bodies.inverse_inertia[i] * (w + (p - bodies.x[i]).cross(v)));
+      bodies.v[i] += sign * impulse * bodies.constants[i].inverse_mass * pull.v;
+      bodies.w[i] +=
+          sign * impulse * (bodies.inverse_inertia[i] * (pull.w + (p - bodies.x[i]).cross(pull.v)));
     };
-    push(spring.spec.a, -1.0, pa);
-    push(spring.spec.b, 1.0, pb);
+    push(spring.spec.a, -1.0, pull.pa);
+    push(spring.spec.b, 1.0, pull.pb);
   }
 }
 

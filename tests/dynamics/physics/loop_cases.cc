@@ -79,7 +79,8 @@ std::vector<Case> loop_cases() {
        "FortyFourBarsTurn",
        "IFToMM A02, forty loops; closed form: E constant, gap 0",
        {{"energy_j", 3e-3}, {"gap_m", 1e-10}},
-       turn_forty_four_bars},
+       turn_forty_four_bars,
+       true},
       {"L2",
        "AndrewsMechanismSqueezes",
        "test set for IVP solvers, Andrews' squeezing mechanism; F integrated by DOP853 at 1e-12, steps of "

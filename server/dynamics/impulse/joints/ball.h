@@ -3,7 +3,7 @@
 //   free    w, all three directions
 // Its impulse F alone solves (K_A + K_B) F = delta/h, K = E/m - r~ J^-1 r~ (r~ the matrix of r x): the
 // paper's formulas for the correcting impulse, with the two signs that slipped in print put right. Symbols:
-// joint_spec.h.
+// joint.h.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

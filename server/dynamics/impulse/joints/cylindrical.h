@@ -2,7 +2,7 @@
 //   place   t_i . (P_A - P) = 0 across a   t_i . v = 0
 //   axis    b x a = 0                      t_i . w = 0
 //   free    w = q1' a,  v = q2' a
-// Symbols: joint_spec.h. Source: Featherstone, table 4.1.
+// Symbols: joint.h. Source: Featherstone, table 4.1.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

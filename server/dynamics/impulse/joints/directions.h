@@ -1,9 +1,9 @@
-// Pieces that the kinds of joint share. Symbols: joint_spec.h.
+// Pieces that the kinds of joint share. Symbols: joint.h.
 #pragma once
 
 #include <cmath>
 
-#include "server/dynamics/impulse/joint_spec.h"
+#include "server/dynamics/impulse/joints/joint.h"
 
 namespace visum::dynamics::impulse {
 

@@ -1,7 +1,7 @@
 // Fixed: B keeps its place and its orientation in A. Six rows: T3 + R3.
 //   place         P_A - P = 0                                   v = 0
 //   orientation   rotation vector of R_A J_A (R_B J_B)^T = 0    w = 0
-// Symbols: joint_spec.h. Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 4.1; the paper's
+// Symbols: joint.h. Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 4.1; the paper's
 // joint of spherical pairs taken to rows of full rank.
 #pragma once
 

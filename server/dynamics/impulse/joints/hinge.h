@@ -3,7 +3,7 @@
 //   axis    b x a = 0 (b the axis in B)    t_i . w = 0 for the two directions t_i across a
 //   free    w = q' a,  angle q
 // The paper (section 5) makes a revolute joint of two spherical ones: six rows of rank five, which
-// Gauss-Seidel can take and a direct solution cannot. Symbols: joint_spec.h. Source: Featherstone, table 4.1.
+// Gauss-Seidel can take and a direct solution cannot. Symbols: joint.h. Source: Featherstone, table 4.1.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

@@ -2,7 +2,7 @@
 //   place         t_i . (P_A - P) = 0 across a                  t_i . v = 0
 //   orientation   rotation vector of R_A J_A (R_B J_B)^T = 0    w = 0
 //   free          v = q' a,  distance q = a . (P - P_A)
-// v is taken at P on both bodies: A's lever is P - x_A, which grows with q. Symbols: joint_spec.h.
+// v is taken at P on both bodies: A's lever is P - x_A, which grows with q. Symbols: joint.h.
 // Source: Featherstone, table 4.1.
 #pragma once
 
