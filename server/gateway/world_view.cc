@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "server/world/joint_kinds.h"
+
 namespace visum::gateway {
 namespace {
 
@@ -21,18 +23,6 @@ const char* kind_name(world::ShapeKind kind) {
       return "convex";
     case world::ShapeKind::kMesh:
       return "mesh";
-  }
-  return "";
-}
-
-const char* kind_name(world::JointKind kind) {
-  switch (kind) {
-    case world::JointKind::kFixed:
-      return "fixed";
-    case world::JointKind::kHinge:
-      return "hinge";
-    case world::JointKind::kSlider:
-      return "slider";
   }
   return "";
 }
@@ -86,7 +76,7 @@ protocol::JointDescription describe(const world::Joint& joint, world::JointId id
   const auto& bodies = scene.world.bodies;
   protocol::JointDescription description;
   description.name = joint.name;
-  description.type = kind_name(joint.kind);
+  description.type = world::info(joint.kind).name;
   if (joint.parent.valid()) description.parent = bodies[joint.parent.index()].name;
   description.child = bodies[joint.child.index()].name;
   description.lower = joint.limited ? joint.lower : 0.0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/scene/mesh_readers.h"
+#include "server/world/joint_kinds.h"
 
 namespace visum::scene {
 namespace {
@@ -136,7 +137,8 @@ void Draft::add_joint(const world::Joint& joint, const config::Place& place) {
   probe.joints.push_back(copied_joint(scene.world, joint, probe));
   refuse_fault(probe, place);
   scene.world.joints.push_back(joint);
-  if (joint.parent.valid()) forbid_collision(joint.parent, joint.child);
+  if (joint.parent.valid() && world::info(joint.kind).holds_anything)
+    forbid_collision(joint.parent, joint.child);
 }
 
 void Draft::forbid_collision(world::BodyId a, world::BodyId b) {

@@ -57,6 +57,12 @@ const std::vector<ThirdParty> kThirdParties = {
     {"gtest/", {"tests"}},
     {"gmock/", {"tests"}},
     {"benchmark/", {"tests"}},
+    {"BulletDynamics/", {"tests/bench/peers"}},
+    {"btBulletDynamicsCommon.h", {"tests/bench/peers"}},
+    {"dart/", {"tests/bench/peers"}},
+    {"kdl/", {"tests/bench/peers"}},
+    {"mujoco/", {"tests/bench/peers"}},
+    {"Simbody.h", {"tests/bench/peers"}},
     {"sanitizer/", {"tests"}},
     {"visum/visum.h", {"tests/install/outside"}},  // ours, as installed
 };

@@ -58,6 +58,11 @@ BENCHMARK_CAPTURE(controlled, ode, std::string("ode"))
     ->Unit(benchmark::kMicrosecond)
     ->MinTime(3.0)
     ->UseRealTime();
+BENCHMARK_CAPTURE(controlled, impulse, std::string("impulse"))
+    ->Name("Lockstep/arm/impulse")
+    ->Unit(benchmark::kMicrosecond)
+    ->MinTime(3.0)
+    ->UseRealTime();
 
 }  // namespace
 }  // namespace visum::bench
