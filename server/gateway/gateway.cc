@@ -129,7 +129,10 @@ void Gateway::note_due() {
 }
 
 void Gateway::follow_eras(const Published& now) {
-  if (!now.fault.empty() && !frozen_) broadcast({"frozen", now.fault, {}, now.era, now.tick});
+  if (!now.fault.empty() && !frozen_) {
+    ++freezes_;
+    broadcast({"frozen", now.fault, {}, now.era, now.tick});
+  }
   frozen_ = !now.fault.empty();
   if (now.era == era_) return;
   era_ = now.era;
@@ -168,6 +171,7 @@ void Gateway::tell_notices() {
                  "'" + leases_.of(notice.part).owner + "' missed the deadline that it asked for", name, era_,
                  notice.tick});
       leases_.free(notice.part);
+      ++lease_losses_;
     }
   }
 }
@@ -180,6 +184,7 @@ void Gateway::lose_lease(std::uint32_t part, const std::string& why) {
   input->epoch = leases_.of(part).epoch;
   mailbox_.send(input);
   leases_.free(part);
+  ++lease_losses_;
   broadcast({"lease_lost", why, world_.parts[part]->description().name, era_, now_->tick});
 }
 
