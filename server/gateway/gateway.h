@@ -137,6 +137,7 @@ class Gateway : public protocol::SessionHandler {
   void handle(const Call& call, const protocol::SubscribeWorld& request);
   void handle(const Call& call, const protocol::UnsubscribeWorld&);
   void handle(const Call& call, const protocol::ReadMesh& request);
+  void handle(const Call& call, const protocol::ReadTexture& request);
   void handle(const Call& call, const protocol::PushBody& request);
   void handle(const Call& call, const protocol::AddBody& request);
   void handle(const Call& call, const protocol::RemoveBody& request);

@@ -1,6 +1,6 @@
 // The world as visumd tells of it: its description, and its latest sample.
 import type { Link } from "../link/link";
-import type { MeshData, WorldDescription, WorldSample } from "../link/messages";
+import type { MeshData, TextureData, WorldDescription, WorldSample } from "../link/messages";
 import { Playhead } from "./playhead";
 import { PoseBuffer } from "./poses";
 import { Emitter, Signal } from "./signal";
@@ -47,6 +47,10 @@ export class World {
 
   mesh(index: number): Promise<MeshData> {
     return this.link.request({ case: "readMesh", value: { mesh: index } }, "mesh");
+  }
+
+  texture(index: number): Promise<TextureData> {
+    return this.link.request({ case: "readTexture", value: { texture: index } }, "texture");
   }
 
   // The poses to draw at wall time `now`; false: none yet.

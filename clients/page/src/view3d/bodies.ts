@@ -1,7 +1,8 @@
 // The bodies of the world as objects to draw: one group per body, moved as a whole; one mesh per shape.
-import { Color, GridHelper, Group, Mesh, MeshStandardMaterial, SRGBColorSpace, type Object3D } from "three";
+import { Color, GridHelper, Group, Mesh, type MeshStandardMaterial, type Object3D } from "three";
 import type { BodyDescription, MeshData, ShapeDescription, WorldDescription } from "../link/messages";
 import type { World } from "../model/world";
+import { Materials } from "./materials";
 import { geometryOf } from "./shapes";
 
 const kSelected = new Color(0x2f7dd1);
@@ -17,13 +18,16 @@ export class Bodies {
   shapes: ShapeObject[][] = [];
   private selected = -1;
   private generation = 0;
+  private readonly materials: Materials;
 
-  constructor(private readonly world: World) {}
+  constructor(private readonly world: World) {
+    this.materials = new Materials((texture) => world.texture(texture));
+  }
 
   // Replaces all by what is described. Resolves when meshes are there, too.
   async build(description: WorldDescription): Promise<void> {
     const generation = ++this.generation;
-    const meshes = await this.fetchMeshes(description);
+    const [meshes] = await Promise.all([this.fetchMeshes(description), this.materials.load(description)]);
     if (generation !== this.generation) return;
     this.dispose();
     for (const [index, body] of description.bodies.entries()) this.addBody(index, body, meshes);
@@ -58,7 +62,7 @@ export class Bodies {
     const group = new Group();
     group.name = body.name;
     group.userData.body = index;
-    const objects = body.shapes.map((shape) => shapeObject(shape, meshes.get(shape.mesh) ?? null));
+    const objects = body.shapes.map((shape) => shapeObject(shape, meshes.get(shape.mesh) ?? null, this.materials));
     for (const { mesh } of objects) group.add(mesh);
     this.groups.push(group);
     this.shapes.push(objects);
@@ -99,8 +103,8 @@ export function isDrawn(shape: ShapeDescription): boolean {
   return (shape.color[3] ?? 1) > 0;
 }
 
-function shapeObject(shape: ShapeDescription, data: MeshData | null): ShapeObject {
-  const mesh = new Mesh(geometryOf(shape, data), materialOf(shape));
+function shapeObject(shape: ShapeDescription, data: MeshData | null, materials: Materials): ShapeObject {
+  const mesh = new Mesh(geometryOf(shape, data), materials.of(shape));
   const [x = 0, y = 0, z = 0, qw = 1, qx = 0, qy = 0, qz = 0] = shape.pose;
   mesh.position.set(x, y, z);
   mesh.quaternion.set(qx, qy, qz, qw);
@@ -109,17 +113,6 @@ function shapeObject(shape: ShapeDescription, data: MeshData | null): ShapeObjec
   mesh.castShadow = shape.kind !== "plane";
   if (shape.kind === "plane") mesh.add(grid());
   return { mesh, shape };
-}
-
-function materialOf(shape: ShapeDescription): MeshStandardMaterial {
-  const [r = 0.7, g = 0.7, b = 0.7, a = 1] = shape.color;
-  return new MeshStandardMaterial({
-    color: new Color().setRGB(r, g, b, SRGBColorSpace),
-    opacity: a > 0 ? a : 1, // invisible ones are seen as collision shapes only
-    transparent: a > 0 && a < 1,
-    roughness: 0.62,
-    metalness: 0.05,
-  });
 }
 
 // Lines a metre apart give a floor its scale.
