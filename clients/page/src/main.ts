@@ -1,9 +1,12 @@
 // The page put together.
+import "uplot/dist/uPlot.min.css";
 import "../styles/base.css";
 import "../styles/layout.css";
 import "../styles/bar.css";
 import "../styles/tree.css";
 import "../styles/view.css";
+import "../styles/panel.css";
+import "../styles/plots.css";
 import { makeApi } from "./api";
 import { connectionBadge, lostBanner, realityBadge } from "./bar/connection";
 import { TimeControls } from "./bar/time_controls";
@@ -11,10 +14,15 @@ import { Link } from "./link/link";
 import { Clock } from "./model/clock";
 import { Parts } from "./model/parts";
 import { World } from "./model/world";
+import { PanelPane } from "./panels/pane";
+import { PlotPane } from "./plots/pane";
 import { Tree } from "./tree/tree";
 import { h, setText } from "./ui/dom";
 import { Layout } from "./ui/layout";
 import { reportError } from "./ui/toasts";
+import { Overlays } from "./view3d/overlays";
+import { Selection } from "./view3d/selection";
+import { viewToolbar } from "./view3d/toolbar";
 import { Viewer } from "./view3d/viewer";
 
 const url = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/session`;
@@ -27,11 +35,27 @@ const layout = new Layout();
 document.getElementById("app")!.replaceWith(layout.root);
 const viewer = new Viewer(layout.view, world);
 const time = new TimeControls(link, clock);
-const tree = new Tree(link, parts, { plot: () => undefined });
+const plots = new PlotPane(layout.panes.plots, parts);
+new PanelPane(layout.panes.panel, parts, world);
+const tree = new Tree(link, parts, {
+  plot(ports) {
+    layout.reveal("plots");
+    plots.plot(ports);
+  },
+});
 const scene = h("span", { class: "scene" });
 layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element, layout.toggles, connectionBadge(link));
 layout.panes.parts.append(tree.element);
-layout.view.append(lostBanner(link));
+const overlays = new Overlays(viewer, world, layout.view);
+new Selection(viewer, world, parts, link, layout.view);
+const notShown = h("p", { class: "not-shown", hidden: true });
+layout.view.append(viewToolbar(viewer, world, overlays, layout.view), notShown, lostBanner(link));
+world.description.watch((description) => {
+  const losses = description?.losses ?? [];
+  notShown.hidden = losses.length === 0;
+  notShown.title = losses.join("\n");
+  setText(notShown, `Not shown or simulated: ${losses.length === 1 ? losses[0] : `${losses.length} things of the models`}`);
+});
 window.visum = makeApi(parts, world, viewer);
 
 // Live means: connected, and a picture of this connection's data drawn.
