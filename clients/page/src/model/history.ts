@@ -101,7 +101,7 @@ export class History {
     for (let n = begin; n < end; ++n) {
       const slot = n % this.capacity;
       series.times.push(this.times[slot]!);
-      channels.forEach((channel, i) => series.values[i]!.push(this.channels[channel]!.values[slot]!));
+      channels.forEach((channel, i) => series.values[i]!.push(known(this.channels[channel]!.values[slot])));
     }
     return series;
   }
@@ -118,7 +118,7 @@ export class History {
     return series;
   }
 
-  private range(channel: number, from: number, to: number): [number, number] {
+  private range(channel: number, from: number, to: number): [number | null, number | null] {
     const { values, low, high } = this.channels[channel]!;
     let least = Infinity;
     let greatest = -Infinity;
@@ -126,10 +126,17 @@ export class History {
       const slot = n % this.capacity;
       const whole = slot % kBlock === 0 && n + kBlock <= to;
       const block = slot / kBlock;
-      least = Math.min(least, whole ? low[block]! : values[slot]!);
-      greatest = Math.max(greatest, whole ? high[block]! : values[slot]!);
+      const a = whole ? low[block]! : values[slot]!;
+      const b = whole ? high[block]! : values[slot]!;
+      if (a < least) least = a; // not of NaN, which stands for a time when the port was not recorded
+      if (b > greatest) greatest = b;
       n += whole ? kBlock : 1;
     }
-    return [least, greatest];
+    return least <= greatest ? [least, greatest] : [null, null];
   }
+}
+
+// What was not recorded is nothing, and no number.
+function known(value: number | undefined): number | null {
+  return value === undefined || Number.isNaN(value) ? null : value;
 }

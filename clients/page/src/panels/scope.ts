@@ -52,7 +52,7 @@ function traceOf(port: Port, from: number, to: number, width: number): { times: 
   const channel = port.part.channel(port);
   if (!history || channel < 0) return { times: [], values: [] };
   const series = history.window(from, to, width, [channel]);
-  return { times: series.times, values: series.values[0] as number[] };
+  return { times: series.times, values: series.values[0]!.map((value) => value ?? NaN) };
 }
 
 function rangeOf(values: number[]): Range | null {

@@ -13,6 +13,13 @@ import { drawPhase } from "./phase";
 
 const kWindows = [5, 10, 30, 60, 120, 300];
 
+// Some air above and below; a value that stands still is drawn as a line in the middle, not as noise.
+function valueRange(_: uPlot, low: number | null, high: number | null): uPlot.Range.MinMax {
+  if (low === null || high === null) return [0, 1];
+  const margin = Math.max(0.08 * (high - low), 1e-3 * Math.max(Math.abs(low), Math.abs(high)), 1e-6);
+  return [low - margin, high + margin];
+}
+
 export class Plot {
   readonly element: HTMLElement;
   private readonly place = h("div", { class: "plot-place" });
@@ -59,10 +66,8 @@ export class Plot {
     const to = this.zoom?.to ?? now;
     const data = this.window(from, to);
     if (!this.phaseCanvas.hidden) return drawPhase(this.phaseCanvas, this.ports, data);
-    this.plot?.batch(() => {
-      this.plot!.setData(data as uPlot.AlignedData, false);
-      this.plot!.setScale("x", { min: from, max: to });
-    });
+    this.plot?.setData(data as uPlot.AlignedData, false);
+    this.plot?.setScale("x", { min: from, max: to });
   }
 
   private window(from: number, to: number): Aligned {
@@ -97,7 +102,7 @@ export class Plot {
       ...this.size(),
       cursor: { drag: { x: true, y: false, setScale: false }, points: { size: 6 } },
       legend: { live: true },
-      scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit || "1", {}])) },
+      scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit || "1", { range: valueRange }])) },
       axes: [{ ...axis, size: 26 }, ...units.slice(0, 2).map((unit, i) => ({ ...axis, scale: unit || "1", side: (i === 0 ? 3 : 1) as uPlot.Axis.Side, size: 52, label: unit, labelSize: 14, labelFont: "11px sans-serif", grid: { ...axis.grid, show: i === 0 } }))],
       series: [{ label: "t", value: (_, value) => (value === null ? "–" : `${value.toFixed(3)} s`) },
         ...ports.map((port, i) => ({ label: port.description.name, scale: port.description.unit || "1", stroke: traceColor(i), dash: traceDash(i), width: 1.5, spanGaps: true, points: { show: false },

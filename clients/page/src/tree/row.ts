@@ -17,7 +17,7 @@ export class PortRow {
   visible = false; // on the screen: the tree's observer says so
   private readonly value = h("span", { class: "value" });
   private readonly bar = h("span", { class: "range-fill" });
-  private readonly spark = new Sparkline();
+  private readonly spark: Sparkline;
   private readonly editorPlace = h("div", { class: "editor-place" });
   private readonly hold: HTMLButtonElement | null;
   private editor: Editor | null = null;
@@ -26,6 +26,7 @@ export class PortRow {
   constructor(readonly port: Port, label: string, actions: RowActions) {
     const { name, unit, minimum, maximum } = port.description;
     const isInput = port.side === "input";
+    this.spark = new Sparkline(Math.min(maximum - minimum, 10) / 1000);
     this.hold = isInput ? iconButton(icons.pin, `Hold ${name}`, () => this.toggleHold(), { "aria-pressed": "false" }) : null;
     this.element = h(
       "div",

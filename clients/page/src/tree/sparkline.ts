@@ -9,7 +9,8 @@ export class Sparkline {
   private readonly values: number[] = [];
   private drawn = "";
 
-  constructor() {
+  // `least`: a change smaller than this is noise, and not blown up.
+  constructor(private readonly least: number) {
     this.canvas.className = "spark";
     this.canvas.width = 2 * kWidth;
     this.canvas.height = 2 * kHeight;
@@ -23,9 +24,10 @@ export class Sparkline {
 
   draw(): void {
     const known = this.values.filter((value) => !Number.isNaN(value));
-    const low = Math.min(...known);
-    const high = Math.max(...known);
-    const still = known.length < 2 || low === high;
+    const middle = (Math.min(...known) + Math.max(...known)) / 2;
+    const reach = Math.max(Math.max(...known) - middle, this.least / 2);
+    const [low, high] = [middle - reach, middle + reach];
+    const still = known.length < 2 || !(reach > 0);
     const key = still ? "still" : `${low} ${high} ${known.at(-1)} ${known[0]} ${known.length}`;
     if (key === this.drawn) return;
     this.drawn = key;
