@@ -64,12 +64,12 @@ const std::vector<ThirdParty> kThirdParties = {
 const std::vector<std::string> kSystemFolders = {"sys/",   "netinet/", "arpa/", "net/",
                                                  "linux/", "asm/",     "bits/"};
 const std::vector<std::string> kSystemHeaders = {
-    "assert.h", "cxxabi.h",    "dirent.h",    "dlfcn.h",    "errno.h",   "execinfo.h", "fcntl.h",
-    "fenv.h",   "getopt.h",    "glob.h",      "grp.h",      "limits.h",  "link.h",     "locale.h",
-    "malloc.h", "math.h",      "netdb.h",     "poll.h",     "pthread.h", "pty.h",      "pwd.h",
-    "sched.h",  "semaphore.h", "signal.h",    "spawn.h",    "stdint.h",  "stdio.h",    "stdlib.h",
-    "string.h", "sysexits.h",  "syslog.h",    "termios.h",  "time.h",    "ucontext.h", "unistd.h",
-    "utmp.h",   "xmmintrin.h", "pmmintrin.h", "immintrin.h"};
+    "assert.h", "cxxabi.h",    "dirent.h",    "dlfcn.h",     "errno.h",    "execinfo.h", "fcntl.h",
+    "fenv.h",   "getopt.h",    "glob.h",      "grp.h",       "limits.h",   "link.h",     "locale.h",
+    "malloc.h", "math.h",      "netdb.h",     "poll.h",      "pthread.h",  "pty.h",      "pwd.h",
+    "sched.h",  "semaphore.h", "signal.h",    "spawn.h",     "stdbool.h",  "stdint.h",   "stdio.h",
+    "stdlib.h", "string.h",    "sysexits.h",  "syslog.h",    "termios.h",  "time.h",     "ucontext.h",
+    "unistd.h", "utmp.h",      "xmmintrin.h", "pmmintrin.h", "immintrin.h"};
 
 const std::vector<std::string> kTopLevel = {
     "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "clients", "docker",
@@ -95,8 +95,8 @@ const std::vector<std::string> kUnfinishedWords = {
     "HA"
     "CK"};
 
-const std::array<std::string_view, 11> kCodeExtensions = {".h",   ".cc",   ".py",    ".sh",    ".js", ".ts",
-                                                          ".css", ".html", ".cmake", ".proto", ".in"};
+const std::array<std::string_view, 12> kCodeExtensions = {".h",  ".c",   ".cc",   ".py",    ".sh",    ".js",
+                                                          ".ts", ".css", ".html", ".cmake", ".proto", ".in"};
 
 bool any_prefix(const std::vector<std::string>& prefixes, std::string_view text) {
   return std::any_of(prefixes.begin(), prefixes.end(),

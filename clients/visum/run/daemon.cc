@@ -27,6 +27,7 @@ std::vector<std::string> command_line(const DaemonOptions& options) {
                                 "--port",
                                 std::to_string(options.port)};
   if (options.engine) argv.insert(argv.end(), {"--engine", *options.engine});
+  for (const auto& bus : options.buses) argv.insert(argv.end(), {"--bus", bus});
   if (options.seed) argv.insert(argv.end(), {"--seed", std::to_string(*options.seed)});
   return argv;
 }
@@ -37,11 +38,27 @@ std::string join_lines(const std::deque<std::string>& lines) {
   return text;
 }
 
+// "pty:/tmp/arm.tty" leads to that path, "tcp:40123" to a port of this machine.
+std::string place_of(const std::string& bus) {
+  const auto colon = bus.find(':');
+  const auto where = bus.substr(colon + 1);
+  return bus.substr(0, colon) == "tcp" ? "127.0.0.1:" + where : where;
+}
+
+struct Ready {
+  std::uint16_t port = 0;
+  std::map<std::string, std::string> buses;
+};
+
 // JSON is YAML, so the reader of scenes reads it.
-std::uint16_t port_of(const std::string& ready_line) try {
+Ready read_ready(const std::string& ready_line) try {
   const auto node = config::load_text(ready_line, "visumd's ready line");
   if (!node.get("ready").boolean()) node.fail("not ready");
-  return static_cast<std::uint16_t>(node.get("port").integer(1, 65535));
+  Ready ready{static_cast<std::uint16_t>(node.get("port").integer(1, 65535)), {}};
+  if (const auto buses = node.find("buses"))
+    for (const std::string& part : buses->keys())
+      ready.buses[part] = place_of(buses->get(part).at(buses->get(part).size() - 1).text());
+  return ready;
 } catch (const config::ConfigError& error) {
   throw cli::ExitError(cli::kFailed, std::string("visumd said what is no ready line: ") + error.what());
 }
@@ -101,7 +118,9 @@ void Daemon::wait_until_ready(double patience_s) {
       throw cli::ExitError(cli::kFailed, "visumd is not ready after " + cli::exact(patience_s) + " s");
     }
   }
-  port_ = port_of(ready_line_);
+  auto ready = read_ready(ready_line_);
+  port_ = ready.port;
+  buses_ = std::move(ready.buses);
 }
 
 std::string Daemon::obituary() {

@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "clients/visum/run/child_process.h"
 #include "clients/visum/run/vigil.h"
@@ -18,6 +20,7 @@ struct DaemonOptions {
   std::uint16_t port = 0;  // 0: any free one
   std::optional<std::string> engine;
   std::optional<std::int64_t> seed;
+  std::vector<std::string> buses{};  // as --bus takes them
 };
 
 // The folder of the program that runs now.
@@ -36,6 +39,8 @@ class Daemon {
   Daemon& operator=(const Daemon&) = delete;
 
   std::uint16_t port() const { return port_; }
+  // By part, of the last bus of each, which is what was asked for: a path, or HOST:PORT for tcp.
+  const std::map<std::string, std::string>& buses() const { return buses_; }
   ChildProcess& process() { return *process_; }
   // Why it is gone, with its last words; empty while it runs.
   std::string obituary();
@@ -46,6 +51,7 @@ class Daemon {
   Vigil& vigil_;
   std::string ready_line_;
   std::uint16_t port_ = 0;
+  std::map<std::string, std::string> buses_;
   std::optional<ChildProcess> process_;
 };
 

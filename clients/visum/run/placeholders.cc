@@ -1,7 +1,7 @@
 #include "clients/visum/run/placeholders.h"
 
 #include <algorithm>
-#include <vector>
+#include <string_view>
 
 #include "protocol/config/config.h"
 
@@ -10,6 +10,7 @@ namespace {
 
 const std::vector<std::string> kKnown{"connect", "host", "port", "scenario_dir",
                                       "scene",   "bin",  "seed", "clock"};
+constexpr std::string_view kBus = "bus.";
 
 // Calls literal(text) and name(text) for the pieces of `text` in turn; returns what is wrong with it, if
 // anything.
@@ -37,13 +38,23 @@ std::optional<std::string> split(const std::string& text, auto&& literal, auto&&
 std::optional<std::string> find_fault(const std::string& text) {
   std::optional<std::string> unknown;
   const auto check = [&](const std::string& name) {
-    if (std::find(kKnown.begin(), kKnown.end(), name) != kKnown.end()) return;
+    if (std::find(kKnown.begin(), kKnown.end(), name) != kKnown.end() || name.starts_with(kBus)) return;
     const auto near = config::nearest(name, kKnown);
     unknown = "there is no placeholder {" + name + "}" + (near ? " (did you mean {" + *near + "}?)" : "");
   };
   const auto fault = split(
       text, [](char) {}, check);
   return fault ? fault : unknown;
+}
+
+std::vector<std::string> parts_with_bus(const std::string& text) {
+  std::vector<std::string> parts;
+  split(
+      text, [](char) {},
+      [&](const std::string& name) {
+        if (name.starts_with(kBus)) parts.push_back(name.substr(kBus.size()));
+      });
+  return parts;
 }
 
 std::string fill_in(const std::string& text, const std::map<std::string, std::string>& values) {

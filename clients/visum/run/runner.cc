@@ -6,6 +6,7 @@
 #include <set>
 
 #include "clients/visum/common/format.h"
+#include "clients/visum/common/temp_folder.h"
 #include "clients/visum/run/actions.h"
 #include "clients/visum/run/bounds.h"
 #include "clients/visum/run/daemon.h"
@@ -27,17 +28,27 @@ double sim_seconds(const Observation& now) {
   return static_cast<double>(now.world.sim_time_ns) * 1e-9;
 }
 
-std::map<std::string, std::string> placeholder_values(const Scenario& scenario, std::uint16_t port) {
-  const std::string number = std::to_string(port);
+std::map<std::string, std::string> placeholder_values(const Scenario& scenario, const Daemon& daemon) {
+  const std::string number = std::to_string(daemon.port());
   const auto folder = scenario.file.parent_path();
-  return {{"connect", "127.0.0.1:" + number},
-          {"host", "127.0.0.1"},
-          {"port", number},
-          {"scenario_dir", folder.empty() ? "." : folder.string()},
-          {"scene", scenario.scene.string()},
-          {"bin", own_folder().string()},
-          {"seed", std::to_string(scenario.seed.value_or(0))},
-          {"clock", scenario.clock}};
+  std::map<std::string, std::string> values{{"connect", "127.0.0.1:" + number},
+                                            {"host", "127.0.0.1"},
+                                            {"port", number},
+                                            {"scenario_dir", folder.empty() ? "." : folder.string()},
+                                            {"scene", scenario.scene.string()},
+                                            {"bin", own_folder().string()},
+                                            {"seed", std::to_string(scenario.seed.value_or(0))},
+                                            {"clock", scenario.clock}};
+  for (const auto& [part, place] : daemon.buses()) values["bus." + part] = place;
+  return values;
+}
+
+std::vector<std::string> bus_options(const Scenario& scenario, const cli::TempFolder& links) {
+  std::vector<std::string> options;
+  for (const auto& [part, kind] : scenario.buses)
+    options.push_back(part + "=" + kind + ":" +
+                      (kind == "tcp" ? "0" : (links.path() / (part + "." + kind)).string()));
+  return options;
 }
 
 void note_part(const Condition& condition, std::set<std::string>& parts) {
@@ -66,7 +77,7 @@ class Run {
         report_(report),
         session_(daemon.port(), vigil),
         parts_(parts_needed(scenario)),
-        controllers_(scenario.controllers, placeholder_values(scenario, daemon.port()), session_, vigil,
+        controllers_(scenario.controllers, placeholder_values(scenario, daemon), session_, vigil,
                      options.on_line) {}
 
   void go();
@@ -267,8 +278,14 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
   report.seed = scenario.seed.value_or(-1);
   Vigil vigil(scenario.max_wall_s);
   guard(report, nullptr, [&] {
-    const DaemonOptions daemon_options{options.visumd, scenario.scene,  scenario.clock,
-                                       options.port,   scenario.engine, scenario.seed};
+    const cli::TempFolder links;
+    const DaemonOptions daemon_options{options.visumd,
+                                       scenario.scene,
+                                       scenario.clock,
+                                       options.port,
+                                       scenario.engine,
+                                       scenario.seed,
+                                       bus_options(scenario, links)};
     Daemon daemon(daemon_options, scenario.start_wall_s, vigil,
                   [&](const std::string& line) { options.on_line("visumd", line); });
     run_with(daemon, scenario, options, vigil, report);

@@ -122,6 +122,7 @@ struct Scenario {
   std::string clock = "lockstep";
   std::optional<std::string> engine;
   std::optional<std::int64_t> seed;
+  std::map<std::string, std::string> buses;  // kind by part: "pty", "tcp", "slcan"
   double max_sim_s = 60.0;
   double max_wall_s = 300.0;
   double start_wall_s = 10.0;  // for daemon and controllers to be ready

@@ -39,6 +39,26 @@ void read_controllers(const Node& root, Scenario& scenario) {
   }
 }
 
+void read_buses(const Node& root, Scenario& scenario) {
+  const auto buses = root.find("buses");
+  if (!buses) return;
+  if (buses->kind() != Node::Kind::kMap) buses->fail("must be a map: {arm: pty}");
+  for (const std::string& part : buses->keys())
+    scenario.buses[part] = buses->get(part).one_of({"pty", "tcp", "slcan"});
+}
+
+void check_buses(const Scenario& scenario) {
+  for (const ControllerSpec& controller : scenario.controllers) {
+    for (const std::string& word : controller.command) {
+      for (const std::string& part : parts_with_bus(word)) {
+        if (scenario.buses.contains(part)) continue;
+        throw config::ConfigError(controller.place,
+                                  "{bus." + part + "}: 'buses' gives no bus to '" + part + "'");
+      }
+    }
+  }
+}
+
 Until read_until(const Node& root, const Scenario& scenario) {
   const auto node = root.find("until");
   Until until;
@@ -111,12 +131,14 @@ ControllerSpec read_controller(const Node& node) {
 Scenario read_scenario(const Node& root) {
   if (root.kind() != Node::Kind::kMap) root.fail("a scenario is a map");
   root.allow_only({"visum_scenario", "name", "description", "scene", "clock", "engine", "seed", "max_sim_s",
-                   "max_wall_s", "start_wall_s", "settle_s", "check_every_ms", "until", "controllers",
-                   "timeline", "checks"});
+                   "max_wall_s", "start_wall_s", "settle_s", "check_every_ms", "until", "buses",
+                   "controllers", "timeline", "checks"});
   Scenario scenario;
   read_basics(root, scenario);
   read_times(root, scenario);
+  read_buses(root, scenario);
   read_controllers(root, scenario);
+  check_buses(scenario);
   scenario.until = read_until(root, scenario);
   for (const Node& node : items(root, "timeline")) {
     scenario.timeline.push_back(read_timeline_entry(node, scenario.controllers));
