@@ -321,6 +321,10 @@ void Server::notify() {
   impl_->signal();
 }
 
+bool Server::ended() const {
+  return impl_->over();
+}
+
 std::size_t Server::session_count() const {
   return impl_->open_sessions_.load(std::memory_order_relaxed);
 }

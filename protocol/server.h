@@ -77,9 +77,10 @@ class Server {
   bool poll();                      // handles what is ready, bounded; true if there was anything
   // Waits for something to be ready, handles it. The wait is rounded up to whole milliseconds.
   void poll_for(std::chrono::nanoseconds at_most);
-  void stop();    // closes sessions after their queued replies; any thread. run() returns
-                  // then; who polls goes on until session_count() is 0
-  void notify();  // makes on_notify() be called soon; any thread, no lock, no allocation
+  void stop();         // closes sessions after their queued replies; any thread. run() returns
+                       // then; who polls goes on until ended()
+  bool ended() const;  // stopped, and every session is closed; the server's thread
+  void notify();       // makes on_notify() be called soon; any thread, no lock, no allocation
   std::size_t session_count() const;
   std::uint64_t refused() const;  // frames and sessions refused since start
 

@@ -102,7 +102,11 @@ void say_ready(const Options& options, const cycle::Simulation& simulation, cons
   } else {
     spdlog::info("{}: {} parts, listening on {}:{}", simulation.scene().name, simulation.parts().size(),
                  options.of_daemon.address, port);
-    if (http != 0) spdlog::info("the page: http://{}:{}/", page_host(options.of_daemon.address), http);
+    if (http != 0) {
+      const auto wanted = options.of_daemon.http.port;
+      if (wanted != 0 && http != wanted) spdlog::warn("port {} is taken; the page is at {}", wanted, http);
+      spdlog::info("the page: http://{}:{}/", page_host(options.of_daemon.address), http);
+    }
     for (const auto& [part, names] : daemon.buses())
       for (const auto& name : names) spdlog::info("{}: bus {}", part, name);
   }
@@ -140,7 +144,8 @@ int run(Options options) {
   cycle::Simulation simulation(load(options));
   for (const auto& bus : options.buses)
     options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
-  gateway::Daemon daemon(simulation, with_http(options));
+  options.of_daemon = with_http(options);
+  gateway::Daemon daemon(simulation, options.of_daemon);
   running_daemon = &daemon;
   catch_signals();
   say_ready(options, simulation, daemon);

@@ -245,7 +245,7 @@ void Daemon::Impl::run_inline() {
   gateway.serve();
   server.stop();
   const auto patience = Clock::now() + kFarewell;
-  while (server.session_count() > 0 && Clock::now() < patience) server.poll_for(kIdle);
+  while (!server.ended() && Clock::now() < patience) server.poll_for(kIdle);
 }
 
 }  // namespace visum::gateway

@@ -100,6 +100,7 @@ class Gateway : public protocol::SessionHandler {
     protocol::Session& session;
     Client& client;
     std::uint64_t id;
+    std::uint64_t& refused;
     void reply(const protocol::Reply& reply) const;
     void fail(protocol::ErrorCode code, const std::string& text, const std::string& owner = {}) const;
   };

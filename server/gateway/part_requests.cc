@@ -136,10 +136,7 @@ std::optional<std::string> Gateway::why_not(std::uint32_t part, const protocol::
 void Gateway::handle(const Call& call, const protocol::Write& request) {
   const auto part = part_or_fail(call, request.part);
   if (!part || !lease_or_fail(call, *part)) return;
-  if (auto reason = why_not(*part, request)) {
-    ++refused_;
-    return call.fail(ErrorCode::kBadValue, *reason);
-  }
+  if (auto reason = why_not(*part, request)) return call.fail(ErrorCode::kBadValue, *reason);
   if (!leases_.take_sequence(*part, request.sequence))
     return call.fail(ErrorCode::kStale, "sequence " + std::to_string(request.sequence) +
                                             " is not newer than " +
