@@ -1,11 +1,12 @@
 // The HTTP port of a real daemon: the page's files, health, metrics, and what it refuses.
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include <sstream>
 
 #include "server/gateway/page_files.h"
 #include "tests/gateway/http_client.h"
 #include "tests/gateway/running_daemon.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::gateway {
 namespace {
@@ -17,33 +18,33 @@ using testing::http_request;
 
 constexpr char kScript[] = "/assets/index-0a1b2c3d.js";
 
-void write_file(const fs::path& file, const std::string& text) {
-  fs::create_directories(file.parent_path());
-  std::ofstream(file) << text;
-}
+// A page as the build leaves one, with a secret beside it, in a folder of its own.
+class Page {
+ public:
+  Page() {
+    files_.write("secret.txt", "nobody may read this");
+    files_.write("page/index.html", "<!doctype html>");
+    files_.write("page" + std::string(kScript), "plain script");
+    files_.write("page" + std::string(kScript) + ".gz", "compressed script");
+  }
+  fs::path folder() const { return files_.folder() / "page"; }
+  DaemonOptions served() const {
+    DaemonOptions options;
+    options.http.on = true;
+    options.http.page = folder();
+    options.http.port = 0;
+    return options;
+  }
 
-// A page as the build leaves one, with a secret beside it.
-std::string page_folder() {
-  const fs::path root = fs::path(::testing::TempDir()) / "visum_web_test";
-  write_file(root / "secret.txt", "nobody may read this");
-  write_file(root / "page/index.html", "<!doctype html>");
-  write_file(root / ("page" + std::string(kScript)), "plain script");
-  write_file(root / ("page" + std::string(kScript) + ".gz"), "compressed script");
-  return root / "page";
-}
-
-DaemonOptions with_page() {
-  DaemonOptions options;
-  options.http.on = true;
-  options.http.port = 0;
-  options.http.page = page_folder();
-  return options;
-}
+ private:
+  test::TempFiles files_;
+};
 
 class WebTest : public ::testing::Test {
  protected:
   std::uint16_t http() const { return daemon_.http_port(); }
-  RunningDaemon daemon_{scene::ClockKind::kLockstep, with_page()};
+  const Page page_;
+  RunningDaemon daemon_{scene::ClockKind::kLockstep, page_.served()};
 };
 using Web = WebTest;
 
@@ -145,10 +146,11 @@ TEST_F(Web, EveryMetricHasItsHelpAndType) {
 }
 
 TEST(WebDoor, MetricsAskForTheTokenThatSessionsNeed) {
-  const auto file = fs::path(::testing::TempDir()) / "visum_web_tokens";
-  std::ofstream(file) << "observer looking-only-0001\n";
+  const test::TempFiles files;
+  const Page page;
+  const auto file = files.write("tokens", "observer looking-only-0001\n");
   fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
-  auto options = with_page();
+  auto options = page.served();
   options.token_file = file;
   RunningDaemon daemon(scene::ClockKind::kLockstep, options);
   const auto asked_with = [&](const std::string& value) {
@@ -165,8 +167,9 @@ TEST(WebDoor, IsShutUnlessAskedFor) {
 }
 
 TEST(WebDoor, APortThatIsTakenIsNamedOrLeft) {
-  RunningDaemon first(scene::ClockKind::kLockstep, with_page());
-  auto options = with_page();
+  const Page page;
+  RunningDaemon first(scene::ClockKind::kLockstep, page.served());
+  auto options = page.served();
   options.http.port = first.http_port();
   try {
     RunningDaemon second(scene::ClockKind::kLockstep, options);
@@ -182,7 +185,7 @@ TEST(WebDoor, APortThatIsTakenIsNamedOrLeft) {
 }
 
 TEST(WebDoor, AFolderThatHoldsNoPageIsNamed) {
-  EXPECT_THROW(PageFiles(fs::path(page_folder()) / "assets"), std::runtime_error);
+  EXPECT_THROW(PageFiles(Page().folder() / "assets"), std::runtime_error);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ const kPeriodMs = 100;
 
 export class PlotPane {
   readonly plots: Plot[] = [];
-  private readonly place = h("div", { class: "plots" });
+  private readonly place = h("div", { class: "plot-row" });
   private readonly empty = h("p", { class: "empty" }, "Drag ports here from the tree, or use their plot buttons.");
 
   constructor(pane: HTMLElement, private readonly parts: Parts) {
