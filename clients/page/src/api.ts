@@ -20,6 +20,7 @@ export interface VisumApi {
   write(part: string, port: string, value: number): Promise<void>; // needs the lease
   acquire(part: string): Promise<void>;
   release(part: string): Promise<void>;
+  bodies(): string[];
   // Where a point of a body (m, in its frame; none: its origin) is in the page, in pixels; null: behind the camera.
   project(body: string, point?: [number, number, number]): { x: number; y: number } | null;
   simTime(): number; // s
@@ -45,6 +46,7 @@ export function makeApi(parts: Parts, world: World, viewer: Viewer): VisumApi {
     write: (part, name, value) => partOf(part).write(port(part, name), value),
     acquire: (part) => partOf(part).acquire(),
     release: (part) => partOf(part).release(),
+    bodies: () => world.description.value?.bodies.map(({ name }) => name) ?? [],
     project: (body, point = [0, 0, 0]) => {
       const group = viewer.bodies.groups[world.bodyIndex(body)];
       if (!group) throw new Error(`there is no body '${body}'`);

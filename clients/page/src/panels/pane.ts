@@ -28,7 +28,7 @@ export class PanelPane {
       iconButton(icons.upload, "Load a panel from a file", () => this.load()),
       iconButton(icons.download, "Save the panel to a file", () => this.save()),
       iconButton(icons.link, "Copy a link to this panel", () => void this.share()));
-    pane.append(head, this.tools, this.settings, h("div", { class: "panel-scroll" }, this.view.element), h("div", { class: "panel-foot" }, this.take));
+    pane.append(head, this.tools, this.settings, h("div", { class: "panel-scroll", tabindex: 0, role: "group", "aria-label": "Widgets" }, this.view.element), h("div", { class: "panel-foot" }, this.take));
     this.choice.addEventListener("change", () => this.view.show(this.panels[Number(this.choice.value)]!));
     this.take.addEventListener("click", () => void this.takeControl());
     this.view.onSelect = (data) => this.settings.replaceChildren(...(data ? [settingsForm(data, parts, () => this.view.changed())] : []));

@@ -22,7 +22,7 @@ export class PartView {
     this.element = h(
       "section",
       { class: "part", "aria-label": `Part ${part.name}` },
-      h("header", {}, h("h3", {}, part.name), h("span", { class: "kind" }, part.description.kind), this.holder, this.lease),
+      h("header", {}, h("h2", {}, part.name), h("span", { class: "kind" }, part.description.kind), this.holder, this.lease),
       this.side("input", "Controller Input"),
       this.side("output", "Sensor Output"),
       parametersView(link, part),

@@ -28,7 +28,7 @@ interface Pull {
 export class Selection {
   private body = -1;
   private pull: Pull | null = null;
-  private readonly title = h("h3", {});
+  private readonly title = h("h2", {});
   private readonly facts = h("dl", {});
   private readonly card: HTMLElement;
   private readonly follow = h("button", { type: "button", class: "small", "aria-pressed": "false" }, "Follow");

@@ -28,7 +28,7 @@ export function viewToolbar(viewer: Viewer, world: World, overlays: Overlays, co
 function popover(icon: string, name: string, content: HTMLElement): HTMLElement {
   const summary = h("summary", { class: "icon", title: name, "aria-label": name, role: "button" });
   summary.append(iconButton(icon, name, () => undefined).firstChild!);
-  const details = h("details", { class: "popover" }, summary, h("div", { class: "popover-body" }, h("h3", {}, name), content));
+  const details = h("details", { class: "popover" }, summary, h("div", { class: "popover-body" }, h("h2", {}, name), content));
   document.addEventListener("pointerdown", (event) => details.contains(event.target as Node) || (details.open = false));
   details.addEventListener("keydown", (event) => {
     if (event.key !== "Escape") return;
