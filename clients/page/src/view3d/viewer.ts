@@ -9,6 +9,7 @@ import { Lights } from "./lights";
 import { drawStereo, type StereoSettings } from "./stereo";
 
 const kMostPixelRatio = 2;
+const kInvisible = 1e-5; // m, or of a quaternion: a body held by its drives trembles less, and needs no new picture
 
 export class Viewer {
   readonly canvas: HTMLCanvasElement;
@@ -82,7 +83,7 @@ export class Viewer {
 
   private frame(now: number): void {
     requestAnimationFrame((next) => this.frame(next));
-    if (this.world.posesAt(now, this.poses) && this.poses.some((value, i) => value !== this.shown[i])) {
+    if (this.world.posesAt(now, this.poses) && this.moved()) {
       this.bodies.place(this.poses);
       this.shown.set(this.poses);
       this.renderer.shadowMap.needsUpdate = true;
@@ -95,6 +96,11 @@ export class Viewer {
     this.view.follow(followed ? followed.position : null);
     this.draw();
     this.drawn.emit(++this.pictures);
+  }
+
+  // Before the first picture what is shown is NaN, which no number is near.
+  private moved(): boolean {
+    return this.poses.some((value, i) => !(Math.abs(value - this.shown[i]!) <= kInvisible));
   }
 
   private draw(): void {
