@@ -40,6 +40,13 @@ TEST_F(DaemonStart, ReadsThePortFromTheReadyLine) {
               "1000"),
       10.0, vigil_, [](const std::string&) {});
   EXPECT_EQ(daemon.port(), 1234);
+  EXPECT_EQ(daemon.page_port(), 0);
+}
+
+TEST_F(DaemonStart, ReadsThePagesPortFromTheReadyLine) {
+  Daemon daemon(options("echo '{\"ready\":true,\"port\":1234,\"http\":8080}'; sleep 1000"), 10.0, vigil_,
+                [](const std::string&) {});
+  EXPECT_EQ(daemon.page_port(), 8080);
 }
 
 TEST_F(DaemonStart, PassesSceneClockEngineAndSeedOn) {
