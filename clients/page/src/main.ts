@@ -83,7 +83,9 @@ async function begin(): Promise<void> {
 }
 
 clock.status.watch((status) => {
-  if (!status || !link.welcome || status.paused || status.realTimeFactor === 0) return;
+  if (!status || !link.welcome) return;
+  if (status.paused) world.catchUp(status.simTimeNs).catch(reportError);
+  if (status.paused || status.realTimeFactor === 0) return;
   world.adaptTo(status.realTimeFactor).catch(reportError);
   parts.adaptTo(status.realTimeFactor).catch(reportError);
 });
