@@ -74,6 +74,7 @@ struct Daemon::Impl {
       if (threaded) return mailbox.wake();
       server.notify();
     });
+    gateway.name_buses(buses->addresses());
   }
 
   // Between ticks: what came over the buses. The first frame starts the time.

@@ -64,6 +64,8 @@ class Gateway : public protocol::SessionHandler {
   void check_timeouts(std::int64_t tick);
   // True once a client asked for Shutdown. Any thread.
   bool shutdown_asked() const { return shutdown_asked_.load(std::memory_order_relaxed); }
+  // The parts' buses, for Status. Before the first session.
+  void name_buses(std::vector<protocol::PartBus> buses) { buses_ = std::move(buses); }
   // The next serve() tells everybody that the server ends. Any thread.
   void end() { ending_ = true; }
 
@@ -168,6 +170,7 @@ class Gateway : public protocol::SessionHandler {
   Members members_;
   std::map<std::uint64_t, Client> clients_;   // by session
   std::vector<std::vector<double>> latched_;  // by part: controller inputs as last accepted
+  std::vector<protocol::PartBus> buses_;
   std::uint64_t era_ = 1;
   bool frozen_ = false;
   std::atomic<bool> start_asked_{false};

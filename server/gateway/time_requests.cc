@@ -31,6 +31,7 @@ void Gateway::handle(const Call& call, const protocol::Status&) {
   status.state_hash = now.state_hash;
   status.sessions = static_cast<std::uint32_t>(clients_.size());
   status.refused = refused_;
+  status.buses = buses_;
   for (const auto& member : members_.all()) {
     const auto waited =
         member.waited_since ? Member::Clock::now() - *member.waited_since : Member::Clock::duration{};
