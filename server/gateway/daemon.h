@@ -4,7 +4,9 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -21,6 +23,11 @@ struct DaemonOptions {
   std::int64_t iterations = 0;    // ends after so many ticks; 0: never
   std::string token_file;         // needed where the address is not loopback
   std::vector<BusAddress> buses;  // beside those of the scene
+  // Parts in front of something real.
+  bool simulated = true;  // what the welcome says
+  bool has_world = true;  // false: nobody may hold the time, go back in it, or change bodies
+  // On the tick's thread, before each tick: in clock realtime instead of sleeping until it is due.
+  std::function<void(std::chrono::steady_clock::time_point)> wait;
 };
 
 class Daemon {

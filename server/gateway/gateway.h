@@ -32,6 +32,8 @@ struct StaticWorld {
   std::chrono::nanoseconds lockstep_timeout{};
   std::vector<const hwparts::Part*> parts;  // only their const, any-thread functions are used
   WorldView view;
+  bool simulated = true;
+  bool has_world = true;  // false: see DaemonOptions
 };
 
 const char* to_string(scene::ClockKind clock);
