@@ -83,6 +83,20 @@ def serve_real(kind: str) -> Callable[[], object]:
     return serve
 
 
+class MirrorProgram(Program):
+    """visum mirror, as a user starts it."""
+
+    def __init__(self, primary: Program, shadow: Program, *options: object) -> None:
+        super().__init__("visum", "mirror", "--primary", primary.address, "--shadow", shadow.address,
+                         "--speedup", SPEED, *options)
+
+
+@contextmanager
+def serve_mirror() -> Iterator[Served]:
+    with virtual_arm() as one, virtual_arm() as other, MirrorProgram(one, other) as mirror:
+        yield Served(mirror.address, [one, other])
+
+
 def wait_until(client: visum.Client, part: visum.Part, holds: Callable[[], bool], sim_s: float) -> bool:
     """Lets time pass until `holds()`, at most `sim_s` of the served part's time."""
     end = client.time_ns + int(sim_s * 1e9)

@@ -10,7 +10,7 @@ import sys
 import unittest
 from collections.abc import Callable
 
-from served_arm import Served, serve_real, serve_virtual, wait_until
+from served_arm import Served, serve_mirror, serve_real, serve_virtual, wait_until
 
 import visum
 
@@ -144,6 +144,10 @@ class RealOverTcp(ServedArm, unittest.TestCase):
 class RealOverSlcan(ServedArm, unittest.TestCase):
     serve = serve_real("slcan")
     simulated = False
+
+
+class MirrorOfTwo(ServedArm, unittest.TestCase):
+    serve = serve_mirror
 
 
 if __name__ == "__main__":
