@@ -9,7 +9,8 @@ include(CMakePackageConfigHelpers)
 
 # All programs, for those who want to run and not to test: `cmake --build build/release --target programs`.
 get_property(programs GLOBAL PROPERTY VISUM_PROGRAMS)
-add_custom_target(programs DEPENDS ${programs} visum_python)
+get_property(libraries GLOBAL PROPERTY VISUM_LIBRARIES)
+add_custom_target(programs DEPENDS ${programs} ${libraries} visum_python)
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
 # The client library as one shared object: an outside project needs its header and nothing that we are built from.

@@ -9,6 +9,7 @@
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/exec/bus_of.h"
 #include "clients/visum/exec/device_place.h"
+#include "clients/visum/run/daemon.h"
 #include "clients/visum/verbs/verbs.h"
 
 namespace visum::cli {
@@ -37,29 +38,40 @@ class ExecVerb : public Verb {
                    "DEVICE=PART: the part's modules stand where the program opens /dev/DEVICE")
         ->type_name("DEVICE=PART")
         ->allow_extra_args(false);
+    app.add_option(
+           "--can", cans_,
+           "esd or peak, then =PART where several have a bus: the vendor's CAN library leads to the part's "
+           "modules")
+        ->type_name("VENDOR[=PART]")
+        ->allow_extra_args(false);
     app.add_option("COMMAND", command_, "the program and its arguments, after --")->required();
     app.footer(
         "Runs a program that knows nothing of Visum with a part's field bus where it looks for its device.\n"
         "visum becomes the program: signals and the exit code are the program's own. 126, 127: it cannot be "
         "run, is not found.\n\nExample:\n"
         "  visumd models/scenes/amtec_arm.yaml --bus arm=pty:arm.tty &\n"
-        "  visum exec --tty ttyS0=arm -- ./controller args");
+        "  visum exec --tty ttyS0=arm -- ./controller args\n"
+        "  visum exec --can esd -- ./controller          where visumd has --bus arm=tcp:0");
   }
 
   int run() override {
-    if (ttys_.empty()) throw ExitError(kUsage, "nothing to put in its place: --tty DEVICE=PART is missing");
-    exec::place_devices(placements());
+    if (ttys_.empty() && cans_.empty())
+      throw ExitError(kUsage, "nothing to put in its place: --tty DEVICE=PART or --can VENDOR is missing");
+    if (cans_.size() > 1) throw ExitError(kUsage, "--can: there is one CAN bus for a program");
+    std::vector<std::pair<std::string, std::string>> ttys;
+    for (const auto& text : ttys_) ttys.push_back(split_tty(text));
+    const auto status =
+        open_link(link_, protocol::Role::kObserver).request_as<protocol::ServerStatus>(protocol::Status{});
+    if (!cans_.empty()) lead_can(cans_.front(), status);
+    if (!ttys.empty()) exec::place_devices(placements(ttys, status));
     return become();
   }
 
  private:
-  std::vector<exec::Placement> placements() const {
-    std::vector<std::pair<std::string, std::string>> wanted;
-    for (const auto& text : ttys_) wanted.push_back(split_tty(text));
-    const auto status =
-        open_link(link_, protocol::Role::kObserver).request_as<protocol::ServerStatus>(protocol::Status{});
+  static std::vector<exec::Placement> placements(const std::vector<std::pair<std::string, std::string>>& ttys,
+                                                 const protocol::ServerStatus& status) {
     std::vector<exec::Placement> all;
-    for (const auto& [device, part] : wanted) {
+    for (const auto& [device, part] : ttys) {
       const auto path = exec::bus_of(status.buses, part, "pty");
       std::error_code error;
       const auto real = fs::canonical(path, error);
@@ -68,6 +80,23 @@ class ExecVerb : public Verb {
       all.push_back({device, real});
     }
     return all;
+  }
+
+  // The program's own library of that vendor is found in our folder first, and knows from the environment
+  // where the bus is. Buses are on the server's loopback, and so must the program be.
+  static void lead_can(const std::string& text, const protocol::ServerStatus& status) {
+    const auto equals = text.find('=');
+    const auto vendor = text.substr(0, equals);
+    const auto part = equals == std::string::npos ? std::string() : text.substr(equals + 1);
+    if (vendor != "esd" && vendor != "peak")
+      throw ExitError(kUsage, "--can " + text + ": must be esd or peak");
+    const auto folder = run::own_folder().parent_path() / "lib" / "visum-can";
+    const auto library = folder / (vendor == "esd" ? "libntcan.so" : "libpcan.so");
+    if (!fs::exists(library)) throw ExitError(kFailed, "there is no " + library.string());
+    const char* others = std::getenv("LD_LIBRARY_PATH");
+    const auto path = folder.string() + (others && *others ? ":" + std::string(others) : "");
+    ::setenv("LD_LIBRARY_PATH", path.c_str(), 1);
+    ::setenv("VISUM_CAN", ("127.0.0.1:" + exec::bus_of(status.buses, part, "tcp")).c_str(), 1);
   }
 
   int become() {
@@ -82,7 +111,7 @@ class ExecVerb : public Verb {
   }
 
   LinkOptions link_;
-  std::vector<std::string> ttys_;
+  std::vector<std::string> ttys_, cans_;
   std::vector<std::string> command_;
 };
 
