@@ -11,6 +11,9 @@ include(CMakePackageConfigHelpers)
 get_property(programs GLOBAL PROPERTY VISUM_PROGRAMS)
 get_property(libraries GLOBAL PROPERTY VISUM_LIBRARIES)
 add_custom_target(programs DEPENDS ${programs} ${libraries} visum_python)
+if(TARGET page)
+  add_dependencies(programs page)
+endif()
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
 # The client library as one shared object: an outside project needs its header and nothing that we are built from.

@@ -79,7 +79,7 @@ int run(Options options) {
   };
   gateway::Daemon daemon(simulation, options.of_daemon);
   spdlog::info("{}: all modules of '{}' are there", line->name(), part.description().name);
-  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon.address, options.json);
+  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.json);
   part.stand_down();
   spdlog::info("ended");
   return signal == SIGINT ? gateway::kInterrupted : gateway::kPassed;

@@ -70,7 +70,7 @@ int run(Options options) {
     } while (std::chrono::steady_clock::now() < due);
   };
   gateway::Daemon daemon(simulation, options.of_daemon);
-  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon.address, options.json);
+  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.json);
   spdlog::info("ended");
   return signal == SIGINT ? gateway::kInterrupted : gateway::kPassed;
 }

@@ -8,6 +8,7 @@
 #include "protocol/config/config.h"
 #include "server/cycle/simulation.h"
 #include "server/gateway/daemon.h"
+#include "server/gateway/page_files.h"
 #include "server/gateway/program.h"
 #include "server/scene/scene.h"
 
@@ -23,6 +24,7 @@ struct Options {
   int verbosity = 2;
   bool json = false;
   std::vector<std::string> buses;
+  std::string http;  // a port, or "off"; empty: not given
   scene::Options of_scene;
   gateway::DaemonOptions of_daemon;
 };
@@ -39,17 +41,40 @@ scene::Scene load(const Options& options) {
   return scene;
 }
 
+// --http decides; without it the usual port, or any free one where that is taken or --port leaves the choice
+// too.
+gateway::DaemonOptions with_http(const Options& options) {
+  gateway::DaemonOptions all = options.of_daemon;
+  all.http.on = options.http != "off";
+  if (!all.http.on) return all;
+  const bool given = !options.http.empty();
+  if (given) all.http.port = static_cast<std::uint16_t>(std::stoi(options.http));
+  if (!given && all.port == 0) all.http.port = 0;
+  all.http.any_if_taken = !given;
+  if (all.http.page.empty()) all.http.page = gateway::find_page_folder();
+  if (all.http.page.empty()) spdlog::warn("no page beside this program: HTTP has /healthz and /metrics only");
+  return all;
+}
+
 int run(Options options) {
   cycle::Simulation simulation(load(options));
   for (const auto& bus : options.buses)
     options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
+  options.of_daemon = with_http(options);
   gateway::Daemon daemon(simulation, options.of_daemon);
-  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon.address, options.json);
+  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.json);
   if (simulation.frozen())
     spdlog::error("the world froze at tick {}: {}", simulation.tick_count(), simulation.fault());
   spdlog::info("ended at tick {}", simulation.tick_count());
   if (signal == SIGINT) return gateway::kInterrupted;
   return simulation.frozen() ? gateway::kFailed : gateway::kPassed;
+}
+
+std::string check_http(const std::string& text) {
+  if (text == "off") return {};
+  const bool digits =
+      !text.empty() && text.size() <= 5 && text.find_first_not_of("0123456789") == std::string::npos;
+  return digits && std::stoi(text) <= 65535 ? std::string() : "must be a port from 0 to 65535, or off";
 }
 
 void declare(CLI::App& app, Options& options) {
@@ -58,6 +83,18 @@ void declare(CLI::App& app, Options& options) {
                  "address to listen on; beyond loopback with --token-file only")
       ->capture_default_str();
   app.add_option("--port", options.of_daemon.port, "TCP port; 0: any free one")->capture_default_str();
+  app.add_option(
+         "--http", options.http,
+         "port of the page, /metrics and /healthz; 0: any free one; off. Default: 8080, or any free one "
+         "where that is taken or --port is 0")
+      ->type_name("PORT|off")
+      ->check(check_http);
+  app.add_option("--http-host", options.of_daemon.http.hosts,
+                 "a further name under which browsers may ask for the page; may be repeated")
+      ->type_name("NAME[:PORT]");
+  app.add_option("--page", options.of_daemon.http.page,
+                 "folder of the page's files, instead of the one found")
+      ->type_name("FOLDER");
   app.add_option("--clock", options.clock, "instead of the scene's: realtime, lockstep or free")
       ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
   app.add_option("--speedup", options.speedup, "realtime: simulated seconds per second")

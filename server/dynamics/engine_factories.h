@@ -8,6 +8,7 @@
 
 namespace visum::dynamics {
 
+std::unique_ptr<Engine> make_impulse_engine(const world::WorldModel& model, std::int32_t engine_index);
 std::unique_ptr<Engine> make_ode_engine(const world::WorldModel& model, std::int32_t engine_index);
 
 }  // namespace visum::dynamics

@@ -8,6 +8,9 @@ namespace visum::dynamics {
 namespace {
 
 constexpr std::array kKinds{
+    EngineKind{"impulse",
+               "joints held by impulses that look ahead; order: 2, 4 or 6, impact: newton or poisson",
+               make_impulse_engine},
     EngineKind{"ode", "Open Dynamics Engine; step: world (direct) or quick (iterative, for many bodies)",
                make_ode_engine},
 };

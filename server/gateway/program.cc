@@ -62,22 +62,33 @@ std::string buses_as_json(const BusNames& buses) {
   return "{" + json + "}";
 }
 
-void say_ready(const Daemon& daemon, const cycle::Simulation& simulation, const std::string& address,
-               bool json) {
-  if (json) {
-    std::string parts;
-    for (const auto& bound : simulation.parts())
-      parts += (parts.empty() ? "" : ",") + gateway::quoted(bound.part->description().name);
-    std::cout << "{\"ready\":true,\"port\":" << daemon.port()
-              << ",\"scene\":" << gateway::quoted(simulation.scene().name) << ",\"parts\":[" << parts
-              << "],\"buses\":" << buses_as_json(daemon.buses()) << "}" << std::endl;
-  } else {
-    spdlog::info("{}: {} parts, listening on {}:{}", simulation.scene().name, simulation.parts().size(),
-                 address, daemon.port());
-    for (const auto& [part, names] : daemon.buses())
-      for (const auto& name : names) spdlog::info("{}: bus {}", part, name);
+// What to type into a browser on this machine.
+std::string page_host(const std::string& address) {
+  if (address == "0.0.0.0" || address == "::") return "localhost";
+  return address.find(':') == std::string::npos ? address : "[" + address + "]";
+}
+
+void print_ready(const Daemon& daemon, const cycle::Simulation& simulation) {
+  const auto http = daemon.http_port();
+  std::string parts;
+  for (const auto& bound : simulation.parts())
+    parts += (parts.empty() ? "" : ",") + gateway::quoted(bound.part->description().name);
+  std::cout << "{\"ready\":true,\"port\":" << daemon.port()
+            << (http == 0 ? "" : ",\"http\":" + std::to_string(http))
+            << ",\"scene\":" << gateway::quoted(simulation.scene().name) << ",\"parts\":[" << parts
+            << "],\"buses\":" << buses_as_json(daemon.buses()) << "}" << std::endl;
+}
+
+void log_ready(const Daemon& daemon, const cycle::Simulation& simulation, const DaemonOptions& options) {
+  spdlog::info("{}: {} parts, listening on {}:{}", simulation.scene().name, simulation.parts().size(),
+               options.address, daemon.port());
+  if (const auto http = daemon.http_port(); http != 0) {
+    if (options.http.port != 0 && http != options.http.port)
+      spdlog::warn("port {} is taken; the page is at {}", options.http.port, http);
+    spdlog::info("the page: http://{}:{}/", page_host(options.address), http);
   }
-  notify_manager();
+  for (const auto& [part, names] : daemon.buses())
+    for (const auto& name : names) spdlog::info("{}: bus {}", part, name);
 }
 
 }  // namespace
@@ -92,11 +103,15 @@ void set_up_log(const std::string& name, int verbosity) {
   spdlog::set_level(kLevels[verbosity]);
 }
 
-int run_until_signal(Daemon& daemon, const cycle::Simulation& simulation, const std::string& address,
+int run_until_signal(Daemon& daemon, const cycle::Simulation& simulation, const DaemonOptions& options,
                      bool json) {
   running_daemon = &daemon;
   catch_signals();
-  say_ready(daemon, simulation, address, json);
+  if (json)
+    print_ready(daemon, simulation);
+  else
+    log_ready(daemon, simulation, options);
+  notify_manager();
   daemon.run();
   running_daemon = nullptr;
   return caught_signal;

@@ -15,7 +15,7 @@ void set_up_log(const std::string& name, int verbosity);
 
 // Runs the daemon until it ends, or until SIGINT or SIGTERM end it; returns the signal, 0: none. Says that it
 // is ready before: on stdout as one line of JSON where wanted, else in the log, and to systemd.
-int run_until_signal(Daemon& daemon, const cycle::Simulation& simulation, const std::string& address,
+int run_until_signal(Daemon& daemon, const cycle::Simulation& simulation, const DaemonOptions& options,
                      bool json);
 
 }  // namespace visum::gateway

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/scene/mesh_readers.h"
+#include "server/world/joint_kinds.h"
 
 namespace visum::scene {
 namespace {
@@ -78,6 +79,16 @@ world::SurfaceId Draft::surface(const config::Node& node) const {
   fail_unknown(node, "surface", known);
 }
 
+std::int32_t Draft::material(const config::Node& node) const {
+  const std::string name = node.text();
+  std::vector<std::string> known;
+  for (std::size_t i = 0; i < scene.looks.materials.size(); ++i) {
+    if (scene.looks.materials[i].name == name) return static_cast<std::int32_t>(i);
+    known.push_back(scene.looks.materials[i].name);
+  }
+  fail_unknown(node, "material", known);
+}
+
 std::int32_t Draft::engine(const config::Node& node) const {
   const auto found = std::find(scene.engine_names.begin(), scene.engine_names.end(), node.text());
   if (found == scene.engine_names.end()) fail_unknown(node, "engine", scene.engine_names);
@@ -136,7 +147,8 @@ void Draft::add_joint(const world::Joint& joint, const config::Place& place) {
   probe.joints.push_back(copied_joint(scene.world, joint, probe));
   refuse_fault(probe, place);
   scene.world.joints.push_back(joint);
-  if (joint.parent.valid()) forbid_collision(joint.parent, joint.child);
+  if (joint.parent.valid() && world::info(joint.kind).holds_anything)
+    forbid_collision(joint.parent, joint.child);
 }
 
 void Draft::forbid_collision(world::BodyId a, world::BodyId b) {

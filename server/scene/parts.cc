@@ -5,6 +5,7 @@
 #include <set>
 
 #include "server/scene/values.h"
+#include "server/world/joint_kinds.h"
 
 namespace visum::scene {
 namespace {
@@ -14,13 +15,13 @@ using world::JointId;
 
 using JointsByName = std::map<std::string, JointId>;
 
-// The movable joints that an entry may name, under the names that it uses for them: those of its model
-// without the model's name, or all of the world.
+// The joints with a drive's axis that an entry may name, under the names that it uses for them: those of its
+// model without the model's name, or all of the world.
 JointsByName offered_joints(const Draft& draft, const std::string& prefix) {
   JointsByName offered;
   const auto& joints = draft.scene.world.joints;
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    if (joints[i].kind == world::JointKind::kFixed || joints[i].name.compare(0, prefix.size(), prefix) != 0)
+    if (!world::is_drivable(joints[i].kind) || joints[i].name.compare(0, prefix.size(), prefix) != 0)
       continue;
     offered.emplace(joints[i].name.substr(prefix.size()), JointId{static_cast<std::int32_t>(i)});
   }

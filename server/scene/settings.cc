@@ -28,6 +28,12 @@ std::int64_t read_tick_ns(const config::Node& node) {
   return std::llround(ns);
 }
 
+int read_order(const config::Node& node) {
+  const auto order = node.integer(2, 6);
+  if (order % 2 != 0) node.fail("must be 2, 4 or 6, is " + node.text());
+  return static_cast<int>(order);
+}
+
 // "ode", or {kind: ode, step: quick, ...}. What a kind makes of its settings is the engine table's business.
 world::EngineSetting read_engine(const config::Node& node) {
   world::EngineSetting engine;
@@ -35,13 +41,20 @@ world::EngineSetting read_engine(const config::Node& node) {
     engine.name = read_name(node);
     return engine;
   }
-  node.allow_only({"kind", "step", "iterations", "erp", "cfm"});
+  node.allow_only(
+      {"kind", "step", "iterations", "erp", "cfm", "solver", "order", "d_max", "v_max", "budget", "impact"});
   engine.name = read_name(node.get("kind"));
   if (const auto step = node.find("step")) engine.step = step->one_of({"world", "quick"});
   if (const auto count = node.find("iterations"))
     engine.iterations = static_cast<int>(count->integer(1, 100'000));
   engine.erp = node.number_or("erp", engine.erp, {0.0, 1.0});
   engine.cfm = node.number_or("cfm", engine.cfm, {1e-9, 1e6});
+  if (const auto solver = node.find("solver")) engine.solver = solver->one_of({"direct", "iterate"});
+  if (const auto order = node.find("order")) engine.order = read_order(*order);
+  engine.d_max = node.number_or("d_max", engine.d_max, {0.0, 1.0, true});
+  engine.v_max = node.number_or("v_max", engine.v_max, {0.0, 1e6, true});
+  if (const auto budget = node.find("budget")) engine.budget = static_cast<int>(budget->integer(1, 100'000));
+  if (const auto impact = node.find("impact")) engine.impact = impact->one_of({"newton", "poisson"});
   return engine;
 }
 

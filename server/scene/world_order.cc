@@ -2,18 +2,19 @@
 #include <queue>
 
 #include "server/scene/joints.h"
+#include "server/world/joint_kinds.h"
 
 namespace visum::scene {
 namespace {
 
 using world::Joint;
 
-// The joint that carries each body (its first one); -1: none.
+// The joint that carries each body (its first one that does); -1: none.
 std::vector<int> carrying_joints(const world::WorldModel& world) {
   std::vector<int> carrying(world.bodies.size(), -1);
   for (std::size_t i = 0; i < world.joints.size(); ++i) {
     int& joint = carrying[world.joints[i].child.index()];
-    if (joint < 0) joint = static_cast<int>(i);
+    if (joint < 0 && world::carries(world.joints[i].kind)) joint = static_cast<int>(i);
   }
   return carrying;
 }

@@ -17,6 +17,10 @@ std::string engine_fault(const EngineSetting& engine) {
   if (engine.iterations < 1 || engine.iterations > kMaxIterations) return "needs 1 to 100000 iterations";
   if (!is_in_range(engine.erp, 0.0, 1.0)) return "needs an erp from 0 to 1";
   if (!is_in_range(engine.cfm, kMinCfm, kMaxMagnitude)) return "needs a cfm of at least 1e-9";
+  if (engine.order != 2 && engine.order != 4 && engine.order != 6) return "needs an order of 2, 4 or 6";
+  if (!is_in_range(engine.d_max, 0.0, 1.0)) return "needs a d_max from 0 to 1";
+  if (!is_in_range(engine.v_max, 0.0, kMaxMagnitude)) return "needs a v_max from 0 to 1e6";
+  if (engine.budget < 1 || engine.budget > kMaxIterations) return "needs a budget of 1 to 100000";
   return "";
 }
 

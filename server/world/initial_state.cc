@@ -1,3 +1,4 @@
+#include "server/world/joint_kinds.h"
 #include "server/world/joint_tree.h"
 #include "server/world/world_state.h"
 
@@ -11,14 +12,16 @@ Pose joint_motion(const Joint& joint) {
               Eigen::Quaterniond(Eigen::AngleAxisd(joint.initial_position, joint.axis_J))};
     case JointKind::kSlider:
       return {joint.initial_position * joint.axis_J, Eigen::Quaterniond::Identity()};
-    case JointKind::kFixed:
-      break;
+    case JointKind::kScrew:
+      return {screw_lift(joint, joint.initial_position) * joint.axis_J,
+              Eigen::Quaterniond(Eigen::AngleAxisd(joint.initial_position, joint.axis_J))};
+    default:
+      return {};
   }
-  return {};
 }
 
 bool moves_its_child(const Joint& joint) {
-  return joint.kind != JointKind::kFixed && joint.initial_position != 0.0;
+  return is_drivable(joint.kind) && joint.initial_position != 0.0;
 }
 
 // Where the links stand once the initial positions are in force: each joint passes on to its child the
@@ -48,6 +51,12 @@ BodyState body_state(const Body& body, const Pose& X_WB) {
   return {X_WB.p + p_BC_W, X_WB.q, body.v_WB + body.w_WB.cross(p_BC_W), body.w_WB};
 }
 
+// A curve may come near itself: which of its places is meant is settled here, and followed from then on.
+double start_position(const Joint& joint) {
+  if (joint.kind == JointKind::kPointOnCurve) return joint.curve_J.nearest(Eigen::Vector3d::Zero());
+  return joint.initial_position;
+}
+
 }  // namespace
 
 WorldState initial_state(const WorldModel& model) {
@@ -58,7 +67,7 @@ WorldState initial_state(const WorldModel& model) {
     state.bodies.push_back(body_state(model.bodies[i], {links[i].p, links[i].q.normalized()}));
   state.joints.resize(model.joints.size());
   for (std::size_t i = 0; i < model.joints.size(); ++i)
-    state.joints[i].position = model.joints[i].initial_position;
+    state.joints[i].position = start_position(model.joints[i]);
   state.engines.resize(model.engines.size());
   measure_joints(model, state);
   return state;

@@ -1,4 +1,5 @@
-// The tree that joints make of bodies. A body's first joint carries it; a second one closes a loop.
+// The tree that joints make of bodies. A body's first joint that carries (joint_kinds.h) carries it;
+// a second one closes a loop.
 #pragma once
 
 #include <vector>

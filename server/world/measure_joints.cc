@@ -1,6 +1,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/world/joint_kinds.h"
 #include "server/world/world_state.h"
 
 namespace visum::world {
@@ -23,7 +24,12 @@ Side side_of(const WorldModel& model, const WorldState& state, BodyId id, const 
   return {X_WJ, motion.v_WC + motion.w_WB.cross(X_WJ.p - motion.p_WC), motion.w_WB};
 }
 
-void measure_hinge(const Joint& joint, const Side& parent, const Side& child, JointState& state) {
+// Of the child's J origin against the parent, in W.
+Eigen::Vector3d relative_velocity(const Side& parent, const Side& child) {
+  return child.v_WJ - parent.v_WJ - parent.w_W.cross(child.X_WJ.p - parent.X_WJ.p);
+}
+
+void measure_angle(const Joint& joint, const Side& parent, const Side& child, JointState& state) {
   const Eigen::Quaterniond turned = parent.X_WJ.q.conjugate() * child.X_WJ.q;
   const double angle = 2.0 * std::atan2(joint.axis_J.dot(turned.vec()), turned.w());
   // The nearest of the angles that look the same: a tick turns by far less than half a turn.
@@ -31,11 +37,45 @@ void measure_hinge(const Joint& joint, const Side& parent, const Side& child, Jo
   state.velocity = (parent.X_WJ.q * joint.axis_J).dot(child.w_W - parent.w_W);
 }
 
-void measure_slider(const Joint& joint, const Side& parent, const Side& child, JointState& state) {
+void measure_distance(const Joint& joint, const Side& parent, const Side& child, JointState& state) {
   const Eigen::Vector3d axis_W = parent.X_WJ.q * joint.axis_J;
-  const Eigen::Vector3d offset = child.X_WJ.p - parent.X_WJ.p;
-  state.position = axis_W.dot(offset);
-  state.velocity = axis_W.dot(child.v_WJ - parent.v_WJ - parent.w_W.cross(offset));
+  state.position = axis_W.dot(child.X_WJ.p - parent.X_WJ.p);
+  state.velocity = axis_W.dot(relative_velocity(parent, child));
+}
+
+void measure_length(const Side& parent, const Side& child, JointState& state) {
+  const Eigen::Vector3d along = child.X_WJ.p - parent.X_WJ.p;
+  state.position = along.norm();
+  state.velocity = state.position > 0.0 ? along.dot(relative_velocity(parent, child)) / state.position : 0.0;
+}
+
+void measure_place(const Joint& joint, const Side& parent, const Side& child, JointState& state) {
+  const Eigen::Quaterniond to_J = parent.X_WJ.q.conjugate();
+  state.position = joint.curve_J.nearest(to_J * (child.X_WJ.p - parent.X_WJ.p), state.position);
+  const Eigen::Vector3d tangent = joint.curve_J.at(state.position).tangent;
+  state.velocity = tangent.dot(to_J * relative_velocity(parent, child)) / tangent.squaredNorm();
+}
+
+void measure(const Joint& joint, const Side& parent, const Side& child, JointState& state) {
+  switch (joint.kind) {
+    case JointKind::kHinge:
+    case JointKind::kScrew:
+    case JointKind::kTorsionSpring:
+      return measure_angle(joint, parent, child, state);
+    case JointKind::kSlider:
+    case JointKind::kPointOnLine:
+      return measure_distance(joint, parent, child, state);
+    case JointKind::kSpring:
+      return measure_length(parent, child, state);
+    case JointKind::kPointOnCurve:
+      return measure_place(joint, parent, child, state);
+    case JointKind::kFixed:
+    case JointKind::kBall:
+    case JointKind::kUniversal:
+    case JointKind::kCylindrical:
+    case JointKind::kPointOnPlane:
+      state.position = state.velocity = 0.0;
+  }
 }
 
 }  // namespace
@@ -43,19 +83,8 @@ void measure_slider(const Joint& joint, const Side& parent, const Side& child, J
 void measure_joints(const WorldModel& model, WorldState& state) {
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     const Joint& joint = model.joints[i];
-    const Side parent = side_of(model, state, joint.parent, joint.X_PJ);
-    const Side child = side_of(model, state, joint.child, joint.X_CJ);
-    switch (joint.kind) {
-      case JointKind::kHinge:
-        measure_hinge(joint, parent, child, state.joints[i]);
-        break;
-      case JointKind::kSlider:
-        measure_slider(joint, parent, child, state.joints[i]);
-        break;
-      case JointKind::kFixed:
-        state.joints[i].position = state.joints[i].velocity = 0.0;
-        break;
-    }
+    measure(joint, side_of(model, state, joint.parent, joint.X_PJ),
+            side_of(model, state, joint.child, joint.X_CJ), state.joints[i]);
   }
 }
 

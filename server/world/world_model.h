@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "server/world/curve.h"
 #include "server/world/ids.h"
 
 namespace visum::world {
@@ -54,6 +55,8 @@ struct Shape {
   SurfaceId surface;
   bool collides = true;  // false: only to be looked at
   std::array<double, 4> color{0.7, 0.7, 0.7, 1.0};
+  std::int32_t material =
+      -1;  // how it looks, for viewers: index into the scene's materials; -1: its colour alone
 };
 
 struct Body {
@@ -69,10 +72,25 @@ struct Body {
   Eigen::Vector3d w_WB = Eigen::Vector3d::Zero();       // initial angular velocity, in W
 };
 
-enum class JointKind { kFixed, kHinge, kSlider };
+// What each kind holds and leaves free is in joint_kinds.h.
+enum class JointKind {
+  kFixed,
+  kHinge,
+  kSlider,
+  kBall,
+  kUniversal,
+  kCylindrical,
+  kScrew,
+  kPointOnPlane,
+  kPointOnLine,
+  kPointOnCurve,
+  kSpring,
+  kTorsionSpring
+};
 
 // The child moves against the parent about (hinge) or along (slider) axis_J. At position 0 the frame J seen
-// from the parent (X_PJ) and seen from the child (X_CJ) is the same in W.
+// from the parent (X_PJ) and seen from the child (X_CJ) is the same in W. A spring runs from X_PJ.p to
+// X_CJ.p.
 struct Joint {
   std::string name;  // "arm/joint_3"
   JointKind kind = JointKind::kHinge;
@@ -81,22 +99,34 @@ struct Joint {
   Pose X_PJ;                                          // in the parent's B frame, or in W
   Pose X_CJ;                                          // in the child's B frame
   Eigen::Vector3d axis_J = Eigen::Vector3d::UnitZ();  // unit
+  Eigen::Vector3d axis2_J =
+      Eigen::Vector3d::UnitX();  // universal: of the child, unit, perpendicular to axis_J
+  double pitch_m = 0.0;          // screw: along the axis per turn
+  Curve curve_J;                 // point on curve: in the parent's J
+  double stiffness = 0.0;        // springs: N/m or N·m/rad
+  double rest = 0.0;             // springs: length or angle without a load
   bool limited = false;
   double lower = 0.0;  // mechanical stops
   double upper = 0.0;
   double stop_restitution = 0.0;
   double friction = 0.0;  // constant, N·m or N; of a joint that no part drives
-  double damping = 0.0;   // N·m·s/rad or N·s/m; of a joint that no part drives
+  double damping = 0.0;   // N·m·s/rad or N·s/m; of a joint that no part drives, and of a spring
   double initial_position = 0.0;
 };
 
 // Settings of one engine instance, as the scene gives them.
 struct EngineSetting {
-  std::string name;            // row of the engine table, "ode"
-  std::string step = "world";  // ode: "world" (dWorldStep) or "quick" (QuickStep)
-  int iterations = 20;         // ode quick
-  double erp = 0.2;            // ode: share of a joint's error corrected per step
-  double cfm = 1e-9;           // ode: softness; >= 1e-9 keeps contradictory joints solvable
+  std::string name;               // row of the engine table, "ode"
+  std::string step = "world";     // ode: "world" (dWorldStep) or "quick" (QuickStep)
+  int iterations = 20;            // ode quick
+  double erp = 0.2;               // ode: share of a joint's error corrected per step
+  double cfm = 1e-9;              // ode: softness; >= 1e-9 keeps contradictory joints solvable
+  std::string solver = "direct";  // impulse: "direct" (all joints of a mechanism at once) or "iterate"
+  int order = 2;                  // impulse: of the step's error, 2, 4 or 6
+  double d_max = 0.0;             // impulse: gap that a joint may have, m and rad; 0: what suits the order
+  double v_max = 1e-4;            // impulse iterate: relative velocity that a joint may have, m/s and rad/s
+  int budget = 100;               // impulse iterate: corrections of each joint per tick
+  std::string impact = "newton";  // impulse: "newton" or "poisson", what restitution means
 };
 
 struct WorldModel {

@@ -22,8 +22,9 @@ struct BodyState {
   Eigen::Vector3d w_WB;     // rad/s, in W
 };
 
+// Of a joint with one coordinate (joint_kinds.h); else all zero.
 struct JointState {
-  double position = 0.0;  // rad or m, unwrapped
+  double position = 0.0;  // rad or m, unwrapped; along a curve: its parameter
   double velocity = 0.0;
   double effort = 0.0;  // what the joint's drive transmitted in the last tick (hwparts/joint.h)
 };

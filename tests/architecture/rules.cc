@@ -45,7 +45,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"protocol/visum.pb.h", {"protocol", "tests"}},
     {"visum.pb.h", {"protocol", "tests"}},
     {"boost/asio", {"protocol", "server/gateway", "tests"}},
-    {"boost/beast", {"server/gateway", "tests"}},
+    {"boost/beast", {"protocol", "tests"}},
     {"boost/lockfree/", {"server/gateway", "server/cycle", "tests"}},
     {"yaml-cpp/", {"protocol/config", "tests"}},
     {"urdf_parser/", {"clients/examples", "tests"}},
@@ -59,6 +59,12 @@ const std::vector<ThirdParty> kThirdParties = {
     {"gtest/", {"tests"}},
     {"gmock/", {"tests"}},
     {"benchmark/", {"tests"}},
+    {"BulletDynamics/", {"tests/bench/peers"}},
+    {"btBulletDynamicsCommon.h", {"tests/bench/peers"}},
+    {"dart/", {"tests/bench/peers"}},
+    {"kdl/", {"tests/bench/peers"}},
+    {"mujoco/", {"tests/bench/peers"}},
+    {"Simbody.h", {"tests/bench/peers"}},
     {"sanitizer/", {"tests"}},
     {"visum/visum.h", {"tests/install/outside"}},  // ours, as installed
 };

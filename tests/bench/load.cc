@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <cstdio>
+#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -25,6 +26,7 @@ struct Options {
   int observers = 64;
   double hz = 100.0;
   double seconds = 60.0;
+  std::string json;  // a file; empty: none
 };
 
 struct Observed {
@@ -74,26 +76,63 @@ Observed observe(const Options& options, std::vector<Connection>& observers, con
   return observed;
 }
 
-// Writes a vector each period and waits for the tick. Returns how many writes the server took.
-std::uint64_t control(Connection& client, const Options& options, bench::Percentiles& round_trips) {
+struct Controlled {
+  std::uint64_t commands = 0;
+  std::uint64_t lost = 0;  // taken by the server, and not in force after the period
+};
+
+// Writes a vector each period, waits for the period to pass, and looks whether it is in force.
+void control(Connection& client, const Options& options, bench::Percentiles& round_trips,
+             Controlled& controlled) {
   const auto ticks = static_cast<std::int64_t>(period_ticks(client, options.hz));
   const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                         std::chrono::duration<double>(options.seconds));
   const auto start = client.request_as<PartSample>(Read{options.part}).controller_inputs;
-  std::uint64_t sequence = 0;
   while (Clock::now() < until) {
     auto angles = std::vector(start.begin(), start.begin() + 7);
-    angles[0] += 1e-3 * static_cast<double>(++sequence % 100);
+    angles[0] += 1e-3 * static_cast<double>(++controlled.commands % 100);
     const auto sent = Clock::now();
-    client.request_as<Ok>(Write{options.part, 0, angles, sequence});
+    client.request_as<Ok>(Write{options.part, 0, angles, controlled.commands});
     round_trips.add(Clock::now() - sent);
     client.request_as<Advanced>(Advance{ticks});
     const auto in_force = client.request_as<PartSample>(Read{options.part}).controller_inputs;
-    if (in_force[0] != angles[0])
-      std::printf("command %lu is not in force\n", static_cast<unsigned long>(sequence)), sequence = 0;
-    if (sequence == 0) return 0;
+    if (in_force[0] != angles[0]) ++controlled.lost;
   }
-  return sequence;
+}
+
+using Figures = std::vector<std::pair<const char*, double>>;
+
+Figures figures_of(const Options& options, const Observed& observed, const Controlled& controlled,
+                   bench::Percentiles& round_trips, bench::Percentiles& gaps, const ServerStatus& status) {
+  const auto number = [](auto value) { return static_cast<double>(value); };
+  return {{"observers", number(options.observers)},
+          {"hz", options.hz},
+          {"seconds", options.seconds},
+          {"disconnects", number(observed.disconnects)},
+          {"samples", number(observed.samples)},
+          {"conflated_max", number(observed.conflated)},
+          {"commands", number(controlled.commands)},
+          {"commands_lost", number(controlled.lost)},
+          {"write_p50_us", round_trips.at(0.5)},
+          {"write_p99_us", round_trips.at(0.99)},
+          {"write_max_us", round_trips.at(1.0)},
+          {"sample_gap_p50_us", gaps.at(0.5)},
+          {"sample_gap_p99_us", gaps.at(0.99)},
+          {"sample_gap_max_us", gaps.at(1.0)},
+          {"ticks", number(status.tick)},
+          {"overruns", number(status.overruns)},
+          {"lateness_p50_us", number(status.lateness_p50_ns) * 1e-3},
+          {"lateness_p99.9_us", number(status.lateness_p999_ns) * 1e-3},
+          {"lateness_max_us", number(status.lateness_max_ns) * 1e-3}};
+}
+
+void write_json(const std::string& path, const Figures& figures) {
+  std::ofstream file(path);
+  file << "{";
+  for (const auto& [name, value] : figures)
+    file << (name == figures.front().first ? "" : ", ") << '"' << name << "\": " << value;
+  file << "}\n";
+  if (!file.flush()) throw std::runtime_error("cannot write '" + path + "'");
 }
 
 int run(const Options& options) {
@@ -109,11 +148,13 @@ int run(const Options& options) {
   bench::Percentiles gaps(expected * observers.size() * 2), round_trips(expected * 2);
   Observed observed;
   std::thread watching([&] { observed = observe(options, observers, ended, gaps); });
-  std::uint64_t commands = 0;
+  Controlled controlled;
+  bool controller_stayed = true;
   try {
-    commands = control(controller, options, round_trips);
+    control(controller, options, round_trips, controlled);
   } catch (const std::exception& error) {
     std::printf("controller: %s\n", error.what());
+    controller_stayed = false;
   }
   ended = true;
   watching.join();
@@ -121,21 +162,10 @@ int run(const Options& options) {
   const auto status = controller.request_as<ServerStatus>(Status{});
   controller.request(Leave{});
   controller.request(ReleaseLease{options.part});
-  std::printf("observers %d at %.0f Hz, one controller, %.0f s\n", options.observers, options.hz,
-              options.seconds);
-  std::printf("disconnects %d, samples %lu, conflated at most %lu per observer\n", observed.disconnects,
-              static_cast<unsigned long>(observed.samples), static_cast<unsigned long>(observed.conflated));
-  std::printf("commands %lu, lost %s\n", static_cast<unsigned long>(commands), commands ? "none" : "SOME");
-  std::printf("write round trip us: p50 %.1f p99 %.1f max %.1f\n", round_trips.at(0.5), round_trips.at(0.99),
-              round_trips.at(1.0));
-  std::printf("gap between samples us: p50 %.1f p99 %.1f max %.1f\n", gaps.at(0.5), gaps.at(0.99),
-              gaps.at(1.0));
-  std::printf("ticks %ld, overruns %lu, lateness us: p50 %.1f p99.9 %.1f max %.1f\n",
-              static_cast<long>(status.tick), static_cast<unsigned long>(status.overruns),
-              static_cast<double>(status.lateness_p50_ns) * 1e-3,
-              static_cast<double>(status.lateness_p999_ns) * 1e-3,
-              static_cast<double>(status.lateness_max_ns) * 1e-3);
-  return observed.disconnects == 0 && commands > 0 ? 0 : 1;
+  const auto figures = figures_of(options, observed, controlled, round_trips, gaps, status);
+  for (const auto& [name, value] : figures) std::printf("%-24s %.1f\n", name, value);
+  if (!options.json.empty()) write_json(options.json, figures);
+  return controller_stayed && observed.disconnects == 0 && controlled.lost == 0 ? 0 : 1;
 }
 
 }  // namespace
@@ -150,6 +180,7 @@ int main(int argc, char** argv) {
       ->capture_default_str()
       ->check(CLI::Range(1.0, 1000.0));
   app.add_option("--seconds", options.seconds)->capture_default_str()->check(CLI::Range(0.1, 86400.0));
+  app.add_option("--json", options.json, "write the figures to this file, too");
   CLI11_PARSE(app, argc, argv);
   try {
     return run(options);

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "server/scene/scene.h"
-#include "tests/scene/temp_files.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::scene {
 namespace {
@@ -54,6 +54,16 @@ TEST(BadScene, SettingsAreChecked) {
       {"engine: {kind: ode, cfm: 0}", "2: engine.cfm: must be between 1e-09 and 1e+06, is 0"},
       {"engine: {kind: ode, iterations: 0}",
        "2: engine.iterations: must be a whole number between 1 and 100000, is 0"},
+      {"engine: {kind: impulse, solver: fast}",
+       "2: engine.solver: must be one of direct, iterate, is 'fast'"},
+      {"engine: {kind: impulse, order: 3}", "2: engine.order: must be 2, 4 or 6, is 3"},
+      {"engine: {kind: impulse, d_max: 0}", "2: engine.d_max: must be greater than 0 and at most 1, is 0"},
+      {"engine: {kind: impulse, v_max: -1}",
+       "2: engine.v_max: must be greater than 0 and at most 1e+06, is -1"},
+      {"engine: {kind: impulse, budget: 0}",
+       "2: engine.budget: must be a whole number between 1 and 100000, is 0"},
+      {"engine: {kind: impulse, impact: hard}",
+       "2: engine.impact: must be one of newton, poisson, is 'hard'"},
       {"engines: {default: ode}",
        "2: engines.default: this name stands for the scene's 'engine', choose another"},
       {"surfaces: {wood: {friction: -0.1}}",
@@ -161,7 +171,9 @@ TEST(BadScene, JointsAreChecked) {
       {joint("type: hinge, parent: a, child: b"), "3: joints[0]: key 'axis' is missing"},
       {joint("type: hinge, parent: a, child: b, axis: [0, 0, 0]"), "3: joints[0].axis: must not be zero"},
       {joint("type: hing, parent: a, child: b"),
-       "3: joints[0].type: must be one of hinge, slider, fixed, is 'hing'; did you mean 'hinge'?"},
+       "3: joints[0].type: must be one of fixed, hinge, slider, ball, universal, cylindrical, screw, "
+       "point_on_plane, point_on_line, point_on_curve, spring, torsion_spring, is 'hing'; did you mean "
+       "'hinge'?"},
       {joint("type: fixed, parent: a, child: c"),
        "3: joints[0].child: there is no body called 'c'; did you mean 'a'?"},
       {joint("type: fixed, parent: a, child: a"), "3: joints[0].child: is the same body as the parent"},
@@ -175,6 +187,23 @@ TEST(BadScene, JointsAreChecked) {
        "3: joints[0].position: must be within the joint's limits, is 2"},
       {joint("type: hinge, child: b, axis: [1, 0, 0], friction: -1"),
        "3: joints[0].friction: must be between 0 and 1e+06, is -1"},
+      {joint("type: ball, child: b, axis: [1, 0, 0]"),
+       "3: joints[0].axis: means nothing for a joint of type ball"},
+      {joint("type: cylindrical, child: b, axis: [1, 0, 0], limits: [0, 1]"),
+       "3: joints[0].limits: means nothing for a joint of type cylindrical"},
+      {joint("type: hinge, child: b, axis: [1, 0, 0], pitch: 1"),
+       "3: joints[0].pitch: means nothing for a joint of type hinge"},
+      {joint("type: screw, child: b, axis: [1, 0, 0]"), "3: joints[0]: key 'pitch' is missing"},
+      {joint("type: universal, child: b, axis: [1, 0, 0], axis2: [1, 1, 0]"),
+       "3: joints[0].axis2: must be perpendicular to 'axis'"},
+      {joint("type: point_on_curve, child: b, points: [[0, 0, 0]]"),
+       "3: joints[0].points: must be at least 2 points, neighbours apart"},
+      {joint("type: point_on_curve, child: b, points: [[0, 1, 0], [2, 1, 0]]"),
+       "3: joints[0]: joint 'j' has a curve that does not pass through the joint's place"},
+      {joint("type: spring, child: b, child_point: [0, 0, 0], stiffness: 1, rest: -1"),
+       "3: joints[0].rest: must be between 0 and 1e+06, is -1"},
+      {joint("type: torsion_spring, child: b, axis: [1, 0, 0], stiffness: -1, rest: 0"),
+       "3: joints[0].stiffness: must be between 0 and 1e+12, is -1"},
       {joint("type: fixed, child: b}, {name: j, type: fixed, child: a"),
        "3: joints[1]: there is already a joint 'j' (s.yaml:3)"},
       {joint("type: fixed, parent: a, child: b}, {name: k, type: fixed, parent: b, child: a"),

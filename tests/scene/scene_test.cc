@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "server/world/world_state.h"
-#include "tests/scene/temp_files.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::scene {
 namespace {
@@ -185,6 +185,43 @@ TEST(Scene, JointsAreTheSameFrameFromBothSides) {
   EXPECT_TRUE(from_parent.p.isApprox(Eigen::Vector3d(1.5, 0.1, 0.5)));
   EXPECT_TRUE(from_parent.p.isApprox(from_child.p));
   EXPECT_NEAR(from_parent.q.angularDistance(from_child.q), 0, 1e-9);
+}
+
+TEST(Scene, EveryKindOfJointIsRead) {
+  const Scene scene = load_text(
+      "visum: 1\nbodies: [{name: a, mass: 1, shapes: [{sphere: 1}]}, {name: b, mass: 1, pose: {xyz: [0, 0, "
+      "1]},"
+      " shapes: [{sphere: 1}]}]\njoints:\n"
+      "- {name: ball, type: ball, child: a}\n"
+      "- {name: universal, type: universal, child: b, axis: [0, 0, 2], axis2: [0, 3, 0]}\n"
+      "- {name: cylindrical, type: cylindrical, child: b, axis: [1, 0, 0]}\n"
+      "- {name: screw, type: screw, child: b, axis: [1, 0, 0], pitch: -0.005, limits: [0, 9], position: 2}\n"
+      "- {name: plane, type: point_on_plane, child: b, axis: [0, 1, 0]}\n"
+      "- {name: line, type: point_on_line, child: b, axis: [0, 1, 0]}\n"
+      "- {name: curve, type: point_on_curve, child: b, closed: true, points: [[0, 0, 0], [1, 0, 0], [1, 1, "
+      "0]]}\n"
+      "- {name: spring, type: spring, parent: a, child: b, pose: {xyz: [1, 0, 0]}, child_point: [0, 1, 0],"
+      " stiffness: 100, rest: 0.5, damping: 2}\n"
+      "- {name: twist, type: torsion_spring, child: b, axis: [1, 0, 0], stiffness: 3, rest: -1}\n");
+  const auto joint = [&](const char* name) {
+    return scene.world.joints[scene.world.find_joint(name).index()];
+  };
+  EXPECT_EQ(joint("ball").kind, JointKind::kBall);
+  EXPECT_EQ(joint("universal").axis_J, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(joint("universal").axis2_J, Eigen::Vector3d::UnitY());
+  EXPECT_EQ(joint("cylindrical").kind, JointKind::kCylindrical);
+  EXPECT_EQ(joint("screw").pitch_m, -0.005);
+  EXPECT_EQ(joint("screw").initial_position, 2.0);
+  EXPECT_EQ(joint("plane").kind, JointKind::kPointOnPlane);
+  EXPECT_EQ(joint("line").kind, JointKind::kPointOnLine);
+  EXPECT_TRUE(joint("curve").curve_J.closed());
+  EXPECT_NEAR(joint("curve").curve_J.length(), 2.0 + std::sqrt(2.0), 1e-12);
+  EXPECT_EQ(joint("spring").X_PJ.p, Eigen::Vector3d(1, 0, 0));
+  EXPECT_EQ(joint("spring").X_CJ.p, Eigen::Vector3d(0, 1, 0));
+  EXPECT_EQ(joint("spring").stiffness, 100.0);
+  EXPECT_EQ(joint("spring").damping, 2.0);
+  EXPECT_EQ(joint("twist").rest, -1.0);
+  EXPECT_TRUE(scene.world.no_collision.empty()) << "a spring does not keep two bodies apart";
 }
 
 TEST(Scene, WhatAJointConnectsNeverCollides) {

@@ -146,6 +146,35 @@ const std::vector<Spoilt> kSpoilt{
     {"JointFrictionNegative", [](WorldModel& m) { m.joints[0].friction = -1; },
      "joint 'hinge' needs a friction"},
     {"JointDampingNan", [](WorldModel& m) { m.joints[0].damping = kNan; }, "joint 'hinge' needs a damping"},
+    {"SecondAxisAskew",
+     [](WorldModel& m) {
+       m.joints[0].kind = JointKind::kUniversal;
+       m.joints[0].axis2_J = Eigen::Vector3d(1, 0, 1).normalized();
+     },
+     "joint 'hinge' has axes that are not perpendicular"},
+    {"PitchNan",
+     [](WorldModel& m) {
+       m.joints[0].kind = JointKind::kScrew;
+       m.joints[0].pitch_m = kNan;
+     },
+     "joint 'hinge' needs a pitch"},
+    {"CurveMissing", [](WorldModel& m) { m.joints[0].kind = JointKind::kPointOnCurve; },
+     "joint 'hinge' needs a curve"},
+    {"SpringNegative",
+     [](WorldModel& m) {
+       m.joints[0].kind = JointKind::kSpring;
+       m.joints[0].stiffness = -1;
+     },
+     "joint 'hinge' needs a stiffness"},
+    {"StopsOfABall",
+     [](WorldModel& m) {
+       m.joints[0].kind = JointKind::kBall;
+       m.joints[0].limited = true;
+     },
+     "joint 'hinge' has stops"},
+    {"OrderOdd", [](WorldModel& m) { m.engines[0].order = 3; }, "engine 'ode' needs an order"},
+    {"DMaxNan", [](WorldModel& m) { m.engines[0].d_max = kNan; }, "engine 'ode' needs a d_max"},
+    {"BudgetZero", [](WorldModel& m) { m.engines[0].budget = 0; }, "engine 'ode' needs a budget"},
     {"JointsChildrenFirst", [](WorldModel& m) { std::swap(m.joints[0], m.joints[1]); },
      "joint 'hinge' stands after a joint below it"},
     {"JointsInACircle", [](WorldModel& m) { m.joints[0].parent = {2}; },

@@ -121,6 +121,87 @@ TEST(MeasureJoints, ASlidersVelocityIsTheRateOfItsPositionWhileItsParentTumbles)
   EXPECT_NEAR(move(1.3).velocity, rate, 1e-12);
 }
 
+TEST(MeasureJoints, AScrewIsCarriedAlongItsAxisByItsInitialAngle) {
+  WorldModel model = good_model();
+  model.joints[1].kind = JointKind::kScrew;
+  model.joints[1].pitch_m = 0.01;
+  model.joints[1].initial_position = 7.0 * kPi;
+  const WorldState state = initial_state(model);
+  EXPECT_LT((pose_of(model, state, 2).p - Eigen::Vector3d(2, 0, 0.035)).norm(), 1e-12);
+  EXPECT_NEAR(state.joints[1].position, 7.0 * kPi, 1e-9);
+}
+
+TEST(MeasureJoints, ASpringMeasuresItsLengthAndHowFastItGrows) {
+  WorldModel model = good_model();
+  model.joints[1].kind = JointKind::kSpring;
+  model.joints[1].X_CJ.p = {0, 0, 2};  // from (1, 0, 0) of link_1, at x = 1, to (0, 0, 2) of link_2, at x = 2
+  WorldState state = initial_state(model);
+  EXPECT_NEAR(state.joints[1].position, 2.0, 1e-15);
+  state.bodies[2].v_WC = {5, 0, 3};
+  measure_joints(model, state);
+  EXPECT_NEAR(state.joints[1].velocity, 3.0, 1e-15);
+}
+
+TEST(MeasureJoints, AJointWithoutACoordinateMeasuresNothing) {
+  for (const JointKind kind : {JointKind::kBall, JointKind::kUniversal, JointKind::kCylindrical}) {
+    WorldModel model = good_model();
+    model.joints[0].kind = kind;
+    WorldState state = initial_state(model);
+    turn(state, 1.0);
+    measure_joints(model, state);
+    EXPECT_EQ(state.joints[0].position, 0.0);
+  }
+}
+
+TEST(MeasureJoints, APointOnACurveIsFollowedRoundAndRound) {
+  WorldModel model = good_model();
+  Joint& joint = model.joints[1];
+  joint.kind = JointKind::kPointOnCurve;
+  joint.curve_J = Curve({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, true);
+  WorldState state = initial_state(model);
+  const Eigen::Vector3d start = state.bodies[2].p_WC;
+  for (int i = 1; i <= 250; ++i) {
+    const Curve::Place place = joint.curve_J.at(0.04 * i);
+    state.bodies[2].p_WC = start + place.p;
+    state.bodies[2].v_WC = 3.0 * place.tangent;
+    measure_joints(model, state);
+    ASSERT_NEAR(state.joints[1].position, 0.04 * i, 1e-9);
+    ASSERT_NEAR(state.joints[1].velocity, 3.0, 1e-9);
+  }
+}
+
+TEST(Curve, PassesThroughItsPointsWithContinuousCurvature) {
+  const std::vector<Eigen::Vector3d> points{{0, 0, 0}, {1, 0, 0}, {1, 2, 0}, {0, 1, 1}};
+  for (const bool closed : {false, true}) {
+    const Curve curve(points, closed);
+    double u = 0.0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      EXPECT_LT((curve.at(u).p - points[i]).norm(), 1e-12);
+      const Curve::Place before = curve.at(u - 1e-9), after = curve.at(u + 1e-9);
+      EXPECT_LT((after.tangent - before.tangent).norm(), 1e-7);
+      EXPECT_LT((after.bend - before.bend).norm(), 1e-6);
+      if (i + 1 < points.size()) u += (points[i + 1] - points[i]).norm();
+    }
+  }
+}
+
+TEST(Curve, ItsDerivativesAreThoseOfItsPlaces) {
+  const Curve curve({{0, 0, 0}, {1, 0, 0}, {1, 2, 0}, {0, 1, 1}}, true);
+  for (const double u : {0.3, 1.7, 4.0, 5.5, -0.4, 9.0}) {
+    const double e = 1e-5;
+    const Curve::Place before = curve.at(u - e), here = curve.at(u), after = curve.at(u + e);
+    EXPECT_LT(((after.p - before.p) / (2.0 * e) - here.tangent).norm(), 1e-8);
+    EXPECT_LT(((after.tangent - before.tangent) / (2.0 * e) - here.bend).norm(), 1e-6);
+  }
+}
+
+TEST(Curve, ThatIsNoneIsEmpty) {
+  EXPECT_TRUE(Curve({{0, 0, 0}}, false).empty());
+  EXPECT_TRUE(Curve({{0, 0, 0}, {0, 0, 0}}, false).empty());
+  EXPECT_TRUE(Curve({{0, 0, 0}, {1, 0, 0}}, true).empty());
+  EXPECT_TRUE(Curve({{0, 0, 0}, {1, 0, 0}, {0, 0, 0}}, true).empty());
+}
+
 TEST(MeasureJoints, AFixedJointMeasuresNothing) {
   WorldModel model = good_model();
   model.joints[0].kind = JointKind::kFixed;

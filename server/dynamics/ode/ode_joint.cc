@@ -1,8 +1,11 @@
 #include "server/dynamics/ode/ode_joint.h"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 
 #include "server/dynamics/ode/ode_stops.h"
+#include "server/world/joint_kinds.h"
 
 namespace visum::dynamics::ode {
 namespace {
@@ -34,38 +37,57 @@ OdeJoint::OdeJoint(OdeWorld& world, const world::WorldModel& model, world::Joint
   const world::Pose X_WJ = joint_frame(model, model_);
   if (!is_ground(model, model_.parent)) world.place_link(model_.parent, X_WJ * model_.X_PJ.inverse());
   world.place_link(model_.child, X_WJ * model_.X_CJ.inverse());
-  const Eigen::Vector3d axis_W = X_WJ.q * model_.axis_J;
-  make_joint(world);
-  switch (model_.kind) {
-    case world::JointKind::kFixed:
-      dJointSetFixed(joint_);
-      return;
-    case world::JointKind::kHinge:
-      dJointSetHingeAnchor(joint_, X_WJ.p.x(), X_WJ.p.y(), X_WJ.p.z());
-      dJointSetHingeAxis(joint_, axis_W.x(), axis_W.y(), axis_W.z());
-      break;
-    case world::JointKind::kSlider:
-      dJointSetSliderAxis(joint_, axis_W.x(), axis_W.y(), axis_W.z());
-      break;
-  }
+  joint_ = make_joint(world);
+  // The child is ODE's first body, so that positive is the child's motion against the parent.
+  dJointAttach(joint_, world.body(model_.child), world.body(model_.parent));
+  place_joint(X_WJ);
+  if (!world::is_drivable(model_.kind)) return;
   prepare_stops(joint_, model_, setting_);
-  make_motor(world, axis_W);
+  make_motor(world, X_WJ.q * model_.axis_J);
 }
 
-// The child is ODE's first body, so that positive is the child's motion against the parent.
-void OdeJoint::make_joint(OdeWorld& world) {
+dJointID OdeJoint::make_joint(OdeWorld& world) const {
   switch (model_.kind) {
     case world::JointKind::kFixed:
-      joint_ = dJointCreateFixed(world.id(), nullptr);
-      break;
+      return dJointCreateFixed(world.id(), nullptr);
     case world::JointKind::kHinge:
-      joint_ = dJointCreateHinge(world.id(), nullptr);
-      break;
+      return dJointCreateHinge(world.id(), nullptr);
     case world::JointKind::kSlider:
-      joint_ = dJointCreateSlider(world.id(), nullptr);
-      break;
+      return dJointCreateSlider(world.id(), nullptr);
+    case world::JointKind::kBall:
+      return dJointCreateBall(world.id(), nullptr);
+    case world::JointKind::kUniversal:
+      return dJointCreateUniversal(world.id(), nullptr);
+    default:
+      throw std::runtime_error("engine 'ode' has no joint of type " +
+                               std::string(world::info(model_.kind).name) + ", which joint '" + model_.name +
+                               "' is; engine 'impulse' has");
   }
-  dJointAttach(joint_, world.body(model_.child), world.body(model_.parent));
+}
+
+void OdeJoint::place_joint(const world::Pose& X_WJ) const {
+  const Eigen::Vector3d& p = X_WJ.p;
+  const Eigen::Vector3d axis = X_WJ.q * model_.axis_J, axis2 = X_WJ.q * model_.axis2_J;
+  switch (model_.kind) {
+    case world::JointKind::kHinge:
+      dJointSetHingeAnchor(joint_, p.x(), p.y(), p.z());
+      dJointSetHingeAxis(joint_, axis.x(), axis.y(), axis.z());
+      return;
+    case world::JointKind::kSlider:
+      dJointSetSliderAxis(joint_, axis.x(), axis.y(), axis.z());
+      return;
+    case world::JointKind::kBall:
+      dJointSetBallAnchor(joint_, p.x(), p.y(), p.z());
+      return;
+    case world::JointKind::kUniversal:
+      // ODE's first axis belongs to its first body, the child.
+      dJointSetUniversalAnchor(joint_, p.x(), p.y(), p.z());
+      dJointSetUniversalAxis1(joint_, axis2.x(), axis2.y(), axis2.z());
+      dJointSetUniversalAxis2(joint_, axis.x(), axis.y(), axis.z());
+      return;
+    default:
+      dJointSetFixed(joint_);
+  }
 }
 
 void OdeJoint::make_motor(OdeWorld& world, const Eigen::Vector3d& axis_W) {

@@ -25,7 +25,8 @@ class OdeJoint {
   double effort() const;
 
  private:
-  void make_joint(OdeWorld& world);
+  dJointID make_joint(OdeWorld& world) const;
+  void place_joint(const world::Pose& X_WJ) const;
   void make_motor(OdeWorld& world, const Eigen::Vector3d& axis_W);
   void set_row(int row, double velocity, double compliance, double max_effort);
   void add_effort(double effort);
@@ -34,7 +35,7 @@ class OdeJoint {
   const world::EngineSetting& setting_;
   world::JointId id_;
   dJointID joint_ = nullptr;
-  dJointID motor_ = nullptr;                  // null for a fixed joint
+  dJointID motor_ = nullptr;                  // null for a joint without an axis to drive
   std::unique_ptr<dJointFeedback> feedback_;  // ODE keeps its address
   double feedforward_ = 0.0;
   Eigen::Vector3d axis_W_ = Eigen::Vector3d::Zero();  // as of apply()

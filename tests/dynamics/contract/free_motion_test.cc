@@ -78,7 +78,7 @@ TEST(Engines, AnUnknownEngineIsRefusedWithTheNamesOfThoseThereAre) {
     make_engine(model, 0);
     FAIL();
   } catch (const std::runtime_error& error) {
-    EXPECT_STREQ(error.what(), "there is no engine 'bullet'; there are: ode");
+    EXPECT_STREQ(error.what(), "there is no engine 'bullet'; there are: impulse, ode");
   }
 }
 

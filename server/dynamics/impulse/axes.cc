@@ -1,0 +1,147 @@
+// Drives, friction and damping of the joints' axes: hwparts/joint.h in impulses.
+//
+// Symbols: h step, q position at t, q' velocity at t, q'+ velocity at t+h, q~ mean velocity of the
+// look-ahead, c compliance, k = c/h, v* target, L0 L1 L2 impulses of the law when things hit, at t and at
+// t+h.
+//   the law         L0 + L1 + L2 = h clamp((v* - q'+)/c)                             (hwparts/joint.h)
+//   at t            half of it, with q'+ foreseen as 2 q~ - q':  q~ + k (L1 + L0/2) = (v* + q')/2,
+//                   |L1| <= h most/2
+//   at t+h          what is missing:  q'+ + k (L0 + L1 + L2) = v*,  |L0 + L1 + L2| <= h most
+// A rotor geared to the joint is such a law with k = 1/J and v* its own speed (hwparts/drive/gear.h): that q~
+// is taken from the look-ahead lets the rotor feel how the axis' speed changes in free flight. Damping d: the
+// law with v* = 0, c = 1/d, no limit. Dry friction: v* = 0, c = 0, most = friction.
+#include <algorithm>
+#include <cmath>
+
+#include "server/dynamics/impulse/plant.h"
+#include "server/world/joint_kinds.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+constexpr double kAtLimit = 1.0 - 1e-9;  // share of the limit from which on a law starts as a row
+constexpr double kMoves = 1e-9;          // rad/s, m/s: faster, dry friction starts as a row
+
+bool says_nothing(const hwparts::JointDrive& drive) {
+  return drive.max_effort == 0.0 && drive.feedforward == 0.0;
+}
+
+void take_law(Axis& axis, const hwparts::JointDrive& drive, double last_effort) {
+  const bool driven = !says_nothing(drive);
+  axis.target = driven ? drive.target_velocity : 0.0;
+  axis.compliance_s = driven ? drive.compliance : 0.0;
+  axis.most = driven ? drive.max_effort : axis.model->friction;
+  axis.feedforward = drive.feedforward;
+  axis.damping = driven ? 0.0 : axis.model->damping;
+  axis.acts = axis.most > 0.0;
+  axis.boxed =
+      axis.acts && (axis.loop >= 0 || std::abs(last_effort - axis.feedforward) >= kAtLimit * axis.most);
+  if (!driven && std::abs(axis.rate) > kMoves) axis.boxed = axis.acts;
+}
+
+double position(const JointSpec& joint, const JointPose& pose, double near) {
+  return world::info(joint.kind).is_angle ? joint_angle(joint, pose, near) : pose.a.dot(pose.pb - pose.pa);
+}
+
+bool law_in_tree(const Axis& axis) {
+  return axis.acts && !axis.boxed;
+}
+bool damping_in_tree(const Axis& axis) {
+  return axis.damping > 0.0 && !law_in_tree(axis) && axis.node >= 0;
+}
+
+double compliance(const Axis& axis, double h) {
+  return law_in_tree(axis) ? axis.compliance_s / h : 1.0 / (axis.damping * h);
+}
+
+}  // namespace
+
+void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, const world::WorldState& state) {
+  for (Axis& axis : plant.axes) {
+    const world::JointState& joint = state.joints[axis.joint.index()];
+    axis.start = joint.position;
+    axis.rate = joint.velocity;
+    axis.total = 0.0;
+    take_law(axis, drives[axis.joint.index()], joint.effort);
+  }
+}
+
+void measure_axes(Plant& plant) {
+  for (Axis& axis : plant.axes) {
+    const JointSpec& joint = plant.spec(axis);
+    axis.start = position(joint, pose_now(joint, plant.bodies, axis.start), axis.start);
+    axis.rate = plant.rate(axis);
+  }
+}
+
+void measure_ahead(Plant& plant, std::size_t mechanism, double h) {
+  for (Axis& axis : plant.axes_of(mechanism)) {
+    if (!(axis.acts || axis.damping > 0.0 || axis.model->limited)) continue;
+    const JointSpec& joint = plant.spec(axis);
+    const JointPose pose = pose_ahead(joint, plant.bodies, axis.start);
+    axis.mean_rate = (position(joint, pose, axis.start + h * axis.rate) - axis.start) / h;
+    axis.bias = axis.mean_rate - plant.rate(axis);
+  }
+}
+
+void set_tree_axes(Plant& plant, double h) {
+  for (const Axis& axis : plant.axes) {
+    if (axis.node < 0) continue;
+    TreeAxis& tree = plant.mechanisms[axis.mechanism].axes[static_cast<std::size_t>(axis.node)];
+    tree.implicit = law_in_tree(axis) || damping_in_tree(axis);
+    tree.compliance = tree.implicit ? compliance(axis, h) : 0.0;
+  }
+}
+
+double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h) {
+  double largest = 0.0;
+  for (const Axis& axis : plant.axes_of(mechanism)) {
+    if (axis.node < 0) continue;
+    const bool law = law_in_tree(axis);
+    if (!law && !damping_in_tree(axis)) continue;
+    const auto& done = law ? axis.law : axis.damped;
+    const double target = law ? axis.target : 0.0, k = compliance(axis, h);
+    double missing = 0.0;
+    if (moment == kAhead)
+      missing = 0.5 * (target + axis.rate) - axis.mean_rate - k * (done[kAhead] + 0.5 * done[kHit]);
+    if (moment == kAfter)
+      missing = target - plant.rate(axis) - k * (done[kHit] + done[kAhead] + done[kAfter]);
+    plant.mechanisms[mechanism].tree().ask_axis(static_cast<std::size_t>(axis.node), missing);
+    largest = std::max(largest, std::abs(missing));
+  }
+  return largest;
+}
+
+void take_axis_impulses(Plant& plant, std::size_t mechanism, Moment moment) {
+  for (Axis& axis : plant.axes_of(mechanism)) {
+    if (axis.node < 0) continue;
+    const bool law = law_in_tree(axis);
+    if (!law && !damping_in_tree(axis)) continue;
+    const double impulse =
+        plant.mechanisms[mechanism].tree().axis_impulse(static_cast<std::size_t>(axis.node));
+    (law ? axis.law : axis.damped)[moment] += impulse;
+  }
+}
+
+void reset_impulses(Plant& plant) {
+  for (Axis& axis : plant.axes) {
+    axis.law = {};
+    axis.damped = {};
+    axis.stopped = {};
+  }
+}
+
+bool box_saturated(Plant& plant, Moment moment, double h) {
+  bool any = false;
+  for (Axis& axis : plant.axes) {
+    if (!law_in_tree(axis)) continue;
+    const double given =
+        moment == kAhead ? axis.law[kAhead] : axis.law[kHit] + axis.law[kAhead] + axis.law[kAfter];
+    const double most = moment == kAhead ? 0.5 * h * axis.most : h * axis.most;
+    if (std::abs(given) <= most * (1.0 + 1e-12)) continue;
+    axis.boxed = any = true;
+  }
+  return any;
+}
+
+}  // namespace visum::dynamics::impulse

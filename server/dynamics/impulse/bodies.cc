@@ -1,0 +1,109 @@
+#include "server/dynamics/impulse/bodies.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "server/dynamics/impulse/free_flight.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+constexpr double kSameMoment = 1e-12;  // relative: what rounding leaves of a symmetry
+
+bool same(double a, double b) {
+  return std::abs(a - b) <= kSameMoment * std::max(a, b);
+}
+
+void find_symmetry(BodyConstants& body) {
+  const Vector3d& j = body.moments;
+  const bool xy = same(j.x(), j.y()), yz = same(j.y(), j.z()), zx = same(j.z(), j.x());
+  body.symmetry = xy && yz && zx ? Symmetry::kBall : xy || yz || zx ? Symmetry::kTop : Symmetry::kNone;
+  body.axis = xy ? 2 : yz ? 0 : 1;
+}
+
+// A link whose axes are principal already keeps them.
+void find_principal_axes(const Matrix3d& inertia, BodyConstants& body) {
+  Matrix3d off = inertia;
+  off.diagonal().setZero();
+  body.q_BP = Quaterniond::Identity();
+  body.aligned = off.cwiseAbs().maxCoeff() <= kSameMoment * inertia.cwiseAbs().maxCoeff();
+  body.moments = inertia.diagonal();
+  if (body.aligned) return;
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(inertia);
+  Matrix3d axes = solver.eigenvectors();
+  if (axes.determinant() < 0.0) axes.col(2) *= -1.0;
+  body.moments = solver.eigenvalues();
+  body.q_BP = Quaterniond(axes).normalized();
+}
+
+}  // namespace
+
+Bodies::Bodies(const world::WorldModel& model, std::int32_t engine_index)
+    : numbers_(model.bodies.size(), -1) {
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    const world::Body& from = model.bodies[i];
+    if (from.fixed || from.engine != engine_index) continue;
+    numbers_[i] = static_cast<int>(constants.size());
+    BodyConstants body;
+    body.id = {static_cast<std::int32_t>(i)};
+    body.mass = from.mass_kg;
+    body.inverse_mass = 1.0 / from.mass_kg;
+    find_principal_axes(0.5 * (from.inertia_C + from.inertia_C.transpose()), body);
+    body.inverse_moments = body.moments.cwiseInverse();
+    find_symmetry(body);
+    constants.push_back(body);
+  }
+  const std::size_t n = constants.size();
+  for (auto* list : {&x, &v, &w, &x1}) list->assign(n, Vector3d::Zero());
+  for (auto* list : {&q, &q_WB, &q1}) list->assign(n, Quaterniond::Identity());
+  for (auto* list : {&R, &R1, &inertia, &inverse_inertia}) list->assign(n, Matrix3d::Identity());
+}
+
+void Bodies::turn(std::size_t i) {
+  const BodyConstants& body = constants[i];
+  R[i] = q[i].toRotationMatrix();
+  if (body.symmetry == Symmetry::kBall) {
+    inertia[i] = body.moments.asDiagonal();
+    inverse_inertia[i] = body.inverse_moments.asDiagonal();
+    return;
+  }
+  inertia[i].noalias() = R[i] * body.moments.asDiagonal() * R[i].transpose();
+  inverse_inertia[i].noalias() = R[i] * body.inverse_moments.asDiagonal() * R[i].transpose();
+}
+
+void Bodies::load(const world::WorldState& state) {
+  for (std::size_t i = 0; i < size(); ++i) {
+    const world::BodyState& from = state.bodies[constants[i].id.index()];
+    x[i] = from.p_WC;
+    v[i] = from.v_WC;
+    w[i] = from.w_WB;
+    q_WB[i] = from.q_WB;
+    q[i] = constants[i].aligned ? q_WB[i] : q_WB[i] * constants[i].q_BP;
+    turn(i);
+  }
+}
+
+void Bodies::store(world::WorldState& state) const {
+  for (std::size_t i = 0; i < size(); ++i)
+    state.bodies[constants[i].id.index()] = {x[i], q_WB[i], v[i], w[i]};
+}
+
+void Bodies::look_ahead(std::size_t i, double h, const Vector3d& gravity) {
+  x1[i] = x[i] + h * v[i] + (0.5 * h * h) * gravity;
+  q1[i] = fly(constants[i], q[i], R[i], w[i], h);
+  R1[i] = q1[i].toRotationMatrix();
+}
+
+// What is kept from step to step is the link's orientation, so that a restored state goes on with the same
+// bits: P's is made from it here as load() does.
+void Bodies::commit(std::size_t i, double h, const Vector3d& gravity) {
+  const Vector3d momentum = inertia[i] * w[i];
+  x[i] = x1[i];
+  v[i] += h * gravity;
+  q_WB[i] = constants[i].aligned ? q1[i] : (q1[i] * constants[i].q_BP.conjugate()).normalized();
+  q[i] = constants[i].aligned ? q_WB[i] : q_WB[i] * constants[i].q_BP;
+  turn(i);
+  w[i] = inverse_inertia[i] * momentum;
+}
+
+}  // namespace visum::dynamics::impulse

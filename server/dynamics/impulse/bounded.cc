@@ -1,0 +1,257 @@
+// What the rows of each moment ask, and what becomes of their impulses.
+//
+// Contacts. Symbols: u = (u_n, u_t) velocity of A against B at the contact, d depth of the overlap, s the
+// layer that is left alone, h step, a relative acceleration in free flight, P0 P1 P2 impulses of the three
+// moments.
+//   hit    u_n >= e |u_n| (Newton), or twice: to 0, then at least (1 + e) of that impulse (Poisson)
+//   ahead  the look-ahead's displacement: h u_n + h^2 a_n / 2 >= -max(0, s - d),  u_t + h a_t / 2 = 0 or
+//   slides after  u_n >= 0 with P1 + P2 >= 0,  u_t = 0 or slides with the cone of all three impulses
+// That P2 may take back what P1 gave makes what rests have velocity zero at the end of each step, and an
+// impulse of h m g: half of it at t, half at t+h, as everything else has it.
+#include "server/dynamics/impulse/bounded.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/world/joint_kinds.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr int kMostSweeps = 200;
+constexpr double kEnough = 1e-11;  // m/s, rad/s
+// (m/s)/N of a contact with what moves by another engine, and the layer that is left alone there, m: that
+// body cannot give way here, and what it squeezes must. At 1 ms a spring of 2 MN/m; ODE leaves its 10 um
+// alone.
+constexpr double kYield = 1e-4;
+constexpr double kYieldingLayerM = 2e-5;
+constexpr double kPushShare = 0.2;  // of an overlap, per step
+constexpr double kMostPush = 0.5;   // m/s: what starts inside another thing is not shot out of it
+
+}  // namespace
+
+double Bounded::velocity(std::size_t mechanism, const MechanismRow& row) const {
+  if (row.axis != nullptr) return plant_.rate(*row.axis);
+  const Bodies& bodies = plant_.bodies;
+  double sum = 0.0;
+  if (row.line.node_a >= 0) {
+    const auto a = static_cast<std::size_t>(
+        plant_.mechanisms[mechanism].body(static_cast<std::size_t>(row.line.node_a)));
+    sum += row.line.angular_a.dot(bodies.w[a]) + row.line.linear_a.dot(bodies.v[a]);
+  }
+  if (row.line.node_b >= 0) {
+    const auto b = static_cast<std::size_t>(
+        plant_.mechanisms[mechanism].body(static_cast<std::size_t>(row.line.node_b)));
+    sum += row.line.angular_b.dot(bodies.w[b]) + row.line.linear_b.dot(bodies.v[b]);
+  }
+  return sum;
+}
+
+void Bounded::load_velocities() {
+  for (std::size_t i = 0; i < slotted_.size(); ++i) {
+    const Vector3d &w = plant_.bodies.w[slotted_[i]], &v = plant_.bodies.v[slotted_[i]];
+    for (int k = 0; k < 3; ++k) {
+      rows_.velocities[6 * i + static_cast<std::size_t>(k)] = w[k];
+      rows_.velocities[6 * i + 3 + static_cast<std::size_t>(k)] = v[k];
+    }
+  }
+  for (std::size_t m = 0; m < of_mechanism_.size(); ++m)
+    for (std::size_t i = 0; i < of_mechanism_[m].rows.size(); ++i)
+      rows_.velocities[of_mechanism_[m].offset + i] = velocity(m, of_mechanism_[m].rows[i]);
+}
+
+void Bounded::store_velocities() {
+  Bodies& bodies = plant_.bodies;
+  for (std::size_t i = 0; i < slotted_.size(); ++i) {
+    const double* from = &rows_.velocities[6 * i];
+    bodies.w[slotted_[i]] = Vector3d(from[0], from[1], from[2]);
+    bodies.v[slotted_[i]] = Vector3d(from[3], from[4], from[5]);
+  }
+  for (std::size_t m = 0; m < of_mechanism_.size(); ++m)
+    if (binds(m)) plant_.mechanisms[m].clear();
+  for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
+    const RowBlock& block = rows_.blocks[k];
+    for (std::size_t e = 0; e < block.end_count; ++e) {
+      if (block.ends[e].free) continue;
+      const std::size_t m = block.ends[e].mechanism;
+      for (std::size_t i = 0; i < block.dim; ++i) {
+        const MechanismRow& row = of_mechanism_[m].rows[block.ends[e].first + i];
+        const double impulse = block.lambda[i] - before_[k][i];
+        if (row.axis != nullptr)
+          plant_.mechanisms[m].tree().push_axis(static_cast<std::size_t>(row.axis->node), impulse);
+        else
+          plant_.mechanisms[m].push(row.line, impulse);
+      }
+    }
+  }
+  for (std::size_t m = 0; m < of_mechanism_.size(); ++m) {
+    if (!binds(m)) continue;
+    plant_.mechanisms[m].solve();
+    plant_.mechanisms[m].apply(bodies);
+    take_axis_impulses(plant_, m, moment_);
+  }
+}
+
+void Bounded::aim_touch(RowBlock& block, const Touch& touch) const {
+  const Vector3d foreign = touch.frame.transpose() * touch.foreign;
+  const Vector3d bias = 0.5 * h_ * (touch.frame.transpose() * touch.bias);
+  block.friction = touch.friction;
+  block.low = 0.0;
+  const double layer = touch.yields ? kYieldingLayerM : kSurfaceLayerM;
+  const double yield = touch.yields ? kYield / h_ : 0.0;
+  block.compliance = moment_ == kAhead ? 2.0 * yield : yield;
+  switch (moment_) {
+    case kHit:
+      for (std::size_t i = 0; i < 3; ++i) block.target[i] = -foreign[static_cast<int>(i)];
+      block.target[0] += touch.bounce;
+      return;
+    case kAhead:
+      for (std::size_t i = 0; i < 3; ++i)
+        block.target[i] = -foreign[static_cast<int>(i)] - bias[static_cast<int>(i)];
+      // Sinks into the layer, or is driven out of an overlap.
+      block.target[0] +=
+          std::min((touch.depth < layer ? 1.0 : kPushShare) * (touch.depth - layer) / h_, kMostPush);
+      return;
+    default:
+      for (std::size_t i = 0; i < 3; ++i) {
+        block.target[i] = -foreign[static_cast<int>(i)];
+        block.base[i] = touch.impulse[kHit][static_cast<int>(i)] + touch.impulse[kAhead][static_cast<int>(i)];
+      }
+      block.target[0] -= yield * block.base[0];
+      block.low = -touch.impulse[kAhead][0];
+  }
+}
+
+// axes.cc has the law.
+void Bounded::aim_law(RowBlock& block, const Axis& axis) const {
+  const double k = axis.compliance_s / h_, before = axis.law[kHit] + axis.law[kAhead];
+  block.compliance = k;
+  if (moment_ == kAhead) {
+    block.target[0] = 0.5 * (axis.target + axis.rate) - 0.5 * k * axis.law[kHit] - axis.bias;
+    block.high = 0.5 * h_ * axis.most;
+    block.low = -block.high;
+  } else {
+    block.target[0] = axis.target - k * before;
+    block.high = h_ * axis.most - before;
+    block.low = -h_ * axis.most - before;
+  }
+}
+
+void Bounded::aim_damping(RowBlock& block, const Axis& axis) const {
+  block.compliance = 1.0 / (axis.damping * h_);
+  block.target[0] = moment_ == kAhead ? 0.5 * axis.rate - axis.bias
+                                      : -block.compliance * (axis.damped[kHit] + axis.damped[kAhead]);
+  block.low = -kInfinite;
+  block.high = kInfinite;
+}
+
+// As a contact's normal. Upper stop: q~ <= room/h, impulse <= 0; lower: the mirror image.
+void Bounded::aim_stop(RowBlock& block, const Axis& axis, std::size_t side) const {
+  const double sign = side == 0 ? -1.0 : 1.0;
+  const double taken_back = moment_ == kAfter ? -axis.stopped[side][kAhead] : 0.0;
+  (side == 0 ? block.low : block.high) = taken_back;
+  (side == 0 ? block.high : block.low) = -sign * kInfinite;
+  switch (moment_) {
+    case kHit:
+      block.target[0] = -axis.model->stop_restitution * axis.rate;
+      return;
+    case kAhead: {
+      const double left = room(axis, side);
+      block.target[0] = sign * std::max((left > 0.0 ? 1.0 : kPushShare) * left / h_, -kMostPush) - axis.bias;
+      return;
+    }
+    default:
+      block.target[0] = 0.0;
+  }
+}
+
+// springs.cc has the law.
+void Bounded::aim_spring(RowBlock& block, const Spring& spring) const {
+  const world::Joint& joint = *spring.spec.model;
+  const double grip = 0.5 * h_ * joint.stiffness + joint.damping;
+  Vector3d falls = Vector3d::Zero();
+  if (spring.spec.a < 0) falls = plant_.model.gravity;
+  block.compliance = 2.0 / (h_ * grip);
+  block.target[0] =
+      -joint.stiffness * (spring.length - joint.rest) / grip - 0.5 * h_ * spring.pull.v.dot(falls);
+  block.low = -kInfinite;
+  block.high = kInfinite;
+}
+
+void Bounded::aim() {
+  for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
+    RowBlock& block = rows_.blocks[k];
+    const Owner& owner = owners_[k];
+    switch (owner.of) {
+      case Of::kTouch:
+        aim_touch(block, plant_.touches[owner.index]);
+        break;
+      case Of::kLaw:
+        aim_law(block, plant_.axes[owner.index]);
+        break;
+      case Of::kDamping:
+        aim_damping(block, plant_.axes[owner.index]);
+        break;
+      case Of::kStop:
+        aim_stop(block, plant_.axes[owner.index], owner.side);
+        break;
+      case Of::kSpring:
+        aim_spring(block, plant_.springs[owner.index]);
+        break;
+    }
+  }
+}
+
+double Bounded::solve() {
+  aim();
+  load_velocities();
+  double moved = 0.0;
+  for (std::size_t k = 0; k < rows_.blocks.size(); ++k) before_[k] = rows_.blocks[k].applied;
+  rows_.solve(kMostSweeps, kEnough);
+  for (std::size_t k = 0; k < rows_.blocks.size(); ++k)
+    for (std::size_t i = 0; i < rows_.blocks[k].dim; ++i)
+      moved = std::max(moved, std::abs(rows_.blocks[k].lambda[i] - before_[k][i]) * rows_.blocks[k].K[i][i]);
+  store_velocities();
+  return moved;
+}
+
+void Bounded::restore_by_poisson() {
+  for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
+    if (owners_[k].of != Of::kTouch) continue;
+    RowBlock& block = rows_.blocks[k];
+    const Touch& touch = plant_.touches[owners_[k].index];
+    block.low = (1.0 + touch.restitution) * block.lambda[0];
+  }
+  load_velocities();
+  for (std::size_t k = 0; k < rows_.blocks.size(); ++k) before_[k] = rows_.blocks[k].applied;
+  rows_.solve(kMostSweeps, kEnough);
+  store_velocities();
+}
+
+void Bounded::report() {
+  for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
+    const std::array<double, 3>& lambda = rows_.blocks[k].lambda;
+    const Owner& owner = owners_[k];
+    switch (owner.of) {
+      case Of::kTouch:
+        plant_.touches[owner.index].impulse[moment_] = Vector3d(lambda[0], lambda[1], lambda[2]);
+        break;
+      case Of::kLaw:
+        plant_.axes[owner.index].law[moment_] = lambda[0];
+        break;
+      case Of::kDamping:
+        plant_.axes[owner.index].damped[moment_] = lambda[0];
+        break;
+      case Of::kStop:
+        plant_.axes[owner.index].stopped[owner.side][moment_] = lambda[0];
+        break;
+      case Of::kSpring:
+        plant_.springs[owner.index].impulse = lambda[0];
+        break;
+    }
+  }
+}
+
+}  // namespace visum::dynamics::impulse

@@ -1,0 +1,89 @@
+// The rows of one moment of a step: which contacts, stops, laws and springs bind, what is asked of each, and
+// how what they find comes back to bodies and mechanisms.
+#pragma once
+
+#include "server/dynamics/impulse/plant.h"
+#include "server/dynamics/impulse/rows.h"
+
+namespace visum::dynamics::impulse {
+
+// How far an axis is from its lower (0) or upper (1) stop.
+double room(const Axis& axis, std::size_t side);
+
+// Overlap that is left alone, m: a contact at rest stays one from tick to tick.
+inline constexpr double kSurfaceLayerM = 5e-7;
+
+class Bounded {
+ public:
+  explicit Bounded(Plant& plant);
+
+  // The rows that may bind at this moment, starting from what the last step found. Mechanisms are factored.
+  void build(Moment moment, double h);
+  bool empty() const { return rows_.blocks.empty(); }
+  bool binds(std::size_t mechanism) const { return !of_mechanism_[mechanism].rows.empty(); }
+
+  // Solves with the bodies' velocities as they are, and changes them. Returns what remained to be changed.
+  double solve();
+  // Impulses of the rows into the touches, axes and springs they are of.
+  void report();
+  // The second half of a collision by Poisson's law: at least (1 + e) of the impulse of the first.
+  void restore_by_poisson();
+
+ private:
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  enum class Of { kTouch, kLaw, kDamping, kStop, kSpring };
+  struct Owner {
+    Of of;
+    std::size_t index = 0, side = 0;
+  };
+  struct MechanismRow {
+    const Axis* axis = nullptr;  // of the tree; else a line
+    Line line;
+  };
+  struct MechanismRows {
+    std::vector<MechanismRow> rows;
+    std::size_t offset = 0, response = 0;
+  };
+
+  // What a block's rows reach on one body: their directions there.
+  struct Reach {
+    int body = -1;
+    std::array<Vector3d, 3> angular, linear;
+  };
+
+  void reset(Moment moment, double h);
+  void add_touch(std::size_t index);
+  void add_axis(std::size_t index);
+  void add_stop(std::size_t index, std::size_t side);
+  void add_spring(std::size_t index);
+  RowBlock& add_block(Owner owner, std::size_t dim);
+  void connect_axis(RowBlock& block, const Axis& axis);
+  void connect_bodies(RowBlock& block, const Reach& a, const Reach& b);
+  void connect_free(RowBlock& block, const Reach& reach);
+  void connect_mechanism(RowBlock& block, const Reach* a, const Reach* b);
+  RowEnd& add_mechanism_end(RowBlock& block, int mechanism);
+  void finish();
+  void find_response(std::size_t mechanism);
+
+  void aim();
+  void aim_touch(RowBlock& block, const Touch& touch) const;
+  void aim_law(RowBlock& block, const Axis& axis) const;
+  void aim_damping(RowBlock& block, const Axis& axis) const;
+  void aim_stop(RowBlock& block, const Axis& axis, std::size_t side) const;
+  void aim_spring(RowBlock& block, const Spring& spring) const;
+  void load_velocities();
+  void store_velocities();
+  double velocity(std::size_t mechanism, const MechanismRow& row) const;
+
+  Plant& plant_;
+  Rows rows_;
+  std::vector<Owner> owners_;  // by block
+  std::vector<MechanismRows> of_mechanism_;
+  std::vector<std::size_t> slot_;  // by body that stands free: its offset in the velocities
+  std::vector<std::size_t> slotted_;
+  std::vector<std::array<double, 3>> before_;  // by block: lambda before solve()
+  Moment moment_ = kAhead;
+  double h_ = 0.0;
+};
+
+}  // namespace visum::dynamics::impulse

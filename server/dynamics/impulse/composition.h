@@ -1,0 +1,16 @@
+// Steps of higher order: a symmetric step of order 2, composed of itself with lengths that add up to one and
+// cancel the error's next terms. Suzuki, Phys. Lett. A 146 (1990) for order 4; Yoshida, Phys. Lett. A 150
+// (1990), solution A, for order 6.
+#pragma once
+
+#include <span>
+
+#include "server/dynamics/impulse/plant.h"
+
+namespace visum::dynamics::impulse {
+
+// The lengths of a tick's steps, as shares of it. One step where something happens that no step back undoes:
+// a contact, a drive, friction, a stop within reach, a damper.
+std::span<const double> stages(const Plant& plant);
+
+}  // namespace visum::dynamics::impulse

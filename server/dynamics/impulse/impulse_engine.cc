@@ -1,0 +1,126 @@
+// The engine `impulse`: joints held by impulses that are found by looking ahead (README.md beside this file).
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <stdexcept>
+
+#include "server/dynamics/engine_factories.h"
+#include "server/dynamics/impulse/composition.h"
+#include "server/dynamics/impulse/stepper.h"
+#include "server/dynamics/impulse/warm_start.h"
+#include "server/dynamics/step_input.h"
+
+namespace visum::dynamics {
+namespace impulse {
+namespace {
+
+constexpr int kMostHalvings = 6;
+
+class ImpulseEngine : public Engine {
+ public:
+  ImpulseEngine(const world::WorldModel& model, std::int32_t engine_index)
+      : index_(static_cast<std::size_t>(engine_index)), plant_(model, engine_index), stepper_(plant_) {
+    if (plant_.setting.solver != "direct")
+      throw std::runtime_error("engine 'impulse' has no solver '" + plant_.setting.solver +
+                               "', only 'direct'");
+  }
+
+  StepResult step(const StepInput& input, world::WorldState& state) override {
+    if (std::string fault = find_input_fault(plant_.model, input, state); !fault.empty())
+      return {false, fault};
+    prepare(input, state);
+    bool ok = true;
+    for (const double share : stages(plant_)) ok = ok && advance(share * input.tick_s, 0, input, state);
+    if (!ok) return {false, broken_text()};
+    return store(input, state);
+  }
+
+  std::uint64_t solver_warnings() const override { return halvings_; }
+
+ private:
+  void prepare(const StepInput& input, const world::WorldState& state) {
+    plant_.bodies.load(state);
+    prepare_axes(plant_, input.drives, state);
+    for (Spring& spring : plant_.springs) spring.total = 0.0;
+    find_touches(plant_, input.contacts, state);
+    read_warm_start(state.engines[index_], input.contacts, plant_);
+  }
+
+  // A step whose joints do not close is made of two of half the length.
+  bool advance(double h, int halvings, const StepInput& input, const world::WorldState& state) {
+    Moving& before = before_[static_cast<std::size_t>(halvings)];
+    before.keep(plant_);
+    if (stepper_.step(h, input.wrenches, state)) {
+      measure_axes(plant_);
+      return true;
+    }
+    before.put_back(plant_);
+    if (halvings == kMostHalvings) return false;
+    ++halvings_;
+    return advance(0.5 * h, halvings + 1, input, state) && advance(0.5 * h, halvings + 1, input, state);
+  }
+
+  std::string broken_text() const {
+    const JointSpec* joint = stepper_.broken();
+    if (joint == nullptr) return "the contacts of a body '" + first_body() + "' have no solution";
+    return "joint '" + joint->model->name + "' on body '" +
+           plant_.model.bodies[joint->model->child.index()].name + "' cannot be held together";
+  }
+
+  std::string first_body() const {
+    return plant_.touches.empty() ? ""
+                                  : plant_.model
+                                        .bodies[plant_.bodies
+                                                    .constants[static_cast<std::size_t>(
+                                                        std::max(plant_.touches[0].a, plant_.touches[0].b))]
+                                                    .id.index()]
+                                        .name;
+  }
+
+  StepResult store(const StepInput& input, world::WorldState& state) {
+    plant_.bodies.store(state);
+    for (const Axis& axis : plant_.axes)
+      state.joints[axis.joint.index()].effort = axis.total / input.tick_s + axis.feedforward;
+    for (const Spring& spring : plant_.springs)
+      state.joints[spring.spec.id.index()].effort = spring.total / input.tick_s;
+    for (const Touch& touch : plant_.touches)
+      input.contacts[touch.contact].normal_force_n = touch.total_normal / input.tick_s;
+    write_warm_start(plant_, input.contacts, state.engines[index_]);
+    std::string offender;
+    if (!is_sane(plant_.model, state, &offender)) return {false, offender};
+    return {};
+  }
+
+  // What a step changes, to be put back.
+  struct Moving {
+    void keep(const Plant& plant) {
+      bodies = plant.bodies;
+      axes = plant.axes;
+      touches = plant.touches;
+    }
+    void put_back(Plant& plant) const {
+      plant.bodies = *bodies;
+      plant.axes = axes;
+      plant.touches = touches;
+    }
+    std::optional<Bodies> bodies;
+    std::vector<Axis> axes;
+    std::vector<Touch> touches;
+  };
+
+  std::size_t index_;
+  Plant plant_;
+  Stepper stepper_;
+  std::array<Moving, kMostHalvings + 1> before_;
+  std::uint64_t halvings_ = 0;
+};
+
+}  // namespace
+}  // namespace impulse
+
+std::unique_ptr<Engine> make_impulse_engine(const world::WorldModel& model, std::int32_t engine_index) {
+  return std::make_unique<impulse::ImpulseEngine>(model, engine_index);
+}
+
+}  // namespace visum::dynamics

@@ -1,0 +1,25 @@
+// What the kinds of joint (joints/, one page each) say of a joint between the engine's bodies: by kind, and
+// in the bodies' present pose or where the look-ahead has led.
+#pragma once
+
+#include "server/dynamics/impulse/bodies.h"
+#include "server/dynamics/impulse/joints/joint.h"
+#include "server/world/world_model.h"
+
+namespace visum::dynamics::impulse {
+
+// What a kind says. `motion` only of kinds that carry (world/joint_kinds.h).
+Held held_directions(const JointSpec& joint, const JointPose& pose);
+Motion motion_directions(const JointSpec& joint, const JointPose& pose);
+Gap joint_gap(const JointSpec& joint, const JointPose& pose);
+
+JointSpec make_spec(const world::WorldModel& model, const Bodies& bodies, world::JointId id);
+
+// At t, or where the look-ahead has led. `position` is the joint's last one.
+JointPose pose_now(const JointSpec& joint, const Bodies& bodies, double position);
+JointPose pose_ahead(const JointSpec& joint, const Bodies& bodies, double position);
+
+// The angle from A to B about the axis that is nearest to `near`.
+double joint_angle(const JointSpec& joint, const JointPose& pose, double near);
+
+}  // namespace visum::dynamics::impulse

@@ -1,0 +1,30 @@
+// Hinge: B turns about the axis a through P. Five rows: T3 + R2.
+//   place   P_A - P = 0                    v = 0
+//   axis    b x a = 0 (b the axis in B)    t_i . w = 0 for the two directions t_i across a
+//   free    w = q' a,  angle q
+// The paper (section 5) makes a revolute joint of two spherical ones: six rows of rank five, which
+// Gauss-Seidel can take and a direct solution cannot. Symbols: joint.h. Source: Featherstone, table 4.1.
+#pragma once
+
+#include "server/dynamics/impulse/joints/directions.h"
+
+namespace visum::dynamics::impulse::hinge {
+
+inline Held held(const JointSpec&, const JointPose& pose) {
+  Held rows;
+  add_turns_across(pose.a, rows);
+  add_all_shifts(rows);
+  return rows;
+}
+
+inline Motion motion(const JointSpec&, const JointPose& pose) {
+  Motion free;
+  free.add(pose.a, Vector3d::Zero());
+  return free;
+}
+
+inline Gap gap(const JointSpec&, const JointPose& pose) {
+  return {turn_onto(pose.b, pose.a), pose.pa - pose.pb};
+}
+
+}  // namespace visum::dynamics::impulse::hinge

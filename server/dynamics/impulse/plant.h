@@ -1,0 +1,121 @@
+// All that one engine moves, and what acts on it during a tick. Built once; a step writes into it and nowhere
+// else.
+#pragma once
+
+#include "server/dynamics/engine.h"
+#include "server/dynamics/impulse/mechanism.h"
+
+namespace visum::dynamics::impulse {
+
+// The times within a step at which impulses are found: when things hit, for the look-ahead, and for the
+// velocities at the end.
+enum Moment : std::size_t { kHit, kAhead, kAfter, kMoments };
+
+// A joint's axis that drives, friction, damping or stops act on, in one tick.
+struct Axis {
+  const world::Joint* model = nullptr;
+  world::JointId joint;
+  std::size_t mechanism = 0;
+  int node = -1;  // of the tree; -1: the joint closes a loop
+  int loop = -1;
+
+  // hwparts/joint.h, or the model's friction as a drive that wants to stand.
+  bool acts = false;
+  double target = 0.0, compliance_s = 0.0, most = 0.0;  // rad/s, (rad/s)/(N·m), N·m
+  double feedforward = 0.0;
+  double damping = 0.0;
+  bool boxed = false;  // the law may be at its limit: a row; else it is part of the tree
+
+  double start = 0.0, rate = 0.0;                // position and velocity at t
+  double mean_rate = 0.0;                        // what the last look-ahead gives
+  double bias = 0.0;                             // by how much that is not the velocity that it started with
+  std::array<bool, 2> hits{};                    // a stop, to bounce off it
+  std::array<double, kMoments> law{}, damped{};  // impulses, N·m·s
+  std::array<std::array<double, kMoments>, 2> stopped{};  // at the lower and the upper stop
+  double total = 0.0;                                     // of drive, friction and damping in this tick
+};
+
+// A contact in one tick. Frame: columns n, t1, t2 in W.
+struct Touch {
+  std::size_t contact = 0;  // index in the tick's list
+  int a = -1, b = -1;       // numbers of bodies; -1: not ours
+  Vector3d ra, rb;          // from the centres of mass (-1: unused)
+  Matrix3d frame;
+  Vector3d foreign;     // velocity of A against B as far as it is not ours
+  double bounce = 0.0;  // velocity along the normal after a hit
+  Vector3d bias;        // relative acceleration in free flight, over the step
+  Vector3d turn;        // angular velocity with which the contact turns
+  bool yields = false;  // one of the two moves by another engine
+  double depth = 0.0, friction = 0.0, restitution = 0.0;
+  std::array<Vector3d, kMoments> impulse;  // in the frame
+  double total_normal = 0.0;
+};
+
+// A force between two points, or about an axis, along (w, v) at the points pa and pb.
+struct Pull {
+  Vector3d w, v, pa, pb;
+};
+
+struct Spring {
+  JointSpec spec;
+  bool acts = false;
+  Pull pull;
+  double length = 0.0;   // or angle, at t
+  double impulse = 0.0;  // of the look-ahead, repeated at the end
+  double total = 0.0;
+};
+
+struct Place {
+  int mechanism = -1;  // -1: stands free
+  int node = -1;
+};
+
+struct Plant {
+  Plant(const world::WorldModel& world_model, std::int32_t engine_index);
+
+  const world::WorldModel& model;
+  const world::EngineSetting& setting;
+  Bodies bodies;
+  std::vector<Mechanism> mechanisms;
+  std::vector<Place> places;            // by body
+  std::vector<Axis> axes;               // of one mechanism after the other
+  std::vector<std::size_t> first_axis;  // by mechanism, and one beyond
+  std::vector<Spring> springs;
+  std::vector<Touch> touches;
+
+  std::span<Axis> axes_of(std::size_t mechanism) {
+    return {axes.data() + first_axis[mechanism], axes.data() + first_axis[mechanism + 1]};
+  }
+  const JointSpec& spec(const Axis& axis) const;
+  double rate(const Axis& axis) const;  // of the bodies' velocities as they are
+};
+
+// The tick's laws from drives or the model, and where the axes are.
+void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, const world::WorldState& state);
+// Where the bodies have been moved within a tick: positions and velocities of the axes.
+void measure_axes(Plant& plant);
+void measure_ahead(Plant& plant, std::size_t mechanism, double h);
+
+// Puts the laws that are not at their limit into the mechanisms' trees.
+void set_tree_axes(Plant& plant, double h);
+// Returns the largest rate that is missing.
+double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h);
+void take_axis_impulses(Plant& plant, std::size_t mechanism, Moment moment);
+// Makes rows of the laws that have passed their limit; true if there are new ones.
+// Forgets the impulses of a step that starts (again).
+void reset_impulses(Plant& plant);
+bool box_saturated(Plant& plant, Moment moment, double h);
+
+// Where the springs are at t, and what they pull on.
+void measure_springs(Plant& plant, const world::WorldState& state);
+void push_by_springs(Plant& plant, const world::WorldState& state);  // what the look-ahead found, once more
+
+// Which contacts and stops are hit hard enough to bounce; true if any.
+bool find_hits(Plant& plant, double h);
+// Contacts move on with the bodies that they are of.
+void carry_touches(Plant& plant, double h);
+double normal_speed(const Plant& plant, const Touch& touch);
+
+void find_touches(Plant& plant, std::span<const collision::Contact> contacts, const world::WorldState& state);
+
+}  // namespace visum::dynamics::impulse

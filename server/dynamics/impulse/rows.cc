@@ -1,0 +1,173 @@
+// Projected Gauss-Seidel, sped up by nonlinear conjugate gradients: Silcowitz-Hansen, Niebe, Erleben, A
+// nonsmooth nonlinear conjugate gradient method for interactive contact force problems, Visual Computer 26
+// (2010). A sweep there and back counts as one gradient.
+#include "server/dynamics/impulse/rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/dynamics/impulse/friction_cone.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+// Share of its bodies' free response below which a contact has none: what joints hold fast cannot be moved,
+// and no impulse of a contact is defined there.
+constexpr double kRigid = 1e-9;
+
+double dot(const std::array<double, 6>& a, const double* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
+}
+
+}  // namespace
+
+void Rows::clear() {
+  blocks.clear();
+  velocities.clear();
+  responses.clear();
+}
+
+void Rows::prepare() {
+  for (RowBlock& block : blocks) {
+    for (auto& row : block.K) row.fill(0.0);
+    for (std::size_t e = 0; e < block.end_count; ++e) {
+      const RowEnd& end = block.ends[e];
+      for (std::size_t i = 0; i < block.dim; ++i)
+        for (std::size_t j = 0; j < block.dim; ++j)
+          block.K[i][j] += end.free ? dot(end.J[i], end.MJ[j].data())
+                                    : responses[end.response + (end.first + i) * end.size + end.first + j];
+    }
+    if (block.kind != RowBlock::Kind::kContact) continue;
+    const double least = kRigid * block.free_response;
+    const double a = block.K[1][1] + least, b = block.K[1][2], c = block.K[2][2] + least;
+    const double determinant = a * c - b * b;
+    block.inverse_tangential = {c / determinant, -b / determinant, a / determinant};
+    block.sliding_step = 2.0 / (a + c + std::sqrt((a - c) * (a - c) + 4.0 * b * b));
+  }
+}
+
+double Rows::velocity(const RowBlock& block, std::size_t row) const {
+  double sum = 0.0;
+  for (std::size_t e = 0; e < block.end_count; ++e) {
+    const RowEnd& end = block.ends[e];
+    sum += end.free ? dot(end.J[row], &velocities[end.offset]) : velocities[end.offset + end.first + row];
+  }
+  return sum;
+}
+
+void Rows::change(RowBlock& block, const std::array<double, 3>& by) {
+  for (std::size_t e = 0; e < block.end_count; ++e) {
+    const RowEnd& end = block.ends[e];
+    for (std::size_t i = 0; i < block.dim; ++i) {
+      if (by[i] == 0.0) continue;
+      double* velocity = &velocities[end.offset];
+      if (end.free) {
+        for (std::size_t j = 0; j < 6; ++j) velocity[j] += end.MJ[i][j] * by[i];
+      } else {
+        const double* response = &responses[end.response + (end.first + i) * end.size];
+        for (std::size_t j = 0; j < end.size; ++j) velocity[j] += response[j] * by[i];
+      }
+    }
+  }
+  for (std::size_t i = 0; i < block.dim; ++i) {
+    block.lambda[i] += by[i];
+    block.applied[i] += by[i];
+  }
+}
+
+double Rows::relax_bounded(RowBlock& block) {
+  const double stiffness = block.K[0][0] + block.compliance;
+  if (!(stiffness > 0.0)) return 0.0;
+  const double error = block.target[0] - velocity(block, 0) - block.compliance * block.lambda[0];
+  const double next = std::clamp(block.lambda[0] + error / stiffness, block.low, block.high);
+  const double by = next - block.lambda[0];
+  change(block, {by, 0.0, 0.0});
+  return std::abs(by) * stiffness;
+}
+
+double Rows::relax_contact(RowBlock& block) {
+  const double stiffness = block.K[0][0] + block.compliance;
+  if (!(stiffness > kRigid * block.free_response)) return 0.0;
+  const double error = block.target[0] - velocity(block, 0) - block.compliance * block.lambda[0];
+  const double normal = std::max(block.low, block.lambda[0] + error / stiffness);
+  const double by = normal - block.lambda[0];
+  change(block, {by, 0.0, 0.0});
+  const double e1 = block.target[1] - velocity(block, 1), e2 = block.target[2] - velocity(block, 2);
+  const Tangential start{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
+  const double radius = block.friction * std::max(0.0, normal + block.base[0]);
+  const auto& inverse = block.inverse_tangential;
+  Tangential held{start[0] + inverse[0] * e1 + inverse[1] * e2, start[1] + inverse[1] * e1 + inverse[2] * e2};
+  // Where it slides, friction is to lie along the sliding: a step of one size for both directions.
+  if (!is_within_disc(held, radius))
+    held = within_disc({start[0] + block.sliding_step * e1, start[1] + block.sliding_step * e2}, radius);
+  const double by1 = held[0] - start[0], by2 = held[1] - start[1];
+  change(block, {0.0, by1, by2});
+  return std::max(std::abs(by) * stiffness,
+                  std::max(std::abs(by1) * block.K[1][1], std::abs(by2) * block.K[2][2]));
+}
+
+double Rows::relax(RowBlock& block) {
+  return block.kind == RowBlock::Kind::kContact ? relax_contact(block) : relax_bounded(block);
+}
+
+double Rows::sweep(bool forwards) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    largest = std::max(largest, relax(blocks[forwards ? i : blocks.size() - 1 - i]));
+  return largest;
+}
+
+// Puts into the velocities what lambda starts with.
+void Rows::start() {
+  for (RowBlock& block : blocks) {
+    std::array<double, 3> by{};
+    for (std::size_t i = 0; i < block.dim; ++i) by[i] = block.lambda[i] - block.applied[i];
+    for (std::size_t i = 0; i < block.dim; ++i) block.lambda[i] -= by[i];
+    change(block, by);
+  }
+  direction_lambda_.assign(3 * blocks.size(), 0.0);
+  direction_velocities_.assign(velocities.size(), 0.0);
+  last_lambda_.resize(3 * blocks.size());
+  last_velocities_.resize(velocities.size());
+}
+
+double Rows::solve(int most_sweeps, double enough) {
+  start();
+  double last_norm = 0.0, largest = 0.0;
+  for (int k = 0; k < most_sweeps; ++k) {
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      std::copy(blocks[i].lambda.begin(), blocks[i].lambda.end(),
+                last_lambda_.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    last_velocities_ = velocities;
+    largest = sweep(true);
+    if (largest <= enough) return largest;
+    largest = sweep(false);
+    if (largest <= enough || k + 1 == most_sweeps) return largest;
+    // The gradient is what the sweeps have moved. Where it grows, its past is forgotten.
+    double norm = 0.0;
+    for (std::size_t i = 0; i < velocities.size(); ++i) {
+      const double moved = velocities[i] - last_velocities_[i];
+      norm += moved * moved;
+    }
+    const double beta = last_norm > 0.0 ? norm / last_norm : 2.0;
+    last_norm = norm;
+    const double keep = beta <= 1.0 ? beta : 0.0;
+    for (std::size_t i = 0; i < velocities.size(); ++i) {
+      const double old = direction_velocities_[i];
+      direction_velocities_[i] = keep * old + velocities[i] - last_velocities_[i];
+      velocities[i] += keep * old;
+    }
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      for (std::size_t j = 0; j < blocks[i].dim; ++j) {
+        double& direction = direction_lambda_[3 * i + j];
+        const double old = direction;
+        direction = keep * old + blocks[i].lambda[j] - last_lambda_[3 * i + j];
+        blocks[i].lambda[j] += keep * old;
+        blocks[i].applied[j] += keep * old;
+      }
+    }
+  }
+  return largest;
+}
+
+}  // namespace visum::dynamics::impulse

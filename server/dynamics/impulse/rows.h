@@ -1,0 +1,74 @@
+// Impulses that know bounds: contacts, stops, drives at their limit, springs. A row (three for a contact)
+// asks
+//     u + k lambda >= or = target,  lambda within its bounds
+// with u a relative velocity. Velocities are kept flat: six for each free body that a row touches (angular,
+// linear), and for each mechanism that one touches, one for each row on it, with the mechanism's response W.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace visum::dynamics::impulse {
+
+// One end of a row's block. `sign`s are in J.
+struct RowEnd {
+  std::size_t offset = 0;  // of the body's or mechanism's velocities
+  bool free = true;
+  std::array<std::array<double, 6>, 3> J{},
+      MJ{};                         // free body: directions, and what an impulse along them does
+  std::size_t mechanism = 0;        // mechanism: its number
+  std::size_t first = 0, size = 0;  // mechanism: the first of its rows, and how many it has
+  std::size_t response = 0;         // of W in Rows::responses
+};
+
+struct RowBlock {
+  enum class Kind { kContact, kBounded };
+  Kind kind = Kind::kBounded;
+  std::size_t dim = 1;  // contact: 3, the normal first
+  std::array<RowEnd, 2> ends;
+  std::size_t end_count = 0;
+
+  std::array<double, 3> target{};
+  double compliance = 0.0;          // bounded
+  double low = 0.0, high = 0.0;     // bounded: of lambda; contact: low, of the normal
+  double friction = 0.0;            // contact
+  std::array<double, 3> base{};     // contact: impulses of before, which count for the friction's cone
+  std::array<double, 3> lambda{};   // in: where to start, out
+  std::array<double, 3> applied{};  // what of lambda the velocities hold already
+
+  double free_response =
+      0.0;  // contact: of its bodies, were they not jointed: what a response is measured by
+
+  // Made by Rows::prepare().
+  std::array<std::array<double, 3>, 3> K{};    // response to itself
+  std::array<double, 3> inverse_tangential{};  // of K's tangential part: 11, 12, 22
+  double sliding_step = 0.0;                   // 1 over its larger eigenvalue
+};
+
+class Rows {
+ public:
+  void clear();  // keeps the memory
+
+  std::vector<RowBlock> blocks;
+  std::vector<double> velocities;
+  std::vector<double> responses;  // W of each mechanism that has rows, one after the other
+
+  void prepare();
+  // Finds the impulses; velocities and `applied` follow. Returns the largest change of a velocity that the
+  // last sweep made: how far from the solution it is, m/s or rad/s.
+  double solve(int most_sweeps, double enough);
+
+ private:
+  double sweep(bool forwards);
+  double relax(RowBlock& block);
+  double relax_contact(RowBlock& block);
+  double relax_bounded(RowBlock& block);
+  double velocity(const RowBlock& block, std::size_t row) const;
+  void change(RowBlock& block, const std::array<double, 3>& by);
+  void start();
+
+  std::vector<double> last_lambda_, last_velocities_, direction_lambda_, direction_velocities_;
+};
+
+}  // namespace visum::dynamics::impulse

@@ -1,0 +1,61 @@
+// Springs with dampers between two points, or about an axis.
+//
+// Symbols: k stiffness, d damping, l length (or angle) at t, l0 that without a load, q~ mean rate of length
+// in the look-ahead, L impulse at t (and the same again at t+h), h step.
+//   F = -k (l + h q~/2 - l0) - d q~,  L = h F/2                 the force at the middle of the step
+//   q~ + 2/(h g) L = -k (l - l0)/g,  g = k h/2 + d              as a row
+// The implicit midpoint rule: second order, stable at any k, and no energy is lost that d does not take.
+// Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.
+#include "server/dynamics/impulse/plant.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+constexpr double kNoLengthM = 1e-12;  // a spring so short has no direction
+
+void measure(Spring& spring, const Bodies& bodies, const world::WorldState& state) {
+  const JointSpec& spec = spring.spec;
+  const double last = state.joints[spec.id.index()].position;
+  const JointPose pose = pose_now(spec, bodies, last);
+  Vector3d w = Vector3d::Zero(), v = Vector3d::Zero();
+  if (spec.kind == world::JointKind::kTorsionSpring) {
+    w = pose.a;
+    spring.length = joint_angle(spec, pose, last);
+  } else {
+    const Vector3d along = pose.pb - pose.pa;
+    spring.length = along.norm();
+    if (spring.length > kNoLengthM) v = along / spring.length;
+  }
+  spring.pull = {w, v, pose.pa, pose.pb};
+  spring.acts =
+      (spec.model->stiffness > 0.0 || spec.model->damping > 0.0) && !(w.isZero(0.0) && v.isZero(0.0));
+  spring.impulse = 0.0;
+}
+
+}  // namespace
+
+void measure_springs(Plant& plant, const world::WorldState& state) {
+  for (Spring& spring : plant.springs) measure(spring, plant.bodies, state);
+}
+
+void push_by_springs(Plant& plant, const world::WorldState& state) {
+  Bodies& bodies = plant.bodies;
+  for (Spring& spring : plant.springs) {
+    const double impulse = spring.impulse;
+    measure(spring, bodies, state);
+    spring.total += 2.0 * impulse;
+    if (impulse == 0.0) continue;
+    const Pull& pull = spring.pull;
+    const auto push = [&](int number, double sign, const Vector3d& p) {
+      if (number < 0) return;
+      const auto i = static_cast<std::size_t>(number);
+      bodies.v[i] += sign * impulse * bodies.constants[i].inverse_mass * pull.v;
+      bodies.w[i] +=
+          sign * impulse * (bodies.inverse_inertia[i] * (pull.w + (p - bodies.x[i]).cross(pull.v)));
+    };
+    push(spring.spec.a, -1.0, pull.pa);
+    push(spring.spec.b, 1.0, pull.pb);
+  }
+}
+
+}  // namespace visum::dynamics::impulse

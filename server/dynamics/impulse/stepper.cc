@@ -1,0 +1,216 @@
+#include "server/dynamics/impulse/stepper.h"
+
+#include <cmath>
+
+#include "server/world/joint_kinds.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+constexpr int kMostPasses = 40;       // of Newton, each closes the joints to second order
+constexpr int kMostBoxings = 12;      // repetitions because laws reached their limit
+constexpr double kStandstill = 1e-9;  // m, rad: a gap below, which no longer shrinks, is rounding
+
+// What suits the error of a step at 1 ms.
+double default_d_max(int order) {
+  return order == 2 ? 1e-9 : order == 4 ? 1e-11 : 1e-13;
+}
+
+}  // namespace
+
+Stepper::Stepper(Plant& plant)
+    : plant_(plant),
+      bounded_(plant),
+      d_max_(plant.setting.d_max > 0.0 ? plant.setting.d_max : default_d_max(plant.setting.order)),
+      saved_v_(plant.bodies.size()),
+      saved_w_(plant.bodies.size()) {}
+
+void Stepper::push_axis(const Axis& axis, double impulse) {
+  const JointSpec& joint = plant_.spec(axis);
+  Bodies& bodies = plant_.bodies;
+  const JointPose pose = pose_now(joint, bodies, axis.start);
+  const bool turns = world::info(joint.kind).is_angle;
+  const auto push = [&](int number, double sign) {
+    if (number < 0) return;
+    const auto i = static_cast<std::size_t>(number);
+    if (!turns) bodies.v[i] += sign * impulse * bodies.constants[i].inverse_mass * pose.a;
+    const Vector3d twist = turns ? pose.a : (pose.pb - bodies.x[i]).cross(pose.a);
+    bodies.w[i] += sign * impulse * (bodies.inverse_inertia[i] * twist);
+  };
+  push(joint.a, -1.0);
+  push(joint.b, 1.0);
+}
+
+// Half of what forces give in a step, at either end of it.
+void Stepper::push(double h, std::span<const Wrench> wrenches) {
+  Bodies& bodies = plant_.bodies;
+  for (const Wrench& wrench : wrenches) {
+    const int number = bodies.number(wrench.body);
+    if (number < 0) continue;
+    const auto i = static_cast<std::size_t>(number);
+    bodies.v[i] += 0.5 * h * bodies.constants[i].inverse_mass * wrench.force_n;
+    bodies.w[i] += 0.5 * h * (bodies.inverse_inertia[i] * wrench.torque_nm);
+  }
+  for (const Axis& axis : plant_.axes)
+    if (axis.feedforward != 0.0) push_axis(axis, 0.5 * h * axis.feedforward);
+}
+
+void Stepper::save_velocities() {
+  saved_v_ = plant_.bodies.v;
+  saved_w_ = plant_.bodies.w;
+}
+
+void Stepper::restore_velocities() {
+  plant_.bodies.v = saved_v_;
+  plant_.bodies.w = saved_w_;
+}
+
+void Stepper::factor(double h, const world::WorldState& state) {
+  set_tree_axes(plant_, h);
+  for (Mechanism& mechanism : plant_.mechanisms) mechanism.factor(plant_.bodies, state);
+}
+
+bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
+  save_velocities();
+  if (!foresee(h, wrenches, state)) return false;
+  commit(h);
+  correct_velocities(h, wrenches, state);
+  count_impulses();
+  carry_touches(plant_, h);
+  return true;
+}
+
+// Impulses at t. Again from the start where a law turns out to be at its limit.
+bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
+  for (int i = 0; i < kMostBoxings; ++i) {
+    if (i > 0) restore_velocities();
+    reset_impulses(plant_);
+    push(h, wrenches);
+    factor(h, state);
+    measure_springs(plant_, state);
+    if (find_hits(plant_, h)) hit(h);
+    bounded_.build(kAhead, h);
+    if (!look_ahead(h, state)) return false;
+    bounded_.report();
+    if (!box_saturated(plant_, kAhead, h)) break;
+  }
+  return true;
+}
+
+void Stepper::hit(double h) {
+  bounded_.build(kHit, h);
+  bounded_.solve();
+  if (plant_.setting.impact == "poisson") bounded_.restore_by_poisson();
+  bounded_.report();
+  for (Axis& axis : plant_.axes) axis.rate = plant_.rate(axis);
+}
+
+void Stepper::fly(std::size_t m, double h) {
+  const Mechanism& mechanism = plant_.mechanisms[m];
+  for (std::size_t i = 0; i < mechanism.size(); ++i)
+    plant_.bodies.look_ahead(static_cast<std::size_t>(mechanism.body(i)), h, plant_.model.gravity);
+}
+
+// One pass of Newton over a mechanism's joints. Returns the gap that it found; below D_max nothing is done.
+double Stepper::close(std::size_t m, double h, const world::WorldState& state) {
+  Mechanism& mechanism = plant_.mechanisms[m];
+  fly(m, h);
+  measure_ahead(plant_, m, h);
+  mechanism.clear();
+  const double gap = mechanism.ask_gaps(plant_.bodies, state, h);
+  const double missing = h * ask_axes(plant_, m, kAhead, h);
+  const double largest = gap >= missing ? gap : missing;
+  if (largest <= d_max_) return largest;
+  mechanism.solve();
+  mechanism.apply(plant_.bodies);
+  take_axis_impulses(plant_, m, kAhead);
+  return largest;
+}
+
+bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& state) {
+  double last = 0.0;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    const double gap = close(m, h, state);
+    if (gap <= d_max_) return true;
+    if (!std::isfinite(gap)) break;
+    if (pass > 2 && gap <= kStandstill && gap > 0.5 * last) {
+      fly(m, h);
+      return true;
+    }
+    last = gap;
+  }
+  broken_ = &plant_.mechanisms[m].worst_joint();
+  return false;
+}
+
+// Mechanisms that share contacts, or have bounds of their own.
+bool Stepper::close_together(double h, const world::WorldState& state) {
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    double largest = 0.0;
+    for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
+      if (!bounded_.binds(m)) continue;
+      const double gap = close(m, h, state);
+      if (!(gap <= largest)) {
+        largest = gap;
+        broken_ = &plant_.mechanisms[m].worst_joint();
+      }
+    }
+    if (!std::isfinite(largest)) return false;
+    const double moved = h * bounded_.solve();
+    if (!std::isfinite(moved)) return false;
+    if (largest <= d_max_ && moved <= d_max_) break;
+    if (pass + 1 == kMostPasses && largest > std::sqrt(d_max_)) return false;
+  }
+  for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
+    if (bounded_.binds(m)) fly(m, h);
+  return true;
+}
+
+bool Stepper::look_ahead(double h, const world::WorldState& state) {
+  for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
+    if (!bounded_.binds(m) && !close_alone(m, h, state)) return false;
+  if (!bounded_.empty() && !close_together(h, state)) return false;
+  for (std::size_t i = 0; i < plant_.bodies.size(); ++i)
+    if (plant_.places[i].mechanism < 0) plant_.bodies.look_ahead(i, h, plant_.model.gravity);
+  return true;
+}
+
+void Stepper::commit(double h) {
+  for (std::size_t i = 0; i < plant_.bodies.size(); ++i) plant_.bodies.commit(i, h, plant_.model.gravity);
+}
+
+void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
+  save_velocities();
+  for (Touch& touch : plant_.touches) touch.impulse[kAfter] = touch.impulse[kAhead];
+  for (int i = 0; i < kMostBoxings; ++i) {
+    if (i > 0) restore_velocities();
+    push(h, wrenches);
+    if (i == 0) push_by_springs(plant_, state);
+    factor(h, state);
+    for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
+      Mechanism& mechanism = plant_.mechanisms[m];
+      mechanism.clear();
+      mechanism.ask_velocities(plant_.bodies);
+      ask_axes(plant_, m, kAfter, h);
+      mechanism.solve();
+      mechanism.apply(plant_.bodies);
+      take_axis_impulses(plant_, m, kAfter);
+    }
+    bounded_.build(kAfter, h);
+    if (!bounded_.empty()) {
+      bounded_.solve();
+      bounded_.report();
+    }
+    if (!box_saturated(plant_, kAfter, h)) return;
+    for (Axis& axis : plant_.axes) axis.law[kAfter] = axis.damped[kAfter] = 0.0;
+  }
+}
+
+void Stepper::count_impulses() {
+  for (Axis& axis : plant_.axes)
+    for (std::size_t k = 0; k < kMoments; ++k) axis.total += axis.law[k] + axis.damped[k];
+  for (Touch& touch : plant_.touches)
+    for (const Vector3d& impulse : touch.impulse) touch.total_normal += impulse[0];
+}
+
+}  // namespace visum::dynamics::impulse

@@ -1,0 +1,44 @@
+// One step of the method: ballistic look-ahead, impulses at t, and the correction of velocities at t+h. For
+// rigid bodies this is SHAKE and RATTLE (Andersen 1983): second order, time-reversible, without drift.
+#pragma once
+
+#include <functional>
+
+#include "server/dynamics/impulse/bounded.h"
+
+namespace visum::dynamics::impulse {
+
+class Stepper {
+ public:
+  explicit Stepper(Plant& plant);
+
+  // Moves the plant's bodies by h; forces and drives act as they were prepared. False where a joint cannot be
+  // closed: the plant is then to be thrown back to where it was, and broken() tells which joint.
+  bool step(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
+  const JointSpec* broken() const { return broken_; }
+
+ private:
+  void push(double h, std::span<const Wrench> wrenches);
+  void push_axis(const Axis& axis, double impulse);
+  void save_velocities();
+  void restore_velocities();
+  void factor(double h, const world::WorldState& state);
+  void hit(double h);
+  bool foresee(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
+  bool look_ahead(double h, const world::WorldState& state);
+  double close(std::size_t mechanism, double h, const world::WorldState& state);
+  bool close_alone(std::size_t mechanism, double h, const world::WorldState& state);
+  bool close_together(double h, const world::WorldState& state);
+  void fly(std::size_t mechanism, double h);
+  void commit(double h);
+  void correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
+  void count_impulses();
+
+  Plant& plant_;
+  Bounded bounded_;
+  double d_max_;
+  const JointSpec* broken_ = nullptr;
+  std::vector<Vector3d> saved_v_, saved_w_;
+};
+
+}  // namespace visum::dynamics::impulse

@@ -1,0 +1,137 @@
+// The tick's contacts as the solver takes them.
+#include <cmath>
+
+#include "server/dynamics/impulse/free_flight.h"
+#include "server/dynamics/impulse/joints/directions.h"
+#include "server/dynamics/impulse/plant.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+// What moves by another engine moves as it moves.
+struct Foreign {
+  Vector3d velocity = Vector3d::Zero(), turn = Vector3d::Zero();
+};
+
+Foreign foreign_motion(const world::WorldModel& model, const world::WorldState& state, world::BodyId id,
+                       const Vector3d& p) {
+  if (model.bodies[id.index()].fixed) return {};
+  const world::BodyState& body = state.bodies[id.index()];
+  return {body.v_WC + body.w_WB.cross(p - body.p_WC), body.w_WB};
+}
+
+// What hits no faster than it falls in so many steps does not bounce.
+constexpr double kFallSteps = 2.0;
+
+// The speed that leaves the surface with e times the speed that met it, both as seen at the depth d at which
+// the contact was found: u'^2 = e^2 (u^2 - 2 a d) + 2 a d, a the acceleration towards the surface.
+double speed_after_hit(double speed, double restitution, double depth, double acceleration) {
+  const double fall = 2.0 * acceleration * std::max(0.0, depth);
+  const double at_surface = speed * speed - fall;
+  if (at_surface <= 0.0) return 0.0;
+  return std::sqrt(std::max(0.0, restitution * restitution * at_surface + fall));
+}
+
+}  // namespace
+
+double normal_speed(const Plant& plant, const Touch& touch) {
+  const Bodies& bodies = plant.bodies;
+  Vector3d u = touch.foreign;
+  if (touch.a >= 0) {
+    const auto a = static_cast<std::size_t>(touch.a);
+    u += bodies.v[a] + bodies.w[a].cross(touch.ra);
+  }
+  if (touch.b >= 0) {
+    const auto b = static_cast<std::size_t>(touch.b);
+    u -= bodies.v[b] + bodies.w[b].cross(touch.rb);
+  }
+  return touch.frame.col(0).dot(u);
+}
+
+bool find_hits(Plant& plant, double h) {
+  const double slow = kFallSteps * h * plant.model.gravity.norm();
+  bool any = false;
+  for (Touch& touch : plant.touches) {
+    const double speed = -normal_speed(plant, touch);
+    touch.bounce = 0.0;
+    if (touch.restitution == 0.0 || speed <= slow) continue;
+    touch.bounce =
+        speed_after_hit(speed, touch.restitution, touch.depth, -touch.frame.col(0).dot(touch.bias));
+    any = true;
+  }
+  for (Axis& axis : plant.axes) {
+    for (const std::size_t side : {0u, 1u}) {
+      const double speed = (side == 0 ? -1.0 : 1.0) * axis.rate;
+      const double room = side == 0 ? axis.start - axis.model->lower : axis.model->upper - axis.start;
+      axis.hits[side] =
+          axis.model->limited && axis.model->stop_restitution > 0.0 && speed > slow && room < h * speed;
+      any = any || axis.hits[side];
+    }
+  }
+  return any;
+}
+
+void carry_touches(Plant& plant, double h) {
+  for (Touch& touch : plant.touches) {
+    touch.depth -= h * normal_speed(plant, touch);
+    if (touch.turn.isZero(0.0)) continue;
+    const Matrix3d R = rotation(h * touch.turn).toRotationMatrix();
+    touch.ra = R * touch.ra;
+    touch.rb = R * touch.rb;
+    touch.frame = R * touch.frame;
+  }
+}
+
+void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
+                  const world::WorldState& state) {
+  const Bodies& bodies = plant.bodies;
+  plant.touches.clear();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const collision::Contact& contact = contacts[i];
+    Touch touch;
+    touch.contact = i;
+    touch.a = bodies.number(contact.body_a);
+    touch.b = bodies.number(contact.body_b);
+    if (touch.a < 0 && touch.b < 0) continue;
+    const Across tangents = across(contact.normal_W);
+    touch.frame << contact.normal_W, tangents.first, tangents.second;
+    touch.foreign.setZero();
+    touch.ra = touch.rb = touch.bias = Vector3d::Zero();
+    Vector3d turn_a, turn_b;
+    if (touch.a >= 0) {
+      const auto a = static_cast<std::size_t>(touch.a);
+      touch.ra = contact.p_W - bodies.x[a];
+      touch.bias += plant.model.gravity;
+      turn_a = bodies.w[a];
+    } else {
+      const Foreign motion = foreign_motion(plant.model, state, contact.body_a, contact.p_W);
+      touch.foreign += motion.velocity;
+      turn_a = motion.turn;
+    }
+    if (touch.b >= 0) {
+      const auto b = static_cast<std::size_t>(touch.b);
+      touch.rb = contact.p_W - bodies.x[b];
+      touch.bias -= plant.model.gravity;
+      turn_b = bodies.w[b];
+    } else {
+      const Foreign motion = foreign_motion(plant.model, state, contact.body_b, contact.p_W);
+      touch.foreign -= motion.velocity;
+      turn_b = motion.turn;
+    }
+    // A ball that rolls keeps its lever, what is held turns with its hand: the contact turns with the body
+    // that turns less.
+    touch.turn = turn_a.squaredNorm() < turn_b.squaredNorm() ? turn_a : turn_b;
+    // Two bodies that turn together fly on straight lines until their next impulse: h/2 times this is how
+    // fast they part.
+    if (touch.a >= 0 && touch.b >= 0) touch.bias += touch.turn.cross(touch.turn.cross(touch.ra - touch.rb));
+    for (const world::BodyId id : {contact.body_a, contact.body_b})
+      touch.yields = touch.yields || (bodies.number(id) < 0 && !plant.model.bodies[id.index()].fixed);
+    touch.depth = contact.depth;
+    touch.friction = contact.friction;
+    touch.restitution = contact.restitution;
+    for (Vector3d& impulse : touch.impulse) impulse.setZero();
+    plant.touches.push_back(touch);
+  }
+}
+
+}  // namespace visum::dynamics::impulse

@@ -1,0 +1,63 @@
+#include "server/dynamics/impulse/warm_start.h"
+
+#include <cstring>
+
+namespace visum::dynamics::impulse {
+namespace {
+
+struct Record {
+  std::int32_t shape_a, shape_b, feature, zero;
+  double impulse[3];
+};
+static_assert(sizeof(Record) == 40);
+
+// Contacts and records are sorted by this.
+auto key(const Record& record) {
+  return std::tuple(record.shape_a, record.shape_b, record.feature);
+}
+auto key(const collision::Contact& contact) {
+  return std::tuple(contact.shape_a.value, contact.shape_b.value, contact.feature);
+}
+
+Record record_at(const std::vector<std::byte>& bytes, std::size_t i) {
+  Record record;
+  std::memcpy(&record, bytes.data() + i * sizeof(Record), sizeof(Record));
+  return record;
+}
+
+}  // namespace
+
+void read_warm_start(const std::vector<std::byte>& bytes, std::span<const collision::Contact> contacts,
+                     Plant& plant) {
+  if (bytes.size() % sizeof(Record) != 0) return;
+  const std::size_t count = bytes.size() / sizeof(Record);
+  std::size_t i = 0;
+  for (Touch& touch : plant.touches) {
+    const collision::Contact& contact = contacts[touch.contact];
+    while (i < count && key(record_at(bytes, i)) < key(contact)) ++i;
+    if (i == count) return;
+    const Record record = record_at(bytes, i);
+    const Vector3d impulse(record.impulse[0], record.impulse[1], record.impulse[2]);
+    if (key(record) != key(contact) || !impulse.allFinite()) continue;
+    touch.impulse[kAhead] = touch.frame.transpose() * impulse;
+    touch.impulse[kAhead][0] = std::max(0.0, touch.impulse[kAhead][0]);
+  }
+}
+
+void write_warm_start(const Plant& plant, std::span<const collision::Contact> contacts,
+                      std::vector<std::byte>& bytes) {
+  bytes.resize(plant.touches.size() * sizeof(Record));
+  for (std::size_t i = 0; i < plant.touches.size(); ++i) {
+    const Touch& touch = plant.touches[i];
+    const collision::Contact& contact = contacts[touch.contact];
+    const Vector3d impulse = touch.frame * touch.impulse[kAfter];
+    const Record record{contact.shape_a.value,
+                        contact.shape_b.value,
+                        contact.feature,
+                        0,
+                        {impulse.x(), impulse.y(), impulse.z()}};
+    std::memcpy(bytes.data() + i * sizeof(Record), &record, sizeof(Record));
+  }
+}
+
+}  // namespace visum::dynamics::impulse

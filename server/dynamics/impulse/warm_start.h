@@ -1,0 +1,22 @@
+// The contacts' impulses of the last tick, from which the next one's solution starts: an engine's own part of
+// the world's state, so that a restored world goes on with the same bits.
+//
+// Format: one record for each contact, in their order: shape_a, shape_b, feature, zero (32 bits each),
+// impulse in W (3 doubles). Native endianness, as the rest of a snapshot.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "server/dynamics/impulse/plant.h"
+
+namespace visum::dynamics::impulse {
+
+// Into the touches' impulses. Records of contacts that are gone, and bytes of another engine, count for
+// nothing.
+void read_warm_start(const std::vector<std::byte>& bytes, std::span<const collision::Contact> contacts,
+                     Plant& plant);
+void write_warm_start(const Plant& plant, std::span<const collision::Contact> contacts,
+                      std::vector<std::byte>& bytes);
+
+}  // namespace visum::dynamics::impulse

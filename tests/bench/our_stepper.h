@@ -1,0 +1,11 @@
+// Engines behind our seam, by the name of their row.
+#pragma once
+
+#include "tests/bench/peers/stepper.h"
+
+namespace visum::bench {
+
+bool can_be_made(const world::WorldModel& model);
+std::unique_ptr<Stepper> make_our_stepper(const world::WorldModel& model, const std::string& row);
+
+}  // namespace visum::bench

@@ -1,0 +1,172 @@
+// Bullet in double precision: btMultiBody for open chains, rigid bodies for boxes.
+#include <BulletDynamics/Featherstone/btMultiBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
+#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <cmath>
+
+#include "tests/bench/peers/peers.h"
+
+namespace visum::bench {
+namespace {
+
+btVector3 bt(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+btQuaternion bt(const Eigen::Quaterniond& q) {
+  return {q.x(), q.y(), q.z(), q.w()};
+}
+Eigen::Vector3d eigen(const btVector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+Eigen::Quaterniond eigen(const btQuaternion& q) {
+  return {q.w(), q.x(), q.y(), q.z()};
+}
+
+// What every Bullet world needs; outlives the bodies in it.
+struct BulletWorld {
+  explicit BulletWorld(const world::WorldModel& model) : tick_s(1e-9 * static_cast<double>(model.tick_ns)) {
+    world.setGravity(bt(model.gravity));
+  }
+  void step() { world.stepSimulation(tick_s, 0); }
+
+  const double tick_s;
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btMultiBodyConstraintSolver solver;
+  btMultiBodyDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+};
+
+// Links as Bullet has them: their frames at their centres of mass.
+class BulletChain : public Stepper {
+ public:
+  explicit BulletChain(const world::WorldModel& model)
+      : model_(model),
+        bullet_(model),
+        chain_(static_cast<int>(model.joints.size()), 0.0, btVector3(0, 0, 0), true, false) {
+    for (int i = 0; i < chain_.getNumLinks(); ++i) add(i);
+    chain_.finalizeMultiDof();
+    chain_.setLinearDamping(0.0);
+    chain_.setAngularDamping(0.0);
+    chain_.setMaxCoordinateVelocity(1e6);
+    bullet_.world.addMultiBody(&chain_);
+    reset();
+  }
+  ~BulletChain() override { bullet_.world.removeMultiBody(&chain_); }
+  BulletChain(const BulletChain&) = delete;
+  BulletChain& operator=(const BulletChain&) = delete;
+
+  void reset() override {
+    for (int i = 0; i < chain_.getNumLinks(); ++i) {
+      chain_.setJointPos(i, model_.joints[static_cast<std::size_t>(i)].initial_position);
+      chain_.setJointVel(i, 0.0);
+    }
+    chain_.clearForcesAndTorques();
+    chain_.clearVelocities();
+  }
+  void step() override { bullet_.step(); }
+  void store(world::WorldState& state) const override {
+    btAlignedObjectArray<btQuaternion> rotations;
+    btAlignedObjectArray<btVector3> origins;
+    chain_.forwardKinematics(rotations, origins);
+    std::vector<btVector3> turning(model_.bodies.size() + 1), moving(model_.bodies.size() + 1);
+    chain_.compTreeLinkVelocities(turning.data(), moving.data());
+    for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+      const btTransform& X = chain_.getLink(static_cast<int>(i)).m_cachedWorldTransform;
+      state.bodies[i] = {eigen(X.getOrigin()), eigen(X.getRotation()), eigen(X.getBasis() * moving[i + 1]),
+                         eigen(X.getBasis() * turning[i + 1])};
+    }
+  }
+
+ private:
+  void add(int index) {
+    const auto& joint = model_.joints[static_cast<std::size_t>(index)];
+    const auto& body = model_.bodies[static_cast<std::size_t>(index)];
+    const Eigen::Vector3d parent_com =
+        joint.parent.valid() ? model_.bodies[joint.parent.index()].p_BC : Eigen::Vector3d::Zero();
+    chain_.setupRevolute(index, body.mass_kg, bt(Eigen::Vector3d(body.inertia_C.diagonal())),
+                         joint.parent.value, btQuaternion::getIdentity(), bt(joint.axis_J),
+                         bt(joint.X_PJ.p - parent_com), bt(body.p_BC), true);
+  }
+
+  const world::WorldModel model_;
+  BulletWorld bullet_;
+  mutable btMultiBody chain_;  // its kinematics are computed when asked for
+};
+
+class BulletBoxes : public Stepper {
+ public:
+  explicit BulletBoxes(const world::WorldModel& model) : start_(initial_state(model)), bullet_(model) {
+    for (const auto& shape : model.shapes) add(model, shape);
+    reset();
+  }
+  ~BulletBoxes() override {
+    for (const auto& body : bodies_) bullet_.world.removeRigidBody(body.get());
+  }
+  BulletBoxes(const BulletBoxes&) = delete;
+  BulletBoxes& operator=(const BulletBoxes&) = delete;
+
+  void reset() override {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const auto& motion = start_.bodies[ids_[i]];
+      bodies_[i]->setWorldTransform(btTransform(bt(motion.q_WB), bt(motion.p_WC)));
+      bodies_[i]->setLinearVelocity(bt(motion.v_WC));
+      bodies_[i]->setAngularVelocity(bt(motion.w_WB));
+    }
+    bullet_.solver.reset();
+  }
+  void step() override { bullet_.step(); }
+  void store(world::WorldState& state) const override {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const btTransform& X = bodies_[i]->getWorldTransform();
+      state.bodies[ids_[i]] = {eigen(X.getOrigin()), eigen(X.getRotation()),
+                               eigen(bodies_[i]->getLinearVelocity()),
+                               eigen(bodies_[i]->getAngularVelocity())};
+    }
+  }
+
+ private:
+  // A pair's friction is the product of both.
+  void add(const world::WorldModel& model, const world::Shape& shape) {
+    const auto& body = model.bodies[shape.body.index()];
+    const auto& surface = model.surfaces[shape.surface.index()];
+    if (shape.kind == world::ShapeKind::kPlane)
+      shapes_.push_back(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0.0));
+    else
+      shapes_.push_back(
+          std::make_unique<btBoxShape>(0.5 * btVector3(shape.size[0], shape.size[1], shape.size[2])));
+    const btRigidBody::btRigidBodyConstructionInfo facts(body.fixed ? 0.0 : body.mass_kg, nullptr,
+                                                         shapes_.back().get(),
+                                                         bt(Eigen::Vector3d(body.inertia_C.diagonal())));
+    bodies_.push_back(std::make_unique<btRigidBody>(facts));
+    bodies_.back()->setFriction(std::sqrt(surface.friction));
+    bodies_.back()->setActivationState(DISABLE_DEACTIVATION);
+    ids_.push_back(shape.body.index());
+    bullet_.world.addRigidBody(bodies_.back().get());
+  }
+
+  const world::WorldState start_;
+  BulletWorld bullet_;
+  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
+  std::vector<std::unique_ptr<btRigidBody>> bodies_;
+  std::vector<std::size_t> ids_;
+};
+
+bool takes(const world::WorldModel& model) {
+  return is_open_chain(model) || is_boxes_only(model);
+}
+
+std::unique_ptr<Stepper> make(const world::WorldModel& model, const std::string&) {
+  if (model.joints.empty()) return std::make_unique<BulletBoxes>(model);
+  return std::make_unique<BulletChain>(model);
+}
+
+}  // namespace
+
+void add_bullet(std::vector<StepperKind>& kinds) {
+  kinds.push_back({"bullet", takes, make});
+}
+
+}  // namespace visum::bench

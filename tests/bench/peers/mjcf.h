@@ -1,0 +1,16 @@
+// A WorldModel as MuJoCo's XML.
+#pragma once
+
+#include <string>
+
+#include "server/world/world_model.h"
+
+namespace visum::bench {
+
+// MuJoCo 2.2's reader refuses deeper nesting (about 100), and a chain nests a level per link.
+inline constexpr int kMaxMjcfDepth = 90;
+int mjcf_depth(const world::WorldModel& model);
+
+std::string mjcf(const world::WorldModel& model, const char* integrator);
+
+}  // namespace visum::bench

@@ -1,0 +1,31 @@
+// One world, ready to be stepped by one engine, of ours or another's: what the benchmarks of physics compare.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "server/world/world_model.h"
+#include "server/world/world_state.h"
+
+namespace visum::bench {
+
+class Stepper {
+ public:
+  virtual ~Stepper() = default;
+  virtual void reset() = 0;  // to the model's initial state
+  virtual void step() = 0;   // one tick of the model; collision included where there are shapes
+  virtual void store(world::WorldState& state) const = 0;  // the bodies' motions (velocities: at their coms)
+};
+
+struct StepperKind {
+  std::string name;  // as in Step/arm7/<name>
+  bool (*takes)(const world::WorldModel& model);
+  std::unique_ptr<Stepper> (*make)(const world::WorldModel& model, const std::string& name);
+};
+
+// What other engines can be given of our models.
+bool is_open_chain(const world::WorldModel& model);  // hinges only, no loop, no shape
+bool is_mechanism(const world::WorldModel& model);   // hinges only, loops allowed, no shape
+bool is_boxes_only(const world::WorldModel& model);  // free boxes on a plane, no joint
+
+}  // namespace visum::bench

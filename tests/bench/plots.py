@@ -1,0 +1,43 @@
+"""Which plots the results make: from benchmarks by name, e.g. "Swing/arm7/impulse/1000us"."""
+
+import re
+
+from plot import Series, log_log
+
+MAX_USEFUL_ERROR_M = 1.0  # beyond, the arm points anywhere
+
+
+def swings(benchmarks):
+    """(engine, step in s, CPU s per simulated s, tip error in m) of every swing that stayed together."""
+    for name, row in benchmarks.items():
+        found = re.fullmatch(r"Swing/arm7/(.+)/(\d+)us", name)
+        if found and 0.0 < row.get("tip_error_m", 0.0) < MAX_USEFUL_ERROR_M:
+            yield found[1], 1e-6 * int(found[2]), 1e-6 * row["cpu_us"], row["tip_error_m"]
+
+
+def steps(benchmarks):
+    """(engine, links, µs per step) of the chains."""
+    for name, row in benchmarks.items():
+        found = re.fullmatch(r"Step/chain(\d+)/(.+)", name)
+        if found and "cpu_us" in row:
+            yield found[2], int(found[1]), row["cpu_us"]
+
+
+def by_engine(rows):
+    series = {}
+    for engine, x, y in rows:
+        series.setdefault(engine, Series(engine)).points.append((x, y))
+    return list(series.values())
+
+
+def plots_of(benchmarks):
+    """(name, SVG) of every plot for which there are figures."""
+    runs = list(swings(benchmarks))
+    pictures = [
+        ("work-precision", log_log("arm7: work against precision", "CPU seconds per simulated second",
+                                   "tip error after 1 s, m", by_engine((e, cpu, error) for e, _, cpu, error in runs))),
+        ("convergence", log_log("arm7: convergence", "step, s", "tip error after 1 s, m",
+                                by_engine((e, h, error) for e, h, _, error in runs))),
+        ("chain", log_log("chain: cost of a step", "links", "CPU µs per step", by_engine(steps(benchmarks)))),
+    ]
+    return [(name, picture) for name, picture in pictures if picture]

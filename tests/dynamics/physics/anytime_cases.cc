@@ -1,0 +1,52 @@
+// A: stopped after any number of corrections, a mechanism stays together and only loses energy.
+#include <algorithm>
+#include <cmath>
+
+#include "tests/dynamics/physics/case.h"
+#include "tests/dynamics/physics/measures.h"
+#include "tests/dynamics/physics/serial_models.h"
+
+namespace visum::physics {
+namespace {
+
+struct Stopped {
+  double gap_m = 0.0;
+  double gain = 0.0;  // of energy, relative to energy_scale
+};
+
+Stopped stop_after(world::EngineSetting engine, int budget) {
+  engine.budget = budget;
+  Lab lab(chain(engine, 1e-3, 8));
+  const double energy = energy_of(lab.model, lab.state), scale = energy_scale(lab.model);
+  Stopped result;
+  watch(lab, 0.5, [&] {
+    result.gap_m = std::max(result.gap_m, max_gap(lab.model, lab.state));
+    result.gain = std::max(result.gain, (energy_of(lab.model, lab.state) - energy) / scale);
+  });
+  return result;
+}
+
+std::vector<double> stop_anywhere(const world::EngineSetting& engine) {
+  double gain = 0.0, widening = 0.0, before = 1e9, gap = 0.0;
+  for (const int budget : {1, 2, 4, 8, 16, 32, 64, 128}) {
+    const Stopped stopped = stop_after(engine, budget);
+    gain = std::max(gain, stopped.gain);
+    widening = std::max(widening, stopped.gap_m - before);
+    before = stopped.gap_m;
+    gap = std::max(gap, stopped.gap_m);
+  }
+  return {gap, std::max(0.0, widening), gain};
+}
+
+}  // namespace
+
+std::vector<Case> anytime_cases() {
+  return {
+      {"A1",
+       "FewerCorrectionsOnlyDamp",
+       "closed form: E does not grow, and the gap does not grow with the corrections (1 to 128 per joint)",
+       {{"gap_m", 0.1}, {"widening_m", 1e-6}, {"energy_gain", 1e-4}},
+       stop_anywhere}};
+}
+
+}  // namespace visum::physics

@@ -1,0 +1,28 @@
+// What the suite and the benchmarks measure of a world: points, energy, momentum, gaps.
+#pragma once
+
+#include "server/world/world_model.h"
+#include "server/world/world_state.h"
+
+namespace visum::physics {
+
+// A point of a body (p_B in its frame), in W.
+Eigen::Vector3d point_of(const world::WorldModel& model, const world::WorldState& state, world::BodyId body,
+                         const Eigen::Vector3d& p_B);
+
+// Kinetic, potential in gravity, and of springs; J.
+double energy_of(const world::WorldModel& model, const world::WorldState& state);
+// Σ m g (path from the world along the joints to the body's centre of mass): what errors of energy are
+// divided by, so that they mean the same for a short and a long chain.
+double energy_scale(const world::WorldModel& model);
+
+Eigen::Vector3d momentum_of(const world::WorldModel& model, const world::WorldState& state);
+// About W's origin.
+Eigen::Vector3d angular_momentum_of(const world::WorldModel& model, const world::WorldState& state);
+// R J Rᵀ ω, about the body's own centre of mass.
+Eigen::Vector3d spin_of(const world::Body& body, const world::BodyState& state);
+
+// The largest distance, m, by which a joint's point is off where the joint holds it.
+double max_gap(const world::WorldModel& model, const world::WorldState& state);
+
+}  // namespace visum::physics
