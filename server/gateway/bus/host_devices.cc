@@ -84,7 +84,8 @@ int connect_to(const addrinfo& address) {
 }  // namespace
 
 std::unique_ptr<Channel> open_serial_device(const std::string& where) {
-  const auto [path, rate] = split(where, "38400");
+  const auto halves = split(where, "38400");
+  const auto &path = halves.first, &rate = halves.second;
   const auto row = std::ranges::find_if(kSerialRates, [&](const Rate& known) { return rate == known.name; });
   if (row == std::end(kSerialRates)) {
     std::string known;
@@ -95,7 +96,8 @@ std::unique_ptr<Channel> open_serial_device(const std::string& where) {
 }
 
 std::unique_ptr<Channel> open_slcan_device(const std::string& where) {
-  const auto [path, rate] = split(where, "500");
+  const auto halves = split(where, "500");
+  const auto &path = halves.first, &rate = halves.second;
   const auto row = std::ranges::find_if(kCanRates, [&](const auto& known) { return rate == known.first; });
   if (row == std::end(kCanRates))
     throw std::runtime_error("'" + rate +
