@@ -10,6 +10,9 @@ include(CMakePackageConfigHelpers)
 # All programs, for those who want to run and not to test: `cmake --build build/release --target programs`.
 get_property(programs GLOBAL PROPERTY VISUM_PROGRAMS)
 add_custom_target(programs DEPENDS ${programs} visum_python)
+if(TARGET page)
+  add_dependencies(programs page)
+endif()
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
 # The client library as one shared object: an outside project needs its header and nothing that we are built from.

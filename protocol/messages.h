@@ -106,6 +106,9 @@ struct UnsubscribeWorld {};
 struct ReadMesh {
   std::uint32_t mesh = 0;
 };
+struct ReadTexture {
+  std::uint32_t texture = 0;
+};
 struct Pause {};
 struct Resume {};
 struct Step {
@@ -135,8 +138,8 @@ struct Shutdown {};
 using Request = std::variant<Hello, Status, ListParts, DescribePart, AcquireLease, ReleaseLease, Write, Read,
                              Subscribe, Unsubscribe, GetParameters, SetParameter, ReadBlackboard,
                              WriteBlackboard, Join, Advance, Leave, DescribeWorld, ReadWorld, SubscribeWorld,
-                             UnsubscribeWorld, ReadMesh, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot,
-                             RestoreSnapshot, PushBody, AddBody, RemoveBody, Shutdown>;
+                             UnsubscribeWorld, ReadMesh, ReadTexture, Pause, Resume, Step, SetSpeed, Reset,
+                             TakeSnapshot, RestoreSnapshot, PushBody, AddBody, RemoveBody, Shutdown>;
 
 // ------------------------------------------------------------------------------------------------ server to
 // client
@@ -221,6 +224,7 @@ struct ShapeDescription {
   std::uint32_t mesh = 0;
   std::string surface;
   bool collides = true;
+  std::uint32_t material = 0;
 };
 struct BodyDescription {
   std::string name, model;
@@ -228,11 +232,35 @@ struct BodyDescription {
   double mass_kg = 0.0;
   std::vector<ShapeDescription> shapes;
   std::string engine;
+  std::vector<double> com;
 };
 struct JointDescription {
   std::string name, type, parent, child;
   double lower = 0.0, upper = 0.0;
   std::string part;
+  std::vector<double> pose, axis;
+};
+struct MaterialDescription {
+  std::string name;
+  double roughness = 0.0, metalness = 0.0;
+  std::uint32_t texture = 0;
+  std::vector<double> texture_size;
+};
+struct LightDescription {
+  std::string name, kind;
+  std::vector<double> color;
+  double intensity = 0.0;
+  std::vector<double> position, direction;
+  double angle = 0.0;
+  bool shadows = false;
+};
+struct ViewpointDescription {
+  std::string name;
+  std::vector<double> position, target;
+  double fov = 0.0;
+};
+struct PanelDescription {
+  std::string name, text;
 };
 struct WorldDescription {
   std::string scene;
@@ -241,10 +269,19 @@ struct WorldDescription {
   std::vector<BodyDescription> bodies;
   std::vector<JointDescription> joints;
   std::uint64_t revision = 0;
+  std::vector<MaterialDescription> materials;
+  std::vector<LightDescription> lights;
+  std::vector<ViewpointDescription> viewpoints;
+  std::vector<PanelDescription> panels;
+  std::vector<std::string> losses;
 };
 struct MeshData {
   std::vector<float> vertices;
   std::vector<std::uint32_t> triangles;
+};
+struct TextureData {
+  std::string content_type;
+  std::vector<std::byte> data;
 };
 struct ContactSample {
   std::uint32_t body_a = 0, body_b = 0;
@@ -273,6 +310,6 @@ struct Event {
 
 using Reply = std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant,
                            PartSample, ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample,
-                           MeshData, SnapshotTaken, Event>;
+                           MeshData, SnapshotTaken, Event, TextureData>;
 
 }  // namespace visum::protocol

@@ -8,7 +8,6 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/address.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <cerrno>
@@ -18,8 +17,10 @@
 #include <utility>
 
 #include "protocol/codec.h"
+#include "protocol/http_door.h"
+#include "protocol/listener.h"
 #include "protocol/tcp_session.h"
-#include "protocol/token_bucket.h"
+#include "protocol/web_session.h"
 
 namespace visum::protocol {
 namespace {
@@ -30,18 +31,8 @@ using boost::system::error_code;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kAcceptBackoff{100};
 constexpr std::size_t kMaxLeaving = 64;   // refused sessions that linger; above it they are cut off
 constexpr std::size_t kSpareEvents = 16;  // per poll(), beyond one for each session
-constexpr int kBacklog = 512;
-
-asio::ip::address address_of(const std::string& text) {
-  if (text == "localhost") return asio::ip::address_v4::loopback();
-  error_code error;
-  const auto address = asio::ip::make_address(text, error);
-  if (error) throw std::runtime_error("cannot listen on '" + text + "': not an IP address");
-  return address;
-}
 
 bool is_loopback(const asio::ip::address& address) {
   if (address.is_v6() && address.to_v6().is_v4_mapped())
@@ -64,22 +55,22 @@ int make_eventfd() {
 
 }  // namespace
 
-struct Server::Impl final : SessionOwner {
+struct Server::Impl final : SessionOwner, HttpOwner {
   Impl(const ListenOptions& options, SessionHandler& handler);
   ~Impl() override;
 
-  void woken(TcpSession& session) override { woken_.push_back(&session); }
+  void woken(WireSession& session) override { woken_.push_back(&session); }
+  void http_connected() override { arm_sweep(); }
+  void upgraded(UpgradePointer upgrade) override;
 
-  void listen();
-  void accept_when_allowed();
-  void accept_after(std::chrono::nanoseconds pause);
-  void accept();
-  void on_accept(const error_code& error, tcp::socket socket);
-  void accept_failed(const error_code& error);
-  void admit(tcp::socket socket);
+  void admit(tcp::socket socket, const tcp::endpoint& peer);
+  void keep(std::unique_ptr<WireSession> session, const std::string& refusal);
   std::string refusal(const asio::ip::address& peer) const;
+  bool crowded() const {
+    return count([](const WireSession& s) { return s.closing(); }) >= kMaxLeaving;
+  }
   void turn_away(tcp::socket& socket, const std::string& why);
-  std::size_t count(bool (*of)(const TcpSession&)) const;
+  std::size_t count(bool (*of)(const WireSession&)) const;
 
   void await_signal();
   void on_signal();
@@ -100,11 +91,10 @@ struct Server::Impl final : SessionOwner {
   const ListenOptions options_;
   SessionHandler& handler_;
   SessionContext context_{options_.limits, handler_};
-  tcp::acceptor acceptor_{io_};
-  std::uint16_t port_ = 0;
-  asio::steady_timer accept_timer_{io_};
-  TokenBucket accepts_;
-  bool accept_failing_ = false;
+  Listener listener_{
+      io_, options_.address, options_.port, options_.limits.accepts_per_second,
+      [this](tcp::socket socket, const tcp::endpoint& peer) { admit(std::move(socket), peer); }};
+  std::unique_ptr<HttpDoor> http_;  // none: no HTTP
   const milliseconds sweep_period_;
   asio::steady_timer sweep_timer_{io_};
   bool sweeping_ = false;
@@ -115,20 +105,20 @@ struct Server::Impl final : SessionOwner {
   std::atomic<bool> stop_asked_{false};
   std::atomic<bool> notified_{false};
   bool stopping_ = false;
-  std::map<std::uint64_t, std::unique_ptr<TcpSession>> sessions_;
+  std::map<std::uint64_t, std::unique_ptr<WireSession>> sessions_;
   std::uint64_t next_id_ = 1;
-  std::vector<TcpSession*> woken_;
+  std::vector<WireSession*> woken_;
   std::atomic<std::size_t> open_sessions_{0};
 };
 
 Server::Impl::Impl(const ListenOptions& options, SessionHandler& handler)
     : options_(options),
       handler_(handler),
-      accepts_(options.limits.accepts_per_second, steady_clock::now()),
       sweep_period_(sweep_period(options.limits)),
       signal_fd_(io_, make_eventfd()) {
   context_.step = sweep_period_;
-  listen();
+  if (options_.web.pages)
+    http_ = std::make_unique<HttpDoor>(io_, options_.address, options_.web, context_, *this);
   await_signal();
 }
 
@@ -139,65 +129,25 @@ Server::Impl::~Impl() {
 // ----------------------------------------------------------------------------------------------------
 // accepting
 
-void Server::Impl::listen() {
-  const tcp::endpoint endpoint(address_of(options_.address), options_.port);
-  try {
-    acceptor_.open(endpoint.protocol());
-    acceptor_.set_option(tcp::acceptor::reuse_address(true));
-    acceptor_.bind(endpoint);
-    acceptor_.listen(kBacklog);
-    port_ = acceptor_.local_endpoint().port();
-  } catch (const boost::system::system_error& error) {
-    throw std::runtime_error("cannot listen on " + to_text(endpoint) + ": " + error.code().message());
-  }
-}
-
-void Server::Impl::accept_when_allowed() {
-  if (!acceptor_.is_open()) return;
-  if (accepts_.take(steady_clock::now())) return accept();
-  accept_after(accepts_.wait());
-}
-
-void Server::Impl::accept_after(std::chrono::nanoseconds pause) {
-  accept_timer_.expires_after(pause);
-  accept_timer_.async_wait([this](const error_code& error) {
-    if (!error) accept_when_allowed();
-  });
-}
-
-void Server::Impl::accept() {
-  acceptor_.async_accept(
-      [this](const error_code& error, tcp::socket socket) { on_accept(error, std::move(socket)); });
-}
-
-void Server::Impl::on_accept(const error_code& error, tcp::socket socket) {
-  if (!acceptor_.is_open()) return;
-  if (error && error != asio::error::connection_aborted) return accept_failed(error);
-  accept_failing_ = false;
-  if (!error) admit(std::move(socket));
-  accept_when_allowed();
-}
-
-// Mostly no descriptors left: they come back when sessions end, so try again, but not in a loop.
-void Server::Impl::accept_failed(const error_code& error) {
-  if (!std::exchange(accept_failing_, true))
-    spdlog::warn("cannot accept connections on port {}: {}; trying again", port_, error.message());
-  accept_after(kAcceptBackoff);
-}
-
-void Server::Impl::admit(tcp::socket socket) {
-  error_code error;
-  const tcp::endpoint peer = socket.remote_endpoint(error);
-  if (error) return;  // gone already
+void Server::Impl::admit(tcp::socket socket, const tcp::endpoint& peer) {
   const std::string why = refusal(peer.address());
-  if (!why.empty() && count([](const TcpSession& s) { return s.closing(); }) >= kMaxLeaving)
-    return turn_away(socket, why);
-  const std::uint64_t id = next_id_++;
-  auto& session = sessions_[id] = std::make_unique<TcpSession>(context_, *this, std::move(socket), id, peer);
-  if (why.empty())
-    session->start();
-  else
-    session->refuse(0, {ErrorCode::kBusy, why, {}});
+  if (!why.empty() && crowded()) return turn_away(socket, why);
+  keep(std::make_unique<TcpSession>(context_, *this, std::move(socket), next_id_++, peer), why);
+}
+
+// A session like any other from here on: the same limits, the same refusals in the same words.
+void Server::Impl::upgraded(UpgradePointer upgrade) {
+  tcp::endpoint peer;
+  if (stopping_ || !peer_of(*upgrade, peer)) return;
+  const std::string why = refusal(peer.address());
+  if (!why.empty() && crowded()) return void(context_.refused.fetch_add(1, std::memory_order_relaxed));
+  keep(make_web_session(context_, *this, next_id_++, peer, std::move(upgrade)), why);
+}
+
+void Server::Impl::keep(std::unique_ptr<WireSession> session, const std::string& refusal) {
+  WireSession& kept = *(sessions_[session->id()] = std::move(session));
+  if (!refusal.empty()) kept.refuse(0, {ErrorCode::kBusy, refusal, {}});
+  kept.start();
   count_open();
   arm_sweep();
 }
@@ -230,13 +180,13 @@ void Server::Impl::turn_away(tcp::socket& socket, const std::string& why) {
   socket.write_some(asio::buffer(frame.data(), frame.size()), ignored);
 }
 
-std::size_t Server::Impl::count(bool (*of)(const TcpSession&)) const {
+std::size_t Server::Impl::count(bool (*of)(const WireSession&)) const {
   return static_cast<std::size_t>(std::count_if(sessions_.begin(), sessions_.end(),
                                                 [of](const auto& entry) { return of(*entry.second); }));
 }
 
 void Server::Impl::count_open() {
-  open_sessions_.store(count([](const TcpSession& s) { return !s.closing(); }), std::memory_order_relaxed);
+  open_sessions_.store(count([](const WireSession& s) { return !s.closing(); }), std::memory_order_relaxed);
 }
 
 // ---------------------------------------------------------------------------------------------------- other
@@ -274,9 +224,8 @@ void Server::Impl::on_signal() {
 
 void Server::Impl::begin_shutdown() {
   if (std::exchange(stopping_, true)) return;
-  error_code ignored;
-  acceptor_.close(ignored);
-  accept_timer_.cancel(ignored);
+  listener_.close();
+  if (http_) http_->close();
   for (auto& [id, session] : sessions_) session->close(CloseReason::kShutdown);
 }
 
@@ -284,7 +233,7 @@ void Server::Impl::begin_shutdown() {
 // deadlines
 
 void Server::Impl::arm_sweep() {
-  if (sweeping_ || sessions_.empty()) return;
+  if (sweeping_ || (sessions_.empty() && !(http_ && http_->busy()))) return;
   sweeping_ = true;
   last_sweep_ = steady_clock::now();
   sweep_timer_.expires_after(sweep_period_);
@@ -299,6 +248,7 @@ void Server::Impl::sweep() {
   // elsewhere.
   context_.now += std::min<ServedTime>(steady_clock::now() - last_sweep_, 2 * sweep_period_);
   for (auto& [id, session] : sessions_) session->sweep();
+  if (http_) http_->sweep();
   arm_sweep();
 }
 
@@ -311,7 +261,7 @@ void Server::Impl::settle() {
   if (woken_.empty()) return;
   bool any_closed = false;
   for (std::size_t i = 0; i < woken_.size(); ++i) {
-    TcpSession& session = *woken_[i];
+    WireSession& session = *woken_[i];
     session.work();
     any_closed |= session.closing();
     if (session.finished() && !session.is_woken()) sessions_.erase(session.id());
@@ -326,11 +276,16 @@ Server::Server(const ListenOptions& options, SessionHandler& handler)
 Server::~Server() = default;
 
 std::uint16_t Server::port() const {
-  return impl_->port_;
+  return impl_->listener_.port();
+}
+
+std::uint16_t Server::http_port() const {
+  return impl_->http_ ? impl_->http_->port() : 0;
 }
 
 void Server::start() {
-  impl_->accept_when_allowed();
+  impl_->listener_.start();
+  if (impl_->http_) impl_->http_->start();
 }
 
 void Server::run() {
@@ -341,8 +296,9 @@ bool Server::poll() {
   impl_->settle();
   bool any = false;
   // Bounded, so that no client can hold the caller here.
-  for (std::size_t left = impl_->sessions_.size() + kSpareEvents; left > 0 && impl_->io_.poll_one() > 0;
-       --left) {
+  const std::size_t connections = impl_->http_ ? impl_->http_->connection_count() : 0;
+  for (std::size_t left = impl_->sessions_.size() + connections + kSpareEvents;
+       left > 0 && impl_->io_.poll_one() > 0; --left) {
     any = true;
     impl_->settle();
   }
@@ -363,6 +319,10 @@ void Server::stop() {
 void Server::notify() {
   impl_->notified_.store(true);
   impl_->signal();
+}
+
+bool Server::ended() const {
+  return impl_->over();
 }
 
 std::size_t Server::session_count() const {

@@ -1,5 +1,6 @@
-// The server's end of the TCP session: listening, framing, hello, deadlines, bounded queues. What a request
-// means is the handler's business (server/gateway). Boost.Asio stays inside server.cc and tcp_session.cc.
+// The server's end of the session, over TCP or WebSocket: listening, framing, hello, deadlines, bounded
+// queues. What a request means is the handler's business (server/gateway). Boost.Asio and Beast stay inside
+// this folder.
 //
 // Threads: everything, the handler's calls included, happens on the one thread that calls run() or poll().
 // stop() and notify() may be called from any thread.
@@ -13,6 +14,7 @@
 
 #include "protocol/limits.h"
 #include "protocol/messages.h"
+#include "protocol/web_pages.h"
 
 namespace visum::protocol {
 
@@ -58,6 +60,7 @@ struct ListenOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = kDefaultPort;  // 0: any free one
   Limits limits;
+  WebOptions web;  // sessions over WebSocket, and pages, on a port of their own
 };
 
 class Server {
@@ -68,14 +71,16 @@ class Server {
   ~Server();  // cuts off what is left, without a word to the handler
 
   std::uint16_t port() const;
-  void start();  // begins to accept
-  void run();    // until stop(); on a thread of its own (clock realtime)
-  bool poll();   // handles what is ready, bounded; true if there was anything
+  std::uint16_t http_port() const;  // 0: there is no HTTP
+  void start();                     // begins to accept
+  void run();                       // until stop(); on a thread of its own (clock realtime)
+  bool poll();                      // handles what is ready, bounded; true if there was anything
   // Waits for something to be ready, handles it. The wait is rounded up to whole milliseconds.
   void poll_for(std::chrono::nanoseconds at_most);
-  void stop();    // closes sessions after their queued replies; any thread. run() returns
-                  // then; who polls goes on until session_count() is 0
-  void notify();  // makes on_notify() be called soon; any thread, no lock, no allocation
+  void stop();         // closes sessions after their queued replies; any thread. run() returns
+                       // then; who polls goes on until ended()
+  bool ended() const;  // stopped, and every session is closed; the server's thread
+  void notify();       // makes on_notify() be called soon; any thread, no lock, no allocation
   std::size_t session_count() const;
   std::uint64_t refused() const;  // frames and sessions refused since start
 

@@ -1,13 +1,7 @@
 #include "protocol/tcp_session.h"
 
-#include <netinet/in.h>
-#include <netinet/tcp.h>
-
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/error.hpp>
-#include <boost/asio/post.hpp>
-#include <sstream>
-#include <utility>
 
 namespace visum::protocol {
 namespace {
@@ -18,53 +12,17 @@ using boost::system::error_code;
 constexpr std::chrono::milliseconds kLinger{500};
 constexpr std::size_t kMaxDiscarded = 1u << 20;
 
-void set_option(int socket, int level, int name, int value) {
-  ::setsockopt(socket, level, name, &value,
-               sizeof value);  // an option that is refused leaves the kernel's default
-}
-
-// A peer that vanished without a word is found by the kernel: idle within 4 s by probes, while sending by the
-// timeout.
-void set_options(int socket) {
-  set_option(socket, IPPROTO_TCP, TCP_NODELAY, 1);
-  set_option(socket, SOL_SOCKET, SO_KEEPALIVE, 1);
-  set_option(socket, IPPROTO_TCP, TCP_KEEPIDLE, 1);
-  set_option(socket, IPPROTO_TCP, TCP_KEEPINTVL, 1);
-  set_option(socket, IPPROTO_TCP, TCP_KEEPCNT, 3);
-  set_option(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, 4000);
-}
-
 }  // namespace
-
-std::string to_text(const asio::ip::tcp::endpoint& endpoint) {
-  std::ostringstream text;
-  text << endpoint;
-  return text.str();
-}
 
 TcpSession::TcpSession(SessionContext& context, SessionOwner& owner, Socket socket, std::uint64_t id,
                        const asio::ip::tcp::endpoint& peer)
-    : SessionCore(context, id, to_text(peer)),
-      owner_(owner),
-      socket_(std::move(socket)),
-      address_(peer.address()) {
-  error_code ignored;  // a socket that fails here fails again, and is seen, at the first read
-  socket_.non_blocking(true, ignored);
-  set_options(socket_.native_handle());
+    : WireSession(context, owner, id, peer), socket_(std::move(socket)) {
+  set_socket_options(socket_);
 }
 
+// Who was refused is not listened to before he was told.
 void TcpSession::start() {
-  read();
-}
-
-void TcpSession::wake() {
-  if (!std::exchange(woken_, true)) owner_.woken(*this);
-}
-
-void TcpSession::work() {
-  woken_ = false;
-  tell_closed();
-  flush();
+  if (!closing()) read();
 }
 
 // ----------------------------------------------------------------------------------------------------
@@ -104,28 +62,6 @@ void TcpSession::discard(std::size_t bytes) {
   read();
 }
 
-void TcpSession::proceed() {
-  switch (handle_frames()) {
-    case Appetite::kMore:
-      return read();
-    case Appetite::kPaused:
-      paused_ = true;
-      return;
-    case Appetite::kNone:
-      return;
-    case Appetite::kTurn:
-      break;
-  }
-  if (std::exchange(turn_posted_, true)) return;
-  ++operations_;
-  asio::post(socket_.get_executor(), [this] {
-    --operations_;
-    turn_posted_ = false;
-    if (!socket_.is_open()) return wake();
-    proceed();
-  });
-}
-
 // ----------------------------------------------------------------------------------------------------
 // writing
 
@@ -156,10 +92,7 @@ void TcpSession::wait_until_writable() {
 }
 
 void TcpSession::written_out() {
-  if (!closing()) {
-    if (std::exchange(paused_, false)) proceed();
-    return;
-  }
+  if (!closing()) return proceed_if_due();
   if (peer_gone_ || close_reason() != CloseReason::kRefused) return hang_up();
   lingering_ = true;
   lingering_since_ = context().now;
@@ -176,17 +109,6 @@ void TcpSession::sweep() {
   check_deadlines();
   if (blocked_ && over(blocked_since_, context().limits.stall_deadline)) return lost();
   if (lingering_ && over(lingering_since_, kLinger)) hang_up();
-}
-
-void TcpSession::lost() {
-  close(CloseReason::kLost);
-  hang_up();
-}
-
-void TcpSession::hang_up() {
-  error_code ignored;
-  socket_.close(ignored);
-  wake();
 }
 
 void TcpSession::let_go() {

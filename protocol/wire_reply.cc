@@ -84,6 +84,11 @@ struct PutReply {
   void operator()(const ParameterList& m) const { put(m, *to.mutable_parameters()); }
   void operator()(const WorldDescription& m) const { put(m, *to.mutable_world_description()); }
   void operator()(const WorldSample& m) const { put(m, *to.mutable_world_sample()); }
+  void operator()(const TextureData& m) const {
+    auto& w = *to.mutable_texture();
+    w.set_content_type(m.content_type);
+    w.set_data(bytes_of(m.data));
+  }
   void operator()(const MeshData& m) const { put(m, *to.mutable_mesh()); }
 };
 
@@ -183,6 +188,9 @@ bool take(const v1::ServerMessage& from, Reply& to, std::string& why) {
       return true;
     case Case::kWorldSample:
       take(from.world_sample(), to.emplace<WorldSample>());
+      return true;
+    case Case::kTexture:
+      to = TextureData{from.texture().content_type(), bytes_of(from.texture().data())};
       return true;
     case Case::kMesh:
       take(from.mesh(), to.emplace<MeshData>());

@@ -71,6 +71,7 @@ struct PutRequest {
     to.mutable_subscribe_world()->set_every_n_ticks(m.every_n_ticks);
   }
   void operator()(const UnsubscribeWorld&) const { to.mutable_unsubscribe_world(); }
+  void operator()(const ReadTexture& m) const { to.mutable_read_texture()->set_texture(m.texture); }
   void operator()(const ReadMesh& m) const { to.mutable_read_mesh()->set_mesh(m.mesh); }
   void operator()(const Pause&) const { to.mutable_pause(); }
   void operator()(const Resume&) const { to.mutable_resume(); }
@@ -192,6 +193,9 @@ bool take_world_request(const v1::ClientMessage& from, Request& to) {
       return true;
     case v1::ClientMessage::kUnsubscribeWorld:
       to = UnsubscribeWorld{};
+      return true;
+    case v1::ClientMessage::kReadTexture:
+      to = ReadTexture{from.read_texture().texture()};
       return true;
     case v1::ClientMessage::kReadMesh:
       to = ReadMesh{from.read_mesh().mesh()};

@@ -1,5 +1,6 @@
 // The world and its status: what observers read.
 #include "protocol/wire.h"
+#include "protocol/wire_looks.h"
 #include "visum.pb.h"
 
 namespace visum::protocol::wire {
@@ -13,6 +14,7 @@ void put(const ShapeDescription& from, v1::ShapeDescription& to) {
   to.set_mesh(from.mesh);
   to.set_surface(from.surface);
   to.set_collides(from.collides);
+  to.set_material(from.material);
 }
 
 void take(const v1::ShapeDescription& from, ShapeDescription& to) {
@@ -23,6 +25,7 @@ void take(const v1::ShapeDescription& from, ShapeDescription& to) {
   to.mesh = from.mesh();
   to.surface = from.surface();
   to.collides = from.collides();
+  to.material = from.material();
 }
 
 void put(const BodyDescription& from, v1::BodyDescription& to) {
@@ -32,6 +35,7 @@ void put(const BodyDescription& from, v1::BodyDescription& to) {
   to.set_mass_kg(from.mass_kg);
   for (const ShapeDescription& shape : from.shapes) put(shape, *to.add_shapes());
   to.set_engine(from.engine);
+  put_numbers(from.com, to.mutable_com());
 }
 
 void take(const v1::BodyDescription& from, BodyDescription& to) {
@@ -41,6 +45,7 @@ void take(const v1::BodyDescription& from, BodyDescription& to) {
   to.mass_kg = from.mass_kg();
   for (const auto& shape : from.shapes()) take(shape, to.shapes.emplace_back());
   to.engine = from.engine();
+  take_numbers(from.com(), to.com);
 }
 
 void put(const JointDescription& from, v1::JointDescription& to) {
@@ -51,10 +56,16 @@ void put(const JointDescription& from, v1::JointDescription& to) {
   to.set_lower(from.lower);
   to.set_upper(from.upper);
   to.set_part(from.part);
+  put_numbers(from.pose, to.mutable_pose());
+  put_numbers(from.axis, to.mutable_axis());
 }
 
 JointDescription joint_of(const v1::JointDescription& from) {
-  return {from.name(), from.type(), from.parent(), from.child(), from.lower(), from.upper(), from.part()};
+  JointDescription to{
+      from.name(), from.type(), from.parent(), from.child(), from.lower(), from.upper(), from.part(), {}, {}};
+  take_numbers(from.pose(), to.pose);
+  take_numbers(from.axis(), to.axis);
+  return to;
 }
 
 void put(const ContactSample& from, v1::ContactSample& to) {
@@ -140,6 +151,7 @@ void put(const WorldDescription& from, v1::WorldDescription& to) {
   for (const BodyDescription& body : from.bodies) put(body, *to.add_bodies());
   for (const JointDescription& joint : from.joints) put(joint, *to.add_joints());
   to.set_revision(from.revision);
+  put_looks(from, to);
 }
 
 void take(const v1::WorldDescription& from, WorldDescription& to) {
@@ -149,6 +161,7 @@ void take(const v1::WorldDescription& from, WorldDescription& to) {
   for (const auto& body : from.bodies()) take(body, to.bodies.emplace_back());
   for (const auto& joint : from.joints()) to.joints.push_back(joint_of(joint));
   to.revision = from.revision();
+  take_looks(from, to);
 }
 
 void put(const WorldSample& from, v1::WorldSample& to) {

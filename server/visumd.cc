@@ -18,6 +18,7 @@
 #include "server/cycle/simulation.h"
 #include "server/gateway/daemon.h"
 #include "server/gateway/json.h"
+#include "server/gateway/page_files.h"
 #include "server/scene/scene.h"
 
 namespace {
@@ -34,6 +35,7 @@ struct Options {
   int verbosity = 2;
   bool json = false;
   std::vector<std::string> buses;
+  std::string http;  // a port, or "off"; empty: not given
   scene::Options of_scene;
   gateway::DaemonOptions of_daemon;
 };
@@ -82,18 +84,29 @@ std::string buses_as_json(const gateway::BusNames& buses) {
   return "{" + json + "}";
 }
 
+// What to type into a browser on this machine.
+std::string page_host(const std::string& address) {
+  if (address == "0.0.0.0" || address == "::") return "localhost";
+  return address.find(':') == std::string::npos ? address : "[" + address + "]";
+}
+
 void say_ready(const Options& options, const cycle::Simulation& simulation, const gateway::Daemon& daemon) {
-  const auto port = daemon.port();
+  const auto port = daemon.port(), http = daemon.http_port();
   if (options.json) {
     std::string parts;
     for (const auto& bound : simulation.parts())
       parts += (parts.empty() ? "" : ",") + gateway::quoted(bound.part->description().name);
-    std::cout << "{\"ready\":true,\"port\":" << port
+    std::cout << "{\"ready\":true,\"port\":" << port << (http == 0 ? "" : ",\"http\":" + std::to_string(http))
               << ",\"scene\":" << gateway::quoted(simulation.scene().name) << ",\"parts\":[" << parts
               << "],\"buses\":" << buses_as_json(daemon.buses()) << "}" << std::endl;
   } else {
     spdlog::info("{}: {} parts, listening on {}:{}", simulation.scene().name, simulation.parts().size(),
                  options.of_daemon.address, port);
+    if (http != 0) {
+      const auto wanted = options.of_daemon.http.port;
+      if (wanted != 0 && http != wanted) spdlog::warn("port {} is taken; the page is at {}", wanted, http);
+      spdlog::info("the page: http://{}:{}/", page_host(options.of_daemon.address), http);
+    }
     for (const auto& [part, names] : daemon.buses())
       for (const auto& name : names) spdlog::info("{}: bus {}", part, name);
   }
@@ -112,10 +125,26 @@ scene::Scene load(const Options& options) {
   return scene;
 }
 
+// --http decides; without it the usual port, or any free one where that is taken or --port leaves the choice
+// too.
+gateway::DaemonOptions with_http(const Options& options) {
+  gateway::DaemonOptions all = options.of_daemon;
+  all.http.on = options.http != "off";
+  if (!all.http.on) return all;
+  const bool given = !options.http.empty();
+  if (given) all.http.port = static_cast<std::uint16_t>(std::stoi(options.http));
+  if (!given && all.port == 0) all.http.port = 0;
+  all.http.any_if_taken = !given;
+  if (all.http.page.empty()) all.http.page = gateway::find_page_folder();
+  if (all.http.page.empty()) spdlog::warn("no page beside this program: HTTP has /healthz and /metrics only");
+  return all;
+}
+
 int run(Options options) {
   cycle::Simulation simulation(load(options));
   for (const auto& bus : options.buses)
     options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
+  options.of_daemon = with_http(options);
   gateway::Daemon daemon(simulation, options.of_daemon);
   running_daemon = &daemon;
   catch_signals();
@@ -129,12 +158,31 @@ int run(Options options) {
   return simulation.frozen() ? kFailed : kPassed;
 }
 
+std::string check_http(const std::string& text) {
+  if (text == "off") return {};
+  const bool digits =
+      !text.empty() && text.size() <= 5 && text.find_first_not_of("0123456789") == std::string::npos;
+  return digits && std::stoi(text) <= 65535 ? std::string() : "must be a port from 0 to 65535, or off";
+}
+
 void declare(CLI::App& app, Options& options) {
   app.add_option("scene", options.scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
   app.add_option("--listen", options.of_daemon.address,
                  "address to listen on; beyond loopback with --token-file only")
       ->capture_default_str();
   app.add_option("--port", options.of_daemon.port, "TCP port; 0: any free one")->capture_default_str();
+  app.add_option(
+         "--http", options.http,
+         "port of the page, /metrics and /healthz; 0: any free one; off. Default: 8080, or any free one "
+         "where that is taken or --port is 0")
+      ->type_name("PORT|off")
+      ->check(check_http);
+  app.add_option("--http-host", options.of_daemon.http.hosts,
+                 "a further name under which browsers may ask for the page; may be repeated")
+      ->type_name("NAME[:PORT]");
+  app.add_option("--page", options.of_daemon.http.page,
+                 "folder of the page's files, instead of the one found")
+      ->type_name("FOLDER");
   app.add_option("--clock", options.clock, "instead of the scene's: realtime, lockstep or free")
       ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
   app.add_option("--speedup", options.speedup, "realtime: simulated seconds per second")

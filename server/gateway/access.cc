@@ -39,7 +39,7 @@ Role role_needed(const protocol::Request& request) {
         using T = std::decay_t<decltype(message)>;
         if constexpr (kIsOneOf<T, Status, ListParts, DescribePart, Read, Subscribe, Unsubscribe,
                                GetParameters, ReadBlackboard, DescribeWorld, ReadWorld, SubscribeWorld,
-                               UnsubscribeWorld, ReadMesh>)
+                               UnsubscribeWorld, ReadMesh, ReadTexture>)
           return Role::kObserver;
         else if constexpr (kIsOneOf<T, AcquireLease, ReleaseLease, Write, SetParameter, WriteBlackboard, Join,
                                     Advance, Leave>)

@@ -14,6 +14,7 @@
 #include "server/gateway/gateway.h"
 #include "server/gateway/mailbox.h"
 #include "server/gateway/tick_side.h"
+#include "server/gateway/web.h"
 
 namespace visum::gateway {
 namespace {
@@ -61,7 +62,9 @@ struct Daemon::Impl {
         gateway(static_world(simulation), options.token_file.empty() ? Tokens() : Tokens(options.token_file),
                 mailbox, tick_side.pacer(),
                 [this]() -> const Published& { return threaded ? fresh_copy() : fresh_fill(); }),
-        server({options.address, options.port, {}}, gateway) {
+        web(options.http.page.empty() ? PageFiles() : PageFiles(options.http.page), gateway,
+            [this] { return server.refused(); }),
+        server({options.address, options.port, {}, web_options(options.http)}, gateway) {
     open_buses(options.buses);
     if (threaded) publish(false);
   }
@@ -91,6 +94,10 @@ struct Daemon::Impl {
   void do_tick() {
     tick_side.tick();
     if (buses) buses->after_tick();
+  }
+
+  protocol::WebOptions web_options(const HttpOptions& http) {
+    return {http.on ? &web : nullptr, http.port, http.any_if_taken, http.hosts};
   }
 
   // realtime: the sessions' thread takes the newest copy.
@@ -141,6 +148,7 @@ struct Daemon::Impl {
   std::uint64_t inline_version = 0;
   std::uint64_t published_version = 0;
   Gateway gateway;
+  Web web;
   protocol::Server server;
   std::optional<Buses> buses;  // gone first: its thread wakes the others
 };
@@ -161,6 +169,10 @@ std::uint16_t Daemon::port() const {
 const BusNames& Daemon::buses() const {
   static const BusNames kNone;
   return impl_->buses ? impl_->buses->names() : kNone;
+}
+
+std::uint16_t Daemon::http_port() const {
+  return impl_->server.http_port();
 }
 
 void Daemon::run() {
@@ -233,7 +245,7 @@ void Daemon::Impl::run_inline() {
   gateway.serve();
   server.stop();
   const auto patience = Clock::now() + kFarewell;
-  while (server.session_count() > 0 && Clock::now() < patience) server.poll_for(kIdle);
+  while (!server.ended() && Clock::now() < patience) server.poll_for(kIdle);
 }
 
 }  // namespace visum::gateway

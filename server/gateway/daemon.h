@@ -7,12 +7,21 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "server/cycle/simulation.h"
 #include "server/gateway/access.h"
 #include "server/gateway/bus/address.h"
 
 namespace visum::gateway {
+
+struct HttpOptions {
+  bool on = false;
+  std::uint16_t port = 8080;       // 0: any free one
+  bool any_if_taken = false;       // where somebody else has that port, take any free one
+  std::string page;                // its folder; empty: none, only /healthz, /metrics and sessions
+  std::vector<std::string> hosts;  // further names under which this machine is asked for
+};
 
 struct DaemonOptions {
   std::string address = "127.0.0.1";
@@ -21,6 +30,7 @@ struct DaemonOptions {
   std::int64_t iterations = 0;    // ends after so many ticks; 0: never
   std::string token_file;         // needed where the address is not loopback
   std::vector<BusAddress> buses;  // beside those of the scene
+  HttpOptions http;
 };
 
 class Daemon {
@@ -33,6 +43,7 @@ class Daemon {
 
   std::uint16_t port() const;
   const BusNames& buses() const;
+  std::uint16_t http_port() const;  // 0: off
   // Until stop(), a client's Shutdown, or `iterations` ticks.
   void run();
   // Any thread, and signal handlers: the current tick is finished, replies are flushed, run() returns.

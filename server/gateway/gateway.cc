@@ -38,6 +38,7 @@ void Gateway::Call::reply(const protocol::Reply& reply) const {
 }
 
 void Gateway::Call::fail(ErrorCode code, const std::string& text, const std::string& owner) const {
+  ++refused;
   session.send(id, protocol::Error{code, text, owner});
 }
 
@@ -68,6 +69,7 @@ void Gateway::on_request(protocol::Session& session, std::uint64_t id, const pro
   } else if (client.backlog.size() < kMaxBacklog) {
     client.backlog.emplace_back(id, request);
   } else {
+    ++refused_;
     session.send(
         id, protocol::Error{ErrorCode::kBusy, "too many requests behind one that waits for the world", {}});
   }
@@ -76,14 +78,12 @@ void Gateway::on_request(protocol::Session& session, std::uint64_t id, const pro
 
 void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request& request) {
   auto& session = *client.session;
-  const Call call{session, client, id};
+  const Call call{session, client, id, refused_};
   const auto needed = role_needed(request);
-  if (session.role() < needed) {
-    ++refused_;
+  if (session.role() < needed)
     return call.fail(ErrorCode::kForbidden, std::string("this needs the role ") +
                                                 protocol::to_string(needed) + ", the session has " +
                                                 protocol::to_string(session.role()));
-  }
   std::visit([&](const auto& message) { handle(call, message); }, request);
 }
 
@@ -129,7 +129,10 @@ void Gateway::note_due() {
 }
 
 void Gateway::follow_eras(const Published& now) {
-  if (!now.fault.empty() && !frozen_) broadcast({"frozen", now.fault, {}, now.era, now.tick});
+  if (!now.fault.empty() && !frozen_) {
+    ++freezes_;
+    broadcast({"frozen", now.fault, {}, now.era, now.tick});
+  }
   frozen_ = !now.fault.empty();
   if (now.era == era_) return;
   era_ = now.era;
@@ -168,6 +171,7 @@ void Gateway::tell_notices() {
                  "'" + leases_.of(notice.part).owner + "' missed the deadline that it asked for", name, era_,
                  notice.tick});
       leases_.free(notice.part);
+      ++lease_losses_;
     }
   }
 }
@@ -180,6 +184,7 @@ void Gateway::lose_lease(std::uint32_t part, const std::string& why) {
   input->epoch = leases_.of(part).epoch;
   mailbox_.send(input);
   leases_.free(part);
+  ++lease_losses_;
   broadcast({"lease_lost", why, world_.parts[part]->description().name, era_, now_->tick});
 }
 

@@ -19,6 +19,7 @@
 #include "server/gateway/leases.h"
 #include "server/gateway/mailbox.h"
 #include "server/gateway/members.h"
+#include "server/gateway/metrics.h"
 #include "server/gateway/published.h"
 #include "server/gateway/world_view.h"
 
@@ -64,6 +65,11 @@ class Gateway : public protocol::SessionHandler {
   void check_timeouts(std::int64_t tick);
   // True once a client asked for Shutdown. Any thread.
   bool shutdown_asked() const { return shutdown_asked_.load(std::memory_order_relaxed); }
+  // What is counted and measured, for /metrics; `refused_connections` is the server's.
+  Metrics metrics();
+  bool lets_in(const std::string& token, protocol::Role role) const {
+    return tokens_.grant(token, role) != protocol::Role::kUnspecified;
+  }
   // The next serve() tells everybody that the server ends. Any thread.
   void end() { ending_ = true; }
 
@@ -94,6 +100,7 @@ class Gateway : public protocol::SessionHandler {
     protocol::Session& session;
     Client& client;
     std::uint64_t id;
+    std::uint64_t& refused;
     void reply(const protocol::Reply& reply) const;
     void fail(protocol::ErrorCode code, const std::string& text, const std::string& owner = {}) const;
   };
@@ -131,6 +138,7 @@ class Gateway : public protocol::SessionHandler {
   void handle(const Call& call, const protocol::SubscribeWorld& request);
   void handle(const Call& call, const protocol::UnsubscribeWorld&);
   void handle(const Call& call, const protocol::ReadMesh& request);
+  void handle(const Call& call, const protocol::ReadTexture& request);
   void handle(const Call& call, const protocol::PushBody& request);
   void handle(const Call& call, const protocol::AddBody& request);
   void handle(const Call& call, const protocol::RemoveBody& request);
@@ -152,6 +160,8 @@ class Gateway : public protocol::SessionHandler {
   void follow_eras(const Published& now);
   protocol::PartSample part_sample(std::uint32_t part, const Published& now) const;
   protocol::WorldSample world_sample(Client& client, const Published& now) const;
+  protocol::ServerStatus server_status(const Published& now) const;
+  protocol::PartList part_list() const;
   void broadcast(const protocol::Event& event);
   void note_due();
   void dispatch(Client& client, std::uint64_t id, const protocol::Request& request);
@@ -175,6 +185,8 @@ class Gateway : public protocol::SessionHandler {
   std::atomic<bool> ending_{false};
   std::atomic<std::int64_t> next_due_{0};
   std::uint64_t refused_ = 0;
+  std::uint64_t lease_losses_ = 0;
+  std::uint64_t freezes_ = 0;
 };
 
 }  // namespace visum::gateway

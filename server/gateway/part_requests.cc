@@ -56,13 +56,17 @@ bool Gateway::lease_or_fail(const Call& call, std::uint32_t part) const {
   return false;
 }
 
-void Gateway::handle(const Call& call, const protocol::ListParts&) {
+protocol::PartList Gateway::part_list() const {
   protocol::PartList list;
   for (std::uint32_t i = 0; i < world_.parts.size(); ++i) {
     const auto& description = world_.parts[i]->description();
     list.parts.push_back({description.name, description.kind, leases_.of(i).owner});
   }
-  call.reply(list);
+  return list;
+}
+
+void Gateway::handle(const Call& call, const protocol::ListParts&) {
+  call.reply(part_list());
 }
 
 void Gateway::handle(const Call& call, const protocol::DescribePart& request) {
@@ -132,10 +136,7 @@ std::optional<std::string> Gateway::why_not(std::uint32_t part, const protocol::
 void Gateway::handle(const Call& call, const protocol::Write& request) {
   const auto part = part_or_fail(call, request.part);
   if (!part || !lease_or_fail(call, *part)) return;
-  if (auto reason = why_not(*part, request)) {
-    ++refused_;
-    return call.fail(ErrorCode::kBadValue, *reason);
-  }
+  if (auto reason = why_not(*part, request)) return call.fail(ErrorCode::kBadValue, *reason);
   if (!leases_.take_sequence(*part, request.sequence))
     return call.fail(ErrorCode::kStale, "sequence " + std::to_string(request.sequence) +
                                             " is not newer than " +

@@ -12,8 +12,7 @@ void Gateway::handle(const Call& call, const protocol::Hello&) {
   call.fail(ErrorCode::kMalformed, "hello was said already");
 }
 
-void Gateway::handle(const Call& call, const protocol::Status&) {
-  const auto& now = *now_;
+protocol::ServerStatus Gateway::server_status(const Published& now) const {
   protocol::ServerStatus status;
   status.tick = now.tick;
   status.sim_time_ns = now.sim_time_ns;
@@ -38,7 +37,15 @@ void Gateway::handle(const Call& call, const protocol::Status&) {
   }
   for (std::size_t i = 0; i < cycle::kPhases; ++i)
     status.phases.push_back({cycle::kPhaseNames[i], now.phases[i].mean_ns, now.phases[i].max_ns});
-  call.reply(status);
+  return status;
+}
+
+void Gateway::handle(const Call& call, const protocol::Status&) {
+  call.reply(server_status(*now_));
+}
+
+Metrics Gateway::metrics() {
+  return {server_status(latest_()), part_list().parts, 0, lease_losses_, freezes_};
 }
 
 void Gateway::handle(const Call& call, const protocol::Join& request) {

@@ -52,6 +52,13 @@ void Gateway::handle(const Call& call, const protocol::ReadMesh& request) {
   call.reply(world_.view.meshes[request.mesh]);
 }
 
+void Gateway::handle(const Call& call, const protocol::ReadTexture& request) {
+  if (request.texture >= world_.view.textures.size())
+    return call.fail(ErrorCode::kUnknownName,
+                     "there are " + std::to_string(world_.view.textures.size()) + " textures");
+  call.reply(world_.view.textures[request.texture]);
+}
+
 void Gateway::handle(const Call& call, const protocol::ReadWorld&) {
   call.reply(world_sample(call.client, *now_));
 }

@@ -1,5 +1,6 @@
 #include "server/gateway/world_view.h"
 
+#include <span>
 #include <string>
 
 #include "server/world/joint_kinds.h"
@@ -42,17 +43,26 @@ std::size_t sizes_of(world::ShapeKind kind) {
   }
 }
 
+std::vector<double> numbers(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+std::vector<double> numbers(const world::Pose& pose) {
+  const auto& [p, q] = pose;
+  return {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()};
+}
+
 protocol::ShapeDescription describe(const world::Shape& shape, const world::WorldModel& model) {
-  const auto& [p, q] = shape.X_BS;
   protocol::ShapeDescription description;
   description.kind = kind_name(shape.kind);
   description.size.assign(shape.size.begin(),
                           shape.size.begin() + static_cast<std::ptrdiff_t>(sizes_of(shape.kind)));
-  description.pose = {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()};
+  description.pose = numbers(shape.X_BS);
   description.color.assign(shape.color.begin(), shape.color.end());
   if (shape.mesh.valid()) description.mesh = static_cast<std::uint32_t>(shape.mesh.value);
   description.surface = model.surfaces[shape.surface.index()].name;
   description.collides = shape.collides;
+  description.material = static_cast<std::uint32_t>(shape.material + 1);
   return description;
 }
 
@@ -82,7 +92,50 @@ protocol::JointDescription describe(const world::Joint& joint, world::JointId id
   description.lower = joint.limited ? joint.lower : 0.0;
   description.upper = joint.limited ? joint.upper : 0.0;
   description.part = driving_part(scene, id);
+  description.pose = numbers(joint.X_PJ);
+  description.axis = numbers(joint.axis_J);
   return description;
+}
+
+const char* kind_name(scene::LightKind kind) {
+  switch (kind) {
+    case scene::LightKind::kAmbient:
+      return "ambient";
+    case scene::LightKind::kDirectional:
+      return "directional";
+    case scene::LightKind::kPoint:
+      return "point";
+    case scene::LightKind::kSpot:
+      return "spot";
+  }
+  return "";
+}
+
+void describe_looks(const scene::Scene& scene, WorldView& view) {
+  auto& world = view.description;
+  for (const auto& m : scene.looks.materials)
+    world.materials.push_back({m.name,
+                               m.roughness,
+                               m.metalness,
+                               static_cast<std::uint32_t>(m.texture + 1),
+                               {m.texture_size_m.begin(), m.texture_size_m.end()}});
+  for (const auto& light : scene.looks.lights)
+    world.lights.push_back({light.name,
+                            kind_name(light.kind),
+                            {light.color.begin(), light.color.begin() + 3},
+                            light.intensity,
+                            numbers(light.position),
+                            numbers(light.direction),
+                            light.angle_rad,
+                            light.shadows});
+  for (const auto& v : scene.looks.viewpoints)
+    world.viewpoints.push_back({v.name, numbers(v.position), numbers(v.target), v.fov_rad});
+  for (const auto& panel : scene.looks.panels) world.panels.push_back({panel.name, panel.text});
+  world.losses = scene.losses;
+  for (const auto& texture : scene.looks.textures) {
+    const auto bytes = std::as_bytes(std::span(texture.bytes));
+    view.textures.push_back({texture.content_type, {bytes.begin(), bytes.end()}});
+  }
 }
 
 }  // namespace
@@ -101,11 +154,13 @@ WorldView describe_world(const scene::Scene& scene, std::uint64_t revision) {
                             body.fixed,
                             body.mass_kg,
                             {},
-                            model.engines[static_cast<std::size_t>(body.engine)].name});
+                            model.engines[static_cast<std::size_t>(body.engine)].name,
+                            numbers(body.p_BC)});
   for (const auto& shape : model.shapes)
     world.bodies[shape.body.index()].shapes.push_back(describe(shape, model));
   for (std::size_t i = 0; i < model.joints.size(); ++i)
     world.joints.push_back(describe(model.joints[i], world::JointId{static_cast<std::int32_t>(i)}, scene));
+  describe_looks(scene, view);
   for (const auto& mesh : model.meshes) view.meshes.push_back(describe(mesh));
   return view;
 }

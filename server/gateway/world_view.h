@@ -13,6 +13,7 @@ namespace visum::gateway {
 struct WorldView {
   protocol::WorldDescription description;
   std::vector<protocol::MeshData> meshes;
+  std::vector<protocol::TextureData> textures;
 };
 WorldView describe_world(const scene::Scene& scene, std::uint64_t revision);
 

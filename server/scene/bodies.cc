@@ -10,20 +10,14 @@ using config::Node;
 
 constexpr std::size_t kMaxShapes = 1000;  // of one body
 
-Looks read_looks(const Draft& draft, const Node& body) {
-  Looks looks;
-  if (const auto surface = body.find("surface")) looks.surface = draft.surface(*surface);
-  if (const auto color = body.find("color")) looks.color = read_color(*color);
-  return looks;
-}
-
 std::vector<world::Shape> read_shapes(Draft& draft, const Node& body) {
   std::vector<world::Shape> shapes;
   const auto list = body.find("shapes");
   if (!list) return shapes;
-  const Looks looks = read_looks(draft, body);
+  const ShapeDefaults defaults = read_defaults(draft, body, {});
   if (list->size() > kMaxShapes) list->fail("more than " + std::to_string(kMaxShapes) + " shapes");
-  for (std::size_t i = 0; i < list->size(); ++i) shapes.push_back(read_shape(draft, list->at(i), i, looks));
+  for (std::size_t i = 0; i < list->size(); ++i)
+    shapes.push_back(read_shape(draft, list->at(i), i, defaults));
   return shapes;
 }
 
@@ -95,7 +89,7 @@ void read_motion(const Draft& draft, const Node& node, const std::vector<world::
 
 void read_body(Draft& draft, const Node& node) {
   node.allow_only({"name", "fixed", "mass", "density", "inertia", "com", "pose", "velocity", "shapes",
-                   "engine", "surface", "color"});
+                   "engine", "surface", "color", "material"});
   world::Body body;
   body.name = read_name(node.get("name"));
   body.fixed = node.boolean_or("fixed", false);

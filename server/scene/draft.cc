@@ -79,6 +79,16 @@ world::SurfaceId Draft::surface(const config::Node& node) const {
   fail_unknown(node, "surface", known);
 }
 
+std::int32_t Draft::material(const config::Node& node) const {
+  const std::string name = node.text();
+  std::vector<std::string> known;
+  for (std::size_t i = 0; i < scene.looks.materials.size(); ++i) {
+    if (scene.looks.materials[i].name == name) return static_cast<std::int32_t>(i);
+    known.push_back(scene.looks.materials[i].name);
+  }
+  fail_unknown(node, "material", known);
+}
+
 std::int32_t Draft::engine(const config::Node& node) const {
   const auto found = std::find(scene.engine_names.begin(), scene.engine_names.end(), node.text());
   if (found == scene.engine_names.end()) fail_unknown(node, "engine", scene.engine_names);

@@ -32,6 +32,7 @@ class Draft {
 
   // By name in the scene, else fails at `node`, naming the nearest.
   world::SurfaceId surface(const config::Node& node) const;
+  std::int32_t material(const config::Node& node) const;
   std::int32_t engine(const config::Node& node) const;
   LinkFrame link(const config::Node& node, const std::string& prefix = "") const;  // prefix: "arm/"
 

@@ -10,6 +10,7 @@
 
 #include "hwparts/part.h"
 #include "protocol/config/config.h"
+#include "server/scene/looks.h"
 #include "server/world/world_model.h"
 
 namespace visum::scene {
@@ -29,6 +30,7 @@ struct Scene {
   world::WorldModel world;
   std::vector<std::string> engine_names{"default"};  // how the scene calls world.engines
   std::vector<PartPlan> parts;
+  Looks looks;
   ClockKind clock = ClockKind::kRealtime;
   double speed = 1.0;  // realtime: simulated seconds per second of wall time
   std::uint64_t seed = 1;

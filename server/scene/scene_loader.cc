@@ -7,6 +7,7 @@
 #include "server/scene/joints.h"
 #include "server/scene/models.h"
 #include "server/scene/parts.h"
+#include "server/scene/read_looks.h"
 #include "server/scene/settings.h"
 #include "server/scene/values.h"
 
@@ -21,9 +22,12 @@ constexpr std::size_t kMaxIncludeDepth = 16;
 constexpr int kMaxFiles = 256;  // files that include others twice each would double at every level
 
 void check_header(const Node& root) {
-  root.allow_only({"visum", "name", "gravity", "tick_ms", "clock", "speed", "seed", "lockstep_timeout_s",
-                   "engine", "engines", "include", "surfaces", "models", "bodies", "joints", "no_collision",
-                   "parts"});
+  root.allow_only({"visum",        "name",    "gravity", "tick_ms",
+                   "clock",        "speed",   "seed",    "lockstep_timeout_s",
+                   "engine",       "engines", "include", "surfaces",
+                   "materials",    "models",  "bodies",  "joints",
+                   "no_collision", "parts",   "lights",  "viewpoints",
+                   "panels"});
   const Node version = root.get("visum");
   if (version.integer(1) > kVersion)
     version.fail("this is version " + version.text() + " of the format, only version 1 is known here");
@@ -52,11 +56,15 @@ class Loader {
     read_settings(draft_, root);
     read_engines(draft_, root);
     read_surfaces(draft_, root);
+    read_materials(draft_, root);
     each(root, "models", [&](const Node& entry) { read_model(draft_, entry); });
     each(root, "bodies", [&](const Node& entry) { read_body(draft_, entry); });
     each(root, "joints", [&](const Node& entry) { read_joint(draft_, entry); });
     if (const auto pairs = root.find("no_collision")) read_no_collision(draft_, *pairs, "");
     each(root, "parts", [&](const Node& entry) { draft_.part_entries.push_back(entry); });
+    each(root, "lights", [&](const Node& entry) { read_light(draft_, entry); });
+    each(root, "viewpoints", [&](const Node& entry) { read_viewpoint(draft_, entry); });
+    each(root, "panels", [&](const Node& entry) { read_panel(draft_, entry); });
   }
 
   void include(const Node& entry) {

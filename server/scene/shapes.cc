@@ -82,21 +82,36 @@ KindWord find_kind(const Node& entry) {
 
 }  // namespace
 
-world::Shape read_shape(Draft& draft, const Node& node, std::size_t index, const Looks& looks) {
+ShapeDefaults read_defaults(const Draft& draft, const Node& node, const ShapeDefaults& otherwise) {
+  ShapeDefaults own = otherwise;
+  if (const auto surface = node.find("surface")) own.surface = draft.surface(*surface);
+  if (const auto material = node.find("material")) {
+    own.material = draft.material(*material);
+    own.color = draft.scene.looks.materials[static_cast<std::size_t>(own.material)].color;
+  }
+  if (const auto color = node.find("color")) own.color = read_color(*color);
+  return own;
+}
+
+world::Shape read_shape(Draft& draft, const Node& node, std::size_t index, const ShapeDefaults& defaults) {
   node.allow_only({"box", "sphere", "cylinder", "capsule", "plane", "convex", "mesh", "scale", "name", "pose",
-                   "surface", "color", "collides"});
+                   "surface", "color", "material", "collides"});
   const KindWord kind = find_kind(node);
   world::Shape shape;
   shape.kind = kind.kind;
   const auto name = node.find("name");
   shape.name = name ? read_name(*name) : kind.word + ("_" + std::to_string(index));
   shape.X_BS = read_pose_or_identity(node, "pose");
-  const auto surface = node.find("surface");
-  shape.surface = surface ? draft.surface(*surface) : looks.surface;
-  const auto color = node.find("color");
-  shape.color = color ? read_color(*color) : looks.color;
+  const ShapeDefaults own = read_defaults(draft, node, defaults);
+  shape.surface = own.surface;
+  shape.color = own.color;
+  shape.material = own.material;
   shape.collides = node.boolean_or("collides", true);
   read_geometry(draft, node, node.get(kind.word), shape);
+  const auto& materials = draft.scene.looks.materials;
+  if (shape.mesh.valid() && shape.material >= 0 &&
+      materials[static_cast<std::size_t>(shape.material)].texture >= 0)
+    node.fail("a mesh has no coordinates for a texture: give it a material without one");
   return shape;
 }
 

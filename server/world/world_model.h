@@ -55,6 +55,8 @@ struct Shape {
   SurfaceId surface;
   bool collides = true;  // false: only to be looked at
   std::array<double, 4> color{0.7, 0.7, 0.7, 1.0};
+  std::int32_t material =
+      -1;  // how it looks, for viewers: index into the scene's materials; -1: its colour alone
 };
 
 struct Body {

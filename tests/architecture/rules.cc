@@ -43,7 +43,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"protocol/visum.pb.h", {"protocol", "tests"}},
     {"visum.pb.h", {"protocol", "tests"}},
     {"boost/asio", {"protocol", "server/gateway", "tests"}},
-    {"boost/beast", {"server/gateway", "tests"}},
+    {"boost/beast", {"protocol", "tests"}},
     {"boost/lockfree/", {"server/gateway", "server/cycle", "tests"}},
     {"yaml-cpp/", {"protocol/config", "tests"}},
     {"urdf_parser/", {"clients/examples", "tests"}},

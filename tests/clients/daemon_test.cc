@@ -5,9 +5,8 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
-#include <fstream>
-
 #include "clients/visum/common/exit_code.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::run {
 namespace {
@@ -16,16 +15,8 @@ using ::testing::HasSubstr;
 
 class DaemonStart : public ::testing::Test {
  protected:
-  DaemonStart()
-      : folder_(std::filesystem::path(::testing::TempDir()) /
-                ("visum_daemon_" + std::to_string(::getpid()))) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~DaemonStart() override { std::filesystem::remove_all(folder_); }
-
   DaemonOptions options(const std::string& script) {
-    const auto program = folder_ / "visumd";
-    std::ofstream(program) << "#!/bin/sh\n" << script;
+    const auto program = files_.write("visumd", "#!/bin/sh\n" + script);
     ::chmod(program.c_str(), 0755);
     return {program, "scene.yaml", "lockstep", 0, {}, {}};
   }
@@ -39,7 +30,7 @@ class DaemonStart : public ::testing::Test {
     return {cli::kDone, ""};
   }
 
-  std::filesystem::path folder_;
+  const test::TempFiles files_;
   Vigil vigil_{60.0};
 };
 
@@ -49,6 +40,13 @@ TEST_F(DaemonStart, ReadsThePortFromTheReadyLine) {
               "1000"),
       10.0, vigil_, [](const std::string&) {});
   EXPECT_EQ(daemon.port(), 1234);
+  EXPECT_EQ(daemon.page_port(), 0);
+}
+
+TEST_F(DaemonStart, ReadsThePagesPortFromTheReadyLine) {
+  Daemon daemon(options("echo '{\"ready\":true,\"port\":1234,\"http\":8080}'; sleep 1000"), 10.0, vigil_,
+                [](const std::string&) {});
+  EXPECT_EQ(daemon.page_port(), 8080);
 }
 
 TEST_F(DaemonStart, PassesSceneClockEngineAndSeedOn) {

@@ -2,40 +2,40 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include "tests/support/temp_files.h"
 
 namespace visum {
 namespace {
 
 using protocol::Role;
 
-std::string written(const std::string& text) {
-  const std::string file = ::testing::TempDir() + "visum_token_file_test";
-  std::ofstream(file, std::ios::trunc) << text;
-  return file;
-}
+class TokenFile : public ::testing::Test {
+ protected:
+  std::string written(const std::string& text) const { return files_.write("tokens", text); }
+  const test::TempFiles files_;
+};
 
-TEST(TokenFile, NoFileIsNoToken) {
+TEST_F(TokenFile, NoFileIsNoToken) {
   EXPECT_EQ(read_token_file("", Role::kAdmin), "");
 }
 
-TEST(TokenFile, ALineAloneIsTheToken) {
+TEST_F(TokenFile, ALineAloneIsTheToken) {
   EXPECT_EQ(read_token_file(written("# mine\n\n  0123456789abcdef  # end\n"), Role::kAdmin),
             "0123456789abcdef");
 }
 
-TEST(TokenFile, TakesTheLeastRoleThatIsEnough) {
+TEST_F(TokenFile, TakesTheLeastRoleThatIsEnough) {
   const std::string file = written("admin AAAA\nobserver OOOO\ncontroller CCCC\n");
   EXPECT_EQ(read_token_file(file, Role::kObserver), "OOOO");
   EXPECT_EQ(read_token_file(file, Role::kController), "CCCC");
   EXPECT_EQ(read_token_file(file, Role::kAdmin), "AAAA");
 }
 
-TEST(TokenFile, TakesTheGreatestRoleWhereNoneIsEnough) {
+TEST_F(TokenFile, TakesTheGreatestRoleWhereNoneIsEnough) {
   EXPECT_EQ(read_token_file(written("observer OOOO\ncontroller CCCC\n"), Role::kAdmin), "CCCC");
 }
 
-TEST(TokenFile, NamesTheFileThatIsWrong) {
+TEST_F(TokenFile, NamesTheFileThatIsWrong) {
   EXPECT_THROW(read_token_file(written("# nothing\n"), Role::kAdmin), std::runtime_error);
   EXPECT_THROW(read_token_file("/nowhere/at/all", Role::kAdmin), std::runtime_error);
 }

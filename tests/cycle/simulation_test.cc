@@ -3,25 +3,24 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 
 #include "protocol/config/config.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::cycle {
 namespace {
 
 // A box that falls onto a floor, from a scene file of the test's own.
 scene::Scene falling_box() {
-  const auto file = std::filesystem::path(testing::TempDir()) / "visum_falling_box.yaml";
-  std::ofstream(file) << R"(
+  const test::TempFiles files;
+  return scene::load_scene(files.write("falling_box.yaml", R"(
 visum: 1
 name: falling_box
 engine: ode
 bodies:
   - {name: floor, fixed: true, shapes: [{plane: true}]}
   - {name: box, mass: 1.0, pose: {xyz: [0, 0, 1.0]}, shapes: [{box: [0.2, 0.2, 0.2]}]}
-)";
-  return scene::load_scene(file);
+)"));
 }
 
 scene::Scene arm() {

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "protocol/config/config.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::gateway {
 namespace {
@@ -31,10 +31,10 @@ TEST(Access, EveryRequestNeedsTheRoleOfTheTable) {
 class TokenFile : public testing::Test {
  protected:
   std::filesystem::path write(const std::string& text) {
-    std::ofstream(file_) << text;
+    const auto file = files_.write("tokens", text);
     using std::filesystem::perms;
-    std::filesystem::permissions(file_, perms::owner_read | perms::owner_write);
-    return file_;
+    std::filesystem::permissions(file, perms::owner_read | perms::owner_write);
+    return file;
   }
   std::string error_of(const std::string& text) {
     try {
@@ -44,7 +44,7 @@ class TokenFile : public testing::Test {
     }
     return "none";
   }
-  const std::filesystem::path file_ = std::filesystem::path(testing::TempDir()) / "visum_tokens";
+  const test::TempFiles files_;
 };
 
 TEST_F(TokenFile, GivesAtMostTheRoleOfItsToken) {
@@ -70,10 +70,9 @@ TEST_F(TokenFile, NamesTheLineThatIsWrong) {
 }
 
 TEST_F(TokenFile, RefusesAFileThatOthersMayRead) {
-  write("admin fedcba9876543210\n");
-  std::filesystem::permissions(file_, std::filesystem::perms::others_read,
-                               std::filesystem::perm_options::add);
-  EXPECT_THROW(Tokens{file_}, config::ConfigError);
+  const auto file = write("admin fedcba9876543210\n");
+  std::filesystem::permissions(file, std::filesystem::perms::others_read, std::filesystem::perm_options::add);
+  EXPECT_THROW(Tokens{file}, config::ConfigError);
 }
 
 TEST(Access, KnowsLoopback) {

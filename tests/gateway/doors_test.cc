@@ -1,18 +1,16 @@
 // Who gets in.
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "tests/gateway/running_daemon.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::gateway {
 namespace {
 
 using namespace protocol;
 
-std::string token_file() {
-  const auto file = std::filesystem::path(testing::TempDir()) / "visum_door_tokens";
-  std::ofstream(file) << "observer looking-only-0001\nadmin    does-anything-0001\n";
+std::string token_file(const test::TempFiles& files) {
+  const auto file = files.write("tokens", "observer looking-only-0001\nadmin    does-anything-0001\n");
   std::filesystem::permissions(file,
                                std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
   return file;
@@ -28,8 +26,9 @@ TEST(Doors, AnAddressBeyondLoopbackNeedsTokens) {
 }
 
 TEST(Doors, TokensDecideTheRole) {
+  const test::TempFiles files;
   DaemonOptions options;
-  options.token_file = token_file();
+  options.token_file = token_file(files);
   RunningDaemon daemon(scene::ClockKind::kLockstep, options);
   EXPECT_EQ(refusal_of([&] { daemon.connect("stranger"); }).code(), ErrorCode::kUnauthenticated);
   EXPECT_EQ(refusal_of([&] { daemon.connect("guesser", Role::kObserver, "looking-only-0002"); }).code(),

@@ -33,6 +33,7 @@ class RunningDaemon {
     return protocol::Connection("127.0.0.1", daemon_->port(), {1, 1, name, role, token});
   }
   std::uint16_t port() const { return daemon_->port(); }
+  std::uint16_t http_port() const { return daemon_->http_port(); }
   const BusNames& buses() const { return daemon_->buses(); }
 
  private:

@@ -2,13 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "hwparts/servo_group/drive_list.h"
 #include "hwparts/servo_group/part_options.h"
 #include "tests/hwparts/rig.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::test {
 namespace {
@@ -30,13 +30,11 @@ std::string error_of(const std::string& what, const std::string& with, double ti
   EXPECT_NE(at, std::string::npos) << what;
   if (at == std::string::npos) return "";
   text.replace(at, what.size(), with);
-  const auto folder = std::filesystem::path(testing::TempDir()) /
-                      testing::UnitTest::GetInstance()->current_test_info()->name();
-  std::filesystem::create_directories(folder / "models/amtec_arm");
-  std::ofstream(folder / "models/amtec_arm/drives.yaml") << text;
+  const test::TempFiles files;
+  files.write("models/amtec_arm/drives.yaml", text);
   auto context = arm_context(tick_s);
   context.config = config::load_text("{name: arm, kind: amtec_arm, drives: models/amtec_arm/drives.yaml}",
-                                     "scene", folder);
+                                     "scene", files.folder());
   try {
     servo_group::load_drives(context);
     return "";

@@ -63,9 +63,23 @@ WorldDescription world() {
                "box",
                true,
                0.5,
-               {{"box", {0.1, 0.1, 0.1}, {0, 0, 0.5, 1, 0, 0, 0}, {1, 0, 0, 1}, 2, "wood", true}},
-               "ode"}};
-  w.joints = {{"arm/joint_1", "hinge", "arm/base", "arm/link_1", -2.0, 2.0, "arm"}};
+               {{"box", {0.1, 0.1, 0.1}, {0, 0, 0.5, 1, 0, 0, 0}, {1, 0, 0, 1}, 2, "wood", true, 1}},
+               "ode",
+               {0, 0, 0.01}}};
+  w.joints = {{"arm/joint_1",
+               "hinge",
+               "arm/base",
+               "arm/link_1",
+               -2.0,
+               2.0,
+               "arm",
+               {0, 0, 0.1, 1, 0, 0, 0},
+               {0, 0, 1}}};
+  w.materials = {{"steel", 0.3, 0.9, 1, {0.5, 0.25}}};
+  w.lights = {{"sun", "spot", {1, 0.9, 0.8}, 2.5, {0, 0, 3}, {0, 0, -1}, 0.5, true}};
+  w.viewpoints = {{"from above", {0, 0, 2}, {0.1, 0, 0}, 0.7}};
+  w.panels = {{"Jog", "{\"visum_panel\": 1}"}};
+  w.losses = {"model 'arm': a camera is not simulated"};
   w.revision = 5;
   return w;
 }
@@ -130,6 +144,7 @@ Samples<Request> sample_requests() {
       {"add_body", AddBody{"name: ball\nshape: {sphere: 0.1}\n"}},
       {"remove_body", RemoveBody{"box"}},
       {"shutdown", Shutdown{}},
+      {"read_texture", ReadTexture{2}},
   };
 }
 
@@ -152,6 +167,7 @@ Samples<Reply> sample_replies() {
       {"mesh", MeshData{{0, 0, 0, 1, 0, 0, 0, 1, 0.5f}, {0, 1, 2}}},
       {"snapshot", SnapshotTaken{2, 100, 0xdeadbeefcafe}},
       {"event", Event{"lease_lost", "pick_and_place is gone", "arm", 1, 77}},
+      {"texture", TextureData{"image/png", bytes({137, 80, 78, 71})}},
   };
 }
 

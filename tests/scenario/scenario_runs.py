@@ -22,6 +22,7 @@ def moved_box(folder: Path, box: tuple[float, float], goal: tuple[float, float],
     scene = yaml.safe_load((MODELS / "scenes" / "amtec_arm.yaml").read_text())
     scene["models"][0]["file"] = str(MODELS / "amtec_arm" / "amtec_arm.urdf")
     scene["parts"][0]["drives"] = str(MODELS / "amtec_arm" / "drives.yaml")
+    scene["panels"] = [str(MODELS / "scenes" / panel) for panel in scene["panels"]]
     bodies = {body["name"]: body for body in scene["bodies"]}
     bodies["box"]["pose"] = {"xyz": [*box, 0.24], "rpy": [0.0, 0.0, yaw]}
     bodies["target"]["pose"]["xyz"][:2] = goal

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "server/scene/scene.h"
-#include "tests/scene/temp_files.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::scene {
 namespace {

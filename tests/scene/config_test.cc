@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/scene/temp_files.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::config {
 namespace {

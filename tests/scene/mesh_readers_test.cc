@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "server/scene/inertia.h"
-#include "tests/scene/temp_files.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::scene {
 namespace {

@@ -6,7 +6,7 @@
 #include "protocol/config/read_file.h"
 #include "server/scene/mesh_path.h"
 #include "server/scene/scene.h"
-#include "tests/scene/temp_files.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::scene {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "server/world/world_state.h"
-#include "tests/scene/temp_files.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::scene {
 namespace {

@@ -46,7 +46,7 @@ std::string place_of(const std::string& bus) {
 }
 
 struct Ready {
-  std::uint16_t port = 0;
+  std::uint16_t port = 0, http = 0;
   std::map<std::string, std::string> buses;
 };
 
@@ -54,7 +54,8 @@ struct Ready {
 Ready read_ready(const std::string& ready_line) try {
   const auto node = config::load_text(ready_line, "visumd's ready line");
   if (!node.get("ready").boolean()) node.fail("not ready");
-  Ready ready{static_cast<std::uint16_t>(node.get("port").integer(1, 65535)), {}};
+  Ready ready{static_cast<std::uint16_t>(node.get("port").integer(1, 65535)), 0, {}};
+  if (const auto http = node.find("http")) ready.http = static_cast<std::uint16_t>(http->integer(1, 65535));
   if (const auto buses = node.find("buses"))
     for (const std::string& part : buses->keys())
       ready.buses[part] = place_of(buses->get(part).at(buses->get(part).size() - 1).text());
@@ -120,6 +121,7 @@ void Daemon::wait_until_ready(double patience_s) {
   }
   auto ready = read_ready(ready_line_);
   port_ = ready.port;
+  page_port_ = ready.http;
   buses_ = std::move(ready.buses);
 }
 

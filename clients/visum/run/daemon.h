@@ -39,6 +39,7 @@ class Daemon {
   Daemon& operator=(const Daemon&) = delete;
 
   std::uint16_t port() const { return port_; }
+  std::uint16_t page_port() const { return page_port_; }  // 0: it serves no page
   // By part, of the last bus of each, which is what was asked for: a path, or HOST:PORT for tcp.
   const std::map<std::string, std::string>& buses() const { return buses_; }
   ChildProcess& process() { return *process_; }
@@ -50,7 +51,7 @@ class Daemon {
 
   Vigil& vigil_;
   std::string ready_line_;
-  std::uint16_t port_ = 0;
+  std::uint16_t port_ = 0, page_port_ = 0;
   std::map<std::string, std::string> buses_;
   std::optional<ChildProcess> process_;
 };

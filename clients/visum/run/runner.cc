@@ -288,6 +288,9 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
                                        bus_options(scenario, links)};
     Daemon daemon(daemon_options, scenario.start_wall_s, vigil,
                   [&](const std::string& line) { options.on_line("visumd", line); });
+    // Who keeps the world wants to look at it, from the beginning.
+    if (options.keep && daemon.page_port() != 0)
+      options.on_line("visumd", "the page: http://127.0.0.1:" + std::to_string(daemon.page_port()) + "/");
     run_with(daemon, scenario, options, vigil, report);
   });
   return report;

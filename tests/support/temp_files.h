@@ -1,10 +1,11 @@
 // A folder of its own for one test, with the files that the test writes, and errors as seen from inside it.
 #pragma once
 
-#include <gtest/gtest.h>
+#include <stdlib.h>
 
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 
 #include "protocol/config/config.h"
@@ -14,7 +15,7 @@ namespace visum::test {
 class TempFiles {
  public:
   TempFiles() {
-    std::string folder = (std::filesystem::temp_directory_path() / "visum_scene_XXXXXX").string();
+    std::string folder = (std::filesystem::temp_directory_path() / "visum_test_XXXXXX").string();
     if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("cannot make " + folder);
     folder_ = folder;
   }

@@ -1,0 +1,70 @@
+// Whether the page is in touch with visumd, and as whom; what to do where it is not.
+import type { Link, LinkState } from "../link/link";
+import { Role } from "../link/messages";
+import { h, setText } from "../ui/dom";
+
+const kRoles: [Role, string][] = [[Role.OBSERVER, "Observer"], [Role.CONTROLLER, "Controller"], [Role.ADMIN, "Admin"]];
+
+export function connectionBadge(link: Link): HTMLElement {
+  const text = h("span", {}, "Connecting");
+  const role = h("select", { "aria-label": "Role", class: "role", title: "What this page may do" },
+    ...kRoles.map(([value, name]) => h("option", { value }, name)));
+  role.value = String(link.role);
+  role.addEventListener("change", () => link.useRole(Number(role.value)));
+  const element = h("div", { class: "connection" }, h("span", { class: "dot" }), text, role);
+  link.state.watch((state) => {
+    element.dataset["state"] = state.kind;
+    setText(text, words(state));
+    if (state.kind !== "open") return;
+    role.value = String(state.welcome.role);
+    element.title = `Session ${state.welcome.session} of ${state.welcome.server || "visumd"}, as '${link.name}'`;
+  });
+  return element;
+}
+
+function words(state: LinkState): string {
+  if (state.kind === "open") return "Live";
+  if (state.kind === "token") return "Token needed";
+  return state.kind === "lost" ? "Reconnecting" : "Connecting";
+}
+
+// Virtual or real: nobody may mistake the one for the other.
+export function realityBadge(link: Link): HTMLElement {
+  const element = h("span", { class: "reality" }, "–");
+  link.state.watch((state) => {
+    if (state.kind !== "open") return;
+    element.dataset["real"] = String(!state.welcome.simulated);
+    setText(element, state.welcome.simulated ? "Virtual" : "Real");
+    element.title = state.welcome.simulated ? "A simulated world" : "Real hardware moves behind these ports";
+  });
+  return element;
+}
+
+// Over the view while no data come: the reason, and since when. Where a token is asked for, a field for it.
+export function lostBanner(link: Link): HTMLElement {
+  const reason = h("p", {});
+  const token = h("input", { type: "password", autocomplete: "off", "aria-label": "Token", placeholder: "Token" });
+  const form = h("form", { hidden: true }, token, h("button", { type: "submit" }, "Connect"));
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    link.useToken(token.value);
+    token.value = "";
+  });
+  const title = h("h2", {});
+  const element = h("div", { class: "banner", role: "alert", hidden: true }, title, reason, form);
+  const show = () => {
+    const state = link.state.value;
+    element.hidden = state.kind === "open" || state.kind === "connecting";
+    form.hidden = state.kind !== "token";
+    if (state.kind === "token") {
+      setText(title, "A token is needed");
+      setText(reason, `visumd says: ${state.reason}.`);
+    }
+    if (state.kind !== "lost") return;
+    setText(title, "No data from visumd");
+    setText(reason, `${state.reason} · for ${Math.round((Date.now() - state.since) / 1000)} s, trying again`);
+  };
+  link.state.watch(show);
+  setInterval(show, 1000);
+  return element;
+}

@@ -1,0 +1,90 @@
+// The way to visumd, kept open: connects, says why when it is lost, and tries again by itself. Everything else in the
+// page talks to the server through here.
+import { Emitter, Signal } from "../model/signal";
+import { Connection, needsToken } from "./connection";
+import { LostError, Role, type Body, type BodyCase, type BodyOf, type RequestInit, type Welcome } from "./messages";
+
+export type LinkState =
+  | { kind: "connecting" }
+  | { kind: "open"; welcome: Welcome }
+  | { kind: "token"; reason: string } // waits for the user to give one
+  | { kind: "lost"; reason: string; since: number };
+
+const kFirstRetryMs = 250;
+const kLastRetryMs = 2000;
+const kSilenceMs = 3000; // the page asks for the status twice a second: so long without a word is no life
+
+export class Link {
+  readonly state = new Signal<LinkState>({ kind: "connecting" });
+  readonly told = new Emitter<Body>();
+  role = Role.ADMIN;
+  readonly name: string;
+  private token = "";
+  private connection: Connection | null = null;
+  private retryMs = kFirstRetryMs;
+  private retry = 0;
+  private receivedBefore = 0;
+
+  constructor(private readonly url: string, name: string) {
+    this.name = name;
+    setInterval(() => this.checkSilence(), 500);
+  }
+
+  open(): void {
+    clearTimeout(this.retry);
+    if (this.state.value.kind !== "lost") this.state.value = { kind: "connecting" };
+    this.connection = new Connection(this.url, { name: this.name, role: this.role, token: this.token }, {
+      opened: (welcome) => this.opened(welcome),
+      told: (body) => this.told.emit(body),
+      closed: (reason) => this.closed(reason),
+    });
+  }
+
+  useToken(token: string): void {
+    this.token = token;
+    this.open();
+  }
+
+  // Starts anew as somebody else. Leases are released by those who took them, before.
+  useRole(role: Role): void {
+    this.role = role;
+    this.connection?.close();
+  }
+
+  request<C extends BodyCase>(request: RequestInit, expected: C): Promise<BodyOf<C>> {
+    if (!this.connection) return Promise.reject(new LostError("not connected"));
+    return this.connection.request(request, expected);
+  }
+
+  get welcome(): Welcome | null {
+    return this.state.value.kind === "open" ? this.state.value.welcome : null;
+  }
+  get received(): number {
+    return this.receivedBefore + (this.connection?.received ?? 0);
+  }
+
+  private opened(welcome: Welcome): void {
+    this.retryMs = kFirstRetryMs;
+    this.state.value = { kind: "open", welcome };
+  }
+
+  private closed(reason: Error): void {
+    this.receivedBefore += this.connection?.received ?? 0;
+    this.connection = null;
+    if (needsToken(reason)) {
+      this.state.value = { kind: "token", reason: reason.message };
+      return;
+    }
+    const before = this.state.value;
+    const since = before.kind === "lost" ? before.since : Date.now();
+    this.state.value = { kind: "lost", reason: reason.message, since };
+    this.retry = window.setTimeout(() => this.open(), this.retryMs);
+    this.retryMs = Math.min(2 * this.retryMs, kLastRetryMs);
+  }
+
+  private checkSilence(): void {
+    if (!this.connection || this.state.value.kind !== "open") return;
+    if (performance.now() - this.connection.lastHeard > kSilenceMs)
+      this.connection.drop("visumd has not answered for 3 s");
+  }
+}

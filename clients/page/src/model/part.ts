@@ -1,0 +1,158 @@
+// One part: its ports with their live values, who commands it, and what the page does with it.
+import type { Link } from "../link/link";
+import { LostError, type PartDescription, type PartSample, type PortDescription } from "../link/messages";
+import { History } from "./history";
+import { Emitter, Signal } from "./signal";
+
+export type Side = "input" | "output";
+export interface Port {
+  part: Part;
+  side: Side;
+  index: number; // in its vector
+  description: PortDescription;
+}
+
+const kHistorySamples = 300_000; // five minutes at a tick of 1 ms
+const kRecordedMost = 48; // ports per part
+const kIdlePeriodMs = 33;
+const kNsPerS = 1e9;
+
+export class Part {
+  readonly ports: Port[] = [];
+  readonly holder = new Signal<string>("");
+  readonly leased = new Signal<boolean>(false); // by this page
+  readonly sampled = new Emitter<PartSample>();
+  sample: PartSample | null = null;
+  conflated = 0;
+  readonly held = new Map<number, number>(); // inputs that the page holds at a value
+  private history: History | null = null;
+  private recorded: Port[] = [];
+  private recording = 0; // how many plots want it
+  private everyTicks = 0;
+  private era = -1n;
+
+  constructor(private readonly link: Link, readonly description: PartDescription) {
+    for (const [side, list] of [["input", description.controllerInputs], ["output", description.sensorOutputs]] as const)
+      list.forEach((port, index) => this.ports.push({ part: this, side, index, description: port }));
+  }
+
+  get name(): string {
+    return this.description.name;
+  }
+
+  port(name: string): Port | undefined {
+    return this.ports.find((port) => port.description.name === name);
+  }
+
+  value(port: Port): number {
+    const vector = port.side === "input" ? this.sample?.controllerInputs : this.sample?.sensorOutputs;
+    return vector?.[port.index] ?? NaN;
+  }
+
+  async acquire(take = false): Promise<void> {
+    await this.link.request({ case: "acquireLease", value: { part: this.name, deadlineNs: 0n, take } }, "lease");
+    this.leased.value = true;
+    this.holder.value = this.link.name;
+  }
+
+  async release(): Promise<void> {
+    this.held.clear();
+    await this.link.request({ case: "releaseLease", value: { part: this.name } }, "ok");
+    this.leaseLost();
+  }
+
+  leaseLost(): void {
+    this.leased.value = false;
+    this.holder.value = "";
+    this.held.clear();
+  }
+
+  // Writes one input. A port that is held takes no other value.
+  async write(port: Port, value: number): Promise<void> {
+    if (port.side !== "input") throw new Error(`'${port.description.name}' is a sensor output`);
+    const held = this.held.get(port.index);
+    if (held !== undefined && held !== value) throw new Error(`'${port.description.name}' is held at ${held}`);
+    await this.writeValues(port.index, [value]);
+  }
+
+  // Several inputs at once, all or nothing: what a part demands of its inputs together can be met.
+  async writeValues(firstPort: number, values: number[]): Promise<void> {
+    await this.link.request({ case: "write", value: { part: this.name, firstPort, values, sequence: 0n } }, "ok");
+  }
+
+  // The session that subscribed is gone.
+  forgetSubscription(): void {
+    this.everyTicks = 0;
+  }
+
+  take(sample: PartSample): void {
+    this.sample = sample;
+    this.conflated = Number(sample.conflated);
+    if (sample.era !== this.era) {
+      this.era = sample.era;
+      this.history?.clear();
+    }
+    const recorded = this.recorded;
+    this.history?.add(Number(sample.simTimeNs) / kNsPerS, (channel) => {
+      const port = recorded[channel]!;
+      return (port.side === "input" ? sample.controllerInputs : sample.sensorOutputs)[port.index]!;
+    });
+    this.keepHeld(sample);
+    this.sampled.emit(sample);
+  }
+
+  // Every tick while somebody plots, else as often as an eye follows numbers.
+  async subscribe(tickNs: number, realTimeFactor: number): Promise<void> {
+    const perMs = (1e6 / tickNs) * Math.max(realTimeFactor, 0.01);
+    const every = Math.max(1, Math.floor(this.recording > 0 ? Math.max(1, realTimeFactor) : kIdlePeriodMs * perMs));
+    const close = every < 1.5 * this.everyTicks && every > 0.6 * this.everyTicks;
+    if (close) return;
+    this.everyTicks = every;
+    await this.link.request({ case: "subscribe", value: { part: this.name, everyNTicks: every } }, "ok");
+  }
+
+  // A plot begins to want every tick of this part. Call what is returned when it does not any more.
+  record(ports: readonly Port[]): () => void {
+    this.recording += 1;
+    for (const port of ports) this.recordPort(port);
+    return () => {
+      this.recording -= 1;
+      if (this.recording === 0) {
+        this.history = null;
+        this.recorded = [];
+      }
+    };
+  }
+
+  // Where a port stands in recordings(); -1: it is not recorded.
+  channel(port: Port): number {
+    return this.recorded.indexOf(port);
+  }
+  recordings(): History | null {
+    return this.history;
+  }
+
+  private recordPort(port: Port): void {
+    if (this.recorded.includes(port)) return;
+    if (this.recorded.length === kRecordedMost)
+      throw new Error(`at most ${kRecordedMost} ports of '${this.name}' are recorded at a time`);
+    const old = this.history;
+    const oldPorts = this.recorded;
+    this.recorded = [...oldPorts, port];
+    this.history = new History(this.recorded.length, kHistorySamples);
+    if (!old) return;
+    const series = old.all(oldPorts.map((_, channel) => channel));
+    series.times.forEach((time, n) =>
+      this.history!.add(time, (channel) => series.values[channel]?.[n] ?? NaN));
+  }
+
+  private keepHeld(sample: PartSample): void {
+    if (!this.leased.value) return;
+    for (const [index, value] of this.held) {
+      if (sample.controllerInputs[index] === value) continue;
+      this.writeValues(index, [value]).catch((error: Error) => {
+        if (!(error instanceof LostError)) this.held.delete(index);
+      });
+    }
+  }
+}

@@ -1,0 +1,81 @@
+// All parts of the server, kept up to date: who holds which lease, and samples as often as somebody needs them.
+import type { Link } from "../link/link";
+import type { Event } from "../link/messages";
+import { Part, type Port } from "./part";
+import { Signal } from "./signal";
+
+const kRefreshMs = 1000;
+
+export class Parts {
+  readonly list = new Signal<Part[]>([]);
+  private realTimeFactor = 1;
+
+  constructor(private readonly link: Link) {
+    link.told.on((body) => {
+      if (body.case === "partSample") this.find(body.value.part)?.take(body.value);
+      if (body.case === "event") this.onEvent(body.value);
+    });
+    setInterval(() => void this.refreshHolders(), kRefreshMs);
+  }
+
+  // After each hello: everything anew, but parts that are the same as before stay (plots and panels point at them).
+  async begin(): Promise<void> {
+    const { parts } = await this.link.request({ case: "listParts", value: {} }, "parts");
+    const list: Part[] = [];
+    for (const { name } of parts) {
+      const description = await this.link.request({ case: "describePart", value: { part: name } }, "partDescription");
+      const before = this.find(name);
+      const same = before && sameLayout(before, new Part(this.link, description));
+      const part = same ? before : new Part(this.link, description);
+      part.leaseLost();
+      part.holder.value = description.leaseOwner;
+      part.forgetSubscription();
+      list.push(part);
+    }
+    this.list.value = list;
+    await this.subscribe();
+  }
+
+  find(name: string): Part | undefined {
+    return this.list.value.find((part) => part.name === name);
+  }
+
+  port(part: string, port: string): Port | undefined {
+    return this.find(part)?.port(port);
+  }
+
+  async adaptTo(realTimeFactor: number): Promise<void> {
+    this.realTimeFactor = realTimeFactor;
+    await this.subscribe();
+  }
+
+  // Also after a plot began or ended to want every tick.
+  async subscribe(): Promise<void> {
+    const welcome = this.link.welcome;
+    if (!welcome) return;
+    for (const part of this.list.value) await part.subscribe(Number(welcome.tickNs), this.realTimeFactor);
+  }
+
+  private onEvent(event: Event): void {
+    if (event.kind !== "lease_lost") return;
+    const part = this.find(event.part);
+    if (part && !part.leased.value) part.holder.value = "";
+    void this.refreshHolders();
+  }
+
+  private async refreshHolders(): Promise<void> {
+    if (!this.link.welcome || document.hidden) return;
+    const { parts } = await this.link.request({ case: "listParts", value: {} }, "parts").catch(() => ({ parts: [] }));
+    for (const { name, leaseOwner } of parts) {
+      const part = this.find(name);
+      if (!part) continue;
+      if (part.leased.value && leaseOwner !== this.link.name) part.leaseLost();
+      part.holder.value = leaseOwner;
+    }
+  }
+}
+
+function sameLayout(a: Part, b: Part): boolean {
+  const names = (part: Part) => part.ports.map((port) => `${port.side} ${port.description.name}`).join("\n");
+  return names(a) === names(b);
+}

@@ -1,0 +1,105 @@
+// Widgets that command: slider with jog buttons, number, push button, radio buttons, bit selector.
+import { h, setText } from "../ui/dom";
+import { formatValue, niceStep, share } from "../ui/numbers";
+import { limits, valueOf, writeAll, type Context, type Widget } from "./widget";
+
+const kTouchedMs = 600; // so long what is in force does not move a control under the hand
+
+export function slider(context: Context): Widget {
+  const { data, ports, actual } = context;
+  const { minimum, maximum } = limits(context);
+  const unit = ports[0]?.description.unit ?? "";
+  const input = h("input", { type: "range", min: minimum, max: maximum, step: "any", "aria-label": data.label });
+  const marker = h("span", { class: "actual", hidden: !actual });
+  const shown = h("output", { class: "slider-value" });
+  let touched = 0;
+  const set = (value: number) => {
+    touched = performance.now();
+    input.value = String(value);
+    writeAll(ports, Math.min(maximum, Math.max(minimum, value)));
+  };
+  input.addEventListener("input", () => set(Number(input.value)));
+  const jog = (sign: number) =>
+    h("button", { type: "button", class: "small jog", "aria-label": `${data.label} ${sign < 0 ? "less" : "more"}`,
+      onclick: () => set(valueOf(ports[0]) + sign * (data.jog ?? 0)) }, sign < 0 ? "−" : "+");
+  const buttons = data.jog ? [jog(-1), jog(1)] : [];
+  return {
+    body: h("div", { class: "w-slider" }, buttons[0], h("span", { class: "track" }, input, marker), buttons[1], shown),
+    update() {
+      const value = valueOf(ports[0]);
+      if (performance.now() - touched > kTouchedMs && !Number.isNaN(value) && Number(input.value) !== value) input.value = String(value);
+      setText(shown, formatValue(actual ? valueOf(actual) : value, unit));
+      if (actual) marker.style.left = `${(100 * share(valueOf(actual), minimum, maximum)).toFixed(2)}%`;
+    },
+    setEnabled: (on) => [input, ...buttons].forEach((control) => (control.disabled = !on)),
+  };
+}
+
+export function number(context: Context): Widget {
+  const { data, ports } = context;
+  const { minimum, maximum } = limits(context);
+  const unit = ports[0]?.description.unit ?? "";
+  const input = h("input", { type: "number", min: minimum, max: maximum, step: niceStep(minimum, maximum), "aria-label": `${data.label} in ${unit || "units"}` });
+  input.addEventListener("change", () => Number.isFinite(input.valueAsNumber) && writeAll(ports, input.valueAsNumber));
+  return {
+    body: h("div", { class: "w-number" }, input, h("span", { class: "unit" }, unit)),
+    update() {
+      const value = valueOf(ports[0]);
+      if (document.activeElement !== input && !Number.isNaN(value)) input.value = String(Number(value.toPrecision(6)));
+    },
+    setEnabled: (on) => (input.disabled = !on),
+  };
+}
+
+// Counts up at each press, or writes one value while pressed and another when let go.
+export function button({ data, ports }: Context): Widget {
+  const element = h("button", { type: "button", class: "w-button" }, data.label || "Press");
+  if (data.mode === "value") {
+    const release = () => data.release !== undefined && element.dataset["down"] && (delete element.dataset["down"], writeAll(ports, data.release));
+    const press = () => ((element.dataset["down"] = "1"), writeAll(ports, data.value ?? 1));
+    element.addEventListener("pointerdown", press);
+    for (const end of ["pointerup", "pointercancel", "pointerleave", "blur"]) element.addEventListener(end, release);
+    element.addEventListener("keydown", (event) => [" ", "Enter"].includes(event.key) && !event.repeat && press());
+    element.addEventListener("keyup", release);
+  } else {
+    element.addEventListener("click", () => ports.forEach((port) => writeAll([port], valueOf(port) + 1)));
+  }
+  return { body: element, update: () => undefined, setEnabled: (on) => (element.disabled = !on) };
+}
+
+export function radio({ data, ports }: Context): Widget {
+  const group = `radio-${Math.random().toString(36).slice(2)}`;
+  const inputs = (data.choices ?? [{ label: "Off", value: 0 }, { label: "On", value: 1 }]).map(({ label, value }) => {
+    const input = h("input", { type: "radio", name: group, value });
+    input.addEventListener("change", () => writeAll(ports, value));
+    return { input, label: h("label", {}, input, h("span", {}, label)), value };
+  });
+  return {
+    body: h("div", { class: "w-radio", role: "radiogroup", "aria-label": data.label }, ...inputs.map(({ label }) => label)),
+    update: () => inputs.forEach(({ input, value }) => (input.checked = valueOf(ports[0]) === value)),
+    setEnabled: (on) => inputs.forEach(({ input }) => (input.disabled = !on)),
+  };
+}
+
+export function bits({ data, ports }: Context): Widget {
+  const names = data.bits ?? Array.from({ length: 8 }, (_, i) => `Bit ${i}`);
+  const canWrite = ports[0]?.side === "input";
+  const boxes = names.map((name, i) => {
+    const box = h("input", { type: "checkbox" });
+    box.addEventListener("change", () => {
+      const without = valueOf(ports[0]) - (bitOf(valueOf(ports[0]), i) ? 2 ** i : 0);
+      writeAll(ports, without + (box.checked ? 2 ** i : 0));
+    });
+    return { box, label: h("label", {}, box, h("span", {}, name)) };
+  });
+  return {
+    body: h("div", { class: "w-bits", role: "group", "aria-label": data.label }, ...boxes.map(({ label }) => label)),
+    update: () => boxes.forEach(({ box }, i) => (box.checked = bitOf(valueOf(ports[0]), i))),
+    setEnabled: (on) => boxes.forEach(({ box }) => (box.disabled = !on || !canWrite)),
+  };
+}
+
+// Bits of numbers up to 2^53, where JavaScript's own operators end at 2^31.
+export function bitOf(value: number, bit: number): boolean {
+  return Math.floor(value / 2 ** bit) % 2 === 1;
+}

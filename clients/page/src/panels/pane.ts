@@ -1,0 +1,108 @@
+// The pane of panels: which one is shown, taking control, editing, saving, loading, sharing.
+import type { Parts } from "../model/parts";
+import type { World } from "../model/world";
+import { h, iconButton, setText } from "../ui/dom";
+import { download, pickText } from "../ui/files";
+import { icons } from "../ui/icons";
+import { report, reportError } from "../ui/toasts";
+import { emptyPanel, formatPanel, kWidgetTypes, parsePanel, type PanelData, type WidgetType } from "./file";
+import { kKinds } from "./kinds";
+import { PanelView } from "./panel_view";
+import { settingsForm } from "./settings";
+import { fromHash, toHash } from "./share";
+
+export class PanelPane {
+  readonly view: PanelView;
+  private readonly choice = h("select", { "aria-label": "Panel", class: "panel-choice" });
+  private readonly take = h("button", { type: "button", class: "primary take", hidden: true }, "Take control");
+  private readonly edit: HTMLButtonElement;
+  private readonly tools: HTMLElement;
+  private readonly settings = h("div", { class: "panel-settings", hidden: true });
+  private panels: PanelData[] = [emptyPanel("Empty panel")];
+
+  constructor(pane: HTMLElement, private readonly parts: Parts, world: World) {
+    this.view = new PanelView(this.panels[0]!, parts);
+    this.edit = iconButton(icons.edit, "Edit the panel", () => this.setEditing(this.edit.getAttribute("aria-pressed") !== "true"), { "aria-pressed": "false" });
+    this.tools = this.makeTools();
+    const head = h("div", { class: "pane-head" }, h("h2", {}, "Panel"), this.choice, this.edit,
+      iconButton(icons.upload, "Load a panel from a file", () => this.load()),
+      iconButton(icons.download, "Save the panel to a file", () => this.save()),
+      iconButton(icons.link, "Copy a link to this panel", () => void this.share()));
+    pane.append(head, this.tools, this.settings, h("div", { class: "panel-scroll", tabindex: 0, role: "group", "aria-label": "Widgets" }, this.view.element), h("div", { class: "panel-foot" }, this.take));
+    this.choice.addEventListener("change", () => this.view.show(this.panels[Number(this.choice.value)]!));
+    this.take.addEventListener("click", () => void this.takeControl());
+    this.view.onSelect = (data) => this.settings.replaceChildren(...(data ? [settingsForm(data, parts, () => this.view.changed())] : []));
+    setInterval(() => this.showTake(), 250);
+    world.description.watch((description) => description && this.offer(description.panels.map(({ text }) => text)));
+    void this.openShared();
+  }
+
+  // Panels that the scene ships; the first is shown.
+  private offer(texts: string[]): void {
+    const known = new Set(this.panels.map((panel) => panel.name));
+    for (const text of texts) {
+      try {
+        const panel = parsePanel(text);
+        if (!known.has(panel.name)) this.open(panel, this.panels.length === 1);
+      } catch (error) {
+        reportError(error);
+      }
+    }
+  }
+
+  private open(panel: PanelData, show = true): void {
+    this.panels.push(panel);
+    this.choice.replaceChildren(...this.panels.map(({ name }, i) => h("option", { value: i }, name)));
+    if (show) this.view.show(panel);
+    this.choice.value = String(this.panels.indexOf(this.view.panel));
+  }
+
+  private setEditing(on: boolean): void {
+    this.edit.setAttribute("aria-pressed", String(on));
+    this.view.setEditing(on);
+    this.tools.hidden = this.settings.hidden = !on;
+  }
+
+  private makeTools(): HTMLElement {
+    const kind = h("select", { "aria-label": "Kind of widget" }, ...kWidgetTypes.map((type) => h("option", { value: type }, kKinds[type].title)));
+    const name = h("input", { type: "text", "aria-label": "Name of the panel", placeholder: "Name" });
+    name.addEventListener("change", () => (this.view.panel.name = name.value || "Panel"));
+    const add = h("button", { type: "button", onclick: () => this.view.onSelect(this.view.add(kind.value as WidgetType, [])) }, "Add");
+    return h("div", { class: "panel-tools", hidden: true }, name, kind, add,
+      h("p", {}, "Drag ports from the tree to here. Widgets move by pointer or arrow keys, change size with Shift."));
+  }
+
+  private showTake(): void {
+    const parts = [...this.view.partsToLease()];
+    this.take.hidden = parts.length === 0;
+    setText(this.take, `Take control of ${parts.join(", ")}`);
+  }
+
+  private async takeControl(): Promise<void> {
+    for (const name of this.view.partsToLease()) await this.parts.find(name)?.acquire().catch(reportError);
+  }
+
+  private save(): void {
+    download(`${this.view.panel.name}.panel.json`, new Blob([formatPanel(this.view.panel)], { type: "application/json" }));
+  }
+
+  private load(): void {
+    pickText(".json").then((text) => this.open(parsePanel(text))).catch(reportError);
+  }
+
+  private async share(): Promise<void> {
+    const hash = await toHash(formatPanel(this.view.panel));
+    history.replaceState(null, "", hash);
+    await navigator.clipboard?.writeText(location.href).catch(() => undefined);
+    report("The address now holds this panel, and is on the clipboard");
+  }
+
+  private async openShared(): Promise<void> {
+    try {
+      const text = await fromHash(location.hash);
+      if (text !== null) this.open(parsePanel(text));
+    } catch (error) {
+      reportError(error);
+    }
+  }
+}

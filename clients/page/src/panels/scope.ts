@@ -1,0 +1,94 @@
+// An oscilloscope: the last seconds of up to eight ports at full tick rate, against a left and a right scale.
+import type { Port } from "../model/part";
+import { h } from "../ui/dom";
+import { formatValue } from "../ui/numbers";
+import { cssColor, traceColor } from "../ui/palette";
+import type { Context, Widget } from "./widget";
+
+const kSeconds = 5;
+
+interface Range {
+  low: number;
+  high: number;
+}
+
+export function scope({ data, ports }: Context): Widget {
+  const canvas = h("canvas", { "aria-hidden": "true" });
+  const legend = h("div", { class: "scope-legend" }, ...ports.map((port, i) => h("span", {}, swatch(i), port.description.name, data.scales?.[i] === 1 ? " ▸" : "")));
+  const stops = [...new Set(ports.map((port) => port.part))].map((part) => part.record(ports.filter((port) => port.part === part)));
+  return {
+    body: h("div", { class: "w-scope" }, canvas, legend),
+    update: () => draw(canvas, ports, data.scales ?? [], data.seconds ?? kSeconds),
+    dispose: () => stops.forEach((stop) => stop()),
+  };
+}
+
+function swatch(index: number): HTMLElement {
+  const element = h("i", { class: "swatch" });
+  element.style.background = traceColor(index);
+  return element;
+}
+
+function draw(canvas: HTMLCanvasElement, ports: Port[], scales: number[], seconds: number): void {
+  const { clientWidth: width, clientHeight: height } = canvas;
+  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+  const context = canvas.getContext("2d");
+  if (!context || width === 0) return;
+  context.clearRect(0, 0, width, height);
+  const now = Math.max(...ports.map((port) => port.part.recordings()?.lastTime ?? NaN));
+  const traces = ports.map((port) => traceOf(port, now - seconds, now, width));
+  drawGrid(context, width, height);
+  for (const side of [0, 1]) {
+    const mine = ports.map((_, i) => i).filter((i) => (scales[i] ?? 0) === side);
+    const range = rangeOf(mine.flatMap((i) => traces[i]!.values));
+    if (!range) continue;
+    drawScale(context, range, side === 0 ? 4 : width - 4, height);
+    for (const i of mine) drawTrace(context, traces[i]!, i, range, (time) => ((time - now + seconds) / seconds) * width, height);
+  }
+}
+
+function traceOf(port: Port, from: number, to: number, width: number): { times: number[]; values: number[] } {
+  const history = port.part.recordings();
+  const channel = port.part.channel(port);
+  if (!history || channel < 0) return { times: [], values: [] };
+  const series = history.window(from, to, width, [channel]);
+  return { times: series.times, values: series.values[0]!.map((value) => value ?? NaN) };
+}
+
+function rangeOf(values: number[]): Range | null {
+  let low = Infinity;
+  let high = -Infinity;
+  for (const value of values) if (!Number.isNaN(value)) (low = Math.min(low, value)), (high = Math.max(high, value));
+  if (low > high) return null;
+  const margin = 0.08 * (high - low) || 0.5;
+  return { low: low - margin, high: high + margin };
+}
+
+function drawGrid(context: CanvasRenderingContext2D, width: number, height: number): void {
+  context.strokeStyle = cssColor("--line");
+  context.lineWidth = 1;
+  context.beginPath();
+  for (let i = 1; i < 10; ++i) context.moveTo((i * width) / 10, 0), context.lineTo((i * width) / 10, height);
+  for (let i = 1; i < 4; ++i) context.moveTo(0, (i * height) / 4), context.lineTo(width, (i * height) / 4);
+  context.stroke();
+}
+
+function drawScale(context: CanvasRenderingContext2D, { low, high }: Range, x: number, height: number): void {
+  context.fillStyle = cssColor("--ink-soft");
+  context.font = "10px sans-serif";
+  context.textAlign = x < 10 ? "left" : "right";
+  context.fillText(formatValue(high), x, 11);
+  context.fillText(formatValue(low), x, height - 4);
+}
+
+function drawTrace(context: CanvasRenderingContext2D, trace: { times: number[]; values: number[] }, index: number, { low, high }: Range, xOf: (time: number) => number, height: number): void {
+  context.strokeStyle = traceColor(index);
+  context.lineWidth = 1.5;
+  context.beginPath();
+  trace.times.forEach((time, n) => {
+    const y = height - ((trace.values[n]! - low) / (high - low)) * height;
+    if (n === 0) context.moveTo(xOf(time), y);
+    else context.lineTo(xOf(time), y);
+  });
+  context.stroke();
+}

@@ -1,0 +1,45 @@
+// What a widget on a panel is, and what all kinds share: their ports, their limits, writing.
+import type { Port } from "../model/part";
+import type { Parts } from "../model/parts";
+import { reportError } from "../ui/toasts";
+import type { WidgetData } from "./file";
+
+export interface Widget {
+  body: HTMLElement;
+  update(): void; // twenty times a second while the panel is seen
+  setEnabled?(on: boolean): void; // controls: whether this page holds the leases that they need
+  dispose?(): void;
+}
+
+export interface Context {
+  data: WidgetData;
+  ports: Port[]; // those of data.ports that exist
+  actual: Port | undefined;
+}
+
+export function bind(data: WidgetData, parts: Parts): Context {
+  const ports = data.ports.map(({ part, port }) => parts.port(part, port)).filter((port): port is Port => port !== undefined);
+  return { data, ports, actual: data.actual ? parts.port(data.actual.part, data.actual.port) : undefined };
+}
+
+export function valueOf(port: Port | undefined): number {
+  return port ? port.part.value(port) : NaN;
+}
+
+export function limits({ data, ports }: Context): { minimum: number; maximum: number } {
+  const description = ports[0]?.description;
+  return { minimum: data.minimum ?? description?.minimum ?? 0, maximum: data.maximum ?? description?.maximum ?? 1 };
+}
+
+// The same value to all ports of a widget; neighbours in one message, because a part may demand that they agree.
+export function writeAll(ports: readonly Port[], value: number): void {
+  const sorted = [...ports].sort((a, b) => a.index - b.index);
+  for (let from = 0; from < sorted.length; ) {
+    let to = from + 1;
+    while (to < sorted.length && sorted[to]!.part === sorted[from]!.part && sorted[to]!.index === sorted[to - 1]!.index + 1) ++to;
+    const first = sorted[from]!;
+    const count = to - from;
+    (count === 1 ? first.part.write(first, value) : first.part.writeValues(first.index, Array<number>(count).fill(value))).catch(reportError);
+    from = to;
+  }
+}

@@ -1,0 +1,57 @@
+// The pane of plots, side by side. Ports come by their button in the tree, or by drag and drop.
+import type { Port } from "../model/part";
+import type { Parts } from "../model/parts";
+import { acceptPorts } from "../ui/drag";
+import { h } from "../ui/dom";
+import { reportError } from "../ui/toasts";
+import { Plot } from "./plot";
+
+const kPeriodMs = 100;
+
+export class PlotPane {
+  readonly plots: Plot[] = [];
+  private readonly place = h("div", { class: "plot-row" });
+  private readonly empty = h("p", { class: "empty" }, "Drag ports here from the tree, or use their plot buttons.");
+
+  constructor(pane: HTMLElement, private readonly parts: Parts) {
+    pane.append(this.place, this.empty);
+    acceptPorts(pane, parts, (ports, event) => {
+      const over = this.plots.find(({ element }) => element.contains(event.target as Node));
+      if (over) over.add(ports);
+      else this.open(ports);
+    });
+    setInterval(() => this.update(), kPeriodMs);
+  }
+
+  // Into the last plot; the first time, a new one.
+  plot(ports: Port[]): void {
+    const last = this.plots.at(-1);
+    if (last) last.add(ports);
+    else this.open(ports);
+  }
+
+  open(ports: Port[]): void {
+    const plot: Plot = new Plot([...ports], () => this.close(plot), () => this.parts.subscribe().catch(reportError));
+    this.plots.push(plot);
+    this.show();
+  }
+
+  private close(plot: Plot): void {
+    plot.dispose();
+    this.plots.splice(this.plots.indexOf(plot), 1);
+    this.parts.subscribe().catch(reportError);
+    this.show();
+  }
+
+  private show(): void {
+    this.place.replaceChildren(...this.plots.map(({ element }) => element));
+    this.empty.hidden = this.plots.length > 0;
+    this.place.hidden = this.plots.length === 0;
+  }
+
+  private update(): void {
+    if (document.hidden) return;
+    const times = this.parts.list.value.map((part) => part.recordings()?.lastTime ?? NaN).filter((time) => !Number.isNaN(time));
+    if (times.length > 0) for (const plot of this.plots) plot.update(Math.max(...times));
+  }
+}

@@ -1,0 +1,63 @@
+// A phase plot: the second port against the first.
+import type { Port } from "../model/part";
+import { formatValue } from "../ui/numbers";
+import { cssColor, traceColor } from "../ui/palette";
+import type { Aligned } from "./merge";
+
+const kMargin = 34;
+
+export function drawPhase(canvas: HTMLCanvasElement, ports: readonly Port[], [, xs = [], ys = []]: Aligned): void {
+  const { clientWidth: width, clientHeight: height } = canvas;
+  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+  const context = canvas.getContext("2d");
+  const points = xs.map((x, i) => [x, ys[i] ?? null] as const).filter((point): point is readonly [number, number] => point[0] !== null && point[1] !== null);
+  if (!context) return;
+  context.clearRect(0, 0, width, height);
+  if (points.length < 2) return;
+  const xRange = range(points.map(([x]) => x));
+  const yRange = range(points.map(([, y]) => y));
+  const toX = (x: number) => kMargin + ((x - xRange.low) / (xRange.high - xRange.low)) * (width - 1.5 * kMargin);
+  const toY = (y: number) => height - kMargin - ((y - yRange.low) / (yRange.high - yRange.low)) * (height - 1.5 * kMargin);
+  frame(context, width, height, ports, xRange, yRange);
+  context.strokeStyle = traceColor(0);
+  context.lineWidth = 1.5;
+  context.beginPath();
+  points.forEach(([x, y], i) => (i === 0 ? context.moveTo(toX(x), toY(y)) : context.lineTo(toX(x), toY(y))));
+  context.stroke();
+  const [x, y] = points.at(-1)!;
+  context.fillStyle = traceColor(1);
+  context.fillRect(toX(x) - 4, toY(y) - 4, 8, 8);
+}
+
+interface Range {
+  low: number;
+  high: number;
+}
+
+function range(values: number[]): Range {
+  let low = Infinity;
+  let high = -Infinity;
+  for (const value of values) (low = Math.min(low, value)), (high = Math.max(high, value));
+  const margin = 0.05 * (high - low) || 0.5;
+  return { low: low - margin, high: high + margin };
+}
+
+function frame(context: CanvasRenderingContext2D, width: number, height: number, ports: readonly Port[], x: Range, y: Range): void {
+  context.strokeStyle = cssColor("--line");
+  context.strokeRect(kMargin, kMargin / 2, width - 1.5 * kMargin, height - 1.5 * kMargin);
+  context.fillStyle = cssColor("--ink-soft");
+  context.font = "11px sans-serif";
+  const name = (port: Port | undefined) => (port ? `${port.description.name} [${port.description.unit || "1"}]` : "");
+  context.textAlign = "center";
+  context.fillText(name(ports[0]), width / 2, height - 6);
+  context.save();
+  context.translate(12, height / 2);
+  context.rotate(-Math.PI / 2);
+  context.fillText(name(ports[1]), 0, 0);
+  context.restore();
+  context.textAlign = "left";
+  context.fillText(formatValue(x.low), kMargin, height - 20);
+  context.fillText(formatValue(y.high), kMargin + 3, kMargin / 2 + 11);
+  context.textAlign = "right";
+  context.fillText(formatValue(x.high), width - kMargin / 2, height - 20);
+}

@@ -1,0 +1,166 @@
+// One plot: ports against time, or the second against the first (phase plot). Follows the time; dragging zooms in and
+// stops following, a double click goes on. The cursor shows values in the legend.
+import uPlot from "uplot";
+import type { Part, Port } from "../model/part";
+import { h, iconButton } from "../ui/dom";
+import { download } from "../ui/files";
+import { icons } from "../ui/icons";
+import { formatValue } from "../ui/numbers";
+import { cssColor, traceColor, traceDash } from "../ui/palette";
+import { toCsv } from "./csv";
+import { align, type Aligned } from "./merge";
+import { drawPhase } from "./phase";
+
+const kWindows = [5, 10, 30, 60, 120, 300];
+
+// Some air above and below; a value that stands still is drawn as a line in the middle, not as noise.
+function valueRange(_: uPlot, low: number | null, high: number | null): uPlot.Range.MinMax {
+  if (low === null || high === null) return [0, 1];
+  const margin = Math.max(0.08 * (high - low), 1e-3 * Math.max(Math.abs(low), Math.abs(high)), 1e-6);
+  return [low - margin, high + margin];
+}
+
+export class Plot {
+  readonly element: HTMLElement;
+  private readonly place = h("div", { class: "plot-place" });
+  private readonly phaseCanvas = h("canvas", { class: "phase", hidden: true, role: "img", "aria-label": "Phase plot" });
+  private readonly seconds = h("select", { "aria-label": "Length of the time axis" }, ...kWindows.map((s) => h("option", { value: s, selected: s === 10 }, s < 60 ? `${s} s` : `${s / 60} min`)));
+  private readonly phase: HTMLButtonElement;
+  private readonly stops = new Map<Part, () => void>();
+  private plot: uPlot | null = null;
+  private zoom: { from: number; to: number } | null = null;
+
+  constructor(readonly ports: Port[], onClose: () => void, private readonly onChange: () => void) {
+    this.phase = h("button", { type: "button", class: "small", "aria-pressed": "false", title: "The second port against the first", onclick: () => this.togglePhase() }, "Phase");
+    this.element = h("section", { class: "plot", "aria-label": "Plot" },
+      h("div", { class: "plot-tools" }, this.seconds, this.phase,
+        iconButton(icons.download, "Export as CSV", () => this.exportCsv()),
+        iconButton(icons.image, "Export as PNG", () => this.exportPng()),
+        iconButton(icons.close, "Close the plot", onClose)),
+      this.place, this.phaseCanvas);
+    new ResizeObserver(() => this.resize()).observe(this.place);
+    this.rebuild();
+  }
+
+  add(ports: readonly Port[]): void {
+    this.ports.push(...ports.filter((port) => !this.ports.includes(port)));
+    this.rebuild();
+  }
+
+  remove(port: Port): void {
+    this.ports.splice(this.ports.indexOf(port), 1);
+    this.rebuild();
+  }
+
+  dispose(): void {
+    for (const stop of this.stops.values()) stop();
+    this.stops.clear();
+    this.plot?.destroy();
+  }
+
+  // Draws what is new. `now`: simulated time, s.
+  update(now: number): void {
+    if (this.element.offsetParent === null) return;
+    const length = Number(this.seconds.value);
+    const from = this.zoom?.from ?? now - length;
+    const to = this.zoom?.to ?? now;
+    const data = this.window(from, to);
+    if (!this.phaseCanvas.hidden) return drawPhase(this.phaseCanvas, this.ports, data);
+    this.plot?.setData(data as uPlot.AlignedData, false);
+    this.plot?.setScale("x", { min: from, max: to });
+  }
+
+  private window(from: number, to: number): Aligned {
+    const width = Math.max(100, this.place.clientWidth);
+    return align(this.byPart().map(([part, ports]) => {
+      const history = part.recordings();
+      return history ? history.window(from, to, width, ports.map((port) => part.channel(port))) : { times: [], values: ports.map(() => []) };
+    }));
+  }
+
+  // Ports in the order of the traces: part by part.
+  private byPart(): [Part, Port[]][] {
+    const parts = [...new Set(this.ports.map((port) => port.part))];
+    return parts.map((part) => [part, this.ports.filter((port) => port.part === part)]);
+  }
+
+  private rebuild(): void {
+    for (const stop of this.stops.values()) stop();
+    this.stops.clear();
+    for (const [part, ports] of this.byPart()) this.stops.set(part, part.record(ports));
+    this.plot?.destroy();
+    this.plot = this.ports.length > 0 ? new uPlot(this.options(), [[]], this.place) : null;
+    this.phase.disabled = this.ports.length < 2;
+    this.onChange();
+  }
+
+  private options(): uPlot.Options {
+    const units = [...new Set(this.ports.map((port) => port.description.unit))];
+    const axis = { stroke: cssColor("--ink-soft"), grid: { stroke: cssColor("--line"), width: 1 }, ticks: { stroke: cssColor("--line"), width: 1 }, font: "11px sans-serif" };
+    const ports = this.byPart().flatMap(([, list]) => list);
+    return {
+      ...this.size(),
+      cursor: { drag: { x: true, y: false, setScale: false }, points: { size: 6 } },
+      legend: { live: true },
+      scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit || "1", { range: valueRange }])) },
+      axes: [{ ...axis, size: 26 }, ...units.slice(0, 2).map((unit, i) => ({ ...axis, scale: unit || "1", side: (i === 0 ? 3 : 1) as uPlot.Axis.Side, size: 52, label: unit, labelSize: 14, labelFont: "11px sans-serif", grid: { ...axis.grid, show: i === 0 } }))],
+      series: [{ label: "t", value: (_, value) => (value === null ? "–" : `${value.toFixed(3)} s`) },
+        ...ports.map((port, i) => ({ label: port.description.name, scale: port.description.unit || "1", stroke: traceColor(i), dash: traceDash(i), width: 1.5, spanGaps: true, points: { show: false },
+          value: (_: uPlot, value: number | null) => (value === null ? "–" : `${formatValue(value, port.description.unit)} ${port.description.unit}`) }))],
+      hooks: {
+        setSelect: [(plot) => this.zoomTo(plot)],
+        ready: [(plot) => plot.over.addEventListener("dblclick", () => (this.zoom = null))],
+      },
+    };
+  }
+
+  private zoomTo(plot: uPlot): void {
+    const { left, width } = plot.select;
+    if (width < 4) return;
+    this.zoom = { from: plot.posToVal(left, "x"), to: plot.posToVal(left + width, "x") };
+    plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+  }
+
+  private togglePhase(): void {
+    const on = this.phaseCanvas.hidden;
+    this.phaseCanvas.hidden = !on;
+    this.place.hidden = on;
+    this.phase.setAttribute("aria-pressed", String(on));
+  }
+
+  private size(): { width: number; height: number } {
+    const legend = this.place.querySelector<HTMLElement>(".u-legend")?.offsetHeight ?? 22;
+    return { width: Math.max(160, this.place.clientWidth), height: Math.max(80, this.place.clientHeight - legend) };
+  }
+  private resize(): void {
+    this.plot?.setSize(this.size());
+  }
+
+  private exportCsv(): void {
+    const columns = this.byPart().flatMap(([part, ports]) => {
+      const series = part.recordings()?.all(ports.map((port) => part.channel(port)));
+      return ports.map((port, i) => ({ name: `${part.name} ${port.description.name} [${port.description.unit || "1"}]`, times: series?.times ?? [], values: series?.values[i] ?? [] }));
+    });
+    download("visum.csv", new Blob([toCsv(columns)], { type: "text/csv" }));
+  }
+
+  // The plot on paper's colour, with its legend in words below.
+  private exportPng(): void {
+    const source = this.phaseCanvas.hidden ? this.plot?.ctx.canvas : this.phaseCanvas;
+    if (!source) return;
+    const canvas = h("canvas", { width: source.width, height: source.height + 22 * this.ports.length + 8 });
+    const context = canvas.getContext("2d")!;
+    context.fillStyle = cssColor("--surface");
+    context.fillRect(0, 0, canvas.width, canvas.height);
+    context.drawImage(source, 0, 0);
+    context.font = "13px sans-serif";
+    this.byPart().flatMap(([, ports]) => ports).forEach((port, i) => {
+      const y = source.height + 22 * i + 14;
+      context.fillStyle = traceColor(i);
+      context.fillRect(16, y - 5, 22, 3);
+      context.fillStyle = cssColor("--ink");
+      context.fillText(`${port.part.name} · ${port.description.name} [${port.description.unit || "1"}]`, 46, y);
+    });
+    canvas.toBlob((blob) => blob && download("visum.png", blob));
+  }
+}

@@ -1,0 +1,60 @@
+// A part's blackboards, shown by what they hold: text, a picture, numbers, or bytes. Read while their list is open.
+import type { Link } from "../link/link";
+import type { BlackboardDescription } from "../link/messages";
+import type { Part } from "../model/part";
+import { h } from "../ui/dom";
+import { reportError } from "../ui/toasts";
+
+const kRefreshMs = 1000;
+const kMostNumbers = 256;
+const kMostBytes = 512;
+
+export function blackboardsView(link: Link, part: Part): HTMLElement | null {
+  const boards = part.description.blackboards;
+  if (boards.length === 0) return null;
+  const views = boards.map((board) => ({ board, body: h("div", { class: "blackboard" }), generation: -1n }));
+  const details = h(
+    "details",
+    { class: "side" },
+    h("summary", {}, h("span", {}, "Blackboards"), h("span", { class: "count" }, String(boards.length))),
+    ...views.map(({ board, body }) => h("div", {}, h("h4", {}, `${board.name} · ${board.contentType}`), body)),
+  );
+  const refresh = async () => {
+    for (const view of views) {
+      const data = await link.request({ case: "readBlackboard", value: { part: part.name, name: view.board.name } }, "blackboard");
+      if (data.generation === view.generation) continue;
+      view.generation = data.generation;
+      view.body.replaceChildren(show(view.board, data.data));
+    }
+  };
+  setInterval(() => details.open && !document.hidden && link.welcome && refresh().catch(reportError), kRefreshMs);
+  return details;
+}
+
+export function show(board: BlackboardDescription, bytes: Uint8Array): HTMLElement {
+  const type = board.contentType;
+  if (type.startsWith("text/") || type === "application/json") return h("pre", {}, new TextDecoder().decode(bytes));
+  if (type.startsWith("image/")) return picture(type, bytes, board.name);
+  const numbers = asNumbers(board, bytes);
+  if (!numbers) return h("pre", {}, hex(bytes.subarray(0, kMostBytes)));
+  const list = h("ol", { class: "numbers", start: 0 });
+  for (const value of numbers.slice(0, kMostNumbers)) list.append(h("li", {}, String(Number(value.toPrecision(7)))));
+  return list;
+}
+
+function picture(type: string, bytes: Uint8Array, name: string): HTMLElement {
+  const url = URL.createObjectURL(new Blob([new Uint8Array(bytes)], { type }));
+  return h("img", { src: url, alt: name, onload: () => URL.revokeObjectURL(url) });
+}
+
+// Scans and vectors: floats by the size of an element.
+function asNumbers(board: BlackboardDescription, bytes: Uint8Array): number[] | null {
+  const copy = bytes.slice().buffer;
+  if (board.elementSize === 8n) return [...new Float64Array(copy, 0, Math.floor(copy.byteLength / 8))];
+  if (board.elementSize === 4n) return [...new Float32Array(copy, 0, Math.floor(copy.byteLength / 4))];
+  return null;
+}
+
+function hex(bytes: Uint8Array): string {
+  return [...bytes].map((byte, i) => byte.toString(16).padStart(2, "0") + (i % 16 === 15 ? "\n" : " ")).join("");
+}

@@ -1,0 +1,103 @@
+// A part in the tree: who commands it, and its ports by interface and group.
+import type { Link } from "../link/link";
+import { Role } from "../link/messages";
+import type { Part, Port, Side } from "../model/part";
+import { h, setText } from "../ui/dom";
+import { startPortDrag } from "../ui/drag";
+import { reportError } from "../ui/toasts";
+import { blackboardsView } from "./blackboards";
+import { parametersView } from "./parameters";
+import { PortRow, type RowActions } from "./row";
+
+export class PartView {
+  readonly element: HTMLElement;
+  readonly rows: PortRow[] = [];
+  private readonly groups: { element: HTMLDetailsElement; rows: PortRow[] }[] = [];
+  private readonly holder = h("span", { class: "holder" });
+  private readonly lease = h("button", { type: "button", class: "lease" });
+  private readonly stops: (() => void)[] = [];
+
+  constructor(private readonly link: Link, readonly part: Part, private readonly actions: RowActions) {
+    this.lease.addEventListener("click", () => void this.toggleLease());
+    this.element = h(
+      "section",
+      { class: "part", "aria-label": `Part ${part.name}` },
+      h("header", {}, h("h2", {}, part.name), h("span", { class: "kind" }, part.description.kind), this.holder, this.lease),
+      this.side("input", "Controller Input"),
+      this.side("output", "Sensor Output"),
+      parametersView(link, part),
+      blackboardsView(link, part),
+    );
+    this.stops.push(part.holder.watch(() => this.showLease()), part.leased.watch(() => this.showLease()));
+  }
+
+  dispose(): void {
+    for (const stop of this.stops) stop();
+  }
+
+  // Shows what matches all words; groups with a match open.
+  filter(words: string[]): void {
+    for (const row of this.rows) row.element.hidden = !row.matches(words);
+    for (const { element, rows } of this.groups) {
+      const any = rows.some((row) => !row.element.hidden);
+      element.hidden = !any;
+      if (words.length > 0) element.open = any;
+    }
+  }
+
+  private side(side: Side, title: string): HTMLElement {
+    const ports = this.part.ports.filter((port) => port.side === side);
+    const byGroup = new Map<string, Port[]>();
+    for (const port of ports) {
+      const group = port.description.group || port.description.name;
+      byGroup.set(group, [...(byGroup.get(group) ?? []), port]);
+    }
+    const body = [...byGroup].map(([name, members]) => (members.length === 1 ? this.row(members[0]!, members[0]!.description.name).element : this.group(name, members)));
+    const details = h("details", { class: "side", open: true }, h("summary", {}, h("span", {}, title), h("span", { class: "count" }, String(ports.length))), ...body);
+    this.groups.push({ element: details, rows: this.rows.filter((row) => row.port.side === side) });
+    return details;
+  }
+
+  private group(name: string, ports: Port[]): HTMLElement {
+    // Below their group's name, ports need only what is their own.
+    const rows = ports.map((port) => this.row(port, port.description.name.replace(name, "").trim() || port.description.name));
+    const summary = h("summary", { draggable: true }, h("span", {}, name), h("span", { class: "count" }, String(ports.length)));
+    summary.addEventListener("dragstart", (event) => startPortDrag(event, ports));
+    const open = this.part.ports.length <= 24 || name.startsWith("Desired Angle") || name.startsWith("Actual Angle");
+    const element = h("details", { class: "group", open }, summary, ...rows.map((row) => row.element));
+    this.groups.push({ element, rows });
+    return element;
+  }
+
+  private row(port: Port, label: string): PortRow {
+    const row = new PortRow(port, label, this.actions);
+    this.rows.push(row);
+    return row;
+  }
+
+  private showLease(): void {
+    const { leased, holder } = this.part;
+    setText(this.holder, leased.value ? "yours" : holder.value === "" ? "free" : holder.value);
+    this.holder.dataset["state"] = leased.value ? "mine" : holder.value === "" ? "free" : "taken";
+    this.holder.title = leased.value ? "This page holds the lease" : holder.value === "" ? "Nobody holds the lease" : `The lease is held by ${holder.value}`;
+    const take = !leased.value && holder.value !== "";
+    setText(this.lease, leased.value ? "Release" : take ? "Take over" : "Take control");
+    this.lease.disabled = (this.link.welcome?.role ?? Role.OBSERVER) < Role.CONTROLLER;
+    for (const row of this.rows) row.setEditable(leased.value);
+  }
+
+  private async toggleLease(): Promise<void> {
+    const { leased, holder, name } = this.part;
+    const taking = !leased.value && holder.value !== "";
+    try {
+      if (leased.value) return await this.part.release();
+      if (!taking) return await this.part.acquire();
+      // Taking it over stops the part, and whoever commands it is told so: not by a slip of the hand.
+      const isAdmin = this.link.welcome?.role === Role.ADMIN;
+      if (!isAdmin || confirm(`Take '${name}' from '${holder.value}'? The part stops on a ramp and latches a fault.`))
+        await this.part.acquire(isAdmin);
+    } catch (error) {
+      reportError(error);
+    }
+  }
+}

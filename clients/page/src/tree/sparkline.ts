@@ -1,0 +1,52 @@
+// The last seconds of a value, as small as a word.
+
+const kPoints = 60;
+const kWidth = 56;
+const kHeight = 18;
+
+export class Sparkline {
+  readonly canvas = document.createElement("canvas");
+  private readonly values: number[] = [];
+  private drawn = "";
+
+  // `least`: a change smaller than this is noise, and not blown up.
+  constructor(private readonly least: number) {
+    this.canvas.className = "spark";
+    this.canvas.width = 2 * kWidth;
+    this.canvas.height = 2 * kHeight;
+    this.canvas.setAttribute("aria-hidden", "true");
+  }
+
+  add(value: number): void {
+    this.values.push(value);
+    if (this.values.length > kPoints) this.values.shift();
+  }
+
+  draw(): void {
+    const known = this.values.filter((value) => !Number.isNaN(value));
+    const middle = (Math.min(...known) + Math.max(...known)) / 2;
+    const reach = Math.max(Math.max(...known) - middle, this.least / 2);
+    const [low, high] = [middle - reach, middle + reach];
+    const still = known.length < 2 || !(reach > 0);
+    const key = still ? "still" : `${low} ${high} ${known.at(-1)} ${known[0]} ${known.length}`;
+    if (key === this.drawn) return;
+    this.drawn = key;
+    const context = this.canvas.getContext("2d");
+    if (!context) return;
+    const { width, height } = this.canvas;
+    context.clearRect(0, 0, width, height);
+    context.strokeStyle = getComputedStyle(this.canvas).color;
+    context.lineWidth = 2;
+    context.beginPath();
+    if (still) context.moveTo(0, height / 2), context.lineTo(width, height / 2);
+    else known.forEach((value, i) => {
+      const x = (i / (kPoints - 1)) * width;
+      const y = height - 3 - ((value - low) / (high - low)) * (height - 6);
+      if (i === 0) context.moveTo(x, y);
+      else context.lineTo(x, y);
+    });
+    context.globalAlpha = still ? 0.35 : 1;
+    context.stroke();
+    context.globalAlpha = 1;
+  }
+}

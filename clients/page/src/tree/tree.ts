@@ -1,0 +1,59 @@
+// All parts as a tree with a search; what is on the screen is kept up to date ten times a second.
+import type { Link } from "../link/link";
+import type { Part } from "../model/part";
+import type { Parts } from "../model/parts";
+import { h } from "../ui/dom";
+import { PartView } from "./part_view";
+import type { PortRow, RowActions } from "./row";
+
+const kRefreshMs = 100;
+
+export class Tree {
+  readonly element: HTMLElement;
+  private readonly search = h("input", { type: "search", placeholder: "Search ports", "aria-label": "Search ports" });
+  private readonly body = h("div", { class: "tree-body" });
+  private readonly empty = h("p", { class: "empty", hidden: true }, "No port matches.");
+  private views: PartView[] = [];
+  private readonly rows = new Map<Element, PortRow>();
+  private readonly observer = new IntersectionObserver((entries) => {
+    for (const entry of entries) this.markVisible(entry);
+  });
+
+  constructor(private readonly link: Link, parts: Parts, private readonly actions: RowActions) {
+    this.element = h("div", { class: "tree" }, h("div", { class: "search" }, this.search), this.body, this.empty);
+    this.search.addEventListener("input", () => this.filter());
+    parts.list.watch((list) => this.show(list));
+    setInterval(() => this.refresh(), kRefreshMs);
+  }
+
+  private show(list: Part[]): void {
+    // The same parts again, after a reconnection: what is open and searched stays as it is.
+    if (list.length === this.views.length && list.every((part, i) => part === this.views[i]?.part)) return;
+    for (const view of this.views) view.dispose();
+    this.observer.disconnect();
+    this.rows.clear();
+    this.views = list.map((part) => new PartView(this.link, part, this.actions));
+    this.body.replaceChildren(...this.views.map((view) => view.element));
+    for (const row of this.views.flatMap((view) => view.rows)) {
+      this.rows.set(row.element, row);
+      this.observer.observe(row.element);
+    }
+    this.filter();
+  }
+
+  private filter(): void {
+    const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    for (const view of this.views) view.filter(words);
+    this.empty.hidden = this.views.length === 0 || this.views.some((view) => view.rows.some((row) => !row.element.hidden));
+  }
+
+  private refresh(): void {
+    if (document.hidden) return;
+    for (const row of this.rows.values()) row.update();
+  }
+
+  private markVisible(entry: IntersectionObserverEntry): void {
+    const row = this.rows.get(entry.target);
+    if (row) row.visible = entry.isIntersecting;
+  }
+}

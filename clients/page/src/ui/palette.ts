@@ -1,0 +1,19 @@
+// Colours of traces: Okabe and Ito's, which the colour-blind can tell apart; the yellow darker, to be seen on white.
+
+const kLight = ["#0072b2", "#d55e00", "#009e73", "#b0499a", "#a07d00", "#3a9bd9", "#5b5b5b", "#8c2d04"];
+const kDark = ["#56b4e9", "#ff9d4d", "#35d0a5", "#e59ac9", "#f0e442", "#8fc7ff", "#c8c8c8", "#ff7f50"];
+const kDashes: number[][] = [[], [7, 4], [2, 3], [9, 3, 2, 3]];
+
+export function traceColor(index: number): string {
+  const colors = matchMedia("(prefers-color-scheme: dark)").matches ? kDark : kLight;
+  return colors[index % colors.length]!;
+}
+
+// After eight colours the lines are dashed.
+export function traceDash(index: number): number[] {
+  return kDashes[Math.floor(index / kLight.length) % kDashes.length]!;
+}
+
+export function cssColor(name: string): string {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}

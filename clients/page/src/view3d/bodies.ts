@@ -1,0 +1,127 @@
+// The bodies of the world as objects to draw: one group per body, moved as a whole; one mesh per shape.
+import { Color, GridHelper, Group, Mesh, type MeshStandardMaterial, type Object3D } from "three";
+import type { BodyDescription, MeshData, ShapeDescription, WorldDescription } from "../link/messages";
+import type { World } from "../model/world";
+import { Materials } from "./materials";
+import { geometryOf } from "./shapes";
+
+const kSelected = new Color(0x2f7dd1);
+
+export interface ShapeObject {
+  mesh: Mesh;
+  shape: ShapeDescription;
+}
+
+export class Bodies {
+  readonly root = new Group();
+  groups: Group[] = [];
+  shapes: ShapeObject[][] = [];
+  private selected = -1;
+  private generation = 0;
+  private readonly materials: Materials;
+
+  constructor(private readonly world: World) {
+    this.materials = new Materials((texture) => world.texture(texture));
+  }
+
+  // Replaces all by what is described. Resolves when meshes are there, too.
+  async build(description: WorldDescription): Promise<void> {
+    const generation = ++this.generation;
+    const [meshes] = await Promise.all([this.fetchMeshes(description), this.materials.load(description)]);
+    if (generation !== this.generation) return;
+    this.dispose();
+    for (const [index, body] of description.bodies.entries()) this.addBody(index, body, meshes);
+  }
+
+  // `poses`: seven numbers per body.
+  place(poses: Float64Array): void {
+    this.groups.forEach((group, i) => {
+      const at = 7 * i;
+      group.position.set(poses[at]!, poses[at + 1]!, poses[at + 2]!);
+      group.quaternion.set(poses[at + 4]!, poses[at + 5]!, poses[at + 6]!, poses[at + 3]!);
+      group.updateMatrixWorld(true);
+    });
+  }
+
+  select(body: number): void {
+    this.tint(this.selected, 0);
+    this.selected = body;
+    this.tint(body, 0.45);
+  }
+
+  // What is drawn, or what collides.
+  showCollisionShapes(on: boolean): void {
+    for (const { mesh, shape } of this.shapes.flat()) {
+      const material = mesh.material as MeshStandardMaterial;
+      mesh.visible = on ? shape.collides : isDrawn(shape);
+      material.wireframe = on && shape.kind !== "plane";
+    }
+  }
+
+  private addBody(index: number, body: BodyDescription, meshes: Map<number, MeshData>): void {
+    const group = new Group();
+    group.name = body.name;
+    group.userData.body = index;
+    const objects = body.shapes.map((shape) => shapeObject(shape, meshes.get(shape.mesh) ?? null, this.materials));
+    for (const { mesh } of objects) group.add(mesh);
+    this.groups.push(group);
+    this.shapes.push(objects);
+    this.root.add(group);
+  }
+
+  private async fetchMeshes(description: WorldDescription): Promise<Map<number, MeshData>> {
+    const wanted = new Set<number>();
+    for (const body of description.bodies)
+      for (const shape of body.shapes) if (shape.kind === "mesh" || shape.kind === "convex") wanted.add(shape.mesh);
+    const meshes = new Map<number, MeshData>();
+    await Promise.all([...wanted].map(async (index) => meshes.set(index, await this.world.mesh(index))));
+    return meshes;
+  }
+
+  private tint(body: number, intensity: number): void {
+    for (const { mesh } of this.shapes[body] ?? []) {
+      const material = mesh.material as MeshStandardMaterial;
+      material.emissive.copy(kSelected);
+      material.emissiveIntensity = intensity;
+    }
+  }
+
+  private dispose(): void {
+    this.root.traverse((object: Object3D) => {
+      if (!(object instanceof Mesh)) return;
+      object.geometry.dispose();
+      (object.material as MeshStandardMaterial).dispose();
+    });
+    this.root.clear();
+    this.groups = [];
+    this.shapes = [];
+    this.selected = -1;
+  }
+}
+
+export function isDrawn(shape: ShapeDescription): boolean {
+  return (shape.color[3] ?? 1) > 0;
+}
+
+function shapeObject(shape: ShapeDescription, data: MeshData | null, materials: Materials): ShapeObject {
+  const mesh = new Mesh(geometryOf(shape, data), materials.of(shape));
+  const [x = 0, y = 0, z = 0, qw = 1, qx = 0, qy = 0, qz = 0] = shape.pose;
+  mesh.position.set(x, y, z);
+  mesh.quaternion.set(qx, qy, qz, qw);
+  mesh.visible = isDrawn(shape);
+  mesh.receiveShadow = true;
+  mesh.castShadow = shape.kind !== "plane";
+  if (shape.kind === "plane") mesh.add(grid());
+  return { mesh, shape };
+}
+
+// Lines a metre apart give a floor its scale.
+function grid(): GridHelper {
+  const lines = new GridHelper(20, 20, 0x8a939c, 0xb9c0c7);
+  lines.rotation.x = Math.PI / 2;
+  lines.position.z = 0.0008;
+  lines.material.transparent = true;
+  lines.material.opacity = 0.55;
+  lines.raycast = () => undefined;
+  return lines;
+}

@@ -1,0 +1,165 @@
+// What can be laid over the world: frames, centres of mass, joint axes with their angles, contacts with their forces,
+// trails. Drawn through bodies, so that nothing hides.
+import {
+  ArrowHelper, AxesHelper, BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, Quaternion,
+  SphereGeometry, Vector3,
+} from "three";
+import type { JointDescription, WorldDescription } from "../link/messages";
+import type { World } from "../model/world";
+import { formatValue } from "../ui/numbers";
+import { Labels } from "./labels";
+import type { Viewer } from "./viewer";
+
+export const kOverlays = {
+  frames: "Frames of bodies",
+  com: "Centres of mass",
+  joints: "Joint axes and angles",
+  contacts: "Contacts and forces",
+  trails: "Trails",
+  collision: "Collision shapes",
+} as const;
+export type OverlayName = keyof typeof kOverlays;
+
+const kAxisLength = 0.12; // m
+const kArrowMetresPerNewton = 0.004;
+const kLongestArrow = 0.5;
+const kTrailPoints = 600;
+
+export class Overlays {
+  readonly on: Record<OverlayName, boolean> = { frames: false, com: false, joints: false, contacts: false, trails: false, collision: false };
+  private readonly root = new Group();
+  private readonly contacts = new Group();
+  private readonly labels: Labels;
+  private frames: AxesHelper[] = [];
+  private centres: Mesh[] = [];
+  private axes: { arrow: ArrowHelper; joint: JointDescription; parent: number; child: number; index: number }[] = [];
+  private trails: { line: Line; body: number; count: number }[] = [];
+
+  constructor(private readonly viewer: Viewer, private readonly world: World, container: HTMLElement) {
+    this.labels = new Labels(container, viewer);
+    viewer.scene.add(this.root, this.contacts);
+    viewer.rebuilt.on((description) => this.build(description));
+    viewer.beforeDraw.on(() => this.place());
+  }
+
+  set(name: OverlayName, on: boolean): void {
+    this.on[name] = on;
+    if (name === "collision") this.viewer.bodies.showCollisionShapes(on);
+    if (name === "trails" && !on) for (const trail of this.trails) trail.count = 0;
+    this.viewer.redraw();
+  }
+
+  private build(description: WorldDescription): void {
+    this.root.clear();
+    this.frames = description.bodies.map(() => onTop(new AxesHelper(kAxisLength)));
+    this.centres = description.bodies.map(() => onTop(new Mesh(new SphereGeometry(0.012, 12, 8), new MeshBasicMaterial({ color: 0xb0499a }))));
+    const bodyOf = (name: string) => description.bodies.findIndex((body) => body.name === name);
+    this.axes = description.joints.map((joint, index) => ({
+      joint, index, parent: bodyOf(joint.parent), child: bodyOf(joint.child),
+      arrow: arrow(joint.type === "slider" ? 0x009e73 : 0x0072b2),
+    }));
+    this.trails = description.bodies.flatMap((body, i) => (body.fixed ? [] : [{ line: trailLine(), body: i, count: 0 }]));
+    this.root.add(...this.frames, ...this.centres, ...this.axes.map(({ arrow }) => arrow), ...this.trails.map(({ line }) => line));
+    this.viewer.bodies.showCollisionShapes(this.on.collision);
+  }
+
+  private place(): void {
+    const description = this.world.description.value;
+    const groups = this.viewer.bodies.groups;
+    if (!description || groups.length !== description.bodies.length || this.frames.length !== groups.length) return;
+    groups.forEach((group, i) => {
+      const body = description.bodies[i]!;
+      const frame = this.frames[i]!;
+      frame.visible = this.on.frames;
+      frame.position.copy(group.position);
+      frame.quaternion.copy(group.quaternion);
+      const centre = this.centres[i]!;
+      centre.visible = this.on.com && !body.fixed;
+      const [x = 0, y = 0, z = 0] = body.com;
+      centre.position.set(x, y, z).applyMatrix4(group.matrixWorld);
+    });
+    this.placeAxes();
+    this.placeContacts();
+    this.placeTrails();
+  }
+
+  private placeAxes(): void {
+    const texts: { at: Vector3; text: string }[] = [];
+    for (const { arrow, joint, parent, index } of this.axes) {
+      arrow.visible = this.on.joints && joint.type !== "fixed";
+      if (!arrow.visible) continue;
+      const [x = 0, y = 0, z = 0, qw = 1, qx = 0, qy = 0, qz = 0] = joint.pose;
+      const [ax = 0, ay = 0, az = 1] = joint.axis;
+      const at = new Vector3(x, y, z);
+      const axis = new Vector3(ax, ay, az).applyQuaternion(new Quaternion(qx, qy, qz, qw));
+      const group = this.viewer.bodies.groups[parent];
+      if (group) at.applyMatrix4(group.matrixWorld), axis.applyQuaternion(group.quaternion);
+      arrow.position.copy(at);
+      arrow.setDirection(axis);
+      const value = this.world.sample?.jointPositions[index] ?? NaN;
+      const text = joint.type === "slider" ? `${formatValue(value * 1000)} mm` : `${formatValue((value * 180) / Math.PI)}°`;
+      texts.push({ at: at.addScaledVector(axis, 1.3 * kAxisLength), text });
+    }
+    this.labels.show(texts);
+  }
+
+  private placeContacts(): void {
+    this.contacts.visible = this.on.contacts;
+    if (!this.on.contacts) return;
+    const samples = this.world.sample?.contacts ?? [];
+    while (this.contacts.children.length < samples.length) this.contacts.add(arrow(0xd55e00));
+    this.contacts.children.forEach((child, i) => {
+      const contact = samples[i];
+      child.visible = contact !== undefined;
+      if (!contact) return;
+      const [px = 0, py = 0, pz = 0] = contact.position;
+      const [nx = 0, ny = 0, nz = 1] = contact.normal;
+      child.position.set(px, py, pz);
+      (child as ArrowHelper).setDirection(new Vector3(nx, ny, nz));
+      const length = Math.min(kLongestArrow, 0.03 + kArrowMetresPerNewton * contact.normalForceN);
+      (child as ArrowHelper).setLength(length, 0.025, 0.016);
+    });
+  }
+
+  private placeTrails(): void {
+    for (const trail of this.trails) {
+      trail.line.visible = this.on.trails;
+      if (this.on.trails) extend(trail, this.viewer.bodies.groups[trail.body]!.position);
+    }
+  }
+}
+
+function onTop<T extends AxesHelper | Mesh | Line>(object: T): T {
+  const material = object.material as LineBasicMaterial;
+  material.depthTest = false;
+  object.renderOrder = 10;
+  object.raycast = () => undefined;
+  return object;
+}
+
+function arrow(color: number): ArrowHelper {
+  const made = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), kAxisLength, color, 0.03, 0.018);
+  onTop(made.line);
+  onTop(made.cone);
+  return made;
+}
+
+function trailLine(): Line {
+  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(3 * kTrailPoints), 3));
+  const line = onTop(new Line(geometry, new LineBasicMaterial({ color: 0xb0499a })));
+  line.frustumCulled = false;
+  return line;
+}
+
+// Adds where the body is now, if it moved; the oldest falls out.
+function extend(trail: { line: Line; count: number }, { x, y, z }: Vector3): void {
+  const positions = trail.line.geometry.getAttribute("position") as BufferAttribute;
+  const array = positions.array as Float32Array;
+  const last = 3 * (trail.count - 1);
+  if (trail.count > 0 && Math.hypot(array[last]! - x, array[last + 1]! - y, array[last + 2]! - z) < 0.002) return;
+  if (trail.count === kTrailPoints) array.copyWithin(0, 3);
+  else trail.count += 1;
+  array.set([x, y, z], 3 * (trail.count - 1));
+  positions.needsUpdate = true;
+  trail.line.geometry.setDrawRange(0, trail.count);
+}

@@ -1,0 +1,146 @@
+// A body that was clicked: what it is, how it moves, what drives it. With the role for it, a body is pulled by a spring
+// (Ctrl or Alt with the pointer), as if by hand.
+import { Plane, Raycaster, Vector2, Vector3 } from "three";
+import type { Link } from "../link/link";
+import { Role } from "../link/messages";
+import type { Parts } from "../model/parts";
+import type { World } from "../model/world";
+import { h, iconButton, setText } from "../ui/dom";
+import { icons } from "../ui/icons";
+import { formatValue } from "../ui/numbers";
+import { reportError } from "../ui/toasts";
+import { drivingPorts } from "./driving_ports";
+import type { Viewer } from "./viewer";
+
+const kClickPixels = 4;
+const kStiffnessPerKg = 60; // N/m for each kg: a pulled body of any mass follows alike
+const kDampingPerKg = 12; // N·s/m
+const kPullMs = 40;
+
+interface Pull {
+  body: number;
+  local: Vector3; // the point held, in the body's frame
+  plane: Plane; // what the pointer moves in
+  target: Vector3;
+  timer: number;
+}
+
+export class Selection {
+  private body = -1;
+  private pull: Pull | null = null;
+  private readonly title = h("h2", {});
+  private readonly facts = h("dl", {});
+  private readonly card: HTMLElement;
+  private readonly follow = h("button", { type: "button", class: "small", "aria-pressed": "false" }, "Follow");
+
+  constructor(private readonly viewer: Viewer, private readonly world: World, private readonly parts: Parts, private readonly link: Link, container: HTMLElement) {
+    this.card = h("section", { class: "body-card", hidden: true, "aria-label": "Selected body" },
+      h("header", {}, this.title, this.follow, iconButton(icons.close, "Close", () => this.select(-1))), this.facts);
+    container.append(this.card);
+    this.follow.addEventListener("click", () => this.toggleFollow());
+    this.listen(viewer.canvas);
+    viewer.rebuilt.on(() => this.select(-1));
+    setInterval(() => this.refresh(), 100);
+  }
+
+  select(body: number): void {
+    this.body = body;
+    this.viewer.bodies.select(body);
+    this.card.hidden = body < 0;
+    setText(this.title, this.world.description.value?.bodies[body]?.name ?? "");
+    this.follow.setAttribute("aria-pressed", String(this.viewer.followed === body));
+    this.refresh();
+    this.viewer.redraw();
+  }
+
+  private listen(canvas: HTMLCanvasElement): void {
+    let down = { x: 0, y: 0 };
+    // In the capturing phase: who pulls does not orbit.
+    canvas.addEventListener("pointerdown", (event) => {
+      down = { x: event.clientX, y: event.clientY };
+      if ((event.ctrlKey || event.altKey) && this.beginPull(event)) event.stopImmediatePropagation();
+    }, { capture: true });
+    canvas.addEventListener("pointermove", (event) => this.pull && this.moveTarget(event));
+    canvas.addEventListener("pointercancel", () => this.endPull());
+    canvas.addEventListener("pointerup", (event) => {
+      if (this.pull) return this.endPull();
+      if (Math.hypot(event.clientX - down.x, event.clientY - down.y) < kClickPixels) this.select(this.hit(event)?.body ?? -1);
+    });
+  }
+
+  private toggleFollow(): void {
+    this.viewer.followed = this.viewer.followed === this.body ? -1 : this.body;
+    this.follow.setAttribute("aria-pressed", String(this.viewer.followed === this.body));
+  }
+
+  private ray(event: PointerEvent): Raycaster {
+    const { left, top, width, height } = this.viewer.canvas.getBoundingClientRect();
+    const at = new Vector2((2 * (event.clientX - left)) / width - 1, 1 - (2 * (event.clientY - top)) / height);
+    const ray = new Raycaster();
+    ray.setFromCamera(at, this.viewer.view.camera);
+    return ray;
+  }
+
+  private hit(event: PointerEvent): { body: number; point: Vector3 } | null {
+    const found = this.ray(event).intersectObjects(this.viewer.bodies.groups, true).find(({ object }) => object.visible);
+    return found ? { body: Number(found.object.parent?.userData["body"] ?? -1), point: found.point } : null;
+  }
+
+  private beginPull(event: PointerEvent): boolean {
+    const hit = this.hit(event);
+    const body = hit && this.world.description.value?.bodies[hit.body];
+    if (!hit || !body || body.fixed || this.link.welcome?.role !== Role.ADMIN) return false;
+    this.select(hit.body);
+    const normal = this.viewer.view.camera.getWorldDirection(new Vector3());
+    const local = this.viewer.bodies.groups[hit.body]!.worldToLocal(hit.point.clone());
+    const plane = new Plane().setFromNormalAndCoplanarPoint(normal, hit.point);
+    this.pull = { body: hit.body, local, plane, target: hit.point.clone(), timer: window.setInterval(() => this.push(), kPullMs) };
+    this.viewer.canvas.setPointerCapture(event.pointerId);
+    this.viewer.view.controls.enabled = false;
+    return true;
+  }
+
+  private moveTarget(event: PointerEvent): void {
+    this.ray(event).ray.intersectPlane(this.pull!.plane, this.pull!.target);
+  }
+
+  private endPull(): void {
+    if (this.pull) clearInterval(this.pull.timer);
+    this.pull = null;
+    this.viewer.view.controls.enabled = true;
+  }
+
+  // A damped spring between the pointer and the point held, as pushes that overlap no longer than they must.
+  private push(): void {
+    const { body, local, target } = this.pull!;
+    const description = this.world.description.value?.bodies[body];
+    const velocities = this.world.sample?.velocities;
+    if (!description || !velocities) return;
+    const point = this.viewer.bodies.groups[body]!.localToWorld(local.clone());
+    const speed = new Vector3().fromArray(velocities, 6 * body);
+    const force = target.clone().sub(point).multiplyScalar(kStiffnessPerKg * description.massKg).addScaledVector(speed, -kDampingPerKg * description.massKg);
+    const push = { body: description.name, forceN: force.toArray(), pointM: point.toArray(), durationNs: BigInt(kPullMs) * 1_000_000n };
+    this.link.request({ case: "pushBody", value: push }, "ok").catch((error: unknown) => (this.endPull(), reportError(error)));
+  }
+
+  private refresh(): void {
+    const description = this.world.description.value?.bodies[this.body];
+    const sample = this.world.sample;
+    if (!description || !sample) return;
+    const at = 7 * this.body;
+    const numbers = (values: number[]) => values.map((value) => formatValue(value, "m")).join(", ");
+    const speed = sample.velocities.slice(6 * this.body, 6 * this.body + 3);
+    const rows: [string, string][] = [
+      ["Position", `${numbers(sample.poses.slice(at, at + 3))} m`],
+      ["Orientation", numbers(sample.poses.slice(at + 3, at + 7))],
+      ["Speed", `${formatValue(Math.hypot(...speed), "m/s")} m/s`],
+      ["Mass", description.fixed ? "stands still" : `${formatValue(description.massKg, "kg")} kg`],
+      ["Contact force", `${formatValue(sample.peakContactForces[this.body] ?? 0, "N")} N`],
+      ["Driven by", drivingPorts(this.world, this.parts, description.name).join("; ") || "nothing"],
+    ];
+    if (!description.fixed && this.link.welcome?.role === Role.ADMIN) rows.push(["Pull", "Ctrl and drag"]);
+    while (this.facts.children.length > 2 * rows.length) this.facts.lastElementChild!.remove();
+    while (this.facts.children.length < 2 * rows.length) this.facts.append(h("dt", {}), h("dd", {}));
+    rows.forEach(([name, value], i) => (setText(this.facts.children[2 * i]!, name), setText(this.facts.children[2 * i + 1]!, value)));
+  }
+}

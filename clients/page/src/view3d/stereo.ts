@@ -1,0 +1,95 @@
+// Two pictures for two eyes, with off-axis frusta: both eyes look in parallel through one window, the screen, so that
+// what lies in its plane is at the same place for both. Side by side, one above the other, or red and cyan.
+import {
+  Mesh, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Scene, ShaderMaterial, Vector2, WebGLRenderTarget,
+  type WebGLRenderer,
+} from "three";
+
+export type StereoMode = "off" | "side-by-side" | "top-bottom" | "anaglyph";
+export interface StereoSettings {
+  mode: StereoMode;
+  eyes: number; // distance of the eyes, m
+  screen: number; // distance of the screen, where both pictures agree, m
+  swapped: boolean; // left for right
+}
+
+// The frustum of an eye at `offset` to the right of the middle: edges of the near plane. Pure.
+export function eyeFrustum(fovDegrees: number, aspect: number, near: number, offset: number, screen: number) {
+  const top = near * Math.tan((fovDegrees * Math.PI) / 360);
+  const shift = (-offset * near) / screen;
+  return { left: -aspect * top + shift, right: aspect * top + shift, top, bottom: -top };
+}
+
+function eyeCamera(middle: PerspectiveCamera, offset: number, screen: number, aspect: number): PerspectiveCamera {
+  const eye = middle.clone();
+  eye.translateX(offset);
+  eye.updateMatrixWorld();
+  const { left, right, top, bottom } = eyeFrustum(middle.fov, aspect, middle.near, offset, screen);
+  eye.projectionMatrix.makePerspective(left, right, top, bottom, middle.near, middle.far, middle.coordinateSystem);
+  eye.projectionMatrixInverse.copy(eye.projectionMatrix).invert();
+  return eye;
+}
+
+export function drawStereo(renderer: WebGLRenderer, scene: Scene, camera: PerspectiveCamera, settings: StereoSettings): void {
+  if (settings.mode === "off") return renderer.render(scene, camera);
+  const sign = settings.swapped ? -1 : 1;
+  const half = (sign * settings.eyes) / 2;
+  const eyes = [-half, half].map((offset) => eyeCamera(camera, offset, settings.screen, camera.aspect)) as [PerspectiveCamera, PerspectiveCamera];
+  if (settings.mode === "anaglyph") drawAnaglyph(renderer, scene, eyes);
+  else drawHalves(renderer, scene, eyes, settings.mode);
+}
+
+// Each half holds the whole window, squeezed: the display stretches it again.
+function drawHalves(renderer: WebGLRenderer, scene: Scene, eyes: PerspectiveCamera[], mode: StereoMode): void {
+  const size = renderer.getSize(new Vector2());
+  const beside = mode === "side-by-side";
+  const width = beside ? size.x / 2 : size.x;
+  const height = beside ? size.y : size.y / 2;
+  renderer.setScissorTest(true);
+  eyes.forEach((eye, i) => {
+    const x = beside ? i * width : 0;
+    const y = beside ? 0 : (1 - i) * height; // the left eye above
+    renderer.setViewport(x, y, width, height);
+    renderer.setScissor(x, y, width, height);
+    renderer.render(scene, eye);
+  });
+  renderer.setScissorTest(false);
+  renderer.setViewport(0, 0, size.x, size.y);
+}
+
+const quad = new Mesh(
+  new PlaneGeometry(2, 2),
+  new ShaderMaterial({
+    uniforms: { left: { value: null }, right: { value: null } },
+    vertexShader: "varying vec2 at; void main() { at = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }",
+    // Red from the left eye's brightness, so that red things are not dark for the other.
+    fragmentShader: `uniform sampler2D left; uniform sampler2D right; varying vec2 at;
+      void main() {
+        vec3 l = texture2D(left, at).rgb;
+        vec3 r = texture2D(right, at).rgb;
+        gl_FragColor = vec4(dot(l, vec3(0.299, 0.587, 0.114)), r.g, r.b, 1.0);
+        #include <tonemapping_fragment>
+        #include <colorspace_fragment>
+      }`,
+    depthTest: false,
+  }),
+);
+const flat = new OrthographicCamera(-1, 1, 1, -1, 0, 1);
+const quadScene = new Scene().add(quad);
+let targets: [WebGLRenderTarget, WebGLRenderTarget] | null = null;
+
+function drawAnaglyph(renderer: WebGLRenderer, scene: Scene, eyes: [PerspectiveCamera, PerspectiveCamera]): void {
+  const size = renderer.getDrawingBufferSize(new Vector2());
+  targets ??= [new WebGLRenderTarget(1, 1, { samples: 4 }), new WebGLRenderTarget(1, 1, { samples: 4 })];
+  targets.forEach((target, i) => {
+    target.setSize(size.x, size.y);
+    renderer.setRenderTarget(target);
+    renderer.clear();
+    renderer.render(scene, eyes[i]!);
+  });
+  renderer.setRenderTarget(null);
+  const uniforms = (quad.material as ShaderMaterial).uniforms;
+  uniforms["left"]!.value = targets[0].texture;
+  uniforms["right"]!.value = targets[1].texture;
+  renderer.render(quadScene, flat);
+}

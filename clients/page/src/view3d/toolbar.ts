@@ -1,0 +1,86 @@
+// Over the view: where to look from, what to lay over, stereo, a picture, full screen.
+import type { World } from "../model/world";
+import { h, iconButton } from "../ui/dom";
+import { download } from "../ui/files";
+import { icons } from "../ui/icons";
+import { report } from "../ui/toasts";
+import { kOverlays, type OverlayName, type Overlays } from "./overlays";
+import type { StereoMode } from "./stereo";
+import type { Viewer } from "./viewer";
+
+const kStereo: [StereoMode, string][] = [["off", "Off"], ["side-by-side", "Side by side"], ["top-bottom", "Top and bottom"], ["anaglyph", "Anaglyph (red, cyan)"]];
+
+export function viewToolbar(viewer: Viewer, world: World, overlays: Overlays, container: HTMLElement): HTMLElement {
+  const full = () => (document.fullscreenElement ? document.exitFullscreen() : container.requestFullscreen()).catch((error: Error) => report(error.message, "error"));
+  const picture = async () => {
+    const blob = await viewer.toBlob();
+    if (blob) download(`${world.description.value?.scene ?? "world"}.png`, blob);
+  };
+  return h("div", { class: "view-tools", role: "toolbar", "aria-label": "View" },
+    viewpointMenu(viewer, world),
+    popover(icons.layers, "Overlays", overlayMenu(overlays)),
+    popover(icons.glasses, "Stereo", stereoMenu(viewer)),
+    iconButton(icons.image, "Save a picture of the view", () => void picture()),
+    iconButton(icons.expand, "Full screen", () => void full()));
+}
+
+// A button that opens a box; Escape or a click elsewhere closes it.
+function popover(icon: string, name: string, content: HTMLElement): HTMLElement {
+  const summary = h("summary", { class: "icon", title: name, "aria-label": name, role: "button" });
+  summary.append(iconButton(icon, name, () => undefined).firstChild!);
+  const details = h("details", { class: "popover" }, summary, h("div", { class: "popover-body" }, h("h2", {}, name), content));
+  document.addEventListener("pointerdown", (event) => details.contains(event.target as Node) || (details.open = false));
+  details.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape") return;
+    details.open = false;
+    summary.focus();
+  });
+  return details;
+}
+
+function viewpointMenu(viewer: Viewer, world: World): HTMLElement {
+  const choice = h("select", { "aria-label": "Viewpoint", title: "Viewpoint" });
+  world.description.watch((description) => {
+    const names = ["Home", ...(description?.viewpoints.map(({ name }) => name) ?? [])];
+    choice.replaceChildren(h("option", { value: "", disabled: true, selected: true, hidden: true }, "Viewpoint"), ...names.map((name) => h("option", { value: name }, name)));
+  });
+  choice.addEventListener("change", () => {
+    const found = world.description.value?.viewpoints.find(({ name }) => name === choice.value);
+    if (!found) viewer.view.goHome();
+    else viewer.view.look({ name: found.name, position: triple(found.position), target: triple(found.target), fov: (found.fov * 180) / Math.PI });
+    choice.value = "";
+  });
+  return choice;
+}
+
+function triple([x = 0, y = 0, z = 0]: number[]): [number, number, number] {
+  return [x, y, z];
+}
+
+function overlayMenu(overlays: Overlays): HTMLElement {
+  const rows = (Object.keys(kOverlays) as OverlayName[]).map((name) => {
+    const box = h("input", { type: "checkbox" });
+    box.addEventListener("change", () => overlays.set(name, box.checked));
+    return h("label", { class: "check" }, box, h("span", {}, kOverlays[name]));
+  });
+  return h("div", {}, ...rows);
+}
+
+function stereoMenu(viewer: Viewer): HTMLElement {
+  const mode = h("select", { "aria-label": "Stereo mode" }, ...kStereo.map(([value, name]) => h("option", { value }, name)));
+  mode.addEventListener("change", () => ((viewer.stereo.mode = mode.value as StereoMode), viewer.redraw()));
+  const distance = (key: "eyes" | "screen", minimum: number, maximum: number) => {
+    const input = h("input", { type: "number", min: minimum, max: maximum, step: "any", value: viewer.stereo[key] });
+    input.addEventListener("change", () => {
+      if (!(input.valueAsNumber >= minimum && input.valueAsNumber <= maximum)) return report(`must be from ${minimum} to ${maximum} m`, "error");
+      viewer.stereo[key] = input.valueAsNumber;
+      viewer.redraw();
+    });
+    return input;
+  };
+  const swap = h("input", { type: "checkbox" });
+  swap.addEventListener("change", () => ((viewer.stereo.swapped = swap.checked), viewer.redraw()));
+  const field = (name: string, input: HTMLElement) => h("label", { class: "field" }, h("span", {}, name), input);
+  return h("div", { class: "stereo" }, field("Mode", mode), field("Eyes apart, m", distance("eyes", 0, 1)), field("Screen at, m", distance("screen", 0.05, 100)),
+    h("label", { class: "check" }, swap, h("span", {}, "Left for right")));
+}

@@ -1,0 +1,139 @@
+// The 3D view: draws the world when it moved or the look at it changed, and only then.
+import { ACESFilmicToneMapping, Box3, Color, PCFSoftShadowMap, Scene, Sphere, Vector3, WebGLRenderer } from "three";
+import type { WorldDescription } from "../link/messages";
+import { Emitter } from "../model/signal";
+import type { World } from "../model/world";
+import { Bodies } from "./bodies";
+import { ViewCamera } from "./camera";
+import { Lights } from "./lights";
+import { drawStereo, type StereoSettings } from "./stereo";
+
+const kMostPixelRatio = 2;
+const kInvisible = 1e-5; // m, or of a quaternion: a body held by its drives trembles less, and needs no new picture
+
+export class Viewer {
+  readonly canvas: HTMLCanvasElement;
+  readonly scene = new Scene();
+  readonly bodies: Bodies;
+  readonly view: ViewCamera;
+  readonly renderer: WebGLRenderer;
+  readonly drawn = new Emitter<number>(); // after each picture: its number
+  readonly rebuilt = new Emitter<WorldDescription>();
+  readonly beforeDraw = new Emitter<void>(); // for overlays, when poses are placed
+  readonly stereo: StereoSettings = { mode: "off", eyes: 0.065, screen: 1.5, swapped: false };
+  followed = -1; // body
+  private readonly lights = new Lights();
+  private poses = new Float64Array(0);
+  private shown = new Float64Array(0);
+  private dirty = true;
+  private pictures = 0;
+  private framed = "";
+
+  constructor(container: HTMLElement, private readonly world: World) {
+    this.renderer = new WebGLRenderer({ antialias: true, powerPreference: "high-performance" });
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFSoftShadowMap;
+    this.renderer.shadowMap.autoUpdate = false;
+    this.renderer.toneMapping = ACESFilmicToneMapping;
+    this.renderer.toneMappingExposure = 1.05;
+    this.canvas = this.renderer.domElement;
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", "3D view of the world. Arrow keys orbit, Shift with arrow keys pans, plus and minus zoom.");
+    container.prepend(this.canvas);
+    this.bodies = new Bodies(world);
+    this.view = new ViewCamera(this.canvas, () => this.redraw());
+    this.scene.add(this.bodies.root, this.lights.root);
+    new ResizeObserver(() => this.resize(container)).observe(container);
+    this.resize(container);
+    world.description.watch((description) => description && void this.rebuild(description));
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  redraw(): void {
+    this.dirty = true;
+  }
+
+  setBackground(color: string): void {
+    this.scene.background = new Color(color);
+    this.redraw();
+  }
+
+  // A point of the world in pixels of the page; nothing behind the camera.
+  toPixels(point: Vector3): { x: number; y: number } | null {
+    const p = point.clone().project(this.view.camera);
+    if (p.z > 1) return null;
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    return { x: left + ((p.x + 1) / 2) * width, y: top + ((1 - p.y) / 2) * height };
+  }
+
+  // A picture of the present view, as it is on the screen.
+  toBlob(): Promise<Blob | null> {
+    this.draw();
+    return new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
+  }
+
+  private async rebuild(description: WorldDescription): Promise<void> {
+    await this.bodies.build(description);
+    this.poses = new Float64Array(7 * description.bodies.length);
+    this.shown = new Float64Array(this.poses.length).fill(NaN);
+    this.rebuilt.emit(description);
+    this.redraw();
+  }
+
+  private frame(now: number): void {
+    requestAnimationFrame((next) => this.frame(next));
+    if (this.world.posesAt(now, this.poses) && this.moved()) {
+      this.bodies.place(this.poses);
+      this.shown.set(this.poses);
+      this.renderer.shadowMap.needsUpdate = true;
+      this.redraw();
+      this.frameOnce();
+    }
+    if (!this.dirty) return;
+    this.dirty = false;
+    const followed = this.bodies.groups[this.followed];
+    this.view.follow(followed ? followed.position : null);
+    this.draw();
+    this.drawn.emit(++this.pictures);
+  }
+
+  // Before the first picture what is shown is NaN, which no number is near.
+  private moved(): boolean {
+    return this.poses.some((value, i) => !(Math.abs(value - this.shown[i]!) <= kInvisible));
+  }
+
+  private draw(): void {
+    this.beforeDraw.emit();
+    drawStereo(this.renderer, this.scene, this.view.camera, this.stereo);
+  }
+
+  // The first look at a scene shows all that is no scenery without end.
+  private frameOnce(): void {
+    const scene = this.world.description.value?.scene ?? "";
+    if (this.framed === scene) return;
+    this.framed = scene;
+    const sphere = this.extent();
+    this.lights.build(this.world.description.value?.lights ?? [], Math.max(0.5, sphere.radius + sphere.center.length()));
+    const arm = new Vector3(0.62, -0.68, 0.42).normalize().multiplyScalar(2.35 * sphere.radius);
+    const position = sphere.center.clone().add(arm);
+    this.view.setHome({ name: "Home", position: position.toArray(), target: sphere.center.toArray(), fov: 40 });
+  }
+
+  private extent(): Sphere {
+    const box = new Box3();
+    this.bodies.shapes.flat().forEach(({ mesh, shape }) => {
+      if (shape.kind !== "plane" && mesh.visible) box.expandByObject(mesh);
+    });
+    return box.isEmpty() ? new Sphere(new Vector3(), 1) : box.getBoundingSphere(new Sphere());
+  }
+
+  private resize(container: HTMLElement): void {
+    const { clientWidth: width, clientHeight: height } = container;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, kMostPixelRatio));
+    this.renderer.setSize(width, height);
+    this.view.resize(width / height);
+    this.redraw();
+  }
+}

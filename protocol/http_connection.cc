@@ -1,0 +1,256 @@
+#include "protocol/http_connection.h"
+
+#include <array>
+#include <boost/asio/buffer.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/rfc7230.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "protocol/web_upgrade.h"
+#include "protocol/wire_session.h"
+
+namespace visum::protocol {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+using boost::system::error_code;
+using HttpRequest = http::request<http::empty_body>;
+
+constexpr std::uint32_t kMaxHeadBytes = 8u << 10;
+constexpr std::chrono::milliseconds kIdle{15'000};  // from an answer to the next whole request
+
+std::string text_of(beast::string_view text) {
+  return {text.data(), text.size()};
+}
+
+std::vector<std::string> values_of(const HttpRequest& request, http::field field) {
+  std::vector<std::string> values;
+  const auto range = request.equal_range(field);
+  for (auto it = range.first; it != range.second; ++it) values.push_back(text_of(it->value()));
+  return values;
+}
+
+bool takes_gzip(const HttpRequest& request) {
+  return http::token_list(request[http::field::accept_encoding]).exists("gzip");
+}
+
+std::string bearer_of(const HttpRequest& request) {
+  const std::string value = text_of(request[http::field::authorization]);
+  return value.starts_with("Bearer ") ? value.substr(7) : std::string();
+}
+
+HttpHead head_of(const HttpRequest& request, const asio::ip::tcp::socket& socket) {
+  error_code ignored;
+  HttpHead head;
+  head.method = text_of(request.method_string());
+  head.target = text_of(request.target());
+  head.hosts = values_of(request, http::field::host);
+  head.origins = values_of(request, http::field::origin);
+  head.local_address = socket.local_endpoint(ignored).address().to_string();
+  const bool empty =
+      request[http::field::content_length].empty() || request[http::field::content_length] == "0";
+  head.has_body = !empty || request.count(http::field::transfer_encoding) > 0;
+  head.wants_upgrade = request.count(http::field::upgrade) > 0;
+  head.is_websocket = beast::websocket::is_upgrade(request);
+  for (const auto& token : http::token_list(request[http::field::sec_websocket_protocol]))
+    head.subprotocols.push_back(text_of(token));
+  return head;
+}
+
+// What every answer says, whatever it is: nobody may frame the page, sniff types, or load from elsewhere.
+void set_security(http::response<http::empty_body>& response) {
+  response.set("Content-Security-Policy",
+               "default-src 'self'; img-src 'self' blob:; object-src 'none'; base-uri 'none'; "
+               "form-action 'none'; frame-ancestors 'none'");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Referrer-Policy", "no-referrer");
+  response.set("Cross-Origin-Opener-Policy", "same-origin");
+  response.set("Cross-Origin-Resource-Policy", "same-origin");
+}
+
+// The head of an answer as text.
+std::string head_text(const WebReply& reply, std::size_t length, bool keep_alive) {
+  http::response<http::empty_body> response(static_cast<http::status>(reply.status), 11);
+  set_security(response);
+  response.set(http::field::content_type, reply.content_type);
+  if (reply.gzip) response.set(http::field::content_encoding, "gzip");
+  response.set(http::field::vary, "Accept-Encoding");
+  if (!reply.etag.empty()) response.set(http::field::etag, reply.etag);
+  response.set(http::field::cache_control,
+               reply.immutable ? "public, max-age=31536000, immutable" : "no-cache");
+  if (reply.status == 405) response.set(http::field::allow, "GET, HEAD");
+  if (reply.status == 426) response.set(http::field::upgrade, "websocket");
+  if (reply.status == 401) response.set(http::field::www_authenticate, "Bearer");
+  response.keep_alive(keep_alive);
+  if (reply.status != 304) response.content_length(length);
+  std::ostringstream text;
+  text << response.base();
+  return text.str();
+}
+
+}  // namespace
+
+struct HttpConnection::Impl {
+  Impl(Listener::Socket the_socket, const HttpRules& the_rules, WebPages& the_pages,
+       SessionContext& the_context, HttpOwner& the_owner)
+      : socket(std::move(the_socket)),
+        rules(the_rules),
+        pages(the_pages),
+        context(the_context),
+        owner(the_owner),
+        since(context.now) {
+    set_socket_options(socket);
+  }
+
+  void read();
+  void on_read(const error_code& error);
+  void answer(const HttpRequest& request);
+  void hand_on();
+  void send(WebReply answer_to_send, bool keep, bool with_body);
+  void write();
+  void close();
+  bool is_late() const;
+
+  Listener::Socket socket;
+  const HttpRules& rules;
+  WebPages& pages;
+  SessionContext& context;
+  HttpOwner& owner;
+  beast::flat_buffer buffer{kMaxHeadBytes};
+  std::optional<http::request_parser<http::empty_body>> parser;
+  WebReply reply;
+  std::string head;
+  std::array<asio::const_buffer, 2> unsent{};
+  bool keep_alive = false;
+  bool writing = false;
+  bool was_answered = false;
+  ServedTime since;  // when the present wait for the peer began, or made progress
+  int operations = 0;
+};
+
+void HttpConnection::Impl::read() {
+  parser.emplace();
+  parser->header_limit(kMaxHeadBytes);
+  since = context.now;
+  ++operations;
+  http::async_read_header(socket, buffer, *parser, [this](const error_code& error, std::size_t) {
+    --operations;
+    on_read(error);
+  });
+}
+
+void HttpConnection::Impl::on_read(const error_code& error) {
+  if (!socket.is_open()) return;
+  if (error == http::error::end_of_stream || error == asio::error::eof) return close();
+  if (error.category() == http::make_error_code(http::error::bad_method).category()) {
+    context.refused.fetch_add(1, std::memory_order_relaxed);
+    const int status =
+        error == http::error::header_limit || error == http::error::buffer_overflow ? 431 : 400;
+    return send({status, "text/plain; charset=utf-8", "this is no request: " + error.message() + "\n"}, false,
+                true);
+  }
+  if (error) return close();
+  answer(parser->get());
+}
+
+void HttpConnection::Impl::answer(const HttpRequest& request) {
+  const HttpHead asked = head_of(request, socket);
+  HttpVerdict verdict = rules.judge(asked);
+  if (verdict.status == 101 && buffer.size() > 0)
+    verdict = {400, "nothing may follow before the handshake is answered"};
+  if (verdict.status == 101) return hand_on();
+  const bool with_body = request.method() != http::verb::head;
+  if (verdict.status != 200) {
+    context.refused.fetch_add(1, std::memory_order_relaxed);
+    return send({verdict.status, "text/plain; charset=utf-8", verdict.reason + "\n"}, false, with_body);
+  }
+  send(pages.get({path_of(asked.target), takes_gzip(request), text_of(request[http::field::if_none_match]),
+                  bearer_of(request)}),
+       request.keep_alive(), with_body);
+}
+
+void HttpConnection::Impl::hand_on() {
+  owner.upgraded(UpgradePointer(new Upgrade{std::move(socket), parser->release()}));
+}
+
+void HttpConnection::Impl::send(WebReply answer_to_send, bool keep, bool with_body) {
+  reply = std::move(answer_to_send);
+  keep_alive = keep;
+  const std::string_view body = reply.text.empty() ? reply.fixed : std::string_view(reply.text);
+  head = head_text(reply, body.size(), keep_alive);
+  unsent = {asio::buffer(head), with_body ? asio::buffer(body.data(), body.size()) : asio::const_buffer()};
+  writing = true;
+  since = context.now;
+  write();
+}
+
+// Piece by piece, so that a peer that stops reading is told from a large answer.
+void HttpConnection::Impl::write() {
+  ++operations;
+  socket.async_write_some(unsent, [this](const error_code& error, std::size_t bytes) {
+    --operations;
+    if (!socket.is_open()) return;
+    if (error) return close();
+    since = context.now;
+    for (auto& piece : unsent) {
+      const std::size_t of_piece = std::min(bytes, piece.size());
+      piece += of_piece;
+      bytes -= of_piece;
+    }
+    if (unsent[0].size() + unsent[1].size() > 0) return write();
+    writing = false;
+    was_answered = true;
+    if (keep_alive) return read();
+    error_code ignored;
+    socket.shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+    close();
+  });
+}
+
+void HttpConnection::Impl::close() {
+  error_code ignored;
+  socket.close(ignored);
+}
+
+bool HttpConnection::Impl::is_late() const {
+  const auto& limits = context.limits;
+  // The first request has to be there soon, as a hello has to; a further one may take its time.
+  const auto deadline = writing ? limits.stall_deadline : was_answered ? kIdle : limits.hello_deadline;
+  return context.now - since > deadline + context.step;
+}
+
+HttpConnection::HttpConnection(Listener::Socket socket, const HttpRules& rules, WebPages& pages,
+                               SessionContext& context, HttpOwner& owner)
+    : impl_(std::make_unique<Impl>(std::move(socket), rules, pages, context, owner)) {}
+
+HttpConnection::~HttpConnection() = default;
+
+void HttpConnection::start() {
+  impl_->read();
+}
+
+void HttpConnection::sweep() {
+  if (impl_->socket.is_open() && impl_->is_late()) impl_->close();
+}
+
+void HttpConnection::close() {
+  impl_->close();
+}
+
+bool HttpConnection::finished() const {
+  return !impl_->socket.is_open() && impl_->operations == 0;
+}
+
+void UpgradeDeleter::operator()(Upgrade* upgrade) const {
+  delete upgrade;
+}
+
+}  // namespace visum::protocol

@@ -1,0 +1,67 @@
+#include "protocol/http_rules.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace visum::protocol {
+namespace {
+
+bool contains(const std::vector<std::string>& list, std::string_view value) {
+  return std::find(list.begin(), list.end(), value) != list.end();
+}
+
+// As it stands in a Host field: IPv6 in brackets.
+std::string in_host_form(const std::string& address) {
+  return address.find(':') == std::string::npos ? address : "[" + address + "]";
+}
+
+HttpVerdict judge_session(const HttpHead& head) {
+  if (head.method != "GET" || !head.is_websocket)
+    return {426, "a session needs a complete WebSocket handshake, version 13"};
+  if (head.origins.empty()) return {403, "a session needs an Origin"};
+  if (!contains(head.subprotocols, kWebSocketProtocol))
+    return {400, "a session needs the subprotocol " + std::string(kWebSocketProtocol)};
+  return {101, {}};
+}
+
+}  // namespace
+
+HttpRules::HttpRules(std::uint16_t port, std::vector<std::string> hosts)
+    : port_suffix_(":" + std::to_string(port)), hosts_(std::move(hosts)) {
+  // A name without a port means ours; a bracket ends an IPv6 address, the colons in it begin no port.
+  for (std::string& host : hosts_)
+    if (host.find(':', host.rfind(']') == std::string::npos ? 0 : host.rfind(']')) == std::string::npos)
+      host += port_suffix_;
+}
+
+bool HttpRules::knows_host(const std::string& host, const std::string& local_address) const {
+  for (const std::string& name : {std::string("localhost"), std::string("127.0.0.1"), std::string("[::1]"),
+                                  in_host_form(local_address)})
+    if (host == name + port_suffix_ || (port_suffix_ == ":80" && host == name)) return true;
+  return contains(hosts_, host);
+}
+
+HttpVerdict HttpRules::judge(const HttpHead& head) const {
+  if (head.hosts.size() != 1 || !knows_host(head.hosts[0], head.local_address))
+    return {421, "this host is not served here"};
+  if (head.origins.size() > 1 || (head.origins.size() == 1 && head.origins[0] != "http://" + head.hosts[0]))
+    return {403, "requests from other origins are not served"};
+  if (head.has_body) return {413, "requests with a body are not served"};
+  const std::string path = path_of(head.target);
+  if (path.empty()) return {400, "this is no path"};
+  if (path == kWebSocketPath) return judge_session(head);
+  if (head.wants_upgrade) return {400, "only " + std::string(kWebSocketPath) + " is upgraded"};
+  if (head.method != "GET" && head.method != "HEAD") return {405, "only GET and HEAD are served"};
+  return {200, {}};
+}
+
+std::string path_of(std::string_view target) {
+  const std::string path(target.substr(0, target.find('?')));
+  const auto is_bad = [](unsigned char c) { return c <= 0x20 || c >= 0x7f || c == '\\' || c == '#'; };
+  if (path.empty() || path[0] != '/' || path.find("//") != std::string::npos ||
+      path.find("..") != std::string::npos || std::any_of(path.begin(), path.end(), is_bad))
+    return {};
+  return path;
+}
+
+}  // namespace visum::protocol

@@ -1,0 +1,184 @@
+#include "protocol/web_session.h"
+
+#include <algorithm>
+#include <boost/asio/buffer.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <boost/beast/websocket/stream.hpp>
+#include <optional>
+#include <utility>
+
+#include "protocol/codec.h"
+#include "protocol/web_upgrade.h"
+
+namespace visum::protocol {
+namespace {
+
+namespace asio = boost::asio;
+namespace http = boost::beast::http;
+namespace websocket = boost::beast::websocket;
+using boost::system::error_code;
+
+constexpr std::chrono::milliseconds kLinger{500};  // for the peer's half of the closing handshake
+constexpr std::size_t kChunkBytes = 64u << 10;     // written at a time: each must make progress
+
+websocket::close_code code_for(CloseReason reason) {
+  if (reason == CloseReason::kShutdown) return websocket::close_code::going_away;
+  return reason == CloseReason::kRefused ? websocket::close_code::policy_error
+                                         : websocket::close_code::normal;
+}
+
+class WebSession final : public WireSession {
+ public:
+  WebSession(SessionContext& context, SessionOwner& owner, std::uint64_t id,
+             const asio::ip::tcp::endpoint& peer, UpgradePointer upgrade)
+      : WireSession(context, owner, id, peer),
+        stream_(std::move(upgrade->socket)),
+        request_(std::move(upgrade->request)) {
+    set_socket_options(socket());
+    stream_.binary(true);
+    stream_.auto_fragment(false);
+    stream_.read_message_max(context.limits.max_frame_admin + kHeaderBytes);
+    stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+      response.set(http::field::sec_websocket_protocol, std::string(kWebSocketProtocol));
+    }));
+  }
+
+  void start() override;
+  void sweep() override;
+  void let_go() override {
+    if (is_open()) hang_up();
+  }
+
+ private:
+  Socket& socket() override { return stream_.next_layer(); }
+  const Socket& socket() const override { return stream_.next_layer(); }
+  void read() override;
+  void flush() override;
+
+  void on_read(const error_code& error, std::size_t bytes);
+  void write();
+  void written_out();
+  void begin_closing();
+
+  websocket::stream<Socket> stream_;
+  http::request<http::empty_body> request_;
+  bool accepted_ = false;  // the handshake is answered
+  bool reading_ = false;
+  bool saying_goodbye_ = false;
+  std::optional<ServedTime> writing_since_;
+  ServedTime goodbye_since_{0};
+};
+
+void WebSession::start() {
+  ++operations_;
+  stream_.async_accept(request_, [this](const error_code& error) {
+    --operations_;
+    request_ = {};
+    if (!is_open()) return wake();
+    if (error) return lost();
+    accepted_ = true;
+    read();
+    wake();
+  });
+}
+
+// ----------------------------------------------------------------------------------------------------
+// reading
+
+void WebSession::read() {
+  if (reading_ || !is_open()) return;
+  reading_ = true;
+  ++operations_;
+  const auto space = in().space();
+  stream_.async_read_some(asio::buffer(space.data(), space.size()),
+                          [this](const error_code& error, std::size_t bytes) {
+                            --operations_;
+                            reading_ = false;
+                            on_read(error, bytes);
+                          });
+}
+
+void WebSession::on_read(const error_code& error, std::size_t bytes) {
+  if (!is_open()) return wake();
+  if (error == websocket::error::closed) {
+    peer_closed();
+    return wake();
+  }
+  if (error) {
+    if (!saying_goodbye_) lost();
+    return;
+  }
+  if (closing()) {  // nobody listens any more; read on until the peer closes
+    in().clear();
+    return read();
+  }
+  if (!stream_.got_binary()) return refuse(0, {ErrorCode::kMalformed, "a message that is not binary", {}});
+  in().commit(bytes);
+  proceed();
+}
+
+// ----------------------------------------------------------------------------------------------------
+// writing
+
+void WebSession::flush() {
+  if (!is_open()) return;
+  if (closing() && accepted_ && !stream_.is_open()) return hang_up();
+  if (!accepted_ || writing_since_ || saying_goodbye_) return;
+  if (out().empty()) return written_out();
+  write();
+}
+
+// Each batch of whole frames is one message, sent in pieces.
+void WebSession::write() {
+  const auto batch = out().front();
+  const std::size_t bytes = std::min(batch.size(), kChunkBytes);
+  writing_since_ = context().now;
+  ++operations_;
+  stream_.async_write_some(bytes == batch.size(), asio::buffer(batch.data(), bytes),
+                           [this, bytes](const error_code& error, std::size_t) {
+                             --operations_;
+                             writing_since_.reset();
+                             if (!is_open()) return wake();
+                             if (error) return lost();
+                             out().written(bytes);
+                             flush();
+                           });
+}
+
+void WebSession::written_out() {
+  if (closing()) return begin_closing();
+  proceed_if_due();
+}
+
+void WebSession::begin_closing() {
+  saying_goodbye_ = true;
+  goodbye_since_ = context().now;
+  ++operations_;
+  stream_.async_close(code_for(close_reason()), [this](const error_code&) {
+    --operations_;
+    hang_up();
+  });
+}
+
+void WebSession::sweep() {
+  if (!is_open()) return;
+  check_deadlines();
+  if (writing_since_ && over(*writing_since_, context().limits.stall_deadline)) return lost();
+  const bool stuck = saying_goodbye_ ? over(goodbye_since_, kLinger) : closing() && !accepted_;
+  if (stuck) hang_up();
+}
+
+}  // namespace
+
+std::unique_ptr<WireSession> make_web_session(SessionContext& context, SessionOwner& owner, std::uint64_t id,
+                                              const asio::ip::tcp::endpoint& peer, UpgradePointer upgrade) {
+  return std::make_unique<WebSession>(context, owner, id, peer, std::move(upgrade));
+}
+
+bool peer_of(const Upgrade& upgrade, asio::ip::tcp::endpoint& peer) {
+  error_code error;
+  peer = upgrade.socket.remote_endpoint(error);
+  return !error;
+}
+
+}  // namespace visum::protocol

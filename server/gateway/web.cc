@@ -1,0 +1,51 @@
+#include "server/gateway/web.h"
+
+#include <utility>
+
+#include "server/gateway/metrics.h"
+
+namespace visum::gateway {
+
+using protocol::WebReply;
+
+Web::Web(PageFiles files, Gateway& gateway, std::function<std::uint64_t()> refused_connections)
+    : files_(std::move(files)), gateway_(gateway), refused_connections_(std::move(refused_connections)) {}
+
+WebReply Web::get(const protocol::WebRequest& request) {
+  if (request.path == "/healthz") return health();
+  if (request.path == "/metrics") return metrics(request);
+  if (files_.empty() && request.path == "/") {
+    WebReply reply;
+    reply.status = 503;
+    reply.text =
+        "visumd found no page beside itself; build the target 'page', or name its folder with --page\n";
+    return reply;
+  }
+  return files_.get(request);
+}
+
+// Open to whoever reaches the port, so it says no more than that.
+WebReply Web::health() const {
+  WebReply reply;
+  const bool frozen = gateway_.metrics().status.frozen;
+  reply.status = frozen ? 503 : 200;
+  reply.text = frozen ? "frozen\n" : "ok\n";
+  return reply;
+}
+
+// Tells what Status tells, and to the same people.
+WebReply Web::metrics(const protocol::WebRequest& request) const {
+  WebReply reply;
+  if (!gateway_.lets_in(request.bearer, protocol::Role::kObserver)) {
+    reply.status = 401;
+    reply.text = "this needs the header Authorization: Bearer TOKEN\n";
+    return reply;
+  }
+  auto metrics = gateway_.metrics();
+  metrics.refused_connections = refused_connections_();
+  reply.content_type = "text/plain; version=0.0.4; charset=utf-8";
+  reply.text = to_prometheus(metrics);
+  return reply;
+}
+
+}  // namespace visum::gateway

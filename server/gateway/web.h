@@ -1,0 +1,29 @@
+// What the HTTP port answers: the page's files, /healthz, /metrics. Only reads; lives on the sessions'
+// thread.
+#pragma once
+
+#include <functional>
+
+#include "protocol/web_pages.h"
+#include "server/gateway/gateway.h"
+#include "server/gateway/page_files.h"
+
+namespace visum::gateway {
+
+class Web : public protocol::WebPages {
+ public:
+  // `refused_connections`: what the server has turned away so far.
+  Web(PageFiles files, Gateway& gateway, std::function<std::uint64_t()> refused_connections);
+
+  protocol::WebReply get(const protocol::WebRequest& request) override;
+
+ private:
+  protocol::WebReply health() const;
+  protocol::WebReply metrics(const protocol::WebRequest& request) const;
+
+  PageFiles files_;
+  Gateway& gateway_;
+  std::function<std::uint64_t()> refused_connections_;
+};
+
+}  // namespace visum::gateway

@@ -1,0 +1,119 @@
+#include "tests/gateway/http_client.h"
+
+#include <algorithm>
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/stream.hpp>
+#include <cctype>
+#include <stdexcept>
+
+#include "protocol/web_pages.h"
+
+namespace visum::testing {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using asio::ip::tcp;
+
+tcp::endpoint endpoint_of(std::uint16_t port) {
+  return {asio::ip::address_v4::loopback(), port};
+}
+
+std::string host_of(std::uint16_t port) {
+  return "127.0.0.1:" + std::to_string(port);
+}
+
+std::string in_lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+}  // namespace
+
+HttpAnswer http_request(std::uint16_t port, const std::string& method, const std::string& target,
+                        const std::map<std::string, std::string>& fields) {
+  asio::io_context io;
+  tcp::socket socket(io);
+  socket.connect(endpoint_of(port));
+  http::request<http::empty_body> request;
+  request.method_string(method);
+  request.target(target);
+  request.set(http::field::host, host_of(port));
+  request.set(http::field::connection, "close");
+  for (const auto& [name, value] : fields) request.set(name, value);
+  http::write(socket, request);
+
+  beast::flat_buffer buffer;
+  http::response_parser<http::string_body> parser;
+  parser.skip(method == "HEAD");
+  http::read(socket, buffer, parser);
+  HttpAnswer answer{static_cast<int>(parser.get().result_int()), {}, parser.get().body()};
+  for (const auto& field : parser.get())
+    answer.fields[in_lower_case(std::string(field.name_string()))] = std::string(field.value());
+  return answer;
+}
+
+struct WebClient::Impl {
+  asio::io_context io;
+  websocket::stream<tcp::socket> stream{io};
+  beast::flat_buffer received;
+};
+
+WebClient::WebClient(std::uint16_t port, const std::string& origin) : impl_(std::make_unique<Impl>()) {
+  impl_->stream.next_layer().connect(endpoint_of(port));
+  impl_->stream.binary(true);
+  impl_->stream.set_option(websocket::stream_base::decorator([&](websocket::request_type& request) {
+    request.set(http::field::origin, origin.empty() ? "http://" + host_of(port) : origin);
+    request.set(http::field::sec_websocket_protocol, std::string(protocol::kWebSocketProtocol));
+  }));
+  impl_->stream.handshake(host_of(port), std::string(protocol::kWebSocketPath));
+}
+
+WebClient::~WebClient() = default;
+
+void WebClient::send(std::uint64_t id, const protocol::Request& request) {
+  std::vector<std::byte> frame;
+  protocol::encode_request(id, request, frame);
+  impl_->stream.write(asio::buffer(frame));
+}
+
+void WebClient::send_text(const std::string& text) {
+  impl_->stream.text(true);
+  impl_->stream.write(asio::buffer(text));
+}
+
+// Messages may hold several frames, or parts of one.
+protocol::ReplyFrame WebClient::next() {
+  auto& received = impl_->received;
+  const auto bytes = [&] { return static_cast<const std::byte*>(received.cdata().data()); };
+  for (;;) {
+    if (received.size() >= protocol::kHeaderBytes) {
+      const std::size_t length = protocol::frame_length(std::span<const std::byte, 4>(bytes(), 4));
+      if (received.size() >= protocol::kHeaderBytes + length) {
+        std::string why;
+        auto frame = protocol::decode_reply({bytes() + protocol::kHeaderBytes, length}, why);
+        if (!frame) throw std::runtime_error("the server sent what is no reply: " + why);
+        received.consume(protocol::kHeaderBytes + length);
+        return std::move(*frame);
+      }
+    }
+    impl_->stream.read(received);
+  }
+}
+
+int WebClient::closing_code() {
+  boost::system::error_code error;
+  while (!error) impl_->stream.read(impl_->received, error);
+  return error == websocket::error::closed ? impl_->stream.reason().code : 0;
+}
+
+}  // namespace visum::testing

@@ -1,0 +1,56 @@
+// A browser's part in tests of the HTTP port: one request a connection, or a session over WebSocket.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "protocol/codec.h"
+
+namespace visum::testing {
+
+struct HttpAnswer {
+  int status = 0;
+  std::map<std::string, std::string> fields;  // names in lower case
+  std::string body;
+};
+
+// `fields`: beside Host, or instead of it. Throws boost::system::system_error where the connection fails.
+HttpAnswer http_request(std::uint16_t port, const std::string& method, const std::string& target,
+                        const std::map<std::string, std::string>& fields = {});
+
+inline HttpAnswer http_get(std::uint16_t port, const std::string& target,
+                           const std::map<std::string, std::string>& fields = {}) {
+  return http_request(port, "GET", target, fields);
+}
+
+// Blocking. Throws boost::system::system_error where the server closes or refuses.
+class WebClient {
+ public:
+  explicit WebClient(std::uint16_t port, const std::string& origin = "");
+  ~WebClient();
+
+  void send(std::uint64_t id, const protocol::Request& request);
+  void send_text(const std::string& text);
+  protocol::ReplyFrame next();  // the next reply, sample or event
+  // Skips samples and events.
+  template <typename T>
+  T ask(const protocol::Request& request) {
+    send(++last_id_, request);
+    for (;;) {
+      auto frame = next();
+      if (frame.reply_to == last_id_) return std::get<T>(std::move(frame.reply));
+    }
+  }
+  // What the server says as it closes the connection: the code of RFC 6455. Reads what comes before.
+  int closing_code();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+  std::uint64_t last_id_ = 0;
+};
+
+}  // namespace visum::testing

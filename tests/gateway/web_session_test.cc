@@ -1,0 +1,108 @@
+// Sessions over WebSocket: the same messages, rights and limits as over TCP.
+#include <gtest/gtest.h>
+
+#include "tests/gateway/http_client.h"
+#include "tests/gateway/running_daemon.h"
+
+namespace visum::gateway {
+namespace {
+
+using namespace protocol;
+using testing::WebClient;
+
+constexpr int kPolicyError = 1008, kGoingAway = 1001;  // RFC 6455, section 7.4.1
+
+DaemonOptions with_http() {
+  DaemonOptions options;
+  options.http.on = true;
+  options.http.port = 0;
+  return options;
+}
+
+class WebSessionTest : public ::testing::Test {
+ protected:
+  Welcome greet(WebClient& client, Role role = Role::kController) {
+    return client.ask<Welcome>(Hello{1, 1, "page", role, {}});
+  }
+  std::uint16_t http() const { return daemon_.http_port(); }
+  RunningDaemon daemon_{scene::ClockKind::kLockstep, with_http()};
+};
+using WebSession = WebSessionTest;
+
+TEST_F(WebSession, GetsTheSameWelcomeAsOverTcp) {
+  WebClient web(http());
+  const auto over_web = greet(web, Role::kObserver);
+  const auto over_tcp = daemon_.connect("tcp", Role::kObserver).welcome();
+  EXPECT_EQ(over_web.scene, over_tcp.scene);
+  EXPECT_EQ(over_web.role, Role::kObserver);
+  EXPECT_EQ(over_web.tick_ns, over_tcp.tick_ns);
+}
+
+TEST_F(WebSession, CommandsAPartAndStepsWithTheWorld) {
+  WebClient web(http());
+  greet(web);
+  web.ask<LeaseGrant>(AcquireLease{"arm"});
+  web.ask<Advanced>(Join{});
+  EXPECT_EQ(web.ask<Advanced>(Advance{10}).tick, 10);
+  auto observer = daemon_.connect("observer", Role::kObserver);
+  EXPECT_EQ(observer.request_as<ServerStatus>(Status{}).tick, 10);
+}
+
+TEST_F(WebSession, ALeaseKeepsTheOtherDoorOut) {
+  WebClient web(http());
+  greet(web);
+  web.ask<LeaseGrant>(AcquireLease{"arm"});
+  auto tcp = daemon_.connect("tcp", Role::kController);
+  EXPECT_EQ(refusal_of([&] { tcp.request(AcquireLease{"arm"}); }).code(), ErrorCode::kLeased);
+}
+
+TEST_F(WebSession, RolesHold) {
+  WebClient web(http());
+  greet(web, Role::kObserver);
+  EXPECT_EQ(web.ask<Error>(AcquireLease{"arm"}).code, ErrorCode::kForbidden);
+}
+
+TEST_F(WebSession, TheFirstMessageMustBeHello) {
+  WebClient web(http());
+  web.send(1, Status{});
+  EXPECT_EQ(web.closing_code(), kPolicyError);
+}
+
+TEST_F(WebSession, MessagesMustBeBinary) {
+  WebClient web(http());
+  web.send_text("{\"hello\": 1}");
+  EXPECT_EQ(web.closing_code(), kPolicyError);
+}
+
+TEST_F(WebSession, PagesOfOtherOriginsGetNone) {
+  EXPECT_THROW(WebClient(http(), "http://evil.example"), std::runtime_error);
+}
+
+TEST_F(WebSession, SaysWhyItEndsWhenTheDaemonDoes) {
+  WebClient web(http());
+  greet(web);
+  daemon_.connect("admin", Role::kAdmin).request(Shutdown{});
+  EXPECT_EQ(web.closing_code(), kGoingAway);
+}
+
+// A page that is lost stops its part, as any controller that vanishes does.
+TEST_F(WebSession, ALostPageLosesItsLease) {
+  {
+    WebClient web(http());
+    greet(web);
+    web.ask<LeaseGrant>(AcquireLease{"arm"});
+  }
+  auto tcp = daemon_.connect("tcp", Role::kController);
+  // The loss is noticed between two ticks: at the latest when the next lease is asked for again.
+  for (;;) {
+    try {
+      tcp.request(AcquireLease{"arm"});
+      break;
+    } catch (const RequestError& error) {
+      ASSERT_EQ(error.code(), ErrorCode::kLeased);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace visum::gateway

@@ -1,0 +1,35 @@
+// Pixels of what is on the screen. The browser itself decodes them.
+
+// { width, height, data } of a part of the page: RGBA, row by row.
+export async function pixels(page, clip) {
+  const png = (await page.screenshot({ clip })).toString("base64");
+  const { width, height, data } = await page.evaluate(async (text) => {
+    const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+    context.drawImage(bitmap, 0, 0);
+    const { width, height, data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+    let packed = "";
+    for (let i = 0; i < data.length; i += 0x8000) packed += String.fromCharCode(...data.subarray(i, i + 0x8000));
+    return { width, height, data: btoa(packed) };
+  }, png);
+  return { width, height, data: Buffer.from(data, "base64") };
+}
+
+// [red, green, blue] at a place of the page.
+export async function colourAt(page, { x, y }) {
+  const { data } = await pixels(page, { x: Math.round(x), y: Math.round(y), width: 1, height: 1 });
+  return [...data.subarray(0, 3)];
+}
+
+// The middle, in x, of the pixels that `is` says yes to, and how many they are; within columns [from, to).
+export function middleOf({ width, height, data }, is, from = 0, to = width) {
+  let sum = 0, count = 0;
+  for (let y = 0; y < height; ++y)
+    for (let x = from; x < to; ++x)
+      if (is(...data.subarray(4 * (y * width + x), 4 * (y * width + x) + 3))) {
+        sum += x - from;
+        count += 1;
+      }
+  return { x: sum / count, count };
+}

@@ -1,0 +1,69 @@
+// The real programs, for the tests of this folder: visumd on free ports, and Chromium with the page that it serves.
+import { spawn } from "node:child_process";
+import { once } from "node:events";
+import { existsSync } from "node:fs";
+import { createRequire } from "node:module";
+import { dirname, join } from "node:path";
+import { createInterface } from "node:readline";
+import { fileURLToPath } from "node:url";
+
+export const source = join(dirname(fileURLToPath(import.meta.url)), "../..");
+const bin = process.env.VISUM_BIN ?? join(source, "build/dev/bin");
+export const require = createRequire(join(source, "clients/page/package.json")); // what the page's lock fixes
+const { chromium } = require("playwright-core");
+
+export const browserPath = [process.env.VISUM_CHROMIUM, "/usr/bin/chromium", "/usr/bin/google-chrome"].find((path) => path && existsSync(path));
+const kMostTicks = "600000"; // a daemon whose test died ends by itself
+const kLiveMs = 60_000; // a guard against hanging for ever, not a measure
+
+export class Daemon {
+  static async start(...options) {
+    const daemon = new Daemon();
+    const scene = join(source, "models/scenes/amtec_arm.yaml");
+    const words = [scene, "--json", "-v", "0", "--run", "--iterations", kMostTicks, ...(options.includes("--port") ? [] : ["--port", "0"]), ...options];
+    daemon.process = spawn(join(bin, "visumd"), words, { stdio: ["ignore", "pipe", "inherit"] });
+    const died = once(daemon.process, "exit").then(([code]) => Promise.reject(new Error(`visumd ended with ${code} before it was ready`)));
+    const [line] = await Promise.race([once(createInterface({ input: daemon.process.stdout }), "line"), died]);
+    died.catch(() => undefined); // later, it may end
+    Object.assign(daemon, JSON.parse(line)); // port, http, ...
+    return daemon;
+  }
+  get url() {
+    return `http://127.0.0.1:${this.http}/`;
+  }
+  async stop() {
+    if (this.process.exitCode !== null) return;
+    const ended = once(this.process, "exit");
+    this.process.kill("SIGTERM");
+    await ended;
+  }
+}
+
+// Without a GPU: the processor draws. The sandbox is left out where root runs the tests, who may not use it.
+export const launch = () =>
+  chromium.launch({
+    executablePath: browserPath,
+    chromiumSandbox: process.getuid() !== 0,
+    args: ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
+  });
+
+// A page of `daemon` that shows live data. `page.faults` gathers what no page may do: errors on the console,
+// exceptions, requests to elsewhere.
+export async function openPage(browser, daemon, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, ...options });
+  const page = await context.newPage();
+  page.faults = [];
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && page.faults.push(message.text()));
+  page.on("pageerror", (error) => page.faults.push(error.message));
+  page.on("request", (request) => isOf(request.url(), daemon) || page.faults.push(`asked for ${request.url()}`));
+  page.on("websocket", (socket) => isOf(socket.url(), daemon) || page.faults.push(`asked for ${socket.url()}`));
+  await page.goto(daemon.url);
+  await live(page);
+  return page;
+}
+
+function isOf(url, daemon) {
+  return url.startsWith("blob:") || new URL(url).host === new URL(daemon.url).host;
+}
+
+export const live = (page) => page.waitForFunction(() => document.documentElement.dataset.visum === "live", null, { timeout: kLiveMs, polling: 100 });

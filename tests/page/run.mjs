@@ -1,0 +1,13 @@
+// Runs the tests of this folder; 77, which ctest shows as skipped, where there is no browser.
+import { spawnSync } from "node:child_process";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { browserPath } from "./programs.mjs";
+
+const kSkipped = 77;
+if (!browserPath) {
+  console.log("skipped: no Chromium (Debian's package chromium, or VISUM_CHROMIUM=PATH)");
+  process.exit(kSkipped);
+}
+const file = join(dirname(fileURLToPath(import.meta.url)), "page.test.mjs");
+process.exit(spawnSync(process.execPath, ["--test", file], { stdio: "inherit" }).status ?? 1);
