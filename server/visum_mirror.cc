@@ -104,10 +104,11 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("-v", options.verbosity, "0 errors, 1 warnings, 2 news, 3 details")->check(CLI::Range(0, 3));
   app.set_version_flag("--version", "visum-mirror " VISUM_VERSION);
   app.footer(
-      "Example: the virtual arm beside the real one, the real one in charge\n"
+      "Example:\n"
       "  visum mirror --primary 127.0.0.1:1501 --shadow 127.0.0.1:1500 --port 1502 --angle-limit 0.1\n"
-      "The part ARM_divergence says how far the two are apart; its parameters switch the primary and set the "
-      "limits.");
+      "The virtual arm beside the real one, the real one in charge. The part ARM_divergence says how far "
+      "the\n"
+      "two are apart; its parameters switch the primary and set the limits.");
 }
 
 }  // namespace
