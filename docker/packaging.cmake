@@ -9,7 +9,8 @@ include(CMakePackageConfigHelpers)
 
 # All programs, for those who want to run and not to test: `cmake --build build/release --target programs`.
 get_property(programs GLOBAL PROPERTY VISUM_PROGRAMS)
-add_custom_target(programs DEPENDS ${programs} visum_python)
+get_property(libraries GLOBAL PROPERTY VISUM_LIBRARIES)
+add_custom_target(programs DEPENDS ${programs} ${libraries} visum_python)
 if(TARGET page)
   add_dependencies(programs page)
 endif()

@@ -20,8 +20,9 @@
 #include "protocol/part_description.h"
 
 namespace visum::powercube {
+class Line;
 class ModuleBus;
-}
+}  // namespace visum::powercube
 
 namespace visum::hwparts {
 
@@ -83,8 +84,22 @@ class Part {
   // The part's modules on a field bus, to be talked to between ticks; none: it has no bus.
   virtual powercube::ModuleBus* modules() { return nullptr; }
 
+  // Real parts only. Moves what there is to and from the hardware, without waiting: as often as can be,
+  // between ticks.
+  virtual void pump() {}
+  // Stops what moves, before the part goes; waits for it, a second at most.
+  virtual void stand_down() {}
+
   virtual void save(StateWriter& to) const = 0;
   virtual void load(StateReader& from) = 0;
+};
+
+// How a part in front of real modules behaves.
+struct RealOptions {
+  bool execution_enable = false;        // initial value of the port: an operator's word
+  bool watchdog = false;                // the modules stop by themselves when this process is gone
+  std::int64_t answer_ns = 50'000'000;  // patience for each answer, then
+  int tries = 3;                        // so often in all
 };
 
 // The kinds of part, by name: one line each in part_kinds.cc.
@@ -92,9 +107,14 @@ struct PartKind {
   const char* name;
   const char* help;
   std::unique_ptr<Part> (*make)(const PartContext&);
+  // The same part in front of real modules on a bus. Throws std::runtime_error where the bus is not this
+  // part's.
+  std::unique_ptr<Part> (*make_real)(const PartContext&, powercube::Line&, const RealOptions&);
 };
 std::span<const PartKind> part_kinds();
 // Throws ConfigError at context.config's `kind` where there is no such kind.
 std::unique_ptr<Part> make_part(const std::string& kind, const PartContext& context);
+std::unique_ptr<Part> make_real_part(const std::string& kind, const PartContext& context,
+                                     powercube::Line& line, const RealOptions& options);
 
 }  // namespace visum::hwparts

@@ -1,6 +1,7 @@
 #include <array>
 
 #include "hwparts/amtec_arm/amtec_arm.h"
+#include "hwparts/bus_group/bus_group.h"
 #include "hwparts/part.h"
 #include "hwparts/servo_group/servo_group.h"
 
@@ -8,9 +9,21 @@ namespace visum::hwparts {
 namespace {
 
 constexpr std::array<PartKind, 2> kKinds{{
-    {"amtec_arm", "the 7-DOF PowerCube arm with its two-finger gripper", amtec_arm::make},
-    {"servo_group", "any joints of a robot, each with a drive", servo_group::make},
+    {"amtec_arm", "the 7-DOF PowerCube arm with its two-finger gripper", amtec_arm::make,
+     amtec_arm::make_real},
+    {"servo_group", "any joints of a robot, each with a drive", servo_group::make,
+     bus_group::make_servo_group},
 }};
+
+const PartKind& row_of(const std::string& kind, const PartContext& context) {
+  for (const auto& row : kKinds) {
+    if (kind == row.name) return row;
+  }
+  const auto place = context.config.find("kind").value_or(context.config);
+  std::string known;
+  for (const auto& row : kKinds) known += (known.empty() ? "" : ", ") + std::string(row.name);
+  place.fail("there is no kind of part '" + kind + "'; there are: " + known);
+}
 
 }  // namespace
 
@@ -19,13 +32,12 @@ std::span<const PartKind> part_kinds() {
 }
 
 std::unique_ptr<Part> make_part(const std::string& kind, const PartContext& context) {
-  for (const auto& row : kKinds) {
-    if (kind == row.name) return row.make(context);
-  }
-  const auto place = context.config.find("kind").value_or(context.config);
-  std::string known;
-  for (const auto& row : kKinds) known += (known.empty() ? "" : ", ") + std::string(row.name);
-  place.fail("there is no kind of part '" + kind + "'; there are: " + known);
+  return row_of(kind, context).make(context);
+}
+
+std::unique_ptr<Part> make_real_part(const std::string& kind, const PartContext& context,
+                                     powercube::Line& line, const RealOptions& options) {
+  return row_of(kind, context).make_real(context, line, options);
 }
 
 }  // namespace visum::hwparts

@@ -169,6 +169,9 @@ struct PhaseTime {
   std::string name;
   std::int64_t mean_ns = 0, max_ns = 0;
 };
+struct PartBus {
+  std::string part, name;  // "arm", "pty:/tmp/arm.tty"
+};
 struct ServerStatus {
   std::int64_t tick = 0, sim_time_ns = 0;
   std::uint64_t era = 0;
@@ -184,6 +187,7 @@ struct ServerStatus {
   std::vector<PhaseTime> phases;
   std::uint64_t refused = 0;
   std::int64_t own_allocations = -1;
+  std::vector<PartBus> buses;
 };
 struct PartSummary {
   std::string name, kind, lease_owner;

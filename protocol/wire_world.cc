@@ -120,6 +120,11 @@ void put(const ServerStatus& from, v1::ServerStatus& to) {
   for (const PhaseTime& phase : from.phases) put(phase, *to.add_phases());
   to.set_refused(from.refused);
   to.set_own_allocations(from.own_allocations);
+  for (const PartBus& bus : from.buses) {
+    auto& w = *to.add_buses();
+    w.set_part(bus.part);
+    w.set_name(bus.name);
+  }
 }
 
 void take(const v1::ServerStatus& from, ServerStatus& to) {
@@ -142,6 +147,7 @@ void take(const v1::ServerStatus& from, ServerStatus& to) {
   for (const auto& w : from.phases()) to.phases.push_back({w.name(), w.mean_ns(), w.max_ns()});
   to.refused = from.refused();
   to.own_allocations = from.own_allocations();
+  for (const auto& w : from.buses()) to.buses.push_back({w.part(), w.name()});
 }
 
 void put(const WorldDescription& from, v1::WorldDescription& to) {

@@ -1,31 +1,20 @@
 // visumd: the daemon that holds a world and publishes its parts. The one file that knows everyone.
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <iostream>
 #include <string>
 
 #include "protocol/config/config.h"
 #include "server/cycle/simulation.h"
 #include "server/gateway/daemon.h"
-#include "server/gateway/json.h"
 #include "server/gateway/page_files.h"
+#include "server/gateway/program.h"
 #include "server/scene/scene.h"
 
 namespace {
 
 using namespace visum;
-
-enum Exit { kPassed = 0, kFailed = 1, kUsage = 2, kSceneWrong = 3, kInterrupted = 130 };
 
 struct Options {
   std::string scene;
@@ -39,79 +28,6 @@ struct Options {
   scene::Options of_scene;
   gateway::DaemonOptions of_daemon;
 };
-
-gateway::Daemon* running_daemon = nullptr;
-volatile std::sig_atomic_t caught_signal = 0;
-
-void on_signal(int signal) {
-  caught_signal = signal;
-  if (running_daemon) running_daemon->stop();
-}
-
-void catch_signals() {
-  struct sigaction action {};
-  action.sa_handler = on_signal;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);
-}
-
-// Tells systemd that the service is ready (sd_notify(3), Type=notify).
-void notify_manager() {
-  const char* path = std::getenv("NOTIFY_SOCKET");
-  if (!path || !*path) return;
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::strncpy(address.sun_path, path, sizeof address.sun_path - 1);
-  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + std::strlen(address.sun_path));
-  if (address.sun_path[0] == '@') address.sun_path[0] = '\0';
-  const int fd = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (fd < 0) return;
-  constexpr char kReady[] = "READY=1";
-  if (::sendto(fd, kReady, sizeof kReady - 1, 0, reinterpret_cast<sockaddr*>(&address), length) < 0)
-    spdlog::warn("NOTIFY_SOCKET: {}", std::strerror(errno));
-  ::close(fd);
-}
-
-// {"arm":["pty:arm.tty","tcp:40123"]}
-std::string buses_as_json(const gateway::BusNames& buses) {
-  std::string json;
-  for (const auto& [part, names] : buses) {
-    std::string list;
-    for (const auto& name : names) list += (list.empty() ? "" : ",") + gateway::quoted(name);
-    json += (json.empty() ? "" : ",") + gateway::quoted(part) + ":[" + list + "]";
-  }
-  return "{" + json + "}";
-}
-
-// What to type into a browser on this machine.
-std::string page_host(const std::string& address) {
-  if (address == "0.0.0.0" || address == "::") return "localhost";
-  return address.find(':') == std::string::npos ? address : "[" + address + "]";
-}
-
-void say_ready(const Options& options, const cycle::Simulation& simulation, const gateway::Daemon& daemon) {
-  const auto port = daemon.port(), http = daemon.http_port();
-  if (options.json) {
-    std::string parts;
-    for (const auto& bound : simulation.parts())
-      parts += (parts.empty() ? "" : ",") + gateway::quoted(bound.part->description().name);
-    std::cout << "{\"ready\":true,\"port\":" << port << (http == 0 ? "" : ",\"http\":" + std::to_string(http))
-              << ",\"scene\":" << gateway::quoted(simulation.scene().name) << ",\"parts\":[" << parts
-              << "],\"buses\":" << buses_as_json(daemon.buses()) << "}" << std::endl;
-  } else {
-    spdlog::info("{}: {} parts, listening on {}:{}", simulation.scene().name, simulation.parts().size(),
-                 options.of_daemon.address, port);
-    if (http != 0) {
-      const auto wanted = options.of_daemon.http.port;
-      if (wanted != 0 && http != wanted) spdlog::warn("port {} is taken; the page is at {}", wanted, http);
-      spdlog::info("the page: http://{}:{}/", page_host(options.of_daemon.address), http);
-    }
-    for (const auto& [part, names] : daemon.buses())
-      for (const auto& name : names) spdlog::info("{}: bus {}", part, name);
-  }
-  notify_manager();
-}
 
 scene::Scene load(const Options& options) {
   auto scene = scene::load_scene(options.scene, options.of_scene);
@@ -146,16 +62,12 @@ int run(Options options) {
     options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
   options.of_daemon = with_http(options);
   gateway::Daemon daemon(simulation, options.of_daemon);
-  running_daemon = &daemon;
-  catch_signals();
-  say_ready(options, simulation, daemon);
-  daemon.run();
-  running_daemon = nullptr;
+  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.json);
   if (simulation.frozen())
     spdlog::error("the world froze at tick {}: {}", simulation.tick_count(), simulation.fault());
   spdlog::info("ended at tick {}", simulation.tick_count());
-  if (caught_signal == SIGINT) return kInterrupted;
-  return simulation.frozen() ? kFailed : kPassed;
+  if (signal == SIGINT) return gateway::kInterrupted;
+  return simulation.frozen() ? gateway::kFailed : gateway::kPassed;
 }
 
 std::string check_http(const std::string& text) {
@@ -212,16 +124,6 @@ void declare(CLI::App& app, Options& options) {
       "interrupted.");
 }
 
-void set_up_log(int verbosity) {
-  constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::err, spdlog::level::warn,
-                                                   spdlog::level::info, spdlog::level::debug};
-  // The colouring sink looks for itself whether stderr is a terminal.
-  spdlog::set_default_logger(std::getenv("NO_COLOR") ? spdlog::stderr_logger_mt("visumd")
-                                                     : spdlog::stderr_color_mt("visumd"));
-  spdlog::set_pattern("visumd: %^%l%$: %v");
-  spdlog::set_level(kLevels[verbosity]);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -231,16 +133,16 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kPassed : kUsage;
+    return app.exit(error) == 0 ? gateway::kPassed : gateway::kUsage;
   }
-  set_up_log(options.verbosity);
+  gateway::set_up_log("visumd", options.verbosity);
   try {
     return run(options);
   } catch (const config::ConfigError& error) {
     spdlog::error("{}", error.what());
-    return kSceneWrong;
+    return gateway::kConfigWrong;
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
-    return kUsage;
+    return gateway::kUsage;
   }
 }

@@ -40,6 +40,8 @@ constexpr Row kVerbs[] = {
     {"restore", "go back to a snapshot", cli::make_restore},
     {"push", "push a body", cli::make_push},
     {"run", "run a scenario and check it", cli::make_run},
+    {"exec", "run a program with a part's bus where it looks for its device", cli::make_exec},
+    {"mirror", "serve a part once more, with two arms behind it", cli::make_mirror},
     {"completion", "print a completion script for a shell", cli::make_completion},
 };
 

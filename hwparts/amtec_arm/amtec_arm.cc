@@ -1,5 +1,6 @@
 #include "hwparts/amtec_arm/amtec_arm.h"
 
+#include "hwparts/bus_group/bus_group.h"
 #include "hwparts/servo_group/servo_group.h"
 
 namespace visum::amtec_arm {
@@ -47,6 +48,11 @@ std::unique_ptr<hwparts::Part> make(const hwparts::PartContext& context) {
   auto layout =
       servo_group::make_layout(blocks(drives), drives, context, {options.homed, options.execution_enable});
   return std::make_unique<servo_group::ServoGroup>(context, "amtec_arm", drives, options, std::move(layout));
+}
+
+std::unique_ptr<hwparts::Part> make_real(const hwparts::PartContext& context, powercube::Line& line,
+                                         const hwparts::RealOptions& options) {
+  return bus_group::make({"amtec_arm", check_drives, blocks}, context, line, options);
 }
 
 }  // namespace visum::amtec_arm

@@ -128,7 +128,7 @@ SlcanDecoded decode_slcan(std::span<const std::uint8_t> bytes) {
   }
   auto line = bytes.first(static_cast<std::size_t>(end - bytes.begin()));
   SlcanDecoded decoded{Progress::kComplete, line.size() + 1, {}, {}};
-  while (!line.empty() && line[0] == '\n') line = line.subspan(1);
+  while (!line.empty() && (line[0] == '\n' || line[0] == '\a')) line = line.subspan(1);
   if (line.empty()) {  // a client that flushes its line sends these
     decoded.kind = SlcanDecoded::Kind::kSet;
     return decoded;

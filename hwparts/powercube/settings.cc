@@ -106,6 +106,14 @@ Settings read_settings(const Node& part, const drive::DriveData& data, bool part
   return settings;
 }
 
+std::optional<std::uint32_t> stated_serial_number(const Node& part, int module) {
+  const auto modules = part.find("modules");
+  const auto exception = modules ? exception_for(*modules, module) : std::nullopt;
+  const auto at = exception ? exception->find("serial_number") : std::nullopt;
+  if (!at) return std::nullopt;
+  return word(*at, std::numeric_limits<std::uint32_t>::max());
+}
+
 void check_exceptions(const Node& part, std::span<const int> modules) {
   const auto entry = part.find("modules");
   const auto each = entry ? entry->find("each") : std::nullopt;

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "hwparts/drive/drive_data.h"
@@ -66,6 +67,9 @@ struct Settings {
 
 // The settings of one module of the part `part`. Throws ConfigError.
 Settings read_settings(const config::Node& part, const drive::DriveData& data, bool part_homed);
+
+// The serial number that `modules: each:` gives to a module; none: it says nothing. Throws ConfigError.
+std::optional<std::uint32_t> stated_serial_number(const config::Node& part, int module);
 
 // Refuses exceptions for modules that the part does not have. Throws ConfigError.
 void check_exceptions(const config::Node& part, std::span<const int> modules);

@@ -1,6 +1,5 @@
 // The parameters of a ServoGroup: those of each drive (tuning.h), numbered, and those of the whole part.
 #include <cmath>
-#include <limits>
 
 #include "hwparts/servo_group/servo_group.h"
 #include "hwparts/servo_group/tuning.h"
@@ -9,7 +8,6 @@ namespace visum::servo_group {
 namespace {
 
 constexpr const char* kSupplyVoltage = "Supply Voltage";
-constexpr const char* kOnControllerLost = "On Controller Lost";
 constexpr const char* kEmergencyStop = "Emergency Stop";
 constexpr const char* kFieldBus = "Field Bus";
 constexpr double kHighestSupply_v = 60.0;
@@ -23,28 +21,12 @@ protocol::Parameter supply_parameter(double volts) {
           kHighestSupply_v};
 }
 
-protocol::Parameter lost_parameter(OnControllerLost now) {
-  protocol::Parameter parameter;
-  parameter.name = kOnControllerLost;
-  parameter.help = "what a lost controller does: stop on a ramp with a fault, or hold the last values";
-  parameter.value = std::string(now == OnControllerLost::kHold ? "hold" : "stop");
-  parameter.choices = {"stop", "hold"};
-  return parameter;
-}
-
 protocol::Parameter flag_parameter(const char* name, const char* help, bool now) {
   protocol::Parameter parameter;
   parameter.name = name;
   parameter.help = help;
   parameter.value = now;
   return parameter;
-}
-
-// A number in either of its two forms; NaN for what is none.
-double as_number(const protocol::ParameterValue& value) {
-  if (const auto* number = std::get_if<double>(&value)) return *number;
-  if (const auto* integer = std::get_if<std::int64_t>(&value)) return static_cast<double>(*integer);
-  return std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace
@@ -63,12 +45,7 @@ std::vector<protocol::Parameter> ServoGroup::parameters() const {
 
 std::optional<std::string> ServoGroup::set_parameter(const std::string& name,
                                                      const protocol::ParameterValue& value) {
-  if (name == kOnControllerLost) {
-    const auto* word = std::get_if<std::string>(&value);
-    if (!word || (*word != "stop" && *word != "hold")) return "must be 'stop' or 'hold'";
-    state_.on_controller_lost = *word == "hold" ? OnControllerLost::kHold : OnControllerLost::kStop;
-    return std::nullopt;
-  }
+  if (name == kOnControllerLost) return set_lost(value, state_.on_controller_lost);
   if (name == kEmergencyStop || name == kFieldBus) {
     const auto* flag = std::get_if<bool>(&value);
     if (!flag) return "must be true or false";

@@ -1,7 +1,11 @@
 // What a scene may say about a group of servos. Every other key is refused.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "hwparts/part.h"
+#include "protocol/part_description.h"
 
 namespace visum::servo_group {
 
@@ -14,5 +18,14 @@ struct PartOptions {
 };
 
 PartOptions read_options(const config::Node& entry);
+
+// The same choice as a parameter of the part.
+inline constexpr const char* kOnControllerLost = "On Controller Lost";
+protocol::Parameter lost_parameter(OnControllerLost now);
+// Returns why not.
+std::optional<std::string> set_lost(const protocol::ParameterValue& value, OnControllerLost& to);
+
+// A parameter's number in either of its two forms; NaN for what is none.
+double as_number(const protocol::ParameterValue& value);
 
 }  // namespace visum::servo_group

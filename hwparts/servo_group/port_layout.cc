@@ -1,5 +1,8 @@
 #include "hwparts/servo_group/port_layout.h"
 
+#include <cmath>
+#include <utility>
+
 #include "hwparts/drive/encoder.h"
 #include "hwparts/drive/supervision.h"
 
@@ -110,6 +113,41 @@ Port counter(const char* name) {
 }
 
 }  // namespace
+
+double desired_position(const PortLayout& layout, const Run& run, std::span<const double> inputs) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < run.count; ++i) sum += inputs[layout.channels[run.first + i].desired];
+  return sum;
+}
+
+double maximum_speed(const PortLayout& layout, const Run& run, std::span<const double> inputs) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < run.count; ++i) sum += inputs[layout.channels[run.first + i].maximum];
+  return sum;
+}
+
+std::optional<std::string> refuse_counters(const PortLayout& layout, std::span<const double> inputs) {
+  for (const std::size_t counter : {layout.reset, layout.home, layout.halt, layout.enable}) {
+    if (inputs[counter] == std::floor(inputs[counter])) continue;
+    return layout.controller_inputs[counter].name + " takes whole numbers only";
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> refuse_unequal(const PortLayout& layout, const Run& run, double tolerance,
+                                          std::span<const double> inputs) {
+  const auto& first = layout.channels[run.first];
+  for (std::size_t i = run.first + 1; i < run.first + run.count; ++i) {
+    const auto& other = layout.channels[i];
+    for (const auto& [a, b] :
+         {std::pair{first.desired, other.desired}, std::pair{first.maximum, other.maximum}}) {
+      if (std::abs(inputs[a] - inputs[b]) <= tolerance) continue;
+      return layout.controller_inputs[a].name + " and " + layout.controller_inputs[b].name +
+             " must be equal: one drive moves both by the same amount";
+    }
+  }
+  return std::nullopt;
+}
 
 PortLayout make_layout(const std::vector<std::vector<Channel>>& wanted, const DriveList& drives,
                        const hwparts::PartContext& context, const Start& start) {

@@ -6,6 +6,8 @@
 // A block is joints whose ports are named alike: the arm's angles, the gripper's fingers.
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,6 +45,20 @@ struct PortLayout {
   std::size_t reset = 0, home = 0, halt = 0, enable = 0;
   std::size_t part_state = 0, changed = 0;
 };
+
+// A drive's run of channels.
+struct Run {
+  std::size_t first;
+  std::size_t count;
+};
+// What is commanded to a drive, in the module's coordinate: the sums over its joints.
+double desired_position(const PortLayout& layout, const Run& run, std::span<const double> inputs);
+double maximum_speed(const PortLayout& layout, const Run& run, std::span<const double> inputs);
+// Why the counters of these inputs, or the values of one drive's joints, do not fit; nothing if they do. [u]
+// `tolerance`: as much as the joints' values may differ.
+std::optional<std::string> refuse_counters(const PortLayout& layout, std::span<const double> inputs);
+std::optional<std::string> refuse_unequal(const PortLayout& layout, const Run& run, double tolerance,
+                                          std::span<const double> inputs);
 
 struct Start {
   bool homed;

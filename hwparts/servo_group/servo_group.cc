@@ -39,8 +39,8 @@ ServoGroup::ServoGroup(const hwparts::PartContext& context, const std::string& k
       modules_(context.config, data_of(drives), positions_of(drives), options.homed, context.tick_s),
       identity_(identity_text(kind, drives)) {
   for (const auto& entry : drives.drives) {
-    axes_.push_back({drive::Drive(entry.data, entry.initial_position, options.homed, tick_s_), joints_.size(),
-                     entry.joints.size()});
+    axes_.push_back({drive::Drive(entry.data, entry.initial_position, options.homed, tick_s_),
+                     {joints_.size(), entry.joints.size()}});
     joints_.insert(joints_.end(), entry.joints.begin(), entry.joints.end());
   }
   for (std::size_t i = 0; i < axes_.size(); ++i) modules_.bind(i, axes_[i].drive);
@@ -53,22 +53,10 @@ ServoGroup::ServoGroup(const hwparts::PartContext& context, const std::string& k
 }
 
 std::optional<std::string> ServoGroup::refuse(std::span<const double> inputs) const {
-  for (const std::size_t counter : {layout_.reset, layout_.home, layout_.halt, layout_.enable}) {
-    if (inputs[counter] == std::floor(inputs[counter])) continue;
-    return layout_.controller_inputs[counter].name + " takes whole numbers only";
-  }
+  if (auto reason = refuse_counters(layout_, inputs)) return reason;
   for (const auto& axis : axes_) {
-    const auto& first = layout_.channels[axis.first];
     const double tolerance = axis.drive.data().increment();
-    for (std::size_t i = axis.first + 1; i < axis.first + axis.count; ++i) {
-      const auto& other = layout_.channels[i];
-      for (const auto& [a, b] :
-           {std::pair{first.desired, other.desired}, std::pair{first.maximum, other.maximum}}) {
-        if (std::abs(inputs[a] - inputs[b]) <= tolerance) continue;
-        return layout_.controller_inputs[a].name + " and " + layout_.controller_inputs[b].name +
-               " must be equal: one drive moves both by the same amount";
-      }
-    }
+    if (auto reason = refuse_unequal(layout_, axis.run, tolerance, inputs)) return reason;
   }
   return std::nullopt;
 }
@@ -82,8 +70,9 @@ void ServoGroup::act(std::span<const double> inputs, std::span<const hwparts::Jo
   const bool fault = any(bit::kError);
   for (auto& axis : axes_) {
     const bool enabled = state_.enabled && (!fault || axis.drive.state().by_bus);
-    axis.drive.act({target(axis, inputs), maximum_speed(axis, inputs), enabled},
-                   samples.subspan(axis.first, axis.count), drives.subspan(axis.first, axis.count));
+    axis.drive.act({target(axis, inputs), maximum_speed(layout_, axis.run, inputs), enabled},
+                   samples.subspan(axis.run.first, axis.run.count),
+                   drives.subspan(axis.run.first, axis.run.count));
   }
   acted_ = true;
 }
@@ -115,15 +104,7 @@ void ServoGroup::hold_all(std::span<const double> inputs) {
 }
 
 double ServoGroup::target(const Axis& axis, std::span<const double> inputs) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < axis.count; ++i) sum += inputs[layout_.channels[axis.first + i].desired];
-  return sum;
-}
-
-double ServoGroup::maximum_speed(const Axis& axis, std::span<const double> inputs) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < axis.count; ++i) sum += inputs[layout_.channels[axis.first + i].maximum];
-  return sum;
+  return desired_position(layout_, axis.run, inputs);
 }
 
 void ServoGroup::publish(std::span<const hwparts::JointSample> samples, std::span<double> outputs) {
@@ -131,10 +112,10 @@ void ServoGroup::publish(std::span<const hwparts::JointSample> samples, std::spa
   acted_ = false;
   for (std::size_t number = 0; number < axes_.size(); ++number) {
     auto& axis = axes_[number];
-    axis.drive.publish(samples.subspan(axis.first, axis.count));
+    axis.drive.publish(samples.subspan(axis.run.first, axis.run.count));
     const auto& state = axis.drive.state();
-    const double n = static_cast<double>(axis.count);
-    for (std::size_t i = axis.first; i < axis.first + axis.count; ++i) {
+    const double n = static_cast<double>(axis.run.count);
+    for (std::size_t i = axis.run.first; i < axis.run.first + axis.run.count; ++i) {
       const auto& channel = layout_.channels[i];
       outputs[channel.actual] = state.measured_position / n;
       outputs[channel.speed] = state.measured_speed / n;
@@ -149,8 +130,10 @@ void ServoGroup::publish(std::span<const hwparts::JointSample> samples, std::spa
 void ServoGroup::following_errors(std::span<double> errors) const {
   for (const auto& axis : axes_) {
     const auto& state = axis.drive.state();
-    const double commanded = (state.setpoint.position - state.zero_offset) / static_cast<double>(axis.count);
-    for (std::size_t i = 0; i < axis.count; ++i) errors[axis.first + i] = commanded - state.joint_position[i];
+    const double commanded =
+        (state.setpoint.position - state.zero_offset) / static_cast<double>(axis.run.count);
+    for (std::size_t i = 0; i < axis.run.count; ++i)
+      errors[axis.run.first + i] = commanded - state.joint_position[i];
   }
 }
 
@@ -206,9 +189,7 @@ void ServoGroup::load(hwparts::StateReader& from) {
   acted_ = false;
 }
 
-std::unique_ptr<hwparts::Part> make(const hwparts::PartContext& context) {
-  const auto options = read_options(context.config);
-  const auto drives = load_drives(context);
+std::vector<std::vector<Channel>> one_block(const DriveList& drives) {
   std::vector<Channel> channels;
   for (std::size_t d = 0; d < drives.drives.size(); ++d) {
     for (std::size_t joint : drives.drives[d].joints) {
@@ -216,7 +197,13 @@ std::unique_ptr<hwparts::Part> make(const hwparts::PartContext& context) {
       channels.push_back({d, joint, names, static_cast<int>(channels.size()) + 1});
     }
   }
-  auto layout = make_layout({channels}, drives, context, {options.homed, options.execution_enable});
+  return {channels};
+}
+
+std::unique_ptr<hwparts::Part> make(const hwparts::PartContext& context) {
+  const auto options = read_options(context.config);
+  const auto drives = load_drives(context);
+  auto layout = make_layout(one_block(drives), drives, context, {options.homed, options.execution_enable});
   return std::make_unique<ServoGroup>(context, "servo_group", drives, options, std::move(layout));
 }
 

@@ -59,8 +59,7 @@ class ServoGroup : public hwparts::Part {
   // A drive with its joints: a run of the part's joints and of its channels.
   struct Axis {
     drive::Drive drive;
-    std::size_t first;
-    std::size_t count;
+    Run run;
   };
   // What changes, beside the drives.
   struct State {
@@ -75,7 +74,6 @@ class ServoGroup : public hwparts::Part {
   void obey_counters(std::span<const double> inputs);
   void interlock(std::span<const double> inputs);
   double target(const Axis& axis, std::span<const double> inputs) const;  // module's coordinate
-  double maximum_speed(const Axis& axis, std::span<const double> inputs) const;
   bool any(std::uint32_t bits) const;
   PartState part_state() const;
   void hold_all(std::span<const double> inputs);
@@ -95,7 +93,9 @@ class ServoGroup : public hwparts::Part {
   protocol::PartDescription description_;
 };
 
-// Kind `servo_group`: one block, in the order of the drives file. Throws ConfigError.
+// The channels of kind `servo_group`: one block, in the order of the drives file.
+std::vector<std::vector<Channel>> one_block(const DriveList& drives);
+// Kind `servo_group`. Throws ConfigError.
 std::unique_ptr<hwparts::Part> make(const hwparts::PartContext& context);
 
 }  // namespace visum::servo_group

@@ -35,12 +35,14 @@ constexpr std::array<TuningField, 7> kFields{{
      &Tuning::velocity_bandwidth, velocity_bandwidth},
     {"Velocity Integral Time", "s", "integral time of the velocity loop; 0: no integral part",
      &Tuning::integral_time, integral_time},
-    {"Maximum Acceleration", "<u>/s²", "of the ramps", &Tuning::maximum_acceleration, acceleration},
-    {"Following Error Limit", "<u>", "more trips TOW_ERROR", &Tuning::following_error, following_error},
+    {"Maximum Acceleration", "<u>/s²", "of the ramps", &Tuning::maximum_acceleration, acceleration, false,
+     0x4A},
+    {"Following Error Limit", "<u>", "more trips TOW_ERROR", &Tuning::following_error, following_error, false,
+     0x40},
     {"Soft Limit Minimum", "<u>", "a command beyond it trips BEYOND_SOFT", &Tuning::soft_minimum, soft_limit,
-     true},
+     true, 0x45},
     {"Soft Limit Maximum", "<u>", "a command beyond it trips BEYOND_SOFT", &Tuning::soft_maximum, soft_limit,
-     true},
+     true, 0x46},
 }};
 
 std::string spell(std::string unit, bool linear) {
@@ -59,9 +61,9 @@ protocol::Parameter reading(std::string name, std::string unit, std::string help
   return parameter;
 }
 
-std::optional<std::string> check_soft_limits(const drive::Drive& drive, const Tuning& tuning) {
+std::optional<std::string> check_soft_limits(const DriveData& data, double position, const Tuning& tuning) {
   if (tuning.soft_minimum >= tuning.soft_maximum) return "the minimum must stay below the maximum";
-  const double position = drive.state().measured_position, tolerance = drive.data().limits.tolerance;
+  const double tolerance = data.limits.tolerance;
   if (position >= tuning.soft_minimum - tolerance && position <= tuning.soft_maximum + tolerance)
     return std::nullopt;
   return "the axis stands at " + std::to_string(position) + ", outside of that";
@@ -73,41 +75,53 @@ std::span<const TuningField> tuning_fields() {
   return kFields;
 }
 
+protocol::Parameter field_parameter(const TuningField& field, const DriveData& data, const Tuning& tuning,
+                                    std::size_t number, double tick_s) {
+  const auto range = field.range(data, tick_s);
+  return {field.name + (" " + std::to_string(number)),
+          spell(field.unit, data.linear),
+          field.help,
+          tuning.*field.member,
+          range.minimum,
+          range.maximum};
+}
+
 void append_parameters(const drive::Drive& drive, std::size_t number, double tick_s,
                        std::vector<protocol::Parameter>& to) {
   const std::string suffix = " " + std::to_string(number);
-  const bool linear = drive.data().linear;
+  const auto& state = drive.state();
   for (const auto& field : kFields) {
     if (field.limit && !drive.data().limits.limited) continue;
-    const auto range = field.range(drive.data(), tick_s);
-    protocol::Parameter parameter{field.name + suffix, spell(field.unit, linear),
-                                  field.help,          drive.state().tuning.*field.member,
-                                  range.minimum,       range.maximum};
-    to.push_back(std::move(parameter));
+    to.push_back(field_parameter(field, drive.data(), state.tuning, number, tick_s));
   }
-  const auto& state = drive.state();
   to.push_back(reading("Winding Temperature" + suffix, "°C", "of the motor", state.winding));
-  to.push_back(reading("Gear Peak Load" + suffix, linear ? "N" : "N·m",
+  to.push_back(reading("Gear Peak Load" + suffix, drive.data().linear ? "N" : "N·m",
                        "largest load of the gear since the last Reset", state.peak_effort));
   to.push_back(reading("Gear Overloads" + suffix, "",
                        "times that the gear's rated peak was exceeded since the last Reset",
                        static_cast<std::int64_t>(state.overloads)));
 }
 
-std::optional<std::string> tune(drive::Drive& drive, const TuningField& field, double value, double tick_s) {
-  const auto range = field.range(drive.data(), tick_s);
+std::optional<std::string> change(const TuningField& field, const DriveData& data, double position,
+                                  double value, double tick_s, Tuning& tuning) {
+  const auto range = field.range(data, tick_s);
   if (!(value >= range.minimum && value <= range.maximum)) {
     return "must be between " + std::to_string(range.minimum) + " and " + std::to_string(range.maximum);
   }
-  Tuning tuning = drive.state().tuning;
-  tuning.*field.member = value;
-  if (tuning.integral_time > 0.0 && tuning.integral_time < 2.0 * tick_s)
+  Tuning changed = tuning;
+  changed.*field.member = value;
+  if (changed.integral_time > 0.0 && changed.integral_time < 2.0 * tick_s)
     return "must be 0 or at least two ticks";
   if (field.limit) {
-    if (auto reason = check_soft_limits(drive, tuning)) return reason;
+    if (auto reason = check_soft_limits(data, position, changed)) return reason;
   }
-  drive.state().tuning = tuning;
+  tuning = changed;
   return std::nullopt;
+}
+
+std::optional<std::string> tune(drive::Drive& drive, const TuningField& field, double value, double tick_s) {
+  auto& state = drive.state();
+  return change(field, drive.data(), state.measured_position, value, tick_s, state.tuning);
 }
 
 }  // namespace visum::servo_group

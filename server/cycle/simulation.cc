@@ -26,18 +26,18 @@ std::vector<std::uint64_t> seeded(std::uint64_t seed) {
 
 }  // namespace
 
-Simulation::Simulation(scene::Scene scene) : scene_(std::move(scene)) {
-  make_parts();
+Simulation::Simulation(scene::Scene scene, const PartMaker& make) : scene_(std::move(scene)) {
+  make_parts(make);
   rebuild_machinery();
   start_state();
 }
 
 Simulation::~Simulation() = default;
 
-void Simulation::make_parts() {
+void Simulation::make_parts(const PartMaker& make) {
   for (const auto& plan : scene_.parts) {
     BoundPart bound;
-    bound.part = hwparts::make_part(plan.kind, plan.context);
+    bound.part = make(plan.kind, plan.context);
     for (std::size_t joint : bound.part->joints()) bound.joints.push_back(plan.joints.at(joint));
     bound.samples.resize(bound.joints.size());
     bound.drives.resize(bound.joints.size());

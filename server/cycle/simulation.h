@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -37,9 +38,14 @@ struct Push {
   std::int64_t until_tick = 0;
 };
 
+// Makes a part from its plan; hwparts::make_part unless parts are to stand in front of something real.
+using PartMaker =
+    std::function<std::unique_ptr<hwparts::Part>(const std::string& kind, const hwparts::PartContext&)>;
+
 class Simulation {
  public:
-  explicit Simulation(scene::Scene scene);  // throws ConfigError, or std::runtime_error from an engine
+  // Throws ConfigError, std::runtime_error from an engine, and what `make` throws.
+  explicit Simulation(scene::Scene scene, const PartMaker& make = hwparts::make_part);
   ~Simulation();
 
   // One pass of the cycle. Does nothing once frozen.
@@ -82,7 +88,7 @@ class Simulation {
     std::vector<std::byte> rest;  // parts, their inputs, pushes
   };
 
-  void make_parts();
+  void make_parts(const PartMaker& make);
   void rebuild_machinery();
   void start_state();
   void sense();

@@ -50,6 +50,17 @@ Role role_needed(const protocol::Request& request) {
       request);
 }
 
+bool needs_world(const protocol::Request& request) {
+  return std::visit(
+      [](const auto& message) {
+        using namespace protocol;
+        using T = std::decay_t<decltype(message)>;
+        return kIsOneOf<T, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot, RestoreSnapshot, PushBody,
+                        AddBody, RemoveBody>;
+      },
+      request);
+}
+
 Tokens::Tokens(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw config::ConfigError({file.string(), 0, ""}, "cannot be read");

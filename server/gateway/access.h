@@ -12,6 +12,9 @@ namespace visum::gateway {
 // The least role that may send this request. Hello needs none and is not asked about.
 protocol::Role role_needed(const protocol::Request& request);
 
+// What only a simulated world can do: hold time, go back in it, change bodies.
+bool needs_world(const protocol::Request& request);
+
 // The roles by token. Without a token file everybody on loopback gets the role that he asks for.
 class Tokens {
  public:

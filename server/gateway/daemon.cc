@@ -29,7 +29,7 @@ std::size_t most_ports(const cycle::Simulation& simulation) {
   return most;
 }
 
-StaticWorld static_world(const cycle::Simulation& simulation) {
+StaticWorld static_world(const cycle::Simulation& simulation, const DaemonOptions& options) {
   const auto& scene = simulation.scene();
   StaticWorld world{scene.name,
                     scene.clock,
@@ -38,6 +38,8 @@ StaticWorld static_world(const cycle::Simulation& simulation) {
                     {},
                     describe_world(scene, simulation.revision())};
   for (const auto& bound : simulation.parts()) world.parts.push_back(bound.part.get());
+  world.simulated = options.simulated;
+  world.has_world = options.has_world;
   return world;
 }
 
@@ -56,11 +58,13 @@ struct Daemon::Impl {
       : simulation(the_simulation),
         stopping(stop),
         iterations(options.iterations),
+        wait(options.wait),
         threaded(simulation.scene().clock == scene::ClockKind::kRealtime),
         mailbox(most_ports(simulation)),
         tick_side(simulation, mailbox, options.run_at_once),
-        gateway(static_world(simulation), options.token_file.empty() ? Tokens() : Tokens(options.token_file),
-                mailbox, tick_side.pacer(),
+        gateway(static_world(simulation, options),
+                options.token_file.empty() ? Tokens() : Tokens(options.token_file), mailbox,
+                tick_side.pacer(),
                 [this]() -> const Published& { return threaded ? fresh_copy() : fresh_fill(); }),
         web(options.http.page.empty() ? PageFiles() : PageFiles(options.http.page), gateway,
             [this] { return server.refused(); }),
@@ -77,6 +81,7 @@ struct Daemon::Impl {
       if (threaded) return mailbox.wake();
       server.notify();
     });
+    gateway.name_buses(buses->addresses());
   }
 
   // Between ticks: what came over the buses. The first frame starts the time.
@@ -87,6 +92,7 @@ struct Daemon::Impl {
   }
 
   void wait_until(Clock::time_point due) {
+    if (wait) return wait(due);
     if (!buses) return sleep_until(due);
     buses->serve_until(due);
   }
@@ -140,6 +146,7 @@ struct Daemon::Impl {
   cycle::Simulation& simulation;
   std::atomic<bool>& stopping;
   const std::int64_t iterations;
+  const std::function<void(Clock::time_point)> wait;
   const bool threaded;
   Mailbox mailbox;
   TickSide tick_side;
@@ -234,6 +241,7 @@ void Daemon::Impl::run_inline() {
     if (version != tick_side.version()) gateway.serve();
     serve_buses();
     if (may_tick_inline()) {
+      if (wait) wait(Clock::now());
       do_tick();
       if (has_something_to_send()) gateway.serve();
     } else {

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,6 +33,11 @@ struct DaemonOptions {
   std::string token_file;         // needed where the address is not loopback
   std::vector<BusAddress> buses;  // beside those of the scene
   HttpOptions http;
+  // Parts in front of something real.
+  bool simulated = true;  // what the welcome says
+  bool has_world = true;  // false: nobody may hold the time, go back in it, or change bodies
+  // On the tick's thread, before each tick: in clock realtime instead of sleeping until it is due.
+  std::function<void(std::chrono::steady_clock::time_point)> wait;
 };
 
 class Daemon {

@@ -54,7 +54,7 @@ protocol::Role Gateway::on_hello(protocol::Session& session, const protocol::Hel
   welcome.tick_ns = world_.tick_ns;
   welcome.scene = world_.scene;
   welcome.clock = to_string(world_.clock);
-  welcome.simulated = true;
+  welcome.simulated = world_.simulated;
   clients_[session.id()].session = &session;
   return role;
 }
@@ -84,6 +84,11 @@ void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request
     return call.fail(ErrorCode::kForbidden, std::string("this needs the role ") +
                                                 protocol::to_string(needed) + ", the session has " +
                                                 protocol::to_string(session.role()));
+  if (!world_.has_world && needs_world(request)) {
+    return call.fail(ErrorCode::kWrongState,
+                     "there is no simulated world behind these parts: their time cannot be "
+                     "held or go back, and there are no bodies to change");
+  }
   std::visit([&](const auto& message) { handle(call, message); }, request);
 }
 

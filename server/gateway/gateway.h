@@ -33,6 +33,8 @@ struct StaticWorld {
   std::chrono::nanoseconds lockstep_timeout{};
   std::vector<const hwparts::Part*> parts;  // only their const, any-thread functions are used
   WorldView view;
+  bool simulated = true;
+  bool has_world = true;  // false: see DaemonOptions
 };
 
 const char* to_string(scene::ClockKind clock);
@@ -65,6 +67,8 @@ class Gateway : public protocol::SessionHandler {
   void check_timeouts(std::int64_t tick);
   // True once a client asked for Shutdown. Any thread.
   bool shutdown_asked() const { return shutdown_asked_.load(std::memory_order_relaxed); }
+  // The parts' buses, for Status. Before the first session.
+  void name_buses(std::vector<protocol::PartBus> buses) { buses_ = std::move(buses); }
   // What is counted and measured, for /metrics; `refused_connections` is the server's.
   Metrics metrics();
   bool lets_in(const std::string& token, protocol::Role role) const {
@@ -178,6 +182,7 @@ class Gateway : public protocol::SessionHandler {
   Members members_;
   std::map<std::uint64_t, Client> clients_;   // by session
   std::vector<std::vector<double>> latched_;  // by part: controller inputs as last accepted
+  std::vector<protocol::PartBus> buses_;
   std::uint64_t era_ = 1;
   bool frozen_ = false;
   std::atomic<bool> start_asked_{false};

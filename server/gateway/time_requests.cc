@@ -30,6 +30,7 @@ protocol::ServerStatus Gateway::server_status(const Published& now) const {
   status.state_hash = now.state_hash;
   status.sessions = static_cast<std::uint32_t>(clients_.size());
   status.refused = refused_;
+  status.buses = buses_;
   for (const auto& member : members_.all()) {
     const auto waited =
         member.waited_since ? Member::Clock::now() - *member.waited_since : Member::Clock::duration{};

@@ -23,13 +23,15 @@ const std::vector<Layer> kLayers = {
       "protocol"}},
     {"server", {"protocol", "hwparts"}},
     {"server/visumd.cc", {"protocol", "hwparts", "server"}},
+    {"server/visum_hwpart.cc", {"protocol", "hwparts", "server"}},
+    {"server/visum_mirror.cc", {"protocol", "hwparts", "server"}},
     {"clients", {"protocol"}},
     {"tests", {"protocol", "hwparts", "server", "clients"}},
 };
 
 const std::vector<std::string> kCompositionFiles = {
-    "server/visumd.cc",
-    "server/dynamics/engine_kinds.cc",
+    "server/visumd.cc",       "server/visum_hwpart.cc",
+    "server/visum_mirror.cc", "server/dynamics/engine_kinds.cc",
     "hwparts/part_kinds.cc",
 };
 
@@ -51,7 +53,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"urdf_world/", {"clients/examples", "tests"}},
     {"tinyxml2.h", {"server/scene", "clients/examples", "tests"}},
     {"spdlog/", {"protocol", "server", "clients", "tests"}},
-    {"CLI/", {"server/visumd.cc", "clients", "tests"}},
+    {"CLI/", {"server/visumd.cc", "server/visum_hwpart.cc", "server/visum_mirror.cc", "clients", "tests"}},
     {"xxhash.h", {"server", "tests"}},
     {"Eigen/", {"hwparts", "server", "clients", "tests"}},
     {"gtest/", {"tests"}},

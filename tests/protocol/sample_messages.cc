@@ -51,6 +51,7 @@ ServerStatus status() {
   s.phases = {{"sense", 1000, 2000}, {"step", 30'000, 90'000}};
   s.refused = 7;
   s.own_allocations = 6;
+  s.buses = {{"arm", "pty:/tmp/arm.tty"}, {"arm", "tcp:40123"}};
   return s;
 }
 

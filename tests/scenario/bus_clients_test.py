@@ -64,6 +64,13 @@ class OverSerial(unittest.TestCase):
     def test_the_ready_line_names_the_bus(self) -> None:
         self.assertEqual(self.ready["buses"], {"arm": [f"pty:{self.tty}"]})
 
+    def test_the_status_tells_clients_where_the_bus_is(self) -> None:
+        connect = f"127.0.0.1:{self.ready['port']}"
+        shown = subprocess.run([BIN / "visum", "status", "--connect", connect, "--json"], capture_output=True, check=True)
+        self.assertEqual(json.loads(shown.stdout)["buses"], [{"part": "arm", "name": f"pty:{self.tty}"}])
+        shown = subprocess.run([BIN / "visum", "status", "--connect", connect], capture_output=True, text=True, check=True)
+        self.assertRegex(shown.stdout, rf"bus of arm +pty:{self.tty}\n")
+
     def test_pyserial_moves_a_module(self) -> None:
         with serial.Serial(self.tty, 38400, timeout=10) as line:
             self.assertEqual(self.ask(line, 1, 0x0A, 0x1D), bytes([0x0A, 0x1D, 0x34, 0x46]))

@@ -72,9 +72,13 @@ std::filesystem::path own_folder() {
   return error ? std::filesystem::path() : self.parent_path();
 }
 
+std::filesystem::path find_server(const std::string& program) {
+  const auto beside = own_folder() / program;
+  return ::access(beside.c_str(), X_OK) == 0 ? beside : std::filesystem::path(program);
+}
+
 std::filesystem::path find_visumd() {
-  const auto beside = own_folder() / "visumd";
-  return ::access(beside.c_str(), X_OK) == 0 ? beside : std::filesystem::path("visumd");
+  return find_server("visumd");
 }
 
 Daemon::Daemon(const DaemonOptions& options, double patience_s, Vigil& vigil, ChildProcess::OnLine on_line)

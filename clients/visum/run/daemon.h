@@ -25,7 +25,8 @@ struct DaemonOptions {
 
 // The folder of the program that runs now.
 std::filesystem::path own_folder();
-// `visumd` beside our own program, else as PATH has it.
+// A server's program beside our own, else as PATH has it.
+std::filesystem::path find_server(const std::string& program);
 std::filesystem::path find_visumd();
 
 class Daemon {

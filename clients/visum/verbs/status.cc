@@ -25,6 +25,9 @@ void write_members(JsonWriter& json, const ServerStatus& status) {
     json.begin_object().member("name", phase.name).member("mean_ns", phase.mean_ns);
     json.member("max_ns", phase.max_ns).end_object();
   }
+  json.end_array().key("buses").begin_array();
+  for (const auto& bus : status.buses)
+    json.begin_object().member("part", bus.part).member("name", bus.name).end_object();
   json.end_array();
 }
 
@@ -79,6 +82,7 @@ std::string text_of(const Welcome& welcome, const ServerStatus& status) {
   table.row({"state hash", hex(status.state_hash)});
   table.row({"sessions",
              std::to_string(status.sessions) + ", " + std::to_string(status.refused) + " requests refused"});
+  for (const auto& bus : status.buses) table.row({"bus of " + bus.part, bus.name});
   for (const auto& phase : status.phases) {
     table.row({"phase " + phase.name, "mean " + fixed(static_cast<double>(phase.mean_ns) * 1e-3, 1) +
                                           " us, max " + fixed(static_cast<double>(phase.max_ns) * 1e-3, 1) +

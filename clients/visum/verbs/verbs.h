@@ -24,6 +24,8 @@ std::unique_ptr<Verb> make_snapshot();
 std::unique_ptr<Verb> make_restore();
 std::unique_ptr<Verb> make_push();
 std::unique_ptr<Verb> make_run();
+std::unique_ptr<Verb> make_exec();
+std::unique_ptr<Verb> make_mirror();
 std::unique_ptr<Verb> make_completion();
 
 }  // namespace visum::cli

@@ -22,7 +22,8 @@ class Bounded {
   bool empty() const { return rows_.blocks.empty(); }
   bool binds(std::size_t mechanism) const { return !of_mechanism_[mechanism].rows.empty(); }
 
-  // Solves with the bodies' velocities as they are, and changes them. Returns what remained to be changed.
+  // Solves with the bodies' velocities as they are, and changes them. Returns by how much they were not as
+  // the rows ask.
   double solve();
   // Impulses of the rows into the touches, axes and springs they are of.
   void report();

@@ -1,6 +1,13 @@
-// Projected Gauss-Seidel, sped up by nonlinear conjugate gradients: Silcowitz-Hansen, Niebe, Erleben, A
-// nonsmooth nonlinear conjugate gradient method for interactive contact force problems, Visual Computer 26
-// (2010). A sweep there and back counts as one gradient.
+// Solves by proximal points (Rockafellar, Monotone operators and the proximal point algorithm, SIAM J.
+// Control and Optimization 14, 1976): each row is softened by s (lambda - c), c where lambda came from, and c
+// follows. Rows that say the same twice, or contradict each other by rounding, then have one answer, the one
+// nearest to the last tick's; at rest the softness is no error at all.
+//
+// Each point by sweeps of projected Gauss-Seidel, which find out the rows that are at their bounds, and the
+// others at once (rows_active.cc); where that does not end, by sweeps sped up by nonlinear conjugate
+// gradients: Silcowitz-Hansen, Niebe, Erleben, A nonsmooth nonlinear conjugate gradient method for
+// interactive contact force problems, Visual Computer 26 (2010). A sweep there and back counts as one
+// gradient.
 #include "server/dynamics/impulse/rows.h"
 
 #include <algorithm>
@@ -11,9 +18,10 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// Share of its bodies' free response below which a contact has none: what joints hold fast cannot be moved,
-// and no impulse of a contact is defined there.
-constexpr double kRigid = 1e-9;
+constexpr double kSoftness = 1e-6;   // share of a row's response to itself
+constexpr double kTolerated = 1e-5;  // of the largest change, that is left after the last round
+constexpr int kMostPoints = 4;
+constexpr int kMostRounds = 8;  // of sweeps and a solution of what they leave within its bounds
 
 double dot(const std::array<double, 6>& a, const double* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
@@ -22,6 +30,7 @@ double dot(const std::array<double, 6>& a, const double* b) {
 }  // namespace
 
 void Rows::clear() {
+  largest_ = 0.0;
   blocks.clear();
   velocities.clear();
   responses.clear();
@@ -37,9 +46,12 @@ void Rows::prepare() {
           block.K[i][j] += end.free ? dot(end.J[i], end.MJ[j].data())
                                     : responses[end.response + (end.first + i) * end.size + end.first + j];
     }
+    block.softness[0] = kSoftness * block.K[0][0];
     if (block.kind != RowBlock::Kind::kContact) continue;
-    const double least = kRigid * block.free_response;
-    const double a = block.K[1][1] + least, b = block.K[1][2], c = block.K[2][2] + least;
+    block.softness[1] = block.softness[2] =
+        0.5 * kSoftness * (block.K[1][1] + block.K[2][2]) + kRigid * block.free_response;
+    const double a = block.K[1][1] + block.softness[1], b = block.K[1][2];
+    const double c = block.K[2][2] + block.softness[2];
     const double determinant = a * c - b * b;
     block.inverse_tangential = {c / determinant, -b / determinant, a / determinant};
     block.sliding_step = 2.0 / (a + c + std::sqrt((a - c) * (a - c) + 4.0 * b * b));
@@ -75,24 +87,29 @@ void Rows::change(RowBlock& block, const std::array<double, 3>& by) {
   }
 }
 
+// What is missing from a row's equation.
+double Rows::error(const RowBlock& block, std::size_t row) const {
+  const double soft = block.softness[row] * (block.lambda[row] - block.centre[row]);
+  const double error = block.target[row] - velocity(block, row) - soft;
+  return row == 0 ? error - block.compliance * block.lambda[0] : error;
+}
+
 double Rows::relax_bounded(RowBlock& block) {
-  const double stiffness = block.K[0][0] + block.compliance;
+  const double stiffness = block.K[0][0] + block.compliance + block.softness[0];
   if (!(stiffness > 0.0)) return 0.0;
-  const double error = block.target[0] - velocity(block, 0) - block.compliance * block.lambda[0];
-  const double next = std::clamp(block.lambda[0] + error / stiffness, block.low, block.high);
+  const double next = std::clamp(block.lambda[0] + error(block, 0) / stiffness, block.low, block.high);
   const double by = next - block.lambda[0];
   change(block, {by, 0.0, 0.0});
   return std::abs(by) * stiffness;
 }
 
 double Rows::relax_contact(RowBlock& block) {
-  const double stiffness = block.K[0][0] + block.compliance;
+  const double stiffness = block.K[0][0] + block.compliance + block.softness[0];
   if (!(stiffness > kRigid * block.free_response)) return 0.0;
-  const double error = block.target[0] - velocity(block, 0) - block.compliance * block.lambda[0];
-  const double normal = std::max(block.low, block.lambda[0] + error / stiffness);
+  const double normal = std::max(block.low, block.lambda[0] + error(block, 0) / stiffness);
   const double by = normal - block.lambda[0];
   change(block, {by, 0.0, 0.0});
-  const double e1 = block.target[1] - velocity(block, 1), e2 = block.target[2] - velocity(block, 2);
+  const double e1 = error(block, 1), e2 = error(block, 2);
   const Tangential start{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
   const double radius = block.friction * std::max(0.0, normal + block.base[0]);
   const auto& inverse = block.inverse_tangential;
@@ -125,14 +142,45 @@ void Rows::start() {
     for (std::size_t i = 0; i < block.dim; ++i) block.lambda[i] -= by[i];
     change(block, by);
   }
+}
+
+double Rows::solve(int most_sweeps, double least, double share) {
+  start();
+  for (RowBlock& block : blocks) block.centre = block.lambda;
+  const double first = sweep(true);
+  largest_ = std::max(largest_, first);
+  const double enough = std::max(least, share * largest_);
+  for (int point = 0; point < kMostPoints; ++point) {
+    if (settle(enough) > std::max(least, kTolerated * largest_)) {
+      sweep_and_accelerate(most_sweeps, enough);
+      break;
+    }
+    double left = 0.0;
+    for (const RowBlock& block : blocks)
+      for (std::size_t i = 0; i < block.dim; ++i)
+        left = std::max(left, block.softness[i] * std::abs(block.lambda[i] - block.centre[i]));
+    if (left <= enough) break;
+    for (RowBlock& block : blocks) block.centre = block.lambda;
+  }
+  return first;
+}
+
+// Returns the last sweep's largest change.
+double Rows::settle(double enough) {
+  double largest = 0.0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    for (const bool forwards : {true, false})
+      if (largest = sweep(forwards); largest <= enough) return largest;
+    if (!solve_active(enough)) break;
+  }
+  return largest;
+}
+
+double Rows::sweep_and_accelerate(int most_sweeps, double enough) {
   direction_lambda_.assign(3 * blocks.size(), 0.0);
   direction_velocities_.assign(velocities.size(), 0.0);
   last_lambda_.resize(3 * blocks.size());
   last_velocities_.resize(velocities.size());
-}
-
-double Rows::solve(int most_sweeps, double enough) {
-  start();
   double last_norm = 0.0, largest = 0.0;
   for (int k = 0; k < most_sweeps; ++k) {
     for (std::size_t i = 0; i < blocks.size(); ++i)

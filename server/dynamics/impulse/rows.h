@@ -9,7 +9,13 @@
 #include <cstddef>
 #include <vector>
 
+#include "server/dynamics/impulse/envelope_lu.h"
+
 namespace visum::dynamics::impulse {
+
+// Share of its bodies' free response below which a contact has none: what joints hold fast cannot be moved,
+// and no impulse of a contact is defined there.
+inline constexpr double kRigid = 1e-9;
 
 // One end of a row's block. `sign`s are in J.
 struct RowEnd {
@@ -44,6 +50,9 @@ struct RowBlock {
   std::array<std::array<double, 3>, 3> K{};    // response to itself
   std::array<double, 3> inverse_tangential{};  // of K's tangential part: 11, 12, 22
   double sliding_step = 0.0;                   // 1 over its larger eigenvalue
+  std::array<double, 3> softness{};            // of the proximal point, rows.cc
+  std::array<double, 3> centre{};
+  bool drags = false;  // rows_active.cc: slides, its friction follows its normal
 };
 
 class Rows {
@@ -55,12 +64,21 @@ class Rows {
   std::vector<double> responses;  // W of each mechanism that has rows, one after the other
 
   void prepare();
-  // Finds the impulses; velocities and `applied` follow. Returns the largest change of a velocity that the
-  // last sweep made: how far from the solution it is, m/s or rad/s.
-  double solve(int most_sweeps, double enough);
+  // Finds the impulses, but for `least`, m/s or rad/s, or the share of the largest change since clear();
+  // velocities and `applied` follow. Returns by how much the rows were not as they ask to be before.
+  double solve(int most_sweeps, double least, double share);
 
  private:
+  // A row that is solved for; the normal of what slides carries its friction along.
+  struct Row {
+    std::size_t block, row;
+    std::array<double, 2> drag{};
+  };
+
   double sweep(bool forwards);
+  double sweep_and_accelerate(int most_sweeps, double enough);
+  double settle(double enough);
+  double error(const RowBlock& block, std::size_t row) const;
   double relax(RowBlock& block);
   double relax_contact(RowBlock& block);
   double relax_bounded(RowBlock& block);
@@ -68,6 +86,23 @@ class Rows {
   void change(RowBlock& block, const std::array<double, 3>& by);
   void start();
 
+  // rows_active.cc. False where there is nothing to be solved at once, or too much.
+  bool solve_active(double enough);
+  double response(const RowBlock& a, std::size_t r, const RowBlock& b, std::size_t s) const;
+  double response(const Row& a, const Row& b) const;
+  void add_contact(std::size_t index);
+  void find_active();
+  bool factor_active();
+  double find_missing();
+  static std::array<double, 3> within_bounds(const RowBlock& block, const std::array<double, 3>& lambda);
+  bool step_active();
+
+  static constexpr std::size_t kNoBlock = static_cast<std::size_t>(-1);
+  std::vector<Row> active_;
+  EnvelopeLu factor_;
+  std::vector<double> missing_;
+  std::vector<std::array<double, 3>> steps_;  // by block
+  double largest_ = 0.0;                      // change that a solution began with since clear()
   std::vector<double> last_lambda_, last_velocities_, direction_lambda_, direction_velocities_;
 };
 

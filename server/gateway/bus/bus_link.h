@@ -16,6 +16,8 @@ class BusLink {
   virtual ~BusLink() = default;
   // As the ready line shows it: "pty:arm.tty", "tcp:40123".
   virtual std::string name() const = 0;
+  // The same as others on this machine find it: with an absolute path.
+  virtual std::string address() const { return name(); }
   // The channels that are there from the beginning. Called once.
   virtual std::vector<std::unique_ptr<Channel>> channels() { return {}; }
   // What to poll for new channels; -1: none come.

@@ -45,6 +45,7 @@ Buses::Buses(cycle::Simulation& simulation, const std::vector<BusAddress>& addre
       throw std::runtime_error("the part '" + address.part + "' has no modules that a bus could reach");
     auto link = open(address);
     names_[address.part].push_back(link->name());
+    addresses_.push_back({address.part, link->address()});
     parts_.push_back(part);
     timings_.emplace_back(address.timing);
     wirings.push_back({std::move(link), part});

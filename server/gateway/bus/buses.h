@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/messages.h"
 #include "server/cycle/simulation.h"
 #include "server/gateway/bus/address.h"
 #include "server/gateway/bus/bus_thread.h"
@@ -27,6 +28,7 @@ class Buses {
   ~Buses();
 
   const BusNames& names() const { return names_; }
+  const std::vector<protocol::PartBus>& addresses() const { return addresses_; }  // for Status
 
   // The tick's thread, between ticks.
   bool serve();                             // what is there; true if there was something
@@ -47,6 +49,7 @@ class Buses {
   cycle::Simulation& simulation_;
   std::function<void()> wake_;
   BusNames names_;
+  std::vector<protocol::PartBus> addresses_;
   std::vector<std::uint32_t> parts_;          // by link
   std::vector<LineTiming> timings_;           // by link
   std::vector<std::deque<Waiting>> waiting_;  // by link, in the order of the line

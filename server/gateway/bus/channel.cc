@@ -79,7 +79,7 @@ bool Channel::read_can(const OnTelegram& on_telegram) {
 void Channel::decode(const OnTelegram& on_telegram) {
   decide();
   if (speech_ == Speech::kSerial) take_serial(on_telegram);
-  if (speech_ == Speech::kSlcan) take_slcan(on_telegram);
+  if (speech_ == Speech::kSlcan || speech_ == Speech::kSlcanHost) take_slcan(on_telegram);
 }
 
 // A serial frame begins with 02; slcan's lines with a letter, or with the CR that clears the line.
@@ -110,12 +110,20 @@ void Channel::take_slcan(const OnTelegram& on_telegram) {
     const auto decoded = powercube::decode_slcan(std::span(received_).subspan(done));
     if (decoded.progress == Progress::kNeedsMore) break;
     done += decoded.taken;
-    if (decoded.progress == Progress::kBad)
+    if (speech_ == Speech::kSlcanHost)
+      hear_adapter(decoded, on_telegram);
+    else if (decoded.progress == Progress::kBad)
       write(kWrong.data(), kWrong.size());
     else
       obey_adapter(decoded, on_telegram);
   }
   received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(done));
+}
+
+// Frames. What else an adapter says ("z", CR, BEL) only acknowledges.
+void Channel::hear_adapter(const SlcanDecoded& decoded, const OnTelegram& on_telegram) {
+  if (decoded.progress == Progress::kBad || decoded.kind != SlcanDecoded::Kind::kFrame) return;
+  if (const auto telegram = powercube::from_can(decoded.frame)) on_telegram(*telegram, Wire::kCan);
 }
 
 void Channel::obey_adapter(const SlcanDecoded& decoded, const OnTelegram& on_telegram) {
@@ -150,9 +158,9 @@ void Channel::send(const Telegram& telegram) {
   if (speech_ == Speech::kSocketCan) {
     const auto frame = to_kernel(powercube::to_can(telegram));
     write(&frame, sizeof frame);
-  } else if (speech_ == Speech::kSlcan) {
+  } else if (is_can()) {
     const auto line = powercube::encode_slcan(powercube::to_can(telegram));
-    if (open_) write(line.data.data(), line.size);
+    if (open_ || speech_ == Speech::kSlcanHost) write(line.data.data(), line.size);
   } else if (telegram.kind != Telegram::Kind::kState) {
     const auto frame = powercube::encode_serial(telegram);
     write(frame.data.data(), frame.size);

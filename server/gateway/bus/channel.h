@@ -15,7 +15,8 @@ namespace visum::gateway {
 enum class Speech {
   kUndecided,  // TCP: the first byte tells
   kSerial,     // RS-232 frames
-  kSlcan,      // CAN frames as lines of text
+  kSlcan,      // CAN frames as lines of text; we are the adapter
+  kSlcanHost,  // the same from the other side: an adapter, opened already, is there
   kSocketCan,  // CAN frames of the kernel
 };
 
@@ -30,7 +31,7 @@ class Channel {
 
   int fd() const { return fd_; }
   // On a CAN bus everybody hears everything, on a serial line only what is meant for him.
-  bool is_can() const { return speech_ == Speech::kSlcan || speech_ == Speech::kSocketCan; }
+  bool is_can() const { return speech_ != Speech::kUndecided && speech_ != Speech::kSerial; }
 
   // Takes in what is there. False: the other end is gone.
   bool read(const OnTelegram& on_telegram);
@@ -44,6 +45,7 @@ class Channel {
   void decide();
   void take_serial(const OnTelegram& on_telegram);
   void take_slcan(const OnTelegram& on_telegram);
+  void hear_adapter(const powercube::SlcanDecoded& decoded, const OnTelegram& on_telegram);
   void obey_adapter(const powercube::SlcanDecoded& decoded, const OnTelegram& on_telegram);
   void write(const void* data, std::size_t size);
 

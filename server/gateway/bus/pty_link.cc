@@ -56,6 +56,7 @@ class PtyLink : public BusLink {
   }
 
   std::string name() const override { return std::string(kind_) + ":" + path_; }
+  std::string address() const override { return std::string(kind_) + ":" + fs::absolute(path_).string(); }
   std::vector<std::unique_ptr<Channel>> channels() override {
     std::vector<std::unique_ptr<Channel>> all;
     all.push_back(std::make_unique<Channel>(master_, speech_));

@@ -11,8 +11,8 @@ namespace {
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x298483e0ac430d00ull},
     {"OdeQuick", 0x1b29075d8790cce3ull},
-    {"Impulse", 0xcf1fa51ce125adb9ull},
-    {"ImpulseOrder4", 0x04d87899a1d396a0ull},
+    {"Impulse", 0x41fa3188875660c0ull},
+    {"ImpulseOrder4", 0x0252fbcdeb418226ull},
 };
 
 class Golden : public Contract {};

@@ -101,7 +101,7 @@ std::vector<Case> grasp_cases() {
                                  {"slip_7_m", 1e-3}, {"slip_9_m", 1e-3}, {"slip_11_m", 1e-3}};
   const char* source = "closed form: friction carries ten times the weight: no slip";
   return {
-      {"G1", "JawsHoldBlocks", source, few, hold, true},
+      {"G1", "JawsHoldBlocks", source, few, hold},
       {"G1c", "JawsHoldBlocksIn5msSteps", source, few, hold_coarsely},
       {"G1l", "JawsHoldBlocksFor100s", source, many, hold_for_long, true},
       {"G1lc", "JawsHoldBlocksFor100sIn5msSteps", source, many, hold_for_long_coarsely, true},

@@ -1,0 +1,144 @@
+// esd's libntcan, as far as programs for PowerCube modules use it, over a bus of Visum's.
+#include "clients/canlib/ntcan.h"
+
+#include <array>
+#include <memory>
+#include <mutex>
+
+#include "clients/canlib/can_line.h"
+
+namespace {
+
+using visum::canlib::CanLine;
+using visum::canlib::Frame;
+
+struct Opened {
+  std::unique_ptr<CanLine> line;
+  std::chrono::milliseconds rx_timeout{};
+  uint32_t baud = NTCAN_BAUD_250;
+};
+
+constexpr std::size_t kMostHandles = 64;
+std::mutex table_lock;
+std::array<std::shared_ptr<Opened>, kMostHandles> table;  // a handle is its place, from 1
+
+std::shared_ptr<Opened> find(NTCAN_HANDLE handle) {
+  const std::lock_guard lock(table_lock);
+  if (handle < 1 || handle > static_cast<NTCAN_HANDLE>(kMostHandles)) return nullptr;
+  return table[static_cast<std::size_t>(handle) - 1];
+}
+
+CMSG to_message(const Frame& frame) {
+  CMSG message{};
+  message.id = static_cast<int32_t>(frame.id);
+  message.len = frame.size;
+  for (std::size_t i = 0; i < frame.size; ++i) message.data[i] = frame.data[i];
+  return message;
+}
+
+// The first by `due`, and those that are there behind it.
+NTCAN_RESULT receive(CanLine& line, CMSG* messages, int32_t* count, CanLine::Clock::time_point due) {
+  const int32_t room = *count;
+  *count = 0;
+  while (*count < room) {
+    const auto frame = line.read(*count == 0 ? due : CanLine::Clock::time_point{});
+    if (!frame) break;
+    messages[(*count)++] = to_message(*frame);
+  }
+  return *count > 0 ? NTCAN_SUCCESS : NTCAN_RX_TIMEOUT;
+}
+
+}  // namespace
+
+NTCAN_RESULT canOpen(int32_t, uint32_t, int32_t, int32_t, int32_t, int32_t rx_timeout, NTCAN_HANDLE* handle) {
+  if (!handle) return NTCAN_INVALID_PARAMETER;
+  auto line = CanLine::open("libntcan (Visum)");
+  if (!line) return NTCAN_NET_NOT_FOUND;
+  const std::lock_guard lock(table_lock);
+  for (std::size_t i = 0; i < kMostHandles; ++i) {
+    if (table[i]) continue;
+    table[i] = std::make_shared<Opened>();
+    table[i]->line = std::move(line);
+    table[i]->rx_timeout = std::chrono::milliseconds(rx_timeout);
+    *handle = static_cast<NTCAN_HANDLE>(i) + 1;
+    return NTCAN_SUCCESS;
+  }
+  return NTCAN_INSUFFICIENT_RESOURCES;
+}
+
+NTCAN_RESULT canClose(NTCAN_HANDLE handle) {
+  if (!find(handle)) return NTCAN_INVALID_HANDLE;
+  const std::lock_guard lock(table_lock);
+  table[static_cast<std::size_t>(handle) - 1].reset();
+  return NTCAN_SUCCESS;
+}
+
+// The bus has its rate already; what is set is returned.
+NTCAN_RESULT canSetBaudrate(NTCAN_HANDLE handle, uint32_t baud) {
+  const auto opened = find(handle);
+  if (!opened) return NTCAN_INVALID_HANDLE;
+  opened->baud = baud;
+  return NTCAN_SUCCESS;
+}
+
+NTCAN_RESULT canGetBaudrate(NTCAN_HANDLE handle, uint32_t* baud) {
+  const auto opened = find(handle);
+  if (!opened) return NTCAN_INVALID_HANDLE;
+  if (!baud) return NTCAN_INVALID_PARAMETER;
+  *baud = opened->baud;
+  return NTCAN_SUCCESS;
+}
+
+NTCAN_RESULT canIdAdd(NTCAN_HANDLE handle, int32_t id) {
+  const auto opened = find(handle);
+  if (!opened) return NTCAN_INVALID_HANDLE;
+  if (id < 0 || id > 0x7FF) return NTCAN_INVALID_PARAMETER;
+  if (opened->line->hears(static_cast<uint32_t>(id))) return NTCAN_ID_ALREADY_ENABLED;
+  opened->line->hear(static_cast<uint32_t>(id), true);
+  return NTCAN_SUCCESS;
+}
+
+NTCAN_RESULT canIdDelete(NTCAN_HANDLE handle, int32_t id) {
+  const auto opened = find(handle);
+  if (!opened) return NTCAN_INVALID_HANDLE;
+  if (id < 0 || !opened->line->hears(static_cast<uint32_t>(id))) return NTCAN_ID_NOT_ENABLED;
+  opened->line->hear(static_cast<uint32_t>(id), false);
+  return NTCAN_SUCCESS;
+}
+
+NTCAN_RESULT canRead(NTCAN_HANDLE handle, CMSG* messages, int32_t* count, void*) {
+  const auto opened = find(handle);
+  if (!opened) return NTCAN_INVALID_HANDLE;
+  if (!messages || !count || *count < 1) return NTCAN_INVALID_PARAMETER;
+  // A timeout of 0 waits for ever.
+  const auto due = opened->rx_timeout.count() > 0 ? CanLine::Clock::now() + opened->rx_timeout
+                                                  : CanLine::Clock::time_point::max();
+  return receive(*opened->line, messages, count, due);
+}
+
+NTCAN_RESULT canTake(NTCAN_HANDLE handle, CMSG* messages, int32_t* count) {
+  const auto opened = find(handle);
+  if (!opened) return NTCAN_INVALID_HANDLE;
+  if (!messages || !count || *count < 1) return NTCAN_INVALID_PARAMETER;
+  receive(*opened->line, messages, count, CanLine::Clock::now());
+  return NTCAN_SUCCESS;
+}
+
+NTCAN_RESULT canWrite(NTCAN_HANDLE handle, CMSG* messages, int32_t* count, void*) {
+  const auto opened = find(handle);
+  if (!opened) return NTCAN_INVALID_HANDLE;
+  if (!messages || !count || *count < 1) return NTCAN_INVALID_PARAMETER;
+  const int32_t wanted = *count;
+  for (*count = 0; *count < wanted; ++*count) {
+    const CMSG& message = messages[*count];
+    if (message.id < 0 || message.id > 0x7FF || message.len > 8) return NTCAN_INVALID_PARAMETER;
+    Frame frame{static_cast<uint32_t>(message.id), message.len, {}};
+    for (std::size_t i = 0; i < message.len; ++i) frame.data[i] = message.data[i];
+    if (!opened->line->write(frame)) return NTCAN_TX_ERROR;
+  }
+  return NTCAN_SUCCESS;
+}
+
+NTCAN_RESULT canSend(NTCAN_HANDLE handle, CMSG* messages, int32_t* count) {
+  return canWrite(handle, messages, count, nullptr);
+}

@@ -1,0 +1,61 @@
+#include "server/dynamics/impulse/envelope_lu.h"
+
+#include <algorithm>
+
+namespace visum::dynamics::impulse {
+namespace {
+
+// In four parts, whose order is fixed: the same bits from every compiler, and they can run side by side.
+double dot(const double* a, const double* b, std::size_t from, std::size_t to) {
+  double sum[4] = {0.0, 0.0, 0.0, 0.0};
+  std::size_t k = from;
+  for (; k + 4 <= to; k += 4)
+    for (std::size_t part = 0; part < 4; ++part) sum[part] += a[k + part] * b[k + part];
+  for (; k < to; ++k) sum[0] += a[k] * b[k];
+  return (sum[0] + sum[2]) + (sum[1] + sum[3]);
+}
+
+}  // namespace
+
+void EnvelopeLu::clear() {
+  first_.clear();
+  start_.clear();
+  lower_.clear();
+  upper_.clear();
+}
+
+void EnvelopeLu::add(std::size_t first) {
+  const std::size_t i = first_.size();
+  first_.push_back(first);
+  start_.push_back(lower_.size());
+  lower_.resize(lower_.size() + i - first + 1, 0.0);
+  upper_.resize(lower_.size(), 0.0);
+}
+
+// l_ij = (a_ij - sum l_ik u_kj) / u_jj,  u_ji = a_ji - sum l_jk u_ki.
+bool EnvelopeLu::factor() {
+  inverse_diagonal_.resize(size());
+  for (std::size_t i = 0; i < size(); ++i) {
+    double *const ri = row(i), *const ci = column(i);
+    for (std::size_t j = first_[i]; j < i; ++j) {
+      const std::size_t from = std::max(first_[i], first_[j]);
+      ri[j] = (ri[j] - dot(ri, column(j), from, j)) * inverse_diagonal_[j];
+      ci[j] -= dot(ci, row(j), from, j);
+    }
+    const double pivot = ri[i] - dot(ri, ci, first_[i], i);
+    if (!(pivot > 0.0)) return false;
+    inverse_diagonal_[i] = 1.0 / pivot;
+  }
+  return true;
+}
+
+void EnvelopeLu::solve(std::vector<double>& b) const {
+  for (std::size_t i = 0; i < size(); ++i) b[i] -= dot(row(i), b.data(), first_[i], i);
+  for (std::size_t i = size(); i-- > 0;) {
+    const double* const ci = column(i);
+    b[i] *= inverse_diagonal_[i];
+    for (std::size_t j = first_[i]; j < i; ++j) b[j] -= ci[j] * b[i];
+  }
+}
+
+}  // namespace visum::dynamics::impulse

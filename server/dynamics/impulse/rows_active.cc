@@ -1,0 +1,168 @@
+// The rows that are within their bounds, solved at once: the subspace step of Silcowitz-Hansen, Niebe,
+// Erleben, Projected Gauss-Seidel subspace minimization method for interactive rigid body dynamics, GRAPP
+// 2010. Sweeps find out which rows those are; the step finds their impulses, whatever the ratio of masses is.
+//
+// Symbols: A response of the rows that are free to each other, S softness and compliance, r what they miss.
+//   (A + S) dl = r, as far as the first bound
+#include <algorithm>
+#include <cmath>
+
+#include "server/dynamics/impulse/friction_cone.h"
+#include "server/dynamics/impulse/rows.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+constexpr int kMostRefinements = 2;
+constexpr int kMostSteps = 8;                  // from bound to bound
+constexpr std::size_t kMostEntries = 400'000;  // of the factor: beyond, sweeps alone are quicker
+constexpr double kInside = 1.0 - 1e-9;         // share of the friction's radius up to which a contact sticks
+
+double dot(const std::array<double, 6>& a, const std::array<double, 6>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
+}
+
+bool meet(const RowEnd& a, const RowEnd& b) {
+  return a.free == b.free && a.offset == b.offset;
+}
+
+bool meet(const RowBlock& a, const RowBlock& b) {
+  for (std::size_t i = 0; i < a.end_count; ++i)
+    for (std::size_t j = 0; j < b.end_count; ++j)
+      if (meet(a.ends[i], b.ends[j])) return true;
+  return false;
+}
+
+}  // namespace
+
+// What an impulse on row s of b does to row r of a.
+double Rows::response(const RowBlock& a, std::size_t r, const RowBlock& b, std::size_t s) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.end_count; ++i) {
+    for (std::size_t j = 0; j < b.end_count; ++j) {
+      const RowEnd &end_a = a.ends[i], &end_b = b.ends[j];
+      if (!meet(end_a, end_b)) continue;
+      sum += end_a.free ? dot(end_a.J[r], end_b.MJ[s])
+                        : responses[end_a.response + (end_a.first + r) * end_a.size + end_b.first + s];
+    }
+  }
+  return sum;
+}
+
+double Rows::response(const Row& a, const Row& b) const {
+  const RowBlock &to = blocks[a.block], &from = blocks[b.block];
+  double sum = response(to, a.row, from, b.row);
+  for (std::size_t i = 0; i < 2; ++i)
+    if (b.drag[i] != 0.0) sum += b.drag[i] * response(to, a.row, from, i + 1);
+  return sum;
+}
+
+// What slides takes part with its normal, and with its tangents again where it is asked to slide less.
+void Rows::add_contact(std::size_t index) {
+  RowBlock& block = blocks[index];
+  if (block.K[0][0] <= kRigid * block.free_response || !(block.lambda[0] > block.low)) return;
+  const double radius = block.friction * std::max(0.0, block.lambda[0] + block.base[0]);
+  const Tangential held{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
+  const bool slides = radius == 0.0 || (!is_within_disc(held, kInside * radius) &&
+                                        held[0] * error(block, 1) + held[1] * error(block, 2) >= 0.0);
+  Row normal{index, 0};
+  block.drags = slides && radius > 0.0;
+  if (block.drags) normal.drag = {block.friction * held[0] / radius, block.friction * held[1] / radius};
+  active_.push_back(normal);
+  if (slides) return;
+  active_.push_back({index, 1});
+  active_.push_back({index, 2});
+}
+
+void Rows::find_active() {
+  active_.clear();
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const RowBlock& block = blocks[i];
+    if (block.kind == RowBlock::Kind::kContact)
+      add_contact(i);
+    else if (block.lambda[0] > block.low && block.lambda[0] < block.high && block.K[0][0] > 0.0)
+      active_.push_back({i, 0});
+  }
+}
+
+bool Rows::factor_active() {
+  factor_.clear();
+  std::size_t block = kNoBlock, first = 0;
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    const Row& row = active_[i];
+    if (row.block != block) {
+      block = row.block;
+      first = 0;
+      while (active_[first].block != block && !meet(blocks[active_[first].block], blocks[block])) ++first;
+    }
+    factor_.add(first);
+    if (factor_.entries() > kMostEntries) return false;
+    for (std::size_t j = first; j <= i; ++j) {
+      factor_.at(i, j) = response(row, active_[j]);
+      if (j < i) factor_.at(j, i) = response(active_[j], row);
+    }
+    factor_.at(i, i) += blocks[block].softness[row.row] + (row.row == 0 ? blocks[block].compliance : 0.0);
+  }
+  return factor_.factor();
+}
+
+double Rows::find_missing() {
+  missing_.resize(active_.size());
+  double largest = 0.0;
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    missing_[i] = error(blocks[active_[i].block], active_[i].row);
+    largest = std::max(largest, std::abs(missing_[i]));
+  }
+  return largest;
+}
+
+// The nearest impulses that the block's bounds allow.
+std::array<double, 3> Rows::within_bounds(const RowBlock& block, const std::array<double, 3>& lambda) {
+  if (block.kind == RowBlock::Kind::kBounded) return {std::clamp(lambda[0], block.low, block.high), 0.0, 0.0};
+  const double normal = std::max(block.low, lambda[0]);
+  const double radius = block.friction * std::max(0.0, normal + block.base[0]);
+  const Tangential held = within_disc({lambda[1] + block.base[1], lambda[2] + block.base[2]}, radius);
+  return {normal, held[0] - block.base[1], held[1] - block.base[2]};
+}
+
+// Moves by what missing_ holds, and back to the bounds. False where a bound was met.
+bool Rows::step_active() {
+  steps_.assign(blocks.size(), {});
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    const Row& row = active_[i];
+    steps_[row.block][row.row] += missing_[i];
+    for (std::size_t k = 0; k < 2; ++k) steps_[row.block][k + 1] += row.drag[k] * missing_[i];
+  }
+  bool free = true;
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    std::array<double, 3> next = blocks[k].lambda;
+    for (std::size_t i = 0; i < 3; ++i) next[i] += steps_[k][i];
+    const std::array<double, 3> allowed = within_bounds(blocks[k], next);
+    for (std::size_t i = 0; i < 3; ++i) steps_[k][i] = allowed[i] - blocks[k].lambda[i];
+    free = free && (blocks[k].drags || allowed == next);
+    change(blocks[k], steps_[k]);
+  }
+  return free;
+}
+
+bool Rows::solve_active(double enough) {
+  for (int step = 0; step < kMostSteps; ++step) {
+    find_active();
+    if (active_.empty()) return true;
+    if (!factor_active()) {
+      for (Row& row : active_) row.drag = {};
+      for (RowBlock& block : blocks) block.drags = false;
+      if (!factor_active()) return false;
+    }
+    bool free = true;
+    for (int pass = 0; pass < kMostRefinements && free; ++pass) {
+      if (find_missing() <= enough) return true;
+      factor_.solve(missing_);
+      free = step_active();
+    }
+    if (free) return true;
+  }
+  return true;
+}
+
+}  // namespace visum::dynamics::impulse

@@ -1,0 +1,170 @@
+#include "server/gateway/mirror/mirror.h"
+
+#include <poll.h>
+#include <spdlog/spdlog.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "hwparts/servo_group/part_state.h"
+
+namespace visum::gateway {
+namespace {
+
+using protocol::Port;
+using servo_group::PartState;
+
+std::optional<std::size_t> find(const std::vector<Port>& ports, const std::string& name) {
+  for (std::size_t i = 0; i < ports.size(); ++i)
+    if (ports[i].name == name) return i;
+  return std::nullopt;
+}
+
+std::size_t need(const std::vector<Port>& ports, const std::string& name) {
+  if (const auto found = find(ports, name)) return *found;
+  throw std::runtime_error("the part has no port '" + name + "': it cannot be stopped when the arms diverge");
+}
+
+void check_ports(const std::vector<Port>& a, const std::vector<Port>& b) {
+  if (a.size() != b.size())
+    throw std::runtime_error("the two arms have not the same number of ports: " + std::to_string(a.size()) +
+                             " and " + std::to_string(b.size()));
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i].name == b[i].name && a[i].unit == b[i].unit) continue;
+    throw std::runtime_error("port " + std::to_string(i) + " of the two arms is not the same: '" + a[i].name +
+                             "' [" + a[i].unit + "] and '" + b[i].name + "' [" + b[i].unit + "]");
+  }
+}
+
+}  // namespace
+
+Mirror::Mirror(const std::array<std::string, kArms>& addresses, const std::string& part,
+               const std::string& token)
+    : arms_{ArmLink(addresses[0], part, token), ArmLink(addresses[1], part, token)},
+      description_(arms_[0].description()) {
+  check_alike();
+  halt_ = need(description_.controller_inputs, "Halt");
+  reset_ = need(description_.controller_inputs, "Reset");
+  part_state_ = find(description_.sensor_outputs, "Part State");
+  for (const auto& port : description_.controller_inputs) initial_.push_back(port.initial);
+  inputs_ = initial_;
+  for (auto& arm : arms_) arm.rebase(inputs_, initial_);
+  for (std::size_t i = 0; i < description_.sensor_outputs.size(); ++i) {
+    const auto& unit = description_.sensor_outputs[i].unit;
+    if (unit == "rad" || unit == "m") compared_.push_back(i);
+  }
+  divergence_.assign(compared_.size(), 0.0);
+  const auto board = arms_[0].read_blackboard("Identity");
+  identity_.assign(reinterpret_cast<const char*>(board.data()), board.size());
+  compare();
+}
+
+void Mirror::check_alike() const {
+  const auto &a = arms_[0].description(), &b = arms_[1].description();
+  if (a.kind != b.kind)
+    throw std::runtime_error("the two arms are not of one kind: " + a.kind + " and " + b.kind);
+  check_ports(a.controller_inputs, b.controller_inputs);
+  check_ports(a.sensor_outputs, b.sensor_outputs);
+}
+
+void Mirror::pump() {
+  for (auto& arm : arms_) {
+    if (!arm.poll()) continue;
+    arm.rebase(commanded(), initial_);
+  }
+  compare();
+}
+
+void Mirror::compare() {
+  if (!arms_[0].connected() || !arms_[1].connected()) return;
+  const auto shown = arms_[primary_].sensor_outputs(), other = arms_[1 - primary_].sensor_outputs();
+  for (std::size_t i = 0; i < compared_.size(); ++i)
+    divergence_[i] = other[compared_[i]] - shown[compared_[i]];
+  const bool angle = bounds_.angle_limit_rad > 0.0 && largest("rad") > bounds_.angle_limit_rad;
+  const bool position = bounds_.position_limit_m > 0.0 && largest("m") > bounds_.position_limit_m;
+  const bool exceeded = angle || position;
+  if (exceeded && !exceeded_) raise("the arms diverge");
+  exceeded_ = exceeded;
+}
+
+// Both stand until the controller's Reset.
+void Mirror::raise(const std::string& why) {
+  spdlog::error("{}: by {:.4f} rad, {:.5f} m", why, largest("rad"), largest("m"));
+  fault_ = true;
+  halts_ += 1.0;
+  send();
+}
+
+double Mirror::largest(const char* unit) const {
+  double most = 0.0;
+  for (std::size_t i = 0; i < compared_.size(); ++i)
+    if (description_.sensor_outputs[compared_[i]].unit == unit)
+      most = std::max(most, std::abs(divergence_[i]));
+  return most;
+}
+
+void Mirror::command(std::span<const double> inputs) {
+  if (std::ranges::equal(inputs, inputs_)) return;
+  if (inputs[reset_] != inputs_[reset_]) {
+    fault_ = false;
+    exceeded_ = false;  // still too far apart is a fault anew
+  }
+  inputs_.assign(inputs.begin(), inputs.end());
+  send();
+}
+
+std::vector<double> Mirror::commanded() const {
+  auto values = inputs_;
+  values[halt_] += halts_;
+  return values;
+}
+
+void Mirror::send() {
+  const auto values = commanded();
+  for (auto& arm : arms_) arm.write(values, initial_);
+}
+
+void Mirror::controller_lost() {
+  for (auto& arm : arms_) arm.drop();
+  pump();
+}
+
+void Mirror::read(std::span<double> outputs) const {
+  std::ranges::copy(arms_[primary_].sensor_outputs(), outputs.begin());
+  if (part_state_ && (fault_ || !arms_[primary_].connected()))
+    outputs[*part_state_] = static_cast<double>(PartState::kFault);
+}
+
+std::optional<std::string> Mirror::switch_to(std::size_t arm, bool by_force) {
+  if (arm == primary_) return std::nullopt;
+  if (!arms_[arm].connected()) return arms_[arm].address() + " is gone";
+  const double angle = largest("rad"), position = largest("m");
+  if (!by_force && (angle > bounds_.angle_switch_rad || position > bounds_.position_switch_m))
+    return "the arms are " + std::to_string(angle) + " rad and " + std::to_string(position) +
+           " m apart, more than " + std::to_string(bounds_.angle_switch_rad) + " rad and " +
+           std::to_string(bounds_.position_switch_m) + " m; 'Force Primary' switches all the same";
+  primary_ = arm;
+  for (double& difference : divergence_) difference = -difference;
+  spdlog::info("{} is the primary now", arms_[arm].address());
+  return std::nullopt;
+}
+
+std::optional<std::string> Mirror::set_parameter(const std::string& name,
+                                                 const protocol::ParameterValue& value) {
+  for (const auto arm : {primary_, 1 - primary_})
+    if (auto reason = arms_[arm].set_parameter(name, value)) return reason;
+  return std::nullopt;
+}
+
+void Mirror::wait_until(std::chrono::steady_clock::time_point due) {
+  const auto left = std::max(due - std::chrono::steady_clock::now(), std::chrono::steady_clock::duration{});
+  const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(left).count();
+  const timespec wait{static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
+  std::array<pollfd, kArms> set{};
+  for (std::size_t i = 0; i < kArms; ++i) set[i] = {arms_[i].descriptor(), POLLIN, 0};
+  ::ppoll(set.data(), set.size(), &wait, nullptr);
+}
+
+}  // namespace visum::gateway

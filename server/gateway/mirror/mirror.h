@@ -1,0 +1,86 @@
+// Two arms that get the same commands. The controller sees the primary; the divergence of the two, port by
+// port, is watched, and one that exceeds its limit halts both. Which of them is the primary can be switched
+// live.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/gateway/mirror/arm_link.h"
+
+namespace visum::gateway {
+
+struct MirrorBounds {
+  // The divergence that raises a fault; 0: none does.
+  double angle_limit_rad = 0.0;
+  double position_limit_m = 0.0;
+  // The divergence up to which the primary may be switched without force.
+  double angle_switch_rad = 0.02;
+  double position_switch_m = 0.002;
+};
+
+class Mirror {
+ public:
+  static constexpr std::size_t kArms = 2;
+
+  // Throws std::runtime_error: an arm cannot be had, or the two have not the same ports.
+  Mirror(const std::array<std::string, kArms>& addresses, const std::string& part, const std::string& token);
+
+  // What the mirrored part is described as: the primary's at start.
+  const protocol::PartDescription& description() const { return description_; }
+  bool simulated() const { return arms_[0].simulated() && arms_[1].simulated(); }
+  std::int64_t tick_ns() const { return arms_[0].tick_ns(); }
+  const std::string& identity() const { return identity_; }
+
+  // Takes in what came from both, and watches the divergence. Does not wait.
+  void pump();
+  // Waits for something to come, at most until `due`.
+  void wait_until(std::chrono::steady_clock::time_point due);
+  void command(std::span<const double> inputs);
+  void controller_lost();
+  // The primary's, with the mirror's own faults in `Part State`.
+  void read(std::span<double> outputs) const;
+
+  // Ports that are compared (positions), and how far the shadow is from the primary at each of them.
+  std::span<const std::size_t> compared() const { return compared_; }
+  std::span<const double> divergence() const { return divergence_; }
+  double largest(const char* unit) const;  // "rad" or "m"; its amount
+  bool fault() const { return fault_; }
+  bool connected(std::size_t arm) const { return arms_[arm].connected(); }
+  std::size_t primary() const { return primary_; }
+  // Returns why not.
+  std::optional<std::string> switch_to(std::size_t arm, bool by_force);
+  MirrorBounds& bounds() { return bounds_; }
+
+  std::vector<protocol::Parameter> parameters() { return arms_[primary_].parameters(); }
+  std::optional<std::string> set_parameter(const std::string& name, const protocol::ParameterValue& value);
+
+ private:
+  void check_alike() const;
+  void compare();
+  void raise(const std::string& why);
+  std::vector<double> commanded() const;  // with the mirror's own halts
+  void send();
+
+  std::array<ArmLink, kArms> arms_;
+  protocol::PartDescription description_;
+  std::string identity_;
+  std::vector<std::size_t> compared_;
+  std::vector<double> divergence_;
+  std::size_t halt_ = 0, reset_ = 0;       // of the controller inputs
+  std::optional<std::size_t> part_state_;  // of the sensor outputs
+  std::vector<double> initial_, inputs_;   // as at start, and as last commanded
+  double halts_ = 0.0;                     // by the mirror itself
+  MirrorBounds bounds_;
+  std::size_t primary_ = 0;
+  bool fault_ = false;
+  bool exceeded_ = false;  // the limit, when last looked
+};
+
+}  // namespace visum::gateway

@@ -1,0 +1,120 @@
+#include "server/gateway/program.h"
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+
+#include "server/gateway/json.h"
+
+namespace visum::gateway {
+namespace {
+
+Daemon* running_daemon = nullptr;
+volatile std::sig_atomic_t caught_signal = 0;
+
+void on_signal(int signal) {
+  caught_signal = signal;
+  if (running_daemon) running_daemon->stop();
+}
+
+void catch_signals() {
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+// Tells systemd that the service is ready (sd_notify(3), Type=notify).
+void notify_manager() {
+  const char* path = std::getenv("NOTIFY_SOCKET");
+  if (!path || !*path) return;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, path, sizeof address.sun_path - 1);
+  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + std::strlen(address.sun_path));
+  if (address.sun_path[0] == '@') address.sun_path[0] = '\0';
+  const int fd = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return;
+  constexpr char kReady[] = "READY=1";
+  if (::sendto(fd, kReady, sizeof kReady - 1, 0, reinterpret_cast<sockaddr*>(&address), length) < 0)
+    spdlog::warn("NOTIFY_SOCKET: {}", std::strerror(errno));
+  ::close(fd);
+}
+
+// {"arm":["pty:arm.tty","tcp:40123"]}
+std::string buses_as_json(const BusNames& buses) {
+  std::string json;
+  for (const auto& [part, names] : buses) {
+    std::string list;
+    for (const auto& name : names) list += (list.empty() ? "" : ",") + gateway::quoted(name);
+    json += (json.empty() ? "" : ",") + gateway::quoted(part) + ":[" + list + "]";
+  }
+  return "{" + json + "}";
+}
+
+// What to type into a browser on this machine.
+std::string page_host(const std::string& address) {
+  if (address == "0.0.0.0" || address == "::") return "localhost";
+  return address.find(':') == std::string::npos ? address : "[" + address + "]";
+}
+
+void print_ready(const Daemon& daemon, const cycle::Simulation& simulation) {
+  const auto http = daemon.http_port();
+  std::string parts;
+  for (const auto& bound : simulation.parts())
+    parts += (parts.empty() ? "" : ",") + gateway::quoted(bound.part->description().name);
+  std::cout << "{\"ready\":true,\"port\":" << daemon.port()
+            << (http == 0 ? "" : ",\"http\":" + std::to_string(http))
+            << ",\"scene\":" << gateway::quoted(simulation.scene().name) << ",\"parts\":[" << parts
+            << "],\"buses\":" << buses_as_json(daemon.buses()) << "}" << std::endl;
+}
+
+void log_ready(const Daemon& daemon, const cycle::Simulation& simulation, const DaemonOptions& options) {
+  spdlog::info("{}: {} parts, listening on {}:{}", simulation.scene().name, simulation.parts().size(),
+               options.address, daemon.port());
+  if (const auto http = daemon.http_port(); http != 0) {
+    if (options.http.port != 0 && http != options.http.port)
+      spdlog::warn("port {} is taken; the page is at {}", options.http.port, http);
+    spdlog::info("the page: http://{}:{}/", page_host(options.address), http);
+  }
+  for (const auto& [part, names] : daemon.buses())
+    for (const auto& name : names) spdlog::info("{}: bus {}", part, name);
+}
+
+}  // namespace
+
+void set_up_log(const std::string& name, int verbosity) {
+  constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::err, spdlog::level::warn,
+                                                   spdlog::level::info, spdlog::level::debug};
+  // The colouring sink looks for itself whether stderr is a terminal.
+  spdlog::set_default_logger(std::getenv("NO_COLOR") ? spdlog::stderr_logger_mt(name)
+                                                     : spdlog::stderr_color_mt(name));
+  spdlog::set_pattern(name + ": %^%l%$: %v");
+  spdlog::set_level(kLevels[verbosity]);
+}
+
+int run_until_signal(Daemon& daemon, const cycle::Simulation& simulation, const DaemonOptions& options,
+                     bool json) {
+  running_daemon = &daemon;
+  catch_signals();
+  if (json)
+    print_ready(daemon, simulation);
+  else
+    log_ready(daemon, simulation, options);
+  notify_manager();
+  daemon.run();
+  running_daemon = nullptr;
+  return caught_signal;
+}
+
+}  // namespace visum::gateway

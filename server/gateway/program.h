@@ -1,0 +1,21 @@
+// What the server programs have in common around their daemon: log, signals, the ready line.
+#pragma once
+
+#include <string>
+
+#include "server/gateway/daemon.h"
+
+namespace visum::gateway {
+
+// Exit codes.
+enum Exit { kPassed = 0, kFailed = 1, kUsage = 2, kConfigWrong = 3, kInterrupted = 130 };
+
+// To stderr, as "NAME: level: text"; 0 errors, 1 warnings, 2 news, 3 details.
+void set_up_log(const std::string& name, int verbosity);
+
+// Runs the daemon until it ends, or until SIGINT or SIGTERM end it; returns the signal, 0: none. Says that it
+// is ready before: on stdout as one line of JSON where wanted, else in the log, and to systemd.
+int run_until_signal(Daemon& daemon, const cycle::Simulation& simulation, const DaemonOptions& options,
+                     bool json);
+
+}  // namespace visum::gateway

@@ -1,0 +1,148 @@
+// visum-hwpart: serves a part of a scene with real modules behind it: the same ports as visumd's, over the
+// same protocol. A controller changes host and port.
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <exception>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "protocol/config/config.h"
+#include "server/cycle/simulation.h"
+#include "server/gateway/bus/host_line.h"
+#include "server/gateway/daemon.h"
+#include "server/gateway/program.h"
+#include "server/scene/scene.h"
+
+namespace {
+
+using namespace visum;
+
+struct Options {
+  std::string scene;
+  std::string part;
+  std::string bus;
+  double speedup = 1.0;
+  double answer_ms = 50.0;
+  int verbosity = 2;
+  bool json = false;
+  hwparts::RealOptions of_part;
+  gateway::DaemonOptions of_daemon;
+};
+
+scene::PartPlan pick_part(const scene::Scene& scene, const std::string& wanted) {
+  std::vector<std::string> names;
+  for (const auto& plan : scene.parts) {
+    if (plan.context.name == wanted || (wanted.empty() && scene.parts.size() == 1)) return plan;
+    names.push_back(plan.context.name);
+  }
+  std::string known;
+  for (const auto& name : names) known += (known.empty() ? "" : ", ") + name;
+  throw std::runtime_error((wanted.empty() ? "--part must name one of the scene's parts: "
+                                           : "the scene has no part '" + wanted + "'; it has: ") +
+                           known);
+}
+
+// The scene's part, without the scene's world: what is real needs no simulated bodies.
+scene::Scene only_the_part(const scene::Scene& whole, const Options& options) {
+  scene::Scene scene;
+  scene.name = whole.name;
+  scene.file = whole.file;
+  scene.world.name = whole.world.name;
+  scene.world.tick_ns = whole.world.tick_ns;
+  scene.parts = {pick_part(whole, options.part)};
+  scene.clock = scene::ClockKind::kRealtime;
+  scene.speed = options.speedup;
+  return scene;
+}
+
+int run(Options options) {
+  const auto scene = only_the_part(scene::load_scene(options.scene), options);
+  const auto line = gateway::open_host_line(options.bus);
+  options.of_part.answer_ns = static_cast<std::int64_t>(options.answer_ms * 1e6);
+  cycle::Simulation simulation(scene, [&](const std::string& kind, const hwparts::PartContext& context) {
+    return hwparts::make_real_part(kind, context, *line, options.of_part);
+  });
+  auto& part = *simulation.parts().front().part;
+  options.of_daemon.simulated = options.of_daemon.has_world = false;
+  options.of_daemon.run_at_once = true;
+  options.of_daemon.wait = [&](std::chrono::steady_clock::time_point due) {
+    const auto due_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(due.time_since_epoch()).count();
+    do {
+      part.pump();
+      line->wait_until(due_ns);
+    } while (line->now_ns() < due_ns);
+  };
+  gateway::Daemon daemon(simulation, options.of_daemon);
+  spdlog::info("{}: all modules of '{}' are there", line->name(), part.description().name);
+  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.json);
+  part.stand_down();
+  spdlog::info("ended");
+  return signal == SIGINT ? gateway::kInterrupted : gateway::kPassed;
+}
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("scene", options.scene, "the scene whose part it is, a YAML file")
+      ->required()
+      ->type_name("SCENE.yaml");
+  app.add_option("--bus", options.bus,
+                 "where the modules are: serial:DEVICE,BAUD, tcp:HOST:PORT, slcan:DEVICE[,KBAUD] or\n"
+                 "socketcan:INTERFACE")
+      ->required()
+      ->type_name("BUS");
+  app.add_option("--part", options.part, "the part's name, where the scene has several");
+  app.add_option("--listen", options.of_daemon.address,
+                 "address to listen on; beyond loopback with --token-file only")
+      ->capture_default_str();
+  app.add_option("--port", options.of_daemon.port, "TCP port; 0: any free one")->capture_default_str();
+  app.add_option("--token-file", options.of_daemon.token_file,
+                 "lines of \"ROLE TOKEN\"; clients then need one");
+  app.add_flag("--execution-enable", options.of_part.execution_enable,
+               "an operator's word: the port Execution Enable starts as 1, not 0");
+  app.add_flag("--watchdog", options.of_part.watchdog,
+               "the modules stop by themselves when nothing serves their watchdogs any more");
+  app.add_option("--answer-ms", options.answer_ms, "patience for an answer, of which there are three tries")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1e4));
+  app.add_option("--speedup", options.speedup,
+                 "how much faster than the wall clock the modules' time runs: simulated ones only")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-3, 1e3));
+  app.add_flag("--json", options.json, "print one line of JSON when ready");
+  app.add_option("-v", options.verbosity, "0 errors, 1 warnings, 2 news, 3 details")->check(CLI::Range(0, 3));
+  app.set_version_flag("--version", "visum-hwpart " VISUM_VERSION);
+  app.footer(
+      "Example:\n"
+      "  visum-hwpart models/scenes/amtec_arm.yaml --bus serial:/dev/ttyUSB0,38400\n"
+      "Nothing moves at start, and nothing before a controller writes Execution Enable.\n"
+      "Exit codes: 0 ended in good order, 2 bad usage, or a bus that is not this part's, 3 the scene is "
+      "wrong, 130 "
+      "interrupted.");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"visum-hwpart: serves a hardware part whose modules are real"};
+  declare(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? gateway::kPassed : gateway::kUsage;
+  }
+  gateway::set_up_log("visum-hwpart", options.verbosity);
+  try {
+    return run(options);
+  } catch (const config::ConfigError& error) {
+    spdlog::error("{}", error.what());
+    return gateway::kConfigWrong;
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return gateway::kUsage;
+  }
+}

@@ -1,0 +1,132 @@
+// visum-mirror: serves a part once more, with two arms behind it: both get the commands, the primary is
+// shown.
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <csignal>
+#include <exception>
+#include <fstream>
+#include <string>
+
+#include "protocol/config/config.h"
+#include "server/cycle/simulation.h"
+#include "server/gateway/daemon.h"
+#include "server/gateway/mirror/mirror_parts.h"
+#include "server/gateway/program.h"
+
+namespace {
+
+using namespace visum;
+
+struct Options {
+  std::string primary, shadow;
+  std::string part = "arm";
+  std::string arm_token_file;
+  double speedup = 1.0;
+  int verbosity = 2;
+  bool json = false;
+  gateway::MirrorBounds bounds;
+  gateway::DaemonOptions of_daemon;
+};
+
+// A scene of two parts and no bodies.
+scene::Scene scene_of(const gateway::Mirror& mirror, const Options& options) {
+  const auto nothing = config::load_text("{}", "mirror");
+  const double tick_s = static_cast<double>(mirror.tick_ns()) * 1e-9;
+  scene::Scene scene;
+  scene.name = "mirror of " + options.primary + " and " + options.shadow;
+  scene.world.tick_ns = mirror.tick_ns();
+  scene.parts.push_back({"arm", {options.part, nothing, {}, tick_s}, {}});
+  scene.parts.push_back({"divergence", {options.part + "_divergence", nothing, {}, tick_s}, {}});
+  scene.clock = scene::ClockKind::kRealtime;
+  scene.speed = options.speedup;
+  return scene;
+}
+
+std::string read_token(const std::string& file) {
+  if (file.empty()) return {};
+  std::ifstream in(file);
+  std::string token;
+  if (!(in >> token)) throw std::runtime_error(file + ": holds no token, or cannot be read");
+  return token;
+}
+
+int run(Options options) {
+  gateway::Mirror mirror({options.primary, options.shadow}, options.part, read_token(options.arm_token_file));
+  mirror.bounds() = options.bounds;
+  cycle::Simulation simulation(scene_of(mirror, options),
+                               [&](const std::string& kind, const hwparts::PartContext& context) {
+                                 return kind == "arm" ? gateway::make_mirrored_arm(mirror)
+                                                      : gateway::make_divergence(mirror, context.name);
+                               });
+  options.of_daemon.simulated = mirror.simulated();
+  options.of_daemon.has_world = false;
+  options.of_daemon.run_at_once = true;
+  options.of_daemon.wait = [&](std::chrono::steady_clock::time_point due) {
+    do {
+      mirror.pump();
+      mirror.wait_until(due);
+    } while (std::chrono::steady_clock::now() < due);
+  };
+  gateway::Daemon daemon(simulation, options.of_daemon);
+  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.json);
+  spdlog::info("ended");
+  return signal == SIGINT ? gateway::kInterrupted : gateway::kPassed;
+}
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("--primary", options.primary, "the arm that the controller sees")
+      ->required()
+      ->type_name("HOST:PORT");
+  app.add_option("--shadow", options.shadow, "the arm that only follows")->required()->type_name("HOST:PORT");
+  app.add_option("--part", options.part, "the part, of that name on both servers")->capture_default_str();
+  app.add_option("--arm-token-file", options.arm_token_file,
+                 "the token for both servers, where they want one");
+  app.add_option("--angle-limit", options.bounds.angle_limit_rad,
+                 "rad of divergence that halt both; 0: none do")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1e3));
+  app.add_option("--position-limit", options.bounds.position_limit_m,
+                 "m of divergence that halt both; 0: none do")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1e3));
+  app.add_option("--listen", options.of_daemon.address,
+                 "address to listen on; beyond loopback with --token-file only")
+      ->capture_default_str();
+  app.add_option("--port", options.of_daemon.port, "TCP port; 0: any free one")->capture_default_str();
+  app.add_option("--token-file", options.of_daemon.token_file,
+                 "lines of \"ROLE TOKEN\"; clients then need one");
+  app.add_option("--speedup", options.speedup, "how much faster than the wall clock the arms' time runs")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-3, 1e3));
+  app.add_flag("--json", options.json, "print one line of JSON when ready");
+  app.add_option("-v", options.verbosity, "0 errors, 1 warnings, 2 news, 3 details")->check(CLI::Range(0, 3));
+  app.set_version_flag("--version", "visum-mirror " VISUM_VERSION);
+  app.footer(
+      "Example:\n"
+      "  visum mirror --primary 127.0.0.1:1501 --shadow 127.0.0.1:1500 --port 1502 --angle-limit 0.1\n"
+      "The virtual arm beside the real one, the real one in charge. The part ARM_divergence says how far "
+      "the\n"
+      "two are apart; its parameters switch the primary and set the limits.");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"visum-mirror: one part, two arms"};
+  declare(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? gateway::kPassed : gateway::kUsage;
+  }
+  gateway::set_up_log("visum-mirror", options.verbosity);
+  try {
+    return run(options);
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return gateway::kUsage;
+  }
+}

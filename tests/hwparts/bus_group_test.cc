@@ -1,0 +1,227 @@
+// A part in front of real modules: what it does when bus and modules are not what they should be.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hwparts/servo_group/part_state.h"
+#include "tests/hwparts/real_bench.h"
+
+namespace visum::test {
+namespace {
+
+using powercube::Wire;
+using servo_group::PartState;
+using testing::AllOf;
+using testing::HasSubstr;
+namespace command = powercube::command;
+
+std::string refusal(const std::string& behind, const std::string& front, auto prepare) {
+  PartBench modules("amtec_arm", arm_context(0.001, 0.1, 0.017, further(behind)));
+  PluggedLine* line = nullptr;
+  PluggedLine plugged(
+      *modules.part, Wire::kSerial,
+      [&] {
+        modules.tick();
+        line->pass_tick();
+      },
+      0.001);
+  line = &plugged;
+  EXPECT_EQ(modules.part->set_parameter("Maximum Acceleration 4", 1.0), std::nullopt);
+  prepare(modules, plugged);
+  try {
+    hwparts::make_real_part("amtec_arm", arm_context(0.001, 0.0, 0.0, further(front)), plugged, {});
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "";
+}
+
+void nothing(PartBench&, PluggedLine&) {}
+
+TEST(Survey, NamesModulesThatDoNotAnswerAndThoseThatDo) {
+  const auto text = refusal("", "", [](PartBench&, PluggedLine& line) { line.silent = {3, 8}; });
+  EXPECT_THAT(text,
+              AllOf(HasSubstr("plugged is not the bus of this part"), HasSubstr("module 3 does not answer"),
+                    HasSubstr("module 8 does not answer"), HasSubstr("1, 2, 4, 5, 6, 7\n")));
+}
+
+TEST(Survey, RefusesAnotherSerialNumberThanTheConfigurations) {
+  EXPECT_EQ(refusal("modules: {each: {8: {serial_number: 20278}}}",
+                    "modules: {each: {8: {serial_number: 20278}}}", nothing),
+            "");
+  EXPECT_THAT(refusal("", "modules: {each: {8: {serial_number: 20278}}}", nothing),
+              HasSubstr("module 8 has the serial number 40008, not 20278"));
+}
+
+TEST(Survey, RefusesAModuleOfAnotherKind) {
+  EXPECT_THAT(refusal("modules: {each: {2: {config: 0x20108}}}", "", nothing),
+              HasSubstr("module 2 is linear, the configuration has a rotary drive there"));
+}
+
+TEST(Survey, RefusesAModuleThatMoves) {
+  const auto text = refusal("", "", [](PartBench& modules, PluggedLine&) {
+    modules.in("Desired Angle 5") = 2.0;
+    modules.run(0.5);
+  });
+  EXPECT_THAT(text, HasSubstr("module 5 is moving"));
+}
+
+TEST(Survey, RefusesAModuleThatDoesNotTakeItsLimits) {
+  const auto text = refusal("", "", [](PartBench&, PluggedLine& line) { line.deaf_to = 0x4A; });
+  EXPECT_THAT(text, HasSubstr("module 4 does not take 2.232 as its maximum acceleration and keeps 1"));
+}
+
+TEST(Survey, SurvivesLostRequests) {
+  EXPECT_EQ(refusal("", "", [](PartBench&, PluggedLine& line) { line.lose_next = 2; }), "");
+}
+
+TEST(BusGroup, SendsNoMotionWithoutExecutionEnable) {
+  RealBench arm(Wire::kSerial, "", "", {});
+  EXPECT_EQ(arm.part->description().controller_inputs.back().initial, 0.0);
+  arm.line.sent.clear();
+  for (std::size_t i = 0; i < 7; ++i) arm.inputs[i] = 1.0;
+  const auto home = arm.inputs.size() - 3;
+  arm.inputs[home] += 1.0;
+  arm.run(0.5);
+  EXPECT_EQ(arm.line.count(command::kSetMove), 0);
+  EXPECT_EQ(arm.line.count(command::kHome), 0);
+  EXPECT_GT(arm.line.count(command::kGetParameter), 100);
+  arm.inputs.back() = 1.0;
+  arm.run(0.1);
+  EXPECT_EQ(arm.line.count(command::kSetMove), 7);
+}
+
+struct Ends {
+  RealBench& arm;
+  PartState state() const {
+    return static_cast<PartState>(static_cast<int>(arm.outputs[arm.outputs.size() - 2]));
+  }
+  std::uint32_t module(std::size_t i) const {
+    return static_cast<std::uint32_t>(arm.outputs[arm.outputs.size() - 2 - 9 + i - 1]);
+  }
+  void reset() { arm.inputs[arm.inputs.size() - 4] += 1.0; }
+};
+
+TEST(BusGroup, ARequestThatIsLostIsRepeated) {
+  RealBench arm;
+  arm.line.lose_next = 1;
+  arm.inputs[0] = 0.2;
+  arm.run(2.0);
+  EXPECT_NEAR(arm.behind.plants[0].joint.position, 0.2, 2e-3);
+  EXPECT_EQ(Ends{arm}.state(), PartState::kReady);
+}
+
+TEST(BusGroup, AModuleThatFallsSilentStopsTheOthers) {
+  RealBench arm;
+  for (std::size_t i = 0; i < 7; ++i) arm.inputs[i] = 1.5;
+  arm.run(0.8);
+  arm.line.silent = {4};
+  arm.run(1.2);
+  const Ends ends{arm};
+  EXPECT_EQ(ends.state(), PartState::kFault);
+  EXPECT_EQ(ends.module(4) & (bit::kError | bit::kCommError), bit::kError | bit::kCommError);
+  EXPECT_FALSE(ends.module(1) & bit::kError);
+  const double stood = arm.behind.plants[0].joint.position;
+  EXPECT_LT(stood, 1.0);
+  arm.run(0.3);
+  EXPECT_NEAR(arm.behind.plants[0].joint.position, stood, 1e-3);
+}
+
+TEST(BusGroup, APulledCableIsAFaultAndAPluggedOneHaltsTheArm) {
+  RealBench arm;
+  Ends ends{arm};
+  for (std::size_t i = 0; i < 7; ++i) arm.inputs[i] = 1.5;
+  arm.run(0.8);
+  arm.line.cut = true;
+  arm.run(1.5);
+  EXPECT_EQ(ends.state(), PartState::kFault);
+  arm.line.cut = false;
+  arm.run(1.0);
+  const double stood = arm.behind.plants[0].joint.position;
+  arm.run(0.5);
+  EXPECT_NEAR(arm.behind.plants[0].joint.position, stood, 1e-3) << "it stands as soon as it can be told to";
+  EXPECT_EQ(ends.state(), PartState::kFault) << "until Reset";
+  ends.reset();
+  arm.run(0.5);
+  EXPECT_EQ(ends.state(), PartState::kReady);
+  arm.run(0.3);
+  EXPECT_NEAR(arm.behind.plants[0].joint.position, stood, 1e-3);
+  arm.inputs[0] = 0.0;
+  arm.run(4.0);
+  EXPECT_NEAR(arm.behind.plants[0].joint.position, 0.0, 2e-3);
+}
+
+TEST(BusGroup, ADeviceThatIsGoneIsAFaultAtOnce) {
+  RealBench arm;
+  Ends ends{arm};
+  arm.line.gone = true;
+  arm.run(0.003);
+  EXPECT_EQ(ends.state(), PartState::kFault);
+  for (std::size_t i = 1; i <= 9; ++i) EXPECT_TRUE(ends.module(i) & bit::kCommError) << i;
+  arm.line.gone = false;
+  arm.run(1.0);
+  ends.reset();
+  arm.run(0.2);
+  EXPECT_EQ(ends.state(), PartState::kReady);
+}
+
+TEST(BusGroup, AResetWhileTheCableIsOutTakesNothingBack) {
+  RealBench arm;
+  Ends ends{arm};
+  arm.line.cut = true;
+  arm.run(1.5);
+  ends.reset();
+  arm.run(0.5);
+  EXPECT_EQ(ends.state(), PartState::kFault);
+  EXPECT_TRUE(ends.module(1) & bit::kCommError);
+}
+
+TEST(BusGroup, LimitsAreSentAgainToAModuleThatWasAway) {
+  RealBench arm;
+  Ends ends{arm};
+  ASSERT_EQ(arm.part->set_parameter("Maximum Acceleration 4", 0.5), std::nullopt);
+  arm.run(0.1);
+  arm.line.silent = {4};
+  arm.run(1.0);
+  ASSERT_EQ(arm.behind.part->set_parameter("Maximum Acceleration 4", 2.0), std::nullopt);  // its own again
+  arm.line.silent = {};
+  arm.run(1.0);
+  ends.reset();
+  arm.run(0.2);
+  for (const auto& parameter : arm.behind.part->parameters()) {
+    if (parameter.name == "Maximum Acceleration 4") {
+      EXPECT_NEAR(std::get<double>(parameter.value), 0.5, 1e-6);
+    }
+  }
+}
+
+TEST(BusGroup, ServesTheWatchdogAndWithoutItTheModulesStop) {
+  hwparts::RealOptions options{true, true};
+  RealBench arm(Wire::kSerial, "", "", options);
+  arm.inputs[0] = 1.5;
+  arm.run(0.8);
+  EXPECT_EQ(Ends{arm}.state(), PartState::kMoving);
+  EXPECT_GT(arm.line.count(command::kWatchdog), 10);
+  arm.behind.run(1.0);  // nobody serves it
+  EXPECT_TRUE(arm.behind.module(1) & bit::kCommError);
+}
+
+TEST(BusGroup, LeavesNothingMovingBehind) {
+  RealBench arm;
+  arm.inputs[0] = 1.5;
+  arm.run(0.8);
+  arm.part->stand_down();
+  arm.behind.run(1.0);
+  EXPECT_TRUE(arm.behind.module(1) & bit::kHalted);
+  EXPECT_NEAR(arm.behind.plants[0].joint.velocity, 0.0, 1e-3);
+}
+
+TEST(BusGroup, SaysWhichModulesItFound) {
+  RealBench arm;
+  const auto board = arm.part->read_blackboard(0);
+  const std::string text(reinterpret_cast<const char*>(board.data()), board.size());
+  EXPECT_THAT(
+      text, AllOf(HasSubstr("found module 7: firmware 0x4634, serial number 40007\n"), HasSubstr("PRL120")));
+}
+
+}  // namespace
+}  // namespace visum::test

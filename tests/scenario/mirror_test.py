@@ -1,0 +1,134 @@
+"""visum mirror: two arms with one controller, their divergence, and which of them is shown."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import unittest
+
+from programs import BIN
+from served_arm import PATIENCE_S, MirrorProgram, Program, virtual_arm, wait_until
+
+import visum
+
+READY, FAULT = 0, 5
+
+
+class TwoArms(unittest.TestCase):
+    def setUp(self) -> None:
+        self.arms = [self.enterContext(virtual_arm()), self.enterContext(virtual_arm())]
+
+    def mirror(self, *options: str) -> None:
+        self.program = self.enterContext(MirrorProgram(*self.arms, *options))
+        self.client = self.enterContext(visum.Client(self.program.address, name="test", role="admin"))
+        self.arm = self.client.part("arm")
+        self.divergence = self.client.part("arm_divergence")
+        self.client.join()
+        self.arm.acquire()
+
+    def seen(self, name: str) -> float:
+        part = self.arm if name in ("Part State", "Actual Angle 1") else self.divergence
+        return part.outputs(name)[0]
+
+    def go(self, angle: float) -> None:
+        self.arm.inputs("Desired Angle")[0] = angle
+        self.arm.write()
+
+    def reset(self) -> None:
+        counter = self.arm.inputs("Reset")
+        counter[0] = counter[0] + 1
+        self.arm.write()
+
+    def expect(self, holds, sim_s: float = 10.0) -> None:
+        self.assertTrue(wait_until(self.client, self.arm, holds, sim_s))
+
+    def hold_back(self, arm: Program) -> None:
+        """The arm moves its joint 1 no more: a controller of its own could not, since the mirror has the lease."""
+        with visum.Client(arm.address, name="hand", role="admin") as client:
+            client.part("arm").set_parameter("Maximum Acceleration 1", 0.01)
+
+    def test_the_divergence_is_shown_joint_by_joint_and_trips_its_limit(self) -> None:
+        self.mirror("--angle-limit", "0.1")
+        self.go(0.2)
+        self.expect(lambda: self.seen("Actual Angle 1") > 0.195 and self.seen("Part State") == READY)
+        self.assertLess(self.seen("Largest Angle Divergence"), 0.1)
+        self.assertEqual(self.seen("Divergence Fault"), 0)
+        self.hold_back(self.arms[1])
+        self.go(1.0)
+        self.expect(lambda: self.seen("Divergence Fault") == 1)
+        self.assertEqual(self.seen("Part State"), FAULT)
+        self.assertLess(self.seen("Divergence of Actual Angle 1"), -0.05)
+        self.client.advance_ms(1500)
+        stood = self.seen("Actual Angle 1")
+        self.client.advance_ms(200)
+        self.assertAlmostEqual(self.seen("Actual Angle 1"), stood, places=2)
+        self.divergence.set_parameter("Angle Limit", 0.0)
+        self.reset()
+        self.expect(lambda: self.seen("Part State") == READY)
+
+    def test_the_primary_is_switched_where_they_agree_or_by_force(self) -> None:
+        self.mirror()
+        self.divergence.set_parameter("Primary", 2)
+        self.client.advance_ms(20)
+        self.assertEqual(self.seen("Primary"), 2)
+        self.hold_back(self.arms[0])
+        self.go(0.5)
+        self.expect(lambda: self.seen("Actual Angle 1") > 0.2)
+        with self.assertRaisesRegex(visum.Error, "rad and .* m apart"):
+            self.divergence.set_parameter("Primary", 1)
+        self.divergence.set_parameter("Force Primary", 1)
+        self.client.advance_ms(20)
+        self.assertEqual(self.seen("Primary"), 1)
+        self.assertGreater(self.seen("Divergence of Actual Angle 1"), 0.0)
+
+    def test_a_lost_primary_is_a_fault_and_the_shadow_can_take_over(self) -> None:
+        self.mirror()
+        self.arms[0].end(signal.SIGKILL)
+        self.expect(lambda: self.seen("Connected 1") == 0)
+        self.assertEqual(self.seen("Part State"), FAULT)
+        self.divergence.set_parameter("Force Primary", 2)
+        self.expect(lambda: self.seen("Part State") == READY)
+        self.go(0.2)
+        self.expect(lambda: self.seen("Actual Angle 1") > 0.1)
+
+    def test_counters_are_each_arms_own(self) -> None:
+        with visum.Client(self.arms[1].address, name="before") as client:
+            arm = client.part("arm")
+            with arm.lease():
+                arm.inputs("Halt")[0] = 2
+                arm.write()
+                client.join()
+                client.advance_ms(20)
+                arm.inputs("Reset")[0] = 1
+                arm.write()
+                client.advance_ms(20)
+        self.mirror()
+        self.go(0.3)
+        self.expect(lambda: self.seen("Actual Angle 1") > 0.295)
+        self.expect(lambda: self.seen("Largest Angle Divergence") < 0.01)  # the shadow was not halted
+
+    def test_parameters_reach_both(self) -> None:
+        self.mirror()
+        self.arm.set_parameter("Maximum Acceleration 1", 0.5)
+        for arm in self.arms:
+            with visum.Client(arm.address, name="look", role="observer") as client:
+                self.assertEqual(client.part("arm").parameter("Maximum Acceleration 1"), 0.5)
+
+
+class WrongUse(unittest.TestCase):
+    def test_arms_that_cannot_be_had_are_named(self) -> None:
+        with virtual_arm() as one, visum.Client(one.address, name="somebody") as client:
+            self.assertIn("nothing listens", self.refused(one.address, "127.0.0.1:1"))
+            client.part("arm").acquire()
+            self.assertIn("leased by 'somebody'", self.refused(one.address, one.address))
+
+    @staticmethod
+    def refused(primary: str, shadow: str) -> str:
+        command = [BIN / "visum", "mirror", "--primary", primary, "--shadow", shadow, "--port", "0"]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S)
+        assert done.returncode == 2, done.stderr
+        return done.stderr
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
