@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "protocol/codec.h"
+#include "protocol/reading_window.h"
 #include "protocol/web_upgrade.h"
 
 namespace visum::protocol {
@@ -19,7 +20,6 @@ namespace websocket = boost::beast::websocket;
 using boost::system::error_code;
 
 constexpr std::chrono::milliseconds kLinger{500};  // for the peer's half of the closing handshake
-constexpr std::size_t kChunkBytes = 64u << 10;     // written at a time: each must make progress
 
 websocket::close_code code_for(CloseReason reason) {
   if (reason == CloseReason::kShutdown) return websocket::close_code::going_away;
@@ -38,6 +38,11 @@ class WebSession final : public WireSession {
     stream_.binary(true);
     stream_.auto_fragment(false);
     stream_.read_message_max(context.limits.max_frame_admin + kHeaderBytes);
+    stream_.control_callback([this](websocket::frame_type kind, boost::beast::string_view) {
+      if (kind != websocket::frame_type::pong) return;
+      window_.pong_came();
+      wake();
+    });
     stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
       response.set(http::field::sec_websocket_protocol, std::string(kWebSocketProtocol));
     }));
@@ -57,6 +62,7 @@ class WebSession final : public WireSession {
 
   void on_read(const error_code& error, std::size_t bytes);
   void write();
+  void ping();
   void written_out();
   void begin_closing();
 
@@ -66,6 +72,7 @@ class WebSession final : public WireSession {
   bool reading_ = false;
   bool saying_goodbye_ = false;
   std::optional<ServedTime> writing_since_;
+  ReadingWindow window_;
   ServedTime goodbye_since_{0};
 };
 
@@ -125,13 +132,15 @@ void WebSession::flush() {
   if (closing() && accepted_ && !stream_.is_open()) return hang_up();
   if (!accepted_ || writing_since_ || saying_goodbye_) return;
   if (out().empty()) return written_out();
-  write();
+  // Samples wait for a page that does not read, the newest of each stream. While replies hold up requests, or
+  // a reason must be told, no pong would be read: then the deadline of a stalled writer is what ends it.
+  if (window_.open() || paused() || closing()) write();
 }
 
 // Each batch of whole frames is one message, sent in pieces.
 void WebSession::write() {
   const auto batch = out().front();
-  const std::size_t bytes = std::min(batch.size(), kChunkBytes);
+  const std::size_t bytes = std::min(batch.size(), ReadingWindow::kPiece);
   writing_since_ = context().now;
   ++operations_;
   stream_.async_write_some(bytes == batch.size(), asio::buffer(batch.data(), bytes),
@@ -141,8 +150,20 @@ void WebSession::write() {
                              if (!is_open()) return wake();
                              if (error) return lost();
                              out().written(bytes);
+                             window_.sent(bytes);
+                             if (window_.ping_due()) ping();
                              flush();
                            });
+}
+
+void WebSession::ping() {
+  window_.ping_sent();
+  ++operations_;
+  stream_.async_ping({}, [this](const error_code& error) {
+    --operations_;
+    if (!is_open()) return wake();
+    if (error && !saying_goodbye_) lost();
+  });
 }
 
 void WebSession::written_out() {

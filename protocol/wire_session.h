@@ -44,6 +44,7 @@ class WireSession : public SessionCore {
   void wake() override;
   void proceed();         // handles the frames that are there, then reads on
   void proceed_if_due();  // after writing: reading may have waited for it
+  bool paused() const { return paused_; }
   void lost();
   void hang_up();
 

@@ -66,6 +66,7 @@ struct WebClient::Impl {
   asio::io_context io;
   websocket::stream<tcp::socket> stream{io};
   beast::flat_buffer received;
+  std::uint64_t received_bytes = 0;
 };
 
 WebClient::WebClient(std::uint16_t port, const std::string& origin) : impl_(std::make_unique<Impl>()) {
@@ -106,8 +107,12 @@ protocol::ReplyFrame WebClient::next() {
         return std::move(*frame);
       }
     }
-    impl_->stream.read(received);
+    impl_->received_bytes += impl_->stream.read(received);
   }
+}
+
+std::uint64_t WebClient::received_bytes() const {
+  return impl_->received_bytes;
 }
 
 int WebClient::closing_code() {

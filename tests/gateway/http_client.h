@@ -46,6 +46,7 @@ class WebClient {
   }
   // What the server says as it closes the connection: the code of RFC 6455. Reads what comes before.
   int closing_code();
+  std::uint64_t received_bytes() const;  // so far
 
  private:
   struct Impl;

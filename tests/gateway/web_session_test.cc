@@ -1,6 +1,7 @@
 // Sessions over WebSocket: the same messages, rights and limits as over TCP.
 #include <gtest/gtest.h>
 
+#include "protocol/reading_window.h"
 #include "tests/gateway/http_client.h"
 #include "tests/gateway/running_daemon.h"
 
@@ -102,6 +103,28 @@ TEST_F(WebSession, ALostPageLosesItsLease) {
       ASSERT_EQ(error.code(), ErrorCode::kLeased);
     }
   }
+}
+
+// A page that does not run, asleep or on a busy machine, holds up nobody. It keeps its session and is sent no
+// more than a window: the present is not behind megabytes of the past when it wakes.
+TEST_F(WebSession, APageThatDoesNotReadIsSentNoMoreThanAWindow) {
+  constexpr std::int64_t kTicks = 1000;
+  WebClient page(http());
+  greet(page, Role::kObserver);
+  page.ask<Ok>(Subscribe{"arm", 1});
+  page.ask<Ok>(SubscribeWorld{1});
+  const auto before = page.received_bytes();
+  auto controller = daemon_.connect("controller");
+  controller.request(Join{});
+  for (std::int64_t tick = 1; tick <= kTicks; ++tick) EXPECT_EQ(advance(controller, 1).tick, tick);
+  page.send(100, Status{});
+  PartSample newest;
+  for (auto frame = page.next(); frame.reply_to != 100; frame = page.next())
+    if (const auto* sample = std::get_if<PartSample>(&frame.reply)) newest = *sample;
+  EXPECT_EQ(newest.tick, kTicks) << "the newest sample comes before the reply";
+  EXPECT_GT(newest.conflated, kTicks / 2) << "what was not sent must be much";
+  const auto window = ReadingWindow::kBytes + ReadingWindow::kPiece;
+  EXPECT_LT(page.received_bytes() - before, 2 * window);
 }
 
 }  // namespace

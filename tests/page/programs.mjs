@@ -8,7 +8,7 @@ import { createInterface } from "node:readline";
 import { fileURLToPath } from "node:url";
 
 export const source = join(dirname(fileURLToPath(import.meta.url)), "../..");
-const bin = process.env.VISUM_BIN ?? join(source, "build/dev/bin");
+export const bin = process.env.VISUM_BIN ?? join(source, "build/dev/bin");
 export const require = createRequire(join(source, "clients/page/package.json")); // what the page's lock fixes
 const { chromium } = require("playwright-core");
 
@@ -52,6 +52,7 @@ export const launch = () =>
 export async function openPage(browser, daemon, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, ...options });
   const page = await context.newPage();
+  page.setDefaultTimeout(kLiveMs);
   page.faults = [];
   page.on("console", (message) => ["error", "warning"].includes(message.type()) && page.faults.push(message.text()));
   page.on("pageerror", (error) => page.faults.push(error.message));

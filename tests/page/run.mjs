@@ -9,5 +9,5 @@ if (!browserPath) {
   console.log("skipped: no Chromium (Debian's package chromium, or VISUM_CHROMIUM=PATH)");
   process.exit(kSkipped);
 }
-const file = join(dirname(fileURLToPath(import.meta.url)), "page.test.mjs");
+const file = join(dirname(fileURLToPath(import.meta.url)), "all.mjs");
 process.exit(spawnSync(process.execPath, ["--test", file], { stdio: "inherit" }).status ?? 1);

@@ -23,6 +23,8 @@ export interface VisumApi {
   bodies(): string[];
   // Where a point of a body (m, in its frame; none: its origin) is in the page, in pixels; null: behind the camera.
   project(body: string, point?: [number, number, number]): { x: number; y: number } | null;
+  // Where the world is seen from: m, in the world's frame; the vertical angle of view in degrees.
+  camera(): { position: number[]; target: number[]; fov: number };
   simTime(): number; // s
 }
 
@@ -51,6 +53,10 @@ export function makeApi(parts: Parts, world: World, viewer: Viewer): VisumApi {
       const group = viewer.bodies.groups[world.bodyIndex(body)];
       if (!group) throw new Error(`there is no body '${body}'`);
       return viewer.toPixels(group.localToWorld(new Vector3(...point)));
+    },
+    camera: () => {
+      const { camera, controls } = viewer.view;
+      return { position: camera.position.toArray(), target: controls.target.toArray(), fov: camera.fov };
     },
     simTime: () => Number(world.sample?.simTimeNs ?? 0n) / 1e9,
   };

@@ -16,6 +16,7 @@ import { Parts } from "./model/parts";
 import { World } from "./model/world";
 import { PanelPane } from "./panels/pane";
 import { PlotPane } from "./plots/pane";
+import { profileView } from "./tree/profile";
 import { Tree } from "./tree/tree";
 import { h, setText } from "./ui/dom";
 import { Layout } from "./ui/layout";
@@ -42,7 +43,7 @@ const tree = new Tree(link, parts, {
     layout.reveal("plots");
     plots.plot(ports);
   },
-});
+}, profileView(link, clock));
 const scene = h("span", { class: "scene" });
 layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element, layout.toggles, connectionBadge(link));
 layout.panes.parts.append(tree.element);
@@ -83,7 +84,9 @@ async function begin(): Promise<void> {
 }
 
 clock.status.watch((status) => {
-  if (!status || !link.welcome || status.paused || status.realTimeFactor === 0) return;
+  if (!status || !link.welcome) return;
+  if (status.paused) world.catchUp(status.simTimeNs).catch(reportError);
+  if (status.paused || status.realTimeFactor === 0) return;
   world.adaptTo(status.realTimeFactor).catch(reportError);
   parts.adaptTo(status.realTimeFactor).catch(reportError);
 });

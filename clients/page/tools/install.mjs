@@ -20,7 +20,7 @@ if (Number(process.versions.node.split(".")[0]) < kOldestNode)
 if (existsSync(installed) && readFileSync(installed).equals(readFileSync(lock))) process.exit(0);
 
 const npm = process.argv[2] ?? "npm";
-const result = spawnSync(npm, ["ci", "--prefer-offline", "--no-audit", "--no-fund", "--loglevel=error"], { cwd: page, stdio: "inherit" });
+const result = spawnSync(npm, ["ci", "--ignore-scripts", "--prefer-offline", "--no-audit", "--no-fund", "--loglevel=error"], { cwd: page, stdio: "inherit" });
 if (result.error) fail(`cannot run ${npm}: ${result.error.message}`);
 if (result.status !== 0)
   fail("npm could not fetch the packages that clients/page/package-lock.json names (its own words stand above). " +

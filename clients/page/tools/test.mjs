@@ -1,5 +1,5 @@
 // Runs the unit tests (test/*.test.ts) with node's own test runner; esbuild strips the types.
-import { execFileSync } from "node:child_process";
+import { spawnSync } from "node:child_process";
 import { mkdtempSync, readdirSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
@@ -21,7 +21,7 @@ try {
     logLevel: "warning",
   });
   const files = names.map((name) => join(out, name.replace(/\.ts$/, ".mjs")));
-  execFileSync(process.execPath, ["--test", ...files], { stdio: "inherit" });
+  process.exitCode = spawnSync(process.execPath, ["--test", ...files], { cwd: page, stdio: "inherit" }).status ?? 1;
 } finally {
   rmSync(out, { recursive: true, force: true });
 }

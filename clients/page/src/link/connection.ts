@@ -5,8 +5,11 @@ import {
   decode, encode, ErrorCode, LostError, RequestError, Role,
   type Body, type BodyCase, type BodyOf, type RequestInit, type Welcome,
 } from "./messages";
+import { Silence } from "./silence";
 
 export const kSubprotocol = "visum.v1";
+export const kLookMs = 500;
+const kSilentLooks = 6;
 
 export interface HelloOptions {
   name: string;
@@ -27,10 +30,10 @@ interface Pending {
 
 export class Connection {
   received = 0; // bytes
-  lastHeard = performance.now();
   private readonly socket: WebSocket;
   private readonly frames = new FrameReader();
   private readonly pending = new Map<number, Pending>();
+  private readonly silence = new Silence(kSilentLooks);
   private nextId = 1;
   private end: RequestError | LostError | null = null;
 
@@ -52,8 +55,12 @@ export class Connection {
     this.socket.close();
   }
 
-  // Gives up on a server that does not answer any more.
-  drop(reason: string): void {
+  // Every kLookMs: gives up on a server that does not answer any more.
+  look(): void {
+    if (this.silence.look(this.pending.size > 0)) this.drop(`visumd has not answered for ${(kSilentLooks * kLookMs) / 1000} s`);
+  }
+
+  private drop(reason: string): void {
     this.finish(new LostError(reason));
     this.socket.close();
   }
@@ -80,7 +87,7 @@ export class Connection {
 
   private hear(data: ArrayBuffer): void {
     this.received += data.byteLength;
-    this.lastHeard = performance.now();
+    this.silence.heard();
     try {
       for (const payload of this.frames.read(data)) {
         const message = decode(payload);

@@ -1,7 +1,7 @@
 // The way to visumd, kept open: connects, says why when it is lost, and tries again by itself. Everything else in the
 // page talks to the server through here.
 import { Emitter, Signal } from "../model/signal";
-import { Connection, needsToken } from "./connection";
+import { Connection, kLookMs, needsToken } from "./connection";
 import { LostError, Role, type Body, type BodyCase, type BodyOf, type RequestInit, type Welcome } from "./messages";
 
 export type LinkState =
@@ -12,7 +12,6 @@ export type LinkState =
 
 const kFirstRetryMs = 250;
 const kLastRetryMs = 2000;
-const kSilenceMs = 3000; // the page asks for the status twice a second: so long without a word is no life
 
 export class Link {
   readonly state = new Signal<LinkState>({ kind: "connecting" });
@@ -27,7 +26,7 @@ export class Link {
 
   constructor(private readonly url: string, name: string) {
     this.name = name;
-    setInterval(() => this.checkSilence(), 500);
+    setInterval(() => this.welcome && this.connection?.look(), kLookMs);
   }
 
   open(): void {
@@ -80,11 +79,5 @@ export class Link {
     this.state.value = { kind: "lost", reason: reason.message, since };
     this.retry = window.setTimeout(() => this.open(), this.retryMs);
     this.retryMs = Math.min(2 * this.retryMs, kLastRetryMs);
-  }
-
-  private checkSilence(): void {
-    if (!this.connection || this.state.value.kind !== "open") return;
-    if (performance.now() - this.connection.lastHeard > kSilenceMs)
-      this.connection.drop("visumd has not answered for 3 s");
   }
 }

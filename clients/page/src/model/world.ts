@@ -45,6 +45,12 @@ export class World {
     await this.link.request({ case: "subscribeWorld", value: { everyNTicks: every } }, "ok");
   }
 
+  // While time stands no further sample comes: what a page that lagged did not get is asked for.
+  async catchUp(simTimeNs: bigint): Promise<void> {
+    if (this.sample?.simTimeNs === simTimeNs) return;
+    this.take(await this.link.request({ case: "readWorld", value: {} }, "worldSample"));
+  }
+
   mesh(index: number): Promise<MeshData> {
     return this.link.request({ case: "readMesh", value: { mesh: index } }, "mesh");
   }

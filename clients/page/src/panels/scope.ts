@@ -3,14 +3,11 @@ import type { Port } from "../model/part";
 import { h } from "../ui/dom";
 import { formatValue } from "../ui/numbers";
 import { cssColor, traceColor } from "../ui/palette";
+import { fit, leastSpan, type Range } from "../ui/range";
 import type { Context, Widget } from "./widget";
 
 const kSeconds = 5;
-
-interface Range {
-  low: number;
-  high: number;
-}
+const kMargin = 0.08;
 
 export function scope({ data, ports }: Context): Widget {
   const canvas = h("canvas", { "aria-hidden": "true" });
@@ -40,7 +37,8 @@ function draw(canvas: HTMLCanvasElement, ports: Port[], scales: number[], second
   drawGrid(context, width, height);
   for (const side of [0, 1]) {
     const mine = ports.map((_, i) => i).filter((i) => (scales[i] ?? 0) === side);
-    const range = rangeOf(mine.flatMap((i) => traces[i]!.values));
+    const least = Math.min(...mine.map((i) => leastSpan(ports[i]!.description)));
+    const range = fit(mine.flatMap((i) => traces[i]!.values), kMargin, least);
     if (!range) continue;
     drawScale(context, range, side === 0 ? 4 : width - 4, height);
     for (const i of mine) drawTrace(context, traces[i]!, i, range, (time) => ((time - now + seconds) / seconds) * width, height);
@@ -53,15 +51,6 @@ function traceOf(port: Port, from: number, to: number, width: number): { times: 
   if (!history || channel < 0) return { times: [], values: [] };
   const series = history.window(from, to, width, [channel]);
   return { times: series.times, values: series.values[0]!.map((value) => value ?? NaN) };
-}
-
-function rangeOf(values: number[]): Range | null {
-  let low = Infinity;
-  let high = -Infinity;
-  for (const value of values) if (!Number.isNaN(value)) (low = Math.min(low, value)), (high = Math.max(high, value));
-  if (low > high) return null;
-  const margin = 0.08 * (high - low) || 0.5;
-  return { low: low - margin, high: high + margin };
 }
 
 function drawGrid(context: CanvasRenderingContext2D, width: number, height: number): void {

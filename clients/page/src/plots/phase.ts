@@ -2,9 +2,11 @@
 import type { Port } from "../model/part";
 import { formatValue } from "../ui/numbers";
 import { cssColor, traceColor } from "../ui/palette";
+import { fit, leastSpan, type Range } from "../ui/range";
 import type { Aligned } from "./merge";
 
-const kMargin = 34;
+const kMargin = 34; // px
+const kAir = 0.05; // share of the span
 
 export function drawPhase(canvas: HTMLCanvasElement, ports: readonly Port[], [, xs = [], ys = []]: Aligned): void {
   const { clientWidth: width, clientHeight: height } = canvas;
@@ -13,9 +15,9 @@ export function drawPhase(canvas: HTMLCanvasElement, ports: readonly Port[], [, 
   const points = xs.map((x, i) => [x, ys[i] ?? null] as const).filter((point): point is readonly [number, number] => point[0] !== null && point[1] !== null);
   if (!context) return;
   context.clearRect(0, 0, width, height);
-  if (points.length < 2) return;
-  const xRange = range(points.map(([x]) => x));
-  const yRange = range(points.map(([, y]) => y));
+  const span = (axis: 0 | 1) => fit(points.map((point) => point[axis]), kAir, ports[axis] ? leastSpan(ports[axis].description) : 0);
+  const [xRange, yRange] = [span(0), span(1)];
+  if (points.length < 2 || !xRange || !yRange) return;
   const toX = (x: number) => kMargin + ((x - xRange.low) / (xRange.high - xRange.low)) * (width - 1.5 * kMargin);
   const toY = (y: number) => height - kMargin - ((y - yRange.low) / (yRange.high - yRange.low)) * (height - 1.5 * kMargin);
   frame(context, width, height, ports, xRange, yRange);
@@ -27,19 +29,6 @@ export function drawPhase(canvas: HTMLCanvasElement, ports: readonly Port[], [, 
   const [x, y] = points.at(-1)!;
   context.fillStyle = traceColor(1);
   context.fillRect(toX(x) - 4, toY(y) - 4, 8, 8);
-}
-
-interface Range {
-  low: number;
-  high: number;
-}
-
-function range(values: number[]): Range {
-  let low = Infinity;
-  let high = -Infinity;
-  for (const value of values) (low = Math.min(low, value)), (high = Math.max(high, value));
-  const margin = 0.05 * (high - low) || 0.5;
-  return { low: low - margin, high: high + margin };
 }
 
 function frame(context: CanvasRenderingContext2D, width: number, height: number, ports: readonly Port[], x: Range, y: Range): void {

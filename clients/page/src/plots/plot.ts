@@ -7,18 +7,13 @@ import { download } from "../ui/files";
 import { icons } from "../ui/icons";
 import { formatValue } from "../ui/numbers";
 import { cssColor, traceColor, traceDash } from "../ui/palette";
+import { fit, leastSpan } from "../ui/range";
 import { toCsv } from "./csv";
 import { align, type Aligned } from "./merge";
 import { drawPhase } from "./phase";
 
 const kWindows = [5, 10, 30, 60, 120, 300];
-
-// Some air above and below; a value that stands still is drawn as a line in the middle, not as noise.
-function valueRange(_: uPlot, low: number | null, high: number | null): uPlot.Range.MinMax {
-  if (low === null || high === null) return [0, 1];
-  const margin = Math.max(0.08 * (high - low), 1e-3 * Math.max(Math.abs(low), Math.abs(high)), 1e-6);
-  return [low - margin, high + margin];
-}
+const kAir = 0.08; // above and below, share of the span
 
 export class Plot {
   readonly element: HTMLElement;
@@ -102,7 +97,7 @@ export class Plot {
       ...this.size(),
       cursor: { drag: { x: true, y: false, setScale: false }, points: { size: 6 } },
       legend: { live: true },
-      scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit || "1", { range: valueRange }])) },
+      scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit || "1", { range: (_: uPlot, low: number | null, high: number | null) => this.valueRange(unit, low, high) }])) },
       axes: [{ ...axis, size: 26 }, ...units.slice(0, 2).map((unit, i) => ({ ...axis, scale: unit || "1", side: (i === 0 ? 3 : 1) as uPlot.Axis.Side, size: 52, label: unit, labelSize: 14, labelFont: "11px sans-serif", grid: { ...axis.grid, show: i === 0 } }))],
       series: [{ label: "t", value: (_, value) => (value === null ? "–" : `${value.toFixed(3)} s`) },
         ...ports.map((port, i) => ({ label: port.description.name, scale: port.description.unit || "1", stroke: traceColor(i), dash: traceDash(i), width: 1.5, spanGaps: true, points: { show: false },
@@ -112,6 +107,13 @@ export class Plot {
         ready: [(plot) => plot.over.addEventListener("dblclick", () => (this.zoom = null))],
       },
     };
+  }
+
+  // While it follows the time, a value that stands still is a line in the middle; who zooms in sees the noise, too.
+  private valueRange(unit: string, low: number | null, high: number | null): uPlot.Range.MinMax {
+    const spans = this.ports.filter((port) => port.description.unit === unit).map((port) => leastSpan(port.description));
+    const range = fit([low, high], kAir, this.zoom ? 0 : Math.min(...spans));
+    return range ? [range.low, range.high] : [0, 1];
   }
 
   private zoomTo(plot: uPlot): void {

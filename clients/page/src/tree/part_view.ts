@@ -13,6 +13,7 @@ export class PartView {
   readonly element: HTMLElement;
   readonly rows: PortRow[] = [];
   private readonly groups: { element: HTMLDetailsElement; rows: PortRow[] }[] = [];
+  private before: boolean[] | null = null; // while a search is on: which groups were open before it
   private readonly holder = h("span", { class: "holder" });
   private readonly lease = h("button", { type: "button", class: "lease" });
   private readonly stops: (() => void)[] = [];
@@ -35,14 +36,18 @@ export class PartView {
     for (const stop of this.stops) stop();
   }
 
-  // Shows what matches all words; groups with a match open.
+  // Shows what matches all words; groups with a match open. Without a word, all is as it was before the search.
   filter(words: string[]): void {
+    if (words.length > 0) this.before ??= this.groups.map(({ element }) => element.open);
     for (const row of this.rows) row.element.hidden = !row.matches(words);
     for (const { element, rows } of this.groups) {
       const any = rows.some((row) => !row.element.hidden);
       element.hidden = !any;
       if (words.length > 0) element.open = any;
     }
+    if (words.length > 0 || !this.before) return;
+    this.groups.forEach(({ element }, i) => (element.open = this.before![i]!));
+    this.before = null;
   }
 
   private side(side: Side, title: string): HTMLElement {

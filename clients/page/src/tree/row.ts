@@ -4,6 +4,7 @@ import { h, iconButton, setText } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { formatValue, inDegrees, share } from "../ui/numbers";
 import { startPortDrag } from "../ui/drag";
+import { leastSpan } from "../ui/range";
 import { report } from "../ui/toasts";
 import { editorFor, type Editor } from "./editor";
 import { Sparkline } from "./sparkline";
@@ -26,7 +27,7 @@ export class PortRow {
   constructor(readonly port: Port, label: string, actions: RowActions) {
     const { name, unit, minimum, maximum } = port.description;
     const isInput = port.side === "input";
-    this.spark = new Sparkline(Math.min(maximum - minimum, 10) / 1000);
+    this.spark = new Sparkline(leastSpan(port.description));
     this.hold = isInput ? iconButton(icons.pin, `Hold ${name}`, () => this.toggleHold(), { "aria-pressed": "false" }) : null;
     this.element = h(
       "div",

@@ -1,4 +1,5 @@
 // The last seconds of a value, as small as a word.
+import { fit } from "../ui/range";
 
 const kPoints = 60;
 const kWidth = 56;
@@ -24,10 +25,9 @@ export class Sparkline {
 
   draw(): void {
     const known = this.values.filter((value) => !Number.isNaN(value));
-    const middle = (Math.min(...known) + Math.max(...known)) / 2;
-    const reach = Math.max(Math.max(...known) - middle, this.least / 2);
-    const [low, high] = [middle - reach, middle + reach];
-    const still = known.length < 2 || !(reach > 0);
+    const range = fit(known, 0, this.least);
+    const still = known.length < 2 || !range;
+    const { low, high } = range ?? { low: 0, high: 1 };
     const key = still ? "still" : `${low} ${high} ${known.at(-1)} ${known[0]} ${known.length}`;
     if (key === this.drawn) return;
     this.drawn = key;

@@ -11,7 +11,7 @@ const kRefreshMs = 100;
 export class Tree {
   readonly element: HTMLElement;
   private readonly search = h("input", { type: "search", placeholder: "Search ports", "aria-label": "Search ports" });
-  private readonly body = h("div", { class: "tree-body" });
+  private readonly body = h("div", {});
   private readonly empty = h("p", { class: "empty", hidden: true }, "No port matches.");
   private views: PartView[] = [];
   private readonly rows = new Map<Element, PortRow>();
@@ -19,8 +19,8 @@ export class Tree {
     for (const entry of entries) this.markVisible(entry);
   });
 
-  constructor(private readonly link: Link, parts: Parts, private readonly actions: RowActions) {
-    this.element = h("div", { class: "tree" }, h("div", { class: "search" }, this.search), this.body, this.empty);
+  constructor(private readonly link: Link, parts: Parts, private readonly actions: RowActions, below: HTMLElement) {
+    this.element = h("div", { class: "tree" }, h("div", { class: "search" }, this.search), h("div", { class: "tree-body" }, this.body, this.empty, below));
     this.search.addEventListener("input", () => this.filter());
     parts.list.watch((list) => this.show(list));
     setInterval(() => this.refresh(), kRefreshMs);

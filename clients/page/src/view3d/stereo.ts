@@ -30,11 +30,15 @@ function eyeCamera(middle: PerspectiveCamera, offset: number, screen: number, as
   return eye;
 }
 
+// For the left and the right picture.
+export function eyeCameras(middle: PerspectiveCamera, { eyes, screen, swapped }: StereoSettings): [PerspectiveCamera, PerspectiveCamera] {
+  const half = (swapped ? -eyes : eyes) / 2;
+  return [eyeCamera(middle, -half, screen, middle.aspect), eyeCamera(middle, half, screen, middle.aspect)];
+}
+
 export function drawStereo(renderer: WebGLRenderer, scene: Scene, camera: PerspectiveCamera, settings: StereoSettings): void {
   if (settings.mode === "off") return renderer.render(scene, camera);
-  const sign = settings.swapped ? -1 : 1;
-  const half = (sign * settings.eyes) / 2;
-  const eyes = [-half, half].map((offset) => eyeCamera(camera, offset, settings.screen, camera.aspect)) as [PerspectiveCamera, PerspectiveCamera];
+  const eyes = eyeCameras(camera, settings);
   if (settings.mode === "anaglyph") drawAnaglyph(renderer, scene, eyes);
   else drawHalves(renderer, scene, eyes, settings.mode);
 }

@@ -6,6 +6,7 @@ import type { World } from "../model/world";
 import { Bodies } from "./bodies";
 import { ViewCamera } from "./camera";
 import { Lights } from "./lights";
+import { Resolution } from "./resolution";
 import { drawStereo, type StereoSettings } from "./stereo";
 
 const kMostPixelRatio = 2;
@@ -23,6 +24,7 @@ export class Viewer {
   readonly stereo: StereoSettings = { mode: "off", eyes: 0.065, screen: 1.5, swapped: false };
   followed = -1; // body
   private readonly lights = new Lights();
+  private readonly resolution = new Resolution();
   private poses = new Float64Array(0);
   private shown = new Float64Array(0);
   private dirty = true;
@@ -69,6 +71,7 @@ export class Viewer {
 
   // A picture of the present view, as it is on the screen.
   toBlob(): Promise<Blob | null> {
+    this.usePixels(1);
     this.draw();
     return new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
   }
@@ -90,7 +93,9 @@ export class Viewer {
       this.redraw();
       this.frameOnce();
     }
-    if (!this.dirty) return;
+    const share = this.resolution.frame(now, this.dirty);
+    if (share === null) return;
+    this.usePixels(share);
     this.dirty = false;
     const followed = this.bodies.groups[this.followed];
     this.view.follow(followed ? followed.position : null);
@@ -101,6 +106,11 @@ export class Viewer {
   // Before the first picture what is shown is NaN, which no number is near.
   private moved(): boolean {
     return this.poses.some((value, i) => !(Math.abs(value - this.shown[i]!) <= kInvisible));
+  }
+
+  private usePixels(share: number): void {
+    const ratio = share * Math.min(window.devicePixelRatio, kMostPixelRatio);
+    if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
   }
 
   private draw(): void {
@@ -131,7 +141,6 @@ export class Viewer {
   private resize(container: HTMLElement): void {
     const { clientWidth: width, clientHeight: height } = container;
     if (width === 0 || height === 0) return;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, kMostPixelRatio));
     this.renderer.setSize(width, height);
     this.view.resize(width / height);
     this.redraw();

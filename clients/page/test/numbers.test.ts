@@ -1,0 +1,31 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { formatBytes, formatNs, formatTime, formatValue, inDegrees, niceStep, share } from "../src/ui/numbers";
+
+test("values have as many digits as an eye can use", () => {
+  assert.deepEqual([0, 1.23456, -12.3456, 123.456, 12345.67].map((value) => formatValue(value, "rad")), ["0.0000", "1.2346", "−12.346", "123.46", "12345.7"]);
+  assert.deepEqual([formatValue(3), formatValue(NaN), formatValue(2.5e-6, "m"), formatValue(-1e9, "m")], ["3", "–", "2.50e−6", "−1.00e+9"]);
+});
+
+test("time is minutes and seconds, and hours where there are some", () => {
+  assert.deepEqual([0, 61.5, 3725.25, NaN].map(formatTime), ["00:00.000", "01:01.500", "1:02:05.250", "–"]);
+});
+
+test("nanoseconds and bytes in the unit that fits", () => {
+  assert.deepEqual([12, 4500, 2.5e6, 3e9].map(formatNs), ["12 ns", "4.5 µs", "2.50 ms", "3.00 s"]);
+  assert.deepEqual([999, 1500, 2.5e6].map(formatBytes), ["999 B", "1.5 kB", "2.50 MB"]);
+});
+
+test("radians are told in degrees, too", () => {
+  assert.equal(inDegrees(Math.PI, "rad"), "180.00 °");
+  assert.equal(inDegrees(Math.PI, "rad/s"), "180.00 °/s");
+  assert.equal(inDegrees(1, "m"), "");
+});
+
+test("a share stays within its limits, and a range of nothing has none", () => {
+  assert.deepEqual([share(5, 0, 10), share(-1, 0, 10), share(11, 0, 10), share(1, 1, 1)], [0.5, 0, 1, 0]);
+});
+
+test("steps of editors are 1, 2 or 5 times a power of ten", () => {
+  assert.deepEqual([niceStep(0, 1), niceStep(-1, 1), niceStep(0, 4), niceStep(0, 0)], [0.001, 0.002, 0.005, 1]);
+});

@@ -1,0 +1,32 @@
+// What the tests of this folder share: one browser, and for each test a daemon and a page of its own, which must have
+// done nothing wrong in the end.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { Daemon, launch, openPage } from "./programs.mjs";
+
+export let browser;
+before(async () => {
+  browser = await launch();
+});
+after(() => browser?.close());
+
+// `run(page, claim, daemon)`; claim(name, body): a part of the test that stands on its own.
+export function pageTest(name, run, { daemon: words = [], ...options } = {}) {
+  test(name, async (t) => {
+    const daemon = await Daemon.start(...words);
+    try {
+      const page = await openPage(browser, daemon, options);
+      await run(page, (claim, body) => t.test(claim, body), daemon);
+      assert.deepEqual(page.faults, []);
+    } finally {
+      await closePages();
+      await daemon.stop();
+    }
+  });
+}
+
+export const closePages = () => Promise.all(browser.contexts().map((context) => context.close()));
+// Waits for what must come; the time-out is a guard against hanging for ever, not a measure.
+export const until = (page, condition, argument) => page.waitForFunction(condition, argument, { timeout: 60_000, polling: 100 });
+export const button = (page, name) => page.getByRole("button", { name, exact: true });
+export const control = (page) => page.evaluate(() => visum.acquire("arm"));
