@@ -57,3 +57,110 @@ pageTest("browse: everything of a part is found, read and set", async (page, cla
     for (const name of ["sense", "act", "step", "publish"]) assert.ok(names.includes(name), names.join());
   });
 });
+
+pageTest("a panel is edited, saved, loaded and shared", async (page, claim, daemon) => {
+  const widget = (name) => page.locator(".panel-grid").getByRole("group", { name, exact: true });
+  await button(page, "Edit the panel").click();
+  await claim("a widget is added, bound to a port, and moved by keys", async () => {
+    await page.getByRole("combobox", { name: "Kind of widget" }).selectOption({ label: "LED" });
+    await button(page, "Add").click();
+    const settings = page.locator(".panel-settings");
+    await settings.getByLabel("Label").fill("Running");
+    await settings.getByLabel("Label").press("Enter");
+    await settings.getByLabel("Port").selectOption({ label: "arm · Execution Enable" });
+    await widget("Running").focus();
+    await page.keyboard.press("ArrowRight");
+    await page.keyboard.press("Shift+ArrowDown");
+    assert.match(await widget("Running").getAttribute("style"), /2 \/ span 3/);
+    await until(page, () => [...document.querySelectorAll(".led-word")].some((word) => word.textContent === "on"));
+  });
+  await claim("a port dropped on it becomes a control", async () => {
+    await page.locator('.port[data-port="Desired Angle 3"]').dragTo(page.locator(".panel-grid"), { targetPosition: { x: 20, y: 20 } });
+    await widget("Desired Angle 3").waitFor();
+  });
+  const [saved] = await Promise.all([page.waitForEvent("download"), button(page, "Save the panel to a file").click()]);
+  const file = await saved.path();
+  const widgets = () => page.locator(".panel-grid > .widget").count();
+  const count = await widgets();
+  await claim("what was saved is loaded again", async () => {
+    await page.getByRole("combobox", { name: "Panel", exact: true }).selectOption({ label: "Empty panel" });
+    assert.equal(await widgets(), 0);
+    const [chooser] = await Promise.all([page.waitForEvent("filechooser"), button(page, "Load a panel from a file").click()]);
+    await chooser.setFiles({ name: "a.panel.json", mimeType: "application/json", buffer: (await import("node:fs")).readFileSync(file) });
+    await widget("Running").waitFor();
+    assert.equal(await widgets(), count);
+  });
+  await claim("a bad file is refused where it is bad", async () => {
+    const [chooser] = await Promise.all([page.waitForEvent("filechooser"), button(page, "Load a panel from a file").click()]);
+    await chooser.setFiles({ name: "b.json", mimeType: "application/json", buffer: Buffer.from('{"visum_panel": 1, "name": "x", "widgets": [7]}') });
+    await page.getByText("widgets[0]: must be a map").waitFor();
+    assert.equal(await widgets(), count);
+  });
+  await claim("a link holds the panel", async () => {
+    await button(page, "Copy a link to this panel").click();
+    await until(page, () => location.hash.startsWith("#panel="));
+    const other = await page.context().newPage();
+    await other.goto(`${daemon.url}${await page.evaluate(() => location.hash)}`);
+    await other.locator(".panel-grid").getByRole("group", { name: "Running", exact: true }).waitFor();
+    await other.close();
+  });
+});
+
+pageTest("plots: full rate, zoom, cursor, phase, export", async (page, claim) => {
+  const passes = async (seconds) => {
+    const from = await page.evaluate(() => visum.simTime());
+    await until(page, (time) => visum.simTime() > time, from + seconds);
+  };
+  const { readFileSync } = await import("node:fs");
+  await button(page, "Plot Desired Angle 1").click();
+  await button(page, "Plot Actual Angle 1").click();
+  await control(page);
+  await page.evaluate(() => visum.write("arm", "Desired Angle 1", 0.3));
+  await passes(2);
+  await claim("a line a tick in the CSV", async () => {
+    const [download] = await Promise.all([page.waitForEvent("download"), button(page, "Export as CSV").click()]);
+    const lines = readFileSync(await download.path(), "utf8").trim().split("\n");
+    assert.match(lines[0], /arm Desired Angle 1 \[rad\].*arm Actual Angle 1 \[rad\]/);
+    const times = lines.slice(1).map((line) => Number(line.split(",")[0]));
+    const gaps = times.slice(1).map((time, i) => time - times[i]).sort((a, b) => a - b);
+    assert.ok(times.length > 500, `${times.length} lines`);
+    assert.ok(Math.abs(gaps[gaps.length >> 1] - 0.001) < 1e-6, "a line a tick");
+  });
+  await claim("a picture", async () => {
+    const [picture] = await Promise.all([page.waitForEvent("download"), button(page, "Export as PNG").click()]);
+    assert.equal(readFileSync(await picture.path()).subarray(1, 4).toString(), "PNG");
+  });
+  await claim("the cursor tells values; dragging zooms in, a double click goes on", async () => {
+    const over = page.locator(".plot .u-over");
+    const { x, y, width, height } = await over.boundingBox();
+    const legend = () => page.locator(".plot .u-legend .u-value").allTextContents();
+    await page.mouse.move(x + 0.9 * width, y + height / 2);
+    await until(page, () => /\d s$/.test(document.querySelector(".plot .u-legend .u-value").textContent));
+    assert.match((await legend()).join(), / s,.* rad,.* rad/);
+    await page.mouse.move(x + 0.8 * width, y + height / 2);
+    await page.mouse.down();
+    await page.mouse.move(x + 0.95 * width, y + height / 2, { steps: 4 });
+    await page.mouse.up();
+    await passes(0.3);
+    const before = await legend();
+    await passes(0.5);
+    assert.deepEqual(await legend(), before, "zoomed, it stands");
+    await page.mouse.dblclick(x + 0.9 * width, y + height / 2);
+    await until(page, (text) => document.querySelector(".plot .u-legend .u-value").textContent !== text, before[0]);
+  });
+  await claim("the second against the first", async () => {
+    await button(page, "Phase").click();
+    await until(page, () => {
+      const canvas = document.querySelector("canvas.phase");
+      const blank = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
+      return canvas.width > 0 && canvas.toDataURL() !== blank.toDataURL();
+    });
+    await button(page, "Phase").click();
+  });
+  await claim("twenty ports dragged into one plot", async () => {
+    for (const group of ["Desired Angle", "Actual Angle", "Actual Speed"])
+      await page.locator(".group > summary", { hasText: group }).first().dragTo(page.locator(".plot").first());
+    await until(page, () => document.querySelectorAll(".plot .u-series").length >= 21);
+    await passes(0.5);
+  });
+});

@@ -30,3 +30,15 @@ export const closePages = () => Promise.all(browser.contexts().map((context) => 
 export const until = (page, condition, argument) => page.waitForFunction(condition, argument, { timeout: 60_000, polling: 100 });
 export const button = (page, name) => page.getByRole("button", { name, exact: true });
 export const control = (page) => page.evaluate(() => visum.acquire("arm"));
+export const isRed = (r, g, b) => r > 120 && r > 2 * g && r > 2 * b;
+export const isBlue = (r, g, b) => b > 80 && b > 1.5 * g && b > 3 * r;
+
+// Until the view is drawn as it stays, with every pixel (a slow machine leaves some out while things move).
+export async function drawn(page) {
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  await until(page, () => {
+    const canvas = document.querySelector(".view canvas");
+    return canvas.width === Math.floor(canvas.clientWidth * devicePixelRatio);
+  });
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+}

@@ -22,14 +22,17 @@ export async function colourAt(page, { x, y }) {
   return [...data.subarray(0, 3)];
 }
 
-// The middle, in x, of the pixels that `is` says yes to, and how many they are; within columns [from, to).
-export function middleOf({ width, height, data }, is, from = 0, to = width) {
-  let sum = 0, count = 0;
-  for (let y = 0; y < height; ++y)
-    for (let x = from; x < to; ++x)
-      if (is(...data.subarray(4 * (y * width + x), 4 * (y * width + x) + 3))) {
-        sum += x - from;
-        count += 1;
-      }
-  return { x: sum / count, count };
+// The middle of the pixels that `is` says yes to, and how many they are; within [from, to) by [top, bottom), and counted
+// from there.
+export function middleOf({ width, height, data }, is, { from = 0, to = width, top = 0, bottom = height } = {}) {
+  let x = 0, y = 0, count = 0;
+  for (let row = top; row < bottom; ++row)
+    for (let column = from; column < to; ++column) {
+      const at = 4 * (row * width + column);
+      if (!is(data[at], data[at + 1], data[at + 2])) continue;
+      x += column - from;
+      y += row - top;
+      count += 1;
+    }
+  return { x: x / count, y: y / count, count };
 }

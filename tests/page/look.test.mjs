@@ -1,0 +1,85 @@
+// Look: the world on the screen is the world of the ports; bodies, viewpoints, stereo.
+import assert from "node:assert/strict";
+import { join } from "node:path";
+import { button, drawn, isBlue, isRed, pageTest, until } from "./harness.mjs";
+import { linkPositions, readJoints } from "./kinematics.mjs";
+import { colourAt, middleOf, pixels } from "./picture.mjs";
+import { source } from "./programs.mjs";
+
+const viewBox = (page) => page.locator(".view canvas").boundingBox();
+const look = (page, name) => page.getByRole("combobox", { name: "Viewpoint" }).selectOption(name);
+const body = (page, name, point) => page.evaluate(([name, point]) => visum.project(name, point), [name, point]);
+
+pageTest("loads, and shows the arm where the ports say that it is", async (page, claim) => {
+  await claim("names the world and what it is", async () => {
+    assert.equal(await page.title(), "amtec_arm · Visum");
+    assert.equal(await page.locator(".reality").textContent(), "Virtual");
+    assert.equal((await page.evaluate(() => visum.ports())).length, 60);
+  });
+  await claim("each link is where the model's kinematics put it", () => assertPose(page));
+  await claim("bodies have their colours", async () => {
+    assert.ok(isRed(...(await colourAt(page, await body(page, "target")))), "the disc is red");
+    assert.ok(isBlue(...(await colourAt(page, await body(page, "box")))), "the box is blue");
+  });
+  await claim("viewpoints of the scene, and home again", async () => {
+    const home = await page.evaluate(() => visum.camera());
+    await look(page, "Above");
+    assert.deepEqual((await page.evaluate(() => visum.camera())).position.map((value) => Number(value.toFixed(6))), [0.35, -0.01, 2.6]);
+    await assertPose(page);
+    await page.locator(".view canvas").focus();
+    await page.keyboard.press("ArrowLeft");
+    await page.keyboard.press("Home");
+    const again = await page.evaluate(() => visum.camera());
+    assert.deepEqual(again.position.map((value) => value.toFixed(6)), home.position.map((value) => value.toFixed(6)));
+  });
+});
+
+async function assertPose(page) {
+  const joints = readJoints(join(source, "models/amtec_arm/amtec_arm.urdf"));
+  const seen = await page.evaluate((names) => {
+    const angles = Object.fromEntries(names.map((_, i) => [`joint_${i + 1}`, visum.read("arm", `Actual Angle ${i + 1}`)]));
+    return { angles, bodies: visum.bodies() };
+  }, [1, 2, 3, 4, 5, 6, 7]);
+  for (const [link, position] of linkPositions(joints, seen.angles)) {
+    const name = seen.bodies.find((one) => one === link || one.endsWith(`/${link}`));
+    if (!name) continue; // the root, which the world holds
+    const [shown, expected] = [await body(page, name), await body(page, "floor", position)];
+    assert.ok(Math.hypot(shown.x - expected.x, shown.y - expected.y) < 1, `${name}: ${JSON.stringify([shown, expected])}`);
+  }
+}
+
+pageTest("a body is clicked, and pulled", async (page, claim) => {
+  const card = page.getByRole("region", { name: "Selected body" });
+  const fact = (name) => card.locator(`dt:text-is("${name}") + dd`).textContent();
+  await look(page, "Table");
+  await claim("the card says what it is", async () => {
+    const { x, y } = await body(page, "box");
+    await page.mouse.click(x, y);
+    assert.equal(await card.getByRole("heading").textContent(), "box");
+    assert.match(await fact("Mass"), /^0\.2000? kg/);
+    const [px, py, pz] = (await fact("Position")).match(/[-−]?\d+\.\d+/g).map((text) => Number(text.replace("−", "-")));
+    assert.ok(Math.hypot(px - 0.5, py - 0.2, pz - 0.24) < 0.005, `${px} ${py} ${pz}`);
+  });
+  await claim("a pulled body comes along", async () => {
+    const from = await body(page, "box");
+    await page.keyboard.down("Control");
+    await page.mouse.move(from.x, from.y);
+    await page.mouse.down();
+    await page.mouse.move(from.x + 30, from.y - 60, { steps: 3 });
+    await until(page, (y) => visum.project("box").y < y - 20, from.y);
+    await page.mouse.up();
+    await page.keyboard.up("Control");
+  });
+});
+
+pageTest("each eye sees near things further to the other side", async (page) => {
+  await button(page, "Stereo").click();
+  await page.getByRole("combobox", { name: "Stereo mode" }).selectOption("side-by-side");
+  await page.keyboard.press("Escape");
+  await drawn(page);
+  const image = await pixels(page, await viewBox(page));
+  const half = image.width >> 1;
+  const [left, right] = [middleOf(image, isRed, { to: half }), middleOf(image, isRed, { from: half })];
+  assert.ok(left.count > 20 && right.count > 20, JSON.stringify([left, right]));
+  assert.notEqual(left.x.toFixed(1), right.x.toFixed(1));
+});
