@@ -3,15 +3,12 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <exception>
 #include <memory>
 #include <stdexcept>
 #include <string>
 
-#include "protocol/config/config.h"
 #include "server/cycle/simulation.h"
 #include "server/gateway/bus/host_line.h"
 #include "server/gateway/daemon.h"
@@ -119,9 +116,8 @@ void declare(CLI::App& app, Options& options) {
       "Example:\n"
       "  visum-hwpart models/scenes/amtec_arm.yaml --bus serial:/dev/ttyUSB0,38400\n"
       "Nothing moves at start, and nothing before a controller writes Execution Enable.\n"
-      "Exit codes: 0 ended in good order, 2 bad usage, or a bus that is not this part's, 3 the scene is "
-      "wrong, 130 "
-      "interrupted.");
+      "Exit codes: 0 ended in good order, 2 bad usage, or a bus that is not this part's, 3 the scene is\n"
+      "wrong, 130 interrupted.");
 }
 
 }  // namespace
@@ -136,13 +132,5 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? gateway::kPassed : gateway::kUsage;
   }
   gateway::set_up_log("visum-hwpart", options.verbosity);
-  try {
-    return run(options);
-  } catch (const config::ConfigError& error) {
-    spdlog::error("{}", error.what());
-    return gateway::kConfigWrong;
-  } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
-    return gateway::kUsage;
-  }
+  return gateway::exit_code_of([&] { return run(options); });
 }

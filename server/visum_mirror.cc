@@ -5,8 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
-#include <exception>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 
 #include "protocol/config/config.h"
@@ -106,9 +106,9 @@ void declare(CLI::App& app, Options& options) {
   app.footer(
       "Example:\n"
       "  visum mirror --primary 127.0.0.1:1501 --shadow 127.0.0.1:1500 --port 1502 --angle-limit 0.1\n"
-      "The virtual arm beside the real one, the real one in charge. The part ARM_divergence says how far "
-      "the\n"
-      "two are apart; its parameters switch the primary and set the limits.");
+      "The virtual arm beside the real one, the real one in charge. The part arm_divergence says how\n"
+      "far the two are apart; its parameters switch the primary and set the limits.\n"
+      "Exit codes: 0 ended in good order, 2 bad usage, or an arm that cannot be had, 130 interrupted.");
 }
 
 }  // namespace
@@ -123,10 +123,5 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? gateway::kPassed : gateway::kUsage;
   }
   gateway::set_up_log("visum-mirror", options.verbosity);
-  try {
-    return run(options);
-  } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
-    return gateway::kUsage;
-  }
+  return gateway::exit_code_of([&] { return run(options); });
 }

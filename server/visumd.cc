@@ -5,7 +5,6 @@
 #include <csignal>
 #include <string>
 
-#include "protocol/config/config.h"
 #include "server/cycle/simulation.h"
 #include "server/gateway/daemon.h"
 #include "server/gateway/page_files.h"
@@ -136,13 +135,5 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? gateway::kPassed : gateway::kUsage;
   }
   gateway::set_up_log("visumd", options.verbosity);
-  try {
-    return run(options);
-  } catch (const config::ConfigError& error) {
-    spdlog::error("{}", error.what());
-    return gateway::kConfigWrong;
-  } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
-    return gateway::kUsage;
-  }
+  return gateway::exit_code_of([&] { return run(options); });
 }

@@ -11,8 +11,10 @@
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <iostream>
 
+#include "protocol/config/config.h"
 #include "server/gateway/json.h"
 
 namespace visum::gateway {
@@ -101,6 +103,18 @@ void set_up_log(const std::string& name, int verbosity) {
                                                      : spdlog::stderr_color_mt(name));
   spdlog::set_pattern(name + ": %^%l%$: %v");
   spdlog::set_level(kLevels[verbosity]);
+}
+
+int exit_code_of(const std::function<int()>& run) {
+  try {
+    return run();
+  } catch (const config::ConfigError& error) {
+    spdlog::error("{}", error.what());
+    return kConfigWrong;
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return kUsage;
+  }
 }
 
 int run_until_signal(Daemon& daemon, const cycle::Simulation& simulation, const DaemonOptions& options,

@@ -1,6 +1,7 @@
 // What the server programs have in common around their daemon: log, signals, the ready line.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "server/gateway/daemon.h"
@@ -12,6 +13,9 @@ enum Exit { kPassed = 0, kFailed = 1, kUsage = 2, kConfigWrong = 3, kInterrupted
 
 // To stderr, as "NAME: level: text"; 0 errors, 1 warnings, 2 news, 3 details.
 void set_up_log(const std::string& name, int verbosity);
+
+// What `run` returns; where it throws, the exit code of that, once the error is in the log.
+int exit_code_of(const std::function<int()>& run);
 
 // Runs the daemon until it ends, or until SIGINT or SIGTERM end it; returns the signal, 0: none. Says that it
 // is ready before: on stdout as one line of JSON where wanted, else in the log, and to systemd.
