@@ -112,7 +112,8 @@ class TwoArms(unittest.TestCase):
         self.mirror()
         self.go(1.0)
         self.expect(lambda: self.seen("Actual Angle 1") > 0.1)
-        self.arm.inputs("Desired Finger Position")[:] = 0.01, 0.02  # one drive moves both fingers alike
+        fingers = self.arm.inputs("Desired Finger Position")
+        fingers[0], fingers[1] = 0.01, 0.02  # one drive moves both alike
         self.arm.write()
         self.expect(lambda: self.seen("Divergence Fault") == 1)
         self.assertEqual(self.seen("Part State"), FAULT)
@@ -121,7 +122,7 @@ class TwoArms(unittest.TestCase):
         for arm in self.arms:
             with visum.Client(arm.address, name="look", role="observer") as client:
                 self.assertEqual(client.part("arm").outputs("Part State")[0], HALTED)
-        self.arm.inputs("Desired Finger Position")[:] = 0.01, 0.01
+        fingers[1] = 0.01
         self.reset()
         self.expect(lambda: self.seen("Part State") == READY)
 
