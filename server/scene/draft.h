@@ -25,8 +25,7 @@ class Draft {
   explicit Draft(Scene& scene);
 
   Scene& scene;
-  std::vector<config::Node> part_entries;    // made last, when all joints stand in their final order
-  std::vector<config::Node> sensor_entries;  // likewise
+  std::vector<config::Node> part_entries;  // made last, when all joints stand in their final order
 
   // Takes a name for a body, joint, model, part or surface (`what`); fails at `place` if it is taken already.
   void claim(const std::string& what, const std::string& name, const config::Place& place);

@@ -63,7 +63,7 @@ class Loader {
     each(root, "joints", [&](const Node& entry) { read_joint(draft_, entry); });
     if (const auto pairs = root.find("no_collision")) read_no_collision(draft_, *pairs, "");
     each(root, "parts", [&](const Node& entry) { draft_.part_entries.push_back(entry); });
-    each(root, "sensors", [&](const Node& entry) { draft_.sensor_entries.push_back(entry); });
+    each(root, "sensors", [&](const Node& entry) { read_sensor(draft_, entry); });
     each(root, "lights", [&](const Node& entry) { read_light(draft_, entry); });
     each(root, "viewpoints", [&](const Node& entry) { read_viewpoint(draft_, entry); });
     each(root, "panels", [&](const Node& entry) { read_panel(draft_, entry); });
@@ -132,7 +132,7 @@ Scene load_scene(const fs::path& file, const Options& options) {
   const config::Place whole{file.string(), 0, ""};
   sort_world(draft, whole);
   plan_parts(draft);
-  plan_sensors(draft);
+  find_measured_joints(draft);
   apply(options, scene);
   scene.world.name = scene.name;
   refuse_fault(scene, whole);

@@ -7,7 +7,7 @@ namespace {
 
 using config::Node;
 
-world::JointId read_joint_name(const Draft& draft, const Node& node) {
+world::JointId joint_called(const Draft& draft, const Node& node) {
   const auto& world = draft.scene.world;
   const auto found = world.find_joint(node.text());
   if (found.valid()) return found;
@@ -18,7 +18,11 @@ world::JointId read_joint_name(const Draft& draft, const Node& node) {
             (near ? "; did you mean '" + *near + "'?" : ""));
 }
 
-SensorPlan plan_sensor(Draft& draft, const Node& entry) {
+}  // namespace
+
+void read_sensor(Draft& draft, const Node& entry) {
+  auto& sensors = draft.scene.sensors;
+  if (sensors.size() == kMaxSensors) entry.fail("more than " + std::to_string(kMaxSensors) + " sensors");
   const std::string name = read_name(entry.get("name"));
   draft.claim("part", name, entry.place());
   SensorPlan plan{name, read_name(entry.get("kind")), entry, {}, read_pose_or_identity(entry, "pose"), {}};
@@ -27,18 +31,12 @@ SensorPlan plan_sensor(Draft& draft, const Node& entry) {
     plan.body = link.body;
     plan.X_BS = link.X_BL * plan.X_BS;
   }
-  if (const auto joint = entry.find("joint")) plan.joint = read_joint_name(draft, *joint);
-  return plan;
+  sensors.push_back(std::move(plan));
 }
 
-}  // namespace
-
-void plan_sensors(Draft& draft) {
-  for (const Node& entry : draft.sensor_entries) {
-    if (draft.scene.sensors.size() == kMaxSensors)
-      entry.fail("more than " + std::to_string(kMaxSensors) + " sensors");
-    draft.scene.sensors.push_back(plan_sensor(draft, entry));
-  }
+void find_measured_joints(Draft& draft) {
+  for (SensorPlan& plan : draft.scene.sensors)
+    if (const auto joint = plan.config.find("joint")) plan.joint = joint_called(draft, *joint);
 }
 
 }  // namespace visum::scene

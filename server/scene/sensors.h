@@ -5,8 +5,11 @@
 
 namespace visum::scene {
 
+// One entry. Which joint it measures is left to find_measured_joints().
+void read_sensor(Draft& draft, const config::Node& entry);
+
 // After sort_world: joint ids are final.
-void plan_sensors(Draft& draft);
+void find_measured_joints(Draft& draft);
 
 inline constexpr std::size_t kMaxSensors = 256;
 
