@@ -210,7 +210,10 @@ void Stepper::count_impulses() {
   for (Axis& axis : plant_.axes)
     for (std::size_t k = 0; k < kMoments; ++k) axis.total += axis.law[k] + axis.damped[k];
   for (Touch& touch : plant_.touches)
-    for (const Vector3d& impulse : touch.impulse) touch.total_normal += impulse[0];
+    for (const Vector3d& impulse : touch.impulse) {
+      touch.total_normal += impulse[0];
+      touch.total += touch.frame * impulse;
+    }
 }
 
 }  // namespace visum::dynamics::impulse
