@@ -1,4 +1,5 @@
 // Every test of this folder, one after the other in one browser.
 import "./page.test.mjs";
 import "./look.test.mjs";
+import "./stereo.test.mjs";
 import "./browse.test.mjs";

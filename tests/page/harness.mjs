@@ -30,7 +30,9 @@ export const closePages = () => Promise.all(browser.contexts().map((context) => 
 export const until = (page, condition, argument) => page.waitForFunction(condition, argument, { timeout: 60_000, polling: 100 });
 export const button = (page, name) => page.getByRole("button", { name, exact: true });
 export const control = (page) => page.evaluate(() => visum.acquire("arm"));
-export const isRed = (r, g, b) => r > 120 && r > 2 * g && r > 2 * b;
+export const viewBox = (page) => page.locator(".view canvas").boundingBox();
+export const look = (page, name) => page.getByRole("combobox", { name: "Viewpoint" }).selectOption(name);
+export const isRed = (r, g, b) => r > 120 && r > 3 * g && r > 3 * b; // and not the arm's orange
 export const isBlue = (r, g, b) => b > 80 && b > 1.5 * g && b > 3 * r;
 
 // Until the view is drawn as it stays, with every pixel (a slow machine leaves some out while things move).

@@ -1,13 +1,11 @@
-// Look: the world on the screen is the world of the ports; bodies, viewpoints, stereo.
+// Look: the world on the screen is the world of the ports; bodies, viewpoints.
 import assert from "node:assert/strict";
 import { join } from "node:path";
-import { button, drawn, isBlue, isRed, pageTest, until } from "./harness.mjs";
+import { isBlue, isRed, look, pageTest, until } from "./harness.mjs";
 import { linkPositions, readJoints } from "./kinematics.mjs";
-import { colourAt, middleOf, pixels } from "./picture.mjs";
+import { colourAt } from "./picture.mjs";
 import { source } from "./programs.mjs";
 
-const viewBox = (page) => page.locator(".view canvas").boundingBox();
-const look = (page, name) => page.getByRole("combobox", { name: "Viewpoint" }).selectOption(name);
 const body = (page, name, point) => page.evaluate(([name, point]) => visum.project(name, point), [name, point]);
 
 pageTest("loads, and shows the arm where the ports say that it is", async (page, claim) => {
@@ -70,16 +68,4 @@ pageTest("a body is clicked, and pulled", async (page, claim) => {
     await page.mouse.up();
     await page.keyboard.up("Control");
   });
-});
-
-pageTest("each eye sees near things further to the other side", async (page) => {
-  await button(page, "Stereo").click();
-  await page.getByRole("combobox", { name: "Stereo mode" }).selectOption("side-by-side");
-  await page.keyboard.press("Escape");
-  await drawn(page);
-  const image = await pixels(page, await viewBox(page));
-  const half = image.width >> 1;
-  const [left, right] = [middleOf(image, isRed, { to: half }), middleOf(image, isRed, { from: half })];
-  assert.ok(left.count > 20 && right.count > 20, JSON.stringify([left, right]));
-  assert.notEqual(left.x.toFixed(1), right.x.toFixed(1));
 });

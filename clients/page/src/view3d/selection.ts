@@ -1,6 +1,6 @@
 // A body that was clicked: what it is, how it moves, what drives it. With the role for it, a body is pulled by a spring
 // (Ctrl or Alt with the pointer), as if by hand.
-import { Plane, Raycaster, Vector2, Vector3 } from "three";
+import { Plane, Vector3 } from "three";
 import type { Link } from "../link/link";
 import { Role } from "../link/messages";
 import type { Parts } from "../model/parts";
@@ -73,16 +73,8 @@ export class Selection {
     this.follow.setAttribute("aria-pressed", String(this.viewer.followed === this.body));
   }
 
-  private ray(event: PointerEvent): Raycaster {
-    const { left, top, width, height } = this.viewer.canvas.getBoundingClientRect();
-    const at = new Vector2((2 * (event.clientX - left)) / width - 1, 1 - (2 * (event.clientY - top)) / height);
-    const ray = new Raycaster();
-    ray.setFromCamera(at, this.viewer.view.camera);
-    return ray;
-  }
-
   private hit(event: PointerEvent): { body: number; point: Vector3 } | null {
-    const found = this.ray(event).intersectObjects(this.viewer.bodies.groups, true).find(({ object }) => object.visible);
+    const found = this.viewer.rayAt(event.clientX, event.clientY).intersectObjects(this.viewer.bodies.groups, true).find(({ object }) => object.visible);
     return found ? { body: Number(found.object.parent?.userData["body"] ?? -1), point: found.point } : null;
   }
 
@@ -101,7 +93,7 @@ export class Selection {
   }
 
   private moveTarget(event: PointerEvent): void {
-    this.ray(event).ray.intersectPlane(this.pull!.plane, this.pull!.target);
+    this.viewer.rayAt(event.clientX, event.clientY).ray.intersectPlane(this.pull!.plane, this.pull!.target);
   }
 
   private endPull(): void {
