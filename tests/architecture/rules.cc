@@ -27,6 +27,7 @@ const std::vector<Layer> kLayers = {
     {"server/visumd.cc", {"protocol", "hwparts", "server"}},
     {"server/visum_hwpart.cc", {"protocol", "hwparts", "server"}},
     {"server/visum_mirror.cc", {"protocol", "hwparts", "server"}},
+    {"server/visum_mesh.cc", {"server/scene/collada"}},
     {"clients", {"protocol"}},
     {"tests", {"protocol", "hwparts", "server", "clients"}},
 };
@@ -44,6 +45,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"sdf/", {"server/scene", "tests"}},
     {"ignition/", {"server/scene", "tests"}},
     {"gz/", {"server/scene", "tests"}},
+    {"assimp/", {"server/scene/collada", "tests"}},
     {"google/protobuf/", {"protocol", "tests"}},
     {"protocol/visum.pb.h", {"protocol", "tests"}},
     {"visum.pb.h", {"protocol", "tests"}},

@@ -1,12 +1,10 @@
 // Look: the world on the screen is the world of the ports; bodies, viewpoints.
 import assert from "node:assert/strict";
 import { join } from "node:path";
-import { isBlue, isRed, look, pageTest, until } from "./harness.mjs";
-import { linkPositions, readJoints } from "./kinematics.mjs";
+import { body, drawn, isBlue, isRed, look, pageTest, until } from "./harness.mjs";
+import { linkPositions, readArm } from "./kinematics.mjs";
 import { colourAt } from "./picture.mjs";
 import { source } from "./programs.mjs";
-
-const body = (page, name, point) => page.evaluate(([name, point]) => visum.project(name, point), [name, point]);
 
 pageTest("loads, and shows the arm where the ports say that it is", async (page, claim) => {
   await claim("names the world and what it is", async () => {
@@ -33,18 +31,24 @@ pageTest("loads, and shows the arm where the ports say that it is", async (page,
 });
 
 async function assertPose(page) {
-  const joints = readJoints(join(source, "models/amtec_arm/amtec_arm.urdf"));
   const seen = await page.evaluate((names) => {
     const angles = Object.fromEntries(names.map((_, i) => [`joint_${i + 1}`, visum.read("arm", `Actual Angle ${i + 1}`)]));
     return { angles, bodies: visum.bodies() };
   }, [1, 2, 3, 4, 5, 6, 7]);
-  for (const [link, position] of linkPositions(joints, seen.angles)) {
+  for (const [link, position] of linkPositions(readArm(), seen.angles)) {
     const name = seen.bodies.find((one) => one === link || one.endsWith(`/${link}`));
     if (!name) continue; // the root, which the world holds
     const [shown, expected] = [await body(page, name), await body(page, "floor", position)];
     assert.ok(Math.hypot(shown.x - expected.x, shown.y - expected.y) < 1, `${name}: ${JSON.stringify([shown, expected])}`);
   }
 }
+
+pageTest("a Collada visual is shown in its own colours, and told what of it is not shown", async (page) => {
+  await drawn(page);
+  const [r, g, b] = await colourAt(page, await body(page, "sign/plate", [0.05, 0.1, 0]));
+  assert.ok(g > 1.2 * r && r > b, `${[r, g, b]} is green`);
+  assert.match(await page.locator(".not-shown").textContent(), /visual 'badge' .* without the textures/);
+}, { daemon: [join(source, "tests/page/data/sign.yaml")] });
 
 pageTest("a body is clicked, and pulled", async (page, claim) => {
   const card = page.getByRole("region", { name: "Selected body" });

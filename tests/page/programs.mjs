@@ -14,12 +14,13 @@ const { chromium } = require("playwright-core");
 
 export const browserPath = [process.env.VISUM_CHROMIUM, "/usr/bin/chromium", "/usr/bin/google-chrome"].find((path) => path && existsSync(path));
 const kMostTicks = "600000"; // a daemon whose test died ends by itself
-const kLiveMs = 60_000; // a guard against hanging for ever, not a measure
+const kLiveMs = 120_000; // a guard against hanging for ever, not a measure
 
 export class Daemon {
+  // `options`: of visumd; a scene first, where it is not the arm's.
   static async start(...options) {
     const daemon = new Daemon();
-    const scene = join(source, "models/scenes/amtec_arm.yaml");
+    const scene = options[0]?.endsWith(".yaml") ? options.shift() : join(source, "models/scenes/amtec_arm.yaml");
     const words = [scene, "--json", "-v", "0", "--run", "--iterations", kMostTicks, ...(options.includes("--port") ? [] : ["--port", "0"]), ...options];
     daemon.process = spawn(join(bin, "visumd"), words, { stdio: ["ignore", "pipe", "inherit"] });
     const died = once(daemon.process, "exit").then(([code]) => Promise.reject(new Error(`visumd ended with ${code} before it was ready`)));

@@ -7,7 +7,7 @@ import type { Parts } from "../model/parts";
 import type { World } from "../model/world";
 import { h, iconButton, setText } from "../ui/dom";
 import { icons } from "../ui/icons";
-import { formatValue } from "../ui/numbers";
+import { formatInRange, formatValue } from "../ui/numbers";
 import { reportError } from "../ui/toasts";
 import { drivingPorts } from "./driving_ports";
 import type { Viewer } from "./viewer";
@@ -120,14 +120,14 @@ export class Selection {
     const sample = this.world.sample;
     if (!description || !sample) return;
     const at = 7 * this.body;
-    const numbers = (values: number[]) => values.map((value) => formatValue(value, "m")).join(", ");
+    const numbers = (values: number[]) => values.map((value) => formatInRange(value, 0, 5, "m")).join(", ");
     const speed = sample.velocities.slice(6 * this.body, 6 * this.body + 3);
     const rows: [string, string][] = [
       ["Position", `${numbers(sample.poses.slice(at, at + 3))} m`],
       ["Orientation", numbers(sample.poses.slice(at + 3, at + 7))],
-      ["Speed", `${formatValue(Math.hypot(...speed), "m/s")} m/s`],
+      ["Speed", `${formatInRange(Math.hypot(...speed), 0, 5, "m/s")} m/s`],
       ["Mass", description.fixed ? "stands still" : `${formatValue(description.massKg, "kg")} kg`],
-      ["Contact force", `${formatValue(sample.peakContactForces[this.body] ?? 0, "N")} N`],
+      ["Contact force", `${formatInRange(sample.peakContactForces[this.body] ?? 0, 0, 100, "N")} N`],
       ["Driven by", drivingPorts(this.world, this.parts, description.name).join("; ") || "nothing"],
     ];
     if (!description.fixed && this.link.welcome?.role === Role.ADMIN) rows.push(["Pull", "Ctrl and drag"]);
