@@ -12,12 +12,12 @@ export function formatValue(value: number, unit = ""): string {
   return value.toFixed(digits).replace("-", "−");
 }
 
-// A value of a range, always with the same decimals: five places below its size (0.0000 of a few radians, 0.00000 of some
+// A value of a range, always with the same decimals: four below the size of its half (0.0000 of ±3 rad, 0.00000 of some
 // centimetres), so that what trembles about zero stays readable. Whole numbers without a unit stay whole.
 export function formatInRange(value: number, minimum: number, maximum: number, unit = ""): string {
   const range = maximum - minimum;
   if (!(range > 0 && range < kWidest) || !(Math.abs(value) < kWidest) || (unit === "" && Number.isInteger(value))) return formatValue(value, unit);
-  const decimals = Math.min(kMostDecimals, Math.max(0, 4 - Math.floor(Math.log10(range))));
+  const decimals = Math.min(kMostDecimals, Math.max(0, 4 - Math.floor(Math.log10(range / 2))));
   return value.toFixed(decimals).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
 }
 

@@ -97,7 +97,7 @@ export class Overlays {
       arrow.position.copy(at);
       arrow.setDirection(axis);
       const value = this.world.sample?.jointPositions[index] ?? NaN;
-      const text = joint.type === "slider" ? `${formatInRange(value * 1000, 0, 100, "mm")} mm` : `${formatInRange((value * 180) / Math.PI, 0, 360, "°")}°`;
+      const text = joint.type === "slider" ? `${formatInRange(value * 1000, 0, 200, "mm")} mm` : `${formatInRange((value * 180) / Math.PI, 0, 360, "°")}°`;
       texts.push({ at: at.addScaledVector(axis, 1.3 * kAxisLength), text });
     }
     this.labels.show(texts);

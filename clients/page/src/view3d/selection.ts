@@ -127,7 +127,7 @@ export class Selection {
       ["Orientation", numbers(sample.poses.slice(at + 3, at + 7))],
       ["Speed", `${formatInRange(Math.hypot(...speed), 0, 5, "m/s")} m/s`],
       ["Mass", description.fixed ? "stands still" : `${formatValue(description.massKg, "kg")} kg`],
-      ["Contact force", `${formatInRange(sample.peakContactForces[this.body] ?? 0, 0, 100, "N")} N`],
+      ["Contact force", `${formatInRange(sample.peakContactForces[this.body] ?? 0, 0, 200, "N")} N`],
       ["Driven by", drivingPorts(this.world, this.parts, description.name).join("; ") || "nothing"],
     ];
     if (!description.fixed && this.link.welcome?.role === Role.ADMIN) rows.push(["Pull", "Ctrl and drag"]);
