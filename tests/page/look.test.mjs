@@ -54,6 +54,15 @@ pageTest("a body is clicked, and pulled", async (page, claim) => {
   const card = page.getByRole("region", { name: "Selected body" });
   const fact = (name) => card.locator(`dt:text-is("${name}") + dd`).textContent();
   await look(page, "Table");
+  await claim("by keys, without a click", async () => {
+    const choice = page.getByRole("combobox", { name: "Selected body" });
+    await choice.focus();
+    for (const _ of ["base_link", "link_1", "link_2", "link_3"]) await page.keyboard.press("ArrowDown");
+    await until(page, () => document.querySelector(".body-card h2").textContent === "arm/link_3");
+    assert.match(await card.textContent(), /Desired Angle 3/);
+    await choice.selectOption("No body");
+    assert.ok(await card.isHidden());
+  });
   await claim("the card says what it is", async () => {
     const { x, y } = await body(page, "box");
     await page.mouse.click(x, y);

@@ -31,7 +31,7 @@ export class PortRow {
     this.hold = isInput ? iconButton(icons.pin, `Hold ${name}`, () => this.toggleHold(), { "aria-pressed": "false" }) : null;
     this.element = h(
       "div",
-      { class: "port", draggable: true, "data-port": name, title: `${name}: ${formatValue(minimum)} to ${formatValue(maximum)} ${unit}` },
+      { class: unit === "" ? "port unitless" : "port", draggable: true, "data-port": name, title: `${name}: ${formatValue(minimum)} to ${formatValue(maximum)} ${unit}` },
       h("span", { class: "name" }, label),
       this.value,
       h("span", { class: "unit" }, unit),

@@ -4,6 +4,7 @@ import { Plane, Vector3 } from "three";
 import type { Link } from "../link/link";
 import { Role } from "../link/messages";
 import type { Parts } from "../model/parts";
+import { Emitter } from "../model/signal";
 import type { World } from "../model/world";
 import { h, iconButton, setText } from "../ui/dom";
 import { icons } from "../ui/icons";
@@ -26,6 +27,7 @@ interface Pull {
 }
 
 export class Selection {
+  readonly selected = new Emitter<number>(); // body; -1: none
   private body = -1;
   private pull: Pull | null = null;
   private readonly title = h("h2", {});
@@ -46,6 +48,7 @@ export class Selection {
   select(body: number): void {
     this.body = body;
     this.viewer.bodies.select(body);
+    this.selected.emit(body);
     this.card.hidden = body < 0;
     setText(this.title, this.world.description.value?.bodies[body]?.name ?? "");
     this.follow.setAttribute("aria-pressed", String(this.viewer.followed === body));

@@ -148,7 +148,7 @@ export class Viewer {
     this.framed = scene;
     const sphere = this.extent();
     this.lights.build(this.world.description.value?.lights ?? [], Math.max(0.5, sphere.radius + sphere.center.length()));
-    const arm = new Vector3(0.62, -0.68, 0.42).normalize().multiplyScalar(2.35 * sphere.radius);
+    const arm = new Vector3(0.62, -0.68, 0.42).normalize().multiplyScalar((2.35 * sphere.radius) / Math.min(1, this.view.camera.aspect)); // further away where the view is narrow
     const position = sphere.center.clone().add(arm);
     this.view.setHome({ name: "Home", position: position.toArray(), target: sphere.center.toArray(), fov: 40 });
   }
