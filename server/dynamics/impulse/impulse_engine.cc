@@ -98,8 +98,11 @@ class ImpulseEngine : public Engine {
     for (const Spring& spring : plant_.springs)
       if (!is_asleep(plant_, spring))
         state.joints[spring.spec.id.index()].effort = spring.total / input.tick_s;
-    for (const Touch& touch : plant_.touches)
-      input.contacts[touch.contact].normal_force_n = touch.total_normal / input.tick_s;
+    for (const Touch& touch : plant_.touches) {
+      collision::Contact& contact = input.contacts[touch.contact];
+      contact.normal_force_n = touch.total_normal / input.tick_s;
+      contact.force_on_a_W = touch.total / input.tick_s;
+    }
     std::vector<std::byte>& kept = state.engines[index_];
     kept.resize(warm_start_bytes(plant_) + sleep_.bytes());
     write_warm_start(plant_, input.contacts, kept);

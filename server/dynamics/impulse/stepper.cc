@@ -17,6 +17,19 @@ double default_d_max(const world::EngineSetting& setting) {
   return setting.order == 2 ? 1e-9 : setting.order == 4 ? 1e-11 : 1e-13;
 }
 
+// At rest, what was given at t+h is half of the tick's.
+void count(Touch& touch) {
+  if (touch.asleep) {
+    touch.total_normal = 2.0 * touch.impulse[kAhead][0];
+    touch.total = 2.0 * touch.kept_impulse;
+    return;
+  }
+  for (const Vector3d& impulse : touch.impulse) {
+    touch.total_normal += impulse[0];
+    touch.total += touch.frame * impulse;
+  }
+}
+
 }  // namespace
 
 Stepper::Stepper(Plant& plant)
@@ -85,7 +98,7 @@ void Stepper::factor(double h, const world::WorldState& state) {
 }
 
 const JointSpec* Stepper::worst_joint(std::size_t m) const {
-  return corrector_ ? corrector_->worst_joint() : &plant_.mechanisms[m].worst_joint();
+  return corrector_ ? corrector_->worst_joint() : plant_.mechanisms[m].worst_joint();
 }
 
 bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
@@ -139,7 +152,7 @@ double Stepper::close(std::size_t m, double h, const world::WorldState& state) {
   mechanism.clear();
   const double gap = mechanism.ask_gaps(plant_.bodies, state, h);
   const double missing = h * ask_axes(plant_, m, kAhead, h);
-  const double largest = gap >= missing ? gap : missing;
+  const double largest = missing > gap || std::isnan(missing) ? missing : gap;
   if (largest <= d_max_) return largest;
   mechanism.solve();
   mechanism.apply(plant_.bodies);
@@ -268,12 +281,7 @@ void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, con
 void Stepper::count_impulses() {
   for (Axis& axis : plant_.axes)
     for (std::size_t k = 0; k < kMoments; ++k) axis.total += axis.law[k] + axis.damped[k];
-  // At rest, what was given at t+h is half of the tick's.
-  for (Touch& touch : plant_.touches) {
-    if (touch.asleep) touch.total_normal = 2.0 * touch.impulse[kAhead][0];
-    if (touch.asleep) continue;
-    for (const Vector3d& impulse : touch.impulse) touch.total_normal += impulse[0];
-  }
+  for (Touch& touch : plant_.touches) count(touch);
 }
 
 }  // namespace visum::dynamics::impulse
