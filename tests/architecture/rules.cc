@@ -56,6 +56,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"urdf_world/", {"clients/examples", "tests"}},
     {"tinyxml2.h", {"server/scene", "clients/examples", "tests"}},
     {"spdlog/", {"protocol", "server", "clients", "tests"}},
+    {"png.h", {"clients", "tests"}},
     {"CLI/", {"server/visumd.cc", "server/visum_hwpart.cc", "server/visum_mirror.cc", "clients", "tests"}},
     {"xxhash.h", {"server", "tests"}},
     {"Eigen/", {"hwparts", "server", "clients", "tests"}},

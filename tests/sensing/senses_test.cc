@@ -100,10 +100,10 @@ TEST(Senses, WrongScenesAreRefusedWhereTheyAreWrong) {
   EXPECT_EQ(error_of("- {name: a}"), "s.yaml:5: sensors[0]: key 'kind' is missing");
   EXPECT_EQ(error_of("- {name: a, kind: imu}\n- {name: a, kind: imu}"),
             "s.yaml:6: sensors[1]: there is already a part 'a' (s.yaml:5)");
-  EXPECT_EQ(
-      error_of("- {name: a, kind: imo}"),
-      "s.yaml:5: sensors[0].kind: must be one of distance, scanner, imu, pose, contact, joint_wrench, is "
-      "'imo'; did you mean 'imu'?");
+  EXPECT_EQ(error_of("- {name: a, kind: imo}"),
+            "s.yaml:5: sensors[0].kind: must be one of distance, scanner, imu, pose, contact, joint_wrench, "
+            "camera, is "
+            "'imo'; did you mean 'imu'?");
   EXPECT_EQ(error_of("- {name: a, kind: imu, body: bax}"),
             "s.yaml:5: sensors[0].body: there is no body called 'bax'; did you mean 'box'?");
   EXPECT_EQ(error_of("- {name: a, kind: imu, pose: {xyz: [0, 0]}}"),
