@@ -1,6 +1,7 @@
 # What `cmake --install` and CPack put where. Included by the top CMakeLists.txt after all programs are known.
 #   bin/                       visumd, visum, the example controllers
-#   share/visum/models/        robots, scenes, scenarios; share/visum/examples/: the controllers' sources
+#   share/visum/models/        robots, scenes, scenarios; share/visum/examples/: the controllers' sources;
+#   share/visum/clients/       those in Python; share/visum/server/scene/: the schema of scenes, for editors
 #   lib/, include/visum/       the C++ client library: find_package(visum) gives visum::client, pkg-config knows visum
 #   share/doc/visum/, and the shells' completion
 # The Python package installs itself (clients/python).
@@ -41,6 +42,7 @@ configure_file(docker/visum.pc.in ${PROJECT_BINARY_DIR}/visum.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/visum.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 install(DIRECTORY models DESTINATION ${CMAKE_INSTALL_DATADIR}/visum PATTERN __pycache__ EXCLUDE)
+install(FILES server/scene/scene.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/server/scene)
 install(DIRECTORY clients/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/visum PATTERN CMakeLists.txt EXCLUDE)
 
 # The shells' completion, as the program itself writes it.

@@ -4,12 +4,14 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <string>
+#include <string_view>
 
 #include "server/cycle/simulation.h"
 #include "server/gateway/command_line.h"
 #include "server/gateway/daemon.h"
 #include "server/gateway/page_files.h"
 #include "server/gateway/program.h"
+#include "server/gateway/scene_check.h"
 #include "server/scene/scene.h"
 
 namespace {
@@ -112,13 +114,39 @@ void declare(CLI::App& app, Options& options) {
       "  visumd models/scenes/amtec_arm.yaml                       the arm in real time on 127.0.0.1:1500\n"
       "  visumd models/scenes/amtec_arm.yaml --clock lockstep --port 0 --json\n"
       "  visumd models/scenes/amtec_arm.yaml --bus arm=pty:arm.tty   with its modules on a serial line, too\n"
+      "  visumd check models/scenes/amtec_arm.yaml                 says what is wrong with a scene, no more\n"
       "Exit codes: 0 ended in good order, 1 the world froze, 2 bad usage, 3 the scene is wrong, 130 "
       "interrupted.");
+}
+
+int check(int argc, char** argv) {
+  std::string scene;
+  scene::Options of_scene;
+  bool json = false;
+  CLI::App app{"visumd check: says what is wrong with a scene, where, and what was meant"};
+  app.add_option("scene", scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
+  app.add_option("--engine", of_scene.engine, "moves all bodies, instead of the scene's engines");
+  app.add_flag("--json", json, "print one line of JSON");
+  app.footer(
+      "Example:\n"
+      "  visum check models/scenes/cart.yaml\n"
+      "Exit codes: 0 the scene is right, 2 bad usage, 3 the scene is wrong.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? gateway::kPassed : gateway::kUsage;
+  }
+  gateway::set_up_log("visumd", 1);
+  return gateway::exit_code_of([&] {
+    gateway::check_scene(scene, of_scene, json);
+    return gateway::kPassed;
+  });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "check") return check(argc - 1, argv + 1);
   Options options;
   CLI::App app{"visumd: holds a physics world and publishes its hardware parts over TCP"};
   declare(app, options);

@@ -19,11 +19,13 @@ void check_drives(const hwparts::PartContext& context, const DriveList& list) {
   for (std::size_t i = 0; right && i < list.drives.size(); ++i) {
     const auto& drive = list.drives[i];
     const bool gripper = i == kAngles;
-    right = drive.data.linear == gripper && drive.joints.size() == (gripper ? kFingers : 1);
+    right = drive.data.linear == gripper && !drive.data.speed_controlled &&
+            drive.joints.size() == (gripper ? kFingers : 1);
   }
   if (right) return;
   context.config.get("drives").fail(
-      "an amtec_arm has 7 rotary drives of one joint each and then one linear drive of two joints; "
+      "an amtec_arm has 7 rotary drives of one joint each and then one linear drive of two joints, all "
+      "commanded by position; "
       "for other robots there is the kind servo_group");
 }
 

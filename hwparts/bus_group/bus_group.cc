@@ -103,7 +103,7 @@ void BusGroup::obey_counters(std::span<const double> inputs) {
 
 void BusGroup::hold_all(std::span<const double> inputs) {
   for (auto& axis : axes_) {
-    axis.ignored = desired_position(layout_, axis.run, inputs);
+    axis.ignored = desired_value(layout_, axis.run, inputs);
     axis.held = true;
   }
 }
@@ -115,7 +115,7 @@ bool BusGroup::may_move() const {
 }
 
 void BusGroup::drive(Axis& axis, std::span<const double> inputs, bool may_move) {
-  const double desired = desired_position(layout_, axis.run, inputs);
+  const double desired = desired_value(layout_, axis.run, inputs);
   if (axis.held && desired != axis.ignored) axis.held = false;
   if (!may_move || !axis.module.has(bit::kHomeOk)) return axis.module.stand();
   if (!axis.held) axis.module.follow(desired, maximum_speed(layout_, axis.run, inputs));
@@ -262,10 +262,21 @@ void BusGroup::stand_down() {
   }
 }
 
+namespace {
+
+void refuse_speed_control(const hwparts::PartContext& planned, const servo_group::DriveList& drives) {
+  for (const auto& entry : drives.drives)
+    if (entry.data.speed_controlled)
+      planned.config.get("drives").fail("'control: velocity' is for simulated drives only");
+}
+
+}  // namespace
+
 std::unique_ptr<hwparts::Part> make(const Kind& kind, const hwparts::PartContext& planned,
                                     powercube::Line& line, const hwparts::RealOptions& options) {
   servo_group::read_options(planned.config);
   auto drives = servo_group::load_drives(planned);
+  refuse_speed_control(planned, drives);
   kind.check(planned, drives);
   std::vector<Expected> expected;
   for (const auto& entry : drives.drives)

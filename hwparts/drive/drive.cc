@@ -83,21 +83,33 @@ void Drive::move_setpoint(const Command& command) {
       return;
     }
   }
-  const bool follows = free && !state_.by_bus && !state_.holding;
-  const double target = follows ? reachable_target(data_, state_, command.target) : 0.0;
-  if (follows && !has(state_, state_bit::kError)) {
-    const double speed = std::min(command.maximum_speed, state_.tuning.maximum_speed);
-    setpoint = ramp_to(setpoint, target, speed, state_.tuning.maximum_acceleration, tick_s_);
-  } else {
-    setpoint = ramp_stop(setpoint, data_.limits.stop_deceleration, tick_s_);
+  if (free && !state_.by_bus && !state_.holding) {
+    const auto next = follow_ports(command);
+    if (!has(state_, state_bit::kError)) {
+      setpoint = next;
+      return;
+    }
   }
+  setpoint = ramp_stop(setpoint, data_.limits.stop_deceleration, tick_s_);
 }
 
-// To the reference switch, where the encoder's zero becomes known; then, where asked for, to 0.
+Setpoint Drive::follow_ports(const Command& command) {
+  const MotionLimits limits{std::min(command.maximum_speed, state_.tuning.maximum_speed),
+                            state_.tuning.maximum_acceleration};
+  if (data_.speed_controlled) return keep_speed(command.target, limits);
+  const double target = reachable_target(data_, state_, command.target);
+  return ramp_to(state_.setpoint, target, limits.speed, limits.acceleration, tick_s_);
+}
+
+// To the reference switch, where the encoder's zero becomes known; then, where asked for, to 0. A
+// speed-controlled drive has no such place: it stops.
 void Drive::home_on(const Command& command) {
   auto& setpoint = state_.setpoint;
   const double target = state_.moves_to_zero ? 0.0 : data_.home.position + state_.zero_offset;
-  setpoint = ramp_to(setpoint, target, state_.tuning.home_speed, state_.tuning.maximum_acceleration, tick_s_);
+  const double acceleration = state_.tuning.maximum_acceleration;
+  setpoint = data_.speed_controlled
+                 ? ramp_stop(setpoint, acceleration, tick_s_)
+                 : ramp_to(setpoint, target, state_.tuning.home_speed, acceleration, tick_s_);
   if (setpoint.phase != RampPhase::kEnd) return;
   if (!state_.moves_to_zero) set_zero(state_);
   state_.referenced = true;
@@ -108,9 +120,17 @@ void Drive::home_on(const Command& command) {
   hold(state_, command.target);
 }
 
+// One tick towards a speed, or at it, as far as the soft limits let the axis go.
+Setpoint Drive::keep_speed(double speed, const MotionLimits& limits) {
+  constexpr double kFar = 1e6;  // [u], ahead: further than any braking distance
+  const auto& from = state_.setpoint;
+  if (speed == 0.0) return ramp_stop(from, limits.acceleration, tick_s_);
+  const double target = reachable_target(data_, state_, from.position + (speed > 0.0 ? kFar : -kFar));
+  return ramp_to(from, target, std::min(std::abs(speed), limits.speed), limits.acceleration, tick_s_);
+}
+
 // One tick of what the bus said.
 Setpoint Drive::follow_bus() {
-  constexpr double kFar = 1e6;  // [u], further than anything goes in a lifetime
   auto& motion = state_.motion;
   const auto& from = state_.setpoint;
   const MotionLimits limits{state_.tuning.maximum_speed, state_.tuning.maximum_acceleration};
@@ -119,11 +139,8 @@ Setpoint Drive::follow_bus() {
   switch (motion.kind) {
     case MotionKind::kRamp:
       return ramp_to(from, reachable_target(data_, state_, motion.target), speed, acceleration, tick_s_);
-    case MotionKind::kVelocity: {
-      if (motion.target == 0.0) return ramp_stop(from, acceleration, tick_s_);
-      const double target = reachable_target(data_, state_, motion.target > 0.0 ? kFar : -kFar);
-      return ramp_to(from, target, std::min(std::abs(motion.target), limits.speed), acceleration, tick_s_);
-    }
+    case MotionKind::kVelocity:
+      return keep_speed(motion.target, {limits.speed, acceleration});
     case MotionKind::kStep:
       return step_on(motion, from, reachable_target(data_, state_, motion.target), limits, tick_s_);
     case MotionKind::kCurrent: {

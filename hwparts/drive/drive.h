@@ -12,7 +12,7 @@
 
 namespace visum::drive {
 
-// What a drive is told, every tick. Module's coordinate.
+// What a drive is told, every tick. Module's coordinate. A speed-controlled one goes at `target` [u]/s.
 struct Command {
   double target = 0.0;
   double maximum_speed = 0.0;  // above the drive's own: the drive's own
@@ -40,7 +40,9 @@ class Drive {
  private:
   void move_setpoint(const Command& command);
   void home_on(const Command& command);
+  Setpoint follow_ports(const Command& command);
   Setpoint follow_bus();
+  Setpoint keep_speed(double speed, const MotionLimits& limits);
   MotorEffort drive_motor();
 
   DriveData data_;

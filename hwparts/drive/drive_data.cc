@@ -184,7 +184,16 @@ void read_brake(const Node& entry, bool linear, BrakeData& brake) {
   if (node) read_section(*node, kBrake, linear, brake);
 }
 
-void check_home(const Node& node, const DriveData& data) {
+// What is commanded by its speed has no place to go home to.
+void read_home(const Node& entry, DriveData& data) {
+  if (data.speed_controlled) {
+    if (const auto node = entry.find("home"))
+      node->fail("means nothing for a drive with 'control: velocity'");
+    data.home.speed = data.limits.maximum_speed;
+    return;
+  }
+  const Node node = entry.get("home");
+  read_section(node, kHome, data.linear, data.home);
   if (data.home.speed > data.limits.maximum_speed) node.fail("the speed is above limits' speed");
   const auto& limits = data.limits;
   if (limits.limited &&
@@ -212,24 +221,25 @@ double DriveData::increment() const {
 }
 
 DriveData read_drive_data(const Node& entry, bool linear) {
-  entry.allow_only(
-      {"joints", "module", "type", "motor", "gear", "encoder", "brake", "limits", "loop", "home", "supply"});
+  entry.allow_only({"joints", "module", "type", "control", "motor", "gear", "encoder", "brake", "limits",
+                    "loop", "home", "supply"});
   DriveData data;
   data.linear = linear;
   data.type = entry.get("type").text();
   data.module = static_cast<int>(entry.get("module").integer(1, 31));
+  if (const auto control = entry.find("control"))
+    data.speed_controlled = control->one_of({"position", "velocity"}) == "velocity";
   read_motor(entry.get("motor"), linear, data.motor);
   read_gear(entry.get("gear"), linear, data.gear);
   read_section(entry.get("encoder"), kEncoder, linear, data.encoder);
   read_brake(entry, linear, data.brake);
   read_limits(entry.get("limits"), linear, data.limits);
   read_section(entry.get("loop"), kLoop, linear, data.loop);
-  read_section(entry.get("home"), kHome, linear, data.home);
   read_section(entry.get("supply"), kSupply, linear, data.supply);
   if (data.supply.minimum_voltage > data.supply.nominal_voltage) {
     entry.get("supply").get("minimum_voltage_v").fail("is above nominal_voltage_v");
   }
-  check_home(entry.get("home"), data);
+  read_home(entry, data);
   check_speed(entry.get("limits"), data);
   return data;
 }

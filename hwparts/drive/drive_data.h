@@ -86,6 +86,7 @@ struct DriveData {
   std::string type;  // "PRL120"
   int module = 0;    // id on the bus
   bool linear = false;
+  bool speed_controlled = false;  // commanded is a speed, [u]/s, instead of a position
   MotorData motor;
   GearData gear;
   EncoderData encoder;

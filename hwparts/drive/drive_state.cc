@@ -53,7 +53,7 @@ DriveState initial_state(const DriveData& data, double position, bool homed) {
   state.rotor_position = position;
   state.measured_position = quantised(data, position);
   state.setpoint.position = position;
-  state.commanded = position;
+  state.commanded = data.speed_controlled ? 0.0 : position;
   state.winding = data.motor.ambient;
   state.latched = homed ? state_bit::kHomeOk : 0;
   state.tuning = initial_tuning(data);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <system_error>
 
 #include "hwparts/servo_group/tuning.h"
 
@@ -97,7 +98,10 @@ void check_complete(const Node& drives, const PartContext& context, const DriveL
 DriveList load_drives(const PartContext& context) {
   const Node key = context.config.get("drives");
   if (context.joints.empty()) context.config.fail("the part has no joints to drive");
-  const Node file = config::load_file(key.folder() / key.text());
+  const std::filesystem::path path = key.folder() / key.text();
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) key.fail("'" + path.string() + "': no such file");
+  const Node file = config::load_file(path);
   file.allow_only({"source", "drives"});
   DriveList list;
   list.source = file.get("source").text();

@@ -50,13 +50,24 @@ const char* speed_unit(const DriveEntry& entry) {
   return entry.data.linear ? "m/s" : "rad/s";
 }
 
+// Wider than what the drive does: it goes at its maximum speed then.
+Port speed_port(const char* name, const Channel& channel, const DriveEntry& entry) {
+  const double highest = kSpeedRange * fastest(entry);
+  return {numbered(name, channel.number), speed_unit(entry), -highest, highest, 0.0, name};
+}
+
+Port desired_port(const Channel& channel, const DriveEntry& entry, double initial) {
+  const char* name = channel.names.desired;
+  return entry.data.speed_controlled ? speed_port(name, channel, entry)
+                                     : position_port(name, channel, entry, initial);
+}
+
 void add_inputs(std::vector<Channel>& block, const DriveList& drives, const hwparts::PartContext& context,
                 PortLayout& layout) {
   auto& ports = layout.controller_inputs;
   for (auto& channel : block) {
     const double initial = context.joints[channel.joint].initial_position;
-    channel.desired =
-        add(ports, position_port(channel.names.desired, channel, entry_of(drives, channel), initial));
+    channel.desired = add(ports, desired_port(channel, entry_of(drives, channel), initial));
   }
   for (auto& channel : block) {
     const auto& entry = entry_of(drives, channel);
@@ -77,10 +88,7 @@ void add_motion_outputs(std::vector<std::vector<Channel>>& blocks, const DriveLi
   }
   for (auto& block : blocks) {
     for (auto& channel : block) {
-      const auto& entry = entry_of(drives, channel);
-      const double highest = kSpeedRange * fastest(entry);
-      channel.speed = add(ports, {numbered(channel.names.speed, channel.number), speed_unit(entry), -highest,
-                                  highest, 0.0, channel.names.speed});
+      channel.speed = add(ports, speed_port(channel.names.speed, channel, entry_of(drives, channel)));
     }
   }
 }
@@ -114,7 +122,7 @@ Port counter(const char* name) {
 
 }  // namespace
 
-double desired_position(const PortLayout& layout, const Run& run, std::span<const double> inputs) {
+double desired_value(const PortLayout& layout, const Run& run, std::span<const double> inputs) {
   double sum = 0.0;
   for (std::size_t i = 0; i < run.count; ++i) sum += inputs[layout.channels[run.first + i].desired];
   return sum;

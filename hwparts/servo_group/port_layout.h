@@ -3,7 +3,8 @@
 //   SO  actual positions of all blocks, actual speeds of all blocks, Actual Current 1..m, Module State 1..m,
 //   Part State,
 //       Changed
-// A block is joints whose ports are named alike: the arm's angles, the gripper's fingers.
+// Numbers are those of the channels: drives that are commanded by position and by speed share one run of
+// them. A block is joints whose ports are named alike: the arm's angles, the gripper's fingers.
 #pragma once
 
 #include <optional>
@@ -26,6 +27,9 @@ struct PortNames {
 };
 inline constexpr PortNames kAngle{"Desired Angle", "Maximum Speed", "Actual Angle", "Actual Speed"};
 inline constexpr PortNames kPosition{"Desired Position", "Maximum Speed", "Actual Position", "Actual Speed"};
+inline constexpr PortNames kAngleBySpeed{"Desired Speed", "Maximum Speed", "Actual Angle", "Actual Speed"};
+inline constexpr PortNames kPositionBySpeed{"Desired Speed", "Maximum Speed", "Actual Position",
+                                            "Actual Speed"};
 
 // One joint of the part, as its ports see it.
 struct Channel {
@@ -51,8 +55,9 @@ struct Run {
   std::size_t first;
   std::size_t count;
 };
-// What is commanded to a drive, in the module's coordinate: the sums over its joints.
-double desired_position(const PortLayout& layout, const Run& run, std::span<const double> inputs);
+// What is commanded to a drive, in the module's coordinate: the sums over its joints. The desired value is a
+// speed where the drive is speed-controlled.
+double desired_value(const PortLayout& layout, const Run& run, std::span<const double> inputs);
 double maximum_speed(const PortLayout& layout, const Run& run, std::span<const double> inputs);
 // Why the counters of these inputs, or the values of one drive's joints, do not fit; nothing if they do. [u]
 // `tolerance`: as much as the joints' values may differ.

@@ -30,6 +30,11 @@ bool changes(double& seen, double now) {
   return changed;
 }
 
+PortNames port_names(const drive::DriveData& data) {
+  if (data.speed_controlled) return data.linear ? kPositionBySpeed : kAngleBySpeed;
+  return data.linear ? kPosition : kAngle;
+}
+
 }  // namespace
 
 ServoGroup::ServoGroup(const hwparts::PartContext& context, const std::string& kind, const DriveList& drives,
@@ -104,7 +109,7 @@ void ServoGroup::hold_all(std::span<const double> inputs) {
 }
 
 double ServoGroup::target(const Axis& axis, std::span<const double> inputs) const {
-  return desired_position(layout_, axis.run, inputs);
+  return desired_value(layout_, axis.run, inputs);
 }
 
 void ServoGroup::publish(std::span<const hwparts::JointSample> samples, std::span<double> outputs) {
@@ -193,8 +198,8 @@ std::vector<std::vector<Channel>> one_block(const DriveList& drives) {
   std::vector<Channel> channels;
   for (std::size_t d = 0; d < drives.drives.size(); ++d) {
     for (std::size_t joint : drives.drives[d].joints) {
-      const auto names = drives.drives[d].data.linear ? kPosition : kAngle;
-      channels.push_back({d, joint, names, static_cast<int>(channels.size()) + 1});
+      channels.push_back(
+          {d, joint, port_names(drives.drives[d].data), static_cast<int>(channels.size()) + 1});
     }
   }
   return {channels};

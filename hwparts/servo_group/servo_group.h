@@ -2,7 +2,8 @@
 // the ports, `amtec_arm`.
 //
 // Commands:
-// - Desired values and maximum speeds hold until they are written again. A drive follows them on a trapezoid.
+// - Desired values and maximum speeds hold until they are written again. A drive follows them on a trapezoid;
+//   one with `control: velocity` is commanded by `Desired Speed`, which it takes on a ramp and keeps.
 // - Reset, Home, Halt act when their number changes, in this order; the last number seen starts at 0.
 // - A fault of one drive stops them all, each on its ramp. Desired values, Home and Halt's motion are then
 // ignored.
@@ -73,7 +74,7 @@ class ServoGroup : public hwparts::Part {
 
   void obey_counters(std::span<const double> inputs);
   void interlock(std::span<const double> inputs);
-  double target(const Axis& axis, std::span<const double> inputs) const;  // module's coordinate
+  double target(const Axis& axis, std::span<const double> inputs) const;  // module's coordinate, or its speed
   bool any(std::uint32_t bits) const;
   PartState part_state() const;
   void hold_all(std::span<const double> inputs);

@@ -73,7 +73,7 @@ std::string hint(std::string_view word, const std::vector<std::string>& candidat
 }  // namespace
 
 ConfigError::ConfigError(Place place, const std::string& message)
-    : std::runtime_error(describe(place, message)), place_(std::move(place)) {}
+    : std::runtime_error(describe(place, message)), place_(std::move(place)), message_(message) {}
 
 struct Node::Data {
   std::shared_ptr<const Document> document;
@@ -173,7 +173,10 @@ std::size_t Node::size() const {
 
 Node Node::at(std::size_t index) const {
   data_->demand_kind(Kind::kList, "a list");
-  return data_->child(data_->value->items.at(index), item_path(place().key, index));
+  const Value& item = data_->value->items.at(index);
+  const std::string path =
+      item.index.empty() ? item_path(place().key, index) : item_path(place().key, item.index);
+  return data_->child(item, path);
 }
 
 std::vector<double> Node::numbers(std::size_t count, Range range) const {
@@ -230,14 +233,23 @@ void Node::allow_only(const std::vector<std::string_view>& known) const {
   }
 }
 
+const Value& value_of(const Node& node) {
+  return *node.data().value;
+}
+
+Node make_node(Document document, const Place& place) {
+  auto kept = std::make_shared<const Document>(std::move(document));
+  const Value* root = &kept->root;
+  return Node(std::make_shared<const Node::Data>(Node::Data{std::move(kept), root, place}));
+}
+
 Node load_text(const std::string& yaml, const std::string& name, const std::filesystem::path& folder) {
   if (yaml.size() > kMaxFileBytes)
     throw ConfigError({name, 0, ""}, "has " + std::to_string(yaml.size()) + " bytes, at most " +
                                          std::to_string(kMaxFileBytes) + " are read");
-  auto document = std::make_shared<Document>(Document{name, folder, parse_yaml(yaml, name)});
-  const Value* root = &document->root;
-  const int line = std::max(root->line, 1);
-  return Node(std::make_shared<const Node::Data>(Node::Data{std::move(document), root, {name, line, ""}}));
+  Document document{name, folder, parse_yaml(yaml, name)};
+  const int line = std::max(document.root.line, 1);
+  return make_node(std::move(document), {name, line, ""});
 }
 
 Node load_file(const std::filesystem::path& path) {

@@ -27,9 +27,11 @@ class ConfigError : public std::runtime_error {
  public:
   ConfigError(Place place, const std::string& message);
   const Place& place() const { return place_; }
+  const std::string& message() const { return message_; }
 
  private:
   Place place_;
+  std::string message_;
 };
 
 struct Range {
@@ -78,6 +80,7 @@ class Node {
 
   struct Data;
   explicit Node(std::shared_ptr<const Data> data);
+  const Data& data() const { return *data_; }
 
  private:
   std::shared_ptr<const Data> data_;

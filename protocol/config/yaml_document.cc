@@ -183,7 +183,11 @@ std::string member_path(const std::string& parent, const std::string& key) {
 }
 
 std::string item_path(const std::string& parent, std::size_t index) {
-  return parent + "[" + std::to_string(index) + "]";
+  return item_path(parent, std::to_string(index));
+}
+
+std::string item_path(const std::string& parent, const std::string& index) {
+  return parent + "[" + index + "]";
 }
 
 Value parse_yaml(const std::string& yaml, const std::string& file) {

@@ -1,6 +1,6 @@
 // A YAML document as a plain tree, read through yaml-cpp's events with caps on depth, nodes and keys. Inner
-// header of protocol/config: config.cc looks at the tree, yaml_document.cc builds it and is the only file
-// that knows yaml-cpp.
+// header of protocol/config: config.cc looks at the tree, expand.cc makes new ones, yaml_document.cc builds
+// it from text and is the only file that knows yaml-cpp.
 #pragma once
 
 #include <cstddef>
@@ -19,6 +19,7 @@ struct Value {
   bool plain = false;  // scalar without quotes: may be a number or a boolean
   int line = 0;        // from 1
   std::string scalar;
+  std::string index;  // of an item, as errors say it, where that is not its place in the list: "2, row 1"
   std::vector<Value> items;    // of a list
   std::vector<Entry> entries;  // of a map, in the order of the file
 };
@@ -41,6 +42,11 @@ inline constexpr std::size_t kMaxLineBytes = 1u << 20;
 // Paths of values: "bodies" + "mass" -> "bodies.mass", "bodies" + 2 -> "bodies[2]".
 std::string member_path(const std::string& parent, const std::string& key);
 std::string item_path(const std::string& parent, std::size_t index);
+std::string item_path(const std::string& parent, const std::string& index);
+
+// From a node to its value and back.
+const Value& value_of(const Node& node);
+Node make_node(Document document, const Place& place);
 
 // Throws ConfigError for what is no YAML, beyond the caps, or refused: anchors, aliases, merge keys, tags,
 // several documents, repeated keys, keys that are no scalars, control

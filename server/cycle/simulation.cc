@@ -1,6 +1,7 @@
 #include "server/cycle/simulation.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "hwparts/sensors/sensor_kinds.h"
@@ -23,6 +24,16 @@ std::vector<std::uint64_t> seeded(std::uint64_t seed) {
     word ^= word >> 31;
   }
   return words;
+}
+
+// An engine that is not there, or cannot hold what the scene gives it, is wrong where the scene names it.
+std::unique_ptr<dynamics::Engine> make_engine(const scene::Scene& scene, std::size_t number) {
+  try {
+    return dynamics::make_engine(scene.world, static_cast<std::int32_t>(number));
+  } catch (const std::runtime_error& error) {
+    if (scene.engine_places.empty()) throw;
+    throw config::ConfigError(scene.engine_places.at(number), error.what());
+  }
 }
 
 }  // namespace
@@ -60,8 +71,7 @@ void Simulation::make_sensors() {
 void Simulation::rebuild_machinery() {
   const auto& model = scene_.world;
   engines_.clear();
-  for (std::size_t i = 0; i < model.engines.size(); ++i)
-    engines_.push_back(dynamics::make_engine(model, static_cast<std::int32_t>(i)));
+  for (std::size_t i = 0; i < model.engines.size(); ++i) engines_.push_back(make_engine(scene_, i));
   collision_ = std::make_unique<collision::CollisionStage>(model);
   senses_ = std::make_unique<sensing::Senses>(scene_, sensors_);
   ring_ = std::make_shared<FlightRing>(model.joints.size(), model.bodies.size());

@@ -1,5 +1,6 @@
 #include "server/scene/bodies.h"
 
+#include "server/scene/frames.h"
 #include "server/scene/shapes.h"
 #include "server/scene/values.h"
 
@@ -81,8 +82,10 @@ void read_motion(const Draft& draft, const Node& node, const std::vector<world::
   const auto velocity = node.find("velocity");
   if (!velocity) return;
   velocity->allow_only({"linear", "angular"});
-  if (const auto linear = velocity->find("linear")) body.v_WB = read_vector(*linear);
-  if (const auto angular = velocity->find("angular")) body.w_WB = read_vector(*angular);
+  if (const auto linear = velocity->find("linear"))
+    body.v_WB = direction_in_world(draft, read_vector(*linear));
+  if (const auto angular = velocity->find("angular"))
+    body.w_WB = direction_in_world(draft, read_vector(*angular));
 }
 
 }  // namespace
@@ -93,7 +96,7 @@ void read_body(Draft& draft, const Node& node) {
   world::Body body;
   body.name = read_name(node.get("name"));
   body.fixed = node.boolean_or("fixed", false);
-  body.X_WB = read_pose_or_identity(node, "pose");
+  body.X_WB = read_world_pose(draft, node, "pose");
   std::vector<world::Shape> shapes = read_shapes(draft, node);
   read_motion(draft, node, shapes, body);
   const world::BodyId id = draft.add_body(body, node.place());

@@ -95,6 +95,14 @@ std::int32_t Draft::engine(const config::Node& node) const {
   return static_cast<std::int32_t>(found - scene.engine_names.begin());
 }
 
+world::Pose Draft::frame(const config::Node& node) const {
+  const auto found = frames.find(node.text());
+  if (found != frames.end()) return found->second;
+  std::vector<std::string> known;
+  for (const auto& [name, pose] : frames) known.push_back(name);
+  fail_unknown(node, "frame", known);
+}
+
 LinkFrame Draft::link(const config::Node& node, const std::string& prefix) const {
   const auto found = links_.find(prefix + node.text());
   if (found != links_.end()) return found->second;

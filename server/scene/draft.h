@@ -25,7 +25,9 @@ class Draft {
   explicit Draft(Scene& scene);
 
   Scene& scene;
-  std::vector<config::Node> part_entries;  // made last, when all joints stand in their final order
+  std::vector<config::Node> part_entries;     // made last, when all joints stand in their final order
+  std::map<std::string, world::Pose> frames;  // X_WF by name
+  std::optional<world::Pose> X_WO;            // O: origin of the file that is being read; none: W itself
 
   // Takes a name for a body, joint, model, part or surface (`what`); fails at `place` if it is taken already.
   void claim(const std::string& what, const std::string& name, const config::Place& place);
@@ -34,6 +36,7 @@ class Draft {
   world::SurfaceId surface(const config::Node& node) const;
   std::int32_t material(const config::Node& node) const;
   std::int32_t engine(const config::Node& node) const;
+  world::Pose frame(const config::Node& node) const;
   LinkFrame link(const config::Node& node, const std::string& prefix = "") const;  // prefix: "arm/"
 
   // The body that a link or body of this name is, or was joined into; invalid if there is none.

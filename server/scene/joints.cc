@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/scene/frames.h"
 #include "server/scene/values.h"
 #include "server/world/joint_kinds.h"
 
@@ -140,7 +141,8 @@ void place(const Draft& draft, const Node& node, const LinkFrame& parent, const 
   const auto& bodies = draft.scene.world.bodies;
   joint.parent = parent.body;
   joint.child = child.body;
-  joint.X_PJ = parent.X_BL * read_pose_or_identity(node, "pose");
+  joint.X_PJ = parent.X_BL * (parent.body.valid() ? read_pose_or_identity(node, "pose")
+                                                  : read_world_pose(draft, node, "pose"));
   const world::Pose X_WP = parent.body.valid() ? bodies[parent.body.index()].X_WB : world::Pose{};
   joint.X_CJ = bodies[child.body.index()].X_WB.inverse() * (X_WP * joint.X_PJ);
 }

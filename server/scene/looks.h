@@ -24,6 +24,8 @@ struct Material {
   double metalness = 0.0;
   std::int32_t texture = -1;                       // index into Looks::textures; -1: none
   std::array<double, 2> texture_size_m{1.0, 1.0};  // of one tile
+
+  bool operator==(const Material&) const = default;
 };
 
 enum class LightKind { kAmbient, kDirectional, kPoint, kSpot };

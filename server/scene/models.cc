@@ -4,6 +4,7 @@
 #include <set>
 
 #include "protocol/config/read_file.h"
+#include "server/scene/frames.h"
 #include "server/scene/joints.h"
 #include "server/scene/model_xml.h"
 #include "server/scene/robot_model.h"
@@ -35,7 +36,7 @@ class Placement {
 
   void place() {
     draft_.claim("model", name_, node_.place());
-    X_WM_ = read_pose_or_identity(node_, "pose");
+    X_WM_ = read_world_pose(draft_, node_, "pose");
     if (const auto engine = node_.find("engine")) engine_ = draft_.engine(*engine);
     ground_roots();
     check_link_keys();

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "protocol/config/read_file.h"
+#include "server/scene/frames.h"
 #include "server/scene/values.h"
 
 namespace visum::scene {
@@ -85,10 +86,13 @@ void read_materials(Draft& draft, const Node& root) {
   for (const std::string& name : list->keys()) {
     const Node node = list->get(name);
     if (const std::string fault = name_fault(name); !fault.empty()) node.fail("a material's name " + fault);
+    const Material material = read_material(looks, name, node);
+    if (std::ranges::find(looks.materials, material) != looks.materials.end())
+      continue;  // an include's, again
     draft.claim("material", name, node.place());
     if (looks.materials.size() == kMaxMaterials)
       node.fail("there are more than " + std::to_string(kMaxMaterials) + " materials");
-    looks.materials.push_back(read_material(looks, name, node));
+    looks.materials.push_back(material);
   }
 }
 
@@ -107,8 +111,8 @@ void read_light(Draft& draft, const Node& node) {
   if (const auto name = node.find("name")) light.name = read_name(*name);
   if (const auto color = node.find("color")) light.color = read_color(*color);
   light.intensity = node.number_or("intensity", light.intensity, kIntensity);
-  if (has_place) light.position = read_vector(node.get("position"));
-  if (has_direction) light.direction = read_axis(node.get("direction"));
+  if (has_place) light.position = point_in_world(draft, read_vector(node.get("position")));
+  if (has_direction) light.direction = direction_in_world(draft, read_axis(node.get("direction")));
   light.angle_rad = node.number_or("angle_deg", light.angle_rad / kRadPerDeg, {1.0, 89.0}) * kRadPerDeg;
   light.shadows = node.boolean_or("shadows", false);
   lights.push_back(light);
@@ -122,8 +126,8 @@ void read_viewpoint(Draft& draft, const Node& node) {
   Viewpoint viewpoint;
   viewpoint.name = read_name(node.get("name"));
   draft.claim("viewpoint", viewpoint.name, node.place());
-  viewpoint.position = read_vector(node.get("position"));
-  viewpoint.target = read_vector(node.get("target"));
+  viewpoint.position = point_in_world(draft, read_vector(node.get("position")));
+  viewpoint.target = point_in_world(draft, read_vector(node.get("target")));
   viewpoint.fov_rad = node.number_or("fov_deg", viewpoint.fov_rad / kRadPerDeg, {5.0, 120.0}) * kRadPerDeg;
   if ((viewpoint.position - viewpoint.target).norm() < 1e-6) node.fail("looks from where it looks to");
   viewpoints.push_back(viewpoint);

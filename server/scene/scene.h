@@ -39,6 +39,7 @@ struct Scene {
   std::filesystem::path file;
   world::WorldModel world;
   std::vector<std::string> engine_names{"default"};  // how the scene calls world.engines
+  std::vector<config::Place> engine_places;          // where it says so; empty: an option did
   std::vector<PartPlan> parts;
   std::vector<SensorPlan> sensors;
   Looks looks;

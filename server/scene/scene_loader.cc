@@ -1,9 +1,12 @@
-#include <algorithm>
 #include <functional>
-#include <system_error>
+#include <optional>
+#include <utility>
 
+#include "protocol/config/expand.h"
 #include "server/scene/bodies.h"
 #include "server/scene/draft.h"
+#include "server/scene/frames.h"
+#include "server/scene/includes.h"
 #include "server/scene/joints.h"
 #include "server/scene/models.h"
 #include "server/scene/parts.h"
@@ -19,16 +22,16 @@ namespace fs = std::filesystem;
 using config::Node;
 
 constexpr std::int64_t kVersion = 1;
-constexpr std::size_t kMaxIncludeDepth = 16;
-constexpr int kMaxFiles = 256;  // files that include others twice each would double at every level
 
 void check_header(const Node& root) {
-  root.allow_only({"visum",        "name",    "gravity", "tick_ms",
-                   "clock",        "speed",   "seed",    "lockstep_timeout_s",
-                   "engine",       "engines", "include", "surfaces",
-                   "materials",    "models",  "bodies",  "joints",
-                   "no_collision", "parts",   "lights",  "viewpoints",
-                   "panels",       "sensors"});
+  // Whatever file this is, its text is nobody's business.
+  if (root.kind() == Node::Kind::kScalar) root.fail("must be a map, is a text");
+  root.allow_only({"visum",        "name",    "gravity",    "tick_ms",
+                   "clock",        "speed",   "seed",       "lockstep_timeout_s",
+                   "engine",       "engines", "include",    "surfaces",
+                   "materials",    "models",  "bodies",     "joints",
+                   "no_collision", "parts",   "lights",     "viewpoints",
+                   "panels",       "frames",  "parameters", "sensors"});
   const Node version = root.get("visum");
   if (version.integer(1) > kVersion)
     version.fail("this is version " + version.text() + " of the format, only version 1 is known here");
@@ -45,15 +48,21 @@ class Loader {
  public:
   explicit Loader(Draft& draft) : draft_(draft) {}
 
-  void read_file(const fs::path& file) { read_root(config::load_file(file), file); }
+  // `given`: values for the file's parameters; `asked_by`: the entry that includes the file.
+  void read_file(const fs::path& file, const std::optional<Node>& given, const Node* asked_by) {
+    const Node text = includes_.open(file);
+    check_header(text);
+    const auto variables = read_parameters(text, given, asked_by, budget_);
+    read_root(config::expanded(text, variables, budget_));
+    includes_.close();
+  }
 
  private:
-  // What is included comes first: it may be built upon, and its settings may be replaced.
-  void read_root(const Node& root, const fs::path& file) {
-    check_header(root);
-    chain_.push_back(fs::weakly_canonical(file));
+  // What is included comes first: it may be built upon, and its settings may be replaced. It may stand in the
+  // frames of the file that includes it, so those come before.
+  void read_root(const Node& root) {
+    each(root, "frames", [&](const Node& entry) { read_frame(draft_, entry); });
     each(root, "include", [&](const Node& entry) { include(entry); });
-    chain_.pop_back();
     read_settings(draft_, root);
     read_engines(draft_, root);
     read_surfaces(draft_, root);
@@ -70,31 +79,26 @@ class Loader {
   }
 
   void include(const Node& entry) {
-    const fs::path file = read_path(entry);
-    std::error_code error;
-    const fs::path canonical = fs::weakly_canonical(file, error);
-    if (std::find(chain_.begin(), chain_.end(), canonical) != chain_.end()) fail_cycle(entry, canonical);
-    if (chain_.size() == kMaxIncludeDepth)
-      entry.fail("files include each other more than " + std::to_string(kMaxIncludeDepth) + " levels deep");
-    if (++files_ > kMaxFiles) entry.fail("more than " + std::to_string(kMaxFiles) + " files are included");
-    if (!fs::exists(file, error)) entry.fail("'" + file.string() + "': no such file");
-    read_file(file);
-  }
-
-  [[noreturn]] void fail_cycle(const Node& entry, const fs::path& again) const {
-    std::string chain;
-    for (const fs::path& file : chain_) chain += file.filename().string() + " -> ";
-    entry.fail("files include each other in a circle: " + chain + again.filename().string());
+    const IncludeEntry wanted = read_include(draft_, entry);
+    includes_.check(wanted.file, entry);
+    const auto outer = std::exchange(draft_.X_WO, wanted.X_WO);
+    try {
+      read_file(wanted.file, wanted.parameters, &entry);
+    } catch (const config::ConfigError& error) {
+      throw told_where(error, wanted.file, entry);
+    }
+    draft_.X_WO = outer;
   }
 
   Draft& draft_;
-  std::vector<fs::path> chain_;  // the files that are being read, each included by the one before
-  int files_ = 0;
+  Includes includes_;
+  config::ExpansionBudget budget_;
 };
 
 void apply(const Options& options, Scene& scene) {
   if (options.engine.empty()) return;
   for (world::EngineSetting& engine : scene.world.engines) engine.name = options.engine;
+  scene.engine_places.clear();
 }
 
 void refuse_fault(const Scene& scene, const config::Place& place) {
@@ -107,6 +111,7 @@ Scene empty_scene(const fs::path& file) {
   scene.file = file;
   scene.name = file.stem().string();
   scene.world.engines.push_back({"ode"});
+  scene.engine_places.push_back({file.string(), 0, "engine"});
   scene.world.surfaces.push_back({"default"});
   return scene;
 }
@@ -128,7 +133,7 @@ struct Sizes {
 Scene load_scene(const fs::path& file, const Options& options) {
   Scene scene = empty_scene(file);
   Draft draft(scene);
-  Loader(draft).read_file(file);
+  Loader(draft).read_file(file, std::nullopt, nullptr);
   const config::Place whole{file.string(), 0, ""};
   sort_world(draft, whole);
   plan_parts(draft);

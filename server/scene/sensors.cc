@@ -1,5 +1,6 @@
 #include "server/scene/sensors.h"
 
+#include "server/scene/frames.h"
 #include "server/scene/values.h"
 
 namespace visum::scene {
@@ -25,11 +26,13 @@ void read_sensor(Draft& draft, const Node& entry) {
   if (sensors.size() == kMaxSensors) entry.fail("more than " + std::to_string(kMaxSensors) + " sensors");
   const std::string name = read_name(entry.get("name"));
   draft.claim("part", name, entry.place());
-  SensorPlan plan{name, read_name(entry.get("kind")), entry, {}, read_pose_or_identity(entry, "pose"), {}};
+  SensorPlan plan{name, read_name(entry.get("kind")), entry, {}, {}, {}};
   if (const auto body = entry.find("body")) {
     const LinkFrame link = draft.link(*body);
     plan.body = link.body;
-    plan.X_BS = link.X_BL * plan.X_BS;
+    plan.X_BS = link.X_BL * read_pose_or_identity(entry, "pose");
+  } else {
+    plan.X_BS = read_world_pose(draft, entry, "pose");
   }
   sensors.push_back(std::move(plan));
 }

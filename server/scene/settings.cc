@@ -70,6 +70,14 @@ world::Surface read_surface(const std::string& name, const config::Node& node) {
   return surface;
 }
 
+// A file that is included twice says its surfaces twice.
+bool said_before(const std::vector<world::Surface>& surfaces, const world::Surface& again) {
+  return std::any_of(surfaces.begin(), surfaces.end(), [&](const world::Surface& known) {
+    return known.name == again.name && known.friction == again.friction &&
+           known.restitution == again.restitution;
+  });
+}
+
 }  // namespace
 
 void read_settings(Draft& draft, const config::Node& root) {
@@ -86,7 +94,10 @@ void read_settings(Draft& draft, const config::Node& root) {
 
 void read_engines(Draft& draft, const config::Node& root) {
   Scene& scene = draft.scene;
-  if (const auto node = root.find("engine")) scene.world.engines[0] = read_engine(*node);
+  if (const auto node = root.find("engine")) {
+    scene.world.engines[0] = read_engine(*node);
+    scene.engine_places[0] = node->place();
+  }
   const auto engines = root.find("engines");
   if (!engines) return;
   for (const std::string& name : engines->keys()) {
@@ -98,6 +109,7 @@ void read_engines(Draft& draft, const config::Node& root) {
       node.fail("there are more than " + std::to_string(kMaxEngines) + " engines");
     scene.world.engines.push_back(read_engine(node));
     scene.engine_names.push_back(name);
+    scene.engine_places.push_back(node.place());
   }
 }
 
@@ -112,6 +124,7 @@ void read_surfaces(Draft& draft, const config::Node& root) {
       draft.scene.world.surfaces[0] = surface;  // a setting: who includes may set it again
       continue;
     }
+    if (said_before(draft.scene.world.surfaces, surface)) continue;
     draft.claim("surface", name, node.place());
     if (draft.scene.world.surfaces.size() == kMaxSurfaces)
       node.fail("there are more than " + std::to_string(kMaxSurfaces) + " surfaces");

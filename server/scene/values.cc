@@ -47,7 +47,12 @@ Eigen::Quaterniond quaternion_from_rpy(const Eigen::Vector3d& rpy) {
 }
 
 world::Pose read_pose(const config::Node& node) {
-  node.allow_only({"xyz", "rpy", "wxyz"});
+  if (const auto in = node.find("in")) in->fail("frames are for what is placed in the world");
+  return read_pose_in(node);
+}
+
+world::Pose read_pose_in(const config::Node& node) {
+  node.allow_only({"in", "xyz", "rpy", "wxyz"});
   world::Pose pose;
   if (const auto xyz = node.find("xyz")) pose.p = read_vector(*xyz);
   const auto rpy = node.find("rpy");

@@ -27,6 +27,8 @@ Eigen::Vector3d read_vector(const config::Node& node, config::Range range = kPla
 
 // {xyz: [m], rpy: [rad]} or {xyz: [m], wxyz: [unit quaternion]}; each part may be left out.
 world::Pose read_pose(const config::Node& node);
+// The same, of a pose whose `in` is looked at by the caller (frames.h).
+world::Pose read_pose_in(const config::Node& node);
 world::Pose read_pose_or_identity(const config::Node& map, std::string_view key);
 
 // Roll, pitch, yaw about fixed axes, as in URDF: R = Rz(yaw) Ry(pitch) Rx(roll).

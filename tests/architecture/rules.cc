@@ -58,6 +58,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"urdf_world/", {"clients/examples", "tests"}},
     {"tinyxml2.h", {"server/scene", "clients/examples", "tests"}},
     {"spdlog/", {"protocol", "server", "clients", "tests"}},
+    {"png.h", {"clients", "tests"}},
     {"CLI/",
      {"server/visumd.cc", "server/visum_hwpart.cc", "server/visum_mirror.cc",
       "server/gateway/command_line.cc", "clients", "tests"}},

@@ -1,6 +1,6 @@
 """Runs a scenario twice with the real programs over real TCP. Both runs must pass, with the same bits at the end.
 
-    run_twice.py VISUM SCENARIO.yaml
+    run_twice.py VISUM SCENARIO.yaml [OPTIONS OF visum run...]
 """
 
 import subprocess
@@ -12,11 +12,11 @@ from scenario_runs import run_scenario
 
 
 def main() -> int:
-    program, scenario = sys.argv[1:]
+    program, scenario, *options = sys.argv[1:]
     with tempfile.NamedTemporaryFile(suffix=".xml") as report:
-        first = run_scenario(program, scenario, "--junit", report.name)
+        first = run_scenario(program, scenario, *options, "--junit", report.name)
         suite = ElementTree.parse(report.name).getroot()
-    second = run_scenario(program, scenario)
+    second = run_scenario(program, scenario, *options)
     assert first["passed"] and second["passed"]
     assert first["state_hash"] == second["state_hash"], (first, second)
     assert first["ticks"] == second["ticks"] > 0, (first, second)

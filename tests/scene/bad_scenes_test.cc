@@ -279,21 +279,25 @@ TEST(BadScene, IncludesAreFollowedWithCare) {
   files.write("c.yaml", "visum: 1\ninclude: [./a.yaml]");
   EXPECT_EQ(
       load("a.yaml"),
-      "c.yaml:2: include[0]: files include each other in a circle: a.yaml -> b.yaml -> c.yaml -> a.yaml");
+      "c.yaml:2: include[0]: files include each other in a circle: a.yaml -> b.yaml -> c.yaml -> a.yaml "
+      "(included from sub/b.yaml:2)");
   files.write("twice.yaml", "visum: 1\ninclude: [room.yaml, room.yaml]");
   files.write("room.yaml", "visum: 1\nbodies: [{name: floor, fixed: true}]");
-  EXPECT_EQ(load("twice.yaml"), "room.yaml:2: bodies[0]: there is already a body 'floor' (room.yaml:2)");
+  EXPECT_EQ(
+      load("twice.yaml"),
+      "room.yaml:2: bodies[0]: there is already a body 'floor' (room.yaml:2) (included from twice.yaml:2)");
   for (int i = 0; i < 20; ++i)
     files.write("deep" + std::to_string(i) + ".yaml",
                 "visum: 1\ninclude: [deep" + std::to_string(i + 1) + ".yaml]");
   EXPECT_EQ(load("deep0.yaml"),
-            "deep15.yaml:2: include[0]: files include each other more than 16 levels deep");
-  for (int i = 0; i < 12; ++i) {
+            "deep15.yaml:2: include[0]: files include each other more than 16 levels deep (included from "
+            "deep14.yaml:2)");
+  for (int i = 0; i < 14; ++i) {
     const std::string next = "wide" + std::to_string(i + 1) + ".yaml";
     files.write("wide" + std::to_string(i) + ".yaml", "visum: 1\ninclude: [" + next + ", " + next + "]");
   }
-  files.write("wide12.yaml", "visum: 1");
-  EXPECT_NE(load("wide0.yaml").find("more than 256 files are included"), std::string::npos);
+  files.write("wide14.yaml", "visum: 1");
+  EXPECT_NE(load("wide0.yaml").find("more than 4096 files are included"), std::string::npos);
 }
 
 TEST(BadScene, FaultsInMeshesAndModelsNameTheirOwnFiles) {

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <utility>
 
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/run/daemon.h"
@@ -11,9 +12,12 @@
 namespace visum::cli {
 namespace {
 
-// The mirror is a server: this verb becomes visum-mirror, with all its words.
-class MirrorVerb : public Verb {
+// What a program of the server does: this verb becomes that program, with all its words.
+class ServerVerb : public Verb {
  public:
+  // `words`: the program, and what comes before the user's own words.
+  explicit ServerVerb(std::vector<std::string> words) : words_(std::move(words)) {}
+
   void declare(CLI::App& app) override {
     app_ = &app;
     app.set_help_flag();
@@ -21,8 +25,9 @@ class MirrorVerb : public Verb {
   }
 
   int run() override {
-    auto words = app_->remaining();
-    words.insert(words.begin(), run::find_server("visum-mirror"));
+    auto words = words_;
+    words.front() = run::find_server(words.front());
+    for (const auto& word : app_->remaining()) words.push_back(word);
     std::vector<char*> argv;
     for (auto& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
@@ -32,13 +37,18 @@ class MirrorVerb : public Verb {
   }
 
  private:
+  const std::vector<std::string> words_;
   CLI::App* app_ = nullptr;
 };
 
 }  // namespace
 
 std::unique_ptr<Verb> make_mirror() {
-  return std::make_unique<MirrorVerb>();
+  return std::make_unique<ServerVerb>(std::vector<std::string>{"visum-mirror"});
+}
+
+std::unique_ptr<Verb> make_check() {
+  return std::make_unique<ServerVerb>(std::vector<std::string>{"visumd", "check"});
 }
 
 }  // namespace visum::cli

@@ -1,0 +1,117 @@
+// Ticks of worlds with 1, 10 and 100 carts that drive, with each engine; and how long scenes take to load.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include "server/cycle/simulation.h"
+#include "server/scene/scene.h"
+#include "tests/support/temp_files.h"
+
+namespace visum::bench {
+namespace {
+
+const std::string kModels = std::string(VISUM_SOURCE_DIR) + "/models/";
+
+// In rows of ten, far enough apart to drive circles of 0.9 m without meeting.
+std::string fleet(int carts, const std::string& engine) {
+  return "visum: 1\nengine: " + engine + "\ninclude:\n- " + kModels + "scenes/hall.yaml\n- file: " + kModels +
+         "cart/cart.yaml\n  repeat: " + std::to_string(carts) +
+         "\n  parameters: {name: \"cart_${index}\"}\n"
+         "  pose: {xyz: [\"${4 * floor(index / 10)}\", \"${4 * (index % 10)}\", 0]}\n";
+}
+
+// Wheels at 5 rad/s, steered so that all roll about one centre 0.9 m to the left.
+void drive_circles(cycle::Simulation& simulation) {
+  const std::vector<double> speeds{4.0, 6.0, 4.36, 6.31}, angles{0.464, 0.322};
+  for (std::size_t cart = 0; cart < simulation.parts().size(); ++cart) {
+    simulation.write_inputs(cart, 0, speeds);
+    simulation.write_inputs(cart, speeds.size(), angles);
+  }
+}
+
+void fleet_ticks(benchmark::State& state, const std::string& engine) {
+  const test::TempFiles files;
+  const auto file = files.write("fleet.yaml", fleet(static_cast<int>(state.range(0)), engine));
+  cycle::Simulation simulation(scene::load_scene(file));
+  drive_circles(simulation);
+  for (int i = 0; i < 1000; ++i) simulation.tick();
+  const auto start = simulation.take_snapshot();
+  const auto first = simulation.tick_count();
+  for (auto _ : state) {
+    simulation.tick();
+    if (simulation.tick_count() < first + 2000) continue;
+    state.PauseTiming();
+    simulation.restore_snapshot(start);
+    state.ResumeTiming();
+  }
+  if (simulation.frozen()) state.SkipWithError(simulation.fault().c_str());
+  state.counters["ticks_per_s"] =
+      benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+BENCHMARK_CAPTURE(fleet_ticks, ode, std::string("ode"))
+    ->Name("Fleet/ode")
+    ->Arg(1)
+    ->Arg(10)
+    ->Arg(100)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(fleet_ticks, impulse, std::string("impulse"))
+    ->Name("Fleet/impulse")
+    ->Arg(1)
+    ->Arg(10)
+    ->Arg(100)
+    ->Unit(benchmark::kMicrosecond);
+
+void load(benchmark::State& state, const std::filesystem::path& file) {
+  for (auto _ : state) benchmark::DoNotOptimize(scene::load_scene(file));
+}
+
+void load_bodies(benchmark::State& state) {
+  const test::TempFiles files;
+  const auto file = files.write(
+      "s.yaml", "visum: 1\nbodies:\n- name: box_${index}\n  repeat: " + std::to_string(state.range(0)) +
+                    "\n  mass: 1\n  pose: {xyz: [\"${index}\", 0, 1]}\n"
+                    "  shapes: [{box: [0.1, 0.2, 0.3]}]\n");
+  load(state, file);
+}
+BENCHMARK(load_bodies)->Name("SceneLoad/bodies")->Arg(10)->Arg(1000)->Unit(benchmark::kMillisecond);
+
+// A sphere of `rings` x 500 quads, two triangles each.
+void write_mesh(const std::filesystem::path& file, int rings) {
+  constexpr int kSides = 500;
+  std::ofstream out(file);
+  for (int ring = 0; ring <= rings; ++ring) {
+    for (int side = 0; side < kSides; ++side) {
+      const double a = M_PI * (ring + 0.5) / (rings + 1), b = 2.0 * M_PI * side / kSides;
+      out << "v " << std::sin(a) * std::cos(b) << ' ' << std::sin(a) * std::sin(b) << ' ' << std::cos(a)
+          << '\n';
+    }
+  }
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int side = 0; side < kSides; ++side) {
+      const int i = ring * kSides + side + 1, j = ring * kSides + (side + 1) % kSides + 1;
+      out << "f " << i << ' ' << i + kSides << ' ' << j + kSides << ' ' << j << '\n';
+    }
+  }
+}
+
+void load_mesh(benchmark::State& state) {
+  const test::TempFiles files;
+  write_mesh(files.folder() / "m.obj", 100);
+  const auto file =
+      files.write("s.yaml", "visum: 1\nbodies: [{name: m, fixed: true, shapes: [{mesh: m.obj}]}]\n");
+  load(state, file);
+  state.counters["triangles"] =
+      static_cast<double>(scene::load_scene(file).world.meshes.at(0).triangles.size());
+}
+BENCHMARK(load_mesh)->Name("SceneLoad/mesh")->Unit(benchmark::kMillisecond);
+
+void load_carts(benchmark::State& state) {
+  const test::TempFiles files;
+  load(state, files.write("fleet.yaml", fleet(static_cast<int>(state.range(0)), "ode")));
+}
+BENCHMARK(load_carts)->Name("SceneLoad/carts")->Arg(1)->Arg(100)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace visum::bench

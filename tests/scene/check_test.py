@@ -1,0 +1,85 @@
+"""`visum check`, on scenes that ship and on those of bad/, each wrong in one way and with its error beside it.
+
+    python3 -m unittest check_test                    compares
+    VISUM_WRITE_ERRORS=1 python3 -m unittest check_test    writes the errors of bad/ anew, to be read before they are kept
+"""
+import json
+import os
+import pathlib
+import resource
+import subprocess
+import unittest
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+BIN = pathlib.Path(os.environ.get("VISUM_BIN", SOURCE / "build" / "dev" / "bin"))
+BAD = SOURCE / "tests" / "scene" / "bad"
+SCENES = sorted((SOURCE / "models" / "scenes").glob("*.yaml"))
+MEMORY = 2 << 30  # bytes of address space; a bomb that goes off would not fit
+SECONDS = 60  # of processor time, on whatever machine
+SANITIZED = b"__asan_init" in (BIN / "visumd").read_bytes()  # reserves terabytes of addresses
+
+
+def limit():
+    if not SANITIZED:
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+
+
+def check(*words, cwd=SOURCE):
+    return subprocess.run([BIN / "visum", "check", *map(str, words)], cwd=cwd, capture_output=True, text=True,
+                          errors="replace", preexec_fn=limit, timeout=600)
+
+
+class Check(unittest.TestCase):
+    def test_the_scenes_that_ship_are_right(self):
+        self.assertGreater(len(SCENES), 4)
+        for scene in SCENES:
+            done = check(scene.relative_to(SOURCE))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(f"{scene.relative_to(SOURCE)} is right: ", done.stdout)
+
+    def test_counts_what_is_in_a_scene(self):
+        line = check("models/scenes/cart.yaml").stdout.splitlines()[-1]
+        self.assertEqual(line, "models/scenes/cart.yaml is right: 8 bodies, 6 joints, 1 part")
+        found = json.loads(check("models/scenes/cart.yaml", "--json").stdout)
+        self.assertEqual((found["right"], found["bodies"], found["parts"], found["losses"]), (True, 8, 1, []))
+
+    def test_json_tells_the_place_of_an_error_apart(self):
+        done = check("misspelt_key.yaml", "--json", cwd=BAD)
+        self.assertEqual(done.returncode, 3)
+        self.assertEqual(json.loads(done.stdout), {
+            "right": False, "file": "misspelt_key.yaml", "line": 2, "key": "",
+            "message": "unknown key 'gravtiy'; did you mean 'gravity'?"})
+
+    def test_an_engine_can_be_asked_about(self):
+        self.assertEqual(check("models/scenes/cart.yaml", "--engine", "impulse").returncode, 0)
+        self.assertEqual(check("models/scenes/cart.yaml", "--engine", "odd").returncode, 2)
+
+    def test_wrong_usage_is_no_wrong_scene(self):
+        self.assertEqual(check().returncode, 2)
+        self.assertEqual(check("a.yaml", "--nonsense").returncode, 2)
+        self.assertEqual(check("--help").returncode, 0)
+
+
+class BadScenes(unittest.TestCase):
+    """Every one ends with exit code 3 and its error: no crash, no hang, no feast of memory."""
+
+    def test_there_are_many(self):
+        self.assertGreaterEqual(len(list(BAD.glob("*.yaml"))), 60)
+        stems = {file.stem for file in BAD.glob("*.yaml")}
+        self.assertEqual(stems, {file.stem for file in BAD.glob("*.error")})
+
+    def test_each_says_what_is_wrong_where_and_what_was_meant(self):
+        for scene in sorted(BAD.glob("*.yaml")):
+            with self.subTest(scene.stem):
+                done = check(scene.name, cwd=BAD)
+                self.assertEqual(done.returncode, 3, done.stdout + done.stderr)
+                self.assertEqual(done.stdout, "")
+                expected = scene.with_suffix(".error")
+                if os.environ.get("VISUM_WRITE_ERRORS"):
+                    expected.write_text(done.stderr)
+                self.assertEqual(done.stderr, expected.read_text())
+
+
+if __name__ == "__main__":
+    unittest.main()
