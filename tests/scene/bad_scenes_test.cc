@@ -70,6 +70,11 @@ TEST(BadScene, SettingsAreChecked) {
        "2: surfaces.wood.friction: must be between 0 and 1e+06, is -0.1"},
       {"surfaces: {wood: {restitution: 1.5}}",
        "2: surfaces.wood.restitution: must be between 0 and 1, is 1.5"},
+      {"surfaces: {wood: {rolling_friction: -0.1}}",
+       "2: surfaces.wood.rolling_friction: must be between 0 and 1e+06, is -0.1"},
+      {"surfaces: {wood: {torsional_friction: -0.1}}",
+       "2: surfaces.wood.torsional_friction: must be between 0 and 1e+06, is -0.1"},
+      {"engine: {kind: impulse, sleep: -1}", "2: engine.sleep: must be between 0 and 86400, is -1"},
       {"surfaces: {wood: {frition: 1}}", "2: surfaces.wood: unknown key 'frition'; did you mean 'friction'?"},
       {"bodies: {a: 1}", "2: bodies: must be a list, is a map"},
   });

@@ -82,6 +82,20 @@ TEST(Scene, SettingsAreRead) {
   EXPECT_EQ(scene.world.gravity, Eigen::Vector3d(1, 2, 3));
 }
 
+TEST(Scene, TheEnginesAndTheSurfacesSettingsAreRead) {
+  const Scene scene = load_text(
+      "{visum: 1, engine: {kind: impulse, solver: iterate, budget: 3, v_max: 0.01, sleep: 0.5}, "
+      "surfaces: {felt: {rolling_friction: 0.01, torsional_friction: 0.002}}}");
+  EXPECT_EQ(scene.world.engines[0].solver, "iterate");
+  EXPECT_EQ(scene.world.engines[0].budget, 3);
+  EXPECT_EQ(scene.world.engines[0].v_max, 0.01);
+  EXPECT_EQ(scene.world.engines[0].sleep_s, 0.5);
+  ASSERT_EQ(scene.world.surfaces.size(), 2u);
+  EXPECT_EQ(scene.world.surfaces[0].rolling_friction, 0.0);
+  EXPECT_EQ(scene.world.surfaces[1].rolling_friction, 0.01);
+  EXPECT_EQ(scene.world.surfaces[1].torsional_friction, 0.002);
+}
+
 TEST(Scene, BodiesChooseTheirEngineByName) {
   const Scene& scene = complete();
   ASSERT_EQ(scene.world.engines.size(), 2u);
