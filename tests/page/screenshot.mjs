@@ -10,6 +10,9 @@ const kMove = { "Desired Angle 1": -0.35, "Desired Angle 2": 0.35, "Desired Angl
 const browser = await launch();
 const daemon = await Daemon.start();
 const page = await openPage(browser, daemon);
+// Slower than life, so that a busy machine misses fewer ticks of the plot.
+const speed = (name) => page.getByRole("combobox", { name: "Speed" }).selectOption(name);
+await speed("0.25×");
 // Jogged, and stopped in time once it stands: what stands is drawn with every pixel, on any machine.
 await page.evaluate(async (move) => {
   for (const port of ["Desired Angle 2", "Actual Angle 2"]) document.querySelector(`[aria-label="Plot ${port}"]`).click();
@@ -20,6 +23,7 @@ await page.evaluate(async (move) => {
   document.querySelector('[aria-label="Pause"]').click();
 }, kMove);
 await until(page, () => document.querySelector('[aria-label="Run"]'));
+await speed("1×");
 await drawn(page);
 await drawn(page); // the plot and what the pause let come late, too
 await page.screenshot({ path: file });
