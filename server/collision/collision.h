@@ -23,6 +23,8 @@ struct Contact {
   double friction = 0.0;
   double restitution = 0.0;
   double normal_force_n = 0.0;  // filled by the engine: mean over the tick
+  Eigen::Vector3d force_on_a_W =
+      Eigen::Vector3d::Zero();  // likewise, N, friction included; b feels the opposite
 };
 
 class CollisionStage {

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "hwparts/sensors/sensor_kinds.h"
 #include "server/cycle/world_edit.h"
 
 namespace visum::cycle {
@@ -39,6 +40,7 @@ std::unique_ptr<dynamics::Engine> make_engine(const scene::Scene& scene, std::si
 
 Simulation::Simulation(scene::Scene scene, const PartMaker& make) : scene_(std::move(scene)) {
   make_parts(make);
+  make_sensors();
   rebuild_machinery();
   start_state();
 }
@@ -57,11 +59,21 @@ void Simulation::make_parts(const PartMaker& make) {
   }
 }
 
+void Simulation::make_sensors() {
+  for (const auto& plan : scene_.sensors) {
+    auto sensor =
+        sensors::make_sensor(plan.kind, {plan.name, plan.config, scene_.world.tick_ns, scene_.seed});
+    sensors_.push_back(sensor.get());
+    parts_.emplace_back().part = std::move(sensor);
+  }
+}
+
 void Simulation::rebuild_machinery() {
   const auto& model = scene_.world;
   engines_.clear();
   for (std::size_t i = 0; i < model.engines.size(); ++i) engines_.push_back(make_engine(scene_, i));
   collision_ = std::make_unique<collision::CollisionStage>(model);
+  senses_ = std::make_unique<sensing::Senses>(scene_, sensors_);
   ring_ = std::make_shared<FlightRing>(model.joints.size(), model.bodies.size());
   drives_.assign(model.joints.size(), {});
   following_errors_.assign(model.joints.size(), 0.0);
@@ -141,6 +153,7 @@ void Simulation::step() {
 void Simulation::publish() {
   if (frozen()) return;
   sense();
+  senses_->feel(before_, state_, contacts_, wrenches_);
   for (auto& bound : parts_) {
     bound.part->publish(bound.samples, bound.sensor_outputs);
     bound.part->following_errors(bound.following_errors);
@@ -212,10 +225,14 @@ std::string Simulation::remove_body(const std::string& name) {
   if (auto reason = why_not_removable(scene_.world, body); !reason.empty()) return reason;
   for (const auto& push : pushes_)
     if (push.wrench.body == body) return "'" + name + "' is being pushed";
+  for (const auto& sensor : scene_.sensors)
+    if (sensor.body == body) return "it carries the sensor '" + sensor.name + "'";
   erase_body(scene_.world, body);
   state_.bodies.erase(state_.bodies.begin() + body.value);
   for (auto& push : pushes_)
     if (push.wrench.body > body) --push.wrench.body.value;
+  for (auto& sensor : scene_.sensors)
+    if (sensor.body > body) --sensor.body.value;
   snapshots_.clear();
   rebuild_machinery();
   ++revision_;

@@ -17,6 +17,7 @@
 #include "server/cycle/phases.h"
 #include "server/dynamics/engine.h"
 #include "server/scene/scene.h"
+#include "server/sensing/senses.h"
 #include "server/world/world_state.h"
 
 namespace visum::cycle {
@@ -63,6 +64,7 @@ class Simulation {
   const scene::Scene& scene() const { return scene_; }
   const world::WorldModel& model() const { return scene_.world; }
   const world::WorldState& state() const { return state_; }
+  // The scene's parts, then its sensors.
   std::span<BoundPart> parts() { return parts_; }
   std::span<const BoundPart> parts() const { return parts_; }
   std::span<const collision::Contact> contacts() const { return contacts_; }  // of the last tick, with forces
@@ -89,6 +91,7 @@ class Simulation {
   };
 
   void make_parts(const PartMaker& make);
+  void make_sensors();
   void rebuild_machinery();
   void start_state();
   void sense();
@@ -104,8 +107,10 @@ class Simulation {
   world::WorldState state_;
   world::WorldState before_;  // the last good state: what a frozen world shows
   std::vector<BoundPart> parts_;
+  std::vector<sensors::Sensor*> sensors_;  // those of parts_
   std::vector<std::unique_ptr<dynamics::Engine>> engines_;
   std::unique_ptr<collision::CollisionStage> collision_;
+  std::unique_ptr<sensing::Senses> senses_;
   std::vector<collision::Contact> contacts_;
   std::vector<hwparts::JointDrive> drives_;  // by JointId
   std::vector<double> following_errors_;     // by JointId

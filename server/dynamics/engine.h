@@ -29,7 +29,7 @@ struct Wrench {
 
 struct StepInput {
   double tick_s;
-  // All of the world; an engine acts on those that touch its bodies and fills normal_force_n. A body of
+  // All of the world; an engine acts on those that touch its bodies and fills their forces. A body of
   // another engine moves as it moves.
   std::span<collision::Contact> contacts;
   std::span<const hwparts::JointDrive> drives;  // by JointId

@@ -24,6 +24,16 @@ struct PartPlan {
   std::vector<world::JointId> joints;  // where context.joints stand in the world
 };
 
+// A sensor of the scene, not yet made: where it sits, and its entry for those who make it.
+struct SensorPlan {
+  std::string name;
+  std::string kind;
+  config::Node config;
+  world::BodyId body;    // invalid: it stands in the world
+  world::Pose X_BS;      // the sensor's frame on its body, or in W
+  world::JointId joint;  // of those that measure one; else invalid
+};
+
 struct Scene {
   std::string name;
   std::filesystem::path file;
@@ -31,6 +41,7 @@ struct Scene {
   std::vector<std::string> engine_names{"default"};  // how the scene calls world.engines
   std::vector<config::Place> engine_places;          // where it says so; empty: an option did
   std::vector<PartPlan> parts;
+  std::vector<SensorPlan> sensors;
   Looks looks;
   ClockKind clock = ClockKind::kRealtime;
   double speed = 1.0;  // realtime: simulated seconds per second of wall time

@@ -11,6 +11,7 @@
 #include "server/scene/models.h"
 #include "server/scene/parts.h"
 #include "server/scene/read_looks.h"
+#include "server/scene/sensors.h"
 #include "server/scene/settings.h"
 #include "server/scene/values.h"
 
@@ -25,12 +26,12 @@ constexpr std::int64_t kVersion = 1;
 void check_header(const Node& root) {
   // Whatever file this is, its text is nobody's business.
   if (root.kind() == Node::Kind::kScalar) root.fail("must be a map, is a text");
-  root.allow_only({"visum",        "name",    "gravity",   "tick_ms",
-                   "clock",        "speed",   "seed",      "lockstep_timeout_s",
-                   "engine",       "engines", "include",   "surfaces",
-                   "materials",    "models",  "bodies",    "joints",
-                   "no_collision", "parts",   "lights",    "viewpoints",
-                   "panels",       "frames",  "parameters"});
+  root.allow_only({"visum",        "name",    "gravity",    "tick_ms",
+                   "clock",        "speed",   "seed",       "lockstep_timeout_s",
+                   "engine",       "engines", "include",    "surfaces",
+                   "materials",    "models",  "bodies",     "joints",
+                   "no_collision", "parts",   "lights",     "viewpoints",
+                   "panels",       "frames",  "parameters", "sensors"});
   const Node version = root.get("visum");
   if (version.integer(1) > kVersion)
     version.fail("this is version " + version.text() + " of the format, only version 1 is known here");
@@ -71,6 +72,7 @@ class Loader {
     each(root, "joints", [&](const Node& entry) { read_joint(draft_, entry); });
     if (const auto pairs = root.find("no_collision")) read_no_collision(draft_, *pairs, "");
     each(root, "parts", [&](const Node& entry) { draft_.part_entries.push_back(entry); });
+    each(root, "sensors", [&](const Node& entry) { read_sensor(draft_, entry); });
     each(root, "lights", [&](const Node& entry) { read_light(draft_, entry); });
     each(root, "viewpoints", [&](const Node& entry) { read_viewpoint(draft_, entry); });
     each(root, "panels", [&](const Node& entry) { read_panel(draft_, entry); });
@@ -135,6 +137,7 @@ Scene load_scene(const fs::path& file, const Options& options) {
   const config::Place whole{file.string(), 0, ""};
   sort_world(draft, whole);
   plan_parts(draft);
+  find_measured_joints(draft);
   apply(options, scene);
   scene.world.name = scene.name;
   refuse_fault(scene, whole);

@@ -18,7 +18,7 @@ struct Measured {
 Measured measure(const std::string& kind, const std::string& yaml,
                  const Observation& now = small_observation()) {
   const auto spec = read_quantity(kind, config::load_text(yaml, "test"));
-  const Quantity quantity = tie(spec, small_catalogue());
+  Quantity quantity = tie(spec, small_catalogue());
   return {quantity.measure(quantity, now), quantity.unit, quantity.text};
 }
 

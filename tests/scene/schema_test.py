@@ -32,6 +32,8 @@ LOADER = {
     "server/scene/values.cc read_pose_in": "$defs/world_pose",
     "hwparts/servo_group/part_options.cc read_options": "$defs/part",
     "hwparts/powercube/settings.cc allow_keys": "$defs/module",
+    "hwparts/sensors/accuracy.cc read_symmetric": "$defs/accuracy",
+    "hwparts/sensors/pose.cc make_pose": "$defs/orientation_noise",
 }
 
 # Wrong for the schema by itself, without a look at other files or at what a name stands for.
@@ -66,7 +68,7 @@ def known_keys(file, function):
     """The texts of the first list of keys after the function's head."""
     text = (SOURCE / file).read_text()
     body = text[re.search(rf"(?m)^[\w:<>&\[\] ]*\b{function}\(", text).start():]
-    start = re.search(r"allow_only\(\s*\{|known\{", body).end()
+    start = re.search(r"->allow_only\(\s*\{|\ballow_only\(\s*\{|known\{", body).end()
     return set(re.findall(r'"(\w+)"', body[start:body.index("}", start)]))
 
 
@@ -105,8 +107,18 @@ class Schema(unittest.TestCase):
                 keys -= {"bus"}
             self.assertEqual(keys, schema, place)
 
+    def test_knows_every_key_of_the_sensors(self):
+        keys = set()
+        for file in SOURCE.glob("hwparts/sensors/*.cc"):
+            for some in re.findall(r'(?:allow_keys\(context\.config,\s*|keys)\{(.*?)\}', file.read_text(), re.S):
+                keys |= set(re.findall(r'"(\w+)"', some))
+        self.assertIn("rate_hz", keys)
+        self.assertEqual(keys, set(at("$defs/sensor")["properties"]) - {"repeat"})
+        table = (SOURCE / "hwparts/sensors/sensor_kinds.cc").read_text()
+        self.assertEqual(set(re.findall(r'\{"(\w+)",', table)), set(at("$defs/sensor/properties/kind/anyOf/0/enum")))
+
     def test_no_list_of_keys_of_the_loader_is_forgotten(self):
-        files = [*SOURCE.glob("server/scene/*.cc"), SOURCE / "hwparts/servo_group/part_options.cc",
+        files = [*SOURCE.glob("server/scene/*.cc"), *SOURCE.glob("hwparts/sensors/*.cc"), SOURCE / "hwparts/servo_group/part_options.cc",
                  SOURCE / "hwparts/powercube/settings.cc"]
         lists = {str(file.relative_to(SOURCE)): len(re.findall(r'allow_only\(\s*\{"|known\{"', file.read_text()))
                  for file in files}
@@ -115,7 +127,7 @@ class Schema(unittest.TestCase):
                          {file: compared.count(file) for file in compared})
 
     def test_every_entry_of_a_list_can_be_repeated(self):
-        for name in ("frame", "model", "body", "shape", "joint", "part", "light", "viewpoint"):
+        for name in ("frame", "model", "body", "shape", "joint", "part", "sensor", "light", "viewpoint"):
             self.assertIn("repeat", at(f"$defs/{name}")["properties"], name)
 
     def test_the_page_explains_every_key(self):

@@ -15,8 +15,8 @@
 namespace visum::test_support {
 namespace {
 
-constexpr std::string_view kForeignLibraries[] = {"libfcl.", "libccd.", "liboctomap.", "liboctomath.",
-                                                  "libode."};
+constexpr std::string_view kForeignLibraries[] = {"libfcl.", "libccd.",     "liboctomap.", "liboctomath.",
+                                                  "libode.", "libembree3.", "libtbb."};
 constexpr std::string_view kRuntimeLibraries[] = {"libc.",    "libstdc++.", "libgcc_s.", "libm.",
                                                   "ld-linux", "libasan.",   "libtsan.",  "libubsan."};
 // Mangled names of functions in std::, __gnu_cxx:: and Eigen::: whoever called them is meant.

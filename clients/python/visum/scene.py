@@ -164,6 +164,10 @@ class Scene:
         """`keys`: model, joints, drives, ... as the kind has them."""
         self._add("parts", {"name": name, "kind": kind, **keys})
 
+    def sensor(self, name: str, kind: str, **keys: Any) -> None:
+        """`keys`: body, pose, range, rate_hz, ... as the kind has them."""
+        self._add("sensors", {"name": name, "kind": kind, **keys})
+
     def light(self, kind: str, **keys: Any) -> None:
         self._add("lights", {"kind": kind, **keys})
 

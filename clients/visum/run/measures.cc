@@ -134,6 +134,26 @@ void tie_port(const Catalogue& catalogue, Quantity& quantity) {
   if (spec.mask) quantity.text += " & " + std::to_string(*spec.mask);
 }
 
+void tie_coverage(const Catalogue& catalogue, Quantity& quantity) {
+  const QuantitySpec& spec = *quantity.spec;
+  quantity.indices = {find_body(catalogue, spec.body, spec.place)};
+  std::vector<Coverage::Obstacle> obstacles;
+  for (std::size_t i = 0; i < catalogue.world.bodies.size(); ++i) {
+    const auto& body = catalogue.world.bodies[i];
+    for (const auto& shape : body.shapes) {
+      if (!body.fixed || !shape.collides) continue;
+      if (!is_plain(shape))
+        throw config::ConfigError(spec.place, "the floor below '" + body.name + "', which has a " +
+                                                  shape.kind +
+                                                  ", cannot be told; of boxes, spheres, cylinders, capsules "
+                                                  "and planes it can");
+      obstacles.push_back({i, shape});
+    }
+  }
+  quantity.coverage = Coverage(spec.floor, std::move(obstacles));
+  quantity.text = "share of the floor within " + cli::exact(spec.floor.within_m) + " m of " + spec.body;
+}
+
 void tie_nothing(const Catalogue&, Quantity& quantity) {
   quantity.unit = "s";
   quantity.text = "time";
@@ -141,7 +161,7 @@ void tie_nothing(const Catalogue&, Quantity& quantity) {
 
 // ------------------------------------------------------------------------------------------------ measuring
 
-double distance(const Quantity& self, const Observation& now) {
+double distance(Quantity& self, const Observation& now) {
   const Vector from = body_position(now, self.indices[0]);
   const auto& point = self.spec->point;
   const Vector to =
@@ -154,28 +174,28 @@ double distance(const Quantity& self, const Observation& now) {
   return norm(difference);
 }
 
-double position(const Quantity& self, const Observation& now) {
+double position(Quantity& self, const Observation& now) {
   return body_position(now, self.indices[0])[static_cast<std::size_t>(axis_index(self.spec->axes[0]))];
 }
 
-double tilt(const Quantity& self, const Observation& now) {
+double tilt(Quantity& self, const Observation& now) {
   const double upward = axis_upward(now, self.indices[0], axis_index(self.spec->axes[0]));
   return std::acos(std::clamp(upward, -1.0, 1.0));
 }
 
-double speed(const Quantity& self, const Observation& now) {
+double speed(Quantity& self, const Observation& now) {
   return norm(vector_at(now.world.velocities, 6 * self.indices[0]));
 }
 
-double angular_speed(const Quantity& self, const Observation& now) {
+double angular_speed(Quantity& self, const Observation& now) {
   return norm(vector_at(now.world.velocities, 6 * self.indices[0] + 3));
 }
 
-double contact_force(const Quantity& self, const Observation& now) {
+double contact_force(Quantity& self, const Observation& now) {
   return at(now.world.peak_contact_forces, self.indices[0]);
 }
 
-double touching(const Quantity& self, const Observation& now) {
+double touching(Quantity& self, const Observation& now) {
   const auto a = self.indices[0], b = self.indices[1];
   const auto between = [&](const protocol::ContactSample& contact) {
     return (contact.body_a == a && contact.body_b == b) || (contact.body_a == b && contact.body_b == a);
@@ -183,19 +203,19 @@ double touching(const Quantity& self, const Observation& now) {
   return std::any_of(now.world.contacts.begin(), now.world.contacts.end(), between) ? 1.0 : 0.0;
 }
 
-double joint_position(const Quantity& self, const Observation& now) {
+double joint_position(Quantity& self, const Observation& now) {
   return at(now.world.joint_positions, self.indices[0]);
 }
 
-double joint_speed(const Quantity& self, const Observation& now) {
+double joint_speed(Quantity& self, const Observation& now) {
   return at(now.world.joint_velocities, self.indices[0]);
 }
 
-double joint_effort(const Quantity& self, const Observation& now) {
+double joint_effort(Quantity& self, const Observation& now) {
   return at(now.world.joint_efforts, self.indices[0]);
 }
 
-double peak_following_error(const Quantity& self, const Observation& now) {
+double peak_following_error(Quantity& self, const Observation& now) {
   double largest = 0.0;
   for (const std::size_t joint : self.indices) {
     const double error = at(now.world.peak_following_errors, joint);
@@ -205,7 +225,7 @@ double peak_following_error(const Quantity& self, const Observation& now) {
   return largest;
 }
 
-double port(const Quantity& self, const Observation& now) {
+double port(Quantity& self, const Observation& now) {
   const auto sample = now.parts.find(self.spec->part);
   if (sample == now.parts.end()) return kNothing;
   const double value =
@@ -214,7 +234,13 @@ double port(const Quantity& self, const Observation& now) {
   return static_cast<double>(static_cast<std::uint64_t>(value) & *self.spec->mask);
 }
 
-double time(const Quantity&, const Observation& now) {
+double coverage(Quantity& self, const Observation& now) {
+  const Vector here = body_position(now, self.indices[0]);
+  self.coverage.note(here[0], here[1], now.world.poses);
+  return self.coverage.share();
+}
+
+double time(Quantity&, const Observation& now) {
   return static_cast<double>(now.world.sim_time_ns) * 1e-9;
 }
 

@@ -64,6 +64,27 @@ void read_port(const Node& node, QuantitySpec& spec) {
   if (const auto mask = node.find("mask")) spec.mask = static_cast<std::uint64_t>(mask->integer(1));
 }
 
+std::array<double, 2> read_corner(const Node& node) {
+  const auto numbers = node.numbers(2);
+  return {numbers[0], numbers[1]};
+}
+
+void read_coverage(const Node& node, QuantitySpec& spec) {
+  constexpr config::Range kLength{1e-3, 1e4};
+  read_body(node, spec);
+  FloorSpec& floor = spec.floor;
+  floor.within_m = node.get("within").number(kLength);
+  floor.from = read_corner(node.get("from"));
+  floor.to = read_corner(node.get("to"));
+  floor.cell_m = node.number_or("cell", floor.cell_m, kLength);
+  floor.height_m = node.number_or("height", floor.height_m);
+  const double wide = (floor.to[0] - floor.from[0]) / floor.cell_m;
+  const double deep = (floor.to[1] - floor.from[1]) / floor.cell_m;
+  if (!(wide > 0.0 && deep > 0.0)) node.get("to").fail("must be greater than 'from' in x and y");
+  if (!(wide * deep <= kMaxFloorCells))
+    node.fail("the floor has more than " + std::to_string(kMaxFloorCells) + " cells");
+}
+
 void read_nothing(const Node&, QuantitySpec&) {}
 
 const QuantityKind kKinds[] = {
@@ -120,6 +141,12 @@ const QuantityKind kKinds[] = {
      read_port,
      measures::tie_port,
      measures::port},
+    {"coverage",
+     "share of a floor's free cells that the body's origin has been near so far",
+     {"body", "within", "from", "to", "cell", "height"},
+     read_coverage,
+     measures::tie_coverage,
+     measures::coverage},
     {"time", "simulated time, s", {}, read_nothing, measures::tie_nothing, measures::time},
 };
 

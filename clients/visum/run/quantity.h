@@ -32,7 +32,8 @@ struct Quantity {
   const QuantitySpec* spec = nullptr;
   std::vector<std::size_t> indices;  // bodies, joints or a port, as its kind has it
   bool output = false;               // port: sensor output or controller input
-  double (*measure)(const Quantity& self, const Observation& now) = nullptr;
+  Coverage coverage;                 // so far
+  double (*measure)(Quantity& self, const Observation& now) = nullptr;
 };
 
 struct QuantityKind {
@@ -41,7 +42,7 @@ struct QuantityKind {
   std::vector<std::string_view> keys;                           // that its map may have
   void (*read)(const config::Node& node, QuantitySpec& spec);   // throws ConfigError
   void (*tie)(const Catalogue& catalogue, Quantity& quantity);  // throws ConfigError where a name is unknown
-  double (*measure)(const Quantity& self, const Observation& now);
+  double (*measure)(Quantity& self, const Observation& now);    // once per step: it may remember
 };
 std::span<const QuantityKind> quantity_kinds();
 

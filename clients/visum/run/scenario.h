@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "clients/visum/run/coverage.h"
 #include "protocol/config/config.h"
 
 namespace visum::run {
@@ -28,6 +29,7 @@ struct QuantitySpec {
   std::string part;
   std::string port;
   std::optional<std::uint64_t> mask;  // port: only these bits
+  FloorSpec floor;                    // coverage
   config::Place place;                // of the quantity's own map
 };
 

@@ -84,8 +84,11 @@ class ImpulseEngine : public Engine {
       state.joints[axis.joint.index()].effort = axis.total / input.tick_s + axis.feedforward;
     for (const Spring& spring : plant_.springs)
       state.joints[spring.spec.id.index()].effort = spring.total / input.tick_s;
-    for (const Touch& touch : plant_.touches)
-      input.contacts[touch.contact].normal_force_n = touch.total_normal / input.tick_s;
+    for (const Touch& touch : plant_.touches) {
+      collision::Contact& contact = input.contacts[touch.contact];
+      contact.normal_force_n = touch.total_normal / input.tick_s;
+      contact.force_on_a_W = touch.total / input.tick_s;
+    }
     write_warm_start(plant_, input.contacts, state.engines[index_]);
     std::string offender;
     if (!is_sane(plant_.model, state, &offender)) return {false, offender};

@@ -49,6 +49,7 @@ struct Touch {
   double depth = 0.0, friction = 0.0, restitution = 0.0;
   std::array<Vector3d, kMoments> impulse;  // in the frame
   double total_normal = 0.0;
+  Vector3d total = Vector3d::Zero();  // on A, in W
 };
 
 // A force between two points, or about an axis, along (w, v) at the points pa and pb.

@@ -62,7 +62,7 @@ void OdeContacts::make(OdeWorld& world, const world::EngineSetting& setting,
       if (!world.owns(id) && world.body(id) != nullptr) world.wake_stand_in(id, state);
     }
     // ODE wants a body that moves first; its normal points to the first.
-    const bool turned = world.body(contact.body_a) == nullptr;
+    const bool turned = made.turned = world.body(contact.body_a) == nullptr;
     const world::BodyId first = turned ? contact.body_b : contact.body_a;
     const world::BodyId second = turned ? contact.body_a : contact.body_b;
     const Eigen::Vector3d normal = turned ? (-contact.normal_W).eval() : contact.normal_W;
@@ -78,9 +78,10 @@ void OdeContacts::make(OdeWorld& world, const world::EngineSetting& setting,
 void OdeContacts::report(std::span<collision::Contact> contacts) const {
   for (const Made& made : made_) {
     collision::Contact& contact = contacts[made.contact];
+    const Eigen::Map<const Eigen::Vector3d> force_on_first(made.feedback.f1);
     // Whichever body was first, its force along the normal is the contact's.
-    contact.normal_force_n =
-        std::abs(Eigen::Map<const Eigen::Vector3d>(made.feedback.f1).dot(contact.normal_W));
+    contact.normal_force_n = std::abs(force_on_first.dot(contact.normal_W));
+    contact.force_on_a_W = made.turned ? Eigen::Vector3d(-force_on_first) : force_on_first;
   }
 }
 

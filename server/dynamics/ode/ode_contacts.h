@@ -20,13 +20,14 @@ class OdeContacts {
   // Those that touch a body of the engine's own. Wakes the stand-ins of what moves by another engine.
   void make(OdeWorld& world, const world::EngineSetting& setting,
             std::span<const collision::Contact> contacts, const world::WorldState& state);
-  // After the step: fills normal_force_n of the same contacts.
+  // After the step: fills the forces of the same contacts.
   void report(std::span<collision::Contact> contacts) const;
   void clear();
 
  private:
   struct Made {
     std::size_t contact = 0;
+    bool turned = false;  // its first body is the contact's b
     dJointFeedback feedback{};
   };
 

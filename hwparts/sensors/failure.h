@@ -1,0 +1,31 @@
+// The ways in which a sensor fails, in PX4's words (its failure injection).
+#pragma once
+
+#include <span>
+#include <string>
+
+namespace visum::sensors {
+
+enum class Failure {
+  kOk,
+  kOff,           // no readings: the ports stand still, and so does `Changed`
+  kStuck,         // the last reading again and again
+  kGarbage,       // anything within the range
+  kWrong,         // mirrored in its range, as if wired the wrong way round
+  kSlow,          // one reading of ten
+  kDelayed,       // ten samples later than usual
+  kIntermittent,  // each reading is lost with a chance of one half
+};
+
+inline constexpr int kSlowFactor = 10;
+inline constexpr int kDelayedSamples = 10;
+inline constexpr double kLossChance = 0.5;
+
+struct FailureName {
+  Failure failure;
+  const char* name;
+};
+std::span<const FailureName> failure_names();
+const char* name_of(Failure failure);
+
+}  // namespace visum::sensors

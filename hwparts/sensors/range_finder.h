@@ -1,0 +1,26 @@
+// What finds distances: kind `distance` with one ray, kind `scanner` with many. A ray goes along +x of the
+// sensor's frame, a scanner's rays turn about its z.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "hwparts/sensors/sensor.h"
+
+namespace visum::sensors {
+
+// `range: [lowest, highest]` of an entry, m. A distance beyond reads its end.
+struct Reach {
+  double lowest_m, highest_m;
+};
+Reach read_reach(const config::Node& entry);
+
+// The angles of a scanner's rays: `rays` and `angle: [first, last]`, rad, from x towards y.
+std::vector<double> read_beams(const config::Node& entry);
+inline constexpr std::int64_t kMaxRays = 4096;
+
+// Truth of both: a distance per ray, m; infinite where nothing is in reach.
+std::unique_ptr<Sensor> make_distance(const SensorContext& context);
+std::unique_ptr<Sensor> make_scanner(const SensorContext& context);
+
+}  // namespace visum::sensors

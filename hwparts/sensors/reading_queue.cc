@@ -1,0 +1,49 @@
+#include "hwparts/sensors/reading_queue.h"
+
+#include <cassert>
+
+namespace visum::sensors {
+
+ReadingQueue::ReadingQueue(std::size_t slots, std::size_t numbers)
+    : numbers_(numbers), due_ns_(slots), values_(slots * numbers) {}
+
+std::span<double> ReadingQueue::back() {
+  assert(count_ < due_ns_.size());
+  return std::span(values_).subspan(slot(count_) * numbers_, numbers_);
+}
+
+void ReadingQueue::push(std::int64_t due_ns) {
+  due_ns_[slot(count_)] = due_ns;
+  ++count_;
+}
+
+std::span<const double> ReadingQueue::front() const {
+  return std::span(values_).subspan(first_ * numbers_, numbers_);
+}
+
+void ReadingQueue::pop() {
+  assert(count_ > 0);
+  first_ = slot(1);
+  --count_;
+}
+
+void ReadingQueue::save(hwparts::StateWriter& to) const {
+  to.put(static_cast<std::uint64_t>(count_));
+  for (std::size_t i = 0; i < count_; ++i) {
+    to.put(due_ns_[slot(i)]);
+    to.put(std::span(values_).subspan(slot(i) * numbers_, numbers_));
+  }
+}
+
+void ReadingQueue::load(hwparts::StateReader& from) {
+  std::uint64_t count = 0;
+  from.get(count);
+  assert(count <= due_ns_.size());
+  clear();
+  for (; count_ < count; ++count_) {
+    from.get(due_ns_[count_]);
+    from.get(std::span(values_).subspan(count_ * numbers_, numbers_));
+  }
+}
+
+}  // namespace visum::sensors

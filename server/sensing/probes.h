@@ -1,0 +1,15 @@
+// The probes of the built-in kinds. What each truth is stands in hwparts/sensors.
+#pragma once
+
+#include "server/sensing/probe.h"
+
+namespace visum::sensing {
+
+std::unique_ptr<Probe> make_distance_probe(const ProbeContext& context);
+std::unique_ptr<Probe> make_scanner_probe(const ProbeContext& context);
+std::unique_ptr<Probe> make_imu_probe(const ProbeContext& context);
+std::unique_ptr<Probe> make_pose_probe(const ProbeContext& context);
+std::unique_ptr<Probe> make_contact_probe(const ProbeContext& context);
+std::unique_ptr<Probe> make_joint_wrench_probe(const ProbeContext& context);
+
+}  // namespace visum::sensing

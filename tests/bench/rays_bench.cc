@@ -1,0 +1,97 @@
+// Rays per second on one core: a fan of a full circle, through the arm's cell and onto a mesh of many
+// triangles; and what it takes to place a world that has moved.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "server/scene/scene.h"
+#include "server/sensing/ray_world.h"
+
+namespace visum::bench {
+namespace {
+
+constexpr int kRays = 3600;
+
+world::WorldModel arm_cell() {
+  return scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml").world;
+}
+
+// A ball of 5 m around the origin, of 2 n² triangles: rays from inside meet it everywhere.
+world::WorldModel ball_of_triangles(std::uint32_t n) {
+  world::WorldModel model;
+  world::TriangleMesh mesh;
+  for (std::uint32_t i = 0; i <= n; ++i) {
+    for (std::uint32_t j = 0; j <= n; ++j) {
+      const double up = std::numbers::pi * i / n, around = 2 * std::numbers::pi * j / n;
+      mesh.vertices.emplace_back(5 * std::sin(up) * std::cos(around), 5 * std::sin(up) * std::sin(around),
+                                 5 * std::cos(up));
+    }
+  }
+  for (std::uint32_t i = 0; i < n; ++i) {
+    for (std::uint32_t j = 0; j < n; ++j) {
+      const std::uint32_t a = i * (n + 1) + j, b = a + n + 1;
+      mesh.triangles.push_back({a, b, a + 1});
+      mesh.triangles.push_back({b, b + 1, a + 1});
+    }
+  }
+  model.meshes.push_back(std::move(mesh));
+  world::Body body;
+  body.name = "ball";
+  body.fixed = true;
+  model.bodies.push_back(body);
+  world::Shape shape;
+  shape.body = {0};
+  shape.kind = world::ShapeKind::kMesh;
+  shape.mesh = {0};
+  model.shapes.push_back(shape);
+  return model;
+}
+
+void cast_fans(benchmark::State& state, const world::WorldModel& model, const Eigen::Vector3d& from) {
+  sensing::RayWorld rays(model);
+  rays.place(world::initial_state(model));
+  std::int64_t hits = 0, cast = 0;
+  for (auto _ : state) {
+    for (int i = 0; i < kRays; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kRays;
+      const Eigen::Vector3d direction(std::cos(angle), std::sin(angle), -0.1);
+      hits += rays.cast({from, direction.normalized(), 100.0, {}}).shape.valid();
+      ++cast;
+    }
+  }
+  state.counters["rays_per_second"] =
+      benchmark::Counter(static_cast<double>(cast), benchmark::Counter::kIsRate);
+  state.counters["share_that_hits"] = static_cast<double>(hits) / static_cast<double>(cast);
+}
+
+void rays_in_cell(benchmark::State& state) {
+  cast_fans(state, arm_cell(), {0.2, 0.3, 0.5});
+}
+BENCHMARK(rays_in_cell)->Name("Rays/arm_cell")->Unit(benchmark::kMillisecond);
+
+void rays_on_triangles(benchmark::State& state) {
+  const auto n = static_cast<std::uint32_t>(state.range(0));
+  cast_fans(state, ball_of_triangles(n), {0.2, 0.3, 0.5});
+  state.counters["triangles"] = 2.0 * n * n;
+}
+BENCHMARK(rays_on_triangles)->Name("Rays/mesh")->Arg(22)->Arg(224)->Unit(benchmark::kMillisecond);
+
+// All bodies that can move have moved, as before each tick in which a sensor is due.
+void place_cell(benchmark::State& state) {
+  const auto model = arm_cell();
+  sensing::RayWorld rays(model);
+  auto now = world::initial_state(model);
+  rays.place(now);
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < now.bodies.size(); ++i)
+      if (!model.bodies[i].fixed) now.bodies[i].p_WC.x() += 1e-9;
+    rays.place(now);
+  }
+  state.counters["shapes"] = static_cast<double>(model.shapes.size());
+}
+BENCHMARK(place_cell)->Name("Rays/place_arm_cell")->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace visum::bench

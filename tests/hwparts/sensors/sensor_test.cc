@@ -1,0 +1,207 @@
+// What every sensor does, shown with the one that has one number.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/hwparts/sensors/bench.h"
+#include "tests/support/temp_files.h"
+
+namespace visum::sensors {
+namespace {
+
+using test::Bench;
+
+const std::string kDistance = "kind: distance, range: [0.1, 5]";
+
+std::vector<double> readings(Bench& bench, double truth, int count) {
+  std::vector<double> all;
+  for (int i = 0; i < count; ++i) {
+    bench.tick({truth});
+    all.push_back(bench.port("Distance"));
+  }
+  return all;
+}
+
+std::string error_of(const std::string& yaml) {
+  return visum::test::TempFiles().error_of([&] { Bench bench(yaml); });
+}
+
+TEST(Sensor, ReadsTheTruthWhereNothingIsAskedOfIt) {
+  Bench bench(kDistance);
+  EXPECT_EQ(bench.port("Changed"), 0.0) << "none yet";
+  bench.tick({1.2345});
+  EXPECT_EQ(bench.port("Distance"), 1.2345);
+  EXPECT_EQ(bench.port("In Range"), 1.0);
+  EXPECT_EQ(bench.port("Changed"), 1.0);
+}
+
+TEST(Sensor, ReadsTheEndOfItsRangeBeyondIt) {
+  Bench bench(kDistance + ", noise: 0.1, bias: 0.1");
+  bench.tick({std::numeric_limits<double>::infinity()});
+  EXPECT_EQ(bench.port("Distance"), 5.0);
+  EXPECT_EQ(bench.port("In Range"), 0.0);
+  Bench exact(kDistance);
+  exact.tick({0.05});
+  EXPECT_EQ(exact.port("Distance"), 0.1);
+  EXPECT_EQ(exact.port("In Range"), 0.0);
+}
+
+TEST(Sensor, NoiseHasItsDeviationAndNoMean) {
+  constexpr int kCount = 20'000;
+  Bench bench(kDistance + ", noise: 0.02");
+  const auto [mean, deviation] = test::statistics_of(readings(bench, 2.0, kCount));
+  EXPECT_NEAR(mean, 2.0, 5 * 0.02 / std::sqrt(kCount));
+  EXPECT_NEAR(deviation, 0.02, 5 * 0.02 / std::sqrt(2.0 * kCount));
+}
+
+TEST(Sensor, AShareOfNoiseGrowsWithTheTruth) {
+  constexpr int kCount = 20'000;
+  Bench bench(kDistance + ", noise_share: 0.01");
+  EXPECT_NEAR(test::statistics_of(readings(bench, 1.0, kCount)).deviation, 0.01, 3e-4);
+  EXPECT_NEAR(test::statistics_of(readings(bench, 4.0, kCount)).deviation, 0.04, 12e-4);
+}
+
+// Over many sensors the offset has its deviation; of one sensor it is always the same.
+TEST(Sensor, ABiasIsDrawnOnceForEachSensor) {
+  std::vector<double> offsets;
+  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+    Bench bench(kDistance + ", bias: 0.05", seed);
+    const auto two = readings(bench, 2.0, 2);
+    ASSERT_EQ(two[0], two[1]);
+    offsets.push_back(two[0] - 2.0);
+  }
+  const auto [mean, deviation] = test::statistics_of(offsets);
+  EXPECT_NEAR(mean, 0.0, 5 * 0.05 / std::sqrt(2000));
+  EXPECT_NEAR(deviation, 0.05, 5 * 0.05 / std::sqrt(4000));
+}
+
+TEST(Sensor, ReadsInSteps) {
+  Bench bench(kDistance + ", resolution: 0.25");
+  EXPECT_EQ(readings(bench, 1.37, 1).back(), 1.25);
+  EXPECT_EQ(readings(bench, 1.38, 1).back(), 1.5);
+}
+
+// 30 Hz at 1 ms: a period of 33.3 ticks, and in 3 s neither more nor less than 90 readings.
+TEST(Sensor, ItsRateNeedNotDivideTheTicks) {
+  Bench bench(kDistance + ", rate_hz: 30");
+  int due = 0;
+  for (int i = 0; i < 3000; ++i) {
+    due += bench.sensor->due();
+    bench.tick({1.0});
+    if (i == 32 || i == 33) {
+      EXPECT_EQ(bench.port("Changed"), i - 32.0) << "the first after one period";
+    }
+  }
+  EXPECT_EQ(due, 90);
+  EXPECT_EQ(bench.port("Changed"), 90.0);
+}
+
+TEST(Sensor, ShowsAReadingAfterItsLatency) {
+  Bench bench(kDistance + ", latency_ms: 7");
+  for (int i = 1; i <= 50; ++i) {
+    bench.tick({0.1 * i});
+    if (i > 7)
+      ASSERT_EQ(bench.port("Distance"), std::clamp(0.1 * (i - 7), 0.1, 5.0)) << i;
+    else
+      ASSERT_EQ(bench.port("Changed"), 0.0) << i;
+  }
+}
+
+TEST(Sensor, OffStandsStillAndGoesOnAgain) {
+  Bench bench(kDistance);
+  readings(bench, 1.0, 3);
+  bench.fail("off");
+  EXPECT_FALSE(bench.sensor->due());
+  EXPECT_EQ(readings(bench, 2.0, 5).back(), 1.0);
+  EXPECT_EQ(bench.port("Changed"), 3.0);
+  bench.fail("ok");
+  EXPECT_EQ(readings(bench, 2.0, 1).back(), 2.0);
+}
+
+TEST(Sensor, StuckRepeatsTheLastReading) {
+  Bench bench(kDistance + ", noise: 0.01");
+  const double last = readings(bench, 1.0, 3).back();
+  bench.fail("stuck");
+  for (const double reading : readings(bench, 2.0, 5)) EXPECT_EQ(reading, last);
+  EXPECT_EQ(bench.port("Changed"), 8.0) << "it does not know of its failure";
+}
+
+TEST(Sensor, GarbageIsAnythingInItsRange) {
+  constexpr int kCount = 20'000;
+  Bench bench(kDistance);
+  bench.fail("garbage");
+  const auto [mean, deviation] = test::statistics_of(readings(bench, 1.0, kCount));
+  EXPECT_NEAR(mean, 2.55, 0.06);
+  EXPECT_NEAR(deviation, 4.9 / std::sqrt(12.0), 0.04);
+}
+
+TEST(Sensor, WrongIsMirroredInItsRange) {
+  Bench bench(kDistance);
+  bench.fail("wrong");
+  EXPECT_NEAR(readings(bench, 1.0, 1).back(), 4.1, 1e-12);
+}
+
+TEST(Sensor, SlowTakesOneReadingOfTen) {
+  Bench bench(kDistance + ", failure: slow");
+  readings(bench, 1.0, 100);
+  EXPECT_EQ(bench.port("Changed"), 10.0);
+}
+
+TEST(Sensor, DelayedIsTenSamplesLate) {
+  Bench bench(kDistance + ", latency_ms: 2, failure: delayed");
+  for (int i = 1; i <= 40; ++i) bench.tick({0.1 * i});
+  EXPECT_NEAR(bench.port("Distance"), 0.1 * (40 - 12), 1e-12);
+  bench.fail("ok");
+  for (int i = 41; i <= 60; ++i) bench.tick({0.1 * 41});
+  EXPECT_NEAR(bench.port("Distance"), 0.1 * 41, 1e-12)
+      << "in time again, once what was on its way is through";
+}
+
+TEST(Sensor, IntermittentLosesHalfOfTheReadings) {
+  Bench bench(kDistance + ", failure: intermittent");
+  readings(bench, 1.0, 10'000);
+  EXPECT_NEAR(bench.port("Changed"), 5000.0, 5 * 50.0);
+}
+
+TEST(Sensor, AFailureThatThereIsNotIsRefused) {
+  Bench bench(kDistance);
+  EXPECT_EQ(bench.sensor->set_parameter("Failure", std::string("odd")),
+            "must be one of ok, off, stuck, garbage, wrong, slow, delayed, intermittent");
+  EXPECT_EQ(bench.sensor->set_parameter("Failure", 1.0),
+            "must be one of ok, off, stuck, garbage, wrong, slow, delayed, intermittent");
+  EXPECT_EQ(bench.sensor->set_parameter("Rate", 1.0), "'Rate' can only be read");
+  EXPECT_EQ(bench.sensor->set_parameter("Colour", 1.0), "there is no parameter 'Colour'");
+}
+
+TEST(Sensor, WrongEntriesAreRefusedWhereTheyAreWrong) {
+  EXPECT_EQ(error_of("kind: distanse, range: [0, 1]"),
+            "sensor:1: kind: must be one of distance, scanner, imu, pose, contact, joint_wrench, is "
+            "'distanse'; did you mean 'distance'?");
+  EXPECT_EQ(error_of("kind: distance"), "sensor:1: key 'range' is missing");
+  EXPECT_EQ(error_of("kind: distance, range: [2, 1]"),
+            "sensor:1: range: must be [lowest, highest], the lowest first");
+  EXPECT_EQ(error_of("kind: distance, range: [0, .inf]"),
+            "sensor:1: range[1]: must be a finite number, is .inf");
+  EXPECT_EQ(error_of(kDistance + ", nois: 1"), "sensor:1: unknown key 'nois'; did you mean 'noise'?");
+  EXPECT_EQ(error_of(kDistance + ", noise: -1"), "sensor:1: noise: must be between 0 and 4.9, is -1");
+  EXPECT_EQ(error_of(kDistance + ", rate_hz: 2000"),
+            "sensor:1: rate_hz: must be between 0.001 and 1000, is 2000");
+  EXPECT_EQ(error_of(kDistance + ", latency_ms: 101"),
+            "sensor:1: latency_ms: must be between 0 and 100, is 101");
+  EXPECT_EQ(error_of(kDistance + ", failure: broken").substr(0, 40),
+            "sensor:1: failure: must be one of ok, of");
+  EXPECT_EQ(error_of("kind: scanner, range: [0, 1], angle: [-1, 1], rays: 1"),
+            "sensor:1: rays: must be a whole number between 2 and 4096, is 1");
+  EXPECT_EQ(error_of("kind: scanner, range: [0, 1], angle: [1, -1], rays: 9"),
+            "sensor:1: angle: must be [first, last], the smaller first");
+  EXPECT_EQ(error_of("kind: imu, gyro: {nose: 1}"),
+            "sensor:1: gyro: unknown key 'nose'; did you mean 'noise'?");
+  EXPECT_EQ(error_of("kind: pose, orientation: {noise: 1}"),
+            "sensor:1: orientation.noise: must be between 0 and 0.5, is 1");
+  EXPECT_EQ(error_of("kind: contact, range: 10, threshold: 11"),
+            "sensor:1: threshold: must be between 0 and 10, is 11");
+}
+
+}  // namespace
+}  // namespace visum::sensors
