@@ -30,6 +30,7 @@ constexpr Row kVerbs[] = {
     {"watch", "follow ports", cli::make_watch},
     {"params", "show a part's parameters", cli::make_params},
     {"param-set", "change a part's parameter", cli::make_param_set},
+    {"camera", "write a camera's picture to a file", cli::make_camera},
     {"status", "show time, pace, load, and who is waited for", cli::make_status},
     {"pause", "stop time", cli::make_pause},
     {"resume", "let time run", cli::make_resume},

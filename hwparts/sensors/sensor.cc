@@ -52,6 +52,13 @@ Sensor::Sensor(const SensorContext& context, Layout layout)
   Sensor::reset();
 }
 
+void Sensor::set_numbers(std::vector<Accuracy> numbers) {
+  const std::size_t count = numbers.size();
+  layout_.numbers = std::move(numbers);
+  for (auto* values : {&truth_, &offsets_, &last_, &shown_}) values->assign(count, 0.0);
+  queue_ = ReadingQueue(slots(timing_), count);
+}
+
 bool Sensor::due() const {
   return failure_ != Failure::kOff && timing_.samples_between(now_ns_, now_ns_ + timing_.tick_ns);
 }
@@ -142,6 +149,7 @@ std::optional<std::string> Sensor::set_parameter(const std::string& name,
   std::string known;
   for (const auto& row : failure_names()) {
     if (word && *word == row.name) {
+      if (const char* reason = why_not(row.failure)) return reason;
       failure_ = row.failure;
       return std::nullopt;
     }

@@ -59,8 +59,12 @@ class Sensor : public hwparts::Part {
   virtual void read(std::span<const double> truth, std::span<double> reading, Random& random) const;
   // Puts a reading onto the ports; by default its numbers are the ports.
   virtual void show(std::span<const double> reading, std::span<double> sensor_outputs);
-  // After load(): what else hangs on the reading that is shown.
+  // After load() and reset(): what else hangs on the reading that is shown.
   virtual void shown_again(std::span<const double>) {}
+  // Why the kind does not fail in this way; null: it does.
+  virtual const char* why_not(Failure) const { return nullptr; }
+  // Another reading than so far. Forgets what was read, and what is on its way.
+  void set_numbers(std::vector<Accuracy> numbers);
 
   double offset(std::size_t number) const { return offsets_[number]; }
   const Accuracy& accuracy(std::size_t number) const { return layout_.numbers[number]; }

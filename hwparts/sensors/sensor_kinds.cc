@@ -2,19 +2,21 @@
 
 #include <array>
 
+#include "hwparts/sensors/camera.h"
 #include "hwparts/sensors/motion_sensors.h"
 #include "hwparts/sensors/range_finder.h"
 
 namespace visum::sensors {
 namespace {
 
-constexpr std::array<SensorKind, 6> kKinds{{
+constexpr std::array<SensorKind, 7> kKinds{{
     {"distance", "how far it is along one ray", make_distance},
     {"scanner", "how far it is along each ray of a fan", make_scanner},
     {"imu", "angular rate and acceleration", make_imu},
     {"pose", "place and orientation in the world", make_pose},
     {"contact", "whether something is touched, and how hard", make_contact},
     {"joint_wrench", "force and torque through a joint", make_joint_wrench},
+    {"camera", "pictures of colours, depths, or bodies", make_camera},
 }};
 
 }  // namespace

@@ -10,11 +10,11 @@
 
 #include "protocol/server.h"
 #include "server/gateway/bus/buses.h"
-#include "server/gateway/exchange.h"
 #include "server/gateway/gateway.h"
 #include "server/gateway/mailbox.h"
 #include "server/gateway/tick_side.h"
 #include "server/gateway/web.h"
+#include "server/world/exchange.h"
 
 namespace visum::gateway {
 namespace {
@@ -150,7 +150,7 @@ struct Daemon::Impl {
   const bool threaded;
   Mailbox mailbox;
   TickSide tick_side;
-  Exchange<Published> exchange;
+  world::Exchange<Published> exchange;
   Published inline_copy;
   std::uint64_t inline_version = 0;
   std::uint64_t published_version = 0;

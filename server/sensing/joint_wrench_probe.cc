@@ -97,7 +97,7 @@ class JointWrenchProbe : public Probe {
 }  // namespace
 
 std::unique_ptr<Probe> make_joint_wrench_probe(const ProbeContext& context) {
-  const auto& model = context.model;
+  const auto& model = context.scene.world;
   const world::JointId id = context.mount.joint;
   if (!id.valid()) context.config.fail("a joint_wrench sensor needs 'joint'");
   const world::Joint& joint = model.joints[id.index()];

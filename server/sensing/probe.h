@@ -5,9 +5,11 @@
 #include <memory>
 #include <span>
 
+#include "hwparts/sensors/sensor.h"
 #include "protocol/config/config.h"
 #include "server/collision/collision.h"
 #include "server/dynamics/engine.h"
+#include "server/scene/scene.h"
 #include "server/sensing/ray_world.h"
 #include "server/world/world_model.h"
 #include "server/world/world_state.h"
@@ -36,12 +38,15 @@ class Probe {
  public:
   virtual ~Probe() = default;
   virtual bool wants_rays() const { return false; }
+  // Once, before the first tick: gives the sensor what else it needs of the world. The probe outlives its
+  // use.
+  virtual void attach(sensors::Sensor&) {}
   // Fills all of `truth`; its length is the sensor's. Does not allocate.
   virtual void measure(const Moment& moment, std::span<double> truth) = 0;
 };
 
 struct ProbeContext {
-  const world::WorldModel& model;
+  const scene::Scene& scene;
   const Mount& mount;
   const config::Node& config;  // the sensor's entry, checked already by the sensor
 };

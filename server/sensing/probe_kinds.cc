@@ -7,13 +7,14 @@
 namespace visum::sensing {
 namespace {
 
-constexpr std::array<ProbeKind, 6> kKinds{{
+constexpr std::array<ProbeKind, 7> kKinds{{
     {"distance", make_distance_probe},
     {"scanner", make_scanner_probe},
     {"imu", make_imu_probe},
     {"pose", make_pose_probe},
     {"contact", make_contact_probe},
     {"joint_wrench", make_joint_wrench_probe},
+    {"camera", make_camera_probe},
 }};
 
 }  // namespace

@@ -11,5 +11,6 @@ std::unique_ptr<Probe> make_imu_probe(const ProbeContext& context);
 std::unique_ptr<Probe> make_pose_probe(const ProbeContext& context);
 std::unique_ptr<Probe> make_contact_probe(const ProbeContext& context);
 std::unique_ptr<Probe> make_joint_wrench_probe(const ProbeContext& context);
+std::unique_ptr<Probe> make_camera_probe(const ProbeContext& context);
 
 }  // namespace visum::sensing

@@ -8,7 +8,8 @@ Senses::Senses(const scene::Scene& scene, std::span<sensors::Sensor* const> sens
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     const auto& plan = scene.sensors.at(i);
     const Mount mount{plan.body, plan.X_BS, plan.joint};
-    bound_.push_back({sensors[i], make_probe(plan.kind, {scene.world, mount, plan.config})});
+    bound_.push_back({sensors[i], make_probe(plan.kind, {scene, mount, plan.config})});
+    bound_.back().probe->attach(*sensors[i]);
   }
   if (std::ranges::any_of(bound_, [](const Bound& bound) { return bound.probe->wants_rays(); }))
     rays_ = std::make_unique<RayWorld>(scene.world);

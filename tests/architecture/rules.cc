@@ -27,6 +27,7 @@ const std::vector<Layer> kLayers = {
     {"server/visumd.cc", {"protocol", "hwparts", "server"}},
     {"server/visum_hwpart.cc", {"protocol", "hwparts", "server"}},
     {"server/visum_mirror.cc", {"protocol", "hwparts", "server"}},
+    {"server/visum_mesh.cc", {"server/scene/collada"}},
     {"clients", {"protocol"}},
     {"tests", {"protocol", "hwparts", "server", "clients"}},
 };
@@ -44,6 +45,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"sdf/", {"server/scene", "tests"}},
     {"ignition/", {"server/scene", "tests"}},
     {"gz/", {"server/scene", "tests"}},
+    {"assimp/", {"server/scene/collada", "tests"}},
     {"google/protobuf/", {"protocol", "tests"}},
     {"protocol/visum.pb.h", {"protocol", "tests"}},
     {"visum.pb.h", {"protocol", "tests"}},
@@ -56,6 +58,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"urdf_world/", {"clients/examples", "tests"}},
     {"tinyxml2.h", {"server/scene", "clients/examples", "tests"}},
     {"spdlog/", {"protocol", "server", "clients", "tests"}},
+    {"png.h", {"clients", "tests"}},
     {"CLI/",
      {"server/visumd.cc", "server/visum_hwpart.cc", "server/visum_mirror.cc",
       "server/gateway/command_line.cc", "clients", "tests"}},

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "server/scene/scene.h"
+#include "server/sensing/painter.h"
 #include "server/sensing/ray_world.h"
 
 namespace visum::bench {
@@ -77,6 +78,37 @@ void rays_on_triangles(benchmark::State& state) {
   state.counters["triangles"] = 2.0 * n * n;
 }
 BENCHMARK(rays_on_triangles)->Name("Rays/mesh")->Arg(22)->Arg(224)->Unit(benchmark::kMillisecond);
+
+// A picture of the arm's cell; the argument is its width, at 4:3.
+void paint(benchmark::State& state, sensors::Shows shows) {
+  const auto scene =
+      scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml");
+  sensors::CameraSettings settings;
+  settings.shows = shows;
+  settings.lens = {static_cast<int>(state.range(0)), static_cast<int>(state.range(0)) * 3 / 4, 1.2};
+  settings.farthest_m = 20.0;
+  const auto now = world::initial_state(scene.world);
+  sensing::Mount mount;
+  mount.X_BS = {{-1.2, -1.2, 1.2},
+                Eigen::Quaterniond(Eigen::AngleAxisd(0.785, Eigen::Vector3d::UnitZ())) *
+                    Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()))};
+  sensing::Painter painter(scene, mount, settings);
+  std::vector<double> reading(1 + 7 * now.bodies.size());
+  sensing::Painter::read({scene.world, now, now, {}, {}, 1e-3, nullptr}, reading);
+  reading[0] = 1.0;
+  std::vector<std::byte> image(sensors::image_bytes(settings));
+  for (auto _ : state) painter.paint(reading, image);
+  state.counters["frames_per_second"] =
+      benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+void paint_color(benchmark::State& state) {
+  paint(state, sensors::Shows::kColor);
+}
+void paint_depth(benchmark::State& state) {
+  paint(state, sensors::Shows::kDepth);
+}
+BENCHMARK(paint_color)->Name("Camera/color")->Arg(160)->Arg(320)->Arg(640)->Unit(benchmark::kMillisecond);
+BENCHMARK(paint_depth)->Name("Camera/depth")->Arg(160)->Arg(320)->Arg(640)->Unit(benchmark::kMillisecond);
 
 // All bodies that can move have moved, as before each tick in which a sensor is due.
 void place_cell(benchmark::State& state) {

@@ -2,10 +2,10 @@
 // the copy for the sessions. What FCL and ODE allocate inside is counted apart.
 #include <gtest/gtest.h>
 
-#include "server/gateway/exchange.h"
 #include "server/gateway/mailbox.h"
 #include "server/gateway/published.h"
 #include "server/gateway/tick_side.h"
+#include "server/world/exchange.h"
 #include "tests/support/allocation_counter.h"
 
 namespace visum::gateway {
@@ -19,7 +19,7 @@ struct Rig {
   const std::vector<double> middle = simulation.parts()[kArm].controller_inputs;
   Mailbox mailbox{middle.size()};
   TickSide tick_side{simulation, mailbox, true};
-  Exchange<Published> exchange;
+  world::Exchange<Published> exchange;
 
   // Every 10 ms, as a controller would: the joints to and fro.
   void command() {

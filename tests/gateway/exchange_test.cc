@@ -1,4 +1,4 @@
-#include "server/gateway/exchange.h"
+#include "server/world/exchange.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@ namespace visum::gateway {
 namespace {
 
 TEST(Exchange, GivesTheNewestAndOnlyOnce) {
-  Exchange<int> exchange;
+  world::Exchange<int> exchange;
   EXPECT_FALSE(exchange.refresh());
   exchange.back() = 1;
   exchange.publish();
@@ -23,7 +23,7 @@ TEST(Exchange, GivesTheNewestAndOnlyOnce) {
 }
 
 TEST(Exchange, NeverTearsAValueBetweenThreads) {
-  Exchange<std::vector<int>> exchange;
+  world::Exchange<std::vector<int>> exchange;
   constexpr int kLast = 200'000;
   std::thread writer([&] {
     for (int i = 1; i <= kLast; ++i) {

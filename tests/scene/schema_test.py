@@ -32,8 +32,6 @@ LOADER = {
     "server/scene/values.cc read_pose_in": "$defs/world_pose",
     "hwparts/servo_group/part_options.cc read_options": "$defs/part",
     "hwparts/powercube/settings.cc allow_keys": "$defs/module",
-    "hwparts/sensors/accuracy.cc read_symmetric": "$defs/accuracy",
-    "hwparts/sensors/pose.cc make_pose": "$defs/orientation_noise",
 }
 
 # Wrong for the schema by itself, without a look at other files or at what a name stands for.
@@ -64,12 +62,12 @@ def at(pointer):
     return node
 
 
-def known_keys(file, function):
+def known_keys(file, function, start=r"allow_only\(\s*\{|known\{"):
     """The texts of the first list of keys after the function's head."""
     text = (SOURCE / file).read_text()
     body = text[re.search(rf"(?m)^[\w:<>&\[\] ]*\b{function}\(", text).start():]
-    start = re.search(r"->allow_only\(\s*\{|\ballow_only\(\s*\{|known\{", body).end()
-    return set(re.findall(r'"(\w+)"', body[start:body.index("}", start)]))
+    first = re.search(start, body).end()
+    return set(re.findall(r'"(\w+)"', body[first:body.index("}", first)]))
 
 
 def scenes():
@@ -107,18 +105,19 @@ class Schema(unittest.TestCase):
                 keys -= {"bus"}
             self.assertEqual(keys, schema, place)
 
-    def test_knows_every_key_of_the_sensors(self):
-        keys = set()
-        for file in SOURCE.glob("hwparts/sensors/*.cc"):
-            for some in re.findall(r'(?:allow_keys\(context\.config,\s*|keys)\{(.*?)\}', file.read_text(), re.S):
-                keys |= set(re.findall(r'"(\w+)"', some))
-        self.assertIn("rate_hz", keys)
-        self.assertEqual(keys, set(at("$defs/sensor")["properties"]) - {"repeat"})
-        table = (SOURCE / "hwparts/sensors/sensor_kinds.cc").read_text()
-        self.assertEqual(set(re.findall(r'\{"(\w+)",', table)), set(at("$defs/sensor/properties/kind/anyOf/0/enum")))
+    def test_knows_every_key_of_every_kind_of_sensor(self):
+        common = known_keys("hwparts/sensors/sensor.cc", "allow_keys", r"keys\{")
+        folder = SOURCE / "hwparts" / "sensors"
+        kinds = re.findall(r'\{"(\w+)", "', (folder / "sensor_kinds.cc").read_text())
+        self.assertEqual([one["$ref"] for one in at("$defs/sensor")["oneOf"]], [f"#/$defs/sensor_{kind}" for kind in kinds])
+        for kind in kinds:
+            own = re.search(r"allow_keys\(\s*[\w.]+,\s*\{(.*?)\}\)", (folder / f"{kind}.cc").read_text(), re.S)[1]
+            keys = common | set(re.findall(r'"(\w+)"', own))
+            self.assertEqual(keys, set(at(f"$defs/sensor_{kind}")["properties"]) - {"repeat"}, kind)
+        self.assertEqual(known_keys("hwparts/sensors/accuracy.cc", "read_symmetric"), set(at("$defs/accuracy")["properties"]))
 
     def test_no_list_of_keys_of_the_loader_is_forgotten(self):
-        files = [*SOURCE.glob("server/scene/*.cc"), *SOURCE.glob("hwparts/sensors/*.cc"), SOURCE / "hwparts/servo_group/part_options.cc",
+        files = [*SOURCE.glob("server/scene/*.cc"), SOURCE / "hwparts/servo_group/part_options.cc",
                  SOURCE / "hwparts/powercube/settings.cc"]
         lists = {str(file.relative_to(SOURCE)): len(re.findall(r'allow_only\(\s*\{"|known\{"', file.read_text()))
                  for file in files}
@@ -127,7 +126,7 @@ class Schema(unittest.TestCase):
                          {file: compared.count(file) for file in compared})
 
     def test_every_entry_of_a_list_can_be_repeated(self):
-        for name in ("frame", "model", "body", "shape", "joint", "part", "sensor", "light", "viewpoint"):
+        for name in ("frame", "model", "body", "shape", "joint", "part", "light", "viewpoint"):
             self.assertIn("repeat", at(f"$defs/{name}")["properties"], name)
 
     def test_the_page_explains_every_key(self):

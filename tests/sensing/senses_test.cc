@@ -85,6 +85,26 @@ TEST(Senses, ComeAlongWhenBodiesComeAndGo) {
   EXPECT_GT(bench.port("fan", "Changed"), 10.0);
 }
 
+TEST(Senses, StandWhereTheirFileIsPutAndInFrames) {
+  const visum::test::TempFiles files;
+  files.write("inner.yaml", R"(visum: 1
+parameters: {name: tracker}
+sensors: [{name: "${name}", kind: pose, pose: {xyz: [1, 0, 0]}}]
+)");
+  cycle::Simulation simulation(scene::load_scene(files.write("outer.yaml", R"(visum: 1
+frames: [{name: mast, pose: {xyz: [0, 0, 5]}}]
+include: [{file: inner.yaml, pose: {xyz: [0, 0, 2]}}, {file: inner.yaml, parameters: {name: other}}]
+sensors: [{name: high, kind: pose, pose: {in: mast, xyz: [0, 3, 0]}}]
+)")));
+  simulation.tick();
+  const auto position = [&](std::size_t sensor) {
+    return Eigen::Vector3d(simulation.parts()[sensor].sensor_outputs.data());
+  };
+  EXPECT_EQ(position(0), Eigen::Vector3d(1, 0, 2));
+  EXPECT_EQ(position(1), Eigen::Vector3d(1, 0, 0));
+  EXPECT_EQ(position(2), Eigen::Vector3d(0, 3, 5));
+}
+
 std::string error_of(const std::string& sensor) {
   const visum::test::TempFiles files;
   const auto file = files.write("s.yaml", R"(visum: 1
@@ -100,10 +120,10 @@ TEST(Senses, WrongScenesAreRefusedWhereTheyAreWrong) {
   EXPECT_EQ(error_of("- {name: a}"), "s.yaml:5: sensors[0]: key 'kind' is missing");
   EXPECT_EQ(error_of("- {name: a, kind: imu}\n- {name: a, kind: imu}"),
             "s.yaml:6: sensors[1]: there is already a part 'a' (s.yaml:5)");
-  EXPECT_EQ(
-      error_of("- {name: a, kind: imo}"),
-      "s.yaml:5: sensors[0].kind: must be one of distance, scanner, imu, pose, contact, joint_wrench, is "
-      "'imo'; did you mean 'imu'?");
+  EXPECT_EQ(error_of("- {name: a, kind: imo}"),
+            "s.yaml:5: sensors[0].kind: must be one of distance, scanner, imu, pose, contact, joint_wrench, "
+            "camera, is "
+            "'imo'; did you mean 'imu'?");
   EXPECT_EQ(error_of("- {name: a, kind: imu, body: bax}"),
             "s.yaml:5: sensors[0].body: there is no body called 'bax'; did you mean 'box'?");
   EXPECT_EQ(error_of("- {name: a, kind: imu, pose: {xyz: [0, 0]}}"),

@@ -1,8 +1,10 @@
 """Sensors as a user meets them: the example scene in a real daemon, read by the command line."""
+import json
 import math
 import pathlib
 import struct
 import sys
+import tempfile
 import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
@@ -25,7 +27,7 @@ class Sensors(unittest.TestCase):
 
     def test_every_kind_is_a_part(self):
         self.assertEqual([part["kind"] for part in self.daemon.json("parts")["parts"]],
-                         ["distance", "scanner", "imu", "pose", "contact", "joint_wrench"])
+                         ["distance", "scanner", "imu", "pose", "contact", "camera", "joint_wrench"])
 
     def test_they_read_what_the_world_does(self):
         self.daemon.visum("step", 3000)
@@ -48,6 +50,21 @@ class Sensors(unittest.TestCase):
         self.assertAlmostEqual(min(scan), self.get("scan", "Nearest Distance"), delta=1e-6)
         self.assertAlmostEqual(min(scan), 3 * math.cos(0.4) - 0.1, delta=0.05)
         self.assertEqual(max(scan), 6.0)
+
+    def test_a_camera_takes_the_same_picture_in_every_run(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "picture.png"
+            self.assertIn("has taken no picture yet", self.daemon.visum("camera", "camera", "-o", file, expect=1).stderr)
+            self.assertIn("takes no pictures", self.daemon.visum("camera", "eye", "-o", file, expect=2).stderr)
+            self.daemon.visum("step", 500)
+            told = json.loads(self.daemon.visum("camera", "camera", "-o", file, "--json").stdout)
+            self.assertEqual((told["width"], told["height"], told["shows"], told["taken_s"]), (640, 480, "color", 0.45))
+            first = file.read_bytes()
+            self.assertTrue(first.startswith(b"\x89PNG"))
+            self.daemon.visum("reset")
+            self.daemon.visum("step", 500)
+            self.daemon.visum("camera", "camera", "-o", file)
+            self.assertEqual(file.read_bytes(), first)
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ std::unique_ptr<Verb> make_set();
 std::unique_ptr<Verb> make_watch();
 std::unique_ptr<Verb> make_params();
 std::unique_ptr<Verb> make_param_set();
+std::unique_ptr<Verb> make_camera();
 std::unique_ptr<Verb> make_status();
 std::unique_ptr<Verb> make_pause();
 std::unique_ptr<Verb> make_resume();

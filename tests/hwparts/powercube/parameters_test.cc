@@ -190,6 +190,22 @@ INSTANTIATE_TEST_SUITE_P(PowerCube, EachGain,
                                          Gain{"A0", 0x56, 3, 1}),
                          [](const auto& info) { return std::string(info.param.name); });
 
+TEST(PowerCubeParameters, TheLoopIsStableAtEveryCornerOfTheGains) {
+  for (const std::int16_t c0 : {12, 64}) {
+    for (const std::int16_t damp : {1, 4}) {
+      for (const std::int16_t a0 : {1, 12}) {
+        BusBench bench;
+        EXPECT_TRUE(bench.set(1, 0x54, c0) && bench.set(1, 0x55, damp) && bench.set(1, 0x56, a0));
+        bench.send(1, {0x09});
+        bench.ramp(1, 0.2f);
+        bench.run(4.0);
+        EXPECT_NEAR(bench.position(1), 0.2, 1e-3) << c0 << " " << damp << " " << a0;
+        EXPECT_NEAR(bench.get<float>(1, 0x41), 0.0, 1e-3) << c0 << " " << damp << " " << a0;
+      }
+    }
+  }
+}
+
 TEST(PowerCubeParameters, SavingThemIsCounted) {
   BusBench bench;
   EXPECT_EQ(bench.send(1, {0x10}), Message{0x10});

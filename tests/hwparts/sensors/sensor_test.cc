@@ -176,7 +176,7 @@ TEST(Sensor, AFailureThatThereIsNotIsRefused) {
 
 TEST(Sensor, WrongEntriesAreRefusedWhereTheyAreWrong) {
   EXPECT_EQ(error_of("kind: distanse, range: [0, 1]"),
-            "sensor:1: kind: must be one of distance, scanner, imu, pose, contact, joint_wrench, is "
+            "sensor:1: kind: must be one of distance, scanner, imu, pose, contact, joint_wrench, camera, is "
             "'distanse'; did you mean 'distance'?");
   EXPECT_EQ(error_of("kind: distance"), "sensor:1: key 'range' is missing");
   EXPECT_EQ(error_of("kind: distance, range: [2, 1]"),

@@ -6,7 +6,7 @@
 #include <array>
 #include <atomic>
 
-namespace visum::gateway {
+namespace visum::world {
 
 template <typename T>
 class Exchange {
@@ -31,4 +31,4 @@ class Exchange {
   unsigned front_ = 2;
 };
 
-}  // namespace visum::gateway
+}  // namespace visum::world

@@ -1,0 +1,212 @@
+#!/usr/bin/python3
+"""Explores a room with the cart: drives until it has been near all of the floor that it can reach, and touches nothing.
+
+It knows no more than its ports: from the angles of the rear wheels it reckons where it is, and its distance sensor, which
+casts rays all around, tells how far it is to the next wall. It draws a map of both (floor_map.py), looks for the
+cheapest way to floor that it has not been near, drives there and looks again. It stands while it thinks.
+
+    explorer.py --connect 127.0.0.1:1500 --time 300
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+
+import numpy as np
+import visum
+from cart import Cart, Pose
+from floor_map import CENTRE_AT, CIRCLE_RADIUS, CIRCLES_AT, FloorMap, Move, ahead, along, find_way
+
+PERIOD_S = 0.05
+CRUISE, ACCELERATION = 0.4, 0.6  # m/s, m/s2
+STEPS_PER_LOOK = 4
+STEERING_S = 0.4  # from one side to the other
+LATERAL_GAIN, HEADING_GAIN = 16.0, 8.0  # 1/m2, 1/m: an error dies out, critically damped, within 0.5 m
+MAXIMUM_CURVATURE = 1.3
+STOP_SHORT = 0.1  # m ahead of where it would stand, that must be free
+KEEP_AWAY = 0.03  # m, from what it did not expect
+
+
+class Eye:
+    """The distance sensor on the chassis: angles from straight ahead to the left, and distances."""
+
+    def __init__(self, part: visum.Part, mounted_at: float) -> None:
+        self._part, self._mounted_at = part, mounted_at
+        ports = {port.name: port for port in part.output_ports}
+        fan = ports["Nearest Angle"]
+        self.reach = ports["Nearest Distance"].maximum
+        self.look()
+        self.angles = np.linspace(fan.minimum, fan.maximum, len(self.distances))
+
+    def look(self) -> None:
+        self.distances = np.frombuffer(self._part.read_blackboard("scan"), dtype="<f4").astype(float)
+
+    def now_ns(self) -> int:
+        self._part.read()
+        return self._part.sample_time_ns
+
+    def place(self, pose: Pose) -> tuple[float, float]:
+        return ahead(pose, self._mounted_at)
+
+    def points(self) -> np.ndarray:
+        """Where the rays end that met something, as rows of x and y in the cart's frame."""
+        met = self.distances < self.reach - 0.05
+        return np.column_stack((self._mounted_at + self.distances[met] * np.cos(self.angles[met]),
+                                self.distances[met] * np.sin(self.angles[met])))
+
+
+class Explorer:
+    def __init__(self, client: visum.Client, cart: Cart, eye: Eye, floor: FloorMap, end_ns: int) -> None:
+        self._client, self._cart, self._eye, self._floor, self._end_ns = client, cart, eye, floor, end_ns
+        self._steps = 0
+        self.way = 0.0
+
+    def out_of_time(self) -> bool:
+        return self._client.time_ns >= self._end_ns
+
+    def step(self, speed: float, curvature: float) -> None:
+        """One period: commands, then looks at what became of it."""
+        self._cart.command(speed, max(-MAXIMUM_CURVATURE, min(MAXIMUM_CURVATURE, curvature)))
+        self._client.advance_ms(1000 * PERIOD_S)
+        self._cart.reckon()
+        self._eye.look()
+        self.way += abs(speed) * PERIOD_S
+        self._steps += 1
+        if self._steps % STEPS_PER_LOOK == 1:
+            pose = self._cart.pose = self._floor.align(self._cart.pose, self._eye.points())
+            self._floor.see(self._eye.place(pose), self._eye.angles + pose.heading, self._eye.distances, self._eye.reach)
+        self._floor.cover(self._cart.pose)
+
+    def stand(self, seconds: float, curvature: float = 0.0) -> None:
+        for _ in range(round(seconds / PERIOD_S)):
+            self.step(0.0, curvature)
+
+    def explore(self) -> None:
+        self.stand(0.5)
+        while not self.out_of_time():
+            moves = find_way(self._floor, self._cart.pose)
+            if not moves:
+                return
+            self.catch_up()
+            self.drive(moves)
+
+    def catch_up(self) -> None:
+        """In real time, time has gone on while it was thinking; under lockstep it has not."""
+        now_ns = self._eye.now_ns()
+        while self._client.time_ns < now_ns:
+            self.step(0.0, 0.0)
+
+    def drive(self, moves: list[Move]) -> None:
+        """Along all moves, as far as the way is free; then stands."""
+        start = self._cart.pose
+        for run in runs(moves):
+            self.stand(STEERING_S, run[0].curvature)
+            start, done = self.roll(start, run)
+            self.stand(0.1, run[-1].curvature)
+            if not done:
+                return
+
+    def roll(self, start: Pose, run: list[Move]) -> tuple[Pose, bool]:
+        """Moves of one direction, without a stop between them. Returns where they lead to, and whether they were driven."""
+        direction = math.copysign(1.0, run[0].way)
+        length = sum(abs(move.way) for move in run)
+        driven = speed = 0.0
+        # Where it stands nearer to something than it should, it may leave, but come no nearer.
+        least = min(CIRCLE_RADIUS + KEEP_AWAY, room(self._eye.points(), Pose()))
+        while driven < length and not self.out_of_time():
+            braking = math.sqrt(2 * ACCELERATION * (length - driven))
+            speed = max(0.02, min(speed + ACCELERATION * PERIOD_S, braking, CRUISE))
+            if self.is_blocked(start, run, driven, speed, least):
+                return start, False
+            driven = min(driven + speed * PERIOD_S, length)
+            wanted, curvature = on_run(start, run, driven)
+            aside, turn, behind = errors(self._cart.pose, wanted)
+            curvature += LATERAL_GAIN * aside + direction * HEADING_GAIN * turn
+            self.step(direction * speed + 2.0 * behind, curvature)
+        return on_run(start, run, length)[0], driven >= length
+
+    def is_blocked(self, start: Pose, run: list[Move], driven: float, speed: float, least: float) -> bool:
+        """Whether the scan shows something nearer than `least` to where the cart will be before it can stop."""
+        here, points = self._cart.pose, self._eye.points()
+        to = driven + speed * speed / (2 * ACCELERATION) + STOP_SHORT
+        return any(room(points, seen_from(here, on_run(start, run, way)[0])) < least for way in np.arange(driven, to, 0.05))
+
+
+def seen_from(here: Pose, there: Pose) -> Pose:
+    x, y = there.x - here.x, there.y - here.y
+    cos, sin = math.cos(here.heading), math.sin(here.heading)
+    return Pose(x * cos + y * sin, y * cos - x * sin, there.heading - here.heading)
+
+
+def room(points: np.ndarray, pose: Pose) -> float:
+    """Distance of the nearest point to the middle of one of the circles that hold the cart there."""
+    if not len(points):
+        return math.inf
+    return math.sqrt(min(((points - ahead(pose, way)) ** 2).sum(axis=1).min() for way in CIRCLES_AT))
+
+
+def runs(moves: list[Move]) -> list[list[Move]]:
+    """The moves by stretches of one direction."""
+    stretches: list[list[Move]] = []
+    for move in moves:
+        if not stretches or stretches[-1][-1].way * move.way < 0:
+            stretches.append([])
+        stretches[-1].append(move)
+    return stretches
+
+
+def on_run(start: Pose, run: list[Move], driven: float) -> tuple[Pose, float]:
+    """The pose after so much of a run, and the curvature there. Beyond its end, straight on."""
+    for move in run:
+        if driven < abs(move.way):
+            return along(start, Move(math.copysign(driven, move.way), move.curvature)), move.curvature
+        start, driven = along(start, move), driven - abs(move.way)
+    return along(start, Move(math.copysign(driven, run[-1].way), 0.0)), run[-1].curvature
+
+
+def errors(pose: Pose, wanted: Pose) -> tuple[float, float, float]:
+    """What is missing to the left, in heading, and ahead."""
+    x, y = wanted.x - pose.x, wanted.y - pose.y
+    cos, sin = math.cos(wanted.heading), math.sin(wanted.heading)
+    return y * cos - x * sin, math.remainder(wanted.heading - pose.heading, 2 * math.pi), x * cos + y * sin
+
+
+def parse_options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--connect", default="127.0.0.1:1500", metavar="HOST:PORT")
+    parser.add_argument("--name", default="explorer.py", help="shown to others as the owner of the lease")
+    parser.add_argument("--part", default="cart")
+    parser.add_argument("--eye", default="eye", help="the distance sensor, a part of kind scanner")
+    parser.add_argument("--time", type=float, default=300.0, help="simulated seconds that it has")
+    parser.add_argument("--near", type=float, default=0.4, help="m from its middle, within which floor counts as covered")
+    options = parser.parse_args()
+    if not options.time > 0 or not 0.1 <= options.near <= 2:
+        parser.error("the time must be more than 0, 'near' from 0.1 to 2 m")
+    return options
+
+
+def main() -> int:
+    options = parse_options()
+    try:
+        with visum.Client(options.connect, name=options.name) as client:
+            part, eye = client.part(options.part), Eye(client.part(options.eye), CENTRE_AT)
+            with part.lease():
+                client.join()
+                floor = FloorMap(options.near)
+                explorer = Explorer(client, Cart(part), eye, floor, client.time_ns + round(options.time * 1e9))
+                explorer.explore()
+                explorer.stand(0.5)
+                client.leave()
+            print(f"done: has driven {explorer.way:.1f} m")
+    except visum.Error as error:
+        print(f"explorer.py: {error}", file=sys.stderr)
+        return 4 if error.code in (visum.ErrorCode.CONNECTION, visum.ErrorCode.TIMEOUT) else 1
+    except KeyboardInterrupt:
+        return 130  # the lease was dropped, so the part stops on its ramps
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

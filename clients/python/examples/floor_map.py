@@ -1,0 +1,210 @@
+"""What the explorer knows of the floor: where it has seen something, where nothing, and where it has been.
+
+A grid in the frame in which the cart started. A scan is laid onto what has been seen before (align), so that what the wheels
+reckon wrongly does not add up.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from typing import NamedTuple
+
+import numpy as np
+from cart import Pose
+
+CELL = 0.05  # m
+HALF_SIZE = 160  # cells: the map reaches 8 m each way
+BORDER = 20  # cells
+BETWEEN_RAYS = 0.1  # m: so near to what is free, nothing hides
+# What a ray's end and its way add to a cell's evidence that something stands there, and where that ends. What has been seen
+# often is not forgotten for one ray that went astray.
+HIT, PASS = 3, -1
+LEAST, SOMETHING, MOST = -10, 4, 40
+
+# Of models/cart/cart.urdf: three circles along the axis of the cart hold it with its wheels steered. m, from the rear axle.
+CIRCLES_AT = (0.0, 0.18, 0.36)
+CIRCLE_RADIUS = 0.27
+CENTRE_AT = 0.18  # the chassis' frame, from the rear axle
+
+
+class Move(NamedTuple):
+    """A piece of an arc, forwards or backwards."""
+
+    way: float
+    curvature: float
+
+
+def ahead(pose: Pose, way: float) -> tuple[float, float]:
+    return pose.x + way * math.cos(pose.heading), pose.y + way * math.sin(pose.heading)
+
+
+def along(pose: Pose, move: Move) -> Pose:
+    """Where a move leads to."""
+    turn = move.way * move.curvature
+    # The chord of the arc lies midway between both headings.
+    chord = move.way * math.sin(turn / 2) / (turn / 2) if abs(turn) > 1e-9 else move.way
+    x, y = ahead(pose._replace(heading=pose.heading + turn / 2), chord)
+    return Pose(x, y, pose.heading + turn)
+
+
+def cell_of(x: float, y: float) -> tuple[int, int]:
+    return math.floor(x / CELL) + HALF_SIZE, math.floor(y / CELL) + HALF_SIZE
+
+
+def disc(radius: float) -> list[tuple[int, int]]:
+    """Offsets of the cells whose centres are within the radius."""
+    reach = math.floor(radius / CELL)
+    return [(i, j) for i in range(-reach, reach + 1) for j in range(-reach, reach + 1)
+            if math.hypot(i, j) * CELL <= radius]
+
+
+def spread(cells: np.ndarray, radius: float) -> np.ndarray:
+    """True within the radius of what is True. What leaves at one border comes in at the other: nothing is asked there."""
+    result = np.zeros_like(cells)
+    for i, j in disc(radius):
+        result |= np.roll(cells, (i, j), axis=(0, 1))
+    return result
+
+
+class FloorMap:
+    def __init__(self, cover_radius: float) -> None:
+        size = 2 * HALF_SIZE
+        self._evidence = np.zeros((size, size), dtype=np.int16)
+        self._covered = np.zeros((size, size), dtype=bool)
+        self._cover = np.array(disc(cover_radius))
+        self.worthwhile = len(self._cover) // 8  # cells to be covered anew, to go somewhere
+
+    def see(self, eye: tuple[float, float], angles: np.ndarray, distances: np.ndarray, farthest: float) -> None:
+        """Takes in a scan: free along each ray, something at its end unless that is the sensor's reach."""
+        steps = np.arange(0.0, farthest, CELL / 2)
+        ways = np.where(steps[None, :] < distances[:, None] - CELL, steps[None, :], 0.0)
+        self._weigh(eye, angles[:, None], ways, PASS)
+        hit = distances < farthest - CELL
+        self._weigh(eye, angles[hit], distances[hit], HIT)
+
+    def _weigh(self, eye: tuple[float, float], angles: np.ndarray, ways: np.ndarray, weight: int) -> None:
+        """Once for each cell, however many rays have gone through it."""
+        i = np.floor((eye[0] + ways * np.cos(angles)) / CELL).astype(int) + HALF_SIZE
+        j = np.floor((eye[1] + ways * np.sin(angles)) / CELL).astype(int) + HALF_SIZE
+        inside = (i >= 0) & (i < 2 * HALF_SIZE) & (j >= 0) & (j < 2 * HALF_SIZE)
+        touched = np.zeros_like(self._evidence, dtype=bool)
+        touched[i[inside], j[inside]] = True
+        self._evidence[touched] = np.clip(self._evidence[touched] + weight, LEAST, MOST)
+
+    def _free(self) -> np.ndarray:
+        return self._evidence < 0
+
+    def _occupied(self) -> np.ndarray:
+        return self._evidence >= SOMETHING
+
+    def align(self, pose: Pose, points: np.ndarray) -> Pose:
+        """The pose near this one from which a scan's points, in the cart's frame, lie best on what has been seen before."""
+        walls = self._occupied()
+        near_walls = sum(spread(walls, radius).astype(np.int16) for radius in (0.0, CELL, 2 * CELL))
+
+        def score(at: Pose) -> int:
+            cos, sin = math.cos(at.heading), math.sin(at.heading)
+            i = np.floor((at.x + points[:, 0] * cos - points[:, 1] * sin) / CELL).astype(int) + HALF_SIZE
+            j = np.floor((at.y + points[:, 0] * sin + points[:, 1] * cos) / CELL).astype(int) + HALF_SIZE
+            inside = (i >= 0) & (i < 2 * HALF_SIZE) & (j >= 0) & (j < 2 * HALF_SIZE)
+            return int(near_walls[i[inside], j[inside]].sum())
+
+        best, most = pose, score(pose)
+        for step in (0.03, 0.015, 0.0075):  # m, and rad
+            tried = [Pose(best.x + a * step, best.y + b * step, best.heading + c * step)
+                     for a in (-1, 0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1)]
+            scores = [score(at) for at in tried]
+            if max(scores) > most:
+                most = max(scores)
+                best = tried[scores.index(most)]
+        return best
+
+    def cover(self, pose: Pose) -> None:
+        """The cart was here: it has covered what is near, and stands on free floor."""
+        centre = cell_of(*ahead(pose, CENTRE_AT))
+        self._covered[self._cover[:, 0] + centre[0], self._cover[:, 1] + centre[1]] = True
+        for way in CIRCLES_AT:
+            self._evidence[cell_of(*ahead(pose, way))] = LEAST
+
+    def passable(self, margin: float) -> np.ndarray:
+        """Where a circle of the cart may be: seen free, and so far from touching anything; not at the map's border, so that
+        no move leaves it."""
+        result = spread(self._free(), BETWEEN_RAYS) & ~spread(self._occupied(), CIRCLE_RADIUS + margin)
+        for side in (result, result.T):
+            side[:BORDER] = side[-BORDER:] = False
+        return result
+
+    def gain(self) -> np.ndarray:
+        """For each cell, how much free floor would be covered from there that has not been yet."""
+        open_floor = (self._free() & ~self._covered).astype(np.int16)
+        total = np.zeros_like(open_floor)
+        for i, j in self._cover:
+            total += np.roll(open_floor, (-i, -j), axis=(0, 1))
+        return total
+
+
+LENGTH = 0.3  # m, of a move
+MOVES = [Move(sign * LENGTH, curvature) for sign in (1, -1) for curvature in (0.0, 1.2, -1.2, 0.6, -0.6)]
+BACKWARDS = 1.5  # times the cost of driving forwards
+CUSP = 0.5  # m of driving that a change of direction costs
+TIGHT = 3.0  # m of driving that a move costs where there is no margin
+MARGIN, LEAST_MARGIN = 0.12, 0.05  # m: to be kept; to be left where the cart stands nearer already
+HEADINGS = 24  # of the search
+MOST_POSES = 20000
+
+Key = tuple[int, int, int]
+
+
+def key_of(pose: Pose) -> Key:
+    return *cell_of(pose.x, pose.y), round(pose.heading / (2 * math.pi) * HEADINGS) % HEADINGS
+
+
+def fits(passable: np.ndarray, pose: Pose) -> bool:
+    return all(passable[cell_of(*ahead(pose, way))] for way in CIRCLES_AT)
+
+
+def swerves(last: Move, move: Move) -> bool:
+    """Whether the wheels would have to be turned too far on the way."""
+    return last.way * move.way > 0 and abs(last.curvature - move.curvature) > 1.3
+
+
+def find_way(floor: FloorMap, start: Pose) -> list[Move]:
+    """The cheapest moves to where much new floor is covered (Dijkstra's algorithm over places and headings); none: there is
+    nowhere left to go."""
+    roomy, tight, gain = floor.passable(MARGIN), floor.passable(LEAST_MARGIN), floor.gain()
+    open_list: list[tuple[float, int, Pose, Key | None, Move | None]] = [(0.0, 0, start, None, None)]
+    came: dict[Key, tuple[Key | None, Move | None]] = {}
+    count = 0
+    while open_list and len(came) < MOST_POSES:
+        cost, _, pose, before, last = heapq.heappop(open_list)
+        here = key_of(pose)
+        if here in came:
+            continue
+        came[here] = before, last
+        has_room = fits(roomy, pose)
+        if last and has_room and gain[cell_of(*ahead(pose, CENTRE_AT))] >= floor.worthwhile:
+            return way_to(came, here)
+        for move in MOVES:
+            middle, end = along(pose, Move(move.way / 2, move.curvature)), along(pose, move)
+            if key_of(end) in came or (last and swerves(last, move)):
+                continue
+            more = abs(move.way) * (BACKWARDS if move.way < 0 else 1.0)
+            if last and last.way * move.way < 0:
+                more += CUSP
+            if not (fits(roomy, middle) and fits(roomy, end)):
+                if has_room or not (fits(tight, middle) and fits(tight, end)):
+                    continue
+                more += TIGHT
+            count += 1  # equal costs: the first found
+            heapq.heappush(open_list, (cost + more, count, end, here, move))
+    return []
+
+
+def way_to(came: dict[Key, tuple[Key | None, Move | None]], last: Key) -> list[Move]:
+    moves = []
+    before, move = came[last]
+    while before is not None and move is not None:
+        moves.append(move)
+        before, move = came[before]
+    return moves[::-1]

@@ -1,0 +1,86 @@
+// Kind `camera`: pictures of colours, of depths, or of which body is seen, on the blackboard `image`. The
+// sensor's reading is when a picture was taken and where all bodies were then; the picture is developed from
+// that, off the tick, by who knows the world.
+//
+// The camera looks along +x of its frame, with z up: columns go to the right (-y), rows down.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "hwparts/sensors/sensor.h"
+
+namespace visum::sensors {
+
+enum class Shows { kColor, kDepth, kSegmentation };
+
+// A pinhole with radial distortion (Brown's: x_d = x (1 + k1 r² + k2 r⁴), in units of the focal length).
+struct Lens {
+  int width = 0, height = 0;  // pixels
+  double fov_rad = 0.0;       // horizontal, without distortion
+  double k1 = 0.0, k2 = 0.0;
+};
+
+struct CameraSettings {
+  Shows shows = Shows::kColor;
+  Lens lens;
+  double farthest_m = 0.0;   // beyond, nothing is seen
+  double exposure = 1.0;     // colours: factor on the light
+  double noise = 0.0;        // colours: share of white; depth: m. Standard deviation of each value
+  double noise_share = 0.0;  // depth: as a share of it
+  std::uint64_t seed = 1;
+  std::string name;
+};
+
+// Throws ConfigError at what is wrong.
+CameraSettings read_camera(const config::Node& entry, const std::string& name, std::uint64_t seed);
+
+// Where a point of the picture looks, in the camera's frame, with x = 1. In pixels; (0, 0) is the picture's
+// corner, (0.5, 0.5) the middle of its first pixel.
+std::array<double, 3> direction_of(const Lens& lens, double column, double row);
+// The reverse: where a point of the camera's frame with x > 0 is on the picture.
+std::array<double, 2> pixel_of(const Lens& lens, const std::array<double, 3>& point);
+
+// What the blackboard holds before the pixels, row by row from the top. Little-endian.
+struct ImageHeader {
+  std::uint32_t bytes = sizeof(ImageHeader);
+  std::uint32_t width = 0, height = 0;
+  std::uint32_t shows = 0;     // 0: colours, 3 bytes RGB; 1: depth, a 32-bit float, m; 2: bodies, 16 bits
+  std::int64_t taken_ns = -1;  // simulated; -1: no picture yet, all is 0
+};
+std::size_t bytes_per_pixel(Shows shows);
+std::size_t image_bytes(const CameraSettings& settings);  // with the header
+inline constexpr int kMaxSide = 4096;
+inline constexpr int kMaxPixels = 4'194'304;
+
+// Makes pictures from readings. expose() never waits.
+class Developer {
+ public:
+  virtual ~Developer() = default;
+  virtual void expose(std::span<const double> reading) = 0;
+  virtual std::span<const std::byte> picture() = 0;  // the newest there is
+};
+
+class Camera : public Sensor {
+ public:
+  Camera(const SensorContext& context, const CameraSettings& settings);
+
+  // The reading: first the time, ns (0: none yet), then 7 numbers for each body: x y z qw qx qy qz. Before
+  // the first tick, and again when bodies have come or gone: what is on its way is lost then. `developer`
+  // must outlive the camera, or be replaced.
+  void load_film(std::size_t bodies, Developer& developer);
+
+  std::span<const std::byte> read_blackboard(std::size_t index) const override;
+
+ protected:
+  void show(std::span<const double> reading, std::span<double> outputs) override;
+  void shown_again(std::span<const double> reading) override;
+  const char* why_not(Failure failure) const override;
+
+ private:
+  Developer* developer_ = nullptr;
+};
+
+std::unique_ptr<Sensor> make_camera(const SensorContext& context);
+
+}  // namespace visum::sensors

@@ -1,0 +1,88 @@
+"""The explorer's map and its search, without a world: scans are made here."""
+import math
+import pathlib
+import sys
+import unittest
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "clients" / "python" / "examples"))
+from cart import Pose  # noqa: E402
+from floor_map import CELL, CENTRE_AT, FloorMap, Move, ahead, along, fits, find_way  # noqa: E402
+
+ANGLES = np.linspace(-math.pi, math.pi, 361)
+REACH = 8.0
+
+
+def distances_in_box(x: float, y: float, heading: float, half: tuple[float, float]) -> np.ndarray:
+    """From a place inside a room of 2 `half` around the origin to its walls."""
+    cos, sin = np.cos(ANGLES + heading), np.sin(ANGLES + heading)
+    with np.errstate(divide="ignore"):
+        to_x = np.where(cos > 0, half[0] - x, half[0] + x) / np.abs(cos)
+        to_y = np.where(sin > 0, half[1] - y, half[1] + y) / np.abs(sin)
+    return np.minimum(np.minimum(to_x, to_y), REACH)
+
+
+def seen(floor: FloorMap, pose: Pose, half: tuple[float, float]) -> None:
+    x, y = ahead(pose, CENTRE_AT)
+    floor.see((x, y), ANGLES + pose.heading, distances_in_box(x, y, pose.heading, half), REACH)
+    floor.cover(pose)
+
+
+class Geometry(unittest.TestCase):
+    def test_a_move_follows_its_arc(self):
+        quarter = along(Pose(1, 2, 0), Move(math.pi / 2, 1.0))
+        np.testing.assert_allclose(quarter, (2, 3, math.pi / 2), atol=1e-12)
+        np.testing.assert_allclose(along(quarter, Move(-math.pi / 2, 1.0)), (1, 2, 0), atol=1e-12)
+        np.testing.assert_allclose(along(Pose(0, 0, math.pi / 2), Move(2, 0)), (0, 2, math.pi / 2), atol=1e-12)
+
+
+class Map(unittest.TestCase):
+    def setUp(self):
+        self.floor = FloorMap(0.4)
+        for _ in range(3):
+            seen(self.floor, Pose(), (2.5, 2.0))
+
+    def test_keeps_away_from_walls_and_from_what_it_has_not_seen(self):
+        roomy = self.floor.passable(0.1)
+        self.assertTrue(fits(roomy, Pose()))
+        self.assertTrue(fits(roomy, Pose(0, 1.5, 0)))
+        self.assertFalse(fits(roomy, Pose(0, 1.75, 0)), "0.25 m from the wall")
+        self.assertFalse(fits(roomy, Pose(0, 3.0, 0)), "behind the wall")
+
+    def test_lays_a_scan_onto_what_it_has_seen(self):
+        true = Pose(0.4, -0.3, 0.2)
+        x, y = ahead(true, CENTRE_AT)
+        distances = distances_in_box(x, y, true.heading, (2.5, 2.0))
+        points = np.column_stack((CENTRE_AT + distances * np.cos(ANGLES), distances * np.sin(ANGLES)))
+        found = self.floor.align(Pose(true.x + 0.05, true.y - 0.05, true.heading + 0.03), points)
+        self.assertLess(math.hypot(found.x - true.x, found.y - true.y), CELL)
+        self.assertLess(abs(found.heading - true.heading), 0.01)
+
+    def test_finds_a_way_to_floor_that_it_has_not_been_near(self):
+        roomy = self.floor.passable(0.05)
+        pose = Pose()
+        moves = find_way(self.floor, pose)
+        self.assertTrue(moves)
+        for move in moves:
+            pose = along(pose, move)
+            self.assertTrue(fits(roomy, pose))
+        self.assertGreater(math.hypot(pose.x, pose.y), 0.25)
+
+    def test_ends_where_all_has_been_covered(self):
+        for x in np.arange(-2.6, 2.6, 0.2):
+            for y in np.arange(-2.0, 2.1, 0.2):
+                seen_before = self.floor._evidence.copy()
+                self.floor.cover(Pose(x, y, 0))
+                self.floor._evidence = seen_before
+        self.assertEqual(find_way(self.floor, Pose()), [])
+
+    def test_finds_no_way_out_of_a_box(self):
+        floor = FloorMap(0.1)
+        for _ in range(3):
+            seen(floor, Pose(-CENTRE_AT, 0, 0), (0.45, 0.4))
+        self.assertEqual(find_way(floor, Pose(-CENTRE_AT, 0, 0)), [])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,63 @@
+"""Runs the explorer on several seeds, each checked as its scenario says, and prints what it has covered.
+
+    explorer_seeds.py VISUM [--seeds N] [--time S] [--covers SHARE]
+
+Ten seeds of 400 simulated seconds take a while; the suite runs one that is shorter, and asks for less.
+"""
+
+import argparse
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import yaml
+
+MODELS = Path(__file__).resolve().parents[2] / "models"
+
+
+def scenario_of(folder: Path, time_s: float, covers: float) -> Path:
+    scenario = yaml.safe_load((MODELS / "scenarios" / "explorer.yaml").read_text())
+    scenario["scene"] = str(MODELS / "scenes" / "explorer.yaml")
+    scenario["max_sim_s"] = time_s + 20
+    command = scenario["controllers"][0]["command"]
+    command[command.index("--time") + 1] = str(time_s)
+    command[:] = [word.replace("{scenario_dir}", str(MODELS / "scenarios")) for word in command]
+    coverage = next(check for check in scenario["checks"] if "coverage" in check["that"])
+    coverage["that"]["above"] = covers
+    file = folder / "explorer.yaml"
+    file.write_text(yaml.safe_dump(scenario))
+    return file
+
+
+def explore(visum: str, scenario: Path, seed: int) -> bool:
+    done = subprocess.run([visum, "run", str(scenario), "--seed", str(seed), "--json"], capture_output=True, text=True, timeout=3000)
+    lines = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
+    values = {line["check"]: line["value"] for line in lines if "check" in line}
+    driven = re.search(r"has driven ([\d.]+) m", done.stdout + done.stderr)
+    if not values or not driven:
+        print(done.stdout + done.stderr)
+        return False
+    print(f"seed {seed:3}: covered {values['it has covered the free floor']:.3f}, driven {driven[1]} m, touched walls "
+          f"{values['it touches no wall']:g} N and furniture {values['and no furniture']:g} N, {lines[-1]['sim_seconds']:.1f} s, "
+          f"{'passed' if done.returncode == 0 else 'FAILED'}", flush=True)
+    return done.returncode == 0
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("visum")
+    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--time", type=float, default=400.0)
+    parser.add_argument("--covers", type=float, default=0.8)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        scenario = scenario_of(Path(folder), options.time, options.covers)
+        passed = [explore(options.visum, scenario, seed) for seed in range(1, options.seeds + 1)]
+    return 0 if all(passed) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
