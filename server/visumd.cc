@@ -122,23 +122,17 @@ void declare(CLI::App& app, Options& options) {
 int check(int argc, char** argv) {
   std::string scene;
   scene::Options of_scene;
-  bool json = false;
+  gateway::Talk talk{.verbosity = 1};
   CLI::App app{"visumd check: says what is wrong with a scene, where, and what was meant"};
   app.add_option("scene", scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
   app.add_option("--engine", of_scene.engine, "moves all bodies, instead of the scene's engines");
-  app.add_flag("--json", json, "print one line of JSON");
+  app.add_flag("--json", talk.json, "print one line of JSON");
   app.footer(
       "Example:\n"
       "  visum check models/scenes/cart.yaml\n"
       "Exit codes: 0 the scene is right, 2 bad usage, 3 the scene is wrong.");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? gateway::kPassed : gateway::kUsage;
-  }
-  gateway::set_up_log("visumd", 1);
-  return gateway::exit_code_of([&] {
-    gateway::check_scene(scene, of_scene, json);
+  return gateway::run_command(app, argc, argv, "visumd", talk, [&] {
+    gateway::check_scene(scene, of_scene, talk.json);
     return gateway::kPassed;
   });
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -12,6 +13,8 @@
 #include "server/scene/scene.h"
 
 namespace visum::scene {
+
+struct RobotModel;
 
 // A name of the scene that stands for a body or for a place on one: the link "palm" that was joined into
 // "link_7".
@@ -27,7 +30,8 @@ class Draft {
   Scene& scene;
   std::vector<config::Node> part_entries;     // made last, when all joints stand in their final order
   std::map<std::string, world::Pose> frames;  // X_WF by name
-  std::optional<world::Pose> X_WO;            // O: origin of the file that is being read; none: W itself
+  std::map<std::string, std::shared_ptr<const RobotModel>> robots;  // by file: read once, placed often
+  std::optional<world::Pose> X_WO;  // O: origin of the file that is being read; none: W itself
 
   // Takes a name for a body, joint, model, part or surface (`what`); fails at `place` if it is taken already.
   void claim(const std::string& what, const std::string& name, const config::Place& place);

@@ -16,12 +16,15 @@ namespace {
 using config::Node;
 using config::Place;
 
-RobotModel load_robot(const Node& file_node) {
+RobotModel load_robot(Draft& draft, const Node& file_node) {
   const std::filesystem::path file = read_path(file_node);
+  auto& known = draft.robots[file.string()];
+  if (known) return *known;
   const config::FileContent content = config::read_file(file, kMaxModelBytes);
   if (!content.fault.empty()) file_node.fail("'" + file.string() + "': " + content.fault);
   RobotModel robot = read_robot_model(file, content.bytes);
   join_links(robot);
+  known = std::make_shared<const RobotModel>(robot);
   return robot;
 }
 
@@ -32,7 +35,7 @@ class Placement {
       : draft_(draft),
         node_(node),
         name_(read_name(node.get("name"))),
-        robot_(load_robot(node.get("file"))) {}
+        robot_(load_robot(draft, node.get("file"))) {}
 
   void place() {
     draft_.claim("model", name_, node_.place());

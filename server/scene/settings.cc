@@ -74,7 +74,8 @@ world::Surface read_surface(const std::string& name, const config::Node& node) {
 bool said_before(const std::vector<world::Surface>& surfaces, const world::Surface& again) {
   return std::any_of(surfaces.begin(), surfaces.end(), [&](const world::Surface& known) {
     return known.name == again.name && known.friction == again.friction &&
-           known.restitution == again.restitution;
+           known.restitution == again.restitution && known.rolling_friction == again.rolling_friction &&
+           known.torsional_friction == again.torsional_friction;
   });
 }
 

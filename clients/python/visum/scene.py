@@ -123,8 +123,10 @@ class Scene:
     def engine(self, name: str, kind: str, **settings: Any) -> None:
         self._name("engines", name, {"kind": kind, **settings} if settings else kind)
 
-    def surface(self, name: str, *, friction: float | None = None, restitution: float | None = None) -> None:
-        self._name("surfaces", name, {"friction": friction, "restitution": restitution})
+    def surface(self, name: str, *, friction: float | None = None, restitution: float | None = None,
+                rolling_friction: float | None = None, torsional_friction: float | None = None) -> None:
+        self._name("surfaces", name, {"friction": friction, "restitution": restitution,
+                                      "rolling_friction": rolling_friction, "torsional_friction": torsional_friction})
 
     def material(self, name: str, *, color: Vector | None = None, roughness: float | None = None,
                  metalness: float | None = None, texture: str | Path | None = None,
@@ -163,6 +165,10 @@ class Scene:
     def part(self, name: str, kind: str, **keys: Any) -> None:
         """`keys`: model, joints, drives, ... as the kind has them."""
         self._add("parts", {"name": name, "kind": kind, **keys})
+
+    def sensor(self, name: str, kind: str, **keys: Any) -> None:
+        """`keys`: body, pose, range, rate_hz, ... as the kind has them."""
+        self._add("sensors", {"name": name, "kind": kind, **keys})
 
     def light(self, kind: str, **keys: Any) -> None:
         self._add("lights", {"kind": kind, **keys})
