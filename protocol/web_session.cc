@@ -106,11 +106,9 @@ void WebSession::read() {
 }
 
 void WebSession::on_read(const error_code& error, std::size_t bytes) {
-  if (!is_open()) return wake();
-  if (error == websocket::error::closed) {
-    peer_closed();
-    return wake();
-  }
+  const bool goodbye = error == websocket::error::closed;
+  if (goodbye) peer_closed();  // the stream has closed the socket by now
+  if (goodbye || !is_open()) return wake();
   if (error) {
     if (!saying_goodbye_) lost();
     return;

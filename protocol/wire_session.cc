@@ -49,6 +49,9 @@ void WireSession::wake() {
 }
 
 void WireSession::work() {
+  // A transport may close its socket by itself (a WebSocket does after the closing handshake): nobody may
+  // keep a session that is about to be freed.
+  if (!is_open()) close(CloseReason::kLost);
   woken_ = false;
   tell_closed();
   flush();

@@ -11,6 +11,7 @@
 
 #include "server/cycle/simulation.h"
 #include "server/gateway/bus/host_line.h"
+#include "server/gateway/command_line.h"
 #include "server/gateway/daemon.h"
 #include "server/gateway/program.h"
 #include "server/scene/scene.h"
@@ -25,8 +26,7 @@ struct Options {
   std::string bus;
   double speedup = 1.0;
   double answer_ms = 50.0;
-  int verbosity = 2;
-  bool json = false;
+  gateway::Talk talk;
   hwparts::RealOptions of_part;
   gateway::DaemonOptions of_daemon;
 };
@@ -76,7 +76,7 @@ int run(Options options) {
   };
   gateway::Daemon daemon(simulation, options.of_daemon);
   spdlog::info("{}: all modules of '{}' are there", line->name(), part.description().name);
-  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.json);
+  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.talk.json);
   part.stand_down();
   spdlog::info("ended");
   return signal == SIGINT ? gateway::kInterrupted : gateway::kPassed;
@@ -92,12 +92,7 @@ void declare(CLI::App& app, Options& options) {
       ->required()
       ->type_name("BUS");
   app.add_option("--part", options.part, "the part's name, where the scene has several");
-  app.add_option("--listen", options.of_daemon.address,
-                 "address to listen on; beyond loopback with --token-file only")
-      ->capture_default_str();
-  app.add_option("--port", options.of_daemon.port, "TCP port; 0: any free one")->capture_default_str();
-  app.add_option("--token-file", options.of_daemon.token_file,
-                 "lines of \"ROLE TOKEN\"; clients then need one");
+  gateway::declare_common(app, options.of_daemon, options.talk);
   app.add_flag("--execution-enable", options.of_part.execution_enable,
                "an operator's word: the port Execution Enable starts as 1, not 0");
   app.add_flag("--watchdog", options.of_part.watchdog,
@@ -109,8 +104,6 @@ void declare(CLI::App& app, Options& options) {
                  "how much faster than the wall clock the modules' time runs: simulated ones only")
       ->capture_default_str()
       ->check(CLI::Range(1e-3, 1e3));
-  app.add_flag("--json", options.json, "print one line of JSON when ready");
-  app.add_option("-v", options.verbosity, "0 errors, 1 warnings, 2 news, 3 details")->check(CLI::Range(0, 3));
   app.set_version_flag("--version", "visum-hwpart " VISUM_VERSION);
   app.footer(
       "Example:\n"
@@ -126,11 +119,5 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"visum-hwpart: serves a hardware part whose modules are real"};
   declare(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? gateway::kPassed : gateway::kUsage;
-  }
-  gateway::set_up_log("visum-hwpart", options.verbosity);
-  return gateway::exit_code_of([&] { return run(options); });
+  return gateway::run_command(app, argc, argv, "visum-hwpart", options.talk, [&] { return run(options); });
 }

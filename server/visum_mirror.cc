@@ -11,6 +11,7 @@
 
 #include "protocol/config/config.h"
 #include "server/cycle/simulation.h"
+#include "server/gateway/command_line.h"
 #include "server/gateway/daemon.h"
 #include "server/gateway/mirror/mirror_parts.h"
 #include "server/gateway/program.h"
@@ -24,8 +25,7 @@ struct Options {
   std::string part = "arm";
   std::string arm_token_file;
   double speedup = 1.0;
-  int verbosity = 2;
-  bool json = false;
+  gateway::Talk talk;
   gateway::MirrorBounds bounds;
   gateway::DaemonOptions of_daemon;
 };
@@ -70,7 +70,7 @@ int run(Options options) {
     } while (std::chrono::steady_clock::now() < due);
   };
   gateway::Daemon daemon(simulation, options.of_daemon);
-  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.json);
+  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.talk.json);
   spdlog::info("ended");
   return signal == SIGINT ? gateway::kInterrupted : gateway::kPassed;
 }
@@ -91,17 +91,10 @@ void declare(CLI::App& app, Options& options) {
                  "m of divergence that halt both; 0: none do")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1e3));
-  app.add_option("--listen", options.of_daemon.address,
-                 "address to listen on; beyond loopback with --token-file only")
-      ->capture_default_str();
-  app.add_option("--port", options.of_daemon.port, "TCP port; 0: any free one")->capture_default_str();
-  app.add_option("--token-file", options.of_daemon.token_file,
-                 "lines of \"ROLE TOKEN\"; clients then need one");
+  gateway::declare_common(app, options.of_daemon, options.talk);
   app.add_option("--speedup", options.speedup, "how much faster than the wall clock the arms' time runs")
       ->capture_default_str()
       ->check(CLI::Range(1e-3, 1e3));
-  app.add_flag("--json", options.json, "print one line of JSON when ready");
-  app.add_option("-v", options.verbosity, "0 errors, 1 warnings, 2 news, 3 details")->check(CLI::Range(0, 3));
   app.set_version_flag("--version", "visum-mirror " VISUM_VERSION);
   app.footer(
       "Example:\n"
@@ -117,11 +110,5 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"visum-mirror: one part, two arms"};
   declare(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? gateway::kPassed : gateway::kUsage;
-  }
-  gateway::set_up_log("visum-mirror", options.verbosity);
-  return gateway::exit_code_of([&] { return run(options); });
+  return gateway::run_command(app, argc, argv, "visum-mirror", options.talk, [&] { return run(options); });
 }

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "server/cycle/simulation.h"
+#include "server/gateway/command_line.h"
 #include "server/gateway/daemon.h"
 #include "server/gateway/page_files.h"
 #include "server/gateway/program.h"
@@ -22,8 +23,7 @@ struct Options {
   std::string clock;
   double speedup = 0.0;
   std::int64_t seed = -1;
-  int verbosity = 2;
-  bool json = false;
+  gateway::Talk talk;
   std::vector<std::string> buses;
   std::string http;  // a port, or "off"; empty: not given
   scene::Options of_scene;
@@ -63,7 +63,7 @@ int run(Options options) {
     options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
   options.of_daemon = with_http(options);
   gateway::Daemon daemon(simulation, options.of_daemon);
-  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.json);
+  const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.talk.json);
   if (simulation.frozen())
     spdlog::error("the world froze at tick {}: {}", simulation.tick_count(), simulation.fault());
   spdlog::info("ended at tick {}", simulation.tick_count());
@@ -80,10 +80,7 @@ std::string check_http(const std::string& text) {
 
 void declare(CLI::App& app, Options& options) {
   app.add_option("scene", options.scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
-  app.add_option("--listen", options.of_daemon.address,
-                 "address to listen on; beyond loopback with --token-file only")
-      ->capture_default_str();
-  app.add_option("--port", options.of_daemon.port, "TCP port; 0: any free one")->capture_default_str();
+  gateway::declare_common(app, options.of_daemon, options.talk);
   app.add_option(
          "--http", options.http,
          "port of the page, /metrics and /healthz; 0: any free one; off. Default: 8080, or any free one "
@@ -105,16 +102,12 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--engine", options.of_scene.engine, "moves all bodies, instead of the scene's engines");
   app.add_option("--iterations", options.of_daemon.iterations, "end after so many ticks")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--token-file", options.of_daemon.token_file,
-                 "lines of \"ROLE TOKEN\"; clients then need one");
   app.add_option("--bus", options.buses,
                  "PART=KIND:WHERE, a field bus to the part's modules; repeatable. KIND:WHERE is pty:PATH,\n"
                  "tcp:PORT, slcan:PATH or socketcan:INTERFACE, then ,baud=N and ,delay_ms=X if wanted")
       ->type_name("BUS");
   app.add_flag("-r,--run", options.of_daemon.run_at_once,
                "let time run at once, not from the first lease on");
-  app.add_flag("--json", options.json, "print one line of JSON when ready");
-  app.add_option("-v", options.verbosity, "0 errors, 1 warnings, 2 news, 3 details")->check(CLI::Range(0, 3));
   app.set_version_flag("--version", "visumd " VISUM_VERSION);
   app.footer(
       "Examples:\n"
@@ -157,11 +150,5 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"visumd: holds a physics world and publishes its hardware parts over TCP"};
   declare(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? gateway::kPassed : gateway::kUsage;
-  }
-  gateway::set_up_log("visumd", options.verbosity);
-  return gateway::exit_code_of([&] { return run(options); });
+  return gateway::run_command(app, argc, argv, "visumd", options.talk, [&] { return run(options); });
 }

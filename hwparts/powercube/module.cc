@@ -84,6 +84,7 @@ std::optional<Message> carry_out(const ModuleEdit& edit, const Message& message,
       halt(edit);
       return Message{command::kHalt};
     case command::kRecalcPid:
+      recalculate_loop(edit);
       return Message{command::kRecalcPid};
     case command::kSaveParameters:
       ++edit.module.burn_count;

@@ -11,7 +11,7 @@
 
 namespace visum::powercube {
 
-// Parameters that are kept and returned, and change nothing else. The factory's values: parameters.cc.
+// Parameters that live nowhere else. The factory's values: parameters.cc.
 inline constexpr std::size_t kKept = 19;
 
 struct ModuleState {

@@ -47,6 +47,12 @@ bool keep(E e, double value) {
   return true;
 }
 
+// Nothing here would act on another value: an acknowledgement would be a lie.
+template <Kept place>
+bool same(E e, double value) {
+  return static_cast<float>(value) == static_cast<float>(e.module.kept[place]);
+}
+
 double no(V) {
   return 0.0;
 }
@@ -169,10 +175,10 @@ constexpr Parameter kOther[] = {
     {0x19, T::kUint32, Since::kAlways, kept<kDefDio>, nullptr},
     {0x26, T::kUint32, Since::kAlways, [](V v) { return double(dio_word(v)); }, set_outputs},
     {0x27, T::kUint32, Since::kAlways, [](V v) { return double(state_word(v)); }, nullptr},
-    {0x66, T::kInt16, Since::kSync, kept<kSyncTime>, keep<kSyncTime>},
-    {0x67, T::kInt32, Since::kLoad, kept<kLoadLimit>, keep<kLoadLimit>},
-    {0x68, T::kInt32, Since::kLoad, kept<kLoadGradient>, keep<kLoadGradient>},
-    {0x69, T::kUint16, Since::kLoad, kept<kLoadTime>, keep<kLoadTime>},
+    {0x66, T::kInt16, Since::kSync, kept<kSyncTime>, same<kSyncTime>},
+    {0x67, T::kInt32, Since::kLoad, kept<kLoadLimit>, same<kLoadLimit>},
+    {0x68, T::kInt32, Since::kLoad, kept<kLoadGradient>, same<kLoadGradient>},
+    {0x69, T::kUint16, Since::kLoad, kept<kLoadTime>, same<kLoadTime>},
     {0x6C, T::kInt16, Since::kSync,
      [](V v) { return std::round(v.drive.current / v.data.motor.current_limit * kCurrentDigits); }, nullptr},
     {0x6D, T::kInt16, Since::kSync,
@@ -184,18 +190,18 @@ constexpr Parameter kOther[] = {
     {0x71, T::kFloat, Since::kExtended, [](V v) { return v.drive.tuning.supply_voltage; }, nullptr},
     {0x72, T::kFloat, Since::kExtended, [](V v) { return v.drive.winding; }, nullptr},
     {0x73, T::kFloat, Since::kExtended, [](V v) { return v.data.supply.nominal_voltage; }, nullptr},
-    {0x74, T::kFloat, Since::kExtended, kept<kMinLogic>, keep<kMinLogic>},
-    {0x75, T::kFloat, Since::kExtended, kept<kMaxLogic>, keep<kMaxLogic>},
+    {0x74, T::kFloat, Since::kExtended, kept<kMinLogic>, same<kMinLogic>},
+    {0x75, T::kFloat, Since::kExtended, kept<kMaxLogic>, same<kMaxLogic>},
     {0x76, T::kFloat, Since::kExtended, [](V v) { return v.data.supply.minimum_voltage; }, nullptr},
-    {0x77, T::kFloat, Since::kExtended, kept<kMaxMotor>, keep<kMaxMotor>},
-    {0x7A, T::kInt32, Since::kExtended, kept<kLogicUnder>, keep<kLogicUnder>},
-    {0x7B, T::kInt32, Since::kExtended, kept<kLogicOver>, keep<kLogicOver>},
-    {0x7C, T::kInt32, Since::kExtended, kept<kMotorUnder>, keep<kMotorUnder>},
-    {0x7D, T::kInt32, Since::kExtended, kept<kMotorOver>, keep<kMotorOver>},
-    {0x7E, T::kInt32, Since::kExtended, kept<kNominalOver>, keep<kNominalOver>},
+    {0x77, T::kFloat, Since::kExtended, kept<kMaxMotor>, same<kMaxMotor>},
+    {0x7A, T::kInt32, Since::kExtended, kept<kLogicUnder>, same<kLogicUnder>},
+    {0x7B, T::kInt32, Since::kExtended, kept<kLogicOver>, same<kLogicOver>},
+    {0x7C, T::kInt32, Since::kExtended, kept<kMotorUnder>, same<kMotorUnder>},
+    {0x7D, T::kInt32, Since::kExtended, kept<kMotorOver>, same<kMotorOver>},
+    {0x7E, T::kInt32, Since::kExtended, kept<kNominalOver>, same<kNominalOver>},
     {0x7F, T::kInt32, Since::kExtended, [](V v) { return std::round(v.data.motor.peak_time * 1e3); },
      nullptr},
-    {0x80, T::kInt32, Since::kExtended, kept<kKpPwm>, keep<kKpPwm>},
+    {0x80, T::kInt32, Since::kExtended, kept<kKpPwm>, same<kKpPwm>},
     {0x81, T::kFloat, Since::kExtended, [](V v) { return v.drive.tuning.maximum_current; },
      set_maximum_current},
     {0x82, T::kInt32, Since::kExtended, [](V) { return kCurrentDigits; }, nullptr},
@@ -321,6 +327,15 @@ SetResult set_parameter(const ModuleEdit& edit, const Message& message) {
   const double value = value_of(message, parameter->type);
   if (!std::isfinite(value) || !parameter->set(edit, value)) return SetResult::kRefused;
   return SetResult::kDone;
+}
+
+void recalculate_loop(const ModuleEdit& edit) {
+  const auto factory = factory_values(edit.data);
+  const auto ratio = [&](Kept place) { return edit.module.kept[place] / factory[place]; };
+  auto& tuning = edit.drive.tuning;
+  tuning.position_gain = edit.data.loop.position_gain * ratio(kC0);
+  tuning.velocity_bandwidth = edit.data.loop.velocity_bandwidth * ratio(kDamp);
+  tuning.integral_time = edit.data.loop.integral_time / ratio(kA0);
 }
 
 std::array<double, kKept> factory_values(const drive::DriveData& data) {

@@ -1,6 +1,6 @@
 // The parameters of a module (GETPARAM, SETPARAM), as m5api knows them: number, type, since which firmware,
 // how read and how written. Values agree with each other: increments, gear and floats are one position. What
-// m5api has a number for and this model has no cause for is kept and returned.
+// m5api has a number for and this model has no use for is returned, and refused where it is to change.
 #pragma once
 
 #include <array>
@@ -41,6 +41,11 @@ std::optional<Message> get_parameter(const ModuleView& view, std::uint8_t id);
 enum class SetResult { kDone, kRefused };
 // `message`: 08 id value.
 SetResult set_parameter(const ModuleEdit& edit, const Message& message);
+
+// RECALCPID: the drive's loop as C0, Damp and A0 have it. What they are inside of a real module is not
+// published; here they scale, from the factory's values on, the gain of the position loop, the gain of the
+// velocity loop and the speed of its integral part.
+void recalculate_loop(const ModuleEdit& edit);
 
 // What parameters that are only kept start with.
 std::array<double, kKept> factory_values(const drive::DriveData& data);

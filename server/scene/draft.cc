@@ -166,16 +166,26 @@ void Draft::forbid_collision(world::BodyId a, world::BodyId b) {
 world::MeshId Draft::mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale,
                           const config::Place& wanted_by) {
   const auto [entry, is_new] = meshes_.try_emplace({file.string(), scale[0], scale[1], scale[2]});
-  if (!is_new) return entry->second;
-  world::TriangleMesh mesh = read_mesh(file, wanted_by);
+  if (is_new) entry->second = add_mesh(read_mesh(file, wanted_by), scale, wanted_by);
+  return entry->second;
+}
+
+world::MeshId Draft::converted_mesh(const std::string& name, const world::TriangleMesh& mesh,
+                                    const Eigen::Vector3d& scale, const config::Place& wanted_by) {
+  const auto [entry, is_new] = meshes_.try_emplace({name, scale[0], scale[1], scale[2]});
+  if (is_new) entry->second = add_mesh(mesh, scale, wanted_by);
+  return entry->second;
+}
+
+world::MeshId Draft::add_mesh(world::TriangleMesh mesh, const Eigen::Vector3d& scale,
+                              const config::Place& wanted_by) {
   apply_scale(mesh, scale);
   triangles_ += mesh.triangles.size();
   if (triangles_ > world::kMaxTriangles)
     throw config::ConfigError(wanted_by, "the meshes of the scene have more than " +
                                              std::to_string(world::kMaxTriangles) + " triangles");
   scene.world.meshes.push_back(std::move(mesh));
-  entry->second = {static_cast<std::int32_t>(scene.world.meshes.size() - 1)};
-  return entry->second;
+  return {static_cast<std::int32_t>(scene.world.meshes.size() - 1)};
 }
 
 }  // namespace visum::scene

@@ -52,10 +52,16 @@ class Draft {
   // Reads a mesh once per file and scale; the triangles of all meshes together stay within kMaxTriangles.
   world::MeshId mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale,
                      const config::Place& wanted_by);
+  // The same for a part of a file that was converted: `mesh`, once per name and scale.
+  world::MeshId converted_mesh(const std::string& name, const world::TriangleMesh& mesh,
+                               const Eigen::Vector3d& scale, const config::Place& wanted_by);
 
  private:
   std::map<std::string, config::Place> names_;  // "body 'box'" -> where
   std::map<std::string, LinkFrame> links_;
+  world::MeshId add_mesh(world::TriangleMesh mesh, const Eigen::Vector3d& scale,
+                         const config::Place& wanted_by);
+
   std::map<std::tuple<std::string, double, double, double>, world::MeshId> meshes_;
   std::size_t triangles_ = 0;
 };

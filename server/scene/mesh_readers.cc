@@ -7,17 +7,6 @@
 #include "protocol/config/read_file.h"
 
 namespace visum::scene {
-namespace {
-
-std::string lower_extension(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
-}  // namespace
-
 std::size_t MeshBuilder::Hash::operator()(const std::array<double, 3>& point) const {
   std::uint64_t hash = 0;
   for (const double x : point) hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
@@ -50,6 +39,13 @@ void MeshBuilder::add(const std::array<Eigen::Vector3d, 3>& corners, int line) {
 world::TriangleMesh MeshBuilder::take() {
   if (mesh_.triangles.empty()) throw config::ConfigError({file_, 0, ""}, "holds no triangle");
   return std::move(mesh_);
+}
+
+std::string lower_extension(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
 }
 
 bool is_mesh_format(const std::filesystem::path& file) {

@@ -19,6 +19,9 @@ inline constexpr std::size_t kMaxMeshBytes = 128u << 20;  // kMaxTriangles in bi
 // caller's.
 world::TriangleMesh read_mesh(const std::filesystem::path& file, const config::Place& wanted_by);
 
+// ".stl" of "arm.STL".
+std::string lower_extension(const std::filesystem::path& file);
+
 // True for the formats that read_mesh takes.
 bool is_mesh_format(const std::filesystem::path& file);
 

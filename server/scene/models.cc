@@ -112,8 +112,15 @@ class Placement {
     shape.collides = from.collides;
     shape.color = from.color.value_or(shape.color);
     shape.surface = surface_of(from.link);
-    if (!from.mesh.empty()) shape.mesh = draft_.mesh(from.mesh, from.scale, link_place(link));
+    if (!from.mesh.empty()) shape.mesh = mesh_of(from, link);
     draft_.add_shape(shape, link_place(link));
+  }
+
+  world::MeshId mesh_of(const RobotShape& from, const RobotLink& link) {
+    const auto converted = robot_.converted.find(from.mesh);
+    if (converted == robot_.converted.end()) return draft_.mesh(from.mesh, from.scale, link_place(link));
+    return draft_.converted_mesh(from.mesh.string() + "#" + std::to_string(from.mesh_part),
+                                 converted->second.parts[from.mesh_part].mesh, from.scale, link_place(link));
   }
 
   world::SurfaceId surface_of(const std::string& link) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <map>
 #include <sdf/Box.hh>
 #include <sdf/Capsule.hh>
 #include <sdf/Collision.hh>
@@ -161,19 +162,38 @@ class Reader {
       const auto& c = material->Diffuse();
       shape.color = {c.R(), c.G(), c.B(), c.A()};
     }
-    const std::string loss = read_geometry(geometry, link.name, shape), shape_name = shape.name;
-    if (loss.empty()) {
+    const std::string loss = read_geometry(geometry, link.name, shape);
+    if (loss.empty() && is_collada(shape.mesh)) {
+      add_parts(shape, link);
+    } else if (loss.empty()) {
       link.shapes.push_back(std::move(shape));
     } else if (collides) {
-      throw config::ConfigError(link_place(link.name), "collision '" + shape_name + "' " + loss);
+      throw config::ConfigError(link_place(link.name), "collision '" + shape.name + "' " + loss);
     } else {
-      model_.losses.push_back("visual '" + shape_name + "' of link '" + link.name + "' is not shown: it " +
-                              loss);
+      lose(shape, loss);
     }
   }
 
+  void lose(const RobotShape& shape, const std::string& why) {
+    model_.losses.push_back("visual '" + shape.name + "' of link '" + shape.link + "' is not shown: it " +
+                            why);
+  }
+
+  // One shape for each material of a Collada file; the model's own material replaces them all.
+  void add_parts(const RobotShape& whole, RobotLink& link) {
+    const ColladaMesh& mesh = model_.converted.at(whole.mesh);
+    for (std::size_t part = 0; part < mesh.parts.size(); ++part) {
+      link.shapes.push_back(whole);
+      link.shapes.back().mesh_part = part;
+      if (!whole.color) link.shapes.back().color = mesh.parts[part].color;
+    }
+    if (mesh.textured)
+      model_.losses.push_back("visual '" + whole.name + "' of link '" + link.name +
+                              "' is shown without the textures of its mesh");
+  }
+
   // Fills kind, size and mesh; else returns why it cannot.
-  std::string read_geometry(const sdf::Geometry& geometry, const std::string& link, RobotShape& shape) const {
+  std::string read_geometry(const sdf::Geometry& geometry, const std::string& link, RobotShape& shape) {
     using world::ShapeKind;
     switch (geometry.Type()) {
       case sdf::GeometryType::BOX: {
@@ -210,14 +230,28 @@ class Reader {
     shape.size = size;
   }
 
-  std::string read_mesh_geometry(const sdf::Mesh& mesh, const std::string& link, RobotShape& shape) const {
+  std::string read_mesh_geometry(const sdf::Mesh& mesh, const std::string& link, RobotShape& shape) {
     if (!mesh.Submesh().empty()) return "names a submesh, and only whole meshes are read";
-    if (!is_mesh_format(mesh.Uri()))
-      return "is the mesh '" + mesh.Uri() + "', and only .stl and .obj are read";
+    const bool collada = is_collada(mesh.Uri()) && !shape.collides;
+    if (!collada && !is_mesh_format(mesh.Uri()))
+      return "is the mesh '" + mesh.Uri() + "', and only " +
+             (shape.collides ? ".stl and .obj are read" : ".stl, .obj and .dae are read");
     shape.kind = world::ShapeKind::kMesh;
     shape.scale = to_vector(mesh.Scale());
     shape.mesh = resolve_mesh(mesh.Uri(), model_.file, link_place(link));
-    return "";
+    return collada ? convert(shape.mesh) : "";
+  }
+
+  // Once for each file; else returns why it cannot.
+  std::string convert(const std::filesystem::path& file) {
+    if (const auto failed = not_converted_.find(file); failed != not_converted_.end()) return failed->second;
+    if (model_.converted.count(file) != 0) return "";
+    try {
+      model_.converted.emplace(file, read_collada(file));
+      return "";
+    } catch (const std::runtime_error& error) {
+      return not_converted_[file] = "is the mesh '" + file.string() + "': " + error.what();
+    }
   }
 
   void read_joint(const sdf::Joint& from, const std::string& prefix) {
@@ -304,6 +338,7 @@ class Reader {
   RobotModel& model_;
   const ModelXml& xml_;
   std::string file_;
+  std::map<std::filesystem::path, std::string> not_converted_;  // and why
 };
 
 sdf::ParserConfig quiet_config() {

@@ -5,10 +5,12 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "server/scene/collada_reader.h"
 #include "server/scene/inertia.h"
 #include "server/world/world_model.h"
 
@@ -20,6 +22,7 @@ struct RobotShape {
   world::ShapeKind kind = world::ShapeKind::kBox;
   std::array<double, 3> size{};  // as in world::Shape
   std::filesystem::path mesh;    // resolved
+  std::size_t mesh_part = 0;     // of a mesh in RobotModel::converted
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   world::Pose X_LS;
   bool collides = true;
@@ -54,6 +57,7 @@ struct RobotModel {
   std::vector<RobotLink> links;    // in the order of the file
   std::vector<RobotJoint> joints;  // in the order of the file; none is fixed once joined
   std::vector<JoinedLink> joined;
+  std::map<std::filesystem::path, ColladaMesh> converted;  // meshes that are here already, by their file
   std::vector<std::string> losses;  // what is not shown or not simulated, one sentence each
   std::vector<std::string> notes;   // what was read otherwise than it stands there, at no loss
 };

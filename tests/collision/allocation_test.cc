@@ -1,38 +1,8 @@
-// No allocation per tick once warm: counted by this program's own operator new.
+// No allocation of ours per tick once warm.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
-
 #include "tests/collision/scene.h"
-
-namespace {
-std::size_t allocations = 0;
-}
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  ++allocations;
-  const auto step = static_cast<std::size_t>(alignment);
-  if (void* memory = std::aligned_alloc(step, (size + step - 1) / step * step)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::align_val_t) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-  std::free(memory);
-}
+#include "tests/support/allocation_counter.h"
 
 namespace visum::collision::testing {
 namespace {
@@ -57,12 +27,12 @@ TEST(Allocation, FindDoesNotAllocateOnceWarm) {
     shake(i % 2 == 0 ? 0.05 : -0.05);
     stage.find(state, contacts);
   }
-  const std::size_t before = allocations;
+  const test_support::AllocationScope scope;
   for (int i = 0; i < 100; ++i) {
     shake(i % 2 == 0 ? 0.05 : -0.05);
     stage.find(state, contacts);
   }
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(scope.counts().ours, 0u) << scope.describe_ours();
   EXPECT_GT(contacts.size(), 30u);
 }
 

@@ -111,6 +111,10 @@ protocol::ReplyFrame WebClient::next() {
   }
 }
 
+void WebClient::say_goodbye() {
+  impl_->stream.close(websocket::close_code::going_away);
+}
+
 std::uint64_t WebClient::received_bytes() const {
   return impl_->received_bytes;
 }

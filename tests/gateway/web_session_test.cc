@@ -25,6 +25,18 @@ class WebSessionTest : public ::testing::Test {
   Welcome greet(WebClient& client, Role role = Role::kController) {
     return client.ask<Welcome>(Hello{1, 1, "page", role, {}});
   }
+  // The loss is noticed between two ticks: at the latest when the next lease is asked for again.
+  void expect_lease_becomes_free() {
+    auto tcp = daemon_.connect("tcp", Role::kController);
+    for (int i = 0; i < 10'000; ++i) {
+      try {
+        return void(tcp.request(AcquireLease{"arm"}));
+      } catch (const RequestError& error) {
+        ASSERT_EQ(error.code(), ErrorCode::kLeased);
+      }
+    }
+    FAIL() << "the lease is still held";
+  }
   std::uint16_t http() const { return daemon_.http_port(); }
   RunningDaemon daemon_{scene::ClockKind::kLockstep, with_http()};
 };
@@ -93,16 +105,33 @@ TEST_F(WebSession, ALostPageLosesItsLease) {
     greet(web);
     web.ask<LeaseGrant>(AcquireLease{"arm"});
   }
-  auto tcp = daemon_.connect("tcp", Role::kController);
-  // The loss is noticed between two ticks: at the latest when the next lease is asked for again.
-  for (;;) {
-    try {
-      tcp.request(AcquireLease{"arm"});
-      break;
-    } catch (const RequestError& error) {
-      ASSERT_EQ(error.code(), ErrorCode::kLeased);
-    }
+  expect_lease_becomes_free();
+}
+
+// What a browser does when a tab closes. The transport below closes its socket by itself then.
+TEST_F(WebSession, APageThatSaysGoodbyeLosesItsLease) {
+  WebClient web(http());
+  greet(web);
+  web.ask<LeaseGrant>(AcquireLease{"arm"});
+  web.say_goodbye();
+  expect_lease_becomes_free();
+}
+
+TEST_F(WebSession, APageThatSaidGoodbyeIsSentNothingMore) {
+  auto controller = daemon_.connect("controller");
+  controller.request(Join{});
+  for (int i = 0; i < 20; ++i) {
+    WebClient web(http());
+    greet(web, Role::kObserver);
+    web.ask<Ok>(Subscribe{"arm", 1});
+    web.ask<Ok>(SubscribeWorld{1});
+    web.say_goodbye();
+    advance(controller, 5);
   }
+  std::uint32_t sessions = 0;
+  for (int i = 0; i < 10'000 && sessions != 1; ++i)
+    sessions = controller.request_as<ServerStatus>(Status{}).sessions;
+  EXPECT_EQ(sessions, 1u) << "the controller's own";
 }
 
 // A page that does not run, asleep or on a busy machine, holds up nobody. It keeps its session and is sent no

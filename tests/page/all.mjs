@@ -1,4 +1,6 @@
 // Every test of this folder, one after the other in one browser.
 import "./page.test.mjs";
 import "./look.test.mjs";
+import "./overlays.test.mjs";
+import "./stereo.test.mjs";
 import "./browse.test.mjs";

@@ -4,6 +4,9 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { Daemon, launch, openPage } from "./programs.mjs";
 
+export { drawn } from "./picture.mjs";
+export { until } from "./programs.mjs";
+
 export let browser;
 before(async () => {
   browser = await launch();
@@ -26,19 +29,11 @@ export function pageTest(name, run, { daemon: words = [], ...options } = {}) {
 }
 
 export const closePages = () => Promise.all(browser.contexts().map((context) => context.close()));
-// Waits for what must come; the time-out is a guard against hanging for ever, not a measure.
-export const until = (page, condition, argument) => page.waitForFunction(condition, argument, { timeout: 60_000, polling: 100 });
 export const button = (page, name) => page.getByRole("button", { name, exact: true });
 export const control = (page) => page.evaluate(() => visum.acquire("arm"));
-export const isRed = (r, g, b) => r > 120 && r > 2 * g && r > 2 * b;
+export const viewBox = (page) => page.locator(".view canvas").boundingBox();
+export const look = (page, name) => page.getByRole("combobox", { name: "Viewpoint" }).selectOption(name);
+// Where a point of a body is on the screen.
+export const body = (page, name, point) => page.evaluate(([name, point]) => visum.project(name, point), [name, point]);
+export const isRed = (r, g, b) => r > 120 && r > 3 * g && r > 3 * b; // and not the arm's orange
 export const isBlue = (r, g, b) => b > 80 && b > 1.5 * g && b > 3 * r;
-
-// Until the view is drawn as it stays, with every pixel (a slow machine leaves some out while things move).
-export async function drawn(page) {
-  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-  await until(page, () => {
-    const canvas = document.querySelector(".view canvas");
-    return canvas.width === Math.floor(canvas.clientWidth * devicePixelRatio);
-  });
-  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-}

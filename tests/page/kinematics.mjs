@@ -1,10 +1,12 @@
 // Where a model's links are, worked out from its URDF alone: what the page shows is compared with it.
 import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { source } from "./programs.mjs";
 
 const numbers = (text) => (text ?? "0 0 0").trim().split(/\s+/).map(Number);
 const attribute = (xml, element, name) => new RegExp(`<${element}\\b[^>]*\\b${name}="([^"]*)"`).exec(xml)?.[1];
 
-export function readJoints(urdf) {
+function readJoints(urdf) {
   const joints = readFileSync(urdf, "utf8").matchAll(/<joint name="([^"]*)" type="([^"]*)">([\s\S]*?)<\/joint>/g);
   return [...joints].map(([, name, type, xml]) => ({
     name, type,
@@ -15,6 +17,8 @@ export function readJoints(urdf) {
     axis: numbers(attribute(xml, "axis", "xyz")),
   }));
 }
+
+export const readArm = () => readJoints(join(source, "models/amtec_arm/amtec_arm.urdf"));
 
 // Rodrigues: the rotation by `angle` about the unit vector `axis`, as rows.
 function turn([x, y, z], angle) {

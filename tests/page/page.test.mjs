@@ -84,10 +84,11 @@ async function assertAccessible(page) {
   assert.deepEqual(violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ target }) => target).join(" ")}`), []);
 }
 
-for (const [width, height] of [[1280, 720], [768, 1024]])
+for (const [width, height] of [[1280, 720], [768, 1024], [1024, 768]])
   pageTest(`fits a screen of ${width} by ${height}`, async (page) => {
-    if (width < 1000) await button(page, "Panel").click(); // one pane at a time
+    if (width < 1000) await button(page, "Panel").click(); // one pane at a time: this closes the parts
     await button(page, "Plots").click();
+    await page.getByRole("combobox", { name: "Selected body" }).selectOption("box");
     await until(page, () => !document.querySelector(".pane.plots").hidden && document.querySelector(".view canvas").clientWidth > 300);
     const outside = await page.evaluate(() => [...document.querySelectorAll("button, select, input, output, .meter, canvas")]
       .filter((element) => element.checkVisibility() && !element.closest(".tree-body, .panel-scroll, .popover-body"))
@@ -97,6 +98,14 @@ for (const [width, height] of [[1280, 720], [768, 1024]])
       })
       .map((element) => `${element.tagName} ${element.className} ${element.ariaLabel}`));
     assert.deepEqual(outside, []);
+    const covered = await page.evaluate(() => [...document.querySelectorAll(".bar button, .bar select, .bar input, .pane-head button, .body-card button")]
+      .filter((element) => element.checkVisibility())
+      .filter((element) => {
+        const { left, right, top, bottom } = element.getBoundingClientRect();
+        return !element.contains(document.elementFromPoint((left + right) / 2, (top + bottom) / 2));
+      })
+      .map((element) => element.ariaLabel ?? element.textContent));
+    assert.deepEqual(covered, []);
     const root = await page.evaluate(() => [document.documentElement.scrollWidth, document.documentElement.scrollHeight]);
     assert.deepEqual(root, [width, height]);
   }, { viewport: { width, height } });

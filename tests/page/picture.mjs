@@ -1,4 +1,5 @@
 // Pixels of what is on the screen. The browser itself decodes them.
+import { until } from "./programs.mjs";
 
 // { width, height, data } of a part of the page: RGBA, row by row.
 export async function pixels(page, clip) {
@@ -35,4 +36,21 @@ export function middleOf({ width, height, data }, is, { from = 0, to = width, to
       count += 1;
     }
   return { x: x / count, y: y / count, count };
+}
+
+const twoFrames = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+
+// Until the view is drawn as it stays, with every pixel (a slow machine leaves some out while things move), and is on the
+// screen: reading a pixel waits for all that was drawn before.
+export async function drawn(page) {
+  await twoFrames(page);
+  await until(page, () => {
+    const canvas = document.querySelector(".view canvas");
+    return canvas.width === Math.floor(canvas.clientWidth * devicePixelRatio);
+  });
+  await page.evaluate(() => {
+    const gl = document.querySelector(".view canvas").getContext("webgl2");
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+  });
+  await twoFrames(page);
 }

@@ -14,13 +14,17 @@ const { chromium } = require("playwright-core");
 
 export const browserPath = [process.env.VISUM_CHROMIUM, "/usr/bin/chromium", "/usr/bin/google-chrome"].find((path) => path && existsSync(path));
 const kMostTicks = "600000"; // a daemon whose test died ends by itself
-const kLiveMs = 60_000; // a guard against hanging for ever, not a measure
+const kLiveMs = 120_000; // a guard against hanging for ever, not a measure
 
 export class Daemon {
+  // `options`: of visumd; a scene first, where it is not the arm's; "--hold" where time is to stand at first.
   static async start(...options) {
     const daemon = new Daemon();
-    const scene = join(source, "models/scenes/amtec_arm.yaml");
-    const words = [scene, "--json", "-v", "0", "--run", "--iterations", kMostTicks, ...(options.includes("--port") ? [] : ["--port", "0"]), ...options];
+    const scene = options[0]?.endsWith(".yaml") ? options.shift() : join(source, "models/scenes/amtec_arm.yaml");
+    const own = ["--json", "-v", "0", "--iterations", kMostTicks];
+    if (!options.includes("--hold")) own.push("--run");
+    if (!options.includes("--port")) own.push("--port", "0");
+    const words = [scene, ...own, ...options.filter((word) => word !== "--hold")];
     daemon.process = spawn(join(bin, "visumd"), words, { stdio: ["ignore", "pipe", "inherit"] });
     const died = once(daemon.process, "exit").then(([code]) => Promise.reject(new Error(`visumd ended with ${code} before it was ready`)));
     const [line] = await Promise.race([once(createInterface({ input: daemon.process.stdout }), "line"), died]);
@@ -68,3 +72,5 @@ function isOf(url, daemon) {
 }
 
 export const live = (page) => page.waitForFunction(() => document.documentElement.dataset.visum === "live", null, { timeout: kLiveMs, polling: 100 });
+// Waits for what must come; the time-out is a guard against hanging for ever, not a measure.
+export const until = (page, condition, argument) => page.waitForFunction(condition, argument, { timeout: kLiveMs, polling: 100 });

@@ -1,7 +1,8 @@
-// Makes the README's picture of the page: the arm at work, its ports, a panel and a plot.
+// Makes the README's picture of the page: the arm after a jog, its ports, a panel and a plot.
 //   node tests/page/screenshot.mjs [FILE]        default: clients/page/page.png
 import { join } from "node:path";
-import { Daemon, launch, openPage, source } from "./programs.mjs";
+import { drawn } from "./picture.mjs";
+import { Daemon, launch, openPage, source, until } from "./programs.mjs";
 
 const file = process.argv[2] ?? join(source, "clients/page/page.png");
 const kMove = { "Desired Angle 1": -0.35, "Desired Angle 2": 0.35, "Desired Angle 4": 1.3, "Desired Angle 6": 1.1 };
@@ -9,14 +10,19 @@ const kMove = { "Desired Angle 1": -0.35, "Desired Angle 2": 0.35, "Desired Angl
 const browser = await launch();
 const daemon = await Daemon.start();
 const page = await openPage(browser, daemon);
-await page.getByRole("button", { name: "Plot Desired Angle 2" }).click();
-await page.getByRole("button", { name: "Plot Actual Angle 2" }).click();
+// Jogged, and stopped in time once it stands: what stands is drawn with every pixel, on any machine.
 await page.evaluate(async (move) => {
+  for (const port of ["Desired Angle 2", "Actual Angle 2"]) document.querySelector(`[aria-label="Plot ${port}"]`).click();
   await visum.acquire("arm");
   for (const [port, angle] of Object.entries(move)) await visum.write("arm", port, angle);
+  const isThere = () => Object.entries(move).every(([port, angle]) => Math.abs(visum.read("arm", port.replace("Desired", "Actual")) - angle) < 0.002);
+  while (!isThere()) await new Promise((done) => setTimeout(done, 20));
+  document.querySelector('[aria-label="Pause"]').click();
 }, kMove);
-await page.waitForFunction(() => visum.read("arm", "Actual Angle 2") > 0.2, null, { timeout: 60_000 });
+await until(page, () => document.querySelector('[aria-label="Run"]'));
+await drawn(page);
+await drawn(page); // the plot and what the pause let come late, too
 await page.screenshot({ path: file });
-console.log(`${file}: ${JSON.stringify(page.faults)}`);
+console.log(`${file}: ${page.faults.length === 0 ? "no fault" : JSON.stringify(page.faults)}`);
 await browser.close();
 await daemon.stop();

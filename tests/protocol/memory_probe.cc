@@ -1,25 +1,62 @@
 #include "tests/protocol/memory_probe.h"
 
-#include <malloc.h>
-
 #include <algorithm>
-#include <cstdlib>
-#include <new>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define VISUM_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define VISUM_SANITIZED 1
+#endif
+#endif
 
 namespace {
 
 thread_local std::size_t now_bytes = 0, most_bytes = 0;
 
+void note_taken(std::size_t bytes) {
+  now_bytes += bytes;
+  most_bytes = std::max(most_bytes, now_bytes);
+}
+
+void note_given_back(std::size_t bytes) {
+  now_bytes -= bytes;
+}
+
+}  // namespace
+
+#ifdef VISUM_SANITIZED
+// Sanitizers own operator new; they tell of each call.
+#include <sanitizer/allocator_interface.h>
+
+namespace {
+void on_malloc(const volatile void*, std::size_t bytes) {
+  note_taken(bytes);
+}
+void on_free(const volatile void* memory) {
+  if (memory) note_given_back(__sanitizer_get_allocated_size(memory));
+}
+[[maybe_unused]] const int installed = __sanitizer_install_malloc_and_free_hooks(on_malloc, on_free);
+}  // namespace
+
+#else
+
+#include <malloc.h>
+
+#include <cstdlib>
+#include <new>
+
+namespace {
+
 void* counted(std::size_t size) {
   void* memory = std::malloc(size);
   if (!memory) throw std::bad_alloc();
-  now_bytes += malloc_usable_size(memory);
-  most_bytes = std::max(most_bytes, now_bytes);
+  note_taken(malloc_usable_size(memory));
   return memory;
 }
 
 void uncounted(void* memory) noexcept {
-  if (memory) now_bytes -= malloc_usable_size(memory);
+  if (memory) note_given_back(malloc_usable_size(memory));
   std::free(memory);
 }
 
@@ -43,6 +80,8 @@ void operator delete(void* memory, std::size_t) noexcept {
 void operator delete[](void* memory, std::size_t) noexcept {
   uncounted(memory);
 }
+
+#endif
 
 namespace visum::testing {
 

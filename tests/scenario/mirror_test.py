@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import socket
 import subprocess
 import unittest
 
@@ -11,7 +12,7 @@ from served_arm import PATIENCE_S, MirrorProgram, Program, virtual_arm, wait_unt
 
 import visum
 
-READY, FAULT = 0, 5
+READY, HALTED, FAULT = 0, 4, 5
 
 
 class TwoArms(unittest.TestCase):
@@ -106,6 +107,38 @@ class TwoArms(unittest.TestCase):
         self.go(0.3)
         self.expect(lambda: self.seen("Actual Angle 1") > 0.295)
         self.expect(lambda: self.seen("Largest Angle Divergence") < 0.01)  # the shadow was not halted
+
+    def test_a_command_that_the_arms_refuse_halts_them_and_is_told(self) -> None:
+        self.mirror()
+        self.go(1.0)
+        self.expect(lambda: self.seen("Actual Angle 1") > 0.1)
+        fingers = self.arm.inputs("Desired Finger Position")
+        fingers[0], fingers[1] = 0.01, 0.02  # one drive moves both alike
+        self.arm.write()
+        self.expect(lambda: self.seen("Divergence Fault") == 1)
+        self.assertEqual(self.seen("Part State"), FAULT)
+        self.assertGreaterEqual(self.seen("Refusals 1"), 1)
+        self.assertIn("Desired Finger Position 2 must be equal", self.divergence.read_blackboard("Fault").decode())
+        for arm in self.arms:
+            with visum.Client(arm.address, name="look", role="observer") as client:
+                self.assertEqual(client.part("arm").outputs("Part State")[0], HALTED)
+        fingers[1] = 0.01
+        self.reset()
+        self.expect(lambda: self.seen("Part State") == READY)
+
+    def test_looking_for_an_arm_that_is_gone_holds_nobody_up(self) -> None:
+        self.mirror()
+        self.arms[1].end(signal.SIGKILL)
+        self.expect(lambda: self.seen("Connected 2") == 0)
+        with socket.create_server(("127.0.0.1", self.arms[1].ready["port"])) as mute:
+            mute.settimeout(PATIENCE_S)
+            search, _ = mute.accept()
+            with search:
+                self.assertTrue(search.recv(1024), "says hello, and waits for a second")
+                self.client.advance_ms(50)
+                search.setblocking(False)
+                with self.assertRaises(BlockingIOError):  # waits still
+                    search.recv(1)
 
     def test_parameters_reach_both(self) -> None:
         self.mirror()

@@ -91,10 +91,11 @@ TEST(Urdf, FixedJointsJoinLinksWithTheirMasses) {
 
 TEST(Urdf, LossesSayWhatIsNotSimulated) {
   const RobotModel model = joined("robot.urdf");
-  EXPECT_THAT(model.losses, ElementsAre("1 <transmission> element is not read",
-                                        "joint 'grip' moves on its own: <mimic> is not simulated",
-                                        "visual 'logo' of link 'zz_upper_arm' is not shown: it is the mesh "
-                                        "'model://data/meshes/logo.dae', and only .stl and .obj are read"));
+  EXPECT_THAT(model.losses,
+              ElementsAre("1 <transmission> element is not read",
+                          "joint 'grip' moves on its own: <mimic> is not simulated",
+                          "visual 'logo' of link 'zz_upper_arm' is not shown: it is the mesh "
+                          "'model://data/meshes/logo.ply', and only .stl, .obj and .dae are read"));
   EXPECT_THAT(model.notes,
               ElementsAre("fixed joints join 'tool', 'tcp' into link 'lower_arm': one body of that name"));
 }

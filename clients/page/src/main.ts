@@ -48,9 +48,9 @@ const scene = h("span", { class: "scene" });
 layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element, layout.toggles, connectionBadge(link));
 layout.panes.parts.append(tree.element);
 const overlays = new Overlays(viewer, world, layout.view);
-new Selection(viewer, world, parts, link, layout.view);
+const selection = new Selection(viewer, world, parts, link, layout.view);
 const notShown = h("p", { class: "not-shown", hidden: true });
-layout.view.append(viewToolbar(viewer, world, overlays, layout.view), notShown, lostBanner(link));
+layout.view.append(viewToolbar(viewer, world, overlays, selection, layout.view), notShown, lostBanner(link));
 world.description.watch((description) => {
   const losses = description?.losses ?? [];
   notShown.hidden = losses.length === 0;

@@ -9,6 +9,7 @@
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/exec/bus_of.h"
 #include "clients/visum/exec/device_place.h"
+#include "clients/visum/exec/tty_library.h"
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/verbs/verbs.h"
 
@@ -63,7 +64,11 @@ class ExecVerb : public Verb {
     const auto status =
         open_link(link_, protocol::Role::kObserver).request_as<protocol::ServerStatus>(protocol::Status{});
     if (!cans_.empty()) lead_can(cans_.front(), status);
-    if (!ttys.empty()) exec::place_devices(placements(ttys, status));
+    if (!ttys.empty()) {
+      const auto devices = placements(ttys, status);
+      exec::load_tty_library(devices);
+      exec::place_devices(devices);
+    }
     return become();
   }
 

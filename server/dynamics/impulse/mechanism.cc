@@ -1,6 +1,7 @@
 #include "server/dynamics/impulse/mechanism.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "server/world/joint_kinds.h"
@@ -112,12 +113,13 @@ void Mechanism::factor(const Bodies& bodies, const world::WorldState& state) {
 
 double Mechanism::note_gap(const Gap& gap, const JointSpec& joint, double largest) {
   const double size = std::max(gap.turn.cwiseAbs().maxCoeff(), gap.shift.cwiseAbs().maxCoeff());
-  if (!(size <= largest)) worst_ = &joint;  // a NaN is the worst
-  return size <= largest ? largest : size;
+  if (size <= largest || std::isnan(largest)) return largest;
+  worst_ = &joint;  // a NaN is the worst
+  return size;
 }
 
 double Mechanism::ask_gaps(const Bodies& bodies, const world::WorldState& state, double h) {
-  double largest = 0.0;
+  double largest = -1.0;  // so that a joint without a gap is one to name, where an axis of it misses its aim
   for (std::size_t i = 0; i < size(); ++i) {
     if (carrying(i) == nullptr) continue;
     const Gap gap =

@@ -41,8 +41,8 @@ class Mechanism {
   double ask_gaps(const Bodies& bodies, const world::WorldState& state, double h);
   // The request that makes the joints' velocities agree; returns the largest disagreement.
   double ask_velocities(const Bodies& bodies);
-  // Which joint's gap the last ask_gaps() found to be the largest.
-  const JointSpec& worst_joint() const { return *worst_; }
+  // Which joint's gap the last ask_gaps() found to be the largest; null where no joint is.
+  const JointSpec* worst_joint() const { return worst_; }
 
   void clear();
   void push(const Line& line, double impulse);

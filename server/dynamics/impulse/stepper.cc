@@ -119,7 +119,7 @@ double Stepper::close(std::size_t m, double h, const world::WorldState& state) {
   mechanism.clear();
   const double gap = mechanism.ask_gaps(plant_.bodies, state, h);
   const double missing = h * ask_axes(plant_, m, kAhead, h);
-  const double largest = gap >= missing ? gap : missing;
+  const double largest = missing > gap || std::isnan(missing) ? missing : gap;
   if (largest <= d_max_) return largest;
   mechanism.solve();
   mechanism.apply(plant_.bodies);
@@ -139,7 +139,7 @@ bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& stat
     }
     last = gap;
   }
-  broken_ = &plant_.mechanisms[m].worst_joint();
+  broken_ = plant_.mechanisms[m].worst_joint();
   return false;
 }
 
@@ -152,7 +152,7 @@ bool Stepper::close_together(double h, const world::WorldState& state) {
       const double gap = close(m, h, state);
       if (!(gap <= largest)) {
         largest = gap;
-        broken_ = &plant_.mechanisms[m].worst_joint();
+        broken_ = plant_.mechanisms[m].worst_joint();
       }
     }
     if (!std::isfinite(largest)) return false;

@@ -1,6 +1,7 @@
 #include "server/dynamics/impulse/trig.h"
 
 #include <cmath>
+#include <limits>
 
 namespace visum::dynamics::impulse {
 namespace {
@@ -10,6 +11,8 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kTwoByPi = 6.36619772367581382433e-01;
 constexpr double kHalfPiHigh = 1.57079632673412561417e+00;  // 33 bits, so that n times it is exact
 constexpr double kHalfPiLow = 6.07710050650619224932e-11;
+constexpr double kMost = 1e6;  // n times kHalfPiHigh is exact up to here
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRound = 6755399441055744.0;  // 1.5·2^52: adding it rounds to a whole number
 
 constexpr double kAtanHigh[] = {4.63647609000806093515e-01, 7.85398163397448278999e-01,
@@ -51,6 +54,7 @@ double atan_positive(double x) {
 
 SinCos sin_cos(double x) {
   if (std::abs(x) <= kQuarterPi) return sin_cos_small(x);
+  if (!(std::abs(x) <= kMost)) return {kNaN, kNaN};
   const double n = (x * kTwoByPi + kRound) - kRound;
   const SinCos r = sin_cos_small((x - n * kHalfPiHigh) - n * kHalfPiLow);
   switch (static_cast<long long>(n) & 3) {

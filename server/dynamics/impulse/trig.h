@@ -9,7 +9,7 @@ struct SinCos {
   double sin, cos;
 };
 
-SinCos sin_cos(double x);  // |x| up to 1e6
+SinCos sin_cos(double x);  // |x| up to 1e6; beyond it, and for what is no number, NaN
 double arc_tangent(double y, double x);
 
 // sin_cos() for |x| <= pi/4, without asking.

@@ -32,7 +32,11 @@ BusThread::~BusThread() {
 }
 
 void BusThread::flush() {
-  wake();
+  const std::unique_lock turn(turn_, std::try_to_lock);
+  if (turn)
+    send_answers();
+  else
+    wake();
 }
 
 void BusThread::wake() {
@@ -43,31 +47,38 @@ void BusThread::wake() {
 
 void BusThread::run() {
   while (!ending_) {
-    poll_all();
-    send_answers();
+    const auto ready = wait();
+    {
+      const std::lock_guard turn(turn_);
+      serve(ready);
+      send_answers();
+    }
     if (std::exchange(queued_, false)) on_request_();
   }
 }
 
-// Waits for any channel, listener, or wake(), and serves what is ready.
-void BusThread::poll_all() {
+// For wake(), any listener, or any channel, in this order.
+std::vector<pollfd> BusThread::wait() {
   std::vector<pollfd> set{{wake_fd_, POLLIN, 0}};
   for (const auto& wiring : wirings_) set.push_back({wiring.link->listener(), POLLIN, 0});
-  const std::size_t first = set.size();
-  std::vector<std::uint64_t> numbers;
-  for (const auto& [number, line] : lines_) {
-    set.push_back({line.channel->fd(), POLLIN, 0});
-    numbers.push_back(number);
-  }
-  if (::poll(set.data(), set.size(), -1) < 0) return;
-  if (set[0].revents) {
+  for (const auto& [number, line] : lines_) set.push_back({line.channel->fd(), POLLIN, 0});
+  if (::poll(set.data(), set.size(), -1) < 0) return {};
+  return set;
+}
+
+void BusThread::serve(const std::vector<pollfd>& ready) {
+  if (ready.empty()) return;
+  if (ready[0].revents) {
     std::uint64_t count = 0;
     [[maybe_unused]] const auto got = ::read(wake_fd_, &count, sizeof count);
   }
-  for (std::size_t i = 0; i < numbers.size(); ++i)
-    if (set[first + i].revents) read(numbers[i], lines_.at(numbers[i]));
+  auto of_line = ready.begin() + 1 + static_cast<std::ptrdiff_t>(wirings_.size());
+  for (auto at = lines_.begin(); at != lines_.end();) {
+    const auto line = at++;  // reading may end the line
+    if ((of_line++)->revents) read(line->first, line->second);
+  }
   for (std::uint32_t i = 0; i < wirings_.size(); ++i)
-    if (set[1 + i].revents) admit(i);
+    if (ready[1 + i].revents) admit(i);
 }
 
 void BusThread::admit(std::uint32_t link) {
@@ -80,10 +91,21 @@ void BusThread::admit(std::uint32_t link) {
 void BusThread::read(std::uint64_t number, Line& line) {
   const bool stays =
       line.channel->read([&](const Telegram& telegram, Wire wire) { take(number, line, telegram, wire); });
+  if (line.channel->client_discarded()) warn(wirings_[line.link]);
   if (stays) return;
   const auto& link = *wirings_[line.link].link;
   if (link.listener() < 0) spdlog::warn("the bus {} is gone", link.name());
   lines_.erase(number);
+}
+
+// The kernel carries what was written to a pseudo terminal over to us in a worker of its own, and forgets it
+// where the client's tcflush() comes before the worker: nothing that we do could save it.
+void BusThread::warn(Wiring& wiring) {
+  if (std::exchange(wiring.warned, true)) return;
+  spdlog::warn(
+      "{}: the client discards its own output (tcflush), which on a pseudo terminal can lose what it wrote "
+      "just before; 'visum exec --tty' runs it without",
+      wiring.link->name());
 }
 
 void BusThread::take(std::uint64_t number, const Line& line, const Telegram& telegram, Wire wire) {

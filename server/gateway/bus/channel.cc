@@ -1,6 +1,7 @@
 #include "server/gateway/bus/channel.h"
 
 #include <linux/can.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -60,7 +61,12 @@ bool Channel::read_bytes(const OnTelegram& on_telegram) {
   const auto count = ::read(fd_, bytes.data(), bytes.size());
   if (count < 0) return would_block(errno);
   if (count == 0) return false;
-  received_.insert(received_.end(), bytes.begin(), bytes.begin() + count);
+  const bool is_packet = reads_ == Reads::kPackets;
+  if (is_packet && bytes[0] != TIOCPKT_DATA) {
+    client_discarded_ |= (bytes[0] & TIOCPKT_FLUSHWRITE) != 0;
+    return true;
+  }
+  received_.insert(received_.end(), bytes.begin() + (is_packet ? 1 : 0), bytes.begin() + count);
   decode(on_telegram);
   return true;
 }

@@ -1,10 +1,10 @@
-// One stream of bytes with a client's program at its other end, and how it is spoken on. Everything happens
-// on the thread that owns the channel; nothing blocks. What cannot be written at once is lost, as on a real
-// line that nobody reads.
+// One stream of bytes with a client's program at its other end, and how it is spoken on. One thread at a
+// time; nothing blocks. What cannot be written at once is lost, as on a real line that nobody reads.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "hwparts/powercube/can_codec.h"
@@ -24,7 +24,10 @@ class Channel {
  public:
   using OnTelegram = std::function<void(const powercube::Telegram&, powercube::Wire)>;
 
-  Channel(int fd, Speech speech) : fd_(fd), speech_(speech) {}  // owns fd, which must not block
+  enum class Reads { kBytes, kPackets };  // packets: a pseudo terminal's, with TIOCPKT
+
+  // Owns fd, which must not block.
+  Channel(int fd, Speech speech, Reads reads = Reads::kBytes) : fd_(fd), speech_(speech), reads_(reads) {}
   ~Channel();
   Channel(const Channel&) = delete;
   Channel& operator=(const Channel&) = delete;
@@ -35,6 +38,8 @@ class Channel {
 
   // Takes in what is there. False: the other end is gone.
   bool read(const OnTelegram& on_telegram);
+  // Whether the client has discarded output of its own since the last call; only packets tell.
+  bool client_discarded() { return std::exchange(client_discarded_, false); }
   // One write.
   void send(const powercube::Telegram& telegram);
 
@@ -51,6 +56,8 @@ class Channel {
 
   int fd_;
   Speech speech_;
+  Reads reads_;
+  bool client_discarded_ = false;
   bool open_ = false;  // slcan: between "O" and "C"
   bool listens_only_ = false;
   std::vector<std::uint8_t> received_;  // not decoded yet; shorter than one read and one frame

@@ -56,7 +56,7 @@ int open_tty(const std::string& path, speed_t speed) {
     settings.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS | CSTOPB);
     good = ::cfsetispeed(&settings, speed) == 0 && ::cfsetospeed(&settings, speed) == 0 &&
            ::tcsetattr(fd, TCSANOW, &settings) == 0 && ::flock(fd, LOCK_EX | LOCK_NB) == 0 &&
-           ::tcflush(fd, TCIOFLUSH) == 0;
+           ::tcflush(fd, TCIFLUSH) == 0;
   }
   if (good) return fd;
   const int error = errno;

@@ -2,6 +2,7 @@
 // name.
 #include <fcntl.h>
 #include <stdlib.h>
+#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -59,7 +60,7 @@ class PtyLink : public BusLink {
   std::string address() const override { return std::string(kind_) + ":" + fs::absolute(path_).string(); }
   std::vector<std::unique_ptr<Channel>> channels() override {
     std::vector<std::unique_ptr<Channel>> all;
-    all.push_back(std::make_unique<Channel>(master_, speech_));
+    all.push_back(std::make_unique<Channel>(master_, speech_, Channel::Reads::kPackets));
     handed_out_ = true;
     return all;
   }
@@ -76,7 +77,9 @@ class PtyLink : public BusLink {
     termios settings{};
     if (slave_ < 0 || ::tcgetattr(slave_, &settings) != 0) fail("cannot open " + tty_);
     ::cfmakeraw(&settings);
-    if (::tcsetattr(slave_, TCSANOW, &settings) != 0 || ::fcntl(master_, F_SETFL, O_NONBLOCK) != 0)
+    const int on = 1;
+    if (::tcsetattr(slave_, TCSANOW, &settings) != 0 || ::fcntl(master_, F_SETFL, O_NONBLOCK) != 0 ||
+        ::ioctl(master_, TIOCPKT, &on) != 0)
       fail("cannot set up " + tty_);
     make_link(path_, tty_);
   }

@@ -23,32 +23,38 @@ bool is_counter(const protocol::Port& port) {
 ArmLink::ArmLink(std::string address, std::string part, std::string token)
     : address_(std::move(address)), part_(std::move(part)), token_(std::move(token)) {
   try {
-    connect();
+    adopt(find(address_, part_, token_));
   } catch (const std::exception& error) {
     throw std::runtime_error(address_ + ": " + error.what());
   }
   ahead_.assign(description_.controller_inputs.size(), 0.0);
 }
 
-void ArmLink::connect() {
-  const auto [host, port] = protocol::parse_address(address_);
-  Connection link(host, port, {1, 1, "visum-mirror", protocol::Role::kController, token_}, kConnect);
+ArmLink::Found ArmLink::find(const std::string& address, const std::string& part, const std::string& token) {
+  const auto [host, port] = protocol::parse_address(address);
+  Connection link(host, port, {1, 1, "visum-mirror", protocol::Role::kController, token}, kConnect);
   auto description =
-      link.request_as<protocol::PartDescriptionReply>(protocol::DescribePart{part_}).description;
-  if (!description_.name.empty() &&
-      description.controller_inputs.size() != description_.controller_inputs.size())
+      link.request_as<protocol::PartDescriptionReply>(protocol::DescribePart{part}).description;
+  link.request(protocol::AcquireLease{part});
+  auto sample = link.request_as<protocol::PartSample>(protocol::Read{part});
+  link.request(protocol::Subscribe{part, 1});
+  return {std::move(link), std::move(description), std::move(sample)};
+}
+
+// Throws std::runtime_error where the part is another one than before.
+void ArmLink::adopt(Found found) {
+  const bool first = description_.name.empty();
+  if (!first && found.description.controller_inputs.size() != description_.controller_inputs.size())
     throw std::runtime_error("the part '" + part_ + "' has other ports than before");
-  link.request(protocol::AcquireLease{part_});
-  sample_ = link.request_as<protocol::PartSample>(protocol::Read{part_});
-  link.request(protocol::Subscribe{part_, 1});
-  simulated_ = link.welcome().simulated;
-  tick_ns_ = link.welcome().tick_ns;
-  description_ = std::move(description);
+  sample_ = std::move(found.sample);
+  simulated_ = found.connection.welcome().simulated;
+  tick_ns_ = found.connection.welcome().tick_ns;
+  description_ = std::move(found.description);
   for (std::size_t i = 0; i < sample_.controller_inputs.size(); ++i)
     description_.controller_inputs[i].initial = sample_.controller_inputs[i];
   for (std::size_t i = 0; i < sample_.sensor_outputs.size(); ++i)
     description_.sensor_outputs[i].initial = sample_.sensor_outputs[i];
-  connection_ = std::move(link);
+  connection_ = std::move(found.connection);
 }
 
 bool ArmLink::poll() {
@@ -58,7 +64,8 @@ bool ArmLink::poll() {
       if (auto* sample = std::get_if<protocol::PartSample>(&*reply)) {
         sample_ = std::move(*sample);
       } else if (const auto* error = std::get_if<protocol::Error>(&*reply)) {
-        spdlog::error("{} refuses: {}", address_, error->text);
+        ++refusals_;
+        refusal_ = error->text;
       } else if (const auto* event = std::get_if<protocol::Event>(&*reply);
                  event && event->kind == "lease_lost" && event->part == part_) {
         lose("its lease was lost: " + event->text);
@@ -78,10 +85,19 @@ void ArmLink::lose(const std::string& why) {
 }
 
 bool ArmLink::look_again() {
-  if (Clock::now() - tried_ < kLookAgain) return false;
-  tried_ = Clock::now();
+  using namespace std::chrono_literals;
+  if (!search_.valid()) {
+    if (Clock::now() - tried_ < kLookAgain) return false;
+    tried_ = Clock::now();
+    search_ = std::async(std::launch::async, [left = std::exchange(left_, std::nullopt), address = address_,
+                                              part = part_, token = token_]() mutable {
+      left.reset();  // first gives its lease back
+      return find(address, part, token);
+    });
+  }
+  if (search_.wait_for(0s) != std::future_status::ready) return false;
   try {
-    connect();
+    adopt(search_.get());
   } catch (const std::exception& error) {
     spdlog::debug("{}: {}", address_, error.what());
     return false;
@@ -91,7 +107,7 @@ bool ArmLink::look_again() {
 }
 
 void ArmLink::drop() {
-  connection_.reset();
+  left_ = std::exchange(connection_, std::nullopt);
   tried_ = {};
 }
 
@@ -102,11 +118,26 @@ void ArmLink::rebase(std::span<const double> inputs, std::span<const double> ini
   }
 }
 
+double ArmLink::as_the_arm_counts(std::size_t port, double value, double initial) const {
+  return is_counter(description_.controller_inputs[port]) ? value + ahead_[port] - initial : value;
+}
+
 void ArmLink::write(std::span<const double> inputs, std::span<const double> initial) {
-  if (!connected()) return;
-  std::vector<double> values(inputs.begin(), inputs.end());
+  std::vector<double> values(inputs.size());
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = as_the_arm_counts(i, inputs[i], initial[i]);
+  send(std::move(values));
+}
+
+void ArmLink::write_counters(std::span<const double> inputs, std::span<const double> initial) {
+  auto values = sample_.controller_inputs;
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (is_counter(description_.controller_inputs[i])) values[i] += ahead_[i] - initial[i];
+    if (is_counter(description_.controller_inputs[i]))
+      values[i] = as_the_arm_counts(i, inputs[i], initial[i]);
+  send(std::move(values));
+}
+
+void ArmLink::send(std::vector<double> values) {
+  if (!connected()) return;
   try {
     connection_->post(protocol::Write{part_, 0, std::move(values)});
   } catch (const std::exception& error) {
@@ -118,8 +149,6 @@ std::vector<protocol::Parameter> ArmLink::parameters() {
   if (!connected()) return description_.parameters;
   try {
     return connection_->request_as<protocol::ParameterList>(protocol::GetParameters{part_}).parameters;
-  } catch (const protocol::RequestError& error) {
-    spdlog::error("{}: {}", address_, error.what());
   } catch (const std::exception& error) {
     lose(error.what());
   }
@@ -132,10 +161,9 @@ std::optional<std::string> ArmLink::set_parameter(const std::string& name,
   try {
     connection_->request(protocol::SetParameter{part_, name, value});
     return std::nullopt;
-  } catch (const protocol::RequestError& error) {
-    return address_ + ": " + error.what();
   } catch (const std::exception& error) {
-    lose(error.what());
+    const auto* refusal = dynamic_cast<const protocol::RequestError*>(&error);
+    if (!refusal || refusal->code() == protocol::ErrorCode::kTimeout) lose(error.what());
     return address_ + ": " + error.what();
   }
 }

@@ -1,9 +1,11 @@
 // One of the two arms behind a mirror: a session with the server of a part, its lease, its newest sample.
-// When the server goes it is looked for again, once a second. One thread.
+// When the server goes it is looked for again, once a second, on a thread of its own: nobody waits for it.
+// All calls come from one thread.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
+#include <future>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,10 +34,17 @@ class ArmLink {
   // Takes in what came, without waiting, and looks for a server that is gone. True once after it was found
   // again.
   bool poll();
+  // How many writes the arm has refused, and why the last one.
+  std::uint64_t refusals() const { return refusals_; }
+  const std::string& refusal() const { return refusal_; }
+
   // All controller inputs in the mirror's count. Counters act on changes, and each arm has counted its own
   // way so far: `initial` are the mirror's own beginnings, from which the arm's are continued.
   void write(std::span<const double> inputs, std::span<const double> initial);
   void rebase(std::span<const double> inputs, std::span<const double> initial);
+  // The same with only the counters of `inputs`: all other inputs stay as the arm has them, so that it cannot
+  // refuse them.
+  void write_counters(std::span<const double> inputs, std::span<const double> initial);
   // Leaves as a controller that is lost does: the arm stops as it would then. Comes back at the next poll().
   void drop();
 
@@ -45,9 +54,17 @@ class ArmLink {
 
  private:
   using Clock = std::chrono::steady_clock;
-  void connect();
+  struct Found {
+    protocol::Connection connection;
+    protocol::PartDescription description;
+    protocol::PartSample sample;
+  };
+  static Found find(const std::string& address, const std::string& part, const std::string& token);
+  void adopt(Found found);
   void lose(const std::string& why);
   bool look_again();
+  double as_the_arm_counts(std::size_t port, double value, double initial) const;
+  void send(std::vector<double> values);
 
   std::string address_, part_, token_;
   std::optional<protocol::Connection> connection_;
@@ -55,8 +72,12 @@ class ArmLink {
   bool simulated_ = true;
   std::int64_t tick_ns_ = 0;
   protocol::PartSample sample_;
+  std::uint64_t refusals_ = 0;
+  std::string refusal_;
   std::vector<double> ahead_;  // of the arm's counters, to the mirror's; 0 for other ports
   Clock::time_point tried_{};
+  std::optional<protocol::Connection> left_;  // to be closed: that waits for the server
+  std::future<Found> search_;
 };
 
 // A counter among the controller inputs: acts when its number changes.

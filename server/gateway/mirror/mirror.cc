@@ -74,7 +74,17 @@ void Mirror::pump() {
     if (!arm.poll()) continue;
     arm.rebase(commanded(), initial_);
   }
+  hear_refusals();
   compare();
+}
+
+// The controller has its word already that all was well, and the other arm may have obeyed.
+void Mirror::hear_refusals() {
+  for (std::size_t i = 0; i < kArms; ++i) {
+    if (refusals_seen_[i] == arms_[i].refusals()) continue;
+    refusals_seen_[i] = arms_[i].refusals();
+    if (!fault_) raise(arms_[i].address() + " refuses a command: " + arms_[i].refusal());
+  }
 }
 
 void Mirror::compare() {
@@ -85,16 +95,20 @@ void Mirror::compare() {
   const bool angle = bounds_.angle_limit_rad > 0.0 && largest("rad") > bounds_.angle_limit_rad;
   const bool position = bounds_.position_limit_m > 0.0 && largest("m") > bounds_.position_limit_m;
   const bool exceeded = angle || position;
-  if (exceeded && !exceeded_) raise("the arms diverge");
+  if (exceeded && !exceeded_)
+    raise("the arms diverge by " + std::to_string(largest("rad")) + " rad and " +
+          std::to_string(largest("m")) + " m");
   exceeded_ = exceeded;
 }
 
 // Both stand until the controller's Reset.
 void Mirror::raise(const std::string& why) {
-  spdlog::error("{}: by {:.4f} rad, {:.5f} m", why, largest("rad"), largest("m"));
+  spdlog::error("{}", why);
+  why_ = why;
   fault_ = true;
   halts_ += 1.0;
-  send();
+  const auto values = commanded();
+  for (auto& arm : arms_) arm.write_counters(values, initial_);
 }
 
 double Mirror::largest(const char* unit) const {

@@ -1,6 +1,6 @@
 // Two arms that get the same commands. The controller sees the primary; the divergence of the two, port by
-// port, is watched, and one that exceeds its limit halts both. Which of them is the primary can be switched
-// live.
+// port, is watched. A divergence beyond its limit halts both, and so does a command that one of them refuses.
+// Which of them is the primary can be switched live.
 #pragma once
 
 #include <array>
@@ -52,6 +52,8 @@ class Mirror {
   std::span<const double> divergence() const { return divergence_; }
   double largest(const char* unit) const;  // "rad" or "m"; its amount
   bool fault() const { return fault_; }
+  const std::string& why() const { return why_; }  // the last fault
+  std::uint64_t refusals(std::size_t arm) const { return arms_[arm].refusals(); }
   bool connected(std::size_t arm) const { return arms_[arm].connected(); }
   std::size_t primary() const { return primary_; }
   // Returns why not.
@@ -64,6 +66,7 @@ class Mirror {
  private:
   void check_alike() const;
   void compare();
+  void hear_refusals();
   void raise(const std::string& why);
   std::vector<double> commanded() const;  // with the mirror's own halts
   void send();
@@ -80,6 +83,8 @@ class Mirror {
   MirrorBounds bounds_;
   std::size_t primary_ = 0;
   bool fault_ = false;
+  std::string why_;
+  std::array<std::uint64_t, kArms> refusals_seen_{};
   bool exceeded_ = false;  // the limit, when last looked
 };
 

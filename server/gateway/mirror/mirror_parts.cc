@@ -69,7 +69,8 @@ constexpr std::array<Bound, 4> kBounds{{
     {"Position Switch Bound", "m", "divergence up to which the primary may be switched without force",
      &MirrorBounds::position_switch_m},
 }};
-constexpr double kWidestBound = 1e3;
+constexpr double kWidestBound = 1e3, kMostRefusals = 1e12;
+constexpr std::size_t kLongestFault = 1024;  // bytes
 constexpr const char *kPrimary = "Primary", *kForcePrimary = "Force Primary";
 
 class Divergence : public MirrorPart {
@@ -91,6 +92,9 @@ class Divergence : public MirrorPart {
     ports.push_back({"Connected 1", "", 0.0, 1.0, 1.0, "Connected"});
     ports.push_back({"Connected 2", "", 0.0, 1.0, 1.0, "Connected"});
     ports.push_back({"Divergence Fault", "", 0.0, 1.0, 0.0, "Divergence Fault"});
+    ports.push_back({"Refusals 1", "", 0.0, kMostRefusals, 0.0, "Refusals"});
+    ports.push_back({"Refusals 2", "", 0.0, kMostRefusals, 0.0, "Refusals"});
+    description_.blackboards = {{"Fault", "text/plain", 1, 0, kLongestFault, false}};
     description_.parameters = parameters();
   }
   void act(std::span<const double>, std::span<const hwparts::JointSample>,
@@ -103,6 +107,12 @@ class Divergence : public MirrorPart {
     *next++ = mirror_.connected(0) ? 1.0 : 0.0;
     *next++ = mirror_.connected(1) ? 1.0 : 0.0;
     *next++ = mirror_.fault() ? 1.0 : 0.0;
+    for (std::size_t arm = 0; arm < Mirror::kArms; ++arm)
+      *next++ = static_cast<double>(mirror_.refusals(arm));
+  }
+  std::span<const std::byte> read_blackboard(std::size_t) const override {
+    const auto text = std::as_bytes(std::span(mirror_.why()));
+    return text.first(std::min(text.size(), kLongestFault));
   }
   void controller_lost() override {}
 

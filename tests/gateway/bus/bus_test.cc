@@ -204,6 +204,27 @@ TEST(Bus, ALinkLeftBehindIsReplacedAndAnythingElseIsNot) {
   }
 }
 
+TEST(Bus, APtyTellsWhetherItsClientDiscardsOutput) {
+  LinkFolder folder;
+  const auto link = open_pty(folder / "arm.tty");
+  const auto channel = std::move(link->channels().at(0));
+  auto line = BusLine::tty(folder / "arm.tty");
+  int telegrams = 0;
+  const auto discarded = [&](int queue) {
+    ::tcflush(line.fd(), queue);
+    pollfd set{channel->fd(), POLLIN, 0};
+    EXPECT_EQ(::poll(&set, 1, 10'000), 1);
+    EXPECT_TRUE(channel->read([&](const Telegram&, powercube::Wire) { ++telegrams; }));
+    return channel->client_discarded();
+  };
+  EXPECT_FALSE(discarded(TCIFLUSH));
+  EXPECT_TRUE(discarded(TCOFLUSH));
+  EXPECT_FALSE(channel->client_discarded());
+  line.send(kGetVersion);
+  EXPECT_FALSE(discarded(TCIFLUSH));
+  EXPECT_EQ(telegrams, 0);  // what was discarded comes before what was written
+}
+
 TEST(Bus, WithoutSocketCanTheKernelIsNamed) {
   const int fd = ::socket(PF_CAN, SOCK_RAW, 1);
   if (fd >= 0) {

@@ -151,14 +151,75 @@ TEST(PowerCubeParameters, ReadOnlyUnknownAndMisshapenOnesAreRefused) {
   EXPECT_FALSE(bench.set(1, 0x45, 3.2f));  // above the maximum
 }
 
-TEST(PowerCubeParameters, PidGainsAreKeptAndRecalculated) {
+struct Gain {
+  const char* name;
+  std::uint8_t parameter;
+  std::int16_t factory, softer;
+
+  friend void PrintTo(const Gain& gain, std::ostream* out) { *out << gain.name; }
+};
+
+class EachGain : public testing::TestWithParam<Gain> {};
+
+// How far a sudden load takes module 1 away, rad.
+double yielding(BusBench& bench) {
+  double most = 0.0;
+  bench.plants[0].external = 60.0;
+  for (int i = 0; i < 500; ++i) {
+    bench.tick();
+    most = std::max(most, std::abs(double(bench.position(1))));
+  }
+  bench.plants[0].external = 0.0;
+  bench.run(3.0);
+  return most;
+}
+
+TEST_P(EachGain, ActsFromRecalcPidOn) {
+  const auto [name, parameter, factory, softer] = GetParam();
+  BusBench stiff, soft;
+  EXPECT_TRUE(soft.set(1, parameter, softer));
+  const double before = yielding(stiff);
+  EXPECT_EQ(yielding(soft), before);  // not yet
+  EXPECT_EQ(soft.send(1, {0x09}), Message{0x09});
+  EXPECT_GT(yielding(soft), 1.05 * before);
+  EXPECT_EQ(soft.get<std::int16_t>(1, parameter), softer);
+  EXPECT_EQ(soft.get<std::int16_t>(1, parameter - 3), factory);
+}
+INSTANTIATE_TEST_SUITE_P(PowerCube, EachGain,
+                         testing::Values(Gain{"C0", 0x54, 64, 12}, Gain{"Damp", 0x55, 4, 1},
+                                         Gain{"A0", 0x56, 3, 1}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+TEST(PowerCubeParameters, TheLoopIsStableAtEveryCornerOfTheGains) {
+  for (const std::int16_t c0 : {12, 64}) {
+    for (const std::int16_t damp : {1, 4}) {
+      for (const std::int16_t a0 : {1, 12}) {
+        BusBench bench;
+        EXPECT_TRUE(bench.set(1, 0x54, c0) && bench.set(1, 0x55, damp) && bench.set(1, 0x56, a0));
+        bench.send(1, {0x09});
+        bench.ramp(1, 0.2f);
+        bench.run(4.0);
+        EXPECT_NEAR(bench.position(1), 0.2, 1e-3) << c0 << " " << damp << " " << a0;
+        EXPECT_NEAR(bench.get<float>(1, 0x41), 0.0, 1e-3) << c0 << " " << damp << " " << a0;
+      }
+    }
+  }
+}
+
+TEST(PowerCubeParameters, SavingThemIsCounted) {
   BusBench bench;
-  EXPECT_TRUE(bench.set<std::int16_t>(1, 0x54, 12));
-  EXPECT_EQ(bench.send(1, {0x09}), Message{0x09});
-  EXPECT_EQ(bench.get<std::int16_t>(1, 0x54), 12);
-  EXPECT_EQ(bench.get<std::int16_t>(1, 0x51), 64);
   EXPECT_EQ(bench.send(1, {0x10}), Message{0x10});
   EXPECT_EQ(bench.get<std::uint8_t>(1, 0x57), 2);
+}
+
+TEST(PowerCubeParameters, WhatWouldChangeNothingIsRefused) {
+  BusBench bench;
+  EXPECT_FALSE(bench.set<std::int32_t>(1, 0x67, 100));  // load limit
+  EXPECT_FALSE(bench.set<std::int32_t>(1, 0x68, 100));
+  EXPECT_FALSE(bench.set<std::uint16_t>(1, 0x69, 100));
+  EXPECT_FALSE(bench.set<std::int16_t>(1, 0x66, 1));
+  EXPECT_FALSE(bench.set(1, 0x77, 48.0f));
+  EXPECT_EQ(bench.get<std::int32_t>(1, 0x67), 0);
 }
 
 // GT's client masks the top nibble of Config and sets 0x80000.

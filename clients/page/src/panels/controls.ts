@@ -1,6 +1,6 @@
 // Widgets that command: slider with jog buttons, number, push button, radio buttons, bit selector.
 import { h, setText } from "../ui/dom";
-import { formatValue, niceStep, share } from "../ui/numbers";
+import { formatOf, niceStep, share } from "../ui/numbers";
 import { limits, valueOf, writeAll, type Context, type Widget } from "./widget";
 
 const kTouchedMs = 600; // so long what is in force does not move a control under the hand
@@ -8,7 +8,6 @@ const kTouchedMs = 600; // so long what is in force does not move a control unde
 export function slider(context: Context): Widget {
   const { data, ports, actual } = context;
   const { minimum, maximum } = limits(context);
-  const unit = ports[0]?.description.unit ?? "";
   const input = h("input", { type: "range", min: minimum, max: maximum, step: "any", "aria-label": data.label });
   const marker = h("span", { class: "actual", hidden: !actual });
   const shown = h("output", { class: "slider-value" });
@@ -28,7 +27,7 @@ export function slider(context: Context): Widget {
     update() {
       const value = valueOf(ports[0]);
       if (performance.now() - touched > kTouchedMs && !Number.isNaN(value) && Number(input.value) !== value) input.value = String(value);
-      setText(shown, formatValue(actual ? valueOf(actual) : value, unit));
+      setText(shown, formatOf((actual ?? ports[0])?.description, actual ? valueOf(actual) : value));
       if (actual) marker.style.left = `${(100 * share(valueOf(actual), minimum, maximum)).toFixed(2)}%`;
     },
     setEnabled: (on) => [input, ...buttons].forEach((control) => (control.disabled = !on)),

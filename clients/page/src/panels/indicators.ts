@@ -1,6 +1,6 @@
 // Widgets that show: LED, LCD, bar, gauge, label.
 import { h, setText } from "../ui/dom";
-import { formatValue, share } from "../ui/numbers";
+import { formatOf, formatValue, share } from "../ui/numbers";
 import { bitOf } from "./controls";
 import { limits, valueOf, type Context, type Widget } from "./widget";
 
@@ -23,7 +23,7 @@ export function lcd({ ports }: Context): Widget {
   const unit = ports[0]?.description.unit ?? "";
   return {
     body: h("div", { class: "w-lcd" }, digits, h("span", { class: "unit" }, unit)),
-    update: () => setText(digits, formatValue(valueOf(ports[0]), unit)),
+    update: () => setText(digits, formatOf(ports[0]?.description, valueOf(ports[0]))),
   };
 }
 
@@ -40,7 +40,7 @@ export function bar(context: Context): Widget {
       const at = share(valueOf(port), minimum, maximum);
       fill.style.left = `${100 * Math.min(zero, at)}%`;
       fill.style.width = `${100 * Math.abs(at - zero)}%`;
-      setText(text, `${formatValue(valueOf(port), port?.description.unit)} ${port?.description.unit ?? ""}`);
+      setText(text, `${formatOf(port?.description, valueOf(port))} ${port?.description.unit ?? ""}`);
     },
   };
 }
@@ -58,7 +58,7 @@ export function gauge(context: Context): Widget {
     update() {
       const angle = -kSweep / 2 + kSweep * share(valueOf(port), minimum, maximum);
       needle.style.transform = `rotate(${angle.toFixed(2)}deg)`;
-      setText(text, `${formatValue(valueOf(port), port?.description.unit)} ${port?.description.unit ?? ""}`);
+      setText(text, `${formatOf(port?.description, valueOf(port))} ${port?.description.unit ?? ""}`);
     },
   };
 }

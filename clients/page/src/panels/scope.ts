@@ -1,7 +1,7 @@
 // An oscilloscope: the last seconds of up to eight ports at full tick rate, against a left and a right scale.
 import type { Port } from "../model/part";
 import { h } from "../ui/dom";
-import { formatValue } from "../ui/numbers";
+import { formatInRange } from "../ui/numbers";
 import { cssColor, traceColor } from "../ui/palette";
 import { fit, leastSpan, type Range } from "../ui/range";
 import type { Context, Widget } from "./widget";
@@ -66,8 +66,8 @@ function drawScale(context: CanvasRenderingContext2D, { low, high }: Range, x: n
   context.fillStyle = cssColor("--ink-soft");
   context.font = "10px sans-serif";
   context.textAlign = x < 10 ? "left" : "right";
-  context.fillText(formatValue(high), x, 11);
-  context.fillText(formatValue(low), x, height - 4);
+  context.fillText(formatInRange(high, low, high, " "), x, 11);
+  context.fillText(formatInRange(low, low, high, " "), x, height - 4);
 }
 
 function drawTrace(context: CanvasRenderingContext2D, trace: { times: number[]; values: number[] }, index: number, { low, high }: Range, xOf: (time: number) => number, height: number): void {

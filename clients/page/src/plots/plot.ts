@@ -5,7 +5,7 @@ import type { Part, Port } from "../model/part";
 import { h, iconButton } from "../ui/dom";
 import { download } from "../ui/files";
 import { icons } from "../ui/icons";
-import { formatValue } from "../ui/numbers";
+import { formatOf } from "../ui/numbers";
 import { cssColor, traceColor, traceDash } from "../ui/palette";
 import { fit, leastSpan } from "../ui/range";
 import { toCsv } from "./csv";
@@ -101,7 +101,7 @@ export class Plot {
       axes: [{ ...axis, size: 26 }, ...units.slice(0, 2).map((unit, i) => ({ ...axis, scale: unit || "1", side: (i === 0 ? 3 : 1) as uPlot.Axis.Side, size: 52, label: unit, labelSize: 14, labelFont: "11px sans-serif", grid: { ...axis.grid, show: i === 0 } }))],
       series: [{ label: "t", value: (_, value) => (value === null ? "–" : `${value.toFixed(3)} s`) },
         ...ports.map((port, i) => ({ label: port.description.name, scale: port.description.unit || "1", stroke: traceColor(i), dash: traceDash(i), width: 1.5, spanGaps: true, points: { show: false },
-          value: (_: uPlot, value: number | null) => (value === null ? "–" : `${formatValue(value, port.description.unit)} ${port.description.unit}`) }))],
+          value: (_: uPlot, value: number | null) => (value === null ? "–" : `${formatOf(port.description, value)} ${port.description.unit}`) }))],
       hooks: {
         setSelect: [(plot) => this.zoomTo(plot)],
         ready: [(plot) => plot.over.addEventListener("dblclick", () => (this.zoom = null))],

@@ -2,7 +2,7 @@
 import type { Port } from "../model/part";
 import { h, iconButton, setText } from "../ui/dom";
 import { icons } from "../ui/icons";
-import { formatValue, inDegrees, share } from "../ui/numbers";
+import { formatOf, formatValue, inDegrees, share } from "../ui/numbers";
 import { startPortDrag } from "../ui/drag";
 import { leastSpan } from "../ui/range";
 import { report } from "../ui/toasts";
@@ -31,7 +31,7 @@ export class PortRow {
     this.hold = isInput ? iconButton(icons.pin, `Hold ${name}`, () => this.toggleHold(), { "aria-pressed": "false" }) : null;
     this.element = h(
       "div",
-      { class: "port", draggable: true, "data-port": name, title: `${name}: ${formatValue(minimum)} to ${formatValue(maximum)} ${unit}` },
+      { class: unit === "" ? "port unitless" : "port", draggable: true, "data-port": name, title: `${name}: ${formatValue(minimum)} to ${formatValue(maximum)} ${unit}` },
       h("span", { class: "name" }, label),
       this.value,
       h("span", { class: "unit" }, unit),
@@ -68,7 +68,7 @@ export class PortRow {
     if (Object.is(value, this.last)) return;
     this.last = value;
     const { unit, minimum, maximum } = this.port.description;
-    setText(this.value, formatValue(value, unit));
+    setText(this.value, formatOf(this.port.description, value));
     this.value.title = inDegrees(value, unit);
     this.bar.style.transform = `scaleX(${share(value, minimum, maximum).toFixed(4)})`;
     this.editor?.show(value);
@@ -80,7 +80,7 @@ export class PortRow {
     else {
       const value = this.port.part.value(this.port);
       held.set(this.port.index, value);
-      report(`${this.port.description.name} is held at ${formatValue(value, this.port.description.unit)}`);
+      report(`${this.port.description.name} is held at ${formatOf(this.port.description, value)}`);
     }
     this.showHold();
   }

@@ -5,7 +5,7 @@ import { h } from "./dom";
 export type PaneName = "parts" | "panel" | "plots";
 const kTitles: Record<PaneName, string> = { parts: "Parts", panel: "Panel", plots: "Plots" };
 const kStored = "visum.panes";
-const kNarrow = 1000; // px: below it one pane at a time covers the view
+const kNarrow = "(max-width: 999px)"; // there one pane at a time covers the view
 
 export class Layout {
   readonly bar = h("header", { class: "bar" });
@@ -24,7 +24,13 @@ export class Layout {
     this.toggles = h("div", { class: "toggles", role: "group", "aria-label": "Panes" }, ...Object.values(this.buttons));
     this.root = h("div", { class: "layout" }, this.bar, this.panes.parts, this.view, this.panes.panel, this.panes.plots);
     this.open = this.remembered();
-    this.show();
+    const narrow = matchMedia(kNarrow);
+    const fit = () => {
+      if (narrow.matches && this.open.parts) this.open.panel = false;
+      this.show();
+    };
+    narrow.addEventListener("change", fit);
+    fit();
   }
 
   reveal(name: PaneName): void {
@@ -33,7 +39,7 @@ export class Layout {
 
   private toggle(name: PaneName): void {
     this.open[name] = !this.open[name];
-    if (this.open[name] && window.innerWidth < kNarrow && name !== "plots") this.open[name === "parts" ? "panel" : "parts"] = false;
+    if (this.open[name] && matchMedia(kNarrow).matches && name !== "plots") this.open[name === "parts" ? "panel" : "parts"] = false;
     localStorage.setItem(kStored, JSON.stringify(this.open));
     this.show();
   }
@@ -47,8 +53,7 @@ export class Layout {
   }
 
   private remembered(): Record<PaneName, boolean> {
-    const wide = window.innerWidth >= kNarrow;
-    const usual = { parts: true, panel: wide, plots: false };
+    const usual = { parts: true, panel: true, plots: false };
     try {
       return { ...usual, ...(JSON.parse(localStorage.getItem(kStored) ?? "{}") as object) };
     } catch {

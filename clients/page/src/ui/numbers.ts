@@ -1,12 +1,29 @@
 // Numbers as people read them. Pure.
 
+const kWidest = 1e6;
+const kMostDecimals = 5;
+
 export function formatValue(value: number, unit = ""): string {
   if (Number.isNaN(value)) return "–";
   if (unit === "" && Number.isInteger(value)) return String(value);
   const size = Math.abs(value);
-  if (size !== 0 && (size < 1e-4 || size >= 1e6)) return value.toExponential(2).replace("-", "−");
+  if (size !== 0 && (size < 1e-4 || size >= kWidest)) return value.toExponential(2).replace("-", "−");
   const digits = size >= 1000 ? 1 : size >= 100 ? 2 : size >= 10 ? 3 : 4;
   return value.toFixed(digits).replace("-", "−");
+}
+
+// A value of a range, always with the same decimals: four below the size of its half (0.0000 of ±3 rad, 0.00000 of some
+// centimetres), so that what trembles about zero stays readable. Whole numbers without a unit stay whole.
+export function formatInRange(value: number, minimum: number, maximum: number, unit = ""): string {
+  const range = maximum - minimum;
+  if (!(range > 0 && range < kWidest) || !(Math.abs(value) < kWidest) || (unit === "" && Number.isInteger(value))) return formatValue(value, unit);
+  const decimals = Math.min(kMostDecimals, Math.max(0, 4 - Math.floor(Math.log10(range / 2))));
+  return value.toFixed(decimals).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
+}
+
+// A value of a port.
+export function formatOf(port: { minimum: number; maximum: number; unit: string } | undefined, value: number): string {
+  return port ? formatInRange(value, port.minimum, port.maximum, port.unit) : formatValue(value);
 }
 
 export function formatTime(seconds: number): string {

@@ -10,16 +10,17 @@ export class Labels {
     container.append(this.place);
   }
 
+  // In each picture of the view, as its eye sees the place.
   show(texts: readonly { at: Vector3; text: string }[]): void {
-    while (this.place.children.length < texts.length) this.place.append(h("span", {}));
     const { left, top } = this.viewer.canvas.getBoundingClientRect();
+    const shown = texts.flatMap(({ at, text }) => this.viewer.toAllPixels(at).map(({ x, y }) => ({ x: x - left, y: y - top, text })));
+    while (this.place.children.length < shown.length) this.place.append(h("span", {}));
     [...this.place.children].forEach((child, i) => {
-      const entry = texts[i];
-      const pixels = entry && this.viewer.toPixels(entry.at);
-      (child as HTMLElement).hidden = !pixels;
-      if (!pixels) return;
+      const entry = shown[i];
+      (child as HTMLElement).hidden = !entry;
+      if (!entry) return;
       setText(child, entry.text);
-      (child as HTMLElement).style.transform = `translate(${(pixels.x - left).toFixed(1)}px, ${(pixels.y - top).toFixed(1)}px)`;
+      (child as HTMLElement).style.transform = `translate(${entry.x.toFixed(1)}px, ${entry.y.toFixed(1)}px)`;
     });
   }
 }

@@ -6,7 +6,7 @@ import {
 } from "three";
 import type { JointDescription, WorldDescription } from "../link/messages";
 import type { World } from "../model/world";
-import { formatValue } from "../ui/numbers";
+import { formatInRange } from "../ui/numbers";
 import { Labels } from "./labels";
 import type { Viewer } from "./viewer";
 
@@ -97,7 +97,7 @@ export class Overlays {
       arrow.position.copy(at);
       arrow.setDirection(axis);
       const value = this.world.sample?.jointPositions[index] ?? NaN;
-      const text = joint.type === "slider" ? `${formatValue(value * 1000)} mm` : `${formatValue((value * 180) / Math.PI)}°`;
+      const text = joint.type === "slider" ? `${formatInRange(value * 1000, 0, 200, "mm")} mm` : `${formatInRange((value * 180) / Math.PI, 0, 360, "°")}°`;
       texts.push({ at: at.addScaledVector(axis, 1.3 * kAxisLength), text });
     }
     this.labels.show(texts);
@@ -132,6 +132,7 @@ export class Overlays {
 function onTop<T extends AxesHelper | Mesh | Line>(object: T): T {
   const material = object.material as LineBasicMaterial;
   material.depthTest = false;
+  material.toneMapped = false; // the colours of the palette, in any light
   object.renderOrder = 10;
   object.raycast = () => undefined;
   return object;

@@ -1,13 +1,14 @@
 // A body that was clicked: what it is, how it moves, what drives it. With the role for it, a body is pulled by a spring
 // (Ctrl or Alt with the pointer), as if by hand.
-import { Plane, Raycaster, Vector2, Vector3 } from "three";
+import { Plane, Vector3 } from "three";
 import type { Link } from "../link/link";
 import { Role } from "../link/messages";
 import type { Parts } from "../model/parts";
+import { Emitter } from "../model/signal";
 import type { World } from "../model/world";
 import { h, iconButton, setText } from "../ui/dom";
 import { icons } from "../ui/icons";
-import { formatValue } from "../ui/numbers";
+import { formatInRange, formatValue } from "../ui/numbers";
 import { reportError } from "../ui/toasts";
 import { drivingPorts } from "./driving_ports";
 import type { Viewer } from "./viewer";
@@ -26,6 +27,7 @@ interface Pull {
 }
 
 export class Selection {
+  readonly selected = new Emitter<number>(); // body; -1: none
   private body = -1;
   private pull: Pull | null = null;
   private readonly title = h("h2", {});
@@ -46,6 +48,7 @@ export class Selection {
   select(body: number): void {
     this.body = body;
     this.viewer.bodies.select(body);
+    this.selected.emit(body);
     this.card.hidden = body < 0;
     setText(this.title, this.world.description.value?.bodies[body]?.name ?? "");
     this.follow.setAttribute("aria-pressed", String(this.viewer.followed === body));
@@ -73,16 +76,8 @@ export class Selection {
     this.follow.setAttribute("aria-pressed", String(this.viewer.followed === this.body));
   }
 
-  private ray(event: PointerEvent): Raycaster {
-    const { left, top, width, height } = this.viewer.canvas.getBoundingClientRect();
-    const at = new Vector2((2 * (event.clientX - left)) / width - 1, 1 - (2 * (event.clientY - top)) / height);
-    const ray = new Raycaster();
-    ray.setFromCamera(at, this.viewer.view.camera);
-    return ray;
-  }
-
   private hit(event: PointerEvent): { body: number; point: Vector3 } | null {
-    const found = this.ray(event).intersectObjects(this.viewer.bodies.groups, true).find(({ object }) => object.visible);
+    const found = this.viewer.rayAt(event.clientX, event.clientY).intersectObjects(this.viewer.bodies.groups, true).find(({ object }) => object.visible);
     return found ? { body: Number(found.object.parent?.userData["body"] ?? -1), point: found.point } : null;
   }
 
@@ -101,7 +96,7 @@ export class Selection {
   }
 
   private moveTarget(event: PointerEvent): void {
-    this.ray(event).ray.intersectPlane(this.pull!.plane, this.pull!.target);
+    this.viewer.rayAt(event.clientX, event.clientY).ray.intersectPlane(this.pull!.plane, this.pull!.target);
   }
 
   private endPull(): void {
@@ -128,14 +123,14 @@ export class Selection {
     const sample = this.world.sample;
     if (!description || !sample) return;
     const at = 7 * this.body;
-    const numbers = (values: number[]) => values.map((value) => formatValue(value, "m")).join(", ");
+    const numbers = (values: number[]) => values.map((value) => formatInRange(value, 0, 5, "m")).join(", ");
     const speed = sample.velocities.slice(6 * this.body, 6 * this.body + 3);
     const rows: [string, string][] = [
       ["Position", `${numbers(sample.poses.slice(at, at + 3))} m`],
       ["Orientation", numbers(sample.poses.slice(at + 3, at + 7))],
-      ["Speed", `${formatValue(Math.hypot(...speed), "m/s")} m/s`],
+      ["Speed", `${formatInRange(Math.hypot(...speed), 0, 5, "m/s")} m/s`],
       ["Mass", description.fixed ? "stands still" : `${formatValue(description.massKg, "kg")} kg`],
-      ["Contact force", `${formatValue(sample.peakContactForces[this.body] ?? 0, "N")} N`],
+      ["Contact force", `${formatInRange(sample.peakContactForces[this.body] ?? 0, 0, 200, "N")} N`],
       ["Driven by", drivingPorts(this.world, this.parts, description.name).join("; ") || "nothing"],
     ];
     if (!description.fixed && this.link.welcome?.role === Role.ADMIN) rows.push(["Pull", "Ctrl and drag"]);

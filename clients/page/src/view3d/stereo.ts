@@ -1,7 +1,7 @@
 // Two pictures for two eyes, with off-axis frusta: both eyes look in parallel through one window, the screen, so that
 // what lies in its plane is at the same place for both. Side by side, one above the other, or red and cyan.
 import {
-  Mesh, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Scene, ShaderMaterial, Vector2, WebGLRenderTarget,
+  HalfFloatType, Mesh, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Scene, ShaderMaterial, Vector2, WebGLRenderTarget,
   type WebGLRenderer,
 } from "three";
 
@@ -36,27 +36,40 @@ export function eyeCameras(middle: PerspectiveCamera, { eyes, screen, swapped }:
   return [eyeCamera(middle, -half, screen, middle.aspect), eyeCamera(middle, half, screen, middle.aspect)];
 }
 
-export function drawStereo(renderer: WebGLRenderer, scene: Scene, camera: PerspectiveCamera, settings: StereoSettings): void {
-  if (settings.mode === "off") return renderer.render(scene, camera);
-  const eyes = eyeCameras(camera, settings);
-  if (settings.mode === "anaglyph") drawAnaglyph(renderer, scene, eyes);
-  else drawHalves(renderer, scene, eyes, settings.mode);
+// A picture of the view: what it is drawn through, and where, in shares of the view from its upper left corner.
+export interface Picture {
+  camera: PerspectiveCamera;
+  x: number;
+  y: number;
+  width: number;
+  height: number;
 }
 
-// Each half holds the whole window, squeezed: the display stretches it again.
-function drawHalves(renderer: WebGLRenderer, scene: Scene, eyes: PerspectiveCamera[], mode: StereoMode): void {
+// One, or one for each eye, the left eye's first. Each half holds the whole window, squeezed: the display stretches it
+// again.
+export function picturesOf(camera: PerspectiveCamera, settings: StereoSettings): Picture[] {
+  const whole = { camera, x: 0, y: 0, width: 1, height: 1 };
+  if (settings.mode === "off" || settings.mode === "anaglyph") return [whole];
+  const half = settings.mode === "side-by-side" ? { width: 0.5 } : { height: 0.5 };
+  const [left, right] = eyeCameras(camera, settings);
+  return [{ ...whole, ...half, camera: left }, { ...whole, ...half, camera: right, ...("width" in half ? { x: 0.5 } : { y: 0.5 }) }];
+}
+
+export function drawStereo(renderer: WebGLRenderer, scene: Scene, camera: PerspectiveCamera, settings: StereoSettings): void {
+  if (settings.mode === "off") renderer.render(scene, camera);
+  else if (settings.mode === "anaglyph") drawAnaglyph(renderer, scene, eyeCameras(camera, settings));
+  else drawHalves(renderer, scene, picturesOf(camera, settings));
+}
+
+function drawHalves(renderer: WebGLRenderer, scene: Scene, pictures: Picture[]): void {
   const size = renderer.getSize(new Vector2());
-  const beside = mode === "side-by-side";
-  const width = beside ? size.x / 2 : size.x;
-  const height = beside ? size.y : size.y / 2;
   renderer.setScissorTest(true);
-  eyes.forEach((eye, i) => {
-    const x = beside ? i * width : 0;
-    const y = beside ? 0 : (1 - i) * height; // the left eye above
-    renderer.setViewport(x, y, width, height);
-    renderer.setScissor(x, y, width, height);
-    renderer.render(scene, eye);
-  });
+  for (const { camera, x, y, width, height } of pictures) {
+    const place = [x * size.x, (1 - y - height) * size.y, width * size.x, height * size.y] as const; // y upwards
+    renderer.setViewport(...place);
+    renderer.setScissor(...place);
+    renderer.render(scene, camera);
+  }
   renderer.setScissorTest(false);
   renderer.setViewport(0, 0, size.x, size.y);
 }
@@ -80,11 +93,12 @@ const quad = new Mesh(
 );
 const flat = new OrthographicCamera(-1, 1, 1, -1, 0, 1);
 const quadScene = new Scene().add(quad);
+const eyeTarget = () => new WebGLRenderTarget(1, 1, { samples: 4, type: HalfFloatType }); // linear, brighter than white too
 let targets: [WebGLRenderTarget, WebGLRenderTarget] | null = null;
 
 function drawAnaglyph(renderer: WebGLRenderer, scene: Scene, eyes: [PerspectiveCamera, PerspectiveCamera]): void {
   const size = renderer.getDrawingBufferSize(new Vector2());
-  targets ??= [new WebGLRenderTarget(1, 1, { samples: 4 }), new WebGLRenderTarget(1, 1, { samples: 4 })];
+  targets ??= [eyeTarget(), eyeTarget()];
   targets.forEach((target, i) => {
     target.setSize(size.x, size.y);
     renderer.setRenderTarget(target);

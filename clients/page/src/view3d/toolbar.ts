@@ -5,18 +5,20 @@ import { download } from "../ui/files";
 import { icons } from "../ui/icons";
 import { report } from "../ui/toasts";
 import { kOverlays, type OverlayName, type Overlays } from "./overlays";
+import type { Selection } from "./selection";
 import type { StereoMode } from "./stereo";
 import type { Viewer } from "./viewer";
 
 const kStereo: [StereoMode, string][] = [["off", "Off"], ["side-by-side", "Side by side"], ["top-bottom", "Top and bottom"], ["anaglyph", "Anaglyph (red, cyan)"]];
 
-export function viewToolbar(viewer: Viewer, world: World, overlays: Overlays, container: HTMLElement): HTMLElement {
+export function viewToolbar(viewer: Viewer, world: World, overlays: Overlays, selection: Selection, container: HTMLElement): HTMLElement {
   const full = () => (document.fullscreenElement ? document.exitFullscreen() : container.requestFullscreen()).catch((error: Error) => report(error.message, "error"));
   const picture = async () => {
     const blob = await viewer.toBlob();
     if (blob) download(`${world.description.value?.scene ?? "world"}.png`, blob);
   };
   return h("div", { class: "view-tools", role: "toolbar", "aria-label": "View" },
+    bodyMenu(world, selection),
     viewpointMenu(viewer, world),
     popover(icons.layers, "Overlays", overlayMenu(overlays)),
     popover(icons.glasses, "Stereo", stereoMenu(viewer)),
@@ -36,6 +38,18 @@ function popover(icon: string, name: string, content: HTMLElement): HTMLElement 
     summary.focus();
   });
   return details;
+}
+
+// What a click on a body does, for those who do not click.
+function bodyMenu(world: World, selection: Selection): HTMLElement {
+  const choice = h("select", { "aria-label": "Selected body", title: "Selected body" });
+  world.description.watch((description) => {
+    const names = description?.bodies.map(({ name }) => name) ?? [];
+    choice.replaceChildren(h("option", { value: "-1" }, "No body"), ...names.map((name, i) => h("option", { value: String(i) }, name)));
+  });
+  choice.addEventListener("change", () => selection.select(Number(choice.value)));
+  selection.selected.on((body) => (choice.value = String(body)));
+  return choice;
 }
 
 function viewpointMenu(viewer: Viewer, world: World): HTMLElement {

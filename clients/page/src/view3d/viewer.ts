@@ -1,5 +1,5 @@
 // The 3D view: draws the world when it moved or the look at it changed, and only then.
-import { ACESFilmicToneMapping, Box3, Color, PCFSoftShadowMap, Scene, Sphere, Vector3, WebGLRenderer } from "three";
+import { ACESFilmicToneMapping, Box3, Color, PCFSoftShadowMap, Raycaster, Scene, Sphere, Vector2, Vector3, WebGLRenderer } from "three";
 import type { WorldDescription } from "../link/messages";
 import { Emitter } from "../model/signal";
 import type { World } from "../model/world";
@@ -7,7 +7,7 @@ import { Bodies } from "./bodies";
 import { ViewCamera } from "./camera";
 import { Lights } from "./lights";
 import { Resolution } from "./resolution";
-import { drawStereo, type StereoSettings } from "./stereo";
+import { drawStereo, picturesOf, type Picture, type StereoSettings } from "./stereo";
 
 const kMostPixelRatio = 2;
 const kInvisible = 1e-5; // m, or of a quaternion: a body held by its drives trembles less, and needs no new picture
@@ -61,12 +61,35 @@ export class Viewer {
     this.redraw();
   }
 
-  // A point of the world in pixels of the page; nothing behind the camera.
+  // A point of the world in pixels of the page, as one eye in the middle sees it; nothing behind the camera.
   toPixels(point: Vector3): { x: number; y: number } | null {
-    const p = point.clone().project(this.view.camera);
+    return this.inPicture(point, { camera: this.view.camera, x: 0, y: 0, width: 1, height: 1 });
+  }
+
+  // The same in each picture of the view: one, or one for each eye.
+  toAllPixels(point: Vector3): { x: number; y: number }[] {
+    return picturesOf(this.view.camera, this.stereo).flatMap((picture) => this.inPicture(point, picture) ?? []);
+  }
+
+  // From the eye through a pixel of the page, in the picture that is there.
+  rayAt(clientX: number, clientY: number): Raycaster {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const [x, y] = [(clientX - left) / width, (clientY - top) / height];
+    const pictures = picturesOf(this.view.camera, this.stereo);
+    const picture = pictures.find((one) => x < one.x + one.width && y < one.y + one.height) ?? pictures.at(-1)!;
+    const ray = new Raycaster();
+    ray.setFromCamera(new Vector2((2 * (x - picture.x)) / picture.width - 1, 1 - (2 * (y - picture.y)) / picture.height), picture.camera);
+    return ray;
+  }
+
+  private inPicture(point: Vector3, picture: Picture): { x: number; y: number } | null {
+    const p = point.clone().project(picture.camera);
     if (p.z > 1) return null;
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    return { x: left + ((p.x + 1) / 2) * width, y: top + ((1 - p.y) / 2) * height };
+    return {
+      x: left + (picture.x + ((p.x + 1) / 2) * picture.width) * width,
+      y: top + (picture.y + ((1 - p.y) / 2) * picture.height) * height,
+    };
   }
 
   // A picture of the present view, as it is on the screen.
@@ -125,7 +148,7 @@ export class Viewer {
     this.framed = scene;
     const sphere = this.extent();
     this.lights.build(this.world.description.value?.lights ?? [], Math.max(0.5, sphere.radius + sphere.center.length()));
-    const arm = new Vector3(0.62, -0.68, 0.42).normalize().multiplyScalar(2.35 * sphere.radius);
+    const arm = new Vector3(0.62, -0.68, 0.42).normalize().multiplyScalar((2.35 * sphere.radius) / Math.min(1, this.view.camera.aspect)); // further away where the view is narrow
     const position = sphere.center.clone().add(arm);
     this.view.setHome({ name: "Home", position: position.toArray(), target: sphere.center.toArray(), fov: 40 });
   }

@@ -1,0 +1,28 @@
+// The words that all server programs understand, and their way from the command line to run() and out.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "server/gateway/daemon.h"
+
+namespace CLI {
+class App;
+}
+
+namespace visum::gateway {
+
+// What is said, and how much of it.
+struct Talk {
+  int verbosity = 2;  // 0 errors, 1 warnings, 2 news, 3 details
+  bool json = false;  // one line when ready
+};
+
+// --listen, --port, --token-file, --json and -v.
+void declare_common(CLI::App& app, DaemonOptions& daemon, Talk& talk);
+
+// Reads the words, sets up the log as `name`, and returns what run() does, or the exit code of its failure.
+int run_command(CLI::App& app, int argc, char** argv, const std::string& name, const Talk& talk,
+                const std::function<int()>& run);
+
+}  // namespace visum::gateway

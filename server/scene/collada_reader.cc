@@ -1,0 +1,89 @@
+#include "server/scene/collada_reader.h"
+
+#include <array>
+#include <charconv>
+#include <sstream>
+#include <stdexcept>
+#include <system_error>
+
+#include "server/scene/mesh_readers.h"
+#include "server/scene/reader_process.h"
+
+namespace visum::scene {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxParts = 1000;
+
+[[noreturn]] void fail_answer() {
+  throw std::runtime_error("its reader's answer is no mesh");
+}
+
+// The next line of `text`, which loses it.
+std::string take_line(std::string_view& text) {
+  const std::size_t end = text.find('\n');
+  if (end == std::string_view::npos) fail_answer();
+  const std::string line(text.substr(0, end));
+  text.remove_prefix(end + 1);
+  return line;
+}
+
+// "R G B A BYTES" or "none BYTES".
+std::size_t read_part_line(std::istringstream& words, ColladaPart& part) {
+  std::string first;
+  words >> first;
+  if (first != "none") {
+    auto& color = part.color.emplace();
+    const auto [end, error] = std::from_chars(first.data(), first.data() + first.size(), color[0]);
+    if (error != std::errc{} || end != first.data() + first.size()) fail_answer();
+    words >> color[1] >> color[2] >> color[3];
+    for (const double share : color)
+      if (!(share >= 0.0 && share <= 1.0)) fail_answer();
+  }
+  std::size_t bytes = 0;
+  if (!(words >> bytes) || !(words >> std::ws).eof()) fail_answer();
+  return bytes;
+}
+
+fs::path program_beside_this() {
+  std::error_code error;
+  return fs::read_symlink("/proc/self/exe", error).parent_path() / "visum-mesh";
+}
+
+}  // namespace
+
+bool is_collada(const fs::path& file) {
+  return lower_extension(file) == ".dae";
+}
+
+ColladaMesh read_collada_answer(std::string_view answer, const std::string& file) {
+  ColladaMesh whole;
+  while (true) {
+    std::istringstream words(take_line(answer));
+    std::string word;
+    words >> word;
+    if (word == "end" && answer.empty() && !whole.parts.empty()) return whole;
+    if (word == "textured") {
+      whole.textured = true;
+      continue;
+    }
+    if (word != "part") fail_answer();
+    if (whole.parts.size() == kMaxParts)
+      throw std::runtime_error("it has more than " + std::to_string(kMaxParts) + " materials");
+    ColladaPart part;
+    const std::size_t bytes = read_part_line(words, part);
+    if (bytes > answer.size()) fail_answer();
+    part.mesh = read_stl(answer.substr(0, bytes), file);
+    part.mesh.name = fs::path(file).filename().string();
+    answer.remove_prefix(bytes);
+    whole.parts.push_back(std::move(part));
+  }
+}
+
+ColladaMesh read_collada(const fs::path& file, const ColladaProcess& process) {
+  const std::string program = process.program.empty() ? program_beside_this().string() : process.program;
+  return read_collada_answer(run_reader(program, file, {process.deadline, kMaxMeshBytes}), file.string());
+}
+
+}  // namespace visum::scene

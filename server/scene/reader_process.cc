@@ -1,0 +1,152 @@
+#include "server/scene/reader_process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+namespace visum::scene {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kMaxWords = 300;  // of the reason that it gives
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd = -1) : fd_(fd) {}
+  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  ~Descriptor() { close(); }
+  int get() const { return fd_; }
+  void close() {
+    if (fd_ >= 0) ::close(std::exchange(fd_, -1));
+  }
+
+ private:
+  int fd_;
+};
+
+struct Pipe {
+  Descriptor read, write;
+};
+
+Pipe make_pipe() {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0)
+    throw std::runtime_error(std::string("no pipe to its reader: ") + std::strerror(errno));
+  return {Descriptor(ends[0]), Descriptor(ends[1])};
+}
+
+// A child that is killed and waited for, whatever happens.
+class Child {
+ public:
+  Child(const std::string& program, int in, int out, int err) {
+    posix_spawn_file_actions_t actions;
+    ::posix_spawn_file_actions_init(&actions);
+    ::posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
+    ::posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
+    std::array<char*, 2> arguments{const_cast<char*>(program.c_str()), nullptr};
+    std::array<char*, 1> environment{nullptr};
+    const int error =
+        ::posix_spawn(&pid_, program.c_str(), &actions, nullptr, arguments.data(), environment.data());
+    ::posix_spawn_file_actions_destroy(&actions);
+    if (error != 0)
+      throw std::runtime_error("its reader, '" + program + "', cannot be started: " + std::strerror(error));
+  }
+  ~Child() {
+    if (pid_ <= 0) return;
+    ::kill(pid_, SIGKILL);
+    while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  // How it ended; nothing where it did not until `end`.
+  std::optional<int> wait_until(Clock::time_point end) {
+    int status = 0;
+    while (::waitpid(pid_, &status, WNOHANG) == 0) {
+      if (Clock::now() >= end) return std::nullopt;
+      ::poll(nullptr, 0, 1);  // ms: it has said all, and is about to end
+    }
+    pid_ = -1;
+    return status;
+  }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+// Appends what is there to read; false at the end.
+bool drain(int fd, std::string& to) {
+  std::array<char, 1 << 16> chunk;
+  const ssize_t got = ::read(fd, chunk.data(), chunk.size());
+  if (got < 0) return errno == EINTR;
+  to.append(chunk.data(), static_cast<std::size_t>(got));
+  return got > 0;
+}
+
+[[noreturn]] void fail_late(const ReaderBounds& bounds) {
+  throw std::runtime_error("its reader was not done after " + std::to_string(bounds.deadline.count()) +
+                           " ms");
+}
+
+struct Heard {
+  std::string answer, words;
+};
+
+Heard listen(int out, int err, Clock::time_point end, const ReaderBounds& bounds) {
+  Heard heard;
+  std::array<pollfd, 2> watched{{{out, POLLIN, 0}, {err, POLLIN, 0}}};
+  while (watched[0].fd >= 0 || watched[1].fd >= 0) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now()).count();
+    const int ready = left > 0 ? ::poll(watched.data(), watched.size(), static_cast<int>(left)) : 0;
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready <= 0) fail_late(bounds);
+    if (watched[0].revents != 0 && !drain(out, heard.answer)) watched[0].fd = -1;
+    if (watched[1].revents != 0 && !drain(err, heard.words)) watched[1].fd = -1;
+    if (heard.answer.size() > bounds.answer_bytes)
+      throw std::runtime_error("it makes more than " + std::to_string(bounds.answer_bytes >> 20) +
+                               " MiB of triangles");
+    if (heard.words.size() > kMaxWords) heard.words.resize(kMaxWords);
+  }
+  return heard;
+}
+
+}  // namespace
+
+std::string run_reader(const std::string& program, const std::filesystem::path& file,
+                       const ReaderBounds& bounds) {
+  const auto end = Clock::now() + bounds.deadline;
+  Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (in.get() < 0) throw std::runtime_error(std::string("it cannot be opened: ") + std::strerror(errno));
+  Pipe out = make_pipe(), err = make_pipe();
+  Child child(program, in.get(), out.write.get(), err.write.get());
+  for (Descriptor* ours : {&in, &out.write, &err.write}) ours->close();
+  Heard heard = listen(out.read.get(), err.read.get(), end, bounds);
+  const auto status = child.wait_until(end);
+  if (!status) fail_late(bounds);
+  if (WIFSIGNALED(*status))
+    throw std::runtime_error(std::string("its reader died of it (") + ::strsignal(WTERMSIG(*status)) + ")");
+  if (WEXITSTATUS(*status) != 0)
+    throw std::runtime_error(heard.words.empty() ? "its reader failed and does not say why"
+                                                 : heard.words.substr(0, heard.words.find('\n')));
+  return std::move(heard.answer);
+}
+
+}  // namespace visum::scene
