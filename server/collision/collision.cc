@@ -32,7 +32,9 @@ Contact make_contact(const PreparedShape& a, const PreparedShape& b, const Point
           point.normal_W,
           point.depth,
           std::sqrt(a.friction * b.friction),
-          std::max(a.restitution, b.restitution)};
+          std::max(a.restitution, b.restitution),
+          std::max(a.rolling_friction, b.rolling_friction),
+          std::max(a.torsional_friction, b.torsional_friction)};
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ struct Contact {
   double depth = 0.0;        // > 0: overlap
   double friction = 0.0;
   double restitution = 0.0;
-  double normal_force_n = 0.0;  // filled by the engine: mean over the tick
+  double rolling_friction = 0.0, torsional_friction = 0.0;  // m
+  double normal_force_n = 0.0;                              // filled by the engine: mean over the tick
   Eigen::Vector3d force_on_a_W =
       Eigen::Vector3d::Zero();  // likewise, N, friction included; b feels the opposite
 };

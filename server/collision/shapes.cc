@@ -52,6 +52,8 @@ PreparedShape prepare(const world::WorldModel& model, world::ShapeId id) {
   prepared.X_BS = shape.X_BS;
   prepared.friction = surface.friction;
   prepared.restitution = surface.restitution;
+  prepared.rolling_friction = surface.rolling_friction;
+  prepared.torsional_friction = surface.torsional_friction;
   if (shape.kind == world::ShapeKind::kMesh) {
     prepared.mesh = std::make_unique<Mesh>(model.meshes[shape.mesh.index()]);
     prepared.box_S = box_of(*prepared.mesh);

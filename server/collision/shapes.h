@@ -20,7 +20,7 @@ struct PreparedShape {
   world::ShapeKind kind = world::ShapeKind::kBox;
   bool fixed = false;
   world::Pose X_BS;
-  double friction = 0.0, restitution = 0.0;
+  double friction = 0.0, restitution = 0.0, rolling_friction = 0.0, torsional_friction = 0.0;
   Convex convex;                  // of all kinds but plane and mesh
   std::unique_ptr<GjkShape> gjk;  // likewise
   std::unique_ptr<Mesh> mesh;     // of a mesh

@@ -40,7 +40,9 @@ std::string find_wrench_fault(const world::WorldModel& model, std::span<const Wr
 bool is_usable(const collision::Contact& contact) {
   return contact.p_W.allFinite() && contact.normal_W.allFinite() && std::isfinite(contact.depth) &&
          contact.friction >= 0.0 && std::isfinite(contact.friction) && contact.restitution >= 0.0 &&
-         contact.restitution <= 1.0;
+         contact.restitution <= 1.0 && contact.rolling_friction >= 0.0 &&
+         std::isfinite(contact.rolling_friction) && contact.torsional_friction >= 0.0 &&
+         std::isfinite(contact.torsional_friction);
 }
 
 std::string find_contact_fault(const world::WorldModel& model, std::span<const collision::Contact> contacts) {

@@ -41,8 +41,8 @@ world::EngineSetting read_engine(const config::Node& node) {
     engine.name = read_name(node);
     return engine;
   }
-  node.allow_only(
-      {"kind", "step", "iterations", "erp", "cfm", "solver", "order", "d_max", "v_max", "budget", "impact"});
+  node.allow_only({"kind", "step", "iterations", "erp", "cfm", "solver", "order", "d_max", "v_max", "budget",
+                   "impact", "sleep"});
   engine.name = read_name(node.get("kind"));
   if (const auto step = node.find("step")) engine.step = step->one_of({"world", "quick"});
   if (const auto count = node.find("iterations"))
@@ -54,16 +54,19 @@ world::EngineSetting read_engine(const config::Node& node) {
   engine.d_max = node.number_or("d_max", engine.d_max, {0.0, 1.0, true});
   engine.v_max = node.number_or("v_max", engine.v_max, {0.0, 1e6, true});
   if (const auto budget = node.find("budget")) engine.budget = static_cast<int>(budget->integer(1, 100'000));
+  engine.sleep_s = node.number_or("sleep", engine.sleep_s, {0.0, 86400.0});
   if (const auto impact = node.find("impact")) engine.impact = impact->one_of({"newton", "poisson"});
   return engine;
 }
 
 world::Surface read_surface(const std::string& name, const config::Node& node) {
-  node.allow_only({"friction", "restitution"});
+  node.allow_only({"friction", "restitution", "rolling_friction", "torsional_friction"});
   world::Surface surface;
   surface.name = name;
   surface.friction = node.number_or("friction", surface.friction, {0.0, 1e6});
   surface.restitution = node.number_or("restitution", surface.restitution, {0.0, 1.0});
+  surface.rolling_friction = node.number_or("rolling_friction", surface.rolling_friction, {0.0, 1e6});
+  surface.torsional_friction = node.number_or("torsional_friction", surface.torsional_friction, {0.0, 1e6});
   return surface;
 }
 

@@ -14,6 +14,10 @@ constexpr double kMinHullFlatness =
 std::string surface_fault(const Surface& surface) {
   if (!is_in_range(surface.friction, 0.0, kMaxMagnitude)) return "needs a friction of at least 0";
   if (!is_in_range(surface.restitution, 0.0, 1.0)) return "needs a restitution from 0 to 1";
+  if (!is_in_range(surface.rolling_friction, 0.0, kMaxMagnitude))
+    return "needs a rolling friction of at least 0";
+  if (!is_in_range(surface.torsional_friction, 0.0, kMaxMagnitude))
+    return "needs a torsional friction of at least 0";
   return "";
 }
 

@@ -28,11 +28,13 @@ struct Pose {
   Pose inverse() const { return {q.conjugate() * -p, q.conjugate()}; }
 };
 
-// How two surfaces act together: friction is the geometric mean, restitution the larger of both.
+// How two surfaces act together: friction is the geometric mean, all else the larger of both.
 struct Surface {
   std::string name;
-  double friction = 0.8;     // Coulomb, >= 0
-  double restitution = 0.0;  // 0..1
+  double friction = 0.8;            // Coulomb, >= 0
+  double restitution = 0.0;         // 0..1
+  double rolling_friction = 0.0;    // m, >= 0: torque against rolling for each N of the normal force
+  double torsional_friction = 0.0;  // m, >= 0: likewise against spinning about the normal
 };
 
 struct TriangleMesh {
@@ -126,6 +128,7 @@ struct EngineSetting {
   double d_max = 0.0;             // impulse: gap that a joint may have, m and rad; 0: what suits the order
   double v_max = 1e-4;            // impulse iterate: relative velocity that a joint may have, m/s and rad/s
   int budget = 100;               // impulse iterate: corrections of each joint per tick
+  double sleep_s = 0.0;           // impulse: what has stood still for so long sleeps; 0: nothing sleeps
   std::string impact = "newton";  // impulse: "newton" or "poisson", what restitution means
 };
 

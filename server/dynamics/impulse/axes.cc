@@ -50,11 +50,28 @@ bool damping_in_tree(const Axis& axis) {
   return axis.damping > 0.0 && !law_in_tree(axis) && axis.node >= 0;
 }
 
-double compliance(const Axis& axis, double h) {
+}  // namespace
+
+bool is_in_tree(const Axis& axis) {
+  return axis.node >= 0 && (law_in_tree(axis) || damping_in_tree(axis));
+}
+
+double law_compliance(const Axis& axis, double h) {
   return law_in_tree(axis) ? axis.compliance_s / h : 1.0 / (axis.damping * h);
 }
 
-}  // namespace
+double missing_rate(const Plant& plant, const Axis& axis, Moment moment, double h) {
+  const bool law = law_in_tree(axis);
+  const auto& done = law ? axis.law : axis.damped;
+  const double target = law ? axis.target : 0.0, k = law_compliance(axis, h);
+  if (moment == kAhead)
+    return 0.5 * (target + axis.rate) - axis.mean_rate - k * (done[kAhead] + 0.5 * done[kHit]);
+  return target - plant.rate(axis) - k * (done[kHit] + done[kAhead] + done[kAfter]);
+}
+
+void take_law_impulse(Axis& axis, Moment moment, double impulse) {
+  (law_in_tree(axis) ? axis.law : axis.damped)[moment] += impulse;
+}
 
 void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, const world::WorldState& state) {
   for (Axis& axis : plant.axes) {
@@ -68,44 +85,39 @@ void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, con
 
 void measure_axes(Plant& plant) {
   for (Axis& axis : plant.axes) {
+    if (plant.mechanism_asleep[axis.mechanism]) continue;
     const JointSpec& joint = plant.spec(axis);
     axis.start = position(joint, pose_now(joint, plant.bodies, axis.start), axis.start);
     axis.rate = plant.rate(axis);
   }
 }
 
+void measure_ahead(const Plant& plant, Axis& axis, double h) {
+  const JointSpec& joint = plant.spec(axis);
+  const JointPose pose = pose_ahead(joint, plant.bodies, axis.start);
+  axis.mean_rate = (position(joint, pose, axis.start + h * axis.rate) - axis.start) / h;
+  axis.bias = axis.mean_rate - plant.rate(axis);
+}
+
 void measure_ahead(Plant& plant, std::size_t mechanism, double h) {
-  for (Axis& axis : plant.axes_of(mechanism)) {
-    if (!(axis.acts || axis.damping > 0.0 || axis.model->limited)) continue;
-    const JointSpec& joint = plant.spec(axis);
-    const JointPose pose = pose_ahead(joint, plant.bodies, axis.start);
-    axis.mean_rate = (position(joint, pose, axis.start + h * axis.rate) - axis.start) / h;
-    axis.bias = axis.mean_rate - plant.rate(axis);
-  }
+  for (Axis& axis : plant.axes_of(mechanism))
+    if (axis.acts || axis.damping > 0.0 || axis.model->limited) measure_ahead(plant, axis, h);
 }
 
 void set_tree_axes(Plant& plant, double h) {
   for (const Axis& axis : plant.axes) {
     if (axis.node < 0) continue;
     TreeAxis& tree = plant.mechanisms[axis.mechanism].axes[static_cast<std::size_t>(axis.node)];
-    tree.implicit = law_in_tree(axis) || damping_in_tree(axis);
-    tree.compliance = tree.implicit ? compliance(axis, h) : 0.0;
+    tree.implicit = is_in_tree(axis);
+    tree.compliance = tree.implicit ? law_compliance(axis, h) : 0.0;
   }
 }
 
 double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h) {
   double largest = 0.0;
   for (const Axis& axis : plant.axes_of(mechanism)) {
-    if (axis.node < 0) continue;
-    const bool law = law_in_tree(axis);
-    if (!law && !damping_in_tree(axis)) continue;
-    const auto& done = law ? axis.law : axis.damped;
-    const double target = law ? axis.target : 0.0, k = compliance(axis, h);
-    double missing = 0.0;
-    if (moment == kAhead)
-      missing = 0.5 * (target + axis.rate) - axis.mean_rate - k * (done[kAhead] + 0.5 * done[kHit]);
-    if (moment == kAfter)
-      missing = target - plant.rate(axis) - k * (done[kHit] + done[kAhead] + done[kAfter]);
+    if (!is_in_tree(axis)) continue;
+    const double missing = missing_rate(plant, axis, moment, h);
     plant.mechanisms[mechanism].tree().ask_axis(static_cast<std::size_t>(axis.node), missing);
     largest = std::max(largest, std::abs(missing));
   }
@@ -113,14 +125,10 @@ double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h) {
 }
 
 void take_axis_impulses(Plant& plant, std::size_t mechanism, Moment moment) {
-  for (Axis& axis : plant.axes_of(mechanism)) {
-    if (axis.node < 0) continue;
-    const bool law = law_in_tree(axis);
-    if (!law && !damping_in_tree(axis)) continue;
-    const double impulse =
-        plant.mechanisms[mechanism].tree().axis_impulse(static_cast<std::size_t>(axis.node));
-    (law ? axis.law : axis.damped)[moment] += impulse;
-  }
+  const Tree& tree = plant.mechanisms[mechanism].tree();
+  for (Axis& axis : plant.axes_of(mechanism))
+    if (is_in_tree(axis))
+      take_law_impulse(axis, moment, tree.axis_impulse(static_cast<std::size_t>(axis.node)));
 }
 
 void reset_impulses(Plant& plant) {

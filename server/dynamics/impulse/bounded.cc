@@ -8,6 +8,9 @@
 //   slides after  u_n >= 0 with P1 + P2 >= 0,  u_t = 0 or slides with the cone of all three impulses
 // That P2 may take back what P1 gave makes what rests have velocity zero at the end of each step, and an
 // impulse of h m g: half of it at t, half at t+h, as everything else has it.
+// Rolling and torsional friction, where surfaces have them: the bodies' relative angular velocity w, held
+// against w = 0 by torques of at most  r P_n about the tangents (a disc, as friction), s P_n about the
+// normal; r, s in m. Johnson, Contact Mechanics (1985), sections 8.3 and 9.1; as MuJoCo's condim 6.
 #include "server/dynamics/impulse/bounded.h"
 
 #include <algorithm>
@@ -134,6 +137,15 @@ void Bounded::aim_touch(RowBlock& block, const Touch& touch) const {
   }
 }
 
+void Bounded::aim_twist(RowBlock& block, const Touch& touch) const {
+  const Vector3d foreign = touch.frame.transpose() * touch.foreign_turn;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const int k = static_cast<int>(i);
+    block.target[i] = -foreign[k];
+    if (moment_ == kAfter) block.base[i] = touch.twist[kHit][k] + touch.twist[kAhead][k];
+  }
+}
+
 // axes.cc has the law.
 void Bounded::aim_law(RowBlock& block, const Axis& axis) const {
   const double k = axis.compliance_s / h_, before = axis.law[kHit] + axis.law[kAhead];
@@ -198,6 +210,9 @@ void Bounded::aim() {
       case Of::kTouch:
         aim_touch(block, plant_.touches[owner.index]);
         break;
+      case Of::kTwist:
+        aim_twist(block, plant_.touches[owner.index]);
+        break;
       case Of::kLaw:
         aim_law(block, plant_.axes[owner.index]);
         break;
@@ -243,6 +258,9 @@ void Bounded::report() {
     switch (owner.of) {
       case Of::kTouch:
         plant_.touches[owner.index].impulse[moment_] = Vector3d(lambda[0], lambda[1], lambda[2]);
+        break;
+      case Of::kTwist:
+        plant_.touches[owner.index].twist[moment_] = Vector3d(lambda[0], lambda[1], lambda[2]);
         break;
       case Of::kLaw:
         plant_.axes[owner.index].law[moment_] = lambda[0];

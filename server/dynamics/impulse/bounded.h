@@ -32,7 +32,7 @@ class Bounded {
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  enum class Of { kTouch, kLaw, kDamping, kStop, kSpring };
+  enum class Of { kTouch, kTwist, kLaw, kDamping, kStop, kSpring };
   struct Owner {
     Of of;
     std::size_t index = 0, side = 0;
@@ -54,6 +54,7 @@ class Bounded {
 
   void reset(Moment moment, double h);
   void add_touch(std::size_t index);
+  void add_twist(std::size_t index);
   void add_axis(std::size_t index);
   void add_stop(std::size_t index, std::size_t side);
   void add_spring(std::size_t index);
@@ -68,6 +69,7 @@ class Bounded {
 
   void aim();
   void aim_touch(RowBlock& block, const Touch& touch) const;
+  void aim_twist(RowBlock& block, const Touch& touch) const;
   void aim_law(RowBlock& block, const Axis& axis) const;
   void aim_damping(RowBlock& block, const Axis& axis) const;
   void aim_stop(RowBlock& block, const Axis& axis, std::size_t side) const;

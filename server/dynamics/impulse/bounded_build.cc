@@ -46,6 +46,7 @@ RowBlock& Bounded::add_block(Owner owner, std::size_t dim) {
 
 void Bounded::add_touch(std::size_t index) {
   const Touch& touch = plant_.touches[index];
+  if (touch.asleep) return;
   RowBlock& block = add_block({Of::kTouch, index}, 3);
   block.kind = RowBlock::Kind::kContact;
   for (int i = 0; i < 3; ++i) block.lambda[static_cast<std::size_t>(i)] = touch.impulse[moment_][i];
@@ -61,10 +62,34 @@ void Bounded::add_touch(std::size_t index) {
     if (body >= 0)
       block.free_response += plant_.bodies.constants[static_cast<std::size_t>(body)].inverse_mass;
   connect_bodies(block, a, b);
+  if (touch.rolling_friction > 0.0 || touch.torsional_friction > 0.0) add_twist(index);
+}
+
+// Right after its contact.
+void Bounded::add_twist(std::size_t index) {
+  const Touch& touch = plant_.touches[index];
+  RowBlock& block = add_block({Of::kTwist, index}, 3);
+  block.kind = RowBlock::Kind::kTwist;
+  block.contact = rows_.blocks.size() - 2;
+  block.friction = touch.rolling_friction;
+  block.torsion = touch.torsional_friction;
+  for (int i = 0; i < 3; ++i) block.lambda[static_cast<std::size_t>(i)] = touch.twist[moment_][i];
+  Reach a{touch.a, {}, {}}, b{touch.b, {}, {}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    a.angular[i] = touch.frame.col(static_cast<int>(i));
+    b.angular[i] = -a.angular[i];
+    a.linear[i] = b.linear[i] = Vector3d::Zero();
+  }
+  for (const int body : {touch.a, touch.b})
+    if (body >= 0)
+      block.free_response +=
+          plant_.bodies.constants[static_cast<std::size_t>(body)].inverse_moments.sum() / 3.0;
+  connect_bodies(block, a, b);
 }
 
 void Bounded::add_axis(std::size_t index) {
   const Axis& axis = plant_.axes[index];
+  if (plant_.mechanism_asleep[axis.mechanism]) return;
   if (axis.boxed && moment_ != kHit) connect_axis(add_block({Of::kLaw, index}, 1), axis);
   if (axis.loop >= 0 && axis.damping > 0.0 && moment_ != kHit)
     connect_axis(add_block({Of::kDamping, index}, 1), axis);
@@ -106,11 +131,9 @@ void Bounded::connect_axis(RowBlock& block, const Axis& axis) {
   const Mechanism& mechanism = plant_.mechanisms[axis.mechanism];
   const JointSpec& joint = plant_.spec(axis);
   const JointPose& pose = mechanism.loop_pose(static_cast<std::size_t>(axis.loop));
-  const Motion free = motion_directions(joint, pose);
-  // Of a screw the turn alone: what it lifts follows.
-  const bool turns = !free.w[0].isZero(0.0);
-  rows.rows.push_back({nullptr, line_at(mechanism, plant_.bodies, joint.a, joint.b, pose.pb, free.w[0],
-                                        turns ? Vector3d::Zero() : free.v[0])});
+  const AxisDirection along = axis_direction(joint, pose);
+  rows.rows.push_back(
+      {nullptr, line_at(mechanism, plant_.bodies, joint.a, joint.b, pose.pb, along.w, along.v)});
 }
 
 void Bounded::connect_bodies(RowBlock& block, const Reach& a, const Reach& b) {
@@ -206,6 +229,7 @@ void Bounded::find_response(std::size_t m) {
   const MechanismRows& rows = of_mechanism_[m];
   Mechanism& mechanism = plant_.mechanisms[m];
   const std::size_t n = rows.rows.size();
+  if (n > 0) mechanism.factor(plant_.bodies);
   for (std::size_t i = 0; i < n; ++i) {
     mechanism.clear();
     const MechanismRow& row = rows.rows[i];

@@ -17,6 +17,8 @@ constexpr std::array kYoshida{kY1, kY2, kY3, kY0, kY3, kY2, kY1};
 
 bool may_go_back(const Plant& plant) {
   if (!plant.touches.empty()) return false;
+  for (const Mechanism& mechanism : plant.mechanisms)
+    if (mechanism.is_nearly_singular()) return false;
   const bool free_axes = std::none_of(plant.axes.begin(), plant.axes.end(), [](const Axis& axis) {
     return axis.acts || axis.damping > 0.0 || axis.model->limited;
   });

@@ -7,6 +7,7 @@
 
 #include "server/dynamics/engine_factories.h"
 #include "server/dynamics/impulse/composition.h"
+#include "server/dynamics/impulse/sleep.h"
 #include "server/dynamics/impulse/stepper.h"
 #include "server/dynamics/impulse/warm_start.h"
 #include "server/dynamics/step_input.h"
@@ -20,16 +21,24 @@ constexpr int kMostHalvings = 6;
 class ImpulseEngine : public Engine {
  public:
   ImpulseEngine(const world::WorldModel& model, std::int32_t engine_index)
-      : index_(static_cast<std::size_t>(engine_index)), plant_(model, engine_index), stepper_(plant_) {
-    if (plant_.setting.solver != "direct")
+      : index_(static_cast<std::size_t>(engine_index)),
+        plant_(model, engine_index),
+        stepper_(plant_),
+        sleep_(plant_) {
+    if (plant_.setting.solver != "direct" && plant_.setting.solver != "iterate")
       throw std::runtime_error("engine 'impulse' has no solver '" + plant_.setting.solver +
-                               "', only 'direct'");
+                               "', only 'direct' and 'iterate'");
+    if (plant_.setting.solver == "iterate" && plant_.setting.order != 2)
+      throw std::runtime_error(
+          "engine 'impulse' is of order 2 with the solver 'iterate', and 'direct' with order 4 and 6: a step "
+          "back in time would gain the energy that an iteration loses");
   }
 
   StepResult step(const StepInput& input, world::WorldState& state) override {
     if (std::string fault = find_input_fault(plant_.model, input, state); !fault.empty())
       return {false, fault};
     prepare(input, state);
+    if (plant_.setting.order > 2) stepper_.factor(input.tick_s, state);
     bool ok = true;
     for (const double share : stages(plant_)) ok = ok && advance(share * input.tick_s, 0, input, state);
     if (!ok) return {false, broken_text()};
@@ -41,10 +50,13 @@ class ImpulseEngine : public Engine {
  private:
   void prepare(const StepInput& input, const world::WorldState& state) {
     plant_.bodies.load(state);
+    const std::vector<std::byte>& kept = state.engines[index_];
+    sleep_.begin(input, state, kept, plant_);
     prepare_axes(plant_, input.drives, state);
     for (Spring& spring : plant_.springs) spring.total = 0.0;
     find_touches(plant_, input.contacts, state);
-    read_warm_start(state.engines[index_], input.contacts, plant_);
+    const std::size_t rest = std::min(kept.size(), sleep_.bytes());
+    read_warm_start(std::span(kept).first(kept.size() - rest), input.contacts, plant_);
   }
 
   // A step whose joints do not close is made of two of half the length.
@@ -81,15 +93,20 @@ class ImpulseEngine : public Engine {
   StepResult store(const StepInput& input, world::WorldState& state) {
     plant_.bodies.store(state);
     for (const Axis& axis : plant_.axes)
-      state.joints[axis.joint.index()].effort = axis.total / input.tick_s + axis.feedforward;
+      if (!plant_.mechanism_asleep[axis.mechanism])
+        state.joints[axis.joint.index()].effort = axis.total / input.tick_s + axis.feedforward;
     for (const Spring& spring : plant_.springs)
-      state.joints[spring.spec.id.index()].effort = spring.total / input.tick_s;
+      if (!is_asleep(plant_, spring))
+        state.joints[spring.spec.id.index()].effort = spring.total / input.tick_s;
     for (const Touch& touch : plant_.touches) {
       collision::Contact& contact = input.contacts[touch.contact];
       contact.normal_force_n = touch.total_normal / input.tick_s;
       contact.force_on_a_W = touch.total / input.tick_s;
     }
-    write_warm_start(plant_, input.contacts, state.engines[index_]);
+    std::vector<std::byte>& kept = state.engines[index_];
+    kept.resize(warm_start_bytes(plant_) + sleep_.bytes());
+    write_warm_start(plant_, input.contacts, kept);
+    sleep_.write(kept);
     std::string offender;
     if (!is_sane(plant_.model, state, &offender)) return {false, offender};
     return {};
@@ -115,6 +132,7 @@ class ImpulseEngine : public Engine {
   std::size_t index_;
   Plant plant_;
   Stepper stepper_;
+  Sleep sleep_;
   std::array<Moving, kMostHalvings + 1> before_;
   std::uint64_t halvings_ = 0;
 };

@@ -123,6 +123,11 @@ Gap joint_gap(const JointSpec& joint, const JointPose& pose) {
   return {};
 }
 
+AxisDirection axis_direction(const JointSpec& joint, const JointPose& pose) {
+  if (world::info(joint.kind).is_angle) return {pose.a, Vector3d::Zero()};
+  return {Vector3d::Zero(), pose.a};
+}
+
 JointSpec make_spec(const world::WorldModel& model, const Bodies& bodies, world::JointId id) {
   const world::Joint& joint = model.joints[id.index()];
   JointSpec spec;

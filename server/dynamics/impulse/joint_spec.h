@@ -13,6 +13,13 @@ Held held_directions(const JointSpec& joint, const JointPose& pose);
 Motion motion_directions(const JointSpec& joint, const JointPose& pose);
 Gap joint_gap(const JointSpec& joint, const JointPose& pose);
 
+// The direction of the axis of a kind with one coordinate: an impulse along it is one on the coordinate (of a
+// screw the turn alone: what it lifts follows).
+struct AxisDirection {
+  Vector3d w, v;
+};
+AxisDirection axis_direction(const JointSpec& joint, const JointPose& pose);
+
 JointSpec make_spec(const world::WorldModel& model, const Bodies& bodies, world::JointId id);
 
 // At t, or where the look-ahead has led. `position` is the joint's last one.

@@ -1,9 +1,16 @@
 // Closed loops on a spanning tree: G T^-1 G^T mu = e, with T^-1 the tree's response, G the rows that the
 // loops hold, e what is left of them after the tree alone has answered. After Baraff, Linear-time dynamics
-// using Lagrange multipliers, SIGGRAPH 1996, section 7 (auxiliary constraints).
+// using Lagrange multipliers, SIGGRAPH 1996, section 7 (auxiliary constraints). Only loops that share a part
+// of the tree, what hangs together without the ground, have anything to do with each other: in a row of
+// four-bars each with the next, and the cost grows with their number.
 #include "server/dynamics/impulse/mechanism.h"
 
 namespace visum::dynamics::impulse {
+namespace {
+
+constexpr double kNearlySingular = 3e-4;  // share; a four-bar has it within 0.03 rad of the line
+
+}  // namespace
 
 Line line_at(const Mechanism& mechanism, const Bodies& bodies, int body_a, int body_b, const Vector3d& p,
              const Vector3d& w, const Vector3d& v) {
@@ -41,22 +48,84 @@ double Mechanism::rate(const Line& line) const {
   return sum;
 }
 
-void Mechanism::factor_loops(const Bodies& bodies) {
+std::array<int, 2> Mechanism::parts(const JointSpec& loop) const {
+  const auto part = [&](int body) {
+    return body < 0 ? -1 : tree_.part(static_cast<std::size_t>(node_of(body)));
+  };
+  return {part(loop.a), part(loop.b)};
+}
+
+void Mechanism::find_loop_neighbours() {
+  first_neighbour_.resize(loops_.size());
+  first_loop_row_.resize(loops_.size());
+  for (std::size_t i = 0; i < loops_.size(); ++i) {
+    loop_parts_.push_back(parts(loops_[i]));
+    const auto share = [&](std::size_t j) {
+      for (const int part : loop_parts_[i])
+        if (part >= 0 && (part == loop_parts_[j][0] || part == loop_parts_[j][1])) return true;
+      return false;
+    };
+    first_neighbour_[i] = 0;
+    while (!share(first_neighbour_[i])) ++first_neighbour_[i];
+  }
+}
+
+void Mechanism::place_loop_rows(const Bodies& bodies) {
+  const auto free_response = [&](int node, const Vector3d& angular, const Vector3d& linear) {
+    if (node < 0) return 0.0;
+    const auto body = static_cast<std::size_t>(tree_.node(static_cast<std::size_t>(node)).body);
+    return angular.dot(bodies.inverse_inertia[body] * angular) +
+           bodies.constants[body].inverse_mass * linear.squaredNorm();
+  };
   loop_row_count_ = 0;
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     const Held& held = loop_held_[i];
-    for (std::size_t k = 0; k < static_cast<std::size_t>(held.count); ++k)
-      loop_rows_[loop_row_count_++].line =
-          line_at(*this, bodies, loops_[i].a, loops_[i].b, loop_poses_[i].pb, held.w[k], held.v[k]);
+    first_loop_row_[i] = loop_row_count_;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(held.count); ++k) {
+      LoopRow& row = loop_rows_[loop_row_count_++];
+      row.loop = i;
+      row.line = line_at(*this, bodies, loops_[i].a, loops_[i].b, loop_poses_[i].pb, held.w[k], held.v[k]);
+      row.free_response = free_response(row.line.node_a, row.line.angular_a, row.line.linear_a) +
+                          free_response(row.line.node_b, row.line.angular_b, row.line.linear_b);
+    }
   }
-  loop_factor_.resize(loop_row_count_);
+}
+
+double Mechanism::rate_of_parts(const Line& line, const std::array<int, 2>& parts) const {
+  const auto among = [&](int node) {
+    const int part = node < 0 ? -1 : tree_.part(static_cast<std::size_t>(node));
+    return part >= 0 && (part == parts[0] || part == parts[1]);
+  };
+  Line there = line;
+  if (!among(line.node_a)) there.node_a = -1;
+  if (!among(line.node_b)) there.node_b = -1;
+  return rate(there);
+}
+
+// What an impulse on a row does to itself and the rows before it: only the parts that its loop joins move.
+void Mechanism::find_response(std::size_t i, const std::array<int, 2>& parts) {
+  const bool two = parts[1] != parts[0];
+  for (const int part : parts)
+    if (part >= 0) tree_.clear_part(part);
+  push(loop_rows_[i].line, 1.0);
+  if (parts[0] >= 0) tree_.solve_part(parts[0]);
+  if (parts[1] >= 0 && two) tree_.solve_part(parts[1]);
+  for (std::size_t j = first_loop_row_[first_neighbour_[loop_rows_[i].loop]]; j <= i; ++j)
+    loop_factor_.at(i, j) = rate_of_parts(loop_rows_[j].line, parts);
+}
+
+void Mechanism::factor_loops() {
+  loop_factor_.clear();
   for (std::size_t i = 0; i < loop_row_count_; ++i) {
-    tree_.clear();
-    push(loop_rows_[i].line, 1.0);
-    tree_.solve();
-    for (std::size_t j = 0; j < loop_row_count_; ++j) loop_factor_.at(i, j) = rate(loop_rows_[j].line);
+    const LoopRow& row = loop_rows_[i];
+    loop_factor_.add(first_loop_row_[first_neighbour_[row.loop]], row.free_response);
+    find_response(i, loop_parts_[row.loop]);
   }
   loop_factor_.factor();
+}
+
+bool Mechanism::is_nearly_singular() const {
+  return !loops_.empty() && loop_factor_.least_share() < kNearlySingular;
 }
 
 void Mechanism::solve() {

@@ -50,33 +50,35 @@ Mechanism::Mechanism(const world::WorldModel& model, const Bodies& bodies, std::
   poses_.resize(nodes.size());
   motions_.resize(nodes.size());
   axes.resize(nodes.size());
-  factored_axes_.resize(nodes.size());
-  factored_x_.resize(nodes.size());
-  factored_q_.resize(nodes.size());
+  placed_axes_.resize(nodes.size());
+  placed_x_.resize(nodes.size());
+  placed_q_.resize(nodes.size());
   loop_poses_.resize(loops_.size());
   loop_held_.resize(loops_.size());
   loop_rows_.resize(6 * loops_.size());
   loop_errors_.resize(6 * loops_.size());
-  loop_factor_.resize(6 * loops_.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    node_by_body_.emplace_back(nodes[i].body, static_cast<int>(i));
+  std::sort(node_by_body_.begin(), node_by_body_.end());
   tree_.assign(std::move(nodes));
+  find_loop_neighbours();
 }
 
 int Mechanism::node_of(int body) const {
-  for (std::size_t i = 0; i < size(); ++i)
-    if (tree_.node(i).body == body) return static_cast<int>(i);
-  return -1;
+  const auto found = std::lower_bound(node_by_body_.begin(), node_by_body_.end(), std::pair{body, 0});
+  return found != node_by_body_.end() && found->first == body ? found->second : -1;
 }
 
 const JointSpec* Mechanism::carrying(std::size_t node) const {
   return tree_.node(node).joint < 0 ? nullptr : &specs_[node];
 }
 
-bool Mechanism::is_factored(const Bodies& bodies) const {
-  if (!factored_) return false;
+bool Mechanism::is_placed(const Bodies& bodies) const {
+  if (!placed_) return false;
   for (std::size_t i = 0; i < size(); ++i) {
     const auto body = static_cast<std::size_t>(tree_.node(i).body);
-    const TreeAxis &now = axes[i], &then = factored_axes_[i];
-    if (bodies.x[body] != factored_x_[i] || bodies.q[body].coeffs() != factored_q_[i] ||
+    const TreeAxis &now = axes[i], &then = placed_axes_[i];
+    if (bodies.x[body] != placed_x_[i] || bodies.q[body].coeffs() != placed_q_[i] ||
         now.implicit != then.implicit || now.compliance != then.compliance)
       return false;
   }
@@ -86,29 +88,37 @@ bool Mechanism::is_factored(const Bodies& bodies) const {
 void Mechanism::remember(const Bodies& bodies) {
   for (std::size_t i = 0; i < size(); ++i) {
     const auto body = static_cast<std::size_t>(tree_.node(i).body);
-    factored_x_[i] = bodies.x[body];
-    factored_q_[i] = bodies.q[body].coeffs();
-    factored_axes_[i] = axes[i];
+    placed_x_[i] = bodies.x[body];
+    placed_q_[i] = bodies.q[body].coeffs();
+    placed_axes_[i] = axes[i];
   }
-  factored_ = true;
+  placed_ = true;
+  factored_ = false;
 }
 
-void Mechanism::factor(const Bodies& bodies, const world::WorldState& state) {
-  if (is_factored(bodies)) return;
+bool Mechanism::place(const Bodies& bodies, const world::WorldState& state) {
+  if (is_placed(bodies)) return false;
   for (std::size_t i = 0; i < size(); ++i) {
     if (carrying(i) == nullptr) continue;
     poses_[i] = pose_now(specs_[i], bodies, state.joints[specs_[i].id.index()].position);
     motions_[i] = motion_directions(specs_[i], poses_[i]);
   }
-  tree_.factor(bodies, poses_, motions_, axes);
-  if (!loops_.empty()) {
-    for (std::size_t i = 0; i < loops_.size(); ++i) {
-      loop_poses_[i] = pose_now(loops_[i], bodies, state.joints[loops_[i].id.index()].position);
-      loop_held_[i] = held_directions(loops_[i], loop_poses_[i]);
-    }
-    factor_loops(bodies);
+  for (std::size_t i = 0; i < loops_.size(); ++i) {
+    loop_poses_[i] = pose_now(loops_[i], bodies, state.joints[loops_[i].id.index()].position);
+    loop_held_[i] = held_directions(loops_[i], loop_poses_[i]);
   }
   remember(bodies);
+  return true;
+}
+
+void Mechanism::factor(const Bodies& bodies) {
+  if (factored_) return;
+  tree_.factor(bodies, poses_, motions_, axes);
+  if (!loops_.empty()) {
+    place_loop_rows(bodies);
+    factor_loops();
+  }
+  factored_ = true;
 }
 
 double Mechanism::note_gap(const Gap& gap, const JointSpec& joint, double largest) {

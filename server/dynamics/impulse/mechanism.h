@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "server/dynamics/impulse/rank_cholesky.h"
+#include "server/dynamics/impulse/loop_factor.h"
 #include "server/dynamics/impulse/tree.h"
 
 namespace visum::dynamics::impulse {
@@ -33,9 +33,14 @@ class Mechanism {
   const JointPose& loop_pose(std::size_t i) const { return loop_poses_[i]; }
   const Motion& motion(std::size_t node) const { return motions_[node]; }
 
-  // Poses, directions and factors at t. Does nothing where neither bodies nor axes have changed since.
-  void factor(const Bodies& bodies, const world::WorldState& state);
-  std::vector<TreeAxis> axes;  // by node; read by factor()
+  // Poses and directions at t. False, and nothing done, where neither bodies nor axes have changed since.
+  bool place(const Bodies& bodies, const world::WorldState& state);
+  // The factors there, if they are not yet made. What asks and answers below needs them.
+  void factor(const Bodies& bodies);
+  std::vector<TreeAxis> axes;  // by node; read by place()
+
+  // Near a pose where its loops lose their grip: all bars of a four-bar on one line. As factored.
+  bool is_nearly_singular() const;
 
   // The largest gap that the look-ahead finds, and the request that would close it in h.
   double ask_gaps(const Bodies& bodies, const world::WorldState& state, double h);
@@ -56,32 +61,43 @@ class Mechanism {
  private:
   struct LoopRow {
     Line line;
+    std::size_t loop = 0;
+    double free_response = 0.0;  // were its bodies not jointed
     double wanted = 0.0;
   };
 
-  bool is_factored(const Bodies& bodies) const;
+  bool is_placed(const Bodies& bodies) const;
   void remember(const Bodies& bodies);
-  void factor_loops(const Bodies& bodies);
+  void find_loop_neighbours();
+  void place_loop_rows(const Bodies& bodies);
+  void factor_loops();
+  void find_response(std::size_t row, const std::array<int, 2>& parts);
+  std::array<int, 2> parts(const JointSpec& loop) const;
+  double rate_of_parts(const Line& line, const std::array<int, 2>& parts) const;
   double note_gap(const Gap& gap, const JointSpec& joint, double largest);
 
   Tree tree_;
-  std::vector<JointSpec> specs_;  // by node; of a free root unused
+  std::vector<std::pair<int, int>> node_by_body_;  // body, node: sorted
+  std::vector<JointSpec> specs_;                   // by node; of a free root unused
   std::vector<JointPose> poses_;
   std::vector<Motion> motions_;
   std::vector<JointSpec> loops_;
   std::vector<JointPose> loop_poses_;
   std::vector<Held> loop_held_;
+  std::vector<std::array<int, 2>> loop_parts_;  // of the tree, that a loop joins; -1: what stands still
+  std::vector<std::size_t> first_neighbour_;    // by loop: the first loop that shares a part with it
   std::vector<LoopRow> loop_rows_;
+  std::vector<std::size_t> first_loop_row_;  // by loop
   std::size_t loop_row_count_ = 0;
-  RankCholesky loop_factor_;
+  LoopFactor loop_factor_;
   std::vector<double> loop_errors_;
   const JointSpec* worst_ = nullptr;
 
-  // What the factors were made of.
-  bool factored_ = false;
-  std::vector<Vector3d> factored_x_;
-  std::vector<Eigen::Vector4d> factored_q_;
-  std::vector<TreeAxis> factored_axes_;
+  // What poses and factors were made of.
+  bool placed_ = false, factored_ = false;
+  std::vector<Vector3d> placed_x_;
+  std::vector<Eigen::Vector4d> placed_q_;
+  std::vector<TreeAxis> placed_axes_;
 };
 
 // All of an engine's bodies that are jointed to anything, by connected parts; what is left stands free.

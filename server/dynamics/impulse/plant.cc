@@ -12,7 +12,9 @@ Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
       setting(world_model.engines[static_cast<std::size_t>(engine_index)]),
       bodies(world_model, engine_index),
       mechanisms(find_mechanisms(world_model, bodies)),
-      places(bodies.size()) {
+      places(bodies.size()),
+      asleep(bodies.size(), 0),
+      mechanism_asleep(mechanisms.size(), 0) {
   std::vector<std::pair<std::size_t, int>> loops(model.joints.size(), {0, -1});
   for (std::size_t m = 0; m < mechanisms.size(); ++m) {
     for (std::size_t i = 0; i < mechanisms[m].size(); ++i)

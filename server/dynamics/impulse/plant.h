@@ -41,15 +41,20 @@ struct Touch {
   int a = -1, b = -1;       // numbers of bodies; -1: not ours
   Vector3d ra, rb;          // from the centres of mass (-1: unused)
   Matrix3d frame;
-  Vector3d foreign;     // velocity of A against B as far as it is not ours
-  double bounce = 0.0;  // velocity along the normal after a hit
-  Vector3d bias;        // relative acceleration in free flight, over the step
-  Vector3d turn;        // angular velocity with which the contact turns
-  bool yields = false;  // one of the two moves by another engine
+  Vector3d foreign;       // velocity of A against B as far as it is not ours
+  Vector3d foreign_turn;  // likewise the angular velocity
+  double bounce = 0.0;    // velocity along the normal after a hit
+  Vector3d bias;          // relative acceleration in free flight, over the step
+  Vector3d turn;          // angular velocity with which the contact turns
+  bool yields = false;    // one of the two moves by another engine
   double depth = 0.0, friction = 0.0, restitution = 0.0;
+  double rolling_friction = 0.0, torsional_friction = 0.0;
   std::array<Vector3d, kMoments> impulse;  // in the frame
+  std::array<Vector3d, kMoments> twist;    // of rolling and torsional friction, in the frame
   double total_normal = 0.0;
   Vector3d total = Vector3d::Zero();  // on A, in W
+  bool asleep = false;                // keeps its impulse, that of the record that the last awake tick left
+  Vector3d kept_impulse;              // on A, in W
 };
 
 // A force between two points, or about an axis, along (w, v) at the points pa and pb.
@@ -83,6 +88,7 @@ struct Plant {
   std::vector<std::size_t> first_axis;  // by mechanism, and one beyond
   std::vector<Spring> springs;
   std::vector<Touch> touches;
+  std::vector<char> asleep, mechanism_asleep;  // by body, by mechanism (sleep.h)
 
   std::span<Axis> axes_of(std::size_t mechanism) {
     return {axes.data() + first_axis[mechanism], axes.data() + first_axis[mechanism + 1]};
@@ -95,18 +101,27 @@ struct Plant {
 void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, const world::WorldState& state);
 // Where the bodies have been moved within a tick: positions and velocities of the axes.
 void measure_axes(Plant& plant);
+void measure_ahead(const Plant& plant, Axis& axis, double h);
 void measure_ahead(Plant& plant, std::size_t mechanism, double h);
 
-// Puts the laws that are not at their limit into the mechanisms' trees.
+// A law that is not at its limit takes part where joints are solved for: its axis gives way by k for each
+// N·m·s, and misses a rate. Its impulses are counted by moment.
+bool is_in_tree(const Axis& axis);
+double law_compliance(const Axis& axis, double h);
+double missing_rate(const Plant& plant, const Axis& axis, Moment moment, double h);
+void take_law_impulse(Axis& axis, Moment moment, double impulse);
+
+// Puts those laws into the mechanisms' trees.
 void set_tree_axes(Plant& plant, double h);
 // Returns the largest rate that is missing.
 double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h);
 void take_axis_impulses(Plant& plant, std::size_t mechanism, Moment moment);
-// Makes rows of the laws that have passed their limit; true if there are new ones.
 // Forgets the impulses of a step that starts (again).
 void reset_impulses(Plant& plant);
+// Makes rows of the laws that have passed their limit; true if there are new ones.
 bool box_saturated(Plant& plant, Moment moment, double h);
 
+bool is_asleep(const Plant& plant, const Spring& spring);
 // Where the springs are at t, and what they pull on.
 void measure_springs(Plant& plant, const world::WorldState& state);
 void push_by_springs(Plant& plant, const world::WorldState& state);  // what the look-ahead found, once more

@@ -47,7 +47,7 @@ void Rows::prepare() {
                                     : responses[end.response + (end.first + i) * end.size + end.first + j];
     }
     block.softness[0] = kSoftness * block.K[0][0];
-    if (block.kind != RowBlock::Kind::kContact) continue;
+    if (block.kind == RowBlock::Kind::kBounded) continue;
     block.softness[1] = block.softness[2] =
         0.5 * kSoftness * (block.K[1][1] + block.K[2][2]) + kRigid * block.free_response;
     const double a = block.K[1][1] + block.softness[1], b = block.K[1][2];
@@ -109,9 +109,27 @@ double Rows::relax_contact(RowBlock& block) {
   const double normal = std::max(block.low, block.lambda[0] + error(block, 0) / stiffness);
   const double by = normal - block.lambda[0];
   change(block, {by, 0.0, 0.0});
+  return std::max(std::abs(by) * stiffness, relax_tangents(block, std::max(0.0, normal + block.base[0])));
+}
+
+double Rows::relax_twist(RowBlock& block) {
+  const double stiffness = block.K[0][0] + block.softness[0];
+  if (!(stiffness > kRigid * block.free_response)) return 0.0;
+  const double most = block.torsion * pressure(block), start = block.lambda[0] + block.base[0];
+  const double by = std::clamp(start + error(block, 0) / stiffness, -most, most) - start;
+  change(block, {by, 0.0, 0.0});
+  return std::max(std::abs(by) * stiffness, relax_tangents(block, pressure(block)));
+}
+
+double Rows::pressure(const RowBlock& block) const {
+  const RowBlock& contact = block.kind == RowBlock::Kind::kTwist ? blocks[block.contact] : block;
+  return std::max(0.0, contact.lambda[0] + contact.base[0]);
+}
+
+double Rows::relax_tangents(RowBlock& block, double pressing) {
   const double e1 = error(block, 1), e2 = error(block, 2);
   const Tangential start{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
-  const double radius = block.friction * std::max(0.0, normal + block.base[0]);
+  const double radius = block.friction * pressing;
   const auto& inverse = block.inverse_tangential;
   Tangential held{start[0] + inverse[0] * e1 + inverse[1] * e2, start[1] + inverse[1] * e1 + inverse[2] * e2};
   // Where it slides, friction is to lie along the sliding: a step of one size for both directions.
@@ -119,12 +137,18 @@ double Rows::relax_contact(RowBlock& block) {
     held = within_disc({start[0] + block.sliding_step * e1, start[1] + block.sliding_step * e2}, radius);
   const double by1 = held[0] - start[0], by2 = held[1] - start[1];
   change(block, {0.0, by1, by2});
-  return std::max(std::abs(by) * stiffness,
-                  std::max(std::abs(by1) * block.K[1][1], std::abs(by2) * block.K[2][2]));
+  return std::max(std::abs(by1) * block.K[1][1], std::abs(by2) * block.K[2][2]);
 }
 
 double Rows::relax(RowBlock& block) {
-  return block.kind == RowBlock::Kind::kContact ? relax_contact(block) : relax_bounded(block);
+  switch (block.kind) {
+    case RowBlock::Kind::kContact:
+      return relax_contact(block);
+    case RowBlock::Kind::kTwist:
+      return relax_twist(block);
+    default:
+      return relax_bounded(block);
+  }
 }
 
 double Rows::sweep(bool forwards) {

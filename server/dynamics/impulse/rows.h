@@ -29,17 +29,19 @@ struct RowEnd {
 };
 
 struct RowBlock {
-  enum class Kind { kContact, kBounded };
+  enum class Kind { kContact, kTwist, kBounded };
   Kind kind = Kind::kBounded;
-  std::size_t dim = 1;  // contact: 3, the normal first
+  std::size_t dim = 1;  // contact, twist: 3, about or along the normal first
   std::array<RowEnd, 2> ends;
   std::size_t end_count = 0;
 
   std::array<double, 3> target{};
   double compliance = 0.0;          // bounded
   double low = 0.0, high = 0.0;     // bounded: of lambda; contact: low, of the normal
-  double friction = 0.0;            // contact
-  std::array<double, 3> base{};     // contact: impulses of before, which count for the friction's cone
+  double friction = 0.0;            // contact; twist: of rolling, m
+  double torsion = 0.0;             // twist, m
+  std::size_t contact = 0;          // twist: the block whose normal presses, an earlier one
+  std::array<double, 3> base{};     // contact, twist: impulses of before, which count for the bounds
   std::array<double, 3> lambda{};   // in: where to start, out
   std::array<double, 3> applied{};  // what of lambda the velocities hold already
 
@@ -81,6 +83,10 @@ class Rows {
   double error(const RowBlock& block, std::size_t row) const;
   double relax(RowBlock& block);
   double relax_contact(RowBlock& block);
+  double relax_twist(RowBlock& block);
+  double relax_tangents(RowBlock& block, double pressing);
+  // The contact's normal impulse so far; of a twist that of its contact.
+  double pressure(const RowBlock& block) const;
   double relax_bounded(RowBlock& block);
   double velocity(const RowBlock& block, std::size_t row) const;
   void change(RowBlock& block, const std::array<double, 3>& by);
@@ -91,10 +97,11 @@ class Rows {
   double response(const RowBlock& a, std::size_t r, const RowBlock& b, std::size_t s) const;
   double response(const Row& a, const Row& b) const;
   void add_contact(std::size_t index);
+  void add_twist(std::size_t index);
   void find_active();
   bool factor_active();
   double find_missing();
-  static std::array<double, 3> within_bounds(const RowBlock& block, const std::array<double, 3>& lambda);
+  std::array<double, 3> within_bounds(const RowBlock& block, const std::array<double, 3>& lambda) const;
   bool step_active();
 
   static constexpr std::size_t kNoBlock = static_cast<std::size_t>(-1);

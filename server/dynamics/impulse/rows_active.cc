@@ -61,7 +61,7 @@ double Rows::response(const Row& a, const Row& b) const {
 void Rows::add_contact(std::size_t index) {
   RowBlock& block = blocks[index];
   if (block.K[0][0] <= kRigid * block.free_response || !(block.lambda[0] > block.low)) return;
-  const double radius = block.friction * std::max(0.0, block.lambda[0] + block.base[0]);
+  const double radius = block.friction * pressure(block);
   const Tangential held{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
   const bool slides = radius == 0.0 || (!is_within_disc(held, kInside * radius) &&
                                         held[0] * error(block, 1) + held[1] * error(block, 2) >= 0.0);
@@ -74,12 +74,30 @@ void Rows::add_contact(std::size_t index) {
   active_.push_back({index, 2});
 }
 
+// What rolls or spins against its friction is left at the bound.
+void Rows::add_twist(std::size_t index) {
+  const RowBlock& block = blocks[index];
+  if (block.K[0][0] <= kRigid * block.free_response) return;
+  const double radius = block.friction * pressure(block), most = block.torsion * pressure(block);
+  const double spun = block.lambda[0] + block.base[0];
+  if (most > 0.0 && (std::abs(spun) < kInside * most || spun * error(block, 0) < 0.0))
+    active_.push_back({index, 0});
+  const Tangential held{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
+  if (radius == 0.0 || (!is_within_disc(held, kInside * radius) &&
+                        held[0] * error(block, 1) + held[1] * error(block, 2) >= 0.0))
+    return;
+  active_.push_back({index, 1});
+  active_.push_back({index, 2});
+}
+
 void Rows::find_active() {
   active_.clear();
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const RowBlock& block = blocks[i];
     if (block.kind == RowBlock::Kind::kContact)
       add_contact(i);
+    else if (block.kind == RowBlock::Kind::kTwist)
+      add_twist(i);
     else if (block.lambda[0] > block.low && block.lambda[0] < block.high && block.K[0][0] > 0.0)
       active_.push_back({i, 0});
   }
@@ -117,10 +135,14 @@ double Rows::find_missing() {
 }
 
 // The nearest impulses that the block's bounds allow.
-std::array<double, 3> Rows::within_bounds(const RowBlock& block, const std::array<double, 3>& lambda) {
+std::array<double, 3> Rows::within_bounds(const RowBlock& block, const std::array<double, 3>& lambda) const {
   if (block.kind == RowBlock::Kind::kBounded) return {std::clamp(lambda[0], block.low, block.high), 0.0, 0.0};
-  const double normal = std::max(block.low, lambda[0]);
-  const double radius = block.friction * std::max(0.0, normal + block.base[0]);
+  const bool is_contact = block.kind == RowBlock::Kind::kContact;
+  const double most = is_contact ? 0.0 : block.torsion * pressure(block);
+  const double normal = is_contact ? std::max(block.low, lambda[0])
+                                   : std::clamp(lambda[0] + block.base[0], -most, most) - block.base[0];
+  const double pressing = is_contact ? std::max(0.0, normal + block.base[0]) : pressure(block);
+  const double radius = block.friction * pressing;
   const Tangential held = within_disc({lambda[1] + block.base[1], lambda[2] + block.base[2]}, radius);
   return {normal, held[0] - block.base[1], held[1] - block.base[2]};
 }

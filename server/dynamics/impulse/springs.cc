@@ -34,8 +34,15 @@ void measure(Spring& spring, const Bodies& bodies, const world::WorldState& stat
 
 }  // namespace
 
+bool is_asleep(const Plant& plant, const Spring& spring) {
+  return plant.asleep[static_cast<std::size_t>(spring.spec.b)] != 0;
+}
+
 void measure_springs(Plant& plant, const world::WorldState& state) {
-  for (Spring& spring : plant.springs) measure(spring, plant.bodies, state);
+  for (Spring& spring : plant.springs) {
+    measure(spring, plant.bodies, state);
+    spring.acts = spring.acts && !is_asleep(plant, spring);
+  }
 }
 
 void push_by_springs(Plant& plant, const world::WorldState& state) {

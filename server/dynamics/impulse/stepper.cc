@@ -11,9 +11,23 @@ constexpr int kMostPasses = 40;       // of Newton, each closes the joints to se
 constexpr int kMostBoxings = 12;      // repetitions because laws reached their limit
 constexpr double kStandstill = 1e-9;  // m, rad: a gap below, which no longer shrinks, is rounding
 
-// What suits the error of a step at 1 ms.
-double default_d_max(int order) {
-  return order == 2 ? 1e-9 : order == 4 ? 1e-11 : 1e-13;
+// What suits the error of a step at 1 ms; of the iteration, what it reaches.
+double default_d_max(const world::EngineSetting& setting) {
+  if (setting.solver == "iterate") return 1e-6;
+  return setting.order == 2 ? 1e-9 : setting.order == 4 ? 1e-11 : 1e-13;
+}
+
+// At rest, what was given at t+h is half of the tick's.
+void count(Touch& touch) {
+  if (touch.asleep) {
+    touch.total_normal = 2.0 * touch.impulse[kAhead][0];
+    touch.total = 2.0 * touch.kept_impulse;
+    return;
+  }
+  for (const Vector3d& impulse : touch.impulse) {
+    touch.total_normal += impulse[0];
+    touch.total += touch.frame * impulse;
+  }
 }
 
 }  // namespace
@@ -21,9 +35,14 @@ double default_d_max(int order) {
 Stepper::Stepper(Plant& plant)
     : plant_(plant),
       bounded_(plant),
-      d_max_(plant.setting.d_max > 0.0 ? plant.setting.d_max : default_d_max(plant.setting.order)),
+      d_max_(plant.setting.d_max > 0.0 ? plant.setting.d_max : default_d_max(plant.setting)),
+      most_passes_(kMostPasses),
       saved_v_(plant.bodies.size()),
-      saved_w_(plant.bodies.size()) {}
+      saved_w_(plant.bodies.size()) {
+  if (plant.setting.solver != "iterate") return;
+  corrector_.emplace(plant);
+  most_passes_ = plant.setting.budget;
+}
 
 void Stepper::push_axis(const Axis& axis, double impulse) {
   const JointSpec& joint = plant_.spec(axis);
@@ -52,7 +71,8 @@ void Stepper::push(double h, std::span<const Wrench> wrenches) {
     bodies.w[i] += 0.5 * h * (bodies.inverse_inertia[i] * wrench.torque_nm);
   }
   for (const Axis& axis : plant_.axes)
-    if (axis.feedforward != 0.0) push_axis(axis, 0.5 * h * axis.feedforward);
+    if (axis.feedforward != 0.0 && !plant_.mechanism_asleep[axis.mechanism])
+      push_axis(axis, 0.5 * h * axis.feedforward);
 }
 
 void Stepper::save_velocities() {
@@ -67,7 +87,18 @@ void Stepper::restore_velocities() {
 
 void Stepper::factor(double h, const world::WorldState& state) {
   set_tree_axes(plant_, h);
-  for (Mechanism& mechanism : plant_.mechanisms) mechanism.factor(plant_.bodies, state);
+  for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
+    if (plant_.mechanism_asleep[m]) continue;
+    const bool changed = plant_.mechanisms[m].place(plant_.bodies, state);
+    if (!corrector_)
+      plant_.mechanisms[m].factor(plant_.bodies);
+    else if (changed)
+      corrector_->prepare(m, h);
+  }
+}
+
+const JointSpec* Stepper::worst_joint(std::size_t m) const {
+  return corrector_ ? corrector_->worst_joint() : plant_.mechanisms[m].worst_joint();
 }
 
 bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
@@ -102,10 +133,12 @@ void Stepper::hit(double h) {
   bounded_.solve();
   if (plant_.setting.impact == "poisson") bounded_.restore_by_poisson();
   bounded_.report();
-  for (Axis& axis : plant_.axes) axis.rate = plant_.rate(axis);
+  for (Axis& axis : plant_.axes)
+    if (!plant_.mechanism_asleep[axis.mechanism]) axis.rate = plant_.rate(axis);
 }
 
 void Stepper::fly(std::size_t m, double h) {
+  if (corrector_) return corrector_->look_ahead(m, h);
   const Mechanism& mechanism = plant_.mechanisms[m];
   for (std::size_t i = 0; i < mechanism.size(); ++i)
     plant_.bodies.look_ahead(static_cast<std::size_t>(mechanism.body(i)), h, plant_.model.gravity);
@@ -128,6 +161,7 @@ double Stepper::close(std::size_t m, double h, const world::WorldState& state) {
 }
 
 bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& state) {
+  if (corrector_) return correct_alone(m, h, state);
   double last = 0.0;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     const double gap = close(m, h, state);
@@ -139,63 +173,101 @@ bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& stat
     }
     last = gap;
   }
-  broken_ = plant_.mechanisms[m].worst_joint();
+  broken_ = worst_joint(m);
   return false;
+}
+
+// One correction of each joint; what has bounds is told where that leads.
+double Stepper::correct(std::size_t m, double h, const world::WorldState& state, int sweep) {
+  const double gap = corrector_->sweep_gaps(m, h, d_max_, state, sweep);
+  if (bounded_.binds(m)) {
+    fly(m, h);
+    measure_ahead(plant_, m, h);
+  }
+  return gap;
+}
+
+// What is left when the budget is spent is left to the next step.
+bool Stepper::correct_alone(std::size_t m, double h, const world::WorldState& state) {
+  corrector_->forget_look_ahead(m);
+  double gap = 2.0 * d_max_;
+  for (int sweep = 0; sweep < most_passes_ && gap > d_max_; ++sweep) gap = correct(m, h, state, sweep);
+  fly(m, h);
+  broken_ = worst_joint(m);
+  return std::isfinite(gap);
 }
 
 // Mechanisms that share contacts, or have bounds of their own.
 bool Stepper::close_together(double h, const world::WorldState& state) {
-  for (int pass = 0; pass < kMostPasses; ++pass) {
+  for (int pass = 0; pass < most_passes_; ++pass) {
     double largest = 0.0;
     for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
       if (!bounded_.binds(m)) continue;
-      const double gap = close(m, h, state);
+      if (corrector_) corrector_->forget_look_ahead(m);
+      const double gap = corrector_ ? correct(m, h, state, pass) : close(m, h, state);
       if (!(gap <= largest)) {
         largest = gap;
-        broken_ = plant_.mechanisms[m].worst_joint();
+        broken_ = worst_joint(m);
       }
     }
     if (!std::isfinite(largest)) return false;
     const double moved = h * bounded_.solve();
     if (!std::isfinite(moved)) return false;
     if (largest <= d_max_ && moved <= d_max_) break;
-    if (pass + 1 == kMostPasses && largest > std::sqrt(d_max_)) return false;
+    if (!corrector_ && pass + 1 == kMostPasses && largest > std::sqrt(d_max_)) return false;
   }
-  for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
-    if (bounded_.binds(m)) fly(m, h);
+  for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
+    if (!bounded_.binds(m)) continue;
+    if (corrector_) corrector_->forget_look_ahead(m);
+    fly(m, h);
+  }
   return true;
 }
 
 bool Stepper::look_ahead(double h, const world::WorldState& state) {
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
-    if (!bounded_.binds(m) && !close_alone(m, h, state)) return false;
+    if (!plant_.mechanism_asleep[m] && !bounded_.binds(m) && !close_alone(m, h, state)) return false;
   if (!bounded_.empty() && !close_together(h, state)) return false;
   for (std::size_t i = 0; i < plant_.bodies.size(); ++i)
-    if (plant_.places[i].mechanism < 0) plant_.bodies.look_ahead(i, h, plant_.model.gravity);
+    if (plant_.places[i].mechanism < 0 && !plant_.asleep[i])
+      plant_.bodies.look_ahead(i, h, plant_.model.gravity);
   return true;
 }
 
 void Stepper::commit(double h) {
-  for (std::size_t i = 0; i < plant_.bodies.size(); ++i) plant_.bodies.commit(i, h, plant_.model.gravity);
+  for (std::size_t i = 0; i < plant_.bodies.size(); ++i)
+    if (!plant_.asleep[i]) plant_.bodies.commit(i, h, plant_.model.gravity);
+}
+
+void Stepper::match_velocities(std::size_t m, double h) {
+  if (corrector_) {
+    const double v_max = plant_.setting.v_max;
+    for (int sweep = 0; sweep < most_passes_; ++sweep)
+      if (corrector_->sweep_velocities(m, h, v_max, sweep) <= v_max) return;
+    return;
+  }
+  Mechanism& mechanism = plant_.mechanisms[m];
+  mechanism.clear();
+  mechanism.ask_velocities(plant_.bodies);
+  ask_axes(plant_, m, kAfter, h);
+  mechanism.solve();
+  mechanism.apply(plant_.bodies);
+  take_axis_impulses(plant_, m, kAfter);
 }
 
 void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
   save_velocities();
-  for (Touch& touch : plant_.touches) touch.impulse[kAfter] = touch.impulse[kAhead];
+  for (Touch& touch : plant_.touches) {
+    touch.impulse[kAfter] = touch.impulse[kAhead];
+    touch.twist[kAfter] = touch.twist[kAhead];
+  }
   for (int i = 0; i < kMostBoxings; ++i) {
     if (i > 0) restore_velocities();
     push(h, wrenches);
     if (i == 0) push_by_springs(plant_, state);
     factor(h, state);
-    for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
-      Mechanism& mechanism = plant_.mechanisms[m];
-      mechanism.clear();
-      mechanism.ask_velocities(plant_.bodies);
-      ask_axes(plant_, m, kAfter, h);
-      mechanism.solve();
-      mechanism.apply(plant_.bodies);
-      take_axis_impulses(plant_, m, kAfter);
-    }
+    for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
+      if (!plant_.mechanism_asleep[m]) match_velocities(m, h);
     bounded_.build(kAfter, h);
     if (!bounded_.empty()) {
       bounded_.solve();
@@ -209,11 +281,7 @@ void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, con
 void Stepper::count_impulses() {
   for (Axis& axis : plant_.axes)
     for (std::size_t k = 0; k < kMoments; ++k) axis.total += axis.law[k] + axis.damped[k];
-  for (Touch& touch : plant_.touches)
-    for (const Vector3d& impulse : touch.impulse) {
-      touch.total_normal += impulse[0];
-      touch.total += touch.frame * impulse;
-    }
+  for (Touch& touch : plant_.touches) count(touch);
 }
 
 }  // namespace visum::dynamics::impulse

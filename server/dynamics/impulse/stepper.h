@@ -3,8 +3,10 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "server/dynamics/impulse/bounded.h"
+#include "server/dynamics/impulse/corrector.h"
 
 namespace visum::dynamics::impulse {
 
@@ -16,19 +18,24 @@ class Stepper {
   // closed: the plant is then to be thrown back to where it was, and broken() tells which joint.
   bool step(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
   const JointSpec* broken() const { return broken_; }
+  // Poses, directions and factors at t; step() does it, too.
+  void factor(double h, const world::WorldState& state);
 
  private:
   void push(double h, std::span<const Wrench> wrenches);
   void push_axis(const Axis& axis, double impulse);
   void save_velocities();
   void restore_velocities();
-  void factor(double h, const world::WorldState& state);
+  const JointSpec* worst_joint(std::size_t mechanism) const;
   void hit(double h);
   bool foresee(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
   bool look_ahead(double h, const world::WorldState& state);
   double close(std::size_t mechanism, double h, const world::WorldState& state);
+  double correct(std::size_t mechanism, double h, const world::WorldState& state, int sweep);
   bool close_alone(std::size_t mechanism, double h, const world::WorldState& state);
+  bool correct_alone(std::size_t mechanism, double h, const world::WorldState& state);
   bool close_together(double h, const world::WorldState& state);
+  void match_velocities(std::size_t mechanism, double h);
   void fly(std::size_t mechanism, double h);
   void commit(double h);
   void correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
@@ -36,7 +43,9 @@ class Stepper {
 
   Plant& plant_;
   Bounded bounded_;
+  std::optional<Corrector> corrector_;  // solver: iterate
   double d_max_;
+  int most_passes_;
   const JointSpec* broken_ = nullptr;
   std::vector<Vector3d> saved_v_, saved_w_;
 };

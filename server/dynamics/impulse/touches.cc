@@ -52,6 +52,7 @@ bool find_hits(Plant& plant, double h) {
   const double slow = kFallSteps * h * plant.model.gravity.norm();
   bool any = false;
   for (Touch& touch : plant.touches) {
+    if (touch.asleep) continue;
     const double speed = -normal_speed(plant, touch);
     touch.bounce = 0.0;
     if (touch.restitution == 0.0 || speed <= slow) continue;
@@ -73,6 +74,7 @@ bool find_hits(Plant& plant, double h) {
 
 void carry_touches(Plant& plant, double h) {
   for (Touch& touch : plant.touches) {
+    if (touch.asleep) continue;
     touch.depth -= h * normal_speed(plant, touch);
     if (touch.turn.isZero(0.0)) continue;
     const Matrix3d R = rotation(h * touch.turn).toRotationMatrix();
@@ -93,9 +95,12 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
     touch.a = bodies.number(contact.body_a);
     touch.b = bodies.number(contact.body_b);
     if (touch.a < 0 && touch.b < 0) continue;
+    touch.asleep = plant.asleep[static_cast<std::size_t>(std::max(touch.a, touch.b))] != 0;
+    touch.kept_impulse.setZero();
     const Across tangents = across(contact.normal_W);
     touch.frame << contact.normal_W, tangents.first, tangents.second;
     touch.foreign.setZero();
+    touch.foreign_turn.setZero();
     touch.ra = touch.rb = touch.bias = Vector3d::Zero();
     Vector3d turn_a, turn_b;
     if (touch.a >= 0) {
@@ -106,6 +111,7 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
     } else {
       const Foreign motion = foreign_motion(plant.model, state, contact.body_a, contact.p_W);
       touch.foreign += motion.velocity;
+      touch.foreign_turn += motion.turn;
       turn_a = motion.turn;
     }
     if (touch.b >= 0) {
@@ -116,6 +122,7 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
     } else {
       const Foreign motion = foreign_motion(plant.model, state, contact.body_b, contact.p_W);
       touch.foreign -= motion.velocity;
+      touch.foreign_turn -= motion.turn;
       turn_b = motion.turn;
     }
     // A ball that rolls keeps its lever, what is held turns with its hand: the contact turns with the body
@@ -129,7 +136,9 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
     touch.depth = contact.depth;
     touch.friction = contact.friction;
     touch.restitution = contact.restitution;
-    for (Vector3d& impulse : touch.impulse) impulse.setZero();
+    touch.rolling_friction = contact.rolling_friction;
+    touch.torsional_friction = contact.torsional_friction;
+    for (std::size_t k = 0; k < kMoments; ++k) touch.impulse[k] = touch.twist[k] = Vector3d::Zero();
     plant.touches.push_back(touch);
   }
 }

@@ -35,6 +35,8 @@ class Tree {
   void assign(std::vector<TreeNode> nodes);
   std::size_t size() const { return nodes_.size(); }
   const TreeNode& node(std::size_t i) const { return nodes_[i]; }
+  // What hangs together without what stands still; an impulse on one part does nothing to another.
+  int part(std::size_t i) const { return part_of_[i]; }
 
   // From the poses and inertias of `bodies`, the joints' poses and free directions by node, and the axes.
   void factor(const Bodies& bodies, const std::vector<JointPose>& poses, const std::vector<Motion>& free,
@@ -42,6 +44,7 @@ class Tree {
 
   // What is asked, by node; all zero after clear().
   void clear();
+  void clear_part(int part);
   void ask(std::size_t i, const Vector3d& beta, const Vector3d& alpha) {
     asked_[i].beta = beta;
     asked_[i].alpha = alpha;
@@ -54,6 +57,7 @@ class Tree {
   }
 
   void solve();
+  void solve_part(int part);  // of what is asked of it; the answers of other parts stay as they are
 
   // The answer, by node: changes of velocity of the centre of mass, and of the axis.
   const Vector3d& dw(std::size_t i) const { return answer_[i].w; }
@@ -86,11 +90,14 @@ class Tree {
   void eliminate(Factor& factor, const TreeAxis& axis);
   void eliminate_one(Factor& factor, const TreeAxis& axis);
   void add_to_parent(std::size_t i);
+  void load(std::size_t i);
   void load_up(std::size_t i);
   void spread_down(std::size_t i);
   void spread_root(std::size_t i);
 
   std::vector<TreeNode> nodes_;
+  std::vector<int> part_of_;
+  std::vector<std::vector<std::size_t>> parts_;  // nodes, parents first
   std::vector<Factor> factors_;
   std::vector<Eigen::Matrix<double, 6, 6>>
       roots_;                 // by node that is a free root: inverse inertia, else empty

@@ -23,6 +23,15 @@ Matrix3d cross_matrix(const Vector3d& u) {
 
 void Tree::assign(std::vector<TreeNode> nodes) {
   nodes_ = std::move(nodes);
+  part_of_.resize(nodes_.size());
+  parts_.clear();
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const int parent = nodes_[i].parent;
+    if (parent < 0) parts_.emplace_back();
+    part_of_[i] =
+        parent < 0 ? static_cast<int>(parts_.size()) - 1 : part_of_[static_cast<std::size_t>(parent)];
+    parts_[static_cast<std::size_t>(part_of_[i])].push_back(i);
+  }
   factors_.resize(nodes_.size());
   asked_.resize(nodes_.size());
   answer_.resize(nodes_.size());

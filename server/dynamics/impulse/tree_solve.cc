@@ -6,12 +6,25 @@ void Tree::clear() {
   for (Asked& asked : asked_) asked = {};
 }
 
+void Tree::clear_part(int part) {
+  for (const std::size_t i : parts_[static_cast<std::size_t>(part)]) asked_[i] = {};
+}
+
+void Tree::solve_part(int part) {
+  const std::vector<std::size_t>& nodes = parts_[static_cast<std::size_t>(part)];
+  for (const std::size_t i : nodes) load(i);
+  for (std::size_t k = nodes.size(); k-- > 0;) load_up(nodes[k]);
+  for (const std::size_t i : nodes) spread_down(i);
+}
+
+void Tree::load(std::size_t i) {
+  const Asked& asked = asked_[i];
+  load_w_[i] = -asked.angular - factors_[i].c.cross(asked.linear);
+  load_v_[i] = -asked.linear;
+}
+
 void Tree::solve() {
-  for (std::size_t i = 0; i < size(); ++i) {
-    const Asked& asked = asked_[i];
-    load_w_[i] = -asked.angular - factors_[i].c.cross(asked.linear);
-    load_v_[i] = -asked.linear;
-  }
+  for (std::size_t i = 0; i < size(); ++i) load(i);
   for (std::size_t i = size(); i-- > 0;) load_up(i);
   for (std::size_t i = 0; i < size(); ++i) spread_down(i);
 }

@@ -19,7 +19,7 @@ auto key(const collision::Contact& contact) {
   return std::tuple(contact.shape_a.value, contact.shape_b.value, contact.feature);
 }
 
-Record record_at(const std::vector<std::byte>& bytes, std::size_t i) {
+Record record_at(std::span<const std::byte> bytes, std::size_t i) {
   Record record;
   std::memcpy(&record, bytes.data() + i * sizeof(Record), sizeof(Record));
   return record;
@@ -27,7 +27,7 @@ Record record_at(const std::vector<std::byte>& bytes, std::size_t i) {
 
 }  // namespace
 
-void read_warm_start(const std::vector<std::byte>& bytes, std::span<const collision::Contact> contacts,
+void read_warm_start(std::span<const std::byte> bytes, std::span<const collision::Contact> contacts,
                      Plant& plant) {
   if (bytes.size() % sizeof(Record) != 0) return;
   const std::size_t count = bytes.size() / sizeof(Record);
@@ -39,18 +39,22 @@ void read_warm_start(const std::vector<std::byte>& bytes, std::span<const collis
     const Record record = record_at(bytes, i);
     const Vector3d impulse(record.impulse[0], record.impulse[1], record.impulse[2]);
     if (key(record) != key(contact) || !impulse.allFinite()) continue;
+    touch.kept_impulse = impulse;
     touch.impulse[kAhead] = touch.frame.transpose() * impulse;
     touch.impulse[kAhead][0] = std::max(0.0, touch.impulse[kAhead][0]);
   }
 }
 
+std::size_t warm_start_bytes(const Plant& plant) {
+  return plant.touches.size() * sizeof(Record);
+}
+
 void write_warm_start(const Plant& plant, std::span<const collision::Contact> contacts,
                       std::vector<std::byte>& bytes) {
-  bytes.resize(plant.touches.size() * sizeof(Record));
   for (std::size_t i = 0; i < plant.touches.size(); ++i) {
     const Touch& touch = plant.touches[i];
     const collision::Contact& contact = contacts[touch.contact];
-    const Vector3d impulse = touch.frame * touch.impulse[kAfter];
+    const Vector3d impulse = touch.asleep ? touch.kept_impulse : touch.frame * touch.impulse[kAfter];
     const Record record{contact.shape_a.value,
                         contact.shape_b.value,
                         contact.feature,

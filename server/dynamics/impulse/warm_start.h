@@ -2,7 +2,7 @@
 // the world's state, so that a restored world goes on with the same bits.
 //
 // Format: one record for each contact, in their order: shape_a, shape_b, feature, zero (32 bits each),
-// impulse in W (3 doubles). Native endianness, as the rest of a snapshot.
+// impulse in W (3 doubles). Native endianness, as the rest of a snapshot. What sleeps keeps its record.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,10 @@ namespace visum::dynamics::impulse {
 
 // Into the touches' impulses. Records of contacts that are gone, and bytes of another engine, count for
 // nothing.
-void read_warm_start(const std::vector<std::byte>& bytes, std::span<const collision::Contact> contacts,
+void read_warm_start(std::span<const std::byte> bytes, std::span<const collision::Contact> contacts,
                      Plant& plant);
+std::size_t warm_start_bytes(const Plant& plant);
 void write_warm_start(const Plant& plant, std::span<const collision::Contact> contacts,
-                      std::vector<std::byte>& bytes);
+                      std::vector<std::byte>& bytes);  // the first warm_start_bytes()
 
 }  // namespace visum::dynamics::impulse

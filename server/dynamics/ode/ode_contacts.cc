@@ -36,6 +36,12 @@ dContact make_contact(const collision::Contact& contact, const Eigen::Vector3d& 
     surface.bounce = contact.restitution;
     surface.bounce_vel = kLeastBounceSpeed;
   }
+  if (contact.rolling_friction > 0.0 || contact.torsional_friction > 0.0) {
+    surface.mode |= dContactRolling | dContactAxisDep;
+    surface.mu2 = surface.mu;
+    surface.rho = surface.rho2 = contact.rolling_friction;
+    surface.rhoN = contact.torsional_friction;
+  }
   // A friction pyramid brakes too strongly across its corners; laid along the sliding it brakes as a cone
   // does.
   const Eigen::Vector3d sliding = relative_velocity - normal_W * normal_W.dot(relative_velocity);

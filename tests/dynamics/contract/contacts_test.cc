@@ -128,6 +128,67 @@ TEST_P(Contacts, ARollingBallRollsWithoutSlipping) {
   EXPECT_NEAR(lab.body("ball").w_WB.y(), 5.0 / 7.0 / 0.1, 5e-2);
 }
 
+// A torque of c N against rolling, N = m g: (1 + 2/5) m a = c m g/r, s = v²/(2 a).
+TEST_P(Contacts, ABallRollsToRestAsItsRollingFrictionSays) {
+  auto b = builder();
+  const world::SurfaceId felt = b.add_surface(0.8, 0.0);
+  b.model.surfaces[felt.index()].rolling_friction = 0.01;
+  b.add_ground(felt);
+  const double r = 0.1, v = 0.7;
+  const BodyId ball = b.add_sphere("ball", r, 1.0, at(0, 0, r));
+  b.body(ball).v_WB = {v, 0, 0};
+  b.body(ball).w_WB = {0, v / r, 0};
+  const double a = 5.0 / 7.0 * kG * 0.01 / r;
+  Lab lab(b.model);
+  lab.run(0.5);
+  EXPECT_NEAR(lab.body("ball").v_WC.x(), v - 0.5 * a, 5e-3 * v);
+  EXPECT_NEAR(lab.body("ball").w_WB.y(), lab.body("ball").v_WC.x() / r, 1e-3);
+  lab.run(1.0);
+  const double stop = v * v / (2.0 * a);
+  EXPECT_NEAR(lab.body("ball").p_WC.x(), stop, 5e-3 * stop);
+  EXPECT_LT(lab.body("ball").v_WC.norm(), 1e-4);
+  EXPECT_NEAR(lab.body("ball").p_WC.y(), 0.0, 1e-6);
+}
+
+// A torque of c N about the normal: the spin falls evenly, w = w0 - c m g/I t.
+TEST_P(Contacts, ASpinningBallSlowsEvenlyAsItsTorsionalFrictionSays) {
+  auto b = builder();
+  const world::SurfaceId felt = b.add_surface(0.8, 0.0);
+  b.model.surfaces[felt.index()].torsional_friction = 0.002;
+  b.add_ground(felt);
+  const double r = 0.1;
+  const BodyId ball = b.add_sphere("ball", r, 1.0, at(0, 0, r));
+  b.body(ball).w_WB = {0, 0, 6.0};
+  const double slowing = 0.002 * kG / (0.4 * r * r);
+  Lab lab(b.model);
+  for (const double t : {0.25, 0.5, 1.0}) {
+    lab.run(t - 1e-9 * static_cast<double>(lab.state.tick * lab.model.tick_ns));
+    EXPECT_NEAR(lab.body("ball").w_WB.z(), 6.0 - slowing * t, 0.02) << t;
+  }
+  lab.run(0.5);
+  EXPECT_LT(lab.body("ball").w_WB.norm(), 1e-3);
+  EXPECT_LT(lab.body("ball").p_WC.head<2>().norm(), 1e-4);
+}
+
+// On a slope it rolls where sin(angle) r > c cos(angle), and stays where not.
+TEST_P(Contacts, RollingFrictionHoldsABallOnAGentleSlope) {
+  const double r = 0.1, limit = std::atan2(0.01, r);
+  for (const double share : {0.9, 1.2}) {
+    auto b = builder();
+    const world::SurfaceId felt = b.add_surface(0.8, 0.0);
+    b.model.surfaces[felt.index()].rolling_friction = 0.01;
+    const Pose tilt = at(0, 0, 0, share * limit, {0, 1, 0});
+    b.add_fixed_box("slope", {20, 20, 1}, tilt * at(0, 0, -0.5), felt);
+    b.add_sphere("ball", r, 1.0, tilt * at(0, 0, r), felt);
+    Lab lab(b.model);
+    const Eigen::Vector3d start = lab.body("ball").p_WC;
+    lab.run(1.0);
+    const double rolled = (lab.body("ball").p_WC - start).norm(), angle = share * limit;
+    const double a = 5.0 / 7.0 * kG * (std::sin(angle) - 0.01 / r * std::cos(angle));
+    EXPECT_NEAR(rolled, share < 1.0 ? 0.0 : 0.5 * a, 2e-3) << share;
+  }
+}
+
 TEST_P(Contacts, AStackOfFiveBoxesStands) {
   auto b = builder();
   b.add_ground();

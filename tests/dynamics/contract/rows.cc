@@ -18,6 +18,12 @@ world::EngineSetting impulse(int order) {
   return setting;
 }
 
+world::EngineSetting iterate() {
+  world::EngineSetting setting = impulse(2);
+  setting.solver = "iterate";
+  return setting;
+}
+
 }  // namespace
 
 // ODE is semi-implicit: it misses the parabola by g h t / 2 = 4.9 mm after 1 s at 1 ms.
@@ -27,6 +33,7 @@ const std::vector<Row>& rows() {
       {"OdeQuick", ode("quick", 50), {4.91e-3, 1e-3, 1e-3, 5e-3, 2e-2, 2e-3, 1e-3, 5e-3, 5e-3}},
       {"Impulse", impulse(2), {1e-10, 1e-9, 2e-9, 1e-5, 1e-4, 1e-3, 1e-9, 1e-6, 1e-6}},
       {"ImpulseOrder4", impulse(4), {1e-10, 1e-9, 1e-10, 1e-8, 1e-4, 1e-3, 1e-9, 1e-6, 1e-6}},
+      {"ImpulseIterate", iterate(), {1e-10, 1e-6, 2e-6, 1e-5, 1e-4, 1e-3, 1e-9, 1e-6, 1e-6}},
   };
   return all;
 }

@@ -23,17 +23,21 @@ world::EngineSetting impulse(int order) {
   return setting;
 }
 
+world::EngineSetting iterate() {
+  world::EngineSetting setting = impulse(2);
+  setting.solver = "iterate";
+  return setting;
+}
+
 bool is_built(const EngineRow& row) {
   return std::ranges::any_of(dynamics::engine_kinds(),
                              [&](const auto& kind) { return row.setting.name == kind.name; });
 }
 
 std::vector<EngineRow> built_rows() {
-  std::vector<EngineRow> rows{{"impulse", impulse(2)},
-                              {"impulse-order4", impulse(4)},
-                              {"impulse-order6", impulse(6)},
-                              {"ode", ode("world")},
-                              {"ode-quick", ode("quick")}};
+  std::vector<EngineRow> rows{{"impulse", impulse(2)},        {"impulse-order4", impulse(4)},
+                              {"impulse-order6", impulse(6)}, {"impulse-iterate", iterate()},
+                              {"ode", ode("world")},          {"ode-quick", ode("quick")}};
   std::erase_if(rows, [](const EngineRow& row) { return !is_built(row); });
   return rows;
 }

@@ -1,0 +1,195 @@
+#include "server/dynamics/impulse/corrector.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+namespace visum::dynamics::impulse {
+namespace {
+
+double largest_of(const Vector3d& a, const Vector3d& b) {
+  return std::max(a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff());
+}
+
+}  // namespace
+
+Corrector::Corrector(Plant& plant)
+    : plant_(plant), joints_(plant.mechanisms.size()), is_ahead_(plant.bodies.size(), 0) {
+  for (std::size_t m = 0; m < joints_.size(); ++m) {
+    const Mechanism& mechanism = plant.mechanisms[m];
+    for (std::size_t i = 0; i < mechanism.size(); ++i)
+      if (mechanism.carrying(i) != nullptr) add_joint(m, *mechanism.carrying(i), mechanism.pose(i));
+    for (std::size_t i = 0; i < mechanism.loop_count(); ++i)
+      add_joint(m, mechanism.loop(i), mechanism.loop_pose(i));
+  }
+}
+
+void Corrector::add_joint(std::size_t m, const JointSpec& spec, const JointPose& pose) {
+  Joint& joint = joints_[m].emplace_back();
+  joint.spec = &spec;
+  joint.pose = &pose;
+  for (std::size_t i = plant_.first_axis[m]; i < plant_.first_axis[m + 1]; ++i)
+    if (plant_.axes[i].joint == spec.id) joint.own_axis = i;
+}
+
+void Corrector::prepare(std::size_t m, double h) {
+  for (Joint& joint : joints_[m]) {
+    const bool gives = joint.own_axis != kNoAxis && is_in_tree(plant_.axes[joint.own_axis]);
+    joint.axis = gives ? &plant_.axes[joint.own_axis] : nullptr;
+    add_rows(joint);
+    invert(joint, h);
+  }
+}
+
+void Corrector::add_rows(Joint& joint) {
+  const JointPose& pose = *joint.pose;
+  const Bodies& bodies = plant_.bodies;
+  joint.rb = pose.pb - bodies.x[static_cast<std::size_t>(joint.spec->b)];
+  if (joint.spec->a >= 0) joint.ra = pose.pb - bodies.x[static_cast<std::size_t>(joint.spec->a)];
+  const Held held = held_directions(*joint.spec, pose);
+  joint.count = static_cast<std::size_t>(held.count);
+  for (std::size_t k = 0; k < joint.count; ++k) {
+    joint.w[k] = held.w[k];
+    joint.v[k] = held.v[k];
+  }
+  if (joint.axis == nullptr) return;
+  const AxisDirection axis = axis_direction(*joint.spec, pose);
+  joint.w[joint.count] = axis.w;
+  joint.v[joint.count] = axis.v;
+  ++joint.count;
+}
+
+// Rows that are not there answer 1 to themselves.
+void Corrector::invert(Joint& joint, double h) const {
+  Eigen::Matrix<double, 6, 6> K = Eigen::Matrix<double, 6, 6>::Identity();
+  const auto n = static_cast<int>(joint.count);
+  K.topLeftCorner(n, n).setZero();
+  const auto add = [&](int number, const Vector3d& r) {
+    if (number < 0) return;
+    const auto body = static_cast<std::size_t>(number);
+    const double inverse_mass = plant_.bodies.constants[body].inverse_mass;
+    std::array<Vector3d, 6> turn;
+    for (std::size_t k = 0; k < joint.count; ++k) turn[k] = joint.w[k] + r.cross(joint.v[k]);
+    for (std::size_t k = 0; k < joint.count; ++k) {
+      const Vector3d turned = plant_.bodies.inverse_inertia[body] * turn[k];
+      for (std::size_t l = 0; l < joint.count; ++l)
+        K(static_cast<int>(l), static_cast<int>(k)) +=
+            inverse_mass * joint.v[l].dot(joint.v[k]) + turn[l].dot(turned);
+    }
+  };
+  add(joint.spec->a, joint.ra);
+  add(joint.spec->b, joint.rb);
+  if (joint.axis != nullptr) K(n - 1, n - 1) += law_compliance(*joint.axis, h);
+  const Eigen::Matrix<double, 6, 6> inverse = K.llt().solve(Eigen::Matrix<double, 6, 6>::Identity());
+  for (int k = 0; k < n; ++k)
+    for (int l = 0; l < n; ++l)
+      joint.inverse_K[static_cast<std::size_t>(k)][static_cast<std::size_t>(l)] = inverse(k, l);
+}
+
+void Corrector::forget_look_ahead(std::size_t m) {
+  const Mechanism& mechanism = plant_.mechanisms[m];
+  for (std::size_t i = 0; i < mechanism.size(); ++i)
+    is_ahead_[static_cast<std::size_t>(mechanism.body(i))] = 0;
+}
+
+void Corrector::look_ahead(int body, double h) {
+  if (body < 0) return;
+  const auto i = static_cast<std::size_t>(body);
+  if (is_ahead_[i] != 0) return;
+  plant_.bodies.look_ahead(i, h, plant_.model.gravity);
+  is_ahead_[i] = 1;
+}
+
+void Corrector::look_ahead(std::size_t m, double h) {
+  const Mechanism& mechanism = plant_.mechanisms[m];
+  for (std::size_t i = 0; i < mechanism.size(); ++i) look_ahead(mechanism.body(i), h);
+}
+
+void Corrector::push(int number, const Vector3d& r, const Vector3d& T, const Vector3d& F, double sign) {
+  if (number < 0) return;
+  const auto i = static_cast<std::size_t>(number);
+  Bodies& bodies = plant_.bodies;
+  bodies.v[i] += (sign * bodies.constants[i].inverse_mass) * F;
+  bodies.w[i] += sign * (bodies.inverse_inertia[i] * (T + r.cross(F)));
+  is_ahead_[i] = 0;
+}
+
+void Corrector::push(Joint& joint, const Errors& errors, Moment moment) {
+  Vector3d T = Vector3d::Zero(), F = Vector3d::Zero();
+  double lambda = 0.0;
+  for (std::size_t k = 0; k < joint.count; ++k) {
+    lambda = 0.0;
+    for (std::size_t l = 0; l < joint.count; ++l) lambda += joint.inverse_K[k][l] * errors[l];
+    T += lambda * joint.w[k];
+    F += lambda * joint.v[k];
+  }
+  push(joint.spec->a, joint.ra, T, F, -1.0);
+  push(joint.spec->b, joint.rb, T, F, 1.0);
+  if (joint.axis != nullptr) take_law_impulse(*joint.axis, moment, lambda);
+}
+
+double Corrector::close_gap(Joint& joint, double h, double d_max, double position) {
+  look_ahead(joint.spec->a, h);
+  look_ahead(joint.spec->b, h);
+  const Gap gap = joint_gap(*joint.spec, pose_ahead(*joint.spec, plant_.bodies, position));
+  double largest = largest_of(gap.turn, gap.shift);
+  Errors errors{};
+  for (std::size_t k = 0; k < joint.count; ++k)
+    errors[k] = (joint.w[k].dot(gap.turn) + joint.v[k].dot(gap.shift)) / h;
+  if (joint.axis != nullptr) {
+    measure_ahead(plant_, *joint.axis, h);
+    const double missing = missing_rate(plant_, *joint.axis, kAhead, h);
+    errors[joint.count - 1] = missing;
+    largest = std::max(largest, h * std::abs(missing));
+  }
+  if (!(largest <= d_max)) push(joint, errors, kAhead);
+  return largest;
+}
+
+Vector3d Corrector::velocity_at(int number, const Vector3d& r) const {
+  const auto i = static_cast<std::size_t>(number);
+  return plant_.bodies.v[i] + plant_.bodies.w[i].cross(r);
+}
+
+double Corrector::match_velocity(Joint& joint, double h, double v_max) {
+  const JointSpec& spec = *joint.spec;
+  Vector3d w = plant_.bodies.w[static_cast<std::size_t>(spec.b)], v = velocity_at(spec.b, joint.rb);
+  if (spec.a >= 0) {
+    w -= plant_.bodies.w[static_cast<std::size_t>(spec.a)];
+    v -= velocity_at(spec.a, joint.ra);
+  }
+  Errors errors{};
+  for (std::size_t k = 0; k < joint.count; ++k) errors[k] = -joint.w[k].dot(w) - joint.v[k].dot(v);
+  if (joint.axis != nullptr) errors[joint.count - 1] = missing_rate(plant_, *joint.axis, kAfter, h);
+  double largest = 0.0;
+  for (std::size_t k = 0; k < joint.count; ++k)
+    if (!(std::abs(errors[k]) <= largest)) largest = std::abs(errors[k]);
+  if (!(largest <= v_max)) push(joint, errors, kAfter);
+  return largest;
+}
+
+double Corrector::sweep_gaps(std::size_t m, double h, double d_max, const world::WorldState& state,
+                             int sweep) {
+  std::vector<Joint>& joints = joints_[m];
+  double largest = 0.0;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    Joint& joint = joints[sweep % 2 == 0 ? i : joints.size() - 1 - i];
+    const double gap = close_gap(joint, h, d_max, state.joints[joint.spec->id.index()].position);
+    if (gap <= largest) continue;
+    largest = gap;
+    worst_ = joint.spec;
+    if (std::isnan(gap)) break;
+  }
+  return largest;
+}
+
+double Corrector::sweep_velocities(std::size_t m, double h, double v_max, int sweep) {
+  std::vector<Joint>& joints = joints_[m];
+  double largest = 0.0;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const double found = match_velocity(joints[sweep % 2 == 0 ? i : joints.size() - 1 - i], h, v_max);
+    if (!(found <= largest)) largest = found;
+  }
+  return largest;
+}
+
+}  // namespace visum::dynamics::impulse
