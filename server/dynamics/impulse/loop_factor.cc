@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace visum::dynamics::impulse {
 namespace {
@@ -11,17 +13,24 @@ constexpr double kDependent = 1e-10;
 }  // namespace
 
 void LoopFactor::clear() {
-  first_.clear();
+  blocks_.clear();
+  block_of_.clear();
   start_.clear();
   scale_.clear();
   lower_.clear();
 }
 
-void LoopFactor::add(std::size_t first, double scale) {
+void LoopFactor::add_block(std::size_t first) {
+  blocks_.push_back({first, size(), size()});
+}
+
+void LoopFactor::add_row(double scale) {
+  Block& block = blocks_.back();
   start_.push_back(lower_.size());
-  lower_.resize(lower_.size() + size() - first + 1, 0.0);
-  first_.push_back(first);
+  block_of_.push_back(blocks_.size() - 1);
   scale_.push_back(scale);
+  lower_.resize(lower_.size() + block.end - block.first + 1, 0.0);
+  ++block.end;
 }
 
 std::size_t LoopFactor::rank() const {
@@ -29,36 +38,87 @@ std::size_t LoopFactor::rank() const {
          static_cast<std::size_t>(std::count(inverse_diagonal_.begin(), inverse_diagonal_.end(), 0.0));
 }
 
-// l_ij = (a_ij - sum l_ik l_jk) / l_jj,  l_ii^2 = a_ii - sum l_ik^2.
 void LoopFactor::factor() {
-  inverse_diagonal_.resize(size());
+  order_.resize(size());
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  inverse_diagonal_.assign(size(), 0.0);
+  pivots_.resize(size());
+  sorted_.resize(size());
   least_share_ = 1.0;
-  for (std::size_t i = 0; i < size(); ++i) {
-    double* const ri = row(i);
-    double pivot = ri[i];
-    for (std::size_t j = first_[i]; j < i; ++j) {
-      const double* const rj = row(j);
-      for (std::size_t k = std::max(first_[i], first_[j]); k < j; ++k) ri[j] -= ri[k] * rj[k];
-      ri[j] *= inverse_diagonal_[j];
-      pivot -= ri[j] * ri[j];
+  for (const Block& block : blocks_) {
+    take_order(block);
+    eliminate_before(block);
+    for (std::size_t i = block.begin; i < block.end; ++i) {
+      pivot(block, i);
+      if (!(pivots_[i] > kDependent * scale_[i])) break;
+      eliminate_with(block, i);
     }
-    const bool counts = pivot > kDependent * scale_[i];
-    inverse_diagonal_[i] = counts ? 1.0 / std::sqrt(pivot) : 0.0;
-    if (counts) least_share_ = std::min(least_share_, pivot / scale_[i]);
   }
 }
 
-void LoopFactor::solve(std::vector<double>& b) const {
+// The columns of the blocks before, as those have put their rows.
+void LoopFactor::take_order(const Block& block) {
+  for (std::size_t i = block.begin; i < block.end; ++i) {
+    for (std::size_t j = block.first; j < block.begin; ++j) sorted_[j] = at(i, order_[j]);
+    for (std::size_t j = block.first; j < block.begin; ++j) at(i, j) = sorted_[j];
+  }
+}
+
+// l_ij = (a_ij - sum l_ik l_jk) / l_jj, and what that leaves of the block itself.
+void LoopFactor::eliminate_before(const Block& block) {
+  for (std::size_t i = block.begin; i < block.end; ++i) {
+    for (std::size_t j = block.first; j < block.begin; ++j) {
+      double& entry = at(i, j);
+      for (std::size_t k = std::max(block.first, first_of(j)); k < j; ++k) entry -= at(i, k) * at(j, k);
+      entry *= inverse_diagonal_[j];
+    }
+    for (std::size_t j = block.begin; j <= i; ++j)
+      for (std::size_t k = block.first; k < block.begin; ++k) at(i, j) -= at(i, k) * at(j, k);
+    pivots_[i] = at(i, i);
+  }
+}
+
+void LoopFactor::pivot(const Block& block, std::size_t i) {
+  std::size_t best = i;
+  for (std::size_t k = i + 1; k < block.end; ++k)
+    if (pivots_[k] * scale_[best] > pivots_[best] * scale_[k]) best = k;
+  if (best != i) swap_rows(block, i, best);
+}
+
+// i < k. Columns beyond i belong to rows that come later: they change places as well.
+void LoopFactor::swap_rows(const Block& block, std::size_t i, std::size_t k) {
+  std::swap(order_[i], order_[k]);
+  std::swap(scale_[i], scale_[k]);
+  std::swap(pivots_[i], pivots_[k]);
+  for (std::size_t j = block.first; j < i; ++j) std::swap(at(i, j), at(k, j));
+  for (std::size_t j = i + 1; j < k; ++j) std::swap(at(j, i), at(k, j));
+  for (std::size_t j = k + 1; j < block.end; ++j) std::swap(at(j, i), at(j, k));
+  std::swap(at(i, i), at(k, k));
+}
+
+void LoopFactor::eliminate_with(const Block& block, std::size_t i) {
+  least_share_ = std::min(least_share_, pivots_[i] / scale_[i]);
+  inverse_diagonal_[i] = 1.0 / std::sqrt(pivots_[i]);
+  for (std::size_t k = i + 1; k < block.end; ++k) {
+    at(k, i) *= inverse_diagonal_[i];
+    pivots_[k] -= at(k, i) * at(k, i);
+  }
+  for (std::size_t k = i + 2; k < block.end; ++k)
+    for (std::size_t j = i + 1; j < k; ++j) at(k, j) -= at(k, i) * at(j, i);
+}
+
+// Entries of columns that are left out stand for nothing: their part of the solution is 0.
+void LoopFactor::solve(std::vector<double>& b) {
+  for (std::size_t i = 0; i < size(); ++i) sorted_[i] = b[order_[i]];
   for (std::size_t i = 0; i < size(); ++i) {
-    const double* const ri = row(i);
-    for (std::size_t j = first_[i]; j < i; ++j) b[i] -= ri[j] * b[j];
-    b[i] *= inverse_diagonal_[i];
+    for (std::size_t j = first_of(i); j < i; ++j) sorted_[i] -= at(i, j) * sorted_[j];
+    sorted_[i] *= inverse_diagonal_[i];
   }
   for (std::size_t i = size(); i-- > 0;) {
-    const double* const ri = row(i);
-    b[i] *= inverse_diagonal_[i];
-    for (std::size_t j = first_[i]; j < i; ++j) b[j] -= ri[j] * b[i];
+    sorted_[i] *= inverse_diagonal_[i];
+    for (std::size_t j = first_of(i); j < i; ++j) sorted_[j] -= at(i, j) * sorted_[i];
   }
+  for (std::size_t i = 0; i < size(); ++i) b[order_[i]] = sorted_[i];
 }
 
 }  // namespace visum::dynamics::impulse

@@ -118,7 +118,8 @@ void Mechanism::factor_loops() {
   loop_factor_.clear();
   for (std::size_t i = 0; i < loop_row_count_; ++i) {
     const LoopRow& row = loop_rows_[i];
-    loop_factor_.add(first_loop_row_[first_neighbour_[row.loop]], row.free_response);
+    if (i == first_loop_row_[row.loop]) loop_factor_.add_block(first_loop_row_[first_neighbour_[row.loop]]);
+    loop_factor_.add_row(row.free_response);
     find_response(i, loop_parts_[row.loop]);
   }
   loop_factor_.factor();
