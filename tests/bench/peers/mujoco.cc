@@ -10,8 +10,12 @@ namespace {
 
 constexpr int kErrorLength = 512;
 
+// A swing that explodes shows in its figures; by default MuJoCo also writes a log into the working directory.
+void say_nothing(const char*) {}
+
 // MuJoCo reads its model from its virtual file system: no file on disk.
 mjModel* load(const std::string& text) {
+  mju_user_warning = say_nothing;
   auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());
   const int size = static_cast<int>(text.size());
