@@ -52,6 +52,7 @@ export class PortRow {
   setEditable(on: boolean): void {
     if (this.port.side !== "input" || on === (this.editor !== null)) return;
     this.editor = on ? editorFor(this.port) : null;
+    this.editor?.show(this.port.part.value(this.port)); // also where the row is out of sight, and update() draws nothing
     this.editorPlace.replaceChildren(...(this.editor ? [this.editor.element] : []));
     this.element.draggable = !on; // an editor's own drags are not the row's
     if (this.hold) this.hold.hidden = !on;
