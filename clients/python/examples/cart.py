@@ -128,25 +128,18 @@ def parse_options() -> argparse.Namespace:
     return options
 
 
-def main() -> int:
-    options = parse_options()
-    try:
-        with visum.Client(options.connect, name=options.name) as client:
-            part = client.part(options.part)
-            with part.lease():
-                client.join()
-                cart = Cart(part)
-                for side in (1, -1):
-                    drive(client, cart, Circle(options.radius, side), options.speed)
-                client.leave()
-            print(f"done: reckons to be {math.hypot(cart.pose.x, cart.pose.y):.3f} m from where it started")
-    except visum.Error as error:
-        print(f"cart.py: {error}", file=sys.stderr)
-        return 4 if error.code in (visum.ErrorCode.CONNECTION, visum.ErrorCode.TIMEOUT) else 1
-    except KeyboardInterrupt:
-        return 130  # the lease was dropped, so the part stops on its ramps
-    return 0
+def control(options: argparse.Namespace) -> None:
+    with visum.Client(options.connect, name=options.name) as client:
+        part = client.part(options.part)
+        with part.lease():
+            client.join()
+            cart = Cart(part)
+            for side in (1, -1):
+                drive(client, cart, Circle(options.radius, side), options.speed)
+            client.leave()
+        print(f"done: reckons to be {math.hypot(cart.pose.x, cart.pose.y):.3f} m from where it started")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    words = parse_options()
+    sys.exit(visum.exit_code_of("cart.py", lambda: control(words)))

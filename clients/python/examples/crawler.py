@@ -92,23 +92,16 @@ def parse_options() -> argparse.Namespace:
     return options
 
 
-def main() -> int:
-    options = parse_options()
-    try:
-        with visum.Client(options.connect, name=options.name) as client:
-            part = client.part(options.part)
-            with part.lease():
-                client.join()
-                crawl(Arm(client, part), options.strokes)
-                client.leave()
-        print(f"done: {options.strokes} strokes")
-    except visum.Error as error:
-        print(f"crawler.py: {error}", file=sys.stderr)
-        return 4 if error.code in (visum.ErrorCode.CONNECTION, visum.ErrorCode.TIMEOUT) else 1
-    except KeyboardInterrupt:
-        return 130  # the lease was dropped, so the part stops on its ramps
-    return 0
+def control(options: argparse.Namespace) -> None:
+    with visum.Client(options.connect, name=options.name) as client:
+        part = client.part(options.part)
+        with part.lease():
+            client.join()
+            crawl(Arm(client, part), options.strokes)
+            client.leave()
+    print(f"done: {options.strokes} strokes")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    words = parse_options()
+    sys.exit(visum.exit_code_of("crawler.py", lambda: control(words)))

@@ -187,26 +187,19 @@ def parse_options() -> argparse.Namespace:
     return options
 
 
-def main() -> int:
-    options = parse_options()
-    try:
-        with visum.Client(options.connect, name=options.name) as client:
-            part, eye = client.part(options.part), Eye(client.part(options.eye), CENTRE_AT)
-            with part.lease():
-                client.join()
-                floor = FloorMap(options.near)
-                explorer = Explorer(client, Cart(part), eye, floor, client.time_ns + round(options.time * 1e9))
-                explorer.explore()
-                explorer.stand(0.5)
-                client.leave()
-            print(f"done: has driven {explorer.way:.1f} m")
-    except visum.Error as error:
-        print(f"explorer.py: {error}", file=sys.stderr)
-        return 4 if error.code in (visum.ErrorCode.CONNECTION, visum.ErrorCode.TIMEOUT) else 1
-    except KeyboardInterrupt:
-        return 130  # the lease was dropped, so the part stops on its ramps
-    return 0
+def control(options: argparse.Namespace) -> None:
+    with visum.Client(options.connect, name=options.name) as client:
+        part, eye = client.part(options.part), Eye(client.part(options.eye), CENTRE_AT)
+        with part.lease():
+            client.join()
+            floor = FloorMap(options.near)
+            explorer = Explorer(client, Cart(part), eye, floor, client.time_ns + round(options.time * 1e9))
+            explorer.explore()
+            explorer.stand(0.5)
+            client.leave()
+        print(f"done: has driven {explorer.way:.1f} m")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    words = parse_options()
+    sys.exit(visum.exit_code_of("explorer.py", lambda: control(words)))

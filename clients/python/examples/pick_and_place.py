@@ -376,26 +376,24 @@ def parse_options() -> argparse.Namespace:
     return options
 
 
+def control(options: argparse.Namespace) -> None:
+    chain = Chain(options.urdf)
+    with visum.Client(options.connect, name=options.name) as client:
+        part = client.part(options.part)
+        plan = make_plan(chain, np.array(part.outputs("Actual Angle").values()), options)
+        with part.lease():
+            client.join()
+            run(Arm(client, part), plan, options)
+            client.leave()
+
+
 def main() -> int:
     options = parse_options()
     try:
-        chain = Chain(options.urdf)
-        with visum.Client(options.connect, name=options.name) as client:
-            part = client.part(options.part)
-            plan = make_plan(chain, np.array(part.outputs("Actual Angle").values()), options)
-            with part.lease():
-                client.join()
-                run(Arm(client, part), plan, options)
-                client.leave()
+        return visum.exit_code_of("pick_and_place.py", lambda: control(options))
     except (Failed, OSError) as error:
         print(f"pick_and_place.py: {error}", file=sys.stderr)
         return 1
-    except visum.Error as error:
-        print(f"pick_and_place.py: {error}", file=sys.stderr)
-        return 4 if error.code in (visum.ErrorCode.CONNECTION, visum.ErrorCode.TIMEOUT) else 1
-    except KeyboardInterrupt:
-        return 130  # the lease was dropped, so the part stops on its ramps
-    return 0
 
 
 if __name__ == "__main__":

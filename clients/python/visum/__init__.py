@@ -21,8 +21,9 @@ from visum.client import Client, ServerInfo
 from visum.errors import Error, ErrorCode
 from visum.part import Part
 from visum.ports import Inputs, Outputs, Port
+from visum.program import exit_code_of
 from visum.world import Body, Contact, Joint, World, WorldView
 
 __all__ = ["Body", "Client", "Contact", "Error", "ErrorCode", "Inputs", "Joint", "Outputs", "Part", "Port",
-           "ServerInfo", "World", "WorldView"]
+           "ServerInfo", "World", "WorldView", "exit_code_of"]
 __version__ = "0.1.0"
