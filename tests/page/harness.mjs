@@ -32,15 +32,17 @@ export const closePages = () => Promise.all(browser.contexts().map((context) => 
 export const button = (page, name) => page.getByRole("button", { name, exact: true });
 export const control = (page) => page.evaluate(() => visum.acquire("arm"));
 export const viewBox = (page) => page.locator(".view canvas").boundingBox();
-// The view travels there: done when a point stays where it is on the screen.
 export async function look(page, name) {
   await page.getByRole("combobox", { name: "Viewpoint" }).selectOption(name);
-  await until(page, (body) => {
-    const before = window.lookedAt;
-    const now = (window.lookedAt = JSON.stringify(visum.project(body)));
-    return before === now;
-  }, "table");
+  await settled(page, "table"); // the view travels there
 }
+// Done when a body stays where it is on the screen.
+export const settled = (page, body) =>
+  until(page, (body) => {
+    const before = window.seenAt;
+    const now = (window.seenAt = JSON.stringify(visum.project(body)));
+    return before === now;
+  }, body);
 // Where a point of a body is on the screen.
 export const body = (page, name, point) => page.evaluate(([name, point]) => visum.project(name, point), [name, point]);
 export const isRed = (r, g, b) => r > 120 && r > 3 * g && r > 3 * b; // and not the arm's orange

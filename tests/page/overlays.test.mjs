@@ -1,6 +1,6 @@
 // Overlays: each is where the model's kinematics and the physics say, in its colour, and gone when switched off.
 import assert from "node:assert/strict";
-import { body, button, control, drawn, isRed, look, pageTest, until, viewBox } from "./harness.mjs";
+import { body, button, control, drawn, isRed, look, pageTest, settled, until, viewBox } from "./harness.mjs";
 import { linkPositions, readArm } from "./kinematics.mjs";
 import { colourAt, middleOf, pixels } from "./picture.mjs";
 
@@ -114,10 +114,12 @@ pageTest("a followed link stays where it is on the screen while it moves", async
   assert.match(await card.textContent(), /Desired Angle/);
   await control(page);
   const moves = async (angle) => {
+    await settled(page, name);
     const [before, table] = [await body(page, name), await body(page, "table")];
     await page.evaluate((value) => visum.write("arm", "Desired Angle 2", value), angle);
-    await until(page, (value) => Math.abs(visum.read("arm", "Actual Angle 2") - value) < 0.005, angle);
+    await until(page, (value) => Math.abs(visum.read("arm", "Actual Angle 2") - value) < 0.005 && Math.abs(visum.read("arm", "Actual Speed 2")) < 1e-4, angle);
     await drawn(page);
+    await settled(page, name);
     const [after, tableAfter] = [await body(page, name), await body(page, "table")];
     return { link: Math.hypot(after.x - before.x, after.y - before.y), table: Math.hypot(tableAfter.x - table.x, tableAfter.y - table.y) };
   };
