@@ -3,6 +3,7 @@
 #   share/visum/models/        robots, scenes, scenarios; share/visum/examples/: the controllers' sources;
 #   share/visum/clients/       those in Python; share/visum/server/scene/: the schema of scenes, for editors
 #   lib/, include/visum/       the C++ client library: find_package(visum) gives visum::client, pkg-config knows visum
+#   include/visum/plugin.h     what plug-ins are built against (visum::plugin); lib/visum/plugins/: those that come along
 #   share/doc/visum/, and the shells' completion
 # The Python package installs itself (clients/python).
 include(GNUInstallDirs)
@@ -32,6 +33,14 @@ target_include_directories(visum_client_shared INTERFACE $<INSTALL_INTERFACE:${C
 add_dependencies(programs visum_client_shared)
 install(TARGETS visum_client_shared EXPORT visum LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(FILES clients/cpp/visum.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/visum)
+
+# Plug-ins need a header, and nothing to link.
+add_library(visum_plugin_interface INTERFACE)
+set_target_properties(visum_plugin_interface PROPERTIES EXPORT_NAME plugin)
+target_compile_features(visum_plugin_interface INTERFACE cxx_std_20)
+target_include_directories(visum_plugin_interface INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+install(TARGETS visum_plugin_interface EXPORT visum)
+install(FILES protocol/plugin/plugin.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/visum)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/visum)
 install(EXPORT visum NAMESPACE visum:: FILE visumConfig.cmake DESTINATION ${package_dir})

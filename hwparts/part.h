@@ -90,6 +90,9 @@ class Part {
   // Stops what moves, before the part goes; waits for it, a second at most.
   virtual void stand_down() {}
 
+  // Where the part's code comes from a plug-in: why that has failed, empty while it works. Else null.
+  virtual const std::string* node_fault() const { return nullptr; }
+
   virtual void save(StateWriter& to) const = 0;
   virtual void load(StateReader& from) = 0;
 };

@@ -58,7 +58,9 @@ scene::Scene only_the_part(const scene::Scene& whole, const Options& options) {
 }
 
 int run(Options options) {
-  const auto scene = only_the_part(scene::load_scene(options.scene), options);
+  scene::Options of_scene;
+  of_scene.plugin_folders = plugin::plugin_folders({});
+  const auto scene = only_the_part(scene::load_scene(options.scene, of_scene), options);
   const auto line = gateway::open_host_line(options.bus);
   options.of_part.answer_ns = static_cast<std::int64_t>(options.answer_ms * 1e6);
   cycle::Simulation simulation(scene, [&](const std::string& kind, const hwparts::PartContext& context) {

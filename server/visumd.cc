@@ -12,6 +12,7 @@
 #include "server/gateway/page_files.h"
 #include "server/gateway/program.h"
 #include "server/gateway/scene_check.h"
+#include "server/gateway/scene_convert.h"
 #include "server/scene/scene.h"
 
 namespace {
@@ -25,13 +26,19 @@ struct Options {
   std::int64_t seed = -1;
   gateway::Talk talk;
   std::vector<std::string> buses;
-  std::string http;  // a port, or "off"; empty: not given
+  std::vector<std::string> plugins;  // folders
+  std::string http;                  // a port, or "off"; empty: not given
   scene::Options of_scene;
   gateway::DaemonOptions of_daemon;
 };
 
+scene::Options with_plugins(scene::Options options, const std::vector<std::string>& folders) {
+  options.plugin_folders = plugin::plugin_folders(folders);
+  return options;
+}
+
 scene::Scene load(const Options& options) {
-  auto scene = scene::load_scene(options.scene, options.of_scene);
+  auto scene = scene::load_scene(options.scene, with_plugins(options.of_scene, options.plugins));
   if (options.clock == "realtime") scene.clock = scene::ClockKind::kRealtime;
   if (options.clock == "lockstep") scene.clock = scene::ClockKind::kLockstep;
   if (options.clock == "free") scene.clock = scene::ClockKind::kFree;
@@ -100,6 +107,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--seed", options.seed, "of the world's random numbers, instead of the scene's")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--engine", options.of_scene.engine, "moves all bodies, instead of the scene's engines");
+  gateway::declare_plugins(app, options.plugins);
   app.add_option("--iterations", options.of_daemon.iterations, "end after so many ticks")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--bus", options.buses,
@@ -121,19 +129,41 @@ void declare(CLI::App& app, Options& options) {
 
 int check(int argc, char** argv) {
   std::string scene;
+  std::vector<std::string> plugins;
   scene::Options of_scene;
   gateway::Talk talk{.verbosity = 1};
   CLI::App app{"visumd check: says what is wrong with a scene, where, and what was meant"};
   app.add_option("scene", scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
   app.add_option("--engine", of_scene.engine, "moves all bodies, instead of the scene's engines");
+  gateway::declare_plugins(app, plugins);
   app.add_flag("--json", talk.json, "print one line of JSON");
   app.footer(
       "Example:\n"
       "  visum check models/scenes/cart.yaml\n"
       "Exit codes: 0 the scene is right, 2 bad usage, 3 the scene is wrong.");
   return gateway::run_command(app, argc, argv, "visumd", talk, [&] {
-    gateway::check_scene(scene, of_scene, talk.json);
+    gateway::check_scene(scene, with_plugins(of_scene, plugins), talk.json);
     return gateway::kPassed;
+  });
+}
+
+int convert(int argc, char** argv) {
+  std::string from, to;
+  std::vector<std::string> plugins;
+  gateway::Talk talk{.verbosity = 1};
+  CLI::App app{"visumd convert: writes a scene in another format, and says what that cannot hold"};
+  app.add_option("FROM", from, "a scene: .yaml, .urdf, .sdf, .x3d, .x3dv or .wrl")->required();
+  app.add_option("TO", to, "what to write: .yaml, .sdf, .x3d, .x3dv or .wrl")->required();
+  gateway::declare_plugins(app, plugins);
+  app.add_flag("--json", talk.json, "print one line of JSON");
+  app.footer(
+      "Examples:\n"
+      "  visum convert models/scenes/hall.yaml hall.x3d\n"
+      "  visum convert hall.x3d hall.yaml\n"
+      "Exit codes: 0 all is there, 1 written, but for what is listed, 2 bad usage, 3 the scene is wrong.");
+  return gateway::run_command(app, argc, argv, "visumd", talk, [&] {
+    return gateway::convert_scene(from, to, with_plugins({}, plugins), talk.json) ? gateway::kPassed
+                                                                                  : gateway::kFailed;
   });
 }
 
@@ -141,6 +171,7 @@ int check(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "check") return check(argc - 1, argv + 1);
+  if (argc > 1 && std::string_view(argv[1]) == "convert") return convert(argc - 1, argv + 1);
   Options options;
   CLI::App app{"visumd: holds a physics world and publishes its hardware parts over TCP"};
   declare(app, options);

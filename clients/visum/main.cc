@@ -41,6 +41,7 @@ constexpr Row kVerbs[] = {
     {"restore", "go back to a snapshot", cli::make_restore},
     {"push", "push a body", cli::make_push},
     {"check", "say what is wrong with a scene", cli::make_check},
+    {"convert", "write a scene in another format", cli::make_convert},
     {"run", "run a scenario and check it", cli::make_run},
     {"exec", "run a program with a part's bus where it looks for its device", cli::make_exec},
     {"mirror", "serve a part once more, with two arms behind it", cli::make_mirror},

@@ -8,9 +8,10 @@
 
 namespace visum::cycle {
 
-enum class Phase { kSense, kAct, kCollide, kStep, kPublish };
-inline constexpr std::size_t kPhases = 5;
-inline constexpr std::array<const char*, kPhases> kPhaseNames{"sense", "act", "collide", "step", "publish"};
+enum class Phase { kSense, kThink, kAct, kCollide, kStep, kPublish };
+inline constexpr std::size_t kPhases = 6;
+inline constexpr std::array<const char*, kPhases> kPhaseNames{"sense",   "think", "act",
+                                                              "collide", "step",  "publish"};
 
 class Phases {
  public:

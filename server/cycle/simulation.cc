@@ -4,7 +4,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "hwparts/plugged/plugged_part.h"
+#include "hwparts/plugged/plugged_sensor.h"
 #include "hwparts/sensors/sensor_kinds.h"
+#include "server/cycle/node_errors.h"
 #include "server/cycle/world_edit.h"
 
 namespace visum::cycle {
@@ -36,11 +39,40 @@ std::unique_ptr<dynamics::Engine> make_engine(const scene::Scene& scene, std::si
   }
 }
 
+std::unique_ptr<hwparts::Part> make_part(const scene::Scene& scene, const scene::PartPlan& plan,
+                                         const PartMaker& make) {
+  if (const auto* kind = plugin::find_part(scene.plugins, plan.kind))
+    return plugged::make_part(*kind, plan.context);
+  return make(plan.kind, plan.context);
+}
+
+std::unique_ptr<sensors::Sensor> make_sensor(const scene::Scene& scene, const scene::SensorPlan& plan) {
+  const sensors::SensorContext context{plan.name, plan.config, scene.world.tick_ns, scene.seed};
+  if (const auto* kind = plugin::find_sensor(scene.plugins, plan.kind))
+    return plugged::make_sensor(*kind, context);
+  return sensors::make_sensor(plan.kind, context);
+}
+
 }  // namespace
+
+std::vector<config::ConfigError> errors_of_nodes(const scene::Scene& scene) {
+  std::vector<config::ConfigError> errors;
+  const auto attempt = [&](const auto& make) {
+    try {
+      make();
+    } catch (const config::ConfigError& error) {
+      errors.push_back(error);
+    }
+  };
+  for (const auto& plan : scene.parts) attempt([&] { make_part(scene, plan, hwparts::make_part); });
+  for (const auto& plan : scene.sensors) attempt([&] { make_sensor(scene, plan); });
+  return errors;
+}
 
 Simulation::Simulation(scene::Scene scene, const PartMaker& make) : scene_(std::move(scene)) {
   make_parts(make);
   make_sensors();
+  make_agents();
   rebuild_machinery();
   start_state();
 }
@@ -50,7 +82,7 @@ Simulation::~Simulation() = default;
 void Simulation::make_parts(const PartMaker& make) {
   for (const auto& plan : scene_.parts) {
     BoundPart bound;
-    bound.part = make(plan.kind, plan.context);
+    bound.part = make_part(scene_, plan, make);
     for (std::size_t joint : bound.part->joints()) bound.joints.push_back(plan.joints.at(joint));
     bound.samples.resize(bound.joints.size());
     bound.drives.resize(bound.joints.size());
@@ -61,10 +93,17 @@ void Simulation::make_parts(const PartMaker& make) {
 
 void Simulation::make_sensors() {
   for (const auto& plan : scene_.sensors) {
-    auto sensor =
-        sensors::make_sensor(plan.kind, {plan.name, plan.config, scene_.world.tick_ns, scene_.seed});
+    auto sensor = make_sensor(scene_, plan);
     sensors_.push_back(sensor.get());
     parts_.emplace_back().part = std::move(sensor);
+  }
+}
+
+void Simulation::make_agents() {
+  for (const auto& plan : scene_.agents) {
+    auto agent = std::make_unique<AgentPart>(plan, scene_.world.tick_ns, parts_);
+    agents_.push_back(agent.get());
+    parts_.emplace_back().part = std::move(agent);
   }
 }
 
@@ -105,6 +144,8 @@ void Simulation::tick() {
   phases_.begin();
   sense();
   phases_.end(Phase::kSense);
+  think();
+  phases_.end(Phase::kThink);
   act();
   phases_.end(Phase::kAct);
   collide();
@@ -120,6 +161,10 @@ void Simulation::sense() {
   for (auto& bound : parts_)
     for (std::size_t i = 0; i < bound.joints.size(); ++i)
       bound.samples[i] = sample_of(state_.joints[bound.joints[i].index()]);
+}
+
+void Simulation::think() {
+  for (AgentPart* agent : agents_) agent->think(sim_time_ns());
 }
 
 void Simulation::act() {

@@ -13,6 +13,7 @@
 
 #include "hwparts/part.h"
 #include "server/collision/collision.h"
+#include "server/cycle/agent_part.h"
 #include "server/cycle/flight_ring.h"
 #include "server/cycle/phases.h"
 #include "server/dynamics/engine.h"
@@ -31,6 +32,7 @@ struct BoundPart {
   std::vector<hwparts::JointSample> samples;
   std::vector<hwparts::JointDrive> drives;
   std::vector<double> following_errors;
+  std::string agent;  // of the scene, that commands it; empty: none, clients may
 };
 
 // A push of a body that lasts until a tick.
@@ -64,7 +66,7 @@ class Simulation {
   const scene::Scene& scene() const { return scene_; }
   const world::WorldModel& model() const { return scene_.world; }
   const world::WorldState& state() const { return state_; }
-  // The scene's parts, then its sensors.
+  // The scene's parts, then its sensors, then its agents.
   std::span<BoundPart> parts() { return parts_; }
   std::span<const BoundPart> parts() const { return parts_; }
   std::span<const collision::Contact> contacts() const { return contacts_; }  // of the last tick, with forces
@@ -92,9 +94,11 @@ class Simulation {
 
   void make_parts(const PartMaker& make);
   void make_sensors();
+  void make_agents();
   void rebuild_machinery();
   void start_state();
   void sense();
+  void think();
   void act();
   void collide();
   void step();
@@ -108,6 +112,7 @@ class Simulation {
   world::WorldState before_;  // the last good state: what a frozen world shows
   std::vector<BoundPart> parts_;
   std::vector<sensors::Sensor*> sensors_;  // those of parts_
+  std::vector<AgentPart*> agents_;         // likewise
   std::vector<std::unique_ptr<dynamics::Engine>> engines_;
   std::unique_ptr<collision::CollisionStage> collision_;
   std::unique_ptr<sensing::Senses> senses_;

@@ -6,6 +6,13 @@
 
 namespace visum::gateway {
 
+void declare_plugins(CLI::App& app, std::vector<std::string>& folders) {
+  app.add_option("--plugins", folders,
+                 "a folder that plug-ins of the scene may come from, before the installed one; repeatable")
+      ->type_name("FOLDER")
+      ->check(CLI::ExistingDirectory);
+}
+
 void declare_common(CLI::App& app, DaemonOptions& daemon, Talk& talk) {
   app.add_option("--listen", daemon.address, "address to listen on; beyond loopback with --token-file only")
       ->capture_default_str();

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "server/gateway/daemon.h"
 
@@ -17,6 +18,9 @@ struct Talk {
   int verbosity = 2;  // 0 errors, 1 warnings, 2 news, 3 details
   bool json = false;  // one line when ready
 };
+
+// --plugins: folders that plug-ins of scenes may come from.
+void declare_plugins(CLI::App& app, std::vector<std::string>& folders);
 
 // --listen, --port, --token-file, --json and -v.
 void declare_common(CLI::App& app, DaemonOptions& daemon, Talk& talk);

@@ -36,8 +36,12 @@ StaticWorld static_world(const cycle::Simulation& simulation, const DaemonOption
                     scene.world.tick_ns,
                     std::chrono::nanoseconds(scene.lockstep_timeout_ns),
                     {},
+                    {},
                     describe_world(scene, simulation.revision())};
-  for (const auto& bound : simulation.parts()) world.parts.push_back(bound.part.get());
+  for (const auto& bound : simulation.parts()) {
+    world.parts.push_back(bound.part.get());
+    world.agents.push_back(bound.agent);
+  }
   world.simulated = options.simulated;
   world.has_world = options.has_world;
   return world;

@@ -31,6 +31,8 @@ Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, const cycle
     auto& inputs = latched_.emplace_back();
     for (const auto& port : part->description().controller_inputs) inputs.push_back(port.initial);
   }
+  for (std::size_t part = 0; part < world_.agents.size(); ++part)
+    if (!world_.agents[part].empty()) leases_.grant(part, kAgentsSession, "agent " + world_.agents[part]);
 }
 
 void Gateway::Call::reply(const protocol::Reply& reply) const {

@@ -32,6 +32,7 @@ struct StaticWorld {
   std::int64_t tick_ns = 1'000'000;
   std::chrono::nanoseconds lockstep_timeout{};
   std::vector<const hwparts::Part*> parts;  // only their const, any-thread functions are used
+  std::vector<std::string> agents;          // by part: the scene's agent that commands it; empty: none
   WorldView view;
   bool simulated = true;
   bool has_world = true;  // false: see DaemonOptions

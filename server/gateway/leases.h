@@ -14,6 +14,9 @@ struct Lease {
   std::uint64_t sequence = 0;  // of the last write that carried one
 };
 
+// The session of a lease that an agent of the scene holds, for as long as the scene stands.
+inline constexpr std::uint64_t kAgentsSession = ~std::uint64_t{0};
+
 class Leases {
  public:
   explicit Leases(std::size_t parts) : leases_(parts) {}

@@ -80,7 +80,7 @@ void Gateway::handle(const Call& call, const protocol::AcquireLease& request) {
   if (request.deadline_ns < 0) return call.fail(ErrorCode::kBadValue, "deadline_ns must not be negative");
   const auto& lease = leases_.of(*part);
   if (lease.session != 0 && lease.session != call.session.id()) {
-    if (!request.take)
+    if (!request.take || lease.session == kAgentsSession)
       return call.fail(ErrorCode::kLeased,
                        "the part '" + request.part + "' is leased by '" + lease.owner + "'", lease.owner);
     if (call.session.role() < protocol::Role::kAdmin)

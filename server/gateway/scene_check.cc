@@ -1,9 +1,13 @@
 #include "server/gateway/scene_check.h"
 
+#include <spdlog/spdlog.h>
+
 #include <iostream>
 
+#include "server/cycle/node_errors.h"
 #include "server/cycle/simulation.h"
 #include "server/gateway/json.h"
+#include "server/scene/all_errors.h"
 
 namespace visum::gateway {
 namespace {
@@ -31,23 +35,45 @@ void print_right_as_json(const cycle::Simulation& simulation) {
             << ",\"parts\":" << simulation.parts().size() << ",\"losses\":[" << losses << "]}" << std::endl;
 }
 
-void print_wrong_as_json(const config::ConfigError& error) {
+// {"file":...,"line":...,"key":...,"message":..., without the bracket at the end.
+std::string members_of(const config::ConfigError& error, const std::string& before) {
   const auto& place = error.place();
-  std::cout << "{\"right\":false,\"file\":" << gateway::quoted(place.file) << ",\"line\":" << place.line
-            << ",\"key\":" << gateway::quoted(place.key)
-            << ",\"message\":" << gateway::quoted(error.message()) << "}" << std::endl;
+  return before + "\"file\":" + gateway::quoted(place.file) + ",\"line\":" + std::to_string(place.line) +
+         ",\"key\":" + gateway::quoted(place.key) + ",\"message\":" + gateway::quoted(error.message());
+}
+
+// Of a scene that is right, says what is in it.
+std::vector<config::ConfigError> errors_of(const std::filesystem::path& file, const scene::Options& options,
+                                           bool json) {
+  std::vector<config::ConfigError> errors;
+  const auto scene = scene::load_scene(file, options, errors);
+  if (!scene) return errors;
+  errors = cycle::errors_of_nodes(*scene);
+  if (!errors.empty()) return errors;
+  try {
+    const cycle::Simulation simulation(*scene);
+    json ? print_right_as_json(simulation) : print_right(simulation);
+  } catch (const config::ConfigError& error) {
+    errors.push_back(error);
+  }
+  return errors;
 }
 
 }  // namespace
 
+void print_wrong_as_json(const std::vector<config::ConfigError>& errors) {
+  std::string list;
+  for (const auto& error : errors) list += (list.empty() ? "" : ",") + members_of(error, "{") + "}";
+  std::cout << members_of(errors.front(), "{\"right\":false,") << ",\"errors\":[" << list << "]}"
+            << std::endl;
+}
+
 void check_scene(const std::filesystem::path& file, const scene::Options& options, bool json) {
-  try {
-    const cycle::Simulation simulation(scene::load_scene(file, options));
-    json ? print_right_as_json(simulation) : print_right(simulation);
-  } catch (const config::ConfigError& error) {
-    if (json) print_wrong_as_json(error);
-    throw;
-  }
+  const auto errors = errors_of(file, options, json);
+  if (errors.empty()) return;
+  if (json) print_wrong_as_json(errors);
+  for (std::size_t i = 0; i + 1 < errors.size(); ++i) spdlog::error("{}", errors[i].what());
+  throw errors.back();
 }
 
 }  // namespace visum::gateway

@@ -1,5 +1,7 @@
 #include "server/gateway/tick_side.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <tuple>
 #include <utility>
@@ -14,6 +16,8 @@ TickSide::TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running
       started_(running_at_once) {
   pacer_.set_speed(simulation.scene().speed);
   inputs_.reserve(Mailbox::kInputs);
+  for (const auto& bound : simulation.parts())
+    if (bound.part->node_fault()) nodes_.push_back({bound.part.get()});
 }
 
 void TickSide::empty_mailbox() {
@@ -32,8 +36,19 @@ void TickSide::tick() {
   apply_inputs();
   check_deadlines();
   simulation_.tick();
+  watch_nodes();
   measure_speed();
   if (steps_left_ > 0 && (--steps_left_ == 0 || simulation_.frozen())) finish_steps();
+}
+
+// What fails is told of once.
+void TickSide::watch_nodes() {
+  for (auto& node : nodes_) {
+    const bool failed = !node.part->node_fault()->empty();
+    if (failed && !node.failed)
+      spdlog::error("'{}' is in fault: {}", node.part->description().name, *node.part->node_fault());
+    node.failed = failed;
+  }
 }
 
 void TickSide::apply_inputs() {

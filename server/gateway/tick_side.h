@@ -49,6 +49,11 @@ class TickSide {
     std::int64_t last_tick = 0;
   };
 
+  struct WatchedNode {  // of a plug-in
+    const hwparts::Part* part;
+    bool failed = false;
+  };
+
   void apply_inputs();
   void apply(const Input& input);
   void apply_push(const Input& input);
@@ -56,6 +61,7 @@ class TickSide {
   void run(std::unique_ptr<Errand> errand);
   void finish_steps();
   void measure_speed();
+  void watch_nodes();
   void tell(const Notice& notice);
 
   protocol::Reply answer(Errand& errand, const protocol::Pause&);
@@ -78,6 +84,7 @@ class TickSide {
   cycle::Pacer pacer_;
   std::vector<Input*> inputs_;  // for the next tick
   std::vector<Watch> watches_;  // by part
+  std::vector<WatchedNode> nodes_;
   std::unique_ptr<Errand> step_errand_;
   std::int64_t steps_left_ = 0;
   bool started_;

@@ -40,6 +40,7 @@ class Placement {
   void place() {
     draft_.claim("model", name_, node_.place());
     X_WM_ = read_world_pose(draft_, node_, "pose");
+    draft_.scene.models.push_back({name_, node_, X_WM_});
     if (const auto engine = node_.find("engine")) engine_ = draft_.engine(*engine);
     ground_roots();
     check_link_keys();

@@ -10,12 +10,20 @@
 
 #include "hwparts/part.h"
 #include "protocol/config/config.h"
+#include "protocol/plugin/library.h"
 #include "server/scene/looks.h"
 #include "server/world/world_model.h"
 
 namespace visum::scene {
 
 enum class ClockKind { kRealtime, kLockstep, kFree };
+
+// A robot of the scene, as its entry says. Its links and joints are in the world.
+struct ModelPlan {
+  std::string name;
+  config::Node config;
+  world::Pose X_WM;
+};
 
 // A part of the scene, not yet made: hwparts::make_part(kind, context) makes it.
 struct PartPlan {
@@ -34,14 +42,27 @@ struct SensorPlan {
   world::JointId joint;  // of those that measure one; else invalid
 };
 
+// An agent of the scene, not yet made.
+struct AgentPlan {
+  std::string name;
+  const plugin::AgentKind* kind;
+  config::Node config;
+  std::int64_t period_ns = 0;
+  // What the agent calls each part, and its number: the scene's parts, then its sensors.
+  std::vector<std::pair<std::string, std::size_t>> parts;
+};
+
 struct Scene {
   std::string name;
   std::filesystem::path file;
   world::WorldModel world;
   std::vector<std::string> engine_names{"default"};  // how the scene calls world.engines
   std::vector<config::Place> engine_places;          // where it says so; empty: an option did
+  std::vector<ModelPlan> models;
   std::vector<PartPlan> parts;
   std::vector<SensorPlan> sensors;
+  std::vector<plugin::Library> plugins;  // their kinds count before those that are built in
+  std::vector<AgentPlan> agents;
   Looks looks;
   ClockKind clock = ClockKind::kRealtime;
   double speed = 1.0;  // realtime: simulated seconds per second of wall time
@@ -53,6 +74,7 @@ struct Scene {
 
 struct Options {
   std::string engine;  // --engine: replaces every engine of the scene; empty: as the scene says
+  std::vector<std::filesystem::path> plugin_folders;  // where plug-ins may come from
 };
 
 Scene load_scene(const std::filesystem::path& file, const Options& options = {});

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "protocol/config/expand.h"
+#include "server/scene/all_errors.h"
 #include "server/scene/bodies.h"
 #include "server/scene/draft.h"
 #include "server/scene/frames.h"
@@ -10,6 +11,7 @@
 #include "server/scene/joints.h"
 #include "server/scene/models.h"
 #include "server/scene/parts.h"
+#include "server/scene/plugins.h"
 #include "server/scene/read_looks.h"
 #include "server/scene/sensors.h"
 #include "server/scene/settings.h"
@@ -31,22 +33,65 @@ void check_header(const Node& root) {
                    "engine",       "engines", "include",    "surfaces",
                    "materials",    "models",  "bodies",     "joints",
                    "no_collision", "parts",   "lights",     "viewpoints",
-                   "panels",       "frames",  "parameters", "sensors"});
+                   "panels",       "frames",  "parameters", "sensors",
+                   "plugins",      "agents"});
   const Node version = root.get("visum");
   if (version.integer(1) > kVersion)
     version.fail("this is version " + version.text() + " of the format, only version 1 is known here");
 }
 
-// Calls `read` for each entry of a list that may be missing.
-void each(const Node& root, const char* key, const std::function<void(const Node&)>& read) {
-  const auto list = root.find(key);
-  if (!list) return;
-  for (std::size_t i = 0; i < list->size(); ++i) read(list->at(i));
-}
+// What is wrong with a scene: the first of it is thrown at once, or all of it is kept.
+class Complaints {
+ public:
+  explicit Complaints(std::vector<config::ConfigError>* kept) : kept_(kept) {}
+
+  // `entry`: what is read; its name is gone if that fails.
+  void attempt(const std::optional<Node>& entry, const std::function<void()>& read) {
+    if (!kept_) return read();
+    try {
+      read();
+    } catch (const config::ConfigError& error) {
+      if (!follows(error) && kept_->size() < kMaxErrors) kept_->push_back(error);
+      if (const auto name = entry ? name_of(*entry) : std::nullopt) gone_.push_back("'" + *name);
+    }
+  }
+
+  std::size_t count() const { return kept_ ? kept_->size() : 0; }
+  // Where too much is missing to go on: everything else would be a complaint about that.
+  void end_if_more_than(std::size_t count) {
+    if (this->count() <= count) return;
+    const config::ConfigError last = kept_->back();
+    kept_->pop_back();
+    throw last;
+  }
+  // Those from number `first` on stand in a file that is included.
+  void tell_where(std::size_t first, const fs::path& file, const Node& entry) {
+    for (std::size_t i = first; i < count(); ++i) (*kept_)[i] = told_where((*kept_)[i], file, entry);
+  }
+
+ private:
+  // Complaints about a name ("'arm'", "'arm/link_3'") that is missing because its own entry is wrong.
+  bool follows(const config::ConfigError& error) const {
+    for (const std::string& name : gone_)
+      if (error.message().find(name + "'") != std::string::npos ||
+          error.message().find(name + "/") != std::string::npos)
+        return true;
+    return false;
+  }
+  static std::optional<std::string> name_of(const Node& entry) {
+    if (entry.kind() != Node::Kind::kMap) return {};
+    const auto name = entry.find("name");
+    if (!name || name->kind() != Node::Kind::kScalar) return {};
+    return name->text();
+  }
+
+  std::vector<config::ConfigError>* kept_;  // null: none is
+  std::vector<std::string> gone_;
+};
 
 class Loader {
  public:
-  explicit Loader(Draft& draft) : draft_(draft) {}
+  Loader(Draft& draft, std::vector<config::ConfigError>* errors) : draft_(draft), complaints_(errors) {}
 
   // `given`: values for the file's parameters; `asked_by`: the entry that includes the file.
   void read_file(const fs::path& file, const std::optional<Node>& given, const Node* asked_by) {
@@ -58,21 +103,34 @@ class Loader {
   }
 
  private:
+  // Calls `read` for each entry of a list that may be missing.
+  void each(const Node& root, const char* key, const std::function<void(const Node&)>& read) {
+    const auto list = root.find(key);
+    if (!list) return;
+    for (std::size_t i = 0; i < list->size(); ++i) {
+      const Node entry = list->at(i);
+      complaints_.attempt(entry, [&] { read(entry); });
+    }
+  }
+
   // What is included comes first: it may be built upon, and its settings may be replaced. It may stand in the
   // frames of the file that includes it, so those come before.
   void read_root(const Node& root) {
+    const std::size_t before = complaints_.count();
     each(root, "frames", [&](const Node& entry) { read_frame(draft_, entry); });
     each(root, "include", [&](const Node& entry) { include(entry); });
-    read_settings(draft_, root);
-    read_engines(draft_, root);
-    read_surfaces(draft_, root);
-    read_materials(draft_, root);
+    complaints_.end_if_more_than(before);
+    each(root, "plugins", [&](const Node& entry) { read_plugin(draft_, entry); });
+    for (const auto read : {read_settings, read_engines, read_surfaces, read_materials})
+      complaints_.attempt({}, [&] { read(draft_, root); });
+    complaints_.end_if_more_than(before);
     each(root, "models", [&](const Node& entry) { read_model(draft_, entry); });
     each(root, "bodies", [&](const Node& entry) { read_body(draft_, entry); });
     each(root, "joints", [&](const Node& entry) { read_joint(draft_, entry); });
     if (const auto pairs = root.find("no_collision")) read_no_collision(draft_, *pairs, "");
     each(root, "parts", [&](const Node& entry) { draft_.part_entries.push_back(entry); });
     each(root, "sensors", [&](const Node& entry) { read_sensor(draft_, entry); });
+    each(root, "agents", [&](const Node& entry) { read_agent(draft_, entry); });
     each(root, "lights", [&](const Node& entry) { read_light(draft_, entry); });
     each(root, "viewpoints", [&](const Node& entry) { read_viewpoint(draft_, entry); });
     each(root, "panels", [&](const Node& entry) { read_panel(draft_, entry); });
@@ -82,15 +140,20 @@ class Loader {
     const IncludeEntry wanted = read_include(draft_, entry);
     includes_.check(wanted.file, entry);
     const auto outer = std::exchange(draft_.X_WO, wanted.X_WO);
+    const std::size_t before = complaints_.count();
     try {
       read_file(wanted.file, wanted.parameters, &entry);
     } catch (const config::ConfigError& error) {
+      draft_.X_WO = outer;
+      complaints_.tell_where(before, wanted.file, entry);
       throw told_where(error, wanted.file, entry);
     }
+    complaints_.tell_where(before, wanted.file, entry);
     draft_.X_WO = outer;
   }
 
   Draft& draft_;
+  Complaints complaints_;
   Includes includes_;
   config::ExpansionBudget budget_;
 };
@@ -128,20 +191,42 @@ struct Sizes {
   std::size_t bodies, shapes, meshes;
 };
 
+// What needs all of the world.
+void finish(Draft& draft, const Options& options) {
+  Scene& scene = draft.scene;
+  const config::Place whole{scene.file.string(), 0, ""};
+  sort_world(draft, whole);
+  plan_parts(draft);
+  find_measured_joints(draft);
+  find_parts_of_agents(draft);
+  apply(options, scene);
+  scene.world.name = scene.name;
+  refuse_fault(scene, whole);
+}
+
 }  // namespace
 
 Scene load_scene(const fs::path& file, const Options& options) {
   Scene scene = empty_scene(file);
   Draft draft(scene);
-  Loader(draft).read_file(file, std::nullopt, nullptr);
-  const config::Place whole{file.string(), 0, ""};
-  sort_world(draft, whole);
-  plan_parts(draft);
-  find_measured_joints(draft);
-  apply(options, scene);
-  scene.world.name = scene.name;
-  refuse_fault(scene, whole);
+  draft.plugin_folders = options.plugin_folders;
+  Loader(draft, nullptr).read_file(file, std::nullopt, nullptr);
+  finish(draft, options);
   return scene;
+}
+
+std::optional<Scene> load_scene(const fs::path& file, const Options& options,
+                                std::vector<config::ConfigError>& errors) {
+  Scene scene = empty_scene(file);
+  Draft draft(scene);
+  draft.plugin_folders = options.plugin_folders;
+  try {
+    Loader(draft, &errors).read_file(file, std::nullopt, nullptr);
+    if (errors.empty()) finish(draft, options);
+  } catch (const config::ConfigError& error) {
+    errors.push_back(error);
+  }
+  return errors.empty() ? std::optional(std::move(scene)) : std::nullopt;
 }
 
 void add_body(Scene& scene, const std::string& yaml) {

@@ -7,13 +7,16 @@ namespace visum::scene {
 namespace {
 
 constexpr double kQuaternionTolerance = 1e-3;  // what four rounded digits may be off
+// What a vector that was made unit may be off. It is left as it is, so that what was written with all its digits is
+// read with all its bits.
+constexpr double kRounding = 1e-15;
 
 Eigen::Quaterniond read_quaternion(const config::Node& node) {
   const std::vector<double> wxyz = node.numbers(4, config::Range{-1.0, 1.0});
   const Eigen::Quaterniond q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
   if (std::abs(q.norm() - 1.0) > kQuaternionTolerance)
     node.fail("must be a unit quaternion [w, x, y, z], has length " + std::to_string(q.norm()));
-  return q.normalized();
+  return std::abs(q.squaredNorm() - 1.0) <= kRounding ? q : q.normalized();
 }
 
 }  // namespace
@@ -79,7 +82,7 @@ std::array<double, 4> read_color(const config::Node& node) {
 Eigen::Vector3d read_axis(const config::Node& node) {
   const Eigen::Vector3d axis = read_vector(node);
   if (axis.norm() < 1e-6) node.fail("must not be zero");
-  return axis.normalized();
+  return std::abs(axis.squaredNorm() - 1.0) <= kRounding ? axis : axis.normalized();
 }
 
 std::filesystem::path read_path(const config::Node& node) {

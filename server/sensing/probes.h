@@ -3,6 +3,10 @@
 
 #include "server/sensing/probe.h"
 
+namespace visum::plugged {
+class PluggedSensor;
+}
+
 namespace visum::sensing {
 
 std::unique_ptr<Probe> make_distance_probe(const ProbeContext& context);
@@ -12,5 +16,8 @@ std::unique_ptr<Probe> make_pose_probe(const ProbeContext& context);
 std::unique_ptr<Probe> make_contact_probe(const ProbeContext& context);
 std::unique_ptr<Probe> make_joint_wrench_probe(const ProbeContext& context);
 std::unique_ptr<Probe> make_camera_probe(const ProbeContext& context);
+
+// Of a kind that a plug-in brings; it stands in no table.
+std::unique_ptr<Probe> make_plugged_probe(const Mount& mount, const plugged::PluggedSensor& sensor);
 
 }  // namespace visum::sensing

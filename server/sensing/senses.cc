@@ -2,13 +2,26 @@
 
 #include <algorithm>
 
+#include "hwparts/plugged/plugged_sensor.h"
+#include "server/sensing/probes.h"
+
 namespace visum::sensing {
+namespace {
+
+std::unique_ptr<Probe> probe_for(const scene::Scene& scene, const scene::SensorPlan& plan, const Mount& mount,
+                                 const sensors::Sensor& sensor) {
+  if (const auto* plugged = dynamic_cast<const plugged::PluggedSensor*>(&sensor))
+    return make_plugged_probe(mount, *plugged);
+  return make_probe(plan.kind, {scene, mount, plan.config});
+}
+
+}  // namespace
 
 Senses::Senses(const scene::Scene& scene, std::span<sensors::Sensor* const> sensors) : scene_(scene) {
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     const auto& plan = scene.sensors.at(i);
     const Mount mount{plan.body, plan.X_BS, plan.joint};
-    bound_.push_back({sensors[i], make_probe(plan.kind, {scene, mount, plan.config})});
+    bound_.push_back({sensors[i], probe_for(scene, plan, mount, *sensors[i])});
     bound_.back().probe->attach(*sensors[i]);
   }
   if (std::ranges::any_of(bound_, [](const Bound& bound) { return bound.probe->wants_rays(); }))

@@ -9,17 +9,19 @@ namespace {
 // Bottom first. clients -> protocol <- hwparts <- server.
 const std::vector<Layer> kLayers = {
     {"protocol/config", {}},
+    {"protocol/plugin", {"protocol/config"}},
     {"protocol", {"protocol/config"}},
-    {"hwparts", {"protocol/config", "protocol/part_description.h"}},
+    {"hwparts", {"protocol/config", "protocol/plugin", "protocol/part_description.h"}},
     {"server/world", {}},
     {"server/collision", {"server/world"}},
-    {"server/scene", {"server/world", "hwparts", "protocol/config"}},
+    {"server/scene", {"server/world", "hwparts", "protocol/config", "protocol/plugin"}},
     {"server/dynamics", {"server/world", "server/collision", "hwparts/joint.h"}},
     {"server/sensing",
-     {"server/world", "server/collision", "server/scene", "server/dynamics", "hwparts", "protocol/config"}},
+     {"server/world", "server/collision", "server/scene", "server/dynamics", "hwparts", "protocol/config",
+      "protocol/plugin"}},
     {"server/cycle",
      {"server/world", "server/collision", "server/scene", "server/dynamics", "server/sensing", "hwparts",
-      "protocol/config", "protocol/part_description.h"}},
+      "protocol/config", "protocol/plugin", "protocol/part_description.h"}},
     {"server/gateway",
      {"server/world", "server/collision", "server/scene", "server/dynamics", "server/sensing", "server/cycle",
       "hwparts", "protocol"}},
@@ -75,6 +77,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"Simbody.h", {"tests/bench/peers"}},
     {"sanitizer/", {"tests"}},
     {"visum/visum.h", {"tests/install/outside"}},  // ours, as installed
+    {"visum/plugin.h", {"tests/install/outside"}},
 };
 
 const std::vector<std::string> kSystemFolders = {"sys/",   "netinet/", "arpa/", "net/",

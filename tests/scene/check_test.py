@@ -8,12 +8,26 @@ import os
 import pathlib
 import resource
 import subprocess
+import tempfile
 import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 BIN = pathlib.Path(os.environ.get("VISUM_BIN", SOURCE / "build" / "dev" / "bin"))
 BAD = SOURCE / "tests" / "scene" / "bad"
 SCENES = sorted((SOURCE / "models" / "scenes").glob("*.yaml"))
+MANY_ERRORS = """\
+visum: 1
+name: many
+bodies:
+- {name: box, mass: -1, shapes: [{box: [1, 1, 1]}]}
+- {name: ball, mass: 1, shapes: [{sphere: 1}]}
+- {name: thing, fixed: true, shapes: [{bx: [1, 1, 1]}]}
+joints:
+- {name: a, type: fixed, child: box}
+- {name: b, type: fixed, child: bll}
+sensors:
+- {name: eye, kind: distance, body: ball, range: [1]}
+"""
 MEMORY = 2 << 30  # bytes of address space; a bomb that goes off would not fit
 SECONDS = 60  # of processor time, on whatever machine
 SANITIZED = b"__asan_init" in (BIN / "visumd").read_bytes()  # reserves terabytes of addresses
@@ -48,8 +62,21 @@ class Check(unittest.TestCase):
         done = check("misspelt_key.yaml", "--json", cwd=BAD)
         self.assertEqual(done.returncode, 3)
         self.assertEqual(json.loads(done.stdout), {
-            "right": False, "file": "misspelt_key.yaml", "line": 2, "key": "",
-            "message": "unknown key 'gravtiy'; did you mean 'gravity'?"})
+            "right": False, **(error := {
+                "file": "misspelt_key.yaml", "line": 2, "key": "",
+                "message": "unknown key 'gravtiy'; did you mean 'gravity'?"}), "errors": [error]})
+
+    def test_tells_all_that_is_wrong_and_nothing_that_only_follows(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder) / "s.yaml"
+            scene.write_text(MANY_ERRORS)
+            done = check("s.yaml", cwd=folder)
+            self.assertEqual(done.returncode, 3)
+            self.assertEqual([line.removeprefix("visumd: error: ") for line in done.stderr.splitlines()], [
+                "s.yaml:4: bodies[0].mass: must be greater than 0, is -1",
+                "s.yaml:6: bodies[2]: needs one of box, sphere, cylinder, capsule, plane, convex or mesh",
+                "s.yaml:9: joints[1].child: there is no body called 'bll'; did you mean 'ball'?",
+                "s.yaml:11: sensors[0].range: must be a list of 2 numbers, has 1"])
 
     def test_an_engine_can_be_asked_about(self):
         self.assertEqual(check("models/scenes/cart.yaml", "--engine", "impulse").returncode, 0)

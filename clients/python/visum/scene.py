@@ -170,6 +170,14 @@ class Scene:
         """`keys`: body, pose, range, rate_hz, ... as the kind has them."""
         self._add("sensors", {"name": name, "kind": kind, **keys})
 
+    def plugin(self, name: str) -> None:
+        """A library that brings kinds of agents, sensors and parts: its name, without folder and ending."""
+        self._add("plugins", name)
+
+    def agent(self, name: str, kind: str, **keys: Any) -> None:
+        """`keys`: parts, period_ms, ... as the kind has them."""
+        self._add("agents", {"name": name, "kind": kind, **keys})
+
     def light(self, kind: str, **keys: Any) -> None:
         self._add("lights", {"kind": kind, **keys})
 

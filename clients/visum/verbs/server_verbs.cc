@@ -47,6 +47,10 @@ std::unique_ptr<Verb> make_mirror() {
   return std::make_unique<ServerVerb>(std::vector<std::string>{"visum-mirror"});
 }
 
+std::unique_ptr<Verb> make_convert() {
+  return std::make_unique<ServerVerb>(std::vector<std::string>{"visumd", "convert"});
+}
+
 std::unique_ptr<Verb> make_check() {
   return std::make_unique<ServerVerb>(std::vector<std::string>{"visumd", "check"});
 }

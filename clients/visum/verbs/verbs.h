@@ -28,6 +28,7 @@ std::unique_ptr<Verb> make_run();
 std::unique_ptr<Verb> make_exec();
 std::unique_ptr<Verb> make_mirror();
 std::unique_ptr<Verb> make_check();
+std::unique_ptr<Verb> make_convert();
 std::unique_ptr<Verb> make_completion();
 
 }  // namespace visum::cli

@@ -1,0 +1,38 @@
+// A part somewhere behind a connection, as an agent meets it. What is set goes out at the end of the turn.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "clients/cpp/visum.h"
+#include "protocol/plugin/plugin.h"
+
+namespace visum::agent {
+
+class RemoteLink final : public plugin::PartLink {
+ public:
+  // Takes the part's lease where it is to be commanded.
+  RemoteLink(Client& client, const std::string& part, bool commanded);
+
+  void end_turn();
+  void release();
+
+  std::size_t input(std::string_view name) const override;
+  std::size_t output(std::string_view name) const override;
+  plugin::Port input_port(std::size_t input) const override;
+  plugin::Port output_port(std::size_t output) const override;
+  double value(std::size_t output) const override;
+  double command(std::size_t input) const override;
+  void set(std::size_t input, double value) override;
+  std::span<const std::byte> blackboard(std::string_view name) override;
+
+ private:
+  Part part_;
+  Inputs inputs_;
+  Outputs outputs_;
+  const bool commanded_;
+  bool changed_ = false;
+  std::vector<std::byte> blackboard_;
+};
+
+}  // namespace visum::agent

@@ -1,0 +1,86 @@
+// visum-agent: runs an agent of a scene file from outside, as a client: in front of the parts of a world, or
+// of real ones. Inside the daemon the same library does the same.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <limits>
+
+#include "clients/agent/remote_agent.h"
+#include "protocol/config/config.h"
+
+namespace {
+
+using namespace visum;
+
+struct Options {
+  std::string scene, agent;
+  std::string connect = "127.0.0.1:1500";
+  std::string token_file;
+  double time_s = 0.0;
+  std::vector<std::string> plugins;
+};
+
+void run(const Options& options) {
+  const config::Node root = config::load_file(options.scene);
+  const config::Node entry = agent::find_entry(root, options.agent);
+  const auto libraries = agent::open_libraries(root, plugin::plugin_folders(options.plugins));
+  Client client(options.connect, {.name = entry.get("name").text(), .token_file = options.token_file});
+  agent::RemoteAgent agent(client, entry, libraries);
+  client.join();
+  const std::int64_t begin_ns = client.time_ns();
+  const std::int64_t end_ns = options.time_s > 0.0 ? begin_ns + std::llround(options.time_s * 1e9)
+                                                   : std::numeric_limits<std::int64_t>::max();
+  while (client.time_ns() < end_ns) {
+    agent.think(client.time_ns() - begin_ns);
+    client.advance_ns(agent.period_ns());
+  }
+  agent.release();
+  client.leave();
+  std::printf("done: %s\n", agent.outputs_in_words().c_str());
+}
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("scene", options.scene,
+                 "a scene file with 'plugins' and 'agents'; nothing else of it is read")
+      ->required()
+      ->type_name("SCENE.yaml");
+  app.add_option("--agent", options.agent, "which, where the file has several");
+  app.add_option("--connect", options.connect, "where the parts are served")->capture_default_str();
+  app.add_option("--token-file", options.token_file, "for a server that was started with one");
+  app.add_option("--time", options.time_s, "simulated seconds, then it ends; without: for ever")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--plugins", options.plugins,
+                 "a folder that plug-ins may come from, before the installed one; repeatable")
+      ->type_name("FOLDER")
+      ->check(CLI::ExistingDirectory);
+  app.footer(
+      "Example: the explorer of a scene, in front of a world that has none\n"
+      "  visumd models/scenes/explorer.yaml --clock free &\n"
+      "  visum-agent models/scenes/explorer_agent.yaml --time 60\n"
+      "Exit codes: 0 the time is over, 1 the agent or the connection failed, 2 bad usage, 3 the file is "
+      "wrong.");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"visum-agent: runs an agent of a scene file as a client"};
+  declare(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    run(options);
+    return 0;
+  } catch (const config::ConfigError& error) {
+    std::fprintf(stderr, "visum-agent: %s\n", error.what());
+    return 3;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "visum-agent: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,54 @@
+// A plug-in's settings out of a scene's entry: every answer knows its file and line, and what nobody asked
+// for is found in the end.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "protocol/config/config.h"
+#include "protocol/plugin/plugin.h"
+
+namespace visum::plugin {
+
+class NodeSettings final : public Settings {
+ public:
+  // `known`: the keys of the entry that are not the plug-in's.
+  NodeSettings(config::Node entry, std::vector<std::string> known)
+      : entry_(std::move(entry)), known_(known.begin(), known.end()) {}
+
+  double number(std::string_view key, double lowest, double highest) override;
+  double number_or(std::string_view key, double otherwise, double lowest, double highest) override;
+  std::string text(std::string_view key) override;
+  std::string text_or(std::string_view key, std::string_view otherwise) override;
+  bool flag_or(std::string_view key, bool otherwise) override;
+  [[noreturn]] void fail(std::string_view key, const std::string& why) override;
+
+  // Throws ConfigError at a key that is neither known nor was asked for.
+  void refuse_others() const;
+
+ private:
+  config::Node entry_;
+  std::set<std::string, std::less<>> known_;
+};
+
+// Makes a node by a plug-in's `make`; what that throws becomes a ConfigError at `entry`.
+template <typename Kind, typename Context>
+auto make_node(const Kind& kind, Context& context, const config::Node& entry) {
+  try {
+    auto made = kind.make(context);
+    if (!made) throw Error("makes nothing");
+    return made;
+  } catch (const config::ConfigError&) {
+    throw;
+  } catch (const std::exception& error) {
+    entry.fail(std::string(kind.name) + ": " + error.what());
+  } catch (...) {
+    entry.fail(std::string(kind.name) + ": throws something that is no std::exception");
+  }
+}
+
+// The text of the exception that is being handled.
+std::string text_of_current_exception();
+
+}  // namespace visum::plugin

@@ -1,0 +1,53 @@
+// What both sides of an agent need to look things up by name: in the daemon, and in a client.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocol/config/config.h"
+#include "protocol/plugin/plugin.h"
+
+namespace visum::plugin {
+
+// Index of the entry of this name; throws Error: "part 'cart' has no output 'Sped 1'; did you mean 'Speed
+// 1'?"
+template <typename Named>
+std::size_t index_of(const std::vector<Named>& list, std::string_view name, const std::string& part,
+                     const char* what) {
+  const auto found =
+      std::find_if(list.begin(), list.end(), [&](const Named& entry) { return entry.name == name; });
+  if (found != list.end()) return static_cast<std::size_t>(found - list.begin());
+  std::vector<std::string> names;
+  for (const auto& entry : list) names.push_back(entry.name);
+  const auto near = config::nearest(name, names);
+  throw Error("part '" + part + "' has no " + what + " '" + std::string(name) + "'" +
+              (near ? "; did you mean '" + *near + "'?" : ""));
+}
+
+// Port number `index`; throws Error where there is none.
+template <typename Port>
+const Port& port_at(const std::vector<Port>& ports, std::size_t index, const std::string& part,
+                    const char* what) {
+  if (index < ports.size()) return ports[index];
+  throw Error("part '" + part + "' has no " + what + " number " + std::to_string(index) + ", it has " +
+              std::to_string(ports.size()));
+}
+
+// Throws Error where a value cannot be written to this port.
+template <typename Port>
+void check_value(const Port& port, double value, const std::string& part) {
+  if (value >= port.minimum && value <= port.maximum) return;  // false for what is not a number
+  throw Error("part '" + part + "': '" + port.name + "' must be a number from " +
+              std::to_string(port.minimum) + " to " + std::to_string(port.maximum) + ", is " +
+              std::to_string(value));
+}
+
+template <typename From>
+Port plain_port(const From& port) {
+  return {port.name, port.unit, port.minimum, port.maximum, port.initial};
+}
+
+}  // namespace visum::plugin

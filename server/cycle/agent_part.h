@@ -1,0 +1,60 @@
+// An agent of the scene as a node of the world: it thinks once per period, in the cycle's phase of that name.
+// It reads the outputs of parts and writes the inputs of those that it commands. To everybody else it is a
+// part that has outputs only: the agent's own, then `Turns` and `Node State` (0 it works, 1 it is in fault,
+// and the blackboard `fault` says why). An agent in fault thinks no more, and the parts that it commands have
+// lost their controller.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "hwparts/part.h"
+#include "hwparts/plugged/node_keeper.h"
+#include "server/scene/scene.h"
+
+namespace visum::cycle {
+
+struct BoundPart;
+class BoundLink;
+
+class AgentPart final : public hwparts::Part {
+ public:
+  // `parts` holds the scene's parts and sensors, in that order, where this agent and those after it will
+  // stand, too. Keeps references to both. Throws ConfigError.
+  AgentPart(const scene::AgentPlan& plan, std::int64_t tick_ns, std::vector<BoundPart>& parts);
+  ~AgentPart() override;
+
+  // At the beginning of the tick that begins at `now_ns`.
+  void think(std::int64_t now_ns);
+
+  const protocol::PartDescription& description() const override { return description_; }
+  std::span<const std::size_t> joints() const override { return {}; }
+  std::optional<std::string> refuse(std::span<const double>) const override { return {}; }
+  void act(std::span<const double>, std::span<const hwparts::JointSample>,
+           std::span<hwparts::JointDrive>) override {}
+  void publish(std::span<const hwparts::JointSample>, std::span<double> sensor_outputs) override;
+  void following_errors(std::span<double>) const override {}
+  void controller_lost() override {}
+  void reset() override;
+  std::span<const std::byte> read_blackboard(std::size_t) const override { return keeper_.blackboard(); }
+  const std::string* node_fault() const override { return &keeper_.fault(); }
+  void save(hwparts::StateWriter& to) const override;
+  void load(hwparts::StateReader& from) override;
+
+ private:
+  class Context;
+
+  bool due(std::int64_t now_ns) const;
+  void start_outputs();
+  void let_go();
+
+  const std::int64_t tick_ns_, period_ns_;
+  std::vector<std::unique_ptr<BoundLink>> links_;  // to the parts that it uses
+  std::unique_ptr<plugin::Agent> agent_;
+  plugged::NodeKeeper keeper_;
+  std::vector<double> outputs_;  // the agent's own
+  std::uint64_t turns_ = 0;
+  protocol::PartDescription description_;
+};
+
+}  // namespace visum::cycle

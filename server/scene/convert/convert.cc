@@ -1,0 +1,106 @@
+#include "server/scene/convert/convert.h"
+
+#include <functional>
+
+#include "protocol/config/read_file.h"
+#include "server/scene/convert/output.h"
+#include "server/scene/convert/write_sdf.h"
+#include "server/scene/convert/write_yaml.h"
+#include "server/scene/convert/x3d_scene.h"
+#include "server/scene/convert/yaml_text.h"
+#include "server/scene/draft.h"
+#include "server/scene/joints.h"
+#include "server/scene/models.h"
+
+namespace visum::scene {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Before the file as a whole.
+[[noreturn]] void fail(const fs::path& file, const std::string& message) {
+  throw config::ConfigError({file.string(), 0, ""}, message);
+}
+
+std::string text_of(const fs::path& file) {
+  auto content = config::read_file(file, kMaxX3dBytes);
+  if (!content.fault.empty()) fail(file, content.fault);
+  return std::move(content.bytes);
+}
+
+// A scene with one model, which stands on the ground.
+Scene scene_of_model(const fs::path& file) {
+  YamlMap entry;
+  entry.add_text("name", file.stem().string()).add_text("file", file.filename().string());
+  Scene scene;
+  scene.file = file;
+  scene.name = file.stem().string();
+  scene.world.engines.push_back({"ode"});
+  scene.engine_places.push_back({file.string(), 0, "engine"});
+  scene.world.surfaces.push_back({"default"});
+  Draft draft(scene);
+  read_model(draft, config::load_text(entry.text(), file.string(), file.parent_path()));
+  sort_world(draft, {file.string(), 0, ""});
+  scene.world.name = scene.name;
+  return scene;
+}
+
+enum class Format { kYaml, kModel, kX3dXml, kX3dClassic, kVrml97 };
+
+Format format_of(const fs::path& file, const char* known) {
+  const std::string ending = file.extension().string();
+  if (ending == ".yaml" || ending == ".yml") return Format::kYaml;
+  if (ending == ".urdf" || ending == ".sdf") return Format::kModel;
+  if (ending == ".x3d") return Format::kX3dXml;
+  if (ending == ".x3dv") return Format::kX3dClassic;
+  if (ending == ".wrl" || ending == ".vrml") return Format::kVrml97;
+  fail(file, std::string("its ending tells its format, and must be one of ") + known);
+}
+
+std::string written(const Scene& scene, Output& output) {
+  const Format format = format_of(output.file(), ".yaml, .sdf, .x3d, .x3dv, .wrl");
+  switch (format) {
+    case Format::kYaml:
+      return to_yaml(scene, output);
+    case Format::kModel:
+      if (output.file().extension() == ".urdf")
+        fail(output.file(), "URDF is read, not written: it holds one robot, not a scene");
+      return to_sdf(scene, output);
+    case Format::kX3dXml:
+      return write_x3d_xml(to_x3d(scene, output, true));
+    case Format::kX3dClassic:
+    case Format::kVrml97:
+      break;
+  }
+  const bool vrml97 = format == Format::kVrml97;
+  return write_x3d_classic(to_x3d(scene, output, !vrml97), vrml97);
+}
+
+}  // namespace
+
+Scene read_any_scene(const fs::path& file, const Options& options) {
+  switch (format_of(file, ".yaml, .urdf, .sdf, .x3d, .x3dv, .wrl")) {
+    case Format::kYaml:
+      return load_scene(file, options);
+    case Format::kModel:
+      return scene_of_model(file);
+    case Format::kX3dXml:
+      return scene_of_x3d(read_x3d_xml(text_of(file), file.string()), file);
+    case Format::kX3dClassic:
+    case Format::kVrml97:
+      break;
+  }
+  return scene_of_x3d(read_x3d_classic(text_of(file), file.string()), file);
+}
+
+std::vector<std::string> convert(const fs::path& from, const fs::path& to, const Options& options) {
+  const Scene scene = read_any_scene(from, options);
+  Output output(to);
+  const std::string text = written(scene, output);
+  output.write(text);
+  std::vector<std::string> losses = scene.losses;
+  losses.insert(losses.end(), output.losses().begin(), output.losses().end());
+  return losses;
+}
+
+}  // namespace visum::scene

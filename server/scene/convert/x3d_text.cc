@@ -1,0 +1,91 @@
+#include "server/scene/convert/x3d_text.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "protocol/config/config.h"
+#include "server/scene/convert/output.h"
+#include "server/scene/text_cursor.h"
+
+namespace visum::scene {
+
+std::string x3d_rotation(const Eigen::Quaterniond& q) {
+  const double sine = q.vec().norm();
+  if (sine == 0.0) return "0 0 1 0";
+  const double angle = 2.0 * std::atan2(sine, q.w());
+  const Eigen::Vector3d axis = q.vec() / sine;
+  return exact(axis.data(), 3) + " " + exact(angle);
+}
+
+Eigen::Quaterniond quaternion_of_rotation(const double numbers[4]) {
+  const Eigen::Vector3d axis(numbers[0], numbers[1], numbers[2]);
+  if (numbers[3] == 0.0 || axis.norm() == 0.0) return Eigen::Quaterniond::Identity();
+  return Eigen::Quaterniond(Eigen::AngleAxisd(numbers[3], axis.normalized()));
+}
+
+std::string x3d_texts(const std::vector<std::string>& texts) {
+  std::string value;
+  for (const std::string& text : texts) {
+    value += value.empty() ? "\"" : " \"";
+    for (const char c : text) {
+      if (c == '"' || c == '\\') value += '\\';
+      value += c;
+    }
+    value += '"';
+  }
+  return value;
+}
+
+std::vector<std::string> texts_of(const std::string& value) {
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    if (value[i] != '"') continue;
+    texts.emplace_back();
+    for (++i; i < value.size() && value[i] != '"'; ++i) {
+      if (value[i] == '\\' && i + 1 < value.size()) ++i;
+      texts.back() += value[i];
+    }
+  }
+  return texts;
+}
+
+Eigen::Quaterniond from_y_to_z() {
+  const double half = std::sqrt(0.5);
+  return {half, half, 0.0, 0.0};
+}
+
+void fail_at(const X3dNode& node, const std::string& file, const std::string& message) {
+  const std::string what = node.type + (node.def.empty() ? "" : " '" + node.def + "'");
+  throw config::ConfigError({file, node.line, what}, message);
+}
+
+std::vector<double> numbers_of(const X3dNode& node, const std::string& field, std::size_t count,
+                               const std::vector<double>& otherwise, const std::string& file) {
+  const auto found = node.values.find(field);
+  if (found == node.values.end()) return otherwise;
+  std::string text = found->second;
+  std::ranges::replace(text, ',', ' ');
+  std::vector<double> numbers;
+  TextCursor cursor(text);
+  for (std::string_view word = cursor.word(); !word.empty(); word = cursor.word()) {
+    double number = 0.0;
+    if (!parse_number(word, number) || !std::isfinite(number))
+      fail_at(node, file, field + ": '" + std::string(word.substr(0, 40)) + "' is no finite number");
+    numbers.push_back(number);
+  }
+  if (count != 0 && numbers.size() != count)
+    fail_at(node, file,
+            field + " must be " + std::to_string(count) + (count == 1 ? " number" : " numbers") + ", has " +
+                std::to_string(numbers.size()));
+  return numbers;
+}
+
+bool flag_of(const X3dNode& node, const std::string& field, bool otherwise, const std::string& file) {
+  const auto found = node.values.find(field);
+  if (found == node.values.end()) return otherwise;
+  if (found->second != "true" && found->second != "false")
+    fail_at(node, file, field + " must be true or false, is '" + found->second.substr(0, 40) + "'");
+  return found->second == "true";
+}
+
+}  // namespace visum::scene

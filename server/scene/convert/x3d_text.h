@@ -1,0 +1,31 @@
+// Values of X3D fields as texts.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/scene/convert/x3d_node.h"
+#include "server/world/world_model.h"
+
+namespace visum::scene {
+
+// SFRotation: axis and angle.
+std::string x3d_rotation(const Eigen::Quaterniond& q);
+Eigen::Quaterniond quaternion_of_rotation(const double numbers[4]);
+
+// MFString, with quotes, and back.
+std::string x3d_texts(const std::vector<std::string>& texts);
+std::vector<std::string> texts_of(const std::string& value);
+
+// X3D's cylinders lie along y, ours along z.
+Eigen::Quaterniond from_y_to_z();
+
+// Numbers of a field, exactly `count`, or as many as there are (0). `otherwise` where the field is missing.
+// Throws ConfigError at the node.
+std::vector<double> numbers_of(const X3dNode& node, const std::string& field, std::size_t count,
+                               const std::vector<double>& otherwise, const std::string& file);
+bool flag_of(const X3dNode& node, const std::string& field, bool otherwise, const std::string& file);
+
+[[noreturn]] void fail_at(const X3dNode& node, const std::string& file, const std::string& message);
+
+}  // namespace visum::scene

@@ -1,0 +1,17 @@
+// A plug-in that brings a kind which there is without it.
+#include "protocol/plugin/plugin.h"
+
+namespace {
+
+using namespace visum::plugin;
+
+class Nothing final : public Sensor {
+ public:
+  explicit Nothing(SensorContext&) {}
+  void measure(const Truth&, std::span<double>) const override {}
+};
+constexpr SensorKind kSensors[] = {{"imu", "not the usual one", make_sensor<Nothing>}};
+
+}  // namespace
+
+VISUM_PLUGIN({.name = "thief", .sensors = kSensors})
