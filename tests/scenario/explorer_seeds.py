@@ -1,6 +1,6 @@
 """Runs the explorer on several seeds, each checked as its scenario says, and prints what it has covered.
 
-    explorer_seeds.py VISUM [--seeds N] [--time S] [--covers SHARE]
+    explorer_seeds.py VISUM [--scenario NAME] [--engine KIND] [--seeds N] [--time S] [--covers SHARE]
 
 Ten seeds of 400 simulated seconds take a while; the suite runs one that is shorter, and asks for less.
 """
@@ -18,9 +18,9 @@ import yaml
 MODELS = Path(__file__).resolve().parents[2] / "models"
 
 
-def scenario_of(folder: Path, time_s: float, covers: float) -> Path:
-    scenario = yaml.safe_load((MODELS / "scenarios" / "explorer.yaml").read_text())
-    scenario["scene"] = str(MODELS / "scenes" / "explorer.yaml")
+def scenario_of(folder: Path, name: str, time_s: float, covers: float) -> Path:
+    scenario = yaml.safe_load((MODELS / "scenarios" / f"{name}.yaml").read_text())
+    scenario["scene"] = str(MODELS / "scenes" / f"{name}.yaml")
     scenario["max_sim_s"] = time_s + 20
     command = scenario["controllers"][0]["command"]
     command[command.index("--time") + 1] = str(time_s)
@@ -32,8 +32,9 @@ def scenario_of(folder: Path, time_s: float, covers: float) -> Path:
     return file
 
 
-def explore(visum: str, scenario: Path, seed: int) -> bool:
-    done = subprocess.run([visum, "run", str(scenario), "--seed", str(seed), "--json"], capture_output=True, text=True, timeout=3000)
+def explore(visum: str, scenario: Path, seed: int, engine: str) -> bool:
+    words = [visum, "run", str(scenario), "--seed", str(seed), "--json", *(["--engine", engine] if engine else [])]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=3000)
     lines = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
     values = {line["check"]: line["value"] for line in lines if "check" in line}
     driven = re.search(r"has driven ([\d.]+) m", done.stdout + done.stderr)
@@ -49,13 +50,15 @@ def explore(visum: str, scenario: Path, seed: int) -> bool:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("visum")
+    parser.add_argument("--scenario", default="explorer", choices=("explorer", "explorer_ray"))
+    parser.add_argument("--engine", default="", help="instead of the scene's")
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--time", type=float, default=400.0)
     parser.add_argument("--covers", type=float, default=0.8)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        scenario = scenario_of(Path(folder), options.time, options.covers)
-        passed = [explore(options.visum, scenario, seed) for seed in range(1, options.seeds + 1)]
+        scenario = scenario_of(Path(folder), options.scenario, options.time, options.covers)
+        passed = [explore(options.visum, scenario, seed, options.engine) for seed in range(1, options.seeds + 1)]
     return 0 if all(passed) else 1
 
 

@@ -2,7 +2,7 @@
 """Explores a room with the cart: drives until it has been near all of the floor that it can reach, and touches nothing.
 
 It knows no more than its ports: from the angles of the rear wheels it reckons where it is, and its distance sensor, which
-casts rays all around, tells how far it is to the next wall. It draws a map of both (floor_map.py), looks for the
+casts rays all around, or a single one on a mast that it turns (--neck), tells how far it is to the next wall. It draws a map of both (floor_map.py), looks for the
 cheapest way to floor that it has not been near, drives there and looks again. It stands while it thinks.
 
     explorer.py --connect 127.0.0.1:1500 --time 300
@@ -13,6 +13,8 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+from collections import deque
+from contextlib import ExitStack
 
 import numpy as np
 import visum
@@ -32,6 +34,8 @@ KEEP_AWAY = 0.03  # m, from what it did not expect
 class Eye:
     """The distance sensor on the chassis: angles from straight ahead to the left, and distances."""
 
+    settle_s = 0.5  # until it has seen all around
+
     def __init__(self, part: visum.Part, mounted_at: float) -> None:
         self._part, self._mounted_at = part, mounted_at
         ports = {port.name: port for port in part.output_ports}
@@ -42,6 +46,11 @@ class Eye:
 
     def look(self) -> None:
         self.distances = np.frombuffer(self._part.read_blackboard("scan"), dtype="<f4").astype(float)
+
+    def wait(self, client: visum.Client, seconds: float) -> None:
+        """Lets time pass, and looks."""
+        client.advance_ms(1000 * seconds)
+        self.look()
 
     def now_ns(self) -> int:
         self._part.read()
@@ -57,6 +66,49 @@ class Eye:
                                 self.distances[met] * np.sin(self.angles[met])))
 
 
+class TurningEye(Eye):
+    """A distance sensor of one ray on a mast that turns: a scan is what it has met in its last turn, as seen from here."""
+
+    RAY_S = 0.005
+    SPEED = 12.0  # rad/s: a turn takes 0.52 s, 105 rays
+    settle_s = 2.0  # until the mast turns at its speed, and a turn more
+
+    def __init__(self, part: visum.Part, mounted_at: float, neck: visum.Part, cart: visum.Part) -> None:
+        self._part, self._mounted_at, self._neck = part, mounted_at, neck
+        self._distance, self._angle = part.outputs("Distance"), neck.outputs("Actual Angle")
+        self.reach = {port.name: port for port in part.output_ports}["Distance"].maximum
+        self._way = Cart(cart)  # reckons by itself, so that no correction of the map moves what was met before
+        self._met: deque[tuple[float, float, float]] = deque()  # the mast's angle, and the place that the ray met
+        self.angles = self.distances = np.empty(0)
+
+    def turn(self) -> None:
+        self._neck.inputs("Desired Speed")[0] = self.SPEED
+        self._neck.write()
+
+    def wait(self, client: visum.Client, seconds: float) -> None:
+        for _ in range(round(seconds / self.RAY_S)):
+            client.advance_ms(1000 * self.RAY_S)
+            self._way.reckon()
+            self._take_ray()
+        self.look()
+
+    def _take_ray(self) -> None:
+        distance, turned = self._distance[0], self._angle[0]
+        x, y = self.place(self._way.pose)
+        direction = self._way.pose.heading + turned
+        self._met.append((turned, x + distance * math.cos(direction), y + distance * math.sin(direction)))
+        while turned - self._met[0][0] > 2 * math.pi:
+            self._met.popleft()
+
+    def look(self) -> None:
+        x, y = self.place(self._way.pose)
+        met = np.array(self._met)
+        if not len(met):
+            return
+        self.distances = np.hypot(met[:, 1] - x, met[:, 2] - y)
+        self.angles = np.arctan2(met[:, 2] - y, met[:, 1] - x) - self._way.pose.heading
+
+
 class Explorer:
     def __init__(self, client: visum.Client, cart: Cart, eye: Eye, floor: FloorMap, end_ns: int) -> None:
         self._client, self._cart, self._eye, self._floor, self._end_ns = client, cart, eye, floor, end_ns
@@ -69,9 +121,8 @@ class Explorer:
     def step(self, speed: float, curvature: float) -> None:
         """One period: commands, then looks at what became of it."""
         self._cart.command(speed, max(-MAXIMUM_CURVATURE, min(MAXIMUM_CURVATURE, curvature)))
-        self._client.advance_ms(1000 * PERIOD_S)
+        self._eye.wait(self._client, PERIOD_S)
         self._cart.reckon()
-        self._eye.look()
         self.way += abs(speed) * PERIOD_S
         self._steps += 1
         if self._steps % STEPS_PER_LOOK == 1:
@@ -84,7 +135,7 @@ class Explorer:
             self.step(0.0, curvature)
 
     def explore(self) -> None:
-        self.stand(0.5)
+        self.stand(self._eye.settle_s)
         while not self.out_of_time():
             moves = find_way(self._floor, self._cart.pose)
             if not moves:
@@ -179,6 +230,7 @@ def parse_options() -> argparse.Namespace:
     parser.add_argument("--name", default="explorer.py", help="shown to others as the owner of the lease")
     parser.add_argument("--part", default="cart")
     parser.add_argument("--eye", default="eye", help="the distance sensor, a part of kind scanner")
+    parser.add_argument("--neck", help="the part that turns the eye, which then is of kind distance")
     parser.add_argument("--time", type=float, default=300.0, help="simulated seconds that it has")
     parser.add_argument("--near", type=float, default=0.4, help="m from its middle, within which floor counts as covered")
     options = parser.parse_args()
@@ -187,10 +239,22 @@ def parse_options() -> argparse.Namespace:
     return options
 
 
+def eye_of(client: visum.Client, cart: visum.Part, options: argparse.Namespace, leases: ExitStack) -> Eye:
+    if not options.neck:
+        return Eye(client.part(options.eye), CENTRE_AT)
+    neck = client.part(options.neck)
+    leases.enter_context(neck.lease())
+    eye = TurningEye(client.part(options.eye), CENTRE_AT, neck, cart)
+    eye.turn()
+    return eye
+
+
 def control(options: argparse.Namespace) -> None:
     with visum.Client(options.connect, name=options.name) as client:
-        part, eye = client.part(options.part), Eye(client.part(options.eye), CENTRE_AT)
-        with part.lease():
+        part = client.part(options.part)
+        with ExitStack() as leases:
+            leases.enter_context(part.lease())
+            eye = eye_of(client, part, options, leases)
             client.join()
             floor = FloorMap(options.near)
             explorer = Explorer(client, Cart(part), eye, floor, client.time_ns + round(options.time * 1e9))
