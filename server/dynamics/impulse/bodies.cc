@@ -104,6 +104,9 @@ void Bodies::commit(std::size_t i, double h, const Vector3d& gravity) {
   q[i] = constants[i].aligned ? q_WB[i] : q_WB[i] * constants[i].q_BP;
   turn(i);
   w[i] = inverse_inertia[i] * momentum;
+  // Where the moments differ, what the rounded inverse has lost is given back: the momentum is kept to
+  // rounding.
+  if (constants[i].symmetry == Symmetry::kNone) w[i] += inverse_inertia[i] * (momentum - inertia[i] * w[i]);
 }
 
 }  // namespace visum::dynamics::impulse
