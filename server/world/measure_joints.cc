@@ -96,8 +96,8 @@ void measure_joints(const WorldModel& model, WorldState& state) {
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     const Joint& joint = model.joints[i];
     if (info(joint.kind).is_angle)
-      measure_angle(joint, turn_of(state, joint.parent, joint.X_PJ),
-                    turn_of(state, joint.child, joint.X_CJ), state.joints[i]);
+      measure_angle(joint, turn_of(state, joint.parent, joint.X_PJ), turn_of(state, joint.child, joint.X_CJ),
+                    state.joints[i]);
     else
       measure(joint, side_of(model, state, joint.parent, joint.X_PJ),
               side_of(model, state, joint.child, joint.X_CJ), state.joints[i]);

@@ -19,8 +19,8 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kSoftness = 1e-6;   // share of a row's response to itself
-constexpr double kGive = 1e-5;       // likewise, of a contact's normal
+constexpr double kSoftness = 1e-6;  // share of a row's response to itself
+constexpr double kGive = 1e-5;      // likewise, of a contact's normal
 constexpr int kMostPoints = 4;
 constexpr int kMostRounds = 8;  // of sweeps and a solution of what they leave within its bounds
 
