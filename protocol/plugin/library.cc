@@ -23,7 +23,7 @@ void check_name(const std::string& name) {
 void refuse_if_anybody_may_write(const fs::path& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) throw Error("cannot look at '" + path.string() + "'");
-  if ((status.st_mode & S_IWOTH) != 0 && (status.st_mode & S_ISVTX) == 0)
+  if ((status.st_mode & S_IWOTH) != 0)
     throw Error("anybody may write to '" + path.string() + "', so nothing is loaded from there");
 }
 

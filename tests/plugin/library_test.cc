@@ -49,6 +49,11 @@ TEST(PluginLibrary, MustNotBeWritableByAnybody) {
   fs::permissions(file, fs::perms::others_write, fs::perm_options::add);
   EXPECT_EQ(refusal_of("kinds", {files.folder()}),
             "anybody may write to '" + file.string() + "', so nothing is loaded from there");
+  // Nor a folder that anybody may put files into, even where they may not remove those of others (/tmp).
+  fs::permissions(file, fs::perms::others_write, fs::perm_options::remove);
+  fs::permissions(files.folder(), fs::perms::others_write | fs::perms::sticky_bit, fs::perm_options::add);
+  EXPECT_EQ(refusal_of("kinds", {files.folder()}),
+            "anybody may write to '" + files.folder().string() + "', so nothing is loaded from there");
 }
 
 TEST(PluginLibrary, SaysWhatIsWrongWithAFile) {

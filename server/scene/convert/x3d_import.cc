@@ -18,6 +18,7 @@ using config::Node;
 using world::JointKind;
 using world::Pose;
 
+constexpr std::size_t kMaxVertices = 3 * world::kMaxTriangles;
 constexpr double kSame = 1e-6;  // m, rad: metadata that agrees with the fields beside it
 
 bool same(const Pose& a, const Pose& b) {
@@ -179,8 +180,7 @@ class Importer {
     if (node.type != "Shape") fail(node, "is no Shape");
     const X3dNode* geometry = child_of(node, "geometry");
     if (!geometry) return;
-    const auto form = read_x3d_geometry(resolved(*geometry), scale, file_,
-                                        [&](const X3dNode& use) -> const X3dNode& { return resolved(use); });
+    const std::optional<X3dForm>& form = form_of(resolved(*geometry), scale[0]);
     if (!form) {
       scene_.losses.push_back("line " + std::to_string(geometry->line) + ": " + resolved(*geometry).type +
                               " is not read");
@@ -201,9 +201,22 @@ class Importer {
       shape.surface = {0};
     read_color(node, shape);
     if (form->kind == world::ShapeKind::kMesh)
-      shape.mesh = draft_.converted_mesh(shape.name + ":" + std::to_string(scene_.world.meshes.size()),
-                                         form->mesh, Eigen::Vector3d::Ones(), place_of(*geometry));
+      shape.mesh =
+          draft_.converted_mesh(form->mesh.name, form->mesh, Eigen::Vector3d::Ones(), place_of(*geometry));
     draft_.add_shape(shape, place_of(*geometry));
+  }
+
+  // Once for each node and scale, however often it is used.
+  const std::optional<X3dForm>& form_of(const X3dNode& node, double scale) {
+    const auto [entry, is_new] = forms_.try_emplace({&node, scale});
+    if (!is_new) return entry->second;
+    entry->second = read_x3d_geometry(node, Eigen::Vector3d::Constant(scale), file_,
+                                      [&](const X3dNode& use) -> const X3dNode& { return resolved(use); });
+    if (entry->second) entry->second->mesh.name = "mesh_" + std::to_string(forms_.size());
+    vertices_ += entry->second ? entry->second->mesh.vertices.size() : 0;
+    if (vertices_ > kMaxVertices)
+      fail(node, "all meshes have more than " + std::to_string(kMaxVertices) + " points");
+    return entry->second;
   }
 
   void read_color(const X3dNode& node, world::Shape& shape) const {
@@ -415,8 +428,9 @@ class Importer {
   std::vector<const X3dNode*> collections_;
   std::set<const X3dNode*> of_bodies_;  // asked only whether they hold a shape
   std::map<const X3dNode*, world::BodyId> bodies_;
+  std::map<std::pair<const X3dNode*, double>, std::optional<X3dForm>> forms_;
   world::BodyId scenery_;
-  std::size_t visits_ = 0;
+  std::size_t visits_ = 0, vertices_ = 0;
 };
 
 }  // namespace

@@ -1,0 +1,66 @@
+"""Agents as a user meets them: inside the daemon, as a client in front of it, and when they fail."""
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "clients"))
+from programs import BIN, DEADLINE_S, SOURCE, Daemon  # noqa: E402
+
+SCENES = SOURCE / "models" / "scenes"
+TEST_PLUGINS = BIN.parent / "test_plugins"
+CULPRIT = f"""\
+visum: 1
+include: ["{SCENES / 'amtec_arm.yaml'}"]
+plugins: [kinds]
+agents: [{{name: hand, kind: culprit, parts: {{arm: arm}}, does: throws}}]
+"""
+
+
+def run_agent(*words):
+    return subprocess.run([BIN / "visum-agent", *map(str, words)], capture_output=True, text=True, timeout=DEADLINE_S)
+
+
+class Inside(unittest.TestCase):
+    def test_it_drives_and_what_it_commands_is_its_own(self):
+        with Daemon("--clock", "free", scene=SCENES / "explorer_agent.yaml") as daemon:
+            self.assertIn("explorer", daemon.ready["parts"])
+            refusal = daemon.visum("set", "cart", "Desired Speed 1", 1, expect=1).stderr
+            self.assertIn("'agent explorer'", refusal)
+            daemon.visum("pause")
+            daemon.visum("step", 4000)
+            self.assertGreater(float(daemon.visum("get", "explorer", "Way").stdout), 0.2)
+            self.assertEqual(float(daemon.visum("get", "explorer", "Turns").stdout), 80)
+
+    def test_one_that_fails_is_told_of_and_the_world_goes_on(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder) / "culprit.yaml"
+            scene.write_text(CULPRIT)
+            done = subprocess.run([BIN / "visumd", scene, "--plugins", TEST_PLUGINS, "--port", "0", "--clock", "free", "-r",
+                                   "--iterations", "100"], capture_output=True, text=True, timeout=DEADLINE_S)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stderr.count("error: 'hand' is in fault: lost its head"), 1, done.stderr)
+        self.assertIn("ended at tick 100", done.stderr)
+
+
+class Outside(unittest.TestCase):
+    def test_the_same_library_drives_the_parts_of_a_daemon_without_it(self):
+        with Daemon("--clock", "lockstep", scene=SCENES / "explorer.yaml") as daemon:
+            done = run_agent(SCENES / "explorer_agent.yaml", "--connect", daemon.connect, "--time", 4)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertGreater(float(re.search(r"done: Way ([\d.]+) m", done.stdout)[1]), 0.2)
+            self.assertRegex(daemon.visum("parts").stdout, r"cart +servo_group +free")
+
+    def test_what_is_wrong_has_its_exit_code(self):
+        with Daemon("--clock", "lockstep", scene=SCENES / "cart.yaml") as daemon:
+            done = run_agent(SCENES / "explorer_agent.yaml", "--connect", daemon.connect, "--time", 1)
+            self.assertEqual(done.returncode, 3)
+            self.assertIn("explorer_agent.yaml:8: agents[0]: explorer: there is no part 'eye'", done.stderr)
+        self.assertEqual(run_agent(SCENES / "cart.yaml", "--time", 1).returncode, 3)
+        self.assertEqual(run_agent("--time", 1).returncode, 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
