@@ -80,9 +80,10 @@ void plan_part(Draft& draft, const Node& entry, std::map<JointId, std::string>& 
   const std::string name = read_name(entry.get("name"));
   draft.claim("part", name, entry.place());
   const std::string prefix = model_prefix(draft, entry);
-  PartPlan plan{read_name(entry.get("kind")),
-                {name, entry, {}, static_cast<double>(world.tick_ns) * 1e-9},
-                joints_of(draft, entry, prefix)};
+  // What may throw comes first: GCC 12 destroys members twice where a later one throws within the braces.
+  const std::string kind = read_name(entry.get("kind"));
+  const std::vector<JointId> joints = joints_of(draft, entry, prefix);
+  PartPlan plan{kind, {name, entry, {}, static_cast<double>(world.tick_ns) * 1e-9}, joints};
   for (const JointId id : plan.joints) {
     const world::Joint& joint = world.joints[id.index()];
     const auto [driver, is_free] = drivers.emplace(id, name);

@@ -79,7 +79,8 @@ void read_agent(Draft& draft, const Node& entry) {
   if (agents.size() == kMaxAgents) entry.fail("more than " + std::to_string(kMaxAgents) + " agents");
   const std::string name = read_name(entry.get("name"));
   draft.claim("part", name, entry.place());
-  agents.push_back({name, &kind_of(draft.scene, entry.get("kind")), entry, 0, {}});
+  const plugin::AgentKind& kind = kind_of(draft.scene, entry.get("kind"));
+  agents.push_back({name, &kind, entry, 0, {}});
 }
 
 void find_parts_of_agents(Draft& draft) {

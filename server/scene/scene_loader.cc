@@ -51,7 +51,7 @@ class Complaints {
     try {
       read();
     } catch (const config::ConfigError& error) {
-      if (!follows(error) && kept_->size() < kMaxErrors) kept_->push_back(error);
+      if (!follows(error) && !told(error) && kept_->size() < kMaxErrors) kept_->push_back(error);
       if (const auto name = entry ? name_of(*entry) : std::nullopt) gone_.push_back("'" + *name);
     }
   }
@@ -72,9 +72,18 @@ class Complaints {
  private:
   // Complaints about a name ("'arm'", "'arm/link_3'") that is missing because its own entry is wrong.
   bool follows(const config::ConfigError& error) const {
+    if (!error.message().starts_with("there is no ")) return false;
     for (const std::string& name : gone_)
       if (error.message().find(name + "'") != std::string::npos ||
           error.message().find(name + "/") != std::string::npos)
+        return true;
+    return false;
+  }
+  // Of an entry that is repeated, the same is wrong each time.
+  bool told(const config::ConfigError& error) const {
+    for (const config::ConfigError& known : *kept_)
+      if (known.place().file == error.place().file && known.place().line == error.place().line &&
+          known.message() == error.message())
         return true;
     return false;
   }
@@ -118,7 +127,10 @@ class Loader {
   void read_root(const Node& root) {
     const std::size_t before = complaints_.count();
     each(root, "frames", [&](const Node& entry) { read_frame(draft_, entry); });
-    each(root, "include", [&](const Node& entry) { include(entry); });
+    each(root, "include", [&](const Node& entry) {
+      complaints_.end_if_more_than(before);
+      include(entry);
+    });
     complaints_.end_if_more_than(before);
     each(root, "plugins", [&](const Node& entry) { read_plugin(draft_, entry); });
     for (const auto read : {read_settings, read_engines, read_surfaces, read_materials})

@@ -26,7 +26,9 @@ void read_sensor(Draft& draft, const Node& entry) {
   if (sensors.size() == kMaxSensors) entry.fail("more than " + std::to_string(kMaxSensors) + " sensors");
   const std::string name = read_name(entry.get("name"));
   draft.claim("part", name, entry.place());
-  SensorPlan plan{name, read_name(entry.get("kind")), entry, {}, {}, {}};
+  const std::string kind =
+      read_name(entry.get("kind"));  // may throw, so not within the braces (see parts.cc)
+  SensorPlan plan{name, kind, entry, {}, {}, {}};
   if (const auto body = entry.find("body")) {
     const LinkFrame link = draft.link(*body);
     plan.body = link.body;

@@ -7,8 +7,8 @@ namespace visum::scene {
 namespace {
 
 constexpr double kQuaternionTolerance = 1e-3;  // what four rounded digits may be off
-// What a vector that was made unit may be off. It is left as it is, so that what was written with all its digits is
-// read with all its bits.
+// What a vector that was made unit may be off. It is left as it is, so that what was written with all its
+// digits is read with all its bits.
 constexpr double kRounding = 1e-15;
 
 Eigen::Quaterniond read_quaternion(const config::Node& node) {

@@ -27,6 +27,7 @@ joints:
 - {name: b, type: fixed, child: bll}
 sensors:
 - {name: eye, kind: distance, body: ball, range: [1]}
+- {name: ear, kind: distance, body: ball}
 """
 MEMORY = 2 << 30  # bytes of address space; a bomb that goes off would not fit
 SECONDS = 60  # of processor time, on whatever machine
@@ -74,9 +75,13 @@ class Check(unittest.TestCase):
             self.assertEqual(done.returncode, 3)
             self.assertEqual([line.removeprefix("visumd: error: ") for line in done.stderr.splitlines()], [
                 "s.yaml:4: bodies[0].mass: must be greater than 0, is -1",
-                "s.yaml:6: bodies[2]: needs one of box, sphere, cylinder, capsule, plane, convex or mesh",
-                "s.yaml:9: joints[1].child: there is no body called 'bll'; did you mean 'ball'?",
-                "s.yaml:11: sensors[0].range: must be a list of 2 numbers, has 1"])
+                "s.yaml:6: bodies[2].shapes[0]: unknown key 'bx'; did you mean 'box'?",
+                "s.yaml:9: joints[1].child: there is no body called 'bll'; did you mean 'ball'?"])
+            # What parts and sensors make of their keys is known once the world stands.
+            scene.write_text(MANY_ERRORS.replace("mass: -1", "mass: 1").replace("bx:", "box:").replace("bll", "ball"))
+            self.assertEqual([line.removeprefix("visumd: error: ") for line in check("s.yaml", cwd=folder).stderr.splitlines()], [
+                "s.yaml:11: sensors[0].range: must be a list of 2 numbers, has 1",
+                "s.yaml:12: sensors[1]: key 'range' is missing"])
 
     def test_an_engine_can_be_asked_about(self):
         self.assertEqual(check("models/scenes/cart.yaml", "--engine", "impulse").returncode, 0)

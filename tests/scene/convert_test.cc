@@ -111,13 +111,26 @@ INSTANTIATE_TEST_SUITE_P(Formats, RoundTrip,
 TEST(Convert, OfModelsPartsAndSensorsYamlKeepsAll) {
   const test::TempFiles files;
   const std::filesystem::path scenes = std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes";
-  for (const char* name : {"sensors.yaml", "cart_fleet.yaml", "amtec_arm.yaml"}) {
+  for (const char* name : {"sensors.yaml", "two_link.yaml", "amtec_arm.yaml"}) {
     const auto copy = files.folder() / name;
     EXPECT_THAT(convert(scenes / name, copy, {}), IsEmpty()) << name;
     EXPECT_EQ(cycle::Simulation(load_scene(scenes / name)).state_hash(),
               cycle::Simulation(load_scene(copy)).state_hash())
         << name;
   }
+}
+
+TEST(Convert, SaysWhereYamlChangesTheOrderOfBodies) {
+  const test::TempFiles files;
+  const auto fleet = std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/cart_fleet.yaml";
+  const auto copy = files.folder() / "fleet.yaml";
+  EXPECT_THAT(convert(fleet, copy, {}), ElementsAre(HasSubstr("in one file models come before bodies")));
+  const auto a = load_scene(fleet), b = load_scene(copy);
+  EXPECT_EQ(a.parts.size(), b.parts.size());
+  const auto& cart = a.world.bodies[a.world.find_body("cart_7/chassis").index()];
+  const auto& same = b.world.bodies[b.world.find_body("cart_7/chassis").index()];
+  EXPECT_EQ(cart.X_WB.p, same.X_WB.p);
+  EXPECT_EQ(cart.X_WB.q.coeffs(), same.X_WB.q.coeffs());
 }
 
 TEST(Convert, SaysWhatX3dCannotHold) {

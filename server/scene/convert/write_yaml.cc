@@ -123,7 +123,19 @@ class Writer {
     return placed ? yaml_of(sensor.config, {{"pose", pose}}) : yaml_of(sensor.config);
   }
 
+  // A file's models are read before its bodies; those of included files may have come before.
+  void tell_order() {
+    bool model_comes = false;
+    for (std::size_t i = world_.bodies.size(); i-- > 0;) {
+      model_comes = model_comes || !world_.bodies[i].model.empty();
+      if (world_.bodies[i].model.empty() && model_comes)
+        return output_.lose("in one file models come before bodies, '" + world_.bodies[i].name +
+                            "' too: nothing else changes, but the state hash does");
+    }
+  }
+
   void bodies() {
+    tell_order();
     std::string lines;
     for (std::size_t i = 0; i < world_.bodies.size(); ++i)
       if (world_.bodies[i].model.empty()) lines += body_text({static_cast<std::int32_t>(i)});
