@@ -3,6 +3,11 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -11,13 +16,20 @@
 #include "server/gateway/daemon.h"
 #include "server/gateway/page_files.h"
 #include "server/gateway/program.h"
+#include "server/gateway/replay_report.h"
 #include "server/gateway/scene_check.h"
 #include "server/gateway/scene_convert.h"
+#include "server/recording/export_csv.h"
+#include "server/recording/log_sink.h"
+#include "server/recording/recorder.h"
+#include "server/recording/replay.h"
 #include "server/scene/scene.h"
 
 namespace {
 
 using namespace visum;
+
+constexpr const char* kRecordHelp = "write down every input, port and state's hash: an MCAP file";
 
 struct Options {
   std::string scene;
@@ -26,8 +38,11 @@ struct Options {
   std::int64_t seed = -1;
   gateway::Talk talk;
   std::vector<std::string> buses;
-  std::vector<std::string> plugins;  // folders
-  std::string http;                  // a port, or "off"; empty: not given
+  std::vector<std::string> plugins;                       // folders
+  std::string http;                                       // a port, or "off"; empty: not given
+  std::string record;                                     // a file; empty: none
+  std::string rewound;                                    // a recording to go on from, instead of a scene
+  double at_s = std::numeric_limits<double>::infinity();  // where in it
   scene::Options of_scene;
   gateway::DaemonOptions of_daemon;
 };
@@ -37,16 +52,26 @@ scene::Options with_plugins(scene::Options options, const std::vector<std::strin
   return options;
 }
 
-scene::Scene load(const Options& options) {
-  auto scene = scene::load_scene(options.scene, with_plugins(options.of_scene, options.plugins));
+void set_clock(const Options& options, scene::Scene& scene) {
   if (options.clock == "realtime") scene.clock = scene::ClockKind::kRealtime;
   if (options.clock == "lockstep") scene.clock = scene::ClockKind::kLockstep;
   if (options.clock == "free") scene.clock = scene::ClockKind::kFree;
   if (options.speedup > 0.0) scene.speed = options.speedup;
+}
+
+scene::Scene load(const Options& options) {
+  auto scene = scene::load_scene(options.scene, with_plugins(options.of_scene, options.plugins));
+  set_clock(options, scene);
   if (options.seed >= 0) scene.seed = static_cast<std::uint64_t>(options.seed);
   for (const auto& loss : scene.losses) spdlog::warn("{}", loss);
   for (const auto& note : scene.notes) spdlog::debug("{}", note);
   return scene;
+}
+
+std::unique_ptr<cycle::Simulation> make_simulation(const Options& options) {
+  if (options.rewound.empty()) return std::make_unique<cycle::Simulation>(load(options));
+  return recording::rewind(options.rewound, options.at_s,
+                           [&](scene::Scene& scene) { set_clock(options, scene); });
 }
 
 // --http decides; without it the usual port, or any free one where that is taken or --port leaves the choice
@@ -64,8 +89,22 @@ gateway::DaemonOptions with_http(const Options& options) {
   return all;
 }
 
+// What is written down of the world while it runs, where that is wanted.
+struct Recording {
+  Recording(const Options& options, cycle::Simulation& simulation, config::Files files)
+      : recorder(simulation, {std::move(files), options.of_scene.engine}, options.record), sink(recorder) {}
+  recording::Recorder recorder;
+  recording::LogSink sink;
+};
+
 int run(Options options) {
-  cycle::Simulation simulation(load(options));
+  std::optional<config::FilesNoted> noted;
+  if (!options.record.empty()) noted.emplace();
+  const auto made = make_simulation(options);
+  auto& simulation = *made;
+  std::optional<Recording> recording;
+  if (noted) recording.emplace(options, simulation, std::move(noted->files));
+  noted.reset();
   for (const auto& bus : options.buses)
     options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
   options.of_daemon = with_http(options);
@@ -85,8 +124,25 @@ std::string check_http(const std::string& text) {
   return digits && std::stoi(text) <= 65535 ? std::string() : "must be a port from 0 to 65535, or off";
 }
 
-void declare(CLI::App& app, Options& options) {
+// What the world is made of: a scene, or a recording of one, which fixes engine and seed.
+void declare_world(CLI::App& app, Options& options, std::string_view verb) {
+  if (verb == "rewind") {
+    app.add_option("recording", options.rewound, "the run to go on from")->required()->type_name("FILE.mcap");
+    app.add_option("--at", options.at_s, "simulated seconds from its beginning; default: its end")
+        ->check(CLI::NonNegativeNumber);
+    return;
+  }
+  if (verb == "record")
+    app.add_option("recording", options.record, kRecordHelp)->required()->type_name("FILE.mcap");
+  else
+    app.add_option("--record", options.record, kRecordHelp)->type_name("FILE.mcap");
   app.add_option("scene", options.scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
+  app.add_option("--seed", options.seed, "of the world's random numbers, instead of the scene's")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--engine", options.of_scene.engine, "moves all bodies, instead of the scene's engines");
+}
+
+void declare(CLI::App& app, Options& options) {
   gateway::declare_common(app, options.of_daemon, options.talk);
   app.add_option(
          "--http", options.http,
@@ -104,9 +160,6 @@ void declare(CLI::App& app, Options& options) {
       ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
   app.add_option("--speedup", options.speedup, "realtime: simulated seconds per second")
       ->check(CLI::Range(1e-3, 1e3));
-  app.add_option("--seed", options.seed, "of the world's random numbers, instead of the scene's")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--engine", options.of_scene.engine, "moves all bodies, instead of the scene's engines");
   gateway::declare_plugins(app, options.plugins);
   app.add_option("--iterations", options.of_daemon.iterations, "end after so many ticks")
       ->check(CLI::NonNegativeNumber);
@@ -122,6 +175,10 @@ void declare(CLI::App& app, Options& options) {
       "  visumd models/scenes/amtec_arm.yaml                       the arm in real time on 127.0.0.1:1500\n"
       "  visumd models/scenes/amtec_arm.yaml --clock lockstep --port 0 --json\n"
       "  visumd models/scenes/amtec_arm.yaml --bus arm=pty:arm.tty   with its modules on a serial line, too\n"
+      "  visumd models/scenes/amtec_arm.yaml --record run.mcap     `visum replay run.mcap` goes through it "
+      "again\n"
+      "  visumd rewind run.mcap --at 12.5                          goes on from there; engine and seed are "
+      "the run's\n"
       "  visumd check models/scenes/amtec_arm.yaml                 says what is wrong with a scene, no more\n"
       "Exit codes: 0 ended in good order, 1 the world froze, 2 bad usage, 3 the scene is wrong, 130 "
       "interrupted.");
@@ -167,13 +224,67 @@ int convert(int argc, char** argv) {
   });
 }
 
+int replay(int argc, char** argv) {
+  std::string file;
+  gateway::Talk talk{.verbosity = 1};
+  CLI::App app{
+      "visumd replay: goes through a recording again and compares the state's hash after every tick"};
+  app.add_option("recording", file, "an MCAP file that --record wrote")->required()->type_name("FILE.mcap");
+  app.add_flag("--json", talk.json, "print one line of JSON");
+  app.footer(
+      "Example:\n"
+      "  visum replay run.mcap\n"
+      "Exit codes: 0 the same bits in every tick, 1 the same as far as the file can be read, 2 no recording, "
+      "3 "
+      "the\nscene in it is wrong, 5 the first tick that differs is shown.");
+  return gateway::run_command(app, argc, argv, "visumd", talk,
+                              [&] { return gateway::report_replay(file, talk.json); });
+}
+
+int export_ports(const std::string& file, const recording::CsvOptions& options, const std::string& to) {
+  std::ofstream out_file;
+  if (!to.empty()) out_file.open(to, std::ios::binary | std::ios::trunc);
+  std::ostream& out = to.empty() ? std::cout : out_file;
+  if (!out) throw std::runtime_error(to + ": cannot be written");
+  const auto result = recording::export_csv(file, options, out);
+  if (!out.flush()) throw std::runtime_error((to.empty() ? "standard output" : to) + ": cannot be written");
+  if (result.damage.empty()) return gateway::kPassed;
+  spdlog::error("{}: {} rows, then it is damaged: {}", file, result.rows, result.damage);
+  return gateway::kFailed;
+}
+
+int export_csv(int argc, char** argv) {
+  std::string file, to;
+  recording::CsvOptions options;
+  gateway::Talk talk{.verbosity = 1};
+  CLI::App app{"visumd export: the ports of a recording as CSV, a row per tick"};
+  app.add_option("recording", file, "an MCAP file that --record wrote")->required()->type_name("FILE.mcap");
+  app.add_option("-o,--output", to, "the CSV file; default: standard output")->type_name("FILE.csv");
+  app.add_option("-p,--ports", options.ports, "PART, PART/GROUP or PART/PORT; repeatable. Default: all");
+  app.add_option("--from", options.from_s, "simulated seconds")->check(CLI::NonNegativeNumber);
+  app.add_option("--to", options.to_s, "simulated seconds")->check(CLI::NonNegativeNumber);
+  app.add_option("--every", options.every, "ticks between rows")->check(CLI::Range(1, 1'000'000'000));
+  app.footer(
+      "Example:\n"
+      "  visum export run.mcap -o run.csv --ports \"arm/Actual Angle\" --every 10\n"
+      "Exit codes: 0 done, 1 the recording is damaged and what can be read of it is written, 2 bad usage.");
+  return gateway::run_command(app, argc, argv, "visumd", talk,
+                              [&] { return export_ports(file, options, to); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc > 1 && std::string_view(argv[1]) == "check") return check(argc - 1, argv + 1);
-  if (argc > 1 && std::string_view(argv[1]) == "convert") return convert(argc - 1, argv + 1);
+  const std::string_view verb = argc > 1 ? argv[1] : "";
+  if (verb == "check") return check(argc - 1, argv + 1);
+  if (verb == "convert") return convert(argc - 1, argv + 1);
+  if (verb == "replay") return replay(argc - 1, argv + 1);
+  if (verb == "export") return export_csv(argc - 1, argv + 1);
+  const int words = verb == "record" || verb == "rewind" ? 1 : 0;
   Options options;
   CLI::App app{"visumd: holds a physics world and publishes its hardware parts over TCP"};
+  declare_world(app, options, verb);
   declare(app, options);
-  return gateway::run_command(app, argc, argv, "visumd", options.talk, [&] { return run(options); });
+  return gateway::run_command(app, argc - words, argv + words, "visumd", options.talk,
+                              [&] { return run(options); });
 }

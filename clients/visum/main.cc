@@ -43,6 +43,10 @@ constexpr Row kVerbs[] = {
     {"check", "say what is wrong with a scene", cli::make_check},
     {"convert", "write a scene in another format", cli::make_convert},
     {"run", "run a scenario and check it", cli::make_run},
+    {"record", "run a server and write down what happens: FILE.mcap SCENE.yaml [OPTIONS]", cli::make_record},
+    {"replay", "go through a recording again and compare every tick", cli::make_replay},
+    {"rewind", "run a server from a moment of a recording on: FILE.mcap --at SECONDS", cli::make_rewind},
+    {"export", "write a recording's ports as CSV", cli::make_export},
     {"exec", "run a program with a part's bus where it looks for its device", cli::make_exec},
     {"mirror", "serve a part once more, with two arms behind it", cli::make_mirror},
     {"completion", "print a completion script for a shell", cli::make_completion},
@@ -89,7 +93,7 @@ int main(int argc, char** argv) {
       "`visum VERB --help` shows a verb's options and examples.\n"
       "Exit codes: 0 done or passed, 1 refused or failed, 2 bad usage, unknown names and values, 3 scene or "
       "scenario\n"
-      "wrong, 4 connection or controller lost, 124 timed out, 130 interrupted.");
+      "wrong, 4 connection or controller lost, 5 a replay differs, 124 timed out, 130 interrupted.");
   std::vector<std::pair<CLI::App*, std::unique_ptr<cli::Verb>>> verbs;
   for (const Row& row : kVerbs) {
     verbs.emplace_back(app.add_subcommand(row.name, row.help), row.make());

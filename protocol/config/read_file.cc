@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <system_error>
+#include <utility>
 
 namespace visum::config {
 namespace {
@@ -10,9 +11,21 @@ std::string too_large(std::uintmax_t bytes, std::size_t max_bytes) {
   return "has " + std::to_string(bytes) + " bytes, at most " + std::to_string(max_bytes) + " are read";
 }
 
-}  // namespace
+thread_local FilesNoted* noted = nullptr;
+thread_local const FilesGiven* given = nullptr;
 
-FileContent read_file(const std::filesystem::path& path, std::size_t max_bytes) {
+std::string key_of(const std::filesystem::path& path) {
+  return std::filesystem::absolute(path).lexically_normal().string();
+}
+
+FileContent read_given(const std::filesystem::path& path, std::size_t max_bytes) {
+  const auto file = given->files.find(key_of(path));
+  if (file == given->files.end()) return {"", "no such file"};
+  if (file->second.size() > max_bytes) return {"", too_large(file->second.size(), max_bytes)};
+  return {file->second, ""};
+}
+
+FileContent read_disk(const std::filesystem::path& path, std::size_t max_bytes) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::not_found) return {"", "no such file"};
@@ -33,6 +46,35 @@ FileContent read_file(const std::filesystem::path& path, std::size_t max_bytes) 
   if (stream.bad() || content.bytes.size() != size || stream.peek() != std::ifstream::traits_type::eof())
     return {"", "changed while it was read"};
   return content;
+}
+
+}  // namespace
+
+FileContent read_file(const std::filesystem::path& path, std::size_t max_bytes) {
+  if (given) return read_given(path, max_bytes);
+  auto content = read_disk(path, max_bytes);
+  if (noted && content.fault.empty()) noted->files[key_of(path)] = content.bytes;
+  return content;
+}
+
+bool is_file(const std::filesystem::path& path) {
+  if (given) return given->files.contains(key_of(path));
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+FilesNoted::FilesNoted() {
+  noted = this;
+}
+FilesNoted::~FilesNoted() {
+  noted = nullptr;
+}
+
+FilesGiven::FilesGiven(Files all) : files(std::move(all)) {
+  given = this;
+}
+FilesGiven::~FilesGiven() {
+  given = nullptr;
 }
 
 }  // namespace visum::config

@@ -8,7 +8,6 @@
 #include "hwparts/plugged/plugged_sensor.h"
 #include "hwparts/sensors/sensor_kinds.h"
 #include "server/cycle/node_errors.h"
-#include "server/cycle/world_edit.h"
 
 namespace visum::cycle {
 namespace {
@@ -155,6 +154,7 @@ void Simulation::tick() {
   publish();
   phases_.end(Phase::kPublish);
   phases_.tick_done();
+  if (witness_) witness_->ticked();
 }
 
 void Simulation::sense() {
@@ -216,72 +216,6 @@ void Simulation::publish() {
 void Simulation::freeze(std::string fault) {
   fault_ = fault.empty() ? "the engine failed without a word" : std::move(fault);
   state_ = before_;
-}
-
-void Simulation::write_inputs(std::size_t part, std::size_t first, std::span<const double> values) {
-  std::ranges::copy(values, parts_[part].controller_inputs.begin() + static_cast<std::ptrdiff_t>(first));
-}
-
-void Simulation::reset() {
-  for (auto& bound : parts_) bound.part->reset();
-  start_state();
-  ++era_;
-}
-
-std::uint64_t Simulation::take_snapshot() {
-  if (snapshots_.size() == kMaxSnapshots) snapshots_.erase(snapshots_.begin());
-  auto& snapshot = snapshots_.emplace_back(Snapshot{next_snapshot_++, state_, {}});
-  save_rest(snapshot.rest);
-  return snapshot.number;
-}
-
-bool Simulation::restore_snapshot(std::uint64_t number) {
-  const auto found = std::ranges::find(snapshots_, number, &Snapshot::number);
-  if (found == snapshots_.end()) return false;
-  state_ = found->state;
-  load_rest(found->rest);
-  contacts_.clear();
-  fault_.clear();
-  ++era_;
-  return true;
-}
-
-bool Simulation::push(const Push& push) {
-  if (pushes_.size() == kMaxPushes) return false;
-  pushes_.push_back(push);
-  return true;
-}
-
-void Simulation::add_body(const std::string& yaml) {
-  auto changed = scene_;
-  scene::add_body(changed, yaml);
-  scene_ = std::move(changed);
-  const auto fresh = world::initial_state(scene_.world);
-  for (std::size_t i = state_.bodies.size(); i < fresh.bodies.size(); ++i)
-    state_.bodies.push_back(fresh.bodies[i]);
-  snapshots_.clear();
-  rebuild_machinery();
-  ++revision_;
-}
-
-std::string Simulation::remove_body(const std::string& name) {
-  const auto body = scene_.world.find_body(name);
-  if (!body.valid()) return "there is no body '" + name + "'";
-  if (auto reason = why_not_removable(scene_.world, body); !reason.empty()) return reason;
-  for (const auto& push : pushes_)
-    if (push.wrench.body == body) return "'" + name + "' is being pushed";
-  for (const auto& sensor : scene_.sensors)
-    if (sensor.body == body) return "it carries the sensor '" + sensor.name + "'";
-  erase_body(scene_.world, body);
-  state_.bodies.erase(state_.bodies.begin() + body.value);
-  for (auto& push : pushes_)
-    if (push.wrench.body > body) --push.wrench.body.value;
-  for (auto& sensor : scene_.sensors)
-    if (sensor.body > body) --sensor.body.value;
-  snapshots_.clear();
-  rebuild_machinery();
-  ++revision_;
-  return {};
 }
 
 std::uint64_t Simulation::state_hash() const {

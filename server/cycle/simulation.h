@@ -7,11 +7,15 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hwparts/part.h"
+#include "hwparts/powercube/message.h"
+#include "protocol/recording/input.h"
 #include "server/collision/collision.h"
 #include "server/cycle/agent_part.h"
 #include "server/cycle/flight_ring.h"
@@ -20,6 +24,10 @@
 #include "server/scene/scene.h"
 #include "server/sensing/senses.h"
 #include "server/world/world_state.h"
+
+namespace visum::powercube {
+enum class Wire;
+}  // namespace visum::powercube
 
 namespace visum::cycle {
 
@@ -41,6 +49,15 @@ struct Push {
   std::int64_t until_tick = 0;
 };
 
+// Is told of everything that changes a world, in order: what it took between ticks, and every tick. On the
+// tick's thread, which it must not hold up.
+class Witness {
+ public:
+  virtual ~Witness() = default;
+  virtual void took(const recording::TimedInput& input) = 0;  // when it was done; nothing that was refused
+  virtual void ticked() = 0;                                  // also by a tick that froze the world
+};
+
 // Makes a part from its plan; hwparts::make_part unless parts are to stand in front of something real.
 using PartMaker =
     std::function<std::unique_ptr<hwparts::Part>(const std::string& kind, const hwparts::PartContext&)>;
@@ -56,12 +73,24 @@ class Simulation {
 
   // Between ticks.
   void write_inputs(std::size_t part, std::size_t first, std::span<const double> values);  // already checked
+  void lose_controller(std::size_t part);
+  // These return why not; nothing if done.
+  std::optional<std::string> set_parameter(std::size_t part, const std::string& name,
+                                           const protocol::ParameterValue& value);
+  std::optional<std::string> write_blackboard(std::size_t part, std::size_t board, std::uint64_t offset,
+                                              std::span<const std::byte> data);
+  // A telegram for the part's modules, which it must have.
+  std::optional<powercube::Telegram> obey(std::size_t part, const powercube::Telegram& telegram,
+                                          powercube::Wire wire);
   void reset();                                 // the scene's initial state, a new era
   std::uint64_t take_snapshot();                // its number; the oldest beyond kMaxSnapshots is dropped
   bool restore_snapshot(std::uint64_t number);  // a new era; false: no such snapshot
   bool push(const Push& push);                  // false: kMaxPushes act already
   void add_body(const std::string& yaml);  // throws ConfigError and changes nothing. Drops the snapshots.
   std::string remove_body(const std::string& name);  // why not; empty: done. Drops the snapshots.
+
+  // From now on; null: nobody. It has to outlive the simulation or be taken away before.
+  void set_witness(Witness* witness) { witness_ = witness; }
 
   const scene::Scene& scene() const { return scene_; }
   const world::WorldModel& model() const { return scene_.world; }
@@ -104,6 +133,10 @@ class Simulation {
   void step();
   void publish();
   void freeze(std::string fault);
+  std::string_view name_of(std::size_t part) const;
+  // Tells the witness of what was taken when the world stood at `now`.
+  recording::TimedInput now() const { return {state_.tick, era_, {}}; }
+  void tell(recording::TimedInput now, const recording::Input& input);
   void save_rest(std::vector<std::byte>& bytes) const;
   void load_rest(std::span<const std::byte> bytes);
 
@@ -125,6 +158,7 @@ class Simulation {
   std::vector<Snapshot> snapshots_;
   std::shared_ptr<FlightRing> ring_;
   Phases phases_;
+  Witness* witness_ = nullptr;
   std::uint64_t next_snapshot_ = 1;
   std::uint64_t era_ = 1;
   std::uint64_t revision_ = 1;

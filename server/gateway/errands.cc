@@ -94,7 +94,7 @@ Reply TickSide::answer(Errand& errand, const protocol::GetParameters&) {
 }
 
 Reply TickSide::answer(Errand& errand, const protocol::SetParameter& request) {
-  if (auto reason = simulation_.parts()[errand.part].part->set_parameter(request.name, request.value))
+  if (auto reason = simulation_.set_parameter(errand.part, request.name, request.value))
     return Error{ErrorCode::kBadValue, std::move(*reason), {}};
   return Ok{};
 }
@@ -115,10 +115,10 @@ Reply TickSide::answer(Errand& errand, const protocol::ReadBlackboard& request) 
 }
 
 Reply TickSide::answer(Errand& errand, const protocol::WriteBlackboard& request) {
-  auto& part = *simulation_.parts()[errand.part].part;
-  const auto& boards = part.description().blackboards;
+  const auto& boards = simulation_.parts()[errand.part].part->description().blackboards;
   const auto board = std::ranges::find(boards, request.name, &protocol::Blackboard::name) - boards.begin();
-  if (auto reason = part.write_blackboard(static_cast<std::size_t>(board), request.offset, request.data))
+  if (auto reason = simulation_.write_blackboard(errand.part, static_cast<std::size_t>(board), request.offset,
+                                                 request.data))
     return Error{ErrorCode::kBadValue, std::move(*reason), {}};
   ++blackboard_writes_;
   return Ok{};

@@ -76,7 +76,7 @@ void TickSide::apply(const Input& input) {
       return;
     case Input::Kind::kLeaseLost:
       watches_[input.part] = {};
-      simulation_.parts()[input.part].part->controller_lost();
+      simulation_.lose_controller(input.part);
       return;
     case Input::Kind::kPush:
       return apply_push(input);
@@ -100,7 +100,7 @@ void TickSide::check_deadlines() {
   for (std::uint32_t part = 0; part < watches_.size(); ++part) {
     auto& watch = watches_[part];
     if (watch.deadline_ticks == 0 || now - watch.last_tick <= watch.deadline_ticks) continue;
-    simulation_.parts()[part].part->controller_lost();
+    simulation_.lose_controller(part);
     tell({Notice::Kind::kDeadlineMissed, part, watch.epoch, now});
     watch = {};
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <system_error>
 
+#include "protocol/config/read_file.h"
 #include "server/scene/frames.h"
 #include "server/scene/values.h"
 
@@ -95,7 +96,8 @@ void Includes::check(const fs::path& file, const Node& entry) const {
   if (chain_.size() == kMaxIncludeDepth)
     entry.fail("files include each other more than " + std::to_string(kMaxIncludeDepth) + " levels deep");
   if (opened_ > kMaxIncludes) entry.fail("more than " + std::to_string(kMaxIncludes) + " files are included");
-  if (!fs::exists(file, error)) entry.fail("'" + file.string() + "': no such file");
+  if (!config::is_file(file) && !fs::is_directory(file, error))
+    entry.fail("'" + file.string() + "': no such file");
 }
 
 Node Includes::open(const fs::path& file) {

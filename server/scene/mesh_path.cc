@@ -1,17 +1,14 @@
 #include "server/scene/mesh_path.h"
 
 #include <optional>
-#include <system_error>
+
+#include "protocol/config/read_file.h"
 
 namespace visum::scene {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_file(const fs::path& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error);
-}
+using config::is_file;
 
 std::optional<std::string> without_scheme(const std::string& uri, const std::string& scheme) {
   const std::string prefix = scheme + "://";

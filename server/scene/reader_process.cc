@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,6 +14,9 @@
 #include <optional>
 #include <stdexcept>
 #include <utility>
+
+#include "protocol/config/read_file.h"
+#include "server/scene/mesh_readers.h"
 
 namespace visum::scene {
 namespace {
@@ -38,6 +42,21 @@ class Descriptor {
  private:
   int fd_;
 };
+
+// The file as something that has a descriptor, wherever its content came from.
+Descriptor in_memory(const config::FileContent& content) {
+  if (!content.fault.empty()) throw std::runtime_error("it cannot be opened: " + content.fault);
+  Descriptor memory(::memfd_create("mesh", MFD_CLOEXEC));
+  std::string_view left = content.bytes;
+  while (!left.empty()) {
+    const ssize_t written = ::write(memory.get(), left.data(), left.size());
+    if (written <= 0)
+      throw std::runtime_error(std::string("no memory to hand it to its reader: ") + std::strerror(errno));
+    left.remove_prefix(static_cast<std::size_t>(written));
+  }
+  ::lseek(memory.get(), 0, SEEK_SET);
+  return memory;
+}
 
 struct Pipe {
   Descriptor read, write;
@@ -133,8 +152,7 @@ Heard listen(int out, int err, Clock::time_point end, const ReaderBounds& bounds
 std::string run_reader(const std::string& program, const std::filesystem::path& file,
                        const ReaderBounds& bounds) {
   const auto end = Clock::now() + bounds.deadline;
-  Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
-  if (in.get() < 0) throw std::runtime_error(std::string("it cannot be opened: ") + std::strerror(errno));
+  Descriptor in = in_memory(config::read_file(file, kMaxMeshBytes));
   Pipe out = make_pipe(), err = make_pipe();
   Child child(program, in.get(), out.write.get(), err.write.get());
   for (Descriptor* ours : {&in, &out.write, &err.write}) ours->close();

@@ -66,7 +66,7 @@ TEST(Collada, TheSmallestDocumentIsRead) {
 }
 
 TEST(Collada, AMissingFileSaysSo) {
-  EXPECT_EQ(why_not("/nowhere/a.dae"), "it cannot be opened: No such file or directory");
+  EXPECT_EQ(why_not("/nowhere/a.dae"), "it cannot be opened: no such file");
 }
 
 TEST(Collada, BrokenFilesAreRefusedInTheReadersWords) {

@@ -21,6 +21,7 @@ struct DaemonOptions {
   std::optional<std::string> engine;
   std::optional<std::int64_t> seed;
   std::vector<std::string> buses{};  // as --bus takes them
+  std::string record{};              // a recording's file; empty: none
 };
 
 // The folder of the program that runs now.

@@ -285,7 +285,8 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
                                        options.port,
                                        scenario.engine,
                                        scenario.seed,
-                                       bus_options(scenario, links)};
+                                       bus_options(scenario, links),
+                                       scenario.record};
     Daemon daemon(daemon_options, scenario.start_wall_s, vigil,
                   [&](const std::string& line) { options.on_line("visumd", line); });
     // Who keeps the world wants to look at it, from the beginning.

@@ -124,6 +124,7 @@ struct Scenario {
   std::string clock = "lockstep";
   std::optional<std::string> engine;
   std::optional<std::int64_t> seed;
+  std::string record;                        // a recording's file; empty: none
   std::map<std::string, std::string> buses;  // kind by part: "pty", "tcp", "slcan"
   double max_sim_s = 60.0;
   double max_wall_s = 300.0;

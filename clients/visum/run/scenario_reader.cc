@@ -101,6 +101,10 @@ void read_basics(const Node& root, Scenario& scenario) {
   if (const auto clock = root.find("clock")) scenario.clock = clock->one_of({"realtime", "lockstep", "free"});
   if (const auto engine = root.find("engine")) scenario.engine = engine->text();
   if (const auto seed = root.find("seed")) scenario.seed = seed->integer(0);
+  if (const auto record = root.find("record")) {
+    scenario.record = record->text();
+    if (scenario.record.empty()) record->fail("must name a file");
+  }
 }
 
 }  // namespace
@@ -130,8 +134,8 @@ ControllerSpec read_controller(const Node& node) {
 
 Scenario read_scenario(const Node& root) {
   if (root.kind() != Node::Kind::kMap) root.fail("a scenario is a map");
-  root.allow_only({"visum_scenario", "name", "description", "scene", "clock", "engine", "seed", "max_sim_s",
-                   "max_wall_s", "start_wall_s", "settle_s", "check_every_ms", "until", "buses",
+  root.allow_only({"visum_scenario", "name", "description", "scene", "clock", "engine", "seed", "record",
+                   "max_sim_s", "max_wall_s", "start_wall_s", "settle_s", "check_every_ms", "until", "buses",
                    "controllers", "timeline", "checks"});
   Scenario scenario;
   read_basics(root, scenario);

@@ -32,6 +32,7 @@ class RunVerb : public Verb {
     app.add_option("--seed", seed_, "of the world's random numbers")->check(CLI::NonNegativeNumber);
     app.add_option("--clock", clock_, "instead of the scenario's")
         ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
+    app.add_option("--record", record_, "write down every input, port and state's hash: an MCAP file");
     app.add_option("--port", port_, "the daemon's port; 0: any free one")->capture_default_str();
     app.add_option("--timeout", timeout_s_, "wall seconds after which the run is given up")
         ->check(number_within(1e-3, 1e7));
@@ -44,7 +45,8 @@ class RunVerb : public Verb {
         "out,\n"
         "124 the wall time was over, 130 interrupted.\n\nExamples:\n"
         "  visum run models/scenarios/pick_and_place.yaml\n"
-        "  visum run models/scenarios/pick_and_place.yaml --junit report.xml --json");
+        "  visum run models/scenarios/pick_and_place.yaml --junit report.xml --json\n"
+        "  visum run models/scenarios/pick_and_place.yaml --record run.mcap && visum replay run.mcap");
   }
 
   int run() override {
@@ -75,6 +77,7 @@ class RunVerb : public Verb {
     if (!engine_.empty()) scenario.engine = engine_;
     if (!clock_.empty()) scenario.clock = clock_;
     if (seed_) scenario.seed = seed_;
+    if (!record_.empty()) scenario.record = record_;
     if (timeout_s_ > 0.0) scenario.max_wall_s = timeout_s_;
     return scenario;
   }
@@ -102,7 +105,7 @@ class RunVerb : public Verb {
     }
   }
 
-  std::string file_, junit_, engine_, clock_;
+  std::string file_, junit_, engine_, clock_, record_;
   bool json_ = false, progress_ = false, keep_ = false, told_ = false;
   std::optional<std::int64_t> seed_;
   std::uint16_t port_ = 0;

@@ -55,4 +55,20 @@ std::unique_ptr<Verb> make_check() {
   return std::make_unique<ServerVerb>(std::vector<std::string>{"visumd", "check"});
 }
 
+std::unique_ptr<Verb> make_record() {
+  return std::make_unique<ServerVerb>(std::vector<std::string>{"visumd", "record"});
+}
+
+std::unique_ptr<Verb> make_replay() {
+  return std::make_unique<ServerVerb>(std::vector<std::string>{"visumd", "replay"});
+}
+
+std::unique_ptr<Verb> make_rewind() {
+  return std::make_unique<ServerVerb>(std::vector<std::string>{"visumd", "rewind"});
+}
+
+std::unique_ptr<Verb> make_export() {
+  return std::make_unique<ServerVerb>(std::vector<std::string>{"visumd", "export"});
+}
+
 }  // namespace visum::cli

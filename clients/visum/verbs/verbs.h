@@ -29,6 +29,10 @@ std::unique_ptr<Verb> make_exec();
 std::unique_ptr<Verb> make_mirror();
 std::unique_ptr<Verb> make_check();
 std::unique_ptr<Verb> make_convert();
+std::unique_ptr<Verb> make_record();
+std::unique_ptr<Verb> make_replay();
+std::unique_ptr<Verb> make_rewind();
+std::unique_ptr<Verb> make_export();
 std::unique_ptr<Verb> make_completion();
 
 }  // namespace visum::cli

@@ -62,12 +62,8 @@ Buses::~Buses() {
   ::close(request_fd_);
 }
 
-powercube::ModuleBus& Buses::modules(const BusItem& item) {
-  return *simulation_.parts()[parts_[item.link]].part->modules();
-}
-
 void Buses::obey(const BusItem& item) {
-  const auto answer = modules(item).obey(item.telegram, item.wire);
+  const auto answer = simulation_.obey(parts_[item.link], item.telegram, item.wire);
   if (!answer) return;
   BusItem reply = item;
   reply.telegram = *answer;

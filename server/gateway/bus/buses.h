@@ -41,7 +41,6 @@ class Buses {
     bool answered;  // an answer on its way out; else a request on its way in
     BusItem item;
   };
-  powercube::ModuleBus& modules(const BusItem& item);
   void obey(const BusItem& item);
   void move_lines();
   void send_spontaneous();

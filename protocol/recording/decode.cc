@@ -1,0 +1,147 @@
+// Bytes to plain values. What a file says is not believed: lengths and kinds are checked here, names and
+// numbers by the world that takes them.
+#include "protocol/codec.h"
+#include "protocol/recording/records.h"
+#include "protocol/wire.h"
+#include "recording.pb.h"
+
+namespace visum::recording {
+namespace {
+
+template <typename Message>
+bool parse(Bytes from, Message& to) {
+  return to.ParseFromArray(from.data(), static_cast<int>(from.size()));
+}
+
+bool take_vector(const google::protobuf::RepeatedField<double>& from, std::array<double, 3>& to) {
+  if (from.size() != 3) return false;
+  std::copy(from.begin(), from.end(), to.begin());
+  return true;
+}
+
+bool take(const v1::BusTelegram& from, BusTelegram& to) {
+  if (from.wire() > 1 || from.kind() > 2 || from.module() > 255 || from.data().size() > 8) return false;
+  to = {from.part(), static_cast<std::uint8_t>(from.wire()), static_cast<std::uint8_t>(from.kind()),
+        static_cast<std::uint8_t>(from.module()), bytes_of(from.data())};
+  return true;
+}
+
+bool take(const v1::PushBody& from, PushBody& to) {
+  to.body = from.body();
+  to.until_tick = from.until_tick();
+  return take_vector(from.force_n(), to.force_n) && take_vector(from.torque_nm(), to.torque_nm);
+}
+
+bool take(const v1::SetParameter& from, SetParameter& to) {
+  to.part = from.part();
+  to.name = from.name();
+  std::string why;
+  return protocol::wire::take(from.value(), to.value, why);
+}
+
+bool take(const v1::Input& from, Input& to) {
+  switch (from.what_case()) {
+    case v1::Input::kWriteInputs: {
+      const auto& w = from.write_inputs();
+      to = WriteInputs{
+          w.part(), w.first_port(), {w.values().data(), static_cast<std::size_t>(w.values().size())}};
+      return true;
+    }
+    case v1::Input::kLoseController:
+      to = LoseController{from.lose_controller().part()};
+      return true;
+    case v1::Input::kSetParameter:
+      return take(from.set_parameter(), to.emplace<SetParameter>());
+    case v1::Input::kWriteBlackboard: {
+      const auto& w = from.write_blackboard();
+      to = WriteBlackboard{w.part(), w.name(), w.offset(), bytes_of(w.data())};
+      return true;
+    }
+    case v1::Input::kBusTelegram:
+      return take(from.bus_telegram(), to.emplace<BusTelegram>());
+    case v1::Input::kPushBody:
+      return take(from.push_body(), to.emplace<PushBody>());
+    case v1::Input::kReset:
+      to = Reset{};
+      return true;
+    case v1::Input::kTakeSnapshot:
+      to = TakeSnapshot{from.take_snapshot().number()};
+      return true;
+    case v1::Input::kRestoreSnapshot:
+      to = RestoreSnapshot{from.restore_snapshot().number()};
+      return true;
+    case v1::Input::kAddBody:
+      to = AddBody{from.add_body().yaml()};
+      return true;
+    case v1::Input::kRemoveBody:
+      to = RemoveBody{from.remove_body().name()};
+      return true;
+    case v1::Input::WHAT_NOT_SET:
+      return false;
+  }
+  return false;
+}
+
+void take(const v1::Build& from, Build& to) {
+  to = {from.version(),
+        from.commit(),
+        from.compiler(),
+        from.instruction_set(),
+        {from.engines().begin(), from.engines().end()}};
+}
+
+}  // namespace
+
+bool decode(Bytes from, Header& to) {
+  v1::Header w;
+  if (!parse(from, w)) return false;
+  to = {w.format(), w.scene_file(), w.scene(), w.engine(), w.clock(), w.seed(), w.tick_ns(), {}, {}};
+  take(w.build(), to.build);
+  for (const auto& file : w.files()) to.files.push_back({file.name(), file.size(), file.crc()});
+  return true;
+}
+
+bool decode(Bytes from, protocol::PartSample& to) {
+  visum::v1::PartSample w;
+  if (!parse(from, w)) return false;
+  to.part = w.part();
+  to.tick = w.tick();
+  to.sim_time_ns = w.sim_time_ns();
+  to.era = w.era();
+  protocol::wire::take_numbers(w.controller_inputs(), to.controller_inputs);
+  protocol::wire::take_numbers(w.sensor_outputs(), to.sensor_outputs);
+  return true;
+}
+
+bool decode(Bytes from, protocol::PartDescription& to) {
+  visum::v1::PartDescription w;
+  protocol::PartDescriptionReply reply;
+  std::string why;
+  if (!parse(from, w) || !protocol::wire::take(w, reply, why)) return false;
+  to = std::move(reply.description);
+  return true;
+}
+
+bool TickMessage::decode(Bytes from) {
+  v1::Tick w;
+  if (!parse(from, w)) return false;
+  fault_ = w.fault();
+  tick = {w.tick(), w.era(), w.sim_time_ns(), w.state_hash(), fault_};
+  return true;
+}
+
+struct InputMessage::Impl {
+  v1::Input message;
+};
+
+InputMessage::InputMessage() : impl_(std::make_unique<Impl>()) {}
+InputMessage::~InputMessage() = default;
+
+bool InputMessage::decode(Bytes from) {
+  if (!parse(from, impl_->message)) return false;
+  input.tick = impl_->message.tick();
+  input.era = impl_->message.era();
+  return take(impl_->message, input.input);
+}
+
+}  // namespace visum::recording

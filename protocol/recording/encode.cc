@@ -1,0 +1,158 @@
+// Plain values to bytes. The messages are made in an arena of the thread's own that is emptied after each.
+#include <google/protobuf/arena.h>
+
+#include <array>
+
+#include "protocol/recording/records.h"
+#include "protocol/wire.h"
+#include "recording.pb.h"
+
+namespace visum::recording {
+namespace {
+
+using google::protobuf::Arena;
+
+// Fills a message of this kind by `fill` and appends its bytes.
+template <typename Message, typename Fill>
+void append(std::vector<std::byte>& to, const Fill& fill) {
+  struct Scratch {
+    alignas(8) std::array<char, 16384> block;
+    Arena arena{block.data(), block.size()};
+  };
+  thread_local Scratch scratch;
+  auto& message = *Arena::CreateMessage<Message>(&scratch.arena);
+  fill(message);
+  const auto start = to.size();
+  to.resize(start + message.ByteSizeLong());
+  message.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(to.data() + start));
+  scratch.arena.Reset();
+}
+
+template <typename Numbers, typename Field>
+void put_numbers(const Numbers& from, Field& to) {
+  to.Add(from.begin(), from.end());
+}
+
+void put(std::span<const std::byte> from, std::string& to) {
+  to.assign(reinterpret_cast<const char*>(from.data()), from.size());
+}
+
+struct PutInput {
+  v1::Input& to;
+
+  void operator()(const WriteInputs& m) const {
+    auto& w = *to.mutable_write_inputs();
+    w.mutable_part()->assign(m.part);
+    w.set_first_port(m.first_port);
+    put_numbers(m.values, *w.mutable_values());
+  }
+  void operator()(const LoseController& m) const {
+    to.mutable_lose_controller()->mutable_part()->assign(m.part);
+  }
+  void operator()(const SetParameter& m) const {
+    auto& w = *to.mutable_set_parameter();
+    w.mutable_part()->assign(m.part);
+    w.mutable_name()->assign(m.name);
+    protocol::wire::put(m.value, *w.mutable_value());
+  }
+  void operator()(const WriteBlackboard& m) const {
+    auto& w = *to.mutable_write_blackboard();
+    w.mutable_part()->assign(m.part);
+    w.mutable_name()->assign(m.name);
+    w.set_offset(m.offset);
+    put(m.data, *w.mutable_data());
+  }
+  void operator()(const BusTelegram& m) const {
+    auto& w = *to.mutable_bus_telegram();
+    w.mutable_part()->assign(m.part);
+    w.set_wire(m.wire);
+    w.set_kind(m.kind);
+    w.set_module(m.module);
+    put(m.data, *w.mutable_data());
+  }
+  void operator()(const PushBody& m) const {
+    auto& w = *to.mutable_push_body();
+    w.set_body(m.body);
+    put_numbers(m.force_n, *w.mutable_force_n());
+    put_numbers(m.torque_nm, *w.mutable_torque_nm());
+    w.set_until_tick(m.until_tick);
+  }
+  void operator()(const Reset&) const { to.mutable_reset(); }
+  void operator()(const TakeSnapshot& m) const { to.mutable_take_snapshot()->set_number(m.number); }
+  void operator()(const RestoreSnapshot& m) const { to.mutable_restore_snapshot()->set_number(m.number); }
+  void operator()(const AddBody& m) const { to.mutable_add_body()->mutable_yaml()->assign(m.yaml); }
+  void operator()(const RemoveBody& m) const { to.mutable_remove_body()->mutable_name()->assign(m.name); }
+};
+
+void put(const Build& from, v1::Build& to) {
+  to.set_version(from.version);
+  to.set_commit(from.commit);
+  to.set_compiler(from.compiler);
+  to.set_instruction_set(from.instruction_set);
+  for (const auto& engine : from.engines) to.add_engines(engine);
+}
+
+}  // namespace
+
+void encode(const Header& from, std::vector<std::byte>& to) {
+  append<v1::Header>(to, [&](v1::Header& w) {
+    w.set_format(from.format);
+    w.set_scene_file(from.scene_file);
+    w.set_scene(from.scene);
+    w.set_engine(from.engine);
+    w.set_clock(from.clock);
+    w.set_seed(from.seed);
+    w.set_tick_ns(from.tick_ns);
+    put(from.build, *w.mutable_build());
+    for (const auto& file : from.files) {
+      auto& entry = *w.add_files();
+      entry.set_name(file.name);
+      entry.set_size(file.size);
+      entry.set_crc(file.crc);
+    }
+  });
+}
+
+void encode(const TimedInput& from, std::vector<std::byte>& to) {
+  append<v1::Input>(to, [&](v1::Input& w) {
+    w.set_tick(from.tick);
+    w.set_era(from.era);
+    std::visit(PutInput{w}, from.input);
+  });
+}
+
+void encode(const Tick& from, std::vector<std::byte>& to) {
+  append<v1::Tick>(to, [&](v1::Tick& w) {
+    w.set_tick(from.tick);
+    w.set_era(from.era);
+    w.set_sim_time_ns(from.sim_time_ns);
+    w.set_state_hash(from.state_hash);
+    w.mutable_fault()->assign(from.fault);
+  });
+}
+
+void encode(const Sample& from, std::vector<std::byte>& to) {
+  append<visum::v1::PartSample>(to, [&](visum::v1::PartSample& w) {
+    w.mutable_part()->assign(from.part);
+    w.set_tick(from.tick);
+    w.set_sim_time_ns(from.sim_time_ns);
+    w.set_era(from.era);
+    put_numbers(from.controller_inputs, *w.mutable_controller_inputs());
+    put_numbers(from.sensor_outputs, *w.mutable_sensor_outputs());
+  });
+}
+
+void encode(const LogLine& from, std::vector<std::byte>& to) {
+  append<v1::LogLine>(to, [&](v1::LogLine& w) {
+    w.mutable_level()->assign(from.level);
+    w.mutable_text()->assign(from.text);
+  });
+}
+
+void encode(const protocol::PartDescription& from, std::vector<std::byte>& to) {
+  append<visum::v1::PartDescription>(to, [&](visum::v1::PartDescription& w) {
+    protocol::wire::put({from, {}}, w);
+  });
+}
+
+}  // namespace visum::recording

@@ -1,0 +1,106 @@
+// What a recording holds, as plain values, and their translation into the messages of recording.proto. Pure
+// functions, any thread; `encode` appends to a vector that keeps its capacity and allocates nothing else once
+// warm, `decode` returns false for bytes that are no such message.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocol/messages.h"
+#include "protocol/recording/input.h"
+#include "protocol/recording/little_endian.h"
+
+namespace visum::recording {
+
+// The topics. A part's samples stand under kPartTopic + its name, its description under that +
+// kDescriptionTopic.
+inline constexpr std::string_view kHeaderTopic = "/recording";
+inline constexpr std::string_view kInputTopic = "/inputs";
+inline constexpr std::string_view kTickTopic = "/ticks";
+inline constexpr std::string_view kLogTopic = "/log";
+inline constexpr std::string_view kPartTopic = "/parts/";
+inline constexpr std::string_view kDescriptionTopic = "/description";
+
+inline constexpr std::uint32_t kFormat = 1;
+
+struct Build {
+  std::string version, commit, compiler, instruction_set;
+  std::vector<std::string> engines;
+  bool operator==(const Build&) const = default;
+};
+struct FileEntry {
+  std::string name;
+  std::uint64_t size = 0;
+  std::uint32_t crc = 0;
+};
+struct Header {
+  std::uint32_t format = kFormat;
+  std::string scene_file, scene, engine, clock;
+  std::uint64_t seed = 0;
+  std::int64_t tick_ns = 0;
+  Build build;
+  std::vector<FileEntry> files;
+};
+struct Tick {
+  std::int64_t tick = 0;
+  std::uint64_t era = 0;
+  std::int64_t sim_time_ns = 0;
+  std::uint64_t state_hash = 0;
+  std::string_view fault;
+};
+// A part's ports after a tick.
+struct Sample {
+  std::string_view part;
+  std::int64_t tick = 0, sim_time_ns = 0;
+  std::uint64_t era = 0;
+  std::span<const double> controller_inputs, sensor_outputs;
+};
+struct LogLine {
+  std::string_view level, text;
+};
+
+void encode(const Header& from, std::vector<std::byte>& to);
+void encode(const TimedInput& from, std::vector<std::byte>& to);
+void encode(const Tick& from, std::vector<std::byte>& to);
+void encode(const Sample& from, std::vector<std::byte>& to);
+void encode(const LogLine& from, std::vector<std::byte>& to);
+void encode(const protocol::PartDescription& from, std::vector<std::byte>& to);
+
+bool decode(Bytes from, Header& to);
+bool decode(Bytes from, protocol::PartSample& to);
+bool decode(Bytes from, protocol::PartDescription& to);
+// Messages with views keep what the views look at.
+class TickMessage {
+ public:
+  bool decode(Bytes from);
+  Tick tick;
+
+ private:
+  std::string fault_;
+};
+class InputMessage {
+ public:
+  InputMessage();
+  ~InputMessage();
+  bool decode(Bytes from);
+  TimedInput input;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// The descriptions of all messages above, as Protobuf's FileDescriptorSet: the schema of each channel.
+Bytes schema();
+// The schemas' names.
+inline constexpr std::string_view kHeaderSchema = "visum.recording.v1.Header";
+inline constexpr std::string_view kInputSchema = "visum.recording.v1.Input";
+inline constexpr std::string_view kTickSchema = "visum.recording.v1.Tick";
+inline constexpr std::string_view kLogSchema = "visum.recording.v1.LogLine";
+inline constexpr std::string_view kSampleSchema = "visum.v1.PartSample";
+inline constexpr std::string_view kDescriptionSchema = "visum.v1.PartDescription";
+
+}  // namespace visum::recording

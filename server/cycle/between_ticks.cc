@@ -1,0 +1,131 @@
+// What changes a world between ticks, and is told to its witness.
+#include <algorithm>
+#include <utility>
+
+#include "hwparts/powercube/module_bus.h"
+#include "server/cycle/simulation.h"
+#include "server/cycle/world_edit.h"
+
+namespace visum::cycle {
+
+std::string_view Simulation::name_of(std::size_t part) const {
+  return parts_[part].part->description().name;
+}
+
+void Simulation::tell(recording::TimedInput now, const recording::Input& input) {
+  if (!witness_) return;
+  now.input = input;
+  witness_->took(now);
+}
+
+void Simulation::write_inputs(std::size_t part, std::size_t first, std::span<const double> values) {
+  std::ranges::copy(values, parts_[part].controller_inputs.begin() + static_cast<std::ptrdiff_t>(first));
+  tell(now(), recording::WriteInputs{name_of(part), static_cast<std::uint32_t>(first), values});
+}
+
+void Simulation::lose_controller(std::size_t part) {
+  parts_[part].part->controller_lost();
+  tell(now(), recording::LoseController{name_of(part)});
+}
+
+std::optional<std::string> Simulation::set_parameter(std::size_t part, const std::string& name,
+                                                     const protocol::ParameterValue& value) {
+  if (auto reason = parts_[part].part->set_parameter(name, value)) return reason;
+  tell(now(), recording::SetParameter{name_of(part), name, value});
+  return {};
+}
+
+std::optional<std::string> Simulation::write_blackboard(std::size_t part, std::size_t board,
+                                                        std::uint64_t offset,
+                                                        std::span<const std::byte> data) {
+  if (auto reason = parts_[part].part->write_blackboard(board, offset, data)) return reason;
+  const auto& name = parts_[part].part->description().blackboards[board].name;
+  tell(now(), recording::WriteBlackboard{name_of(part), name, offset, data});
+  return {};
+}
+
+std::optional<powercube::Telegram> Simulation::obey(std::size_t part, const powercube::Telegram& telegram,
+                                                    powercube::Wire wire) {
+  auto answer = parts_[part].part->modules()->obey(telegram, wire);
+  tell(now(), recording::BusTelegram{name_of(part), static_cast<std::uint8_t>(wire),
+                                     static_cast<std::uint8_t>(telegram.kind), telegram.module,
+                                     std::as_bytes(telegram.message.bytes())});
+  return answer;
+}
+
+void Simulation::reset() {
+  const auto before = now();
+  for (auto& bound : parts_) bound.part->reset();
+  start_state();
+  ++era_;
+  tell(before, recording::Reset{});
+}
+
+std::uint64_t Simulation::take_snapshot() {
+  if (snapshots_.size() == kMaxSnapshots) snapshots_.erase(snapshots_.begin());
+  auto& snapshot = snapshots_.emplace_back(Snapshot{next_snapshot_++, state_, {}});
+  save_rest(snapshot.rest);
+  tell(now(), recording::TakeSnapshot{snapshot.number});
+  return snapshot.number;
+}
+
+bool Simulation::restore_snapshot(std::uint64_t number) {
+  const auto found = std::ranges::find(snapshots_, number, &Snapshot::number);
+  if (found == snapshots_.end()) return false;
+  const auto before = now();
+  state_ = found->state;
+  load_rest(found->rest);
+  contacts_.clear();
+  fault_.clear();
+  ++era_;
+  tell(before, recording::RestoreSnapshot{number});
+  return true;
+}
+
+bool Simulation::push(const Push& push) {
+  if (pushes_.size() == kMaxPushes) return false;
+  pushes_.push_back(push);
+  const auto& force = push.wrench.force_n;
+  const auto& torque = push.wrench.torque_nm;
+  tell(now(), recording::PushBody{push.wrench.body.value,
+                                  {force.x(), force.y(), force.z()},
+                                  {torque.x(), torque.y(), torque.z()},
+                                  push.until_tick});
+  return true;
+}
+
+void Simulation::add_body(const std::string& yaml) {
+  auto changed = scene_;
+  scene::add_body(changed, yaml);
+  scene_ = std::move(changed);
+  const auto fresh = world::initial_state(scene_.world);
+  for (std::size_t i = state_.bodies.size(); i < fresh.bodies.size(); ++i)
+    state_.bodies.push_back(fresh.bodies[i]);
+  snapshots_.clear();
+  rebuild_machinery();
+  ++revision_;
+  tell(now(), recording::AddBody{yaml});
+}
+
+std::string Simulation::remove_body(const std::string& name) {
+  const auto body = scene_.world.find_body(name);
+  if (!body.valid()) return "there is no body '" + name + "'";
+  if (auto reason = why_not_removable(scene_.world, body); !reason.empty()) return reason;
+  for (const auto& push : pushes_)
+    if (push.wrench.body == body) return "'" + name + "' is being pushed";
+  for (const auto& sensor : scene_.sensors)
+    if (sensor.body == body) return "it carries the sensor '" + sensor.name + "'";
+  erase_body(scene_.world, body);
+  state_.bodies.erase(state_.bodies.begin() + body.value);
+  for (auto& push : pushes_)
+    if (push.wrench.body > body) --push.wrench.body.value;
+  for (auto& sensor : scene_.sensors)
+    if (sensor.body > body) --sensor.body.value;
+  snapshots_.clear();
+  rebuild_machinery();
+  ++revision_;
+  tell(now(), recording::RemoveBody{name});
+  return {};
+}
+
+}  // namespace visum::cycle

@@ -1,0 +1,12 @@
+// `visumd replay`, in words: what came of going through a recording again.
+#pragma once
+
+#include <filesystem>
+
+namespace visum::gateway {
+
+// Goes through it, says on stdout what came of it, as one line of JSON where wanted, and returns the exit
+// code. Throws what recording::replay throws.
+int report_replay(const std::filesystem::path& file, bool json);
+
+}  // namespace visum::gateway

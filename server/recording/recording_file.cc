@@ -1,0 +1,97 @@
+#include "server/recording/recording_file.h"
+
+#include <stdexcept>
+
+namespace visum::recording {
+namespace {
+
+std::ifstream open(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in || !std::filesystem::is_regular_file(file)) throw std::runtime_error("cannot be opened");
+  return in;
+}
+
+}  // namespace
+
+RecordingFile::RecordingFile(const std::filesystem::path& file) try : in_(open(file)), reader_(in_) {
+  for (auto item = reader_.next();; item = reader_.next()) {
+    if (const auto* attachment = std::get_if<Attachment>(&item)) {
+      files_[attachment->name].assign(reinterpret_cast<const char*>(attachment->data.data()),
+                                      attachment->data.size());
+      continue;
+    }
+    const auto* message = std::get_if<Message>(&item);
+    if (!message) throw std::runtime_error("it has no header: " + reader_.damage());
+    if (reader_.channel(message->channel).topic != kHeaderTopic || !decode(message->data, header_))
+      throw std::runtime_error("this is no recording of visumd");
+    break;
+  }
+  if (header_.format != kFormat)
+    throw std::runtime_error("its format is " + std::to_string(header_.format) + ", this program reads " +
+                             std::to_string(kFormat));
+  check_files();
+} catch (const std::runtime_error& error) {
+  throw std::runtime_error(file.string() + ": " + error.what());
+}
+
+void RecordingFile::check_files() const {
+  for (const auto& entry : header_.files) {
+    const auto file = files_.find(entry.name);
+    if (file == files_.end()) throw std::runtime_error("it lacks the file '" + entry.name + "'");
+    if (file->second.size() != entry.size || crc32(bytes_of(file->second)) != entry.crc)
+      throw std::runtime_error("the file '" + entry.name + "' in it is not the one that was recorded");
+  }
+}
+
+RecordingFile::Item RecordingFile::next() {
+  while (damage_.empty()) {
+    const auto item = reader_.next();
+    const auto* message = std::get_if<Message>(&item);
+    if (std::holds_alternative<McapReader::End>(item)) break;
+    if (!message) continue;
+    if (const auto taken = take(*message); !std::holds_alternative<End>(taken)) return taken;
+  }
+  return End{};
+}
+
+bool RecordingFile::in_sequence(const Message& message) {
+  return sequences_[message.channel]++ == message.sequence;
+}
+
+template <typename Kind>
+RecordingFile::Item RecordingFile::take_as(Kind& kind, const Message& message) {
+  bool right = false;
+  if constexpr (requires { kind.decode(message.data); })
+    right = kind.decode(message.data);
+  else
+    right = decode(message.data, kind);
+  if (!right) {
+    damage_ = "channel " + reader_.channel(message.channel).topic + ": message " +
+              std::to_string(message.sequence) + " is none of this channel";
+    return End{};
+  }
+  if constexpr (std::is_same_v<Kind, InputMessage>)
+    return &kind.input;
+  else if constexpr (std::is_same_v<Kind, TickMessage>)
+    return &kind.tick;
+  else
+    return &kind;
+}
+
+// End: nothing that anybody here wants to know of, or damage.
+RecordingFile::Item RecordingFile::take(const Message& message) {
+  const auto& topic = reader_.channel(message.channel).topic;
+  if (topic == kHeaderTopic || topic == kLogTopic) return End{};
+  if (!in_sequence(message)) {
+    damage_ =
+        "channel " + topic + ": messages before number " + std::to_string(message.sequence) + " are missing";
+    return End{};
+  }
+  if (topic == kInputTopic) return take_as(input_, message);
+  if (topic == kTickTopic) return take_as(tick_, message);
+  if (!topic.starts_with(kPartTopic)) return End{};
+  if (topic.ends_with(kDescriptionTopic)) return take_as(description_, message);
+  return take_as(sample_, message);
+}
+
+}  // namespace visum::recording

@@ -1,0 +1,53 @@
+// Goes through a recording again: a fresh world, made of the files in the recording, takes the same inputs
+// between the same ticks, and after each tick its hash is compared with the recorded one.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "protocol/recording/records.h"
+#include "server/cycle/simulation.h"
+
+namespace visum::recording {
+
+struct PortDifference {
+  std::string part, port;
+  double recorded = 0.0, replayed = 0.0;
+};
+
+// Where the two worlds parted.
+struct Difference {
+  std::int64_t tick = 0;
+  std::uint64_t era = 0;
+  std::int64_t sim_time_ns = 0;
+  std::uint64_t recorded_hash = 0, replayed_hash = 0;
+  std::string what;                   // in words
+  std::vector<PortDifference> ports;  // the first kMaxPorts of them
+  static constexpr std::size_t kMaxPorts = 10;
+};
+
+struct Replay {
+  Header header;
+  std::uint64_t ticks = 0;   // that were equal
+  std::uint64_t inputs = 0;  // that were taken
+  std::uint64_t last_hash = 0;
+  bool equal = true;
+  Difference difference;  // where it was not
+  std::string damage;     // why the file was not read to its end; empty: it was
+};
+
+// Throws std::runtime_error where the file is no recording, ConfigError where the scene in it is wrong.
+Replay replay(const std::filesystem::path& file);
+
+// The world of a recording as it was `at_s` simulated seconds after the beginning (over all eras), or at its
+// end where that is sooner: to go on from there with other inputs. `adjust` may change what does not belong
+// to the world: its clock. Throws what replay() throws, and std::runtime_error where the ticks up to there
+// differ.
+std::unique_ptr<cycle::Simulation> rewind(const std::filesystem::path& file, double at_s,
+                                          const std::function<void(scene::Scene&)>& adjust);
+
+}  // namespace visum::recording

@@ -1,0 +1,127 @@
+// The file format: what is written can be read, and nothing else is ever read from it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "protocol/recording/mcap_reader.h"
+#include "protocol/recording/mcap_writer.h"
+
+namespace visum::recording {
+namespace {
+
+struct Read {
+  std::vector<std::string> texts;  // "topic sequence time text"
+  std::vector<std::string> attachments;
+  std::string damage;
+};
+
+std::string text_of(Bytes bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Read read(const std::string& file) {
+  std::istringstream in(file);
+  McapReader reader(in);
+  Read all;
+  for (auto item = reader.next(); !std::holds_alternative<McapReader::End>(item); item = reader.next()) {
+    if (const auto* attachment = std::get_if<Attachment>(&item))
+      all.attachments.push_back(attachment->name + " " + text_of(attachment->data));
+    if (const auto* message = std::get_if<Message>(&item))
+      all.texts.push_back(reader.channel(message->channel).topic + " " + std::to_string(message->sequence) +
+                          " " + std::to_string(message->log_time_ns) + " " + text_of(message->data));
+  }
+  all.damage = reader.damage();
+  return all;
+}
+
+// Three chunks of some messages in two channels, and an attachment.
+std::string small_file(bool closed = true) {
+  std::string file;
+  McapWriter writer([&](Bytes bytes) { file += text_of(bytes); }, "test");
+  writer.attach({"scene.yaml", "text/plain", bytes_of("visum: 1")});
+  const auto schema = writer.add_schema("a.Message", "protobuf", bytes_of("descriptors"));
+  const auto first = writer.add_channel("/first", schema, "protobuf");
+  const auto second = writer.add_channel("/second", schema, "protobuf");
+  for (std::uint64_t i = 0; i < 9; ++i) {
+    writer.write(i % 3 == 2 ? second : first, 1000 * i, 1000 * i, bytes_of("message " + std::to_string(i)));
+    if (i % 3 == 2) writer.flush();
+  }
+  if (closed) writer.close();
+  return file;
+}
+
+std::vector<std::string> first_of(const std::vector<std::string>& all, std::size_t count) {
+  return {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count)};
+}
+
+TEST(Mcap, WhatIsWrittenIsRead) {
+  const auto all = read(small_file());
+  EXPECT_EQ(all.damage, "");
+  EXPECT_EQ(all.attachments, std::vector<std::string>{"scene.yaml visum: 1"});
+  ASSERT_EQ(all.texts.size(), 9u);
+  EXPECT_EQ(all.texts[0], "/first 0 0 message 0");
+  EXPECT_EQ(all.texts[2], "/second 0 2000 message 2");
+  EXPECT_EQ(all.texts[8], "/second 2 8000 message 8");
+}
+
+TEST(Mcap, AChunkEndsWhenItIsFull) {
+  std::string file;
+  McapWriter writer([&](Bytes bytes) { file += text_of(bytes); }, "test");
+  const auto channel = writer.add_channel("/big", writer.add_schema("a", "", {}), "");
+  const std::string big(300'000, 'x');
+  for (int i = 0; i < 10; ++i) writer.write(channel, 0, 0, bytes_of(big));
+  EXPECT_GT(file.size(), 2u << 20) << "nobody asked for a flush";
+  writer.close();
+  EXPECT_EQ(read(file).texts.size(), 10u);
+}
+
+TEST(Mcap, WithoutItsEndAFileReadsUpToItsLastChunk) {
+  const auto all = read(small_file(false));
+  EXPECT_EQ(all.texts.size(), 9u);
+  EXPECT_NE(all.damage.find("its writer was cut short"), std::string::npos) << all.damage;
+}
+
+TEST(Mcap, CutAtEveryByteItReadsUpToItsLastWholeChunk) {
+  const auto file = small_file();
+  const auto whole = read(file).texts;
+  std::size_t most = 0;
+  for (std::size_t size = 0; size < file.size(); ++size) {
+    const auto all = read(file.substr(0, size));
+    ASSERT_NE(all.damage, "") << size;
+    ASSERT_LE(all.texts.size(), whole.size());
+    ASSERT_GE(all.texts.size(), most) << "more bytes never give fewer messages";
+    ASSERT_EQ(all.texts, first_of(whole, all.texts.size())) << size;
+    most = all.texts.size();
+  }
+  EXPECT_EQ(most, whole.size());
+}
+
+TEST(Mcap, EveryFlippedBitIsNoticedAndNoMessageIsChanged) {
+  const auto file = small_file();
+  const auto whole = read(file).texts;
+  for (std::size_t bit = 0; bit < file.size() * 8; ++bit) {
+    auto flipped = file;
+    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ (1 << (bit % 8)));
+    const auto all = read(flipped);
+    ASSERT_NE(all.damage, "") << "bit " << bit;
+    for (const auto& text : all.texts)
+      ASSERT_TRUE(std::ranges::find(whole, text) != whole.end()) << "bit " << bit << ": " << text;
+  }
+}
+
+TEST(Mcap, LengthsBeyondTheFileAllocateNothing) {
+  auto file = small_file();
+  for (std::size_t i = 0; i < 8; ++i) file[9 + i] = static_cast<char>(0xFF);  // of the header
+  EXPECT_NE(read(file).damage.find("too long"), std::string::npos);
+  EXPECT_EQ(read("no such thing at all").damage, "byte 0: this is no MCAP file");
+  EXPECT_EQ(read("").damage, "byte 0: this is no MCAP file");
+}
+
+TEST(Crc32, IsTheOneOfTheStandards) {
+  EXPECT_EQ(crc32(bytes_of("123456789")), 0xCBF43926u);  // the check value of CRC-32/ISO-HDLC
+  EXPECT_EQ(crc32({}), 0u);
+}
+
+}  // namespace
+}  // namespace visum::recording

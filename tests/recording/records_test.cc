@@ -1,0 +1,96 @@
+// The messages of a recording: what goes in comes out, and what is none is refused.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "protocol/recording/records.h"
+
+namespace visum::recording {
+namespace {
+
+// What comes out of what goes in; the message keeps what it looks at.
+const TimedInput& through(const Input& input, InputMessage& message) {
+  std::vector<std::byte> bytes;
+  encode(TimedInput{1234, 5, input}, bytes);
+  EXPECT_TRUE(message.decode(bytes));
+  EXPECT_EQ(message.input.tick, 1234);
+  EXPECT_EQ(message.input.era, 5u);
+  EXPECT_EQ(message.input.input.index(), input.index());
+  return message.input;
+}
+
+TEST(Records, InputsComeBackAsTheyWere) {
+  InputMessage message;
+  const std::vector values{0.1, -0.0, 1e-310};
+  const auto write = std::get<WriteInputs>(through(WriteInputs{"arm", 7, values}, message).input);
+  EXPECT_EQ(write.part, "arm");
+  EXPECT_EQ(write.first_port, 7u);
+  EXPECT_EQ((std::vector<double>{write.values.begin(), write.values.end()}), values);
+  EXPECT_TRUE(std::signbit(write.values[1])) << "to the bit";
+
+  EXPECT_EQ(std::get<LoseController>(through(LoseController{"arm"}, message).input).part, "arm");
+  const auto set = std::get<SetParameter>(
+      through(SetParameter{"arm", "Gain", protocol::ParameterValue(std::string("high"))}, message).input);
+  EXPECT_EQ(set.name, "Gain");
+  EXPECT_EQ(std::get<std::string>(set.value), "high");
+
+  const auto board = std::get<WriteBlackboard>(
+      through(WriteBlackboard{"arm", "notes", 3, bytes_of("hello")}, message).input);
+  EXPECT_EQ(board.offset, 3u);
+  EXPECT_EQ(board.data.size(), 5u);
+  const auto telegram =
+      std::get<BusTelegram>(through(BusTelegram{"arm", 1, 2, 31, bytes_of("12345678")}, message).input);
+  EXPECT_EQ(telegram.wire, 1);
+  EXPECT_EQ(telegram.kind, 2);
+  EXPECT_EQ(telegram.module, 31);
+  EXPECT_EQ(telegram.data.size(), 8u);
+
+  const auto push = std::get<PushBody>(through(PushBody{3, {1, 2, 3}, {4, 5, 6}, 99}, message).input);
+  EXPECT_EQ(push.body, 3);
+  EXPECT_EQ(push.force_n, (std::array<double, 3>{1, 2, 3}));
+  EXPECT_EQ(push.torque_nm, (std::array<double, 3>{4, 5, 6}));
+  EXPECT_EQ(push.until_tick, 99);
+
+  through(Reset{}, message);
+  EXPECT_EQ(std::get<TakeSnapshot>(through(TakeSnapshot{8}, message).input).number, 8u);
+  EXPECT_EQ(std::get<RestoreSnapshot>(through(RestoreSnapshot{9}, message).input).number, 9u);
+  EXPECT_EQ(std::get<AddBody>(through(AddBody{"{name: x}"}, message).input).yaml, "{name: x}");
+  EXPECT_EQ(std::get<RemoveBody>(through(RemoveBody{"x"}, message).input).name, "x");
+}
+
+TEST(Records, BytesThatAreNoInputAreRefused) {
+  InputMessage message;
+  EXPECT_FALSE(message.decode({})) << "an input of no kind";
+  EXPECT_FALSE(message.decode(bytes_of("\xFF\xFF\xFF")));
+  std::vector<std::byte> bytes;
+  encode(TimedInput{0, 1, BusTelegram{"arm", 0, 4, 1, {}}}, bytes);
+  EXPECT_FALSE(message.decode(bytes)) << "hosts send no state";
+  bytes.clear();
+  encode(TimedInput{0, 1, BusTelegram{"arm", 0, 0, 1, bytes_of("123456789")}}, bytes);
+  EXPECT_FALSE(message.decode(bytes)) << "nine bytes";
+}
+
+TEST(Records, TheHeaderAndTheTickComeBack) {
+  std::vector<std::byte> bytes;
+  Header header{kFormat,      "/a/s.yaml", "s",       "ode",
+                "free",       42,          1'000'000, {"1", "abc", "gcc", "x86-64", {"ode"}},
+                {{"f", 7, 9}}};
+  encode(header, bytes);
+  Header back;
+  ASSERT_TRUE(decode(bytes, back));
+  EXPECT_EQ(back.scene_file, "/a/s.yaml");
+  EXPECT_EQ(back.seed, 42u);
+  EXPECT_EQ(back.build, header.build);
+  ASSERT_EQ(back.files.size(), 1u);
+  EXPECT_EQ(back.files[0].crc, 9u);
+
+  bytes.clear();
+  encode(Tick{3, 1, 3'000'000, 0xFEDCBA9876543210u, "arm/link_3 flies away"}, bytes);
+  TickMessage tick;
+  ASSERT_TRUE(tick.decode(bytes));
+  EXPECT_EQ(tick.tick.state_hash, 0xFEDCBA9876543210u);
+  EXPECT_EQ(tick.tick.fault, "arm/link_3 flies away");
+}
+
+}  // namespace
+}  // namespace visum::recording

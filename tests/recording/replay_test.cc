@@ -1,0 +1,273 @@
+// Record, replay, export: every input comes back at its tick, and every difference is found.
+#include "server/recording/replay.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "protocol/recording/mcap_reader.h"
+#include "protocol/recording/mcap_writer.h"
+#include "server/recording/export_csv.h"
+#include "tests/recording/recorded_world.h"
+
+namespace visum::recording {
+namespace {
+
+constexpr const char* kBall =
+    "{name: ball, mass: 0.5, pose: {xyz: [0.6, 0.5, 1.0]}, shapes: [{sphere: 0.05}]}";
+
+// Something of every kind, over two resets of the clock.
+void live(RecordedWorld& world) {
+  world->write_inputs(0, 0, std::vector{0.7, -0.3});
+  world.run(40);
+  world->add_body(kBall);
+  world.run(20);
+  world->push(
+      {{world->model().find_body("ball"), {1.0, 0.5, 0.0}, {0.0, 0.0, 0.1}}, world->tick_count() + 15});
+  const auto snapshot = world->take_snapshot();
+  world.run(40);
+  world->lose_controller(0);
+  world.run(10);
+  ASSERT_TRUE(world->restore_snapshot(snapshot));
+  world->write_inputs(0, 1, std::vector{0.9});
+  world.run(30);
+  ASSERT_EQ(world->remove_body("ball"), "");
+  world.run(5);
+  world->reset();
+  world.run(25);
+}
+
+TEST(Replay, GoesThroughTheSameBits) {
+  RecordedWorld world;
+  live(world);
+  const auto hash = world->state_hash();
+  const auto result = replay(world.finish());
+  EXPECT_TRUE(result.equal) << result.difference.what << " at tick " << result.difference.tick;
+  EXPECT_EQ(result.damage, "");
+  EXPECT_EQ(result.ticks, 170u);
+  EXPECT_EQ(result.inputs, 9u);
+  EXPECT_EQ(result.last_hash, hash);
+  EXPECT_EQ(result.header.scene, "two_link");
+}
+
+TEST(Replay, HoldsWithTheOtherEngineToo) {
+  RecordedWorld world("two_link.yaml", "impulse");
+  live(world);
+  const auto result = replay(world.finish());
+  EXPECT_TRUE(result.equal) << result.difference.what << " at tick " << result.difference.tick;
+  EXPECT_EQ(result.header.build.engines, std::vector<std::string>{"impulse"});
+}
+
+TEST(Replay, NeedsNoneOfTheFilesThatTheSceneWasMadeOf) {
+  test::TempFiles files;
+  const auto scene = files.write("scene.yaml", "visum: 1\ninclude: [world.yaml]\n");
+  files.write("world.yaml", "visum: 1\nbodies:\n  - {name: box, mass: 1, shapes: [{box: [1, 1, 1]}]}\n");
+  {
+    config::FilesNoted noted;
+    cycle::Simulation simulation(scene::load_scene(scene));
+    Recorder recorder(simulation, {noted.files, ""}, files.folder() / "run.mcap");
+    for (int i = 0; i < 10; ++i) simulation.tick();
+  }
+  std::filesystem::remove(scene);
+  std::filesystem::remove(files.folder() / "world.yaml");
+  EXPECT_EQ(replay(files.folder() / "run.mcap").ticks, 10u);
+}
+
+// The same file with one message of a topic changed by `change`, and all CRCs right.
+void forge(const std::filesystem::path& from, const std::filesystem::path& to, std::string_view topic,
+           std::uint32_t number, const std::function<void(std::vector<std::byte>&)>& change) {
+  std::ifstream in(from, std::ios::binary);
+  std::ofstream out(to, std::ios::binary);
+  McapReader reader(in);
+  McapWriter writer(
+      [&](Bytes bytes) {
+        out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+      },
+      "forger");
+  std::map<std::uint16_t, std::uint16_t> channels;
+  for (auto item = reader.next(); !std::holds_alternative<McapReader::End>(item); item = reader.next()) {
+    if (const auto* attachment = std::get_if<Attachment>(&item)) writer.attach(*attachment);
+    const auto* message = std::get_if<Message>(&item);
+    if (!message) continue;
+    const auto& channel = reader.channel(message->channel);
+    if (!channels.contains(channel.id))
+      channels[channel.id] = writer.add_channel(channel.topic, 0, channel.encoding);
+    std::vector<std::byte> data(message->data.begin(), message->data.end());
+    if (channel.topic == topic && message->sequence == number) change(data);
+    writer.write(channels[channel.id], message->log_time_ns, message->publish_time_ns, data);
+  }
+  writer.close();
+}
+
+TEST(Replay, ShowsTheFirstTickThatDiffersWithItsPorts) {
+  RecordedWorld world;
+  world->write_inputs(0, 0, std::vector{0.7, -0.3});
+  world.run(30);
+  world->write_inputs(0, 0, std::vector{0.1, 0.1});
+  world.run(30);
+  const auto forged = world.files().folder() / "forged.mcap";
+  forge(world.finish(), forged, "/inputs", 1, [](std::vector<std::byte>& data) {
+    data.clear();
+    const std::vector values{0.1, 0.1000001};
+    encode(TimedInput{30, 1, WriteInputs{"robot", 0, values}}, data);
+  });
+  const auto result = replay(forged);
+  EXPECT_FALSE(result.equal);
+  EXPECT_EQ(result.ticks, 30u);
+  EXPECT_EQ(result.difference.tick, 31);
+  EXPECT_EQ(result.difference.what, "the state is another one");
+  EXPECT_NE(result.difference.recorded_hash, result.difference.replayed_hash);
+  ASSERT_FALSE(result.difference.ports.empty());
+  EXPECT_EQ(result.difference.ports[0].part, "robot");
+  EXPECT_EQ(result.difference.ports[0].port, "Desired Angle 2");
+  EXPECT_EQ(result.difference.ports[0].recorded, 0.1);
+  EXPECT_EQ(result.difference.ports[0].replayed, 0.1000001);
+}
+
+struct BadInput {
+  const char* name;
+  Input input;
+  const char* reason;
+};
+void PrintTo(const BadInput& input, std::ostream* out) {
+  *out << input.name;
+}
+class ReplayOfABadInput : public testing::TestWithParam<BadInput> {};
+const double kNaN[] = {std::numeric_limits<double>::quiet_NaN()};
+const double kHuge[] = {1e300};
+const double kOnes[] = {1.0};
+
+TEST_P(ReplayOfABadInput, IsRefusedWithAReason) {
+  RecordedWorld world;
+  world->write_inputs(0, 0, std::vector{0.7});
+  world.run(5);
+  const auto forged = world.files().folder() / "forged.mcap";
+  forge(world.finish(), forged, "/inputs", 0, [](std::vector<std::byte>& data) {
+    data.clear();
+    encode(TimedInput{0, 1, GetParam().input}, data);
+  });
+  const auto result = replay(forged);
+  EXPECT_FALSE(result.equal);
+  EXPECT_EQ(result.ticks, 0u);
+  EXPECT_NE(result.difference.what.find(GetParam().reason), std::string::npos) << result.difference.what;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, ReplayOfABadInput,
+    testing::Values(BadInput{"NaN", WriteInputs{"robot", 0, kNaN}, "takes no"},
+                    BadInput{"OutOfRange", WriteInputs{"robot", 0, kHuge}, "takes no"},
+                    BadInput{"NoSuchPort", WriteInputs{"robot", 4'000'000'000u, kOnes}, "controller inputs"},
+                    BadInput{"NoSuchPart", LoseController{"nobody"}, "no part 'nobody'"},
+                    BadInput{"NoBody", PushBody{99, {}, {}, 5}, "no body number 99"},
+                    BadInput{"NegativeBody", PushBody{-1, {}, {}, 5}, "no body number -1"},
+                    BadInput{"PushOfNaN", PushBody{0, {kNaN[0], 0, 0}, {}, 5}, "no number"},
+                    BadInput{"NoSnapshot", RestoreSnapshot{7}, "no snapshot 7"},
+                    BadInput{"OtherSnapshot", TakeSnapshot{7}, "is number 1"},
+                    BadInput{"BadYaml", AddBody{"{name: ["}, "refused"},
+                    BadInput{"NoSuchName", RemoveBody{"nobody"}, "no body 'nobody'"},
+                    BadInput{"NoParameter", SetParameter{"robot", "No Such", 1.0}, "refused"},
+                    BadInput{"NoBlackboard", WriteBlackboard{"robot", "none", 0, {}},
+                             "no blackboard 'none'"}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST(Replay, AFileThatWasCutShortIsComparedUpToItsLastWholeRecord) {
+  RecordedWorld world;
+  world->write_inputs(0, 0, std::vector{0.7, -0.3});
+  world.run(400);
+  const auto whole = bytes_of_file(world.finish());
+  std::uint64_t most = 0;
+  for (std::size_t size = 0; size <= whole.size(); size += whole.size() / 20) {
+    const auto cut = world.files().write("cut.mcap", whole.substr(0, size));
+    try {
+      const auto result = replay(cut);
+      EXPECT_TRUE(result.equal) << "cut at " << size << ": " << result.difference.what;
+      EXPECT_GE(result.ticks, most);
+      most = result.ticks;
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(most, 0u) << "no header: " << error.what();
+    }
+  }
+}
+
+// A chunk whose kind is damaged looks like a record of a kind to come, which readers skip: its ticks are
+// missed all the same.
+TEST(Replay, AMissingChunkIsNoticed) {
+  RecordedWorld world("amtec_arm.yaml");
+  world.run(4000);
+  auto bytes = bytes_of_file(world.finish());
+  std::size_t chunks = 0;
+  for (std::size_t at = 8; at + 9 < bytes.size();) {
+    std::uint64_t length = 0;
+    std::memcpy(&length, &bytes[at + 1], 8);
+    if (bytes[at] == 0x06 && ++chunks == 3) bytes[at] = 0x56;
+    at += 9 + length;
+  }
+  ASSERT_GE(chunks, 4u);
+  const auto result = replay(world.files().write("hole.mcap", bytes));
+  EXPECT_TRUE(result.equal);
+  EXPECT_LT(result.ticks, 3000u);
+  EXPECT_NE(result.damage.find("are missing"), std::string::npos) << result.damage;
+}
+
+TEST(Replay, WhatIsNoRecordingIsRefused) {
+  test::TempFiles files;
+  const auto why_not = [&](const std::filesystem::path& file) {
+    try {
+      replay(file);
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what()).substr(files.folder().string().size() + 1);
+    }
+    return std::string("nothing wrong");
+  };
+  EXPECT_EQ(why_not(files.folder() / "none.mcap"), "none.mcap: cannot be opened");
+  EXPECT_EQ(why_not(files.write("a.mcap", "hello")),
+            "a.mcap: it has no header: byte 0: this is no MCAP file");
+}
+
+TEST(Rewind, GoesOnFromAMomentWithTheSameBitsOrWithOtherInputs) {
+  RecordedWorld world;
+  world->write_inputs(0, 0, std::vector{0.7, -0.3});
+  world.run(30);
+  const auto at_30 = world->state_hash();
+  world.run(20);
+  world->write_inputs(0, 0, std::vector{0.2});
+  world.run(10);
+  const auto at_60 = world->state_hash();
+  const auto file = world.finish();
+  const auto again = rewind(file, 0.030, [](scene::Scene& scene) { scene.clock = scene::ClockKind::kFree; });
+  EXPECT_EQ(again->tick_count(), 30);
+  EXPECT_EQ(again->scene().clock, scene::ClockKind::kFree);
+  EXPECT_EQ(again->state_hash(), at_30);
+  for (int i = 0; i < 20; ++i) again->tick();
+  again->write_inputs(0, 0, std::vector{0.2});
+  for (int i = 0; i < 10; ++i) again->tick();
+  EXPECT_EQ(again->state_hash(), at_60) << "the same input";
+
+  const auto other = rewind(file, 0.030, {});
+  other->write_inputs(0, 0, std::vector{0.9});
+  for (int i = 0; i < 30; ++i) other->tick();
+  EXPECT_NE(other->state_hash(), at_60) << "another input";
+  EXPECT_EQ(rewind(file, std::numeric_limits<double>::infinity(), {})->tick_count(), 60) << "the end";
+}
+
+TEST(ExportCsv, WritesARowPerTickAndAColumnPerPort) {
+  RecordedWorld world;
+  world->write_inputs(0, 0, std::vector{0.7, -0.3});
+  world.run(10);
+  const auto file = world.finish();
+  std::ostringstream csv;
+  const auto result =
+      export_csv(file, {{"robot/Desired Angle", "robot/Actual Angle 1"}, 0.003, 0.009, 2}, csv);
+  EXPECT_EQ(result.rows, 3u);
+  EXPECT_EQ(result.damage, "");
+  const auto text = csv.str();
+  const std::string head =
+      "tick,era,time_s,robot/Desired Angle 1,robot/Desired Angle 2,robot/Actual Angle 1\r\n";
+  ASSERT_EQ(text.substr(0, head.size()), head);
+  EXPECT_EQ(text.substr(head.size(), 4), "4,1,");
+  EXPECT_NE(text.find("0.69999999999999996,-0.29999999999999999,"), std::string::npos) << text;
+  EXPECT_THROW(export_csv(file, {{"robot/Desired Angel"}}, csv), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace visum::recording
