@@ -82,6 +82,7 @@ void Gateway::handle(const Call& call, const protocol::Note& request) {
 bool Gateway::was_told_more(const Follows& follows) {
   if (bus_door_.said() > follows.bus_said) return true;
   auto streams = follows.streams;
+  for (auto& stream : streams) stream.written = 0;  // who is gone says nothing more
   bus_door_.fill_in(streams);
   for (std::size_t i = 0; i < streams.size(); ++i)
     if (streams[i].written > follows.streams[i].heard) return true;

@@ -2,6 +2,8 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <optional>
+
 #include "tests/gateway/bus/bus_line.h"
 #include "tests/gateway/running_daemon.h"
 
@@ -83,6 +85,18 @@ TEST_F(FollowBuses, OverTcpAsManyBytesAreWaitedForAsWereWritten) {
     EXPECT_EQ(line.read_to('\x03'), BusLine::serial(kVersion));
   }
   EXPECT_EQ((client.request_as<Advanced>(Advance{7, true, 0, {stream}})).tick, 7);
+}
+
+TEST_F(FollowBuses, AConnectionThatIsGoneHoldsNobody) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep, with({"arm", "tcp", "0", {}}));
+  auto client = member(daemon);
+  std::optional<BusLine> line = BusLine::tcp(daemon.buses().at("arm").at(0));
+  const protocol::Stream stream{port_of(*line), BusLine::serial(kGetVersion).size(), 0};
+  line->send(kGetVersion);
+  line.reset();
+  const auto reply = client.request_as<Advanced>(Advance{0, true, 0, {stream}});
+  const protocol::Stream told{stream.port, stream.written, reply.streams.at(0).written};
+  EXPECT_EQ((client.request_as<Advanced>(Advance{7, true, 0, {told}})).tick, 7);
 }
 
 TEST_F(FollowBuses, BelongsToLockstep) {
