@@ -90,13 +90,26 @@ struct WriteBlackboard {
   std::uint64_t offset = 0;
   std::vector<std::byte> data;
 };
+enum class OnTimeout : std::uint32_t { kEnd = 0, kHold = 1, kStop = 2, kFree = 3 };
 struct Join {
   std::int64_t timeout_ns = 0;
+  std::uint32_t grade = 0;
+  OnTimeout on_timeout = OnTimeout::kEnd;
+};
+struct Stream {
+  std::uint32_t port = 0;
+  std::uint64_t written = 0, heard = 0;
 };
 struct Advance {
   std::int64_t ticks = 1;
+  bool follow_buses = false;
+  std::uint64_t bus_said = 0;
+  std::vector<Stream> streams{};
 };
 struct Leave {};
+struct Note {
+  std::string text;
+};
 struct DescribeWorld {};
 struct ReadWorld {};
 struct SubscribeWorld {
@@ -135,11 +148,12 @@ struct RemoveBody {
 };
 struct Shutdown {};
 
-using Request = std::variant<Hello, Status, ListParts, DescribePart, AcquireLease, ReleaseLease, Write, Read,
-                             Subscribe, Unsubscribe, GetParameters, SetParameter, ReadBlackboard,
-                             WriteBlackboard, Join, Advance, Leave, DescribeWorld, ReadWorld, SubscribeWorld,
-                             UnsubscribeWorld, ReadMesh, ReadTexture, Pause, Resume, Step, SetSpeed, Reset,
-                             TakeSnapshot, RestoreSnapshot, PushBody, AddBody, RemoveBody, Shutdown>;
+using Request =
+    std::variant<Hello, Status, ListParts, DescribePart, AcquireLease, ReleaseLease, Write, Read, Subscribe,
+                 Unsubscribe, GetParameters, SetParameter, ReadBlackboard, WriteBlackboard, Join, Advance,
+                 Leave, Note, DescribeWorld, ReadWorld, SubscribeWorld, UnsubscribeWorld, ReadMesh,
+                 ReadTexture, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot, RestoreSnapshot, PushBody,
+                 AddBody, RemoveBody, Shutdown>;
 
 // ------------------------------------------------------------------------------------------------ server to
 // client
@@ -164,6 +178,8 @@ struct LockstepMember {
   std::string client;
   std::int64_t granted_tick = 0;
   std::int64_t waiting_ns = 0;
+  std::uint32_t grade = 0;
+  std::string note{};
 };
 struct PhaseTime {
   std::string name;
@@ -221,6 +237,8 @@ struct BlackboardData {
 struct Advanced {
   std::int64_t tick = 0, sim_time_ns = 0;
   std::uint64_t era = 0;
+  std::uint64_t bus_said = 0;
+  std::vector<Stream> streams{};
 };
 struct ShapeDescription {
   std::string kind;

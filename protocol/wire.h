@@ -47,6 +47,23 @@ void take(const v1::WorldSample& from, WorldSample& to);
 void put(const MeshData& from, v1::MeshData& to);
 void take(const v1::MeshData& from, MeshData& to);
 
+// Streams, of Advance and Advanced.
+template <typename Repeated>
+void put_streams(const std::vector<Stream>& from, Repeated* to) {
+  for (const Stream& stream : from) {
+    auto& w = *to->Add();
+    w.set_port(stream.port);
+    w.set_written(stream.written);
+    w.set_heard(stream.heard);
+  }
+}
+template <typename Repeated>
+std::vector<Stream> streams_of(const Repeated& from) {
+  std::vector<Stream> to;
+  for (const auto& w : from) to.push_back({w.port(), w.written(), w.heard()});
+  return to;
+}
+
 // An enumerator from the wire, where 0..last are the ones that exist.
 template <typename Enum>
 bool take_enum(int from, Enum last, Enum& to, const char* name, std::string& why) {

@@ -64,6 +64,8 @@ struct PutReply {
     w.set_tick(m.tick);
     w.set_sim_time_ns(m.sim_time_ns);
     w.set_era(m.era);
+    w.set_bus_said(m.bus_said);
+    put_streams(m.streams, w.mutable_streams());
   }
   void operator()(const SnapshotTaken& m) const {
     auto& w = *to.mutable_snapshot();
@@ -181,7 +183,8 @@ bool take(const v1::ServerMessage& from, Reply& to, std::string& why) {
       to = blackboard_of(from.blackboard());
       return true;
     case Case::kAdvanced:
-      to = Advanced{advanced.tick(), advanced.sim_time_ns(), advanced.era()};
+      to = Advanced{advanced.tick(), advanced.sim_time_ns(), advanced.era(), advanced.bus_said(),
+                    streams_of(advanced.streams())};
       return true;
     case Case::kWorldDescription:
       take(from.world_description(), to.emplace<WorldDescription>());

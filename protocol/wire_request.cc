@@ -7,6 +7,12 @@
 namespace visum::protocol::wire {
 namespace {
 
+bool take(const v1::Join& from, Join& to, std::string& why) {
+  to.timeout_ns = from.timeout_ns();
+  to.grade = from.grade();
+  return take_enum(from.on_timeout(), OnTimeout::kFree, to.on_timeout, "on_timeout", why);
+}
+
 struct PutRequest {
   v1::ClientMessage& to;
 
@@ -62,9 +68,21 @@ struct PutRequest {
     w.set_offset(m.offset);
     w.set_data(bytes_of(m.data));
   }
-  void operator()(const Join& m) const { to.mutable_join()->set_timeout_ns(m.timeout_ns); }
-  void operator()(const Advance& m) const { to.mutable_advance()->set_ticks(m.ticks); }
+  void operator()(const Join& m) const {
+    auto& w = *to.mutable_join();
+    w.set_timeout_ns(m.timeout_ns);
+    w.set_grade(m.grade);
+    w.set_on_timeout(static_cast<v1::OnTimeout>(m.on_timeout));
+  }
+  void operator()(const Advance& m) const {
+    auto& w = *to.mutable_advance();
+    w.set_ticks(m.ticks);
+    w.set_follow_buses(m.follow_buses);
+    w.set_bus_said(m.bus_said);
+    put_streams(m.streams, w.mutable_streams());
+  }
   void operator()(const Leave&) const { to.mutable_leave(); }
+  void operator()(const Note& m) const { to.mutable_note()->set_text(m.text); }
   void operator()(const DescribeWorld&) const { to.mutable_describe_world(); }
   void operator()(const ReadWorld&) const { to.mutable_read_world(); }
   void operator()(const SubscribeWorld& m) const {
@@ -173,14 +191,15 @@ bool take_part_request(const v1::ClientMessage& from, Request& to, std::string& 
 // The requests to the world as a whole.
 bool take_world_request(const v1::ClientMessage& from, Request& to) {
   switch (from.request_case()) {
-    case v1::ClientMessage::kJoin:
-      to = Join{from.join().timeout_ns()};
-      return true;
     case v1::ClientMessage::kAdvance:
-      to = Advance{from.advance().ticks()};
+      to = Advance{from.advance().ticks(), from.advance().follow_buses(), from.advance().bus_said(),
+                   streams_of(from.advance().streams())};
       return true;
     case v1::ClientMessage::kLeave:
       to = Leave{};
+      return true;
+    case v1::ClientMessage::kNote:
+      to = Note{from.note().text()};
       return true;
     case v1::ClientMessage::kDescribeWorld:
       to = DescribeWorld{};
@@ -257,6 +276,8 @@ bool take(const v1::ClientMessage& from, Request& to, std::string& why) {
     case v1::ClientMessage::kListParts:
       to = ListParts{};
       return true;
+    case v1::ClientMessage::kJoin:
+      return take(from.join(), to.emplace<Join>(), why);
     default:
       return take_world_request(from, to) || take_part_request(from, to, why);
   }

@@ -90,6 +90,8 @@ void put(const LockstepMember& from, v1::LockstepMember& to) {
   to.set_client(from.client);
   to.set_granted_tick(from.granted_tick);
   to.set_waiting_ns(from.waiting_ns);
+  to.set_grade(from.grade);
+  to.set_note(from.note);
 }
 
 void put(const PhaseTime& from, v1::PhaseTime& to) {
@@ -143,7 +145,8 @@ void take(const v1::ServerStatus& from, ServerStatus& to) {
   to.lateness_max_ns = from.lateness_max_ns();
   to.state_hash = from.state_hash();
   to.sessions = from.sessions();
-  for (const auto& w : from.lockstep()) to.lockstep.push_back({w.client(), w.granted_tick(), w.waiting_ns()});
+  for (const auto& w : from.lockstep())
+    to.lockstep.push_back({w.client(), w.granted_tick(), w.waiting_ns(), w.grade(), w.note()});
   for (const auto& w : from.phases()) to.phases.push_back({w.name(), w.mean_ns(), w.max_ns()});
   to.refused = from.refused();
   to.own_allocations = from.own_allocations();

@@ -42,7 +42,7 @@ Role role_needed(const protocol::Request& request) {
                                UnsubscribeWorld, ReadMesh, ReadTexture>)
           return Role::kObserver;
         else if constexpr (kIsOneOf<T, AcquireLease, ReleaseLease, Write, SetParameter, WriteBlackboard, Join,
-                                    Advance, Leave>)
+                                    Advance, Leave, Note>)
           return Role::kController;
         else
           return Role::kAdmin;

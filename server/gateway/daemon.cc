@@ -86,6 +86,16 @@ struct Daemon::Impl {
       server.notify();
     });
     gateway.name_buses(buses->addresses());
+    gateway.open_buses({[this](const auto& streams) { settle_buses(streams); },
+                        [this] { return buses->said(); },
+                        [this](auto& streams) { buses->fill_in(streams); }});
+  }
+
+  // All that members' programs have written by now is obeyed and answered.
+  void settle_buses(const std::vector<protocol::Stream>& streams) {
+    if (!buses->settle(streams)) return;
+    tick_side.start();
+    tick_side.touch();
   }
 
   // Between ticks: what came over the buses. The first frame starts the time.
@@ -244,6 +254,7 @@ void Daemon::Impl::run_inline() {
     // First of all the members learn of a reset: what they granted was of the era before.
     if (version != tick_side.version()) gateway.serve();
     serve_buses();
+    if (gateway.follow_buses(simulation.tick_count())) gateway.serve();
     if (may_tick_inline()) {
       if (wait) wait(Clock::now());
       do_tick();

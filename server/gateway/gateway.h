@@ -70,6 +70,16 @@ class Gateway : public protocol::SessionHandler {
   bool shutdown_asked() const { return shutdown_asked_.load(std::memory_order_relaxed); }
   // The parts' buses, for Status. Before the first session.
   void name_buses(std::vector<protocol::PartBus> buses) { buses_ = std::move(buses); }
+  // The buses as members see them who follow what is said there: see Buses. Before the first session.
+  struct BusDoor {
+    std::function<void(const std::vector<protocol::Stream>&)> settle;
+    std::function<std::uint64_t()> said;
+    std::function<void(std::vector<protocol::Stream>&)> fill_in;
+  };
+  void open_buses(BusDoor door) { bus_door_ = std::move(door); }
+  // Lockstep, before each tick: settles the buses for members that ask for it, and stops the world here, at
+  // `tick`, for those whose program was told something. True: serve() has answers to send.
+  bool follow_buses(std::int64_t tick);
   // What is counted and measured, for /metrics; `refused_connections` is the server's.
   Metrics metrics();
   bool lets_in(const std::string& token, protocol::Role role) const {
@@ -123,12 +133,14 @@ class Gateway : public protocol::SessionHandler {
   void handle(const Call& call, const protocol::SetParameter& request);
   void handle(const Call& call, const protocol::ReadBlackboard& request);
   void handle(const Call& call, const protocol::WriteBlackboard& request);
-  // time (time_requests.cc)
-  void handle(const Call& call, const protocol::Hello&);
-  void handle(const Call& call, const protocol::Status&);
+  // lockstep (lockstep_requests.cc)
   void handle(const Call& call, const protocol::Join& request);
   void handle(const Call& call, const protocol::Advance& request);
   void handle(const Call& call, const protocol::Leave&);
+  void handle(const Call& call, const protocol::Note& request);
+  // time (time_requests.cc)
+  void handle(const Call& call, const protocol::Hello&);
+  void handle(const Call& call, const protocol::Status&);
   void handle(const Call& call, const protocol::Pause& request);
   void handle(const Call& call, const protocol::Resume& request);
   void handle(const Call& call, const protocol::Step& request);
@@ -172,6 +184,9 @@ class Gateway : public protocol::SessionHandler {
   void dispatch(Client& client, std::uint64_t id, const protocol::Request& request);
   void work_off_backlogs();
   void answer(Member& member, const Published& now);
+  protocol::Advanced advanced(const Member& member, const Published& now);
+  void end_advances(std::int64_t tick, const std::string& why);
+  bool was_told_more(const Follows& follows);
 
   StaticWorld world_;
   Tokens tokens_;
@@ -184,6 +199,7 @@ class Gateway : public protocol::SessionHandler {
   std::map<std::uint64_t, Client> clients_;   // by session
   std::vector<std::vector<double>> latched_;  // by part: controller inputs as last accepted
   std::vector<protocol::PartBus> buses_;
+  BusDoor bus_door_{[](const auto&) {}, [] { return std::uint64_t{0}; }, [](auto&) {}};
   std::uint64_t era_ = 1;
   bool frozen_ = false;
   std::atomic<bool> start_asked_{false};

@@ -12,7 +12,12 @@ Member* Members::find(std::uint64_t session) {
 
 Member& Members::join(std::uint64_t session, const std::string& client, std::int64_t tick,
                       std::chrono::nanoseconds timeout) {
-  return members_.emplace_back(Member{session, client, tick, {}, timeout, {}});
+  auto& member = members_.emplace_back();
+  member.session = session;
+  member.client = client;
+  member.granted_tick = tick;
+  member.timeout = timeout;
+  return member;
 }
 
 bool Members::leave(std::uint64_t session) {
@@ -40,12 +45,14 @@ Member* Members::waited_too_long(std::int64_t tick, Member::Clock::time_point no
   Member* late = nullptr;
   const bool alone = members_.size() == 1;
   for (auto& member : members_) {
-    if (member.granted_tick > tick || alone) {
+    if (member.granted_tick > tick) {
       member.waited_since.reset();
       continue;
     }
     if (!member.waited_since) member.waited_since = now;
-    if (!late && member.timeout.count() > 0 && now - *member.waited_since > member.timeout) late = &member;
+    const bool patient =
+        alone || member.timeout.count() == 0 || member.on_timeout == protocol::OnTimeout::kHold;
+    if (!late && !patient && now - *member.waited_since > member.timeout) late = &member;
   }
   return late;
 }

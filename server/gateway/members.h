@@ -8,7 +8,16 @@
 #include <string>
 #include <vector>
 
+#include "protocol/messages.h"
+
 namespace visum::gateway {
+
+// What an Advance with follow_buses said.
+struct Follows {
+  std::uint64_t bus_said = 0;
+  std::vector<protocol::Stream> streams;
+  bool settled = false;  // what its program wrote has been obeyed and answered
+};
 
 struct Member {
   using Clock = std::chrono::steady_clock;
@@ -18,6 +27,10 @@ struct Member {
   std::optional<std::uint64_t> advance;           // id of the Advance that waits to be answered
   std::chrono::nanoseconds timeout{};             // 0: none
   std::optional<Clock::time_point> waited_since;  // the world waits for it
+  std::optional<Follows> follows;                 // of the Advance that waits
+  std::uint32_t grade = 4;                        // of lockstep: 2 or 4
+  protocol::OnTimeout on_timeout = protocol::OnTimeout::kEnd;
+  std::string note;  // its own, what it is busy with
 };
 
 class Members {
@@ -37,8 +50,8 @@ class Members {
   // After a reset or restore: everybody stands at `tick`.
   void rebase(std::int64_t tick);
   // Marks those that hold the world at `tick` as waited for since `now`, unmarks the rest. Returns the first
-  // that has been waited for longer than its time-out. Who is alone is not waited for: he may stand
-  // in a debugger for as long as he likes.
+  // that has been waited for longer than its time-out, where it has one. Who is alone is waited for without
+  // end: he may stand in a debugger for as long as he likes.
   Member* waited_too_long(std::int64_t tick, Member::Clock::time_point now);
 
  private:

@@ -115,7 +115,7 @@ class Exec(unittest.TestCase):
         if done.returncode == 0:
             self.assertEqual(done.stdout.strip(), str(nobody.pw_uid))
         else:
-            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.returncode, 125)
             self.assertIn("private mount namespace", done.stderr)
 
 

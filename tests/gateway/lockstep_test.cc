@@ -56,6 +56,23 @@ TEST(Lockstep, ATimeOutIsAnErrorThatNamesTheClient) {
   EXPECT_EQ(refusal_of([&] { advance(asleep, 1); }).code(), ErrorCode::kWrongState);
 }
 
+TEST(Lockstep, OthersGoOnWhereATimeOutIsToStopOrFreeItsClient) {
+  for (const auto on_timeout : {protocol::OnTimeout::kStop, protocol::OnTimeout::kFree}) {
+    RunningDaemon daemon(scene::ClockKind::kLockstep);  // 0.3 s
+    auto waiting = daemon.connect("waiting"), asleep = daemon.connect("asleep");
+    waiting.request(Join{});
+    asleep.request(AcquireLease{"arm"});
+    asleep.request(Join{0, 0, on_timeout});
+    EXPECT_EQ(advance(waiting, 10).tick, 10);
+    EXPECT_EQ(refusal_of([&] { advance(asleep, 1); }).code(), ErrorCode::kWrongState);
+    const auto write = [&] { asleep.request(Write{"arm", 0, {0.0}}); };
+    if (on_timeout == protocol::OnTimeout::kFree)
+      EXPECT_NO_THROW(write());
+    else
+      EXPECT_EQ(refusal_of(write).code(), ErrorCode::kNoLease);
+  }
+}
+
 TEST(Lockstep, StepsNeedAJoinAndSaneNumbers) {
   RunningDaemon daemon(scene::ClockKind::kLockstep);
   auto client = daemon.connect("confused");

@@ -42,9 +42,18 @@ TEST(Members, NameWhoIsWaitedForTooLong) {
   EXPECT_EQ(late->client, "slow") << "no time-out for the first, no wait for the third";
 }
 
-TEST(Members, WhoeverIsAloneIsNotWaitedFor) {
+TEST(Members, WhoeverIsAloneHasNoTimeOut) {
   Members members;
   members.join(1, "in a debugger", 0, 1s);
+  members.waited_too_long(0, kNow);
+  EXPECT_EQ(members.waited_too_long(0, kNow + 60s), nullptr);
+  EXPECT_EQ(members.find(1)->waited_since, kNow) << "but Status tells since when";
+}
+
+TEST(Members, WhoMayHoldTheWorldHasNoTimeOut) {
+  Members members;
+  members.join(1, "holds", 0, 1s).on_timeout = protocol::OnTimeout::kHold;
+  members.join(2, "ahead", 0, 1s).granted_tick = 5;
   members.waited_too_long(0, kNow);
   EXPECT_EQ(members.waited_too_long(0, kNow + 60s), nullptr);
 }

@@ -47,7 +47,7 @@ ServerStatus status() {
   s.lateness_max_ns = 2'000'000;
   s.state_hash = 0x9f00000000000001;
   s.sessions = 4;
-  s.lockstep = {{"pick_and_place", 1240, 5'000'000}};
+  s.lockstep = {{"pick_and_place", 1240, 5'000'000, 2, "waits for thread 7"}};
   s.phases = {{"sense", 1000, 2000}, {"step", 30'000, 90'000}};
   s.refused = 7;
   s.own_allocations = 6;
@@ -126,8 +126,8 @@ Samples<Request> sample_requests() {
       {"set_parameter_text", SetParameter{"arm", "loss_reaction", std::string("h\xC3\xB6ld")}},
       {"read_blackboard", ReadBlackboard{"arm", "log", 16, 32}},
       {"write_blackboard", WriteBlackboard{"arm", "log", 4, bytes({0, 255, 10, 0})}},
-      {"join", Join{2'000'000'000}},
-      {"advance", Advance{10}},
+      {"join", Join{2'000'000'000, 2, OnTimeout::kFree}},
+      {"advance", Advance{10, true, 77, {{40123, 1'234'567'890'123, 17}}}},
       {"leave", Leave{}},
       {"describe_world", DescribeWorld{}},
       {"read_world", ReadWorld{}},
@@ -146,6 +146,7 @@ Samples<Request> sample_requests() {
       {"remove_body", RemoveBody{"box"}},
       {"shutdown", Shutdown{}},
       {"read_texture", ReadTexture{2}},
+      {"note", Note{"waits for thread 7"}},
   };
 }
 
@@ -162,7 +163,7 @@ Samples<Reply> sample_replies() {
       {"part_sample", PartSample{"arm", 12, 12'000'000, 1, {0.5, 1.5}, {0.25, -0.25, 65536.0}, 2}},
       {"parameters", ParameterList{arm().parameters}},
       {"blackboard", BlackboardData{4, 16, bytes({1, 2, 0, 254}), 8}},
-      {"advanced", Advanced{20, 20'000'000, 1}},
+      {"advanced", Advanced{20, 20'000'000, 1, 78, {{40123, 17, 9}, {40125, 8, 7}}}},
       {"world_description", world()},
       {"world_sample", sample()},
       {"mesh", MeshData{{0, 0, 0, 1, 0, 0, 0, 1, 0.5f}, {0, 1, 2}}},

@@ -13,6 +13,7 @@ enum ExitCode : int {
   kBadConfig = 3,      // the scene or scenario is wrong
   kLost = 4,           // the connection or a controller was lost, or timed out in lockstep
   kTimedOut = 124,     // the wall time that was allowed is over
+  kExecFailed = 125,   // `visum exec` itself failed
   kInterrupted = 130,  // Ctrl-C
 };
 

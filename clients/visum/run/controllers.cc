@@ -6,6 +6,7 @@
 
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/format.h"
+#include "clients/visum/run/daemon.h"
 #include "clients/visum/run/placeholders.h"
 
 namespace visum::run {
@@ -52,6 +53,9 @@ void Controllers::start(double patience_s) {
 
 void Controllers::start_one(Controller& controller) {
   std::vector<std::string> argv;
+  if (controller.spec->shim && session_.clock() == "lockstep")
+    argv = {(own_folder() / "visum").string(), "exec",      "--lockstep",          "--name",
+            controller.spec->client,           "--connect", values_.at("connect"), "--"};
   for (const std::string& word : controller.spec->command) argv.push_back(fill_in(word, values_));
   const auto hand_on = [this, spec = controller.spec](const std::string& line) {
     on_line_(spec->name, line);

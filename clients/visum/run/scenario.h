@@ -70,6 +70,7 @@ struct ControllerSpec {
   std::vector<std::string> command;  // with its placeholders
   std::string client;                // the name that it says hello with
   std::optional<bool> joins;         // the clock; not given: under lockstep
+  bool shim = false;                 // under lockstep its time is the world's (visum exec --lockstep)
   config::Place place;
 };
 

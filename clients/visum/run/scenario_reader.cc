@@ -110,7 +110,7 @@ void read_basics(const Node& root, Scenario& scenario) {
 }  // namespace
 
 ControllerSpec read_controller(const Node& node) {
-  node.allow_only({"name", "command", "client", "joins"});
+  node.allow_only({"name", "command", "client", "joins", "shim"});
   ControllerSpec controller;
   controller.place = node.place();
   controller.name = node.get("name").text();
@@ -129,6 +129,7 @@ ControllerSpec read_controller(const Node& node) {
       node.fail("the client name '" + controller.client + "' is the runner's own");
   }
   if (const auto joins = node.find("joins")) controller.joins = joins->boolean();
+  if (const auto shim = node.find("shim")) controller.shim = shim->boolean();
   return controller;
 }
 

@@ -18,7 +18,8 @@ void write_members(JsonWriter& json, const ServerStatus& status) {
   json.key("lockstep").begin_array();
   for (const auto& member : status.lockstep) {
     json.begin_object().member("client", member.client).member("granted_tick", member.granted_tick);
-    json.member("waiting_ns", member.waiting_ns).end_object();
+    json.member("waiting_ns", member.waiting_ns).member("grade", member.grade);
+    json.member("note", member.note).end_object();
   }
   json.end_array().key("phases").begin_array();
   for (const auto& phase : status.phases) {
@@ -54,12 +55,19 @@ std::string state_of(const ServerStatus& status) {
   return status.paused ? "paused" : "running";
 }
 
+std::string grade_text(std::uint32_t grade) {
+  if (grade == 2) return "L2 (time shim)";
+  return grade == 4 ? "L4 (steps of its own)" : "L" + std::to_string(grade);
+}
+
 std::string waiting_text(const ServerStatus& status) {
   std::string text;
   for (const auto& member : status.lockstep) {
-    text += "  " + member.client + ": lets the world run up to tick " + std::to_string(member.granted_tick);
+    text += "  " + member.client + ": " + grade_text(member.grade) + ", lets the world run up to tick " +
+            std::to_string(member.granted_tick);
     if (member.waiting_ns > 0)
       text += ", WAITED FOR since " + fixed(milliseconds(member.waiting_ns), 1) + " ms";
+    if (!member.note.empty()) text += "; it " + member.note;
     text += "\n";
   }
   return text.empty() ? text : "clients that step with the world\n" + text;

@@ -14,6 +14,12 @@ namespace visum::gateway {
 using powercube::Telegram;
 using powercube::Wire;
 
+namespace {
+
+constexpr std::chrono::seconds kPatience{5};  // for bytes that a client has written, on loopback
+
+}  // namespace
+
 BusThread::BusThread(std::vector<Wiring> wirings, std::function<void()> on_request)
     : wirings_(std::move(wirings)),
       on_request_(std::move(on_request)),
@@ -47,45 +53,120 @@ void BusThread::wake() {
 
 void BusThread::run() {
   while (!ending_) {
-    const auto ready = wait();
+    wait();
+    bool queued;
     {
       const std::lock_guard turn(turn_);
-      serve(ready);
+      serve(look());
       send_answers();
+      queued = std::exchange(queued_, false);
     }
-    if (std::exchange(queued_, false)) on_request_();
+    if (queued) on_request_();
   }
 }
 
 // For wake(), any listener, or any channel, in this order.
-std::vector<pollfd> BusThread::wait() {
+std::vector<pollfd> BusThread::watched() const {
   std::vector<pollfd> set{{wake_fd_, POLLIN, 0}};
   for (const auto& wiring : wirings_) set.push_back({wiring.link->listener(), POLLIN, 0});
   for (const auto& [number, line] : lines_) set.push_back({line.channel->fd(), POLLIN, 0});
-  if (::poll(set.data(), set.size(), -1) < 0) return {};
   return set;
 }
 
-void BusThread::serve(const std::vector<pollfd>& ready) {
-  if (ready.empty()) return;
+// Until there is something to do. Who takes turns with us may add or remove lines meanwhile, and wakes us.
+void BusThread::wait() {
+  std::unique_lock turn(turn_);
+  auto set = watched();
+  turn.unlock();
+  ::poll(set.data(), set.size(), -1);
+}
+
+// What is there now.
+std::vector<pollfd> BusThread::look() const {
+  auto set = watched();
+  if (::poll(set.data(), set.size(), 0) < 0) return {};
+  return set;
+}
+
+// True if a line or a listener had something.
+bool BusThread::serve(const std::vector<pollfd>& ready) {
+  if (ready.empty()) return false;
   if (ready[0].revents) {
     std::uint64_t count = 0;
     [[maybe_unused]] const auto got = ::read(wake_fd_, &count, sizeof count);
   }
+  bool any = false;
   auto of_line = ready.begin() + 1 + static_cast<std::ptrdiff_t>(wirings_.size());
   for (auto at = lines_.begin(); at != lines_.end();) {
     const auto line = at++;  // reading may end the line
-    if ((of_line++)->revents) read(line->first, line->second);
+    if (!(of_line++)->revents) continue;
+    any = true;
+    read(line->first, line->second);
   }
-  for (std::uint32_t i = 0; i < wirings_.size(); ++i)
-    if (ready[1 + i].revents) admit(i);
+  for (std::uint32_t i = 0; i < wirings_.size(); ++i) {
+    if (ready[1 + i].revents) any |= admit(i);
+  }
+  return any;
 }
 
-void BusThread::admit(std::uint32_t link) {
+// poll() on a pseudo terminal first lets the kernel's worker carry over what was written to its other end, so
+// that nothing is left behind. On TCP nobody promises that: there we wait for as many bytes as were written.
+bool BusThread::settle(const std::vector<protocol::Stream>& streams) {
+  const std::lock_guard turn(turn_);
+  const auto give_up = std::chrono::steady_clock::now() + kPatience;
+  const auto lines = lines_.size();
+  const auto newest = next_number_;
+  const auto come = [this](const protocol::Stream& stream) { return has_come(stream); };
+  bool all = false;
+  do {
+    while (serve(look())) {
+    }
+    all = std::ranges::all_of(streams, come);
+  } while (!all && std::chrono::steady_clock::now() < give_up);
+  if (lines != lines_.size() || newest != next_number_) wake();
+  return all;
+}
+
+bool BusThread::has_come(const protocol::Stream& stream) const {
+  const auto* channel = channel_of(stream.port);
+  return channel ? channel->heard() >= stream.written : gone_.contains(stream.port);
+}
+
+const Channel* BusThread::channel_of(std::uint32_t port) const {
+  const auto found =
+      std::ranges::find_if(lines_, [port](const auto& line) { return line.second.channel->port() == port; });
+  return port == 0 || found == lines_.end() ? nullptr : found->second.channel.get();
+}
+
+void BusThread::send_now() {
+  const std::lock_guard turn(turn_);
+  send_answers();
+}
+
+std::uint64_t BusThread::said() {
+  const std::lock_guard turn(turn_);
+  std::uint64_t bytes = 0;
+  for (const auto& [number, line] : lines_)
+    if (line.channel->port() == 0) bytes += line.channel->written();
+  return bytes;
+}
+
+void BusThread::fill_in(std::vector<protocol::Stream>& streams) {
+  const std::lock_guard turn(turn_);
+  for (auto& stream : streams)
+    if (const auto* channel = channel_of(stream.port))
+      stream = {stream.port, channel->written(), channel->heard()};
+}
+
+// False where nobody came.
+bool BusThread::admit(std::uint32_t link) {
   auto channel = wirings_[link].link->accept();
   const auto of_link = [link](const auto& entry) { return entry.second.link == link; };
   const auto count = static_cast<std::size_t>(std::ranges::count_if(lines_, of_link));
-  if (channel && count < kMaxChannels) lines_[next_number_++] = {std::move(channel), link};
+  if (!channel) return false;
+  gone_.erase(channel->port());
+  if (count < kMaxChannels) lines_[next_number_++] = {std::move(channel), link};
+  return true;
 }
 
 void BusThread::read(std::uint64_t number, Line& line) {
@@ -95,6 +176,7 @@ void BusThread::read(std::uint64_t number, Line& line) {
   if (stays) return;
   const auto& link = *wirings_[line.link].link;
   if (link.listener() < 0) spdlog::warn("the bus {} is gone", link.name());
+  gone_.insert(line.channel->port());
   lines_.erase(number);
 }
 

@@ -8,14 +8,17 @@
 
 #include <atomic>
 #include <boost/lockfree/spsc_queue.hpp>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <thread>
 #include <vector>
 
+#include "protocol/messages.h"
 #include "server/gateway/bus/bus_link.h"
 
 namespace visum::gateway {
@@ -46,6 +49,13 @@ class BusThread {
   bool next_request(BusItem& item) { return requests_.pop(item); }
   void answer(const BusItem& item) { answers_.push(item); }
   void flush();  // after the last answer() of a batch
+  // The same for a world that waits for its clients: waits for its turn, so that all is done when it returns.
+  // settle() reads what clients have written by now, and what `streams` promise, which may still be on its
+  // way; false where that does not come.
+  bool settle(const std::vector<protocol::Stream>& streams);
+  void send_now();
+  std::uint64_t said();  // bytes written to pseudo terminals and CAN interfaces so far
+  void fill_in(std::vector<protocol::Stream>& streams);  // those that are a channel's
 
  private:
   template <typename T>
@@ -56,9 +66,13 @@ class BusThread {
   };
 
   void run();
-  std::vector<pollfd> wait();
-  void serve(const std::vector<pollfd>& ready);
-  void admit(std::uint32_t link);
+  void wait();
+  std::vector<pollfd> watched() const;
+  std::vector<pollfd> look() const;
+  bool serve(const std::vector<pollfd>& ready);
+  bool has_come(const protocol::Stream& stream) const;
+  const Channel* channel_of(std::uint32_t port) const;
+  bool admit(std::uint32_t link);
   void read(std::uint64_t number, Line& line);
   void take(std::uint64_t number, const Line& line, const powercube::Telegram& telegram,
             powercube::Wire wire);
@@ -73,6 +87,7 @@ class BusThread {
   std::mutex turn_;                      // to read, write, add or remove channels
   std::map<std::uint64_t, Line> lines_;  // by number; destroyed before the links
   std::uint64_t next_number_ = 1;
+  std::set<std::uint32_t> gone_;  // TCP: ports of clients that went; all that they wrote was read
   Queue<BusItem> requests_, answers_;
   bool queued_ = false;  // requests, in this round
   int wake_fd_;

@@ -1,12 +1,14 @@
 #include "server/gateway/bus/buses.h"
 
 #include <poll.h>
+#include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
 #include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "hwparts/powercube/module_bus.h"
 
@@ -88,9 +90,18 @@ bool Buses::serve() {
       waiting.push_back({timing.pass(item.telegram, item.wire, simulation_.sim_time_ns()), false, item});
     }
   }
-  if (answered_) thread_->flush();
-  answered_ = false;
+  send();
   return any;
+}
+
+bool Buses::settle(const std::vector<protocol::Stream>& streams) {
+  settles_ = true;
+  if (!thread_->settle(streams)) spdlog::warn("a client's bytes have not come over its bus");
+  return serve();
+}
+
+void Buses::send() {
+  if (std::exchange(answered_, false)) settles_ ? thread_->send_now() : thread_->flush();
 }
 
 void Buses::serve_until(Clock::time_point due) {
@@ -110,8 +121,7 @@ void Buses::serve_until(Clock::time_point due) {
 void Buses::after_tick() {
   move_lines();
   send_spontaneous();
-  if (answered_) thread_->flush();
-  answered_ = false;
+  send();
 }
 
 // Requests that have come in are obeyed, answers that have gone out are written.

@@ -34,6 +34,11 @@ class Buses {
   bool serve();                             // what is there; true if there was something
   void serve_until(Clock::time_point due);  // what comes until then
   void after_tick();                        // sends what modules say unasked, and what the line held back
+  // For a world that waits for its clients: obeys and answers all that they have written, before they are
+  // heard of again. A warning, and on, where what `streams` promise has not come.
+  bool settle(const std::vector<protocol::Stream>& streams);  // true if there was something
+  std::uint64_t said() { return thread_->said(); }
+  void fill_in(std::vector<protocol::Stream>& streams) { thread_->fill_in(streams); }
 
  private:
   struct Waiting {  // on a line that is not ideal
@@ -44,6 +49,7 @@ class Buses {
   void obey(const BusItem& item);
   void move_lines();
   void send_spontaneous();
+  void send();
 
   cycle::Simulation& simulation_;
   std::function<void()> wake_;
@@ -53,7 +59,8 @@ class Buses {
   std::vector<LineTiming> timings_;           // by link
   std::vector<std::deque<Waiting>> waiting_;  // by link, in the order of the line
   std::uint64_t era_ = 0;
-  bool answered_ = false;  // something waits for flush()
+  bool answered_ = false;  // something waits for send()
+  bool settles_ = false;   // then answers leave before we go on
   int request_fd_;
   std::unique_ptr<BusThread> thread_;
 };

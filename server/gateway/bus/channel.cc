@@ -67,6 +67,7 @@ bool Channel::read_bytes(const OnTelegram& on_telegram) {
     return true;
   }
   received_.insert(received_.end(), bytes.begin() + (is_packet ? 1 : 0), bytes.begin() + count);
+  heard_ += static_cast<std::uint64_t>(count);
   decode(on_telegram);
   return true;
 }
@@ -174,7 +175,8 @@ void Channel::send(const Telegram& telegram) {
 }
 
 void Channel::write(const void* data, std::size_t size) {
-  [[maybe_unused]] const auto written = ::write(fd_, data, size);
+  const auto written = ::write(fd_, data, size);
+  if (written > 0) written_ += static_cast<std::uint64_t>(written);
 }
 
 }  // namespace visum::gateway

@@ -27,7 +27,8 @@ class Channel {
   enum class Reads { kBytes, kPackets };  // packets: a pseudo terminal's, with TIOCPKT
 
   // Owns fd, which must not block.
-  Channel(int fd, Speech speech, Reads reads = Reads::kBytes) : fd_(fd), speech_(speech), reads_(reads) {}
+  Channel(int fd, Speech speech, Reads reads = Reads::kBytes, std::uint16_t port = 0)
+      : fd_(fd), speech_(speech), reads_(reads), port_(port) {}
   ~Channel();
   Channel(const Channel&) = delete;
   Channel& operator=(const Channel&) = delete;
@@ -35,6 +36,10 @@ class Channel {
   int fd() const { return fd_; }
   // On a CAN bus everybody hears everything, on a serial line only what is meant for him.
   bool is_can() const { return speech_ != Speech::kUndecided && speech_ != Speech::kSerial; }
+
+  std::uint16_t port() const { return port_; }        // TCP: the client's; else 0
+  std::uint64_t heard() const { return heard_; }      // bytes read so far
+  std::uint64_t written() const { return written_; }  // bytes written so far
 
   // Takes in what is there. False: the other end is gone.
   bool read(const OnTelegram& on_telegram);
@@ -57,6 +62,8 @@ class Channel {
   int fd_;
   Speech speech_;
   Reads reads_;
+  std::uint16_t port_;
+  std::uint64_t heard_ = 0, written_ = 0;
   bool client_discarded_ = false;
   bool open_ = false;  // slcan: between "O" and "C"
   bool listens_only_ = false;

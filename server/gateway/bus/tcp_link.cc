@@ -53,11 +53,13 @@ class TcpLink : public BusLink {
   std::string name() const override { return "tcp:" + std::to_string(port_); }
   int listener() const override { return fd_; }
   std::unique_ptr<Channel> accept() override {
-    const int fd = ::accept4(fd_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    sockaddr_in peer{};
+    socklen_t size = sizeof peer;
+    const int fd = ::accept4(fd_, reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (fd < 0) return nullptr;
     const int on = 1;
     ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    return std::make_unique<Channel>(fd, Speech::kUndecided);
+    return std::make_unique<Channel>(fd, Speech::kUndecided, Channel::Reads::kBytes, ntohs(peer.sin_port));
   }
 
  private:

@@ -1,0 +1,87 @@
+// The memory that the time shim shares with whoever drives its time: one slot for each thread of the program
+// and of what it starts. SPEC.md says who may change what, and when. No library is needed to use it.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <limits>
+
+namespace visum::shim {
+
+inline constexpr std::uint32_t kMagic = 0x56535432;         // of this layout
+inline constexpr const char* kVariable = "VISUM_LOCKSTEP";  // the file's path, in the environment
+inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+
+inline constexpr std::uint32_t kMostThreads = 256, kMostProcesses = 64, kMostStreams = 64, kMostBuses = 32;
+inline constexpr int kNameSize = 24;
+
+// What the clocks show when the simulated time is 0: midnight, 1 January 2000 (UTC), 1000 s after the start.
+inline constexpr std::int64_t kRealtimeBase_ns = 946'684'800'000'000'000;
+inline constexpr std::int64_t kMonotonicBase_ns = 1'000'000'000'000;
+
+enum class State : std::uint32_t {
+  kFree,      // nobody's
+  kStarting,  // kept for a thread or process that is about to be
+  kRunning,
+  kParked,   // waits on `go`, until its deadline or as its flags say
+  kBlocked,  // in a call of the kernel that ends by itself
+  kReady,    // came back from one, or was just made; waits on `go` for its turn
+  kLeaving,  // in its last instructions
+};
+
+enum Flags : std::uint32_t {
+  kRecheck = 1,  // looks again when others have run, or a bus has spoken
+  kOnBus = 2,    // waits for a bus: the world may run though nobody waits for time
+  kSettle = 4,   // wants all that was sent over the buses obeyed and answered
+  kGranted = 8,  // what it waited for has been given to it
+  kAlarm = 16,   // told with its turn: send yourself SIGALRM
+  kAgain = 32,   // has looked again, in vain
+  kHold = 64,    // kBlocked: by an answer of the server's, for which the world waits
+};
+
+struct Slot {
+  std::atomic<State> state;
+  std::atomic<std::uint32_t> go;  // futex: changes with each turn
+  std::atomic<std::uint32_t> flags;
+  std::atomic<std::int32_t> pid, tid, parent;  // parent: of a kStarting process
+  std::atomic<std::int64_t> deadline_ns;       // simulated
+  std::atomic<std::uint64_t> checked;          // `activity` when it looked last
+  std::atomic<std::uint64_t> ticket;           // order of waiting
+  std::atomic<std::uint64_t> key;              // the condition variable that it waits on
+  char doing[kNameSize];                       // "nanosleep", for messages
+};
+
+// A process' ITIMER_REAL.
+struct Alarm {
+  std::atomic<std::int32_t> pid;
+  std::atomic<std::int64_t> deadline_ns, interval_ns;
+};
+
+// A TCP connection of the program with the server; see protocol/visum.proto, Stream.
+struct Stream {
+  std::atomic<std::uint32_t> port;  // the program's; 0: none
+  std::atomic<std::uint64_t> written, heard;
+  std::atomic<std::uint64_t> said;  // by the server, as it told
+};
+
+struct Shared {
+  std::uint32_t magic;
+  std::int32_t keeper;  // process
+  std::int64_t tick_ns;
+  std::uint32_t tty_count, port_count;
+  std::uint32_t session_port;       // the server's own, for the ports over TCP
+  std::uint64_t ttys[kMostBuses];   // pseudo terminals of buses: st_rdev
+  std::uint16_t ports[kMostBuses];  // TCP, on loopback
+  std::atomic<std::int64_t> now_ns;
+  std::atomic<std::uint64_t> activity, tickets;
+  std::atomic<std::uint32_t> bell;   // futex: rung when nobody runs any more
+  std::atomic<std::uint32_t> dirty;  // something was written to a bus since it was settled
+  std::atomic<std::uint32_t> used;   // slots in use lie below
+  Alarm alarms[kMostProcesses];
+  Stream streams[kMostStreams];
+  Slot slots[kMostThreads];
+};
+
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free && sizeof(State) == 4);
+
+}  // namespace visum::shim

@@ -1,0 +1,139 @@
+#include "clients/shim/descriptors.h"
+
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <span>
+
+#include "clients/shim/real.h"
+#include "clients/shim/turns.h"
+
+namespace visum::shim {
+namespace {
+
+constexpr int kWatchedSets = 1024;  // descriptors of epoll above that count as on a bus
+constexpr int kMostPauses = 5000;   // of 1 ms: what the server has written on loopback comes
+
+std::atomic<int> descriptor_of_stream[kMostStreams];  // in this process; + 1
+std::atomic<bool> set_watches_bus[kWatchedSets];
+
+using AskAddress = int (*)(int, sockaddr*, socklen_t*);
+
+std::uint32_t port_of(int fd, AskAddress ask) {
+  sockaddr_in address{};
+  socklen_t size = sizeof address;
+  const bool known =
+      ask(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0 && address.sin_family == AF_INET;
+  return known ? ntohs(address.sin_port) : 0;
+}
+
+// The port on this side, if the other one is a bus.
+std::uint32_t port_to_bus(int fd) {
+  const auto ports = std::span(shared()->ports, shared()->port_count);
+  const bool leads_there = std::ranges::find(ports, port_of(fd, ::getpeername)) != ports.end();
+  return leads_there ? port_of(fd, ::getsockname) : 0;
+}
+
+Stream* stream_of(std::uint32_t port) {
+  if (port == 0) return nullptr;
+  const auto streams = std::span(shared()->streams);
+  const auto found =
+      std::ranges::find_if(streams, [port](const auto& stream) { return stream.port == port; });
+  return found == streams.end() ? nullptr : &*found;
+}
+
+Stream* free_stream() {
+  for (auto& stream : shared()->streams) {
+    std::uint32_t none = 0;
+    if (stream.port.compare_exchange_strong(none, UINT32_MAX)) return &stream;
+  }
+  return nullptr;
+}
+
+bool has_ended(int fd) {
+  pollfd set{fd, POLLRDHUP, 0};
+  return VISUM_REAL(poll)(&set, 1, 0) > 0 && (set.revents & (POLLRDHUP | POLLHUP | POLLERR | POLLNVAL)) != 0;
+}
+
+// The kernel may still be at it.
+void await_said(int fd, const Stream& stream) {
+  for (int i = 0; i < kMostPauses; ++i) {
+    const int there = available_bytes(fd);
+    if (there < 0) return;
+    if (stream.heard + static_cast<std::uint64_t>(there) >= stream.said || has_ended(fd)) return;
+    if (i > 100) VISUM_REAL(poll)(nullptr, 0, 1);
+  }
+}
+
+}  // namespace
+
+Descriptor descriptor(int fd) {
+  Descriptor found;
+  struct stat status;
+  if (::fstat(fd, &status) != 0) return found;
+  found.can_wait = !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+  found.is_socket = S_ISSOCK(status.st_mode);
+  const auto ttys = std::span(shared()->ttys, shared()->tty_count);
+  found.is_tty = S_ISCHR(status.st_mode) && std::ranges::find(ttys, status.st_rdev) != ttys.end();
+  if (found.is_socket && shared()->port_count > 0) found.stream = stream_of(port_to_bus(fd));
+  found.is_session = found.is_socket && port_of(fd, ::getpeername) == shared()->session_port;
+  return found;
+}
+
+int available_bytes(int fd) {
+  int count = 0;
+  return ::syscall(SYS_ioctl, fd, FIONREAD, &count) == 0 ? count : -1;
+}
+
+void catch_up() {
+  const int error = errno;
+  if (shared()->dirty) park({"settle", kNever, kSettle});
+  for (std::size_t i = 0; i < kMostStreams; ++i) {
+    const int fd = descriptor_of_stream[i] - 1;
+    auto& stream = shared()->streams[i];
+    if (fd >= 0 && descriptor(fd).stream == &stream) await_said(fd, stream);
+  }
+  errno = error;
+}
+
+void note_connected(int fd) {
+  const int error = errno;
+  const auto port = port_to_bus(fd);
+  auto* stream = stream_of(port);
+  if (!stream && port != 0) stream = free_stream();
+  if (stream) {
+    stream->written = stream->heard = stream->said = 0;
+    descriptor_of_stream[stream - shared()->streams] = fd + 1;
+    stream->port = port;
+  }
+  errno = error;
+}
+
+void note_written(const Descriptor& to, std::int64_t count) {
+  if (count <= 0 || !to.on_bus()) return;
+  if (to.stream) to.stream->written += static_cast<std::uint64_t>(count);
+  shared()->dirty = 1;
+  note_progress();
+}
+
+void note_read(const Descriptor& from, std::int64_t count) {
+  if (count > 0 && from.stream) from.stream->heard += static_cast<std::uint64_t>(count);
+}
+
+void note_watched(int epoll, int fd) {
+  if (epoll >= 0 && epoll < kWatchedSets && descriptor(fd).on_bus()) set_watches_bus[epoll] = true;
+}
+
+bool watches_bus(int epoll) {
+  return epoll >= kWatchedSets || (epoll >= 0 && set_watches_bus[epoll]);
+}
+
+}  // namespace visum::shim

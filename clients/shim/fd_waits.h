@@ -1,0 +1,54 @@
+// The one loop in which all waits for descriptors wait: look, wait for our turn, look again.
+#pragma once
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+
+#include "clients/shim/clocks.h"
+#include "clients/shim/descriptors.h"
+#include "clients/shim/timers.h"
+#include "clients/shim/turns.h"
+
+namespace visum::shim {
+
+struct FdWait {
+  const char* doing;
+  std::int64_t deadline_ns = kNever;
+  bool on_bus = false;
+  bool on_session = false;
+};
+
+// The world stands until the server has answered, or the time-out is over by the wall clock.
+template <typename Block>
+int await_answer(const FdWait& wait, Block block) {
+  const auto length = to_timespec(wait.deadline_ns - now_ns());
+  return blocked(
+      wait.doing, [&] { return block(wait.deadline_ns == kNever ? nullptr : &length); }, kHold);
+}
+
+// `look` asks the kernel without waiting: 0 means nothing yet, anything else is the result. `block` waits in
+// the kernel, for so long (null: without end); it is called where simulated time has no part in the wait. 0:
+// the deadline has come; -1 with EINTR: a signal.
+template <typename Look, typename Block>
+int wait_for(const FdWait& wait, Look look, Block block) {
+  for (std::uint32_t flags = kRecheck | (wait.on_bus ? kOnBus : 0u);; flags |= kAgain) {
+    fire_timers();
+    if (wait.on_bus) catch_up();
+    if (const auto found = look(); found != 0) return found;
+    if (wait.deadline_ns <= now_ns()) return 0;
+    const auto next = std::min(wait.deadline_ns, next_timer_ns());
+    if (wait.on_session) return await_answer(wait, block);
+    if (next == kNever && !wait.on_bus && !has_timers())
+      return blocked(wait.doing, [&] { return block(nullptr); });
+    if (park({wait.doing, next, flags})) continue;
+    errno = EINTR;
+    return -1;
+  }
+}
+
+// Until `fd` can be read: 1, 0, -1 as above. Blocks for real where nothing drives it: then 1 means that a
+// call that blocks is in place, see Descriptor.
+int wait_readable(const char* doing, int fd, const Descriptor& what, std::int64_t deadline_ns);
+
+}  // namespace visum::shim

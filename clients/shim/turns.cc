@@ -1,0 +1,282 @@
+#include "clients/shim/turns.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include "clients/shim/futex.h"
+
+namespace visum::shim {
+namespace {
+
+constexpr int kMostLooks = 1000;                      // without a wait
+constexpr std::int64_t kPatience_ns = 1'000'000'000;  // then we look whether the keeper lives
+
+Shared* the_shared = nullptr;
+__thread Slot* my_slot = nullptr;
+__thread int looks = 0;
+__thread bool said_that_we_spin = false;
+
+std::int32_t thread_id() {
+  return static_cast<std::int32_t>(::syscall(SYS_gettid));
+}
+
+bool somebody_runs() {
+  const auto used = the_shared->used.load();
+  for (std::uint32_t i = 0; i < used; ++i) {
+    const auto state = the_shared->slots[i].state.load();
+    if (state == State::kRunning || state == State::kStarting) return true;
+  }
+  return false;
+}
+
+// The last who runs wakes the keeper.
+void ring() {
+  if (somebody_runs()) return;
+  the_shared->bell.fetch_add(1);
+  futex_wake(the_shared->bell);
+}
+
+void look_after_keeper() {
+  if (::kill(the_shared->keeper, 0) == 0 || errno != ESRCH) return;
+  say("the process that drives the time is gone");
+  ::_exit(125);
+}
+
+// Until the keeper has given us our turn after it was `before`. False: a signal was handled meanwhile.
+bool await_turn(Slot& slot, std::uint32_t before) {
+  bool undisturbed = true;
+  while (slot.go.load() == before) {
+    const int error = futex_wait(slot.go, before, kPatience_ns);
+    if (error == ETIMEDOUT) look_after_keeper();
+    if (error != EINTR) continue;
+    undisturbed = false;
+    auto parked = State::kParked;
+    if (slot.state.compare_exchange_strong(parked, State::kReady)) ring();
+  }
+  return undisturbed;
+}
+
+void obey_alarm(Slot& slot) {
+  if (slot.flags.fetch_and(~kAlarm) & kAlarm) ::kill(::getpid(), SIGALRM);
+}
+
+Slot* claim_slot(State from, State to, std::int32_t pid, std::int32_t parent) {
+  for (auto& slot : the_shared->slots) {
+    const auto state = slot.state.load();
+    if (state != from) continue;
+    const auto kept_for = slot.pid.load();
+    const bool meant =
+        from == State::kFree || ((kept_for == 0 || kept_for == pid) && slot.parent.load() == parent);
+    auto expected = from;
+    if (meant && slot.state.compare_exchange_strong(expected, to)) return &slot;
+  }
+  return nullptr;
+}
+
+void widen(const Slot& slot) {
+  const auto needed = static_cast<std::uint32_t>(&slot - the_shared->slots) + 1;
+  auto used = the_shared->used.load();
+  while (used < needed && !the_shared->used.compare_exchange_weak(used, needed)) {
+  }
+}
+
+void fill(Slot& slot, std::int32_t pid, std::int32_t tid, std::int32_t parent) {
+  slot.flags = 0;
+  slot.key = 0;
+  slot.deadline_ns = kNever;
+  slot.ticket = the_shared->tickets.fetch_add(1);
+  slot.tid = tid;
+  slot.parent = parent;
+  slot.pid = pid;
+  widen(slot);
+}
+
+void free_slot(Slot& slot) {
+  slot.pid = 0;
+  slot.state = State::kFree;
+}
+
+// After exec we are who we were; the other threads of before are gone.
+Slot* slot_from_before(std::int32_t pid) {
+  Slot* found = nullptr;
+  for (auto& slot : the_shared->slots) {
+    if (slot.state.load() == State::kFree || slot.pid.load() != pid) continue;
+    if (!found && (slot.tid.load() == pid || slot.state.load() == State::kStarting))
+      found = &slot;
+    else
+      free_slot(slot);
+  }
+  return found;
+}
+
+void attach() {
+  const auto pid = static_cast<std::int32_t>(::getpid());
+  auto* slot = slot_from_before(pid);
+  if (!slot) slot = claim_slot(State::kStarting, State::kRunning, pid, ::getppid());
+  if (!slot) slot = claim_slot(State::kFree, State::kRunning, pid, 0);
+  if (!slot) {
+    say("more than %u threads", kMostThreads);
+    ::_exit(125);
+  }
+  fill(*slot, pid, thread_id(), 0);
+  slot->state = State::kRunning;
+  my_slot = slot;
+}
+
+__attribute__((constructor(101))) void open_channel() {
+  const char* path = ::getenv(kVariable);
+  if (!path) return;
+  const int fd = ::open(path, O_RDWR | O_CLOEXEC);
+  void* memory =
+      fd < 0 ? MAP_FAILED : ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+  if (fd >= 0) ::close(fd);
+  if (memory == MAP_FAILED || static_cast<Shared*>(memory)->magic != kMagic) {
+    say("cannot use %s=%s: %s", kVariable, path,
+        memory == MAP_FAILED ? ::strerror(errno) : "of another version");
+    ::_exit(125);
+  }
+  the_shared = static_cast<Shared*>(memory);
+  attach();
+}
+
+__attribute__((destructor)) void end_of_process() {
+  if (active()) leave_process();
+}
+
+}  // namespace
+
+Shared* shared() {
+  return the_shared;
+}
+
+Slot& mine() {
+  if (my_slot) return *my_slot;
+  my_slot = claim_slot(State::kFree, State::kRunning, 0, 0);  // a thread that was made past us
+  if (!my_slot) {
+    say("more than %u threads", kMostThreads);
+    ::_exit(125);
+  }
+  fill(*my_slot, ::getpid(), thread_id(), 0);
+  return *my_slot;
+}
+
+std::int64_t now_ns() {
+  return the_shared->now_ns.load();
+}
+
+void announce(const Wait& wait) {
+  auto& slot = mine();
+  ::strncpy(slot.doing, wait.doing, kNameSize - 1);
+  slot.deadline_ns = wait.deadline_ns;
+  slot.checked = the_shared->activity.load();
+  slot.ticket = the_shared->tickets.fetch_add(1);
+  slot.flags = wait.flags;
+  slot.key = wait.key;
+}
+
+bool park_announced() {
+  looks = 0;
+  auto& slot = mine();
+  const auto before = slot.go.load();
+  slot.state = State::kParked;
+  ring();
+  const bool undisturbed = await_turn(slot, before);
+  slot.key = 0;
+  const bool alarmed = (slot.flags.load() & kAlarm) != 0;
+  obey_alarm(slot);
+  return undisturbed && !alarmed;
+}
+
+bool park(const Wait& wait) {
+  announce(wait);
+  return park_announced();
+}
+
+void enter_blocked(const char* doing, std::uint32_t flags) {
+  looks = 0;
+  auto& slot = mine();
+  ::strncpy(slot.doing, doing, kNameSize - 1);
+  slot.ticket = the_shared->tickets.fetch_add(1);
+  slot.flags = flags;
+  slot.state = State::kBlocked;
+  ring();
+}
+
+void leave_blocked() {
+  begin_turn();
+}
+
+void begin_turn() {
+  auto& slot = mine();
+  const auto before = slot.go.load();
+  slot.state = State::kReady;
+  ring();
+  await_turn(slot, before);
+}
+
+void note_look(const char* doing) {
+  if (++looks <= kMostLooks) return;
+  if (!said_that_we_spin)
+    say("thread %d of process %d spins on %s: from now on each such call takes a tick", thread_id(),
+        ::getpid(), doing);
+  said_that_we_spin = true;
+  const int error = errno;
+  park({doing, now_ns() + shared()->tick_ns});
+  errno = error;
+  looks = kMostLooks;
+}
+
+void note_progress() {
+  looks = 0;
+}
+
+Slot* keep_slot(std::int32_t pid, std::int32_t parent) {
+  auto* slot = claim_slot(State::kFree, State::kStarting, 0, 0);
+  if (slot) fill(*slot, pid, 0, parent);
+  return slot;
+}
+
+void take_slot(Slot& slot) {
+  my_slot = &slot;
+  looks = 0;
+  slot.tid = thread_id();
+  slot.pid = ::getpid();
+  begin_turn();
+}
+
+void drop_slot(Slot& slot) {
+  auto starting = State::kStarting;
+  slot.state.compare_exchange_strong(starting, State::kFree);  // else somebody has taken it
+}
+
+void leave() {
+  mine().state = State::kLeaving;
+  ring();
+}
+
+void leave_process() {
+  const auto pid = static_cast<std::int32_t>(::getpid());
+  for (auto& slot : the_shared->slots)
+    if (slot.pid.load() == pid && slot.state.load() != State::kFree) slot.state = State::kLeaving;
+  ring();
+}
+
+void say(const char* format, ...) {
+  char text[256] = "visum: ";
+  va_list list;
+  va_start(list, format);
+  const auto head = ::strlen(text);
+  ::vsnprintf(text + head, sizeof text - head - 1, format, list);
+  va_end(list);
+  ::strcat(text, "\n");
+  ::syscall(SYS_write, 2, text, ::strlen(text));
+}
+
+}  // namespace visum::shim

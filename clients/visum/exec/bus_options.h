@@ -1,0 +1,31 @@
+// What the options of `visum exec` ask for, against what a server has.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "clients/visum/exec/device_place.h"
+#include "protocol/messages.h"
+
+namespace visum::exec {
+
+struct TtyOption {
+  std::string device, part;  // "/dev/ttyS0", "arm"
+};
+// "ttyS0=arm" or "/dev/ttyS0=arm". Throws ExitError(kUsage).
+TtyOption parse_tty(const std::string& text);
+
+struct CanOption {
+  std::string vendor, part;  // "esd" or "peak"; part empty: the only one with a bus
+};
+// "esd" or "esd=arm". Throws ExitError(kUsage).
+CanOption parse_can(const std::string& text);
+
+// Where the devices' buses stand on this machine. Throws ExitError.
+std::vector<Placement> placements_of(const std::vector<TtyOption>& ttys,
+                                     const std::vector<protocol::PartBus>& buses);
+// The vendor's library of ours in the environment: a program's own library of that vendor is found in our
+// folder first, and knows where the bus is. Buses are on the server's loopback, and so must the program be.
+void lead_can(const CanOption& can, const std::vector<protocol::PartBus>& buses);
+
+}  // namespace visum::exec

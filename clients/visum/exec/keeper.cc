@@ -1,0 +1,262 @@
+#include "clients/visum/exec/keeper.h"
+
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <set>
+#include <thread>
+
+#include "clients/shim/futex.h"
+#include "clients/visum/common/exit_code.h"
+
+namespace visum::exec {
+namespace {
+
+using shim::Slot;
+using shim::State;
+
+constexpr std::int64_t kWatch_ns = 10'000'000;  // who runs is looked after that often
+constexpr std::int64_t kSoon_ns = 50'000;       // somebody is about to be gone, or awake
+constexpr std::int64_t kMostTicks = 1000;       // at once: then we look who woke up by himself
+
+constexpr std::chrono::seconds kFarewell{5};  // for the world, once the program has ended
+
+bool is_ready(const Slot& slot, std::int64_t now_ns) {
+  const auto state = slot.state.load();
+  if (state == State::kReady) return true;
+  return state == State::kParked &&
+         ((slot.flags & (shim::kGranted | shim::kAlarm)) != 0 || slot.deadline_ns <= now_ns);
+}
+
+}  // namespace
+
+Keeper::Keeper(TimeChannel& channel, WorldLink& world, pid_t program, Clock::time_point give_up)
+    : channel_(channel), memory_(channel.memory()), world_(world), program_(program), give_up_(give_up) {}
+
+// The rules, aloud: one thread at a time; who is due before who may look again; then the buses; then time.
+int Keeper::run() {
+  for (;;) {
+    await_quiet();
+    if (ended_) break;
+    note_outcome();
+    if (auto* ready = next_ready())
+      give_turn(*ready, false);
+    else if (auto* looker = next_to_recheck())
+      give_turn(*looker, true);
+    else if (!settle_for_one())
+      advance();
+  }
+  advance_by(0);  // what it wrote in the end
+  return *ended_;
+}
+
+void Keeper::await_quiet() {
+  quiet_since_ = Clock::now();
+  for (check_end(); !ended_; check_end()) {
+    quiet_bell_ = memory_.bell.load();
+    bool soon = false;
+    if (is_quiet(soon)) return;
+    if (shim::futex_wait(memory_.bell, quiet_bell_, soon ? kSoon_ns : kWatch_ns) == ETIMEDOUT && !soon)
+      watch();
+  }
+}
+
+void Keeper::check_end() {
+  int status = 0;
+  if (!ended_ && ::waitpid(program_, &status, WNOHANG) == program_) {
+    ended_ = status;
+    ended_at_ = Clock::now();
+  }
+  if (!ended_ && Clock::now() > give_up_)
+    throw cli::ExitError(cli::kTimedOut, "the program has not ended in time");
+}
+
+bool Keeper::is_patient() {
+  check_end();
+  return !ended_ || Clock::now() < ended_at_ + kFarewell;
+}
+
+// `soon`: nobody runs, but somebody is about to go or to wake up.
+bool Keeper::is_quiet(bool& soon) {
+  bool busy = false;
+  for (auto& slot : channel_.slots()) {
+    if (slot.state == State::kLeaving) {
+      free_if_gone(slot);
+      soon = true;  // also where it is gone: who waited for that is being woken
+    }
+    busy |= is_busy(slot);
+    soon |= !busy && !is_still(slot);
+  }
+  soon &= !busy;
+  return !busy && !soon;
+}
+
+bool Keeper::is_busy(Slot& slot) {
+  const auto state = slot.state.load();
+  auto& watched = watched_[number(slot)];
+  if (state != State::kRunning) watched.unknown = false;
+  return state == State::kStarting || (state == State::kRunning && !watched.unknown);
+}
+
+// A thread that waits really does: who has been woken in the kernel, or sent a signal, is known at once as
+// one that runs. Who has stopped only now may still be on his way to sleep.
+bool Keeper::is_still(Slot& slot) {
+  const auto declared = slot.state.load();
+  auto& watched = watched_[number(slot)];
+  if (declared != State::kBlocked && declared != State::kParked && !watched.unknown) return true;
+  const auto state = threads_.state(slot.pid, slot.tid);
+  if (state.gone()) return free_if_gone(slot), false;
+  if (watched.unknown && state.ticks != watched.ticks) watched.unknown = false;
+  const bool on_its_way = declared == State::kParked && &slot == last_turn_ && state.letter == 'R';
+  return state.sleeps() || on_its_way;
+}
+
+void Keeper::free_if_gone(Slot& slot) {
+  const auto pid = slot.pid.load(), tid = slot.tid.load();
+  if (pid == 0 || !threads_.state(pid, tid != 0 ? tid : pid).gone()) return;
+  threads_.forget(tid != 0 ? tid : pid);
+  for (auto& alarm : memory_.alarms)
+    if (alarm.pid == pid && tid == pid) alarm.pid = 0;
+  slot.key = 0;
+  slot.pid = 0;
+  slot.state = State::kFree;
+}
+
+Slot* Keeper::next_ready() {
+  const auto now = memory_.now_ns.load();
+  Slot* next = nullptr;
+  const auto order = [now](const Slot& slot) {
+    return std::pair(std::min(now, slot.deadline_ns.load()), slot.ticket.load());
+  };
+  for (auto& slot : channel_.slots())
+    if (is_ready(slot, now) && (!next || order(slot) < order(*next))) next = &slot;
+  return next;
+}
+
+// Others have run, or a bus has spoken, since it looked.
+Slot* Keeper::next_to_recheck() {
+  Slot* next = nullptr;
+  for (auto& slot : channel_.slots()) {
+    const bool may =
+        slot.state == State::kParked && (slot.flags & shim::kRecheck) != 0 && slot.checked < memory_.activity;
+    if (may && (!next || slot.ticket < next->ticket)) next = &slot;
+  }
+  return next;
+}
+
+void Keeper::give_turn(Slot& slot, bool again) {
+  if (!again) ++memory_.activity;
+  rechecking_ = again ? &slot : nullptr;
+  watched_[number(slot)] = {};
+  last_turn_ = &slot;
+  slot.state = State::kRunning;
+  ++slot.go;
+  shim::futex_wake(slot.go);
+}
+
+// Who looked again and found something has changed the world for the others.
+void Keeper::note_outcome() {
+  auto* slot = std::exchange(rechecking_, nullptr);
+  if (!slot) return;
+  const bool in_vain = slot->state == State::kParked && (slot->flags & shim::kAgain) != 0;
+  if (!in_vain) ++memory_.activity;
+}
+
+// Serves the buses for a thread that wants to know all that has been said by now.
+bool Keeper::settle_for_one() {
+  for (auto& slot : channel_.slots()) {
+    if (slot.state != State::kParked || (slot.flags & shim::kSettle) == 0) continue;
+    if (advance_by(0)) slot.flags |= shim::kGranted;
+    return true;
+  }
+  return false;
+}
+
+std::int64_t Keeper::earliest() const {
+  auto earliest = shim::kNever;
+  for (auto& slot : channel_.slots())
+    if (slot.state == State::kParked) earliest = std::min(earliest, slot.deadline_ns.load());
+  for (auto& alarm : memory_.alarms)
+    if (alarm.pid != 0) earliest = std::min(earliest, alarm.deadline_ns.load());
+  return earliest;
+}
+
+bool Keeper::somebody_on_bus() {
+  return std::ranges::any_of(channel_.slots(), [this](const Slot& slot) {
+    const bool parked = slot.state == State::kParked && (slot.flags & shim::kOnBus) != 0;
+    return parked || (watched_[number(slot)].unknown && memory_.tty_count > 0);
+  });
+}
+
+// Of the server, which answers in real time.
+bool Keeper::awaits_answer() {
+  return std::ranges::any_of(channel_.slots(), [](const Slot& slot) {
+    return slot.state == State::kBlocked && (slot.flags & shim::kHold) != 0;
+  });
+}
+
+// All wait: straight to the earliest wake-up. Where nobody waits for time or a bus, the world stands until
+// somebody wakes up by himself.
+void Keeper::advance() {
+  const auto until = earliest();
+  const auto now = memory_.now_ns.load();
+  if (awaits_answer() || (until == shim::kNever && !somebody_on_bus())) {
+    if (memory_.dirty) advance_by(0);
+    shim::futex_wait(memory_.bell, quiet_bell_, kWatch_ns);
+    return;
+  }
+  const auto ticks =
+      until == shim::kNever ? kMostTicks : (until - now + world_.tick_ns() - 1) / world_.tick_ns();
+  advance_by(std::min(kMostTicks, ticks));
+  ring_alarms();
+}
+
+bool Keeper::advance_by(std::int64_t ticks) {
+  std::vector<protocol::Stream> streams;
+  std::vector<shim::Stream*> theirs;
+  for (auto& stream : memory_.streams) {
+    if (stream.port == 0 || stream.port > UINT16_MAX) continue;
+    streams.push_back({stream.port, stream.written, stream.said});
+    theirs.push_back(&stream);
+  }
+  memory_.dirty = 0;
+  if (!world_.advance(ticks, streams)) return false;
+  for (std::size_t i = 0; i < streams.size(); ++i) theirs[i]->said = streams[i].heard;
+  memory_.now_ns = world_.now_ns();
+  if (world_.spoke()) ++memory_.activity;
+  return true;
+}
+
+// By the main thread itself where it waits for its turn, so that all runs in order; else the kernel chooses.
+void Keeper::ring_alarms() {
+  for (auto& alarm : memory_.alarms) {
+    if (alarm.pid == 0 || alarm.deadline_ns > memory_.now_ns) continue;
+    alarm.deadline_ns = alarm.interval_ns > 0 ? alarm.deadline_ns + alarm.interval_ns : shim::kNever;
+    const auto slots = channel_.slots();
+    const auto main = std::ranges::find_if(slots, [&](const Slot& slot) {
+      return slot.state == State::kParked && slot.pid == alarm.pid && slot.tid == alarm.pid;
+    });
+    if (main != slots.end())
+      main->flags |= shim::kAlarm;
+    else
+      ::kill(alarm.pid, SIGALRM);
+  }
+}
+
+void Keeper::kill_all() {
+  std::set<pid_t> processes;
+  for (auto& slot : channel_.slots())
+    if (slot.state != State::kFree && slot.pid > 0) processes.insert(slot.pid);
+  if (!ended_) processes.insert(program_);
+  for (const auto process : processes)
+    if (process != program_ || !ended_) ::kill(process, SIGKILL);
+  if (!ended_) ::waitpid(program_, nullptr, 0);
+  const auto give_up = Clock::now() + kFarewell;
+  for (const auto process : processes)
+    while (process != program_ && !threads_.state(process, process).gone() && Clock::now() < give_up)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+}  // namespace visum::exec

@@ -1,0 +1,75 @@
+// Who runs for long: dead, in a call that the shim does not know, computing, or spinning.
+#include <cstdio>
+
+#include "clients/visum/exec/keeper.h"
+
+namespace visum::exec {
+namespace {
+
+using shim::Slot;
+using shim::State;
+using std::chrono::seconds;
+
+constexpr int kStill = 2;        // looks, after which a thread that sleeps waits for something
+constexpr seconds kPatience{1};  // with who runs while others are ready
+constexpr seconds kStart{2};     // for a process to come up
+constexpr seconds kComplain{5};  // about who runs
+constexpr seconds kNotes{1};     // how often `visum status` is told
+
+std::string text_of(const Slot& slot) {
+  return "thread " + std::to_string(slot.tid) + " of " + process_name(slot.pid) + " (" +
+         std::to_string(slot.pid) + ")";
+}
+
+}  // namespace
+
+void Keeper::watch() {
+  for (auto& slot : channel_.slots())
+    if (slot.state == State::kRunning || slot.state == State::kStarting) look_after(slot);
+  const auto busy_for = Clock::now() - quiet_since_;
+  // Two may run at once rather than one wait for ever for what only the other can do.
+  if (auto* ready = busy_for > kPatience ? next_ready() : nullptr) give_turn(*ready, false);
+}
+
+void Keeper::look_after(Slot& slot) {
+  auto& watched = watched_[number(slot)];
+  const auto state = threads_.state(slot.pid, slot.tid);
+  if (slot.state == State::kStarting) return drop_if_late(slot);
+  if (state.gone()) return free_if_gone(slot);
+  const bool still = state.sleeps() && watched.turn == slot.go && watched.ticks == state.ticks;
+  watched.still = still ? watched.still + 1 : 0;
+  watched.turn = slot.go;
+  watched.ticks = state.ticks;
+  if (slot.state == State::kRunning && watched.still >= kStill && !watched.unknown) {
+    watched.unknown = true;
+  }
+  complain(slot);
+}
+
+// A place kept for a process that never came: a static program, or one that ended at once.
+void Keeper::drop_if_late(Slot& slot) {
+  if (Clock::now() - quiet_since_ < kStart) return;
+  std::fprintf(
+      stderr,
+      "visum: a process that %s started does not keep in step: it is linked statically, or has ended\n",
+      process_name(slot.parent != 0 ? slot.parent : slot.pid).c_str());
+  slot.pid = 0;
+  slot.state = State::kFree;
+}
+
+void Keeper::complain(Slot& slot) {
+  const auto now = Clock::now();
+  const auto busy_for = std::chrono::duration_cast<seconds>(now - quiet_since_);
+  auto& watched = watched_[number(slot)];
+  if (watched.unknown || busy_for < kNotes) return;
+  if (now - noted_ > kNotes) world_.note("waits for " + text_of(slot) + ", which runs");
+  noted_ = now - noted_ > kNotes ? now : noted_;
+  if (busy_for < kComplain || watched.told) return;
+  watched.told = true;
+  std::fprintf(
+      stderr,
+      "visum: %s has run for %lld s without waiting: it computes or spins, and the world waits for it\n",
+      text_of(slot).c_str(), static_cast<long long>(busy_for.count()));
+}
+
+}  // namespace visum::exec

@@ -1,0 +1,51 @@
+#include "clients/visum/exec/lockstep.h"
+
+#include <sys/stat.h>
+
+#include <cstdlib>
+#include <memory>
+#include <utility>
+
+#include "clients/visum/exec/keeper.h"
+#include "clients/visum/exec/launch.h"
+
+namespace visum::exec {
+namespace {
+
+// What leads to the world's buses: "pty:/tmp/arm.tty", "slcan:...", "tcp:40123".
+void add_buses(const std::vector<protocol::PartBus>& buses, TimeChannel& channel) {
+  for (const auto& bus : buses) {
+    const auto colon = bus.name.find(':');
+    const auto kind = bus.name.substr(0, colon), where = bus.name.substr(colon + 1);
+    struct stat status {};
+    if (kind == "tcp")
+      channel.add_port(static_cast<std::uint16_t>(std::atoi(where.c_str())));
+    else if (::stat(where.c_str(), &status) == 0)
+      channel.add_tty(status.st_rdev);
+  }
+}
+
+}  // namespace
+
+LockstepEnd run_in_lockstep(protocol::Connection connection, const LockstepPlan& plan) {
+  const auto buses = connection.request_as<protocol::ServerStatus>(protocol::Status{}).buses;
+  std::unique_ptr<Keeper> keeper;
+  WorldLink world(std::move(connection), plan.join, [&keeper] { return keeper->is_patient(); });
+  TimeChannel channel(world.tick_ns());
+  channel.memory().now_ns = world.now_ns();
+  add_buses(buses, channel);
+  channel.set_session_port(plan.session_port);
+  channel.export_to_environment();
+  const pid_t program = launch(plan.command, plan.placements);
+  keeper = std::make_unique<Keeper>(channel, world, program, plan.give_up);
+  try {
+    const int status = keeper->run();
+    keeper->kill_all();
+    return {status, world.status()};
+  } catch (...) {
+    keeper->kill_all();
+    throw;
+  }
+}
+
+}  // namespace visum::exec

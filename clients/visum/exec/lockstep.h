@@ -1,0 +1,32 @@
+// A program in lockstep with a world, by the time shim: from its start to its end.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clients/visum/exec/device_place.h"
+#include "protocol/client.h"
+
+namespace visum::exec {
+
+struct LockstepPlan {
+  std::vector<std::string> command;
+  std::vector<Placement> placements;
+  std::uint16_t session_port = 0;  // the server's own
+  protocol::Join join;
+  std::chrono::steady_clock::time_point give_up = std::chrono::steady_clock::time_point::max();
+};
+
+struct LockstepEnd {
+  int status = 0;  // as waitpid() has it
+  protocol::ServerStatus world;
+};
+
+// Runs it. `connection` becomes a member of the lockstep. Throws ExitError: kUsage (the server's clock is
+// another), kTimedOut, kLost (the world), kFailed; nothing of the program is left then.
+LockstepEnd run_in_lockstep(protocol::Connection connection, const LockstepPlan& plan);
+
+}  // namespace visum::exec

@@ -1,0 +1,127 @@
+"""visum exec --lockstep: programs that know nothing of Visum run on the world's time, with the same bits every time."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from programs import ARM, BIN, DEADLINE_S, Daemon
+
+WAITS = BIN / "visum-test-waits"
+SERIAL_ARM = BIN / "visum-serial-arm"
+STEPS = 12  # of 20 ms each
+SHIM = pathlib.Path(__file__).with_name("shim")
+
+KINDS = ["usleep", "absolute", "poll", "select", "condition", "semaphore", "mutex", "timerfd", "alarm", "receive", "spin",
+         "yield", "fork", "command", "join", "thread"]
+
+
+def run(*command, scene=ARM, options=(), timeout=DEADLINE_S, expect=0):
+    """One run with a server of its own: (what it said, the figures of the last line, its standard error)."""
+    words = [BIN / "visum", "exec", "--scene", scene, "--bus", "arm=pty", "--lockstep", "--json", "--timeout", timeout,
+             *options, "--", *command]
+    done = subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=2 * DEADLINE_S)
+    if done.returncode != expect:
+        raise AssertionError(f"{words}: exit code {done.returncode}, not {expect}\n{done.stdout}\n{done.stderr}")
+    lines = done.stdout.splitlines()
+    figures = json.loads(lines[-1]) if lines and lines[-1].startswith("{") else None
+    return "\n".join(lines[:-1]), figures, done.stderr
+
+
+class EveryKindOfWait(unittest.TestCase):
+    def test_takes_its_time_in_the_world_and_gives_the_same_bits(self):
+        for kind in KINDS:
+            with self.subTest(kind=kind):
+                text, figures, _ = run(WAITS, kind, "{bus.arm}", STEPS)
+                again, figures_again, _ = run(WAITS, kind, "{bus.arm}", STEPS)
+                self.assertIn(", 0 without an answer", text)
+                self.assertEqual((text, figures["state_hash"]), (again, figures_again["state_hash"]))
+                self.assertGreaterEqual(figures["ticks"], 20 * STEPS)
+                self.assertLess(figures["ticks"], 24 * STEPS)
+
+    def test_waits_of_the_same_length_are_the_same_to_the_world(self):
+        same = ["usleep", "absolute", "poll", "select", "condition", "semaphore", "mutex", "timerfd", "alarm", "receive", "fork", "join"]
+        hashes = {run(WAITS, kind, "{bus.arm}", STEPS)[1]["state_hash"] for kind in same}
+        self.assertEqual(len(hashes), 1)
+
+
+class EveryKindOfProgram(unittest.TestCase):
+    def same_twice(self, *command, **more):
+        first, second = run(*command, **more), run(*command, **more)
+        self.assertEqual((first[0], first[1]["state_hash"]), (second[0], second[1]["state_hash"]))
+        return first
+
+    def test_python_with_pyserial(self):
+        text, figures, _ = self.same_twice(sys.executable, SHIM / "serial_steps.py", "{bus.arm}", STEPS)
+        self.assertIn(f"{0.02 * STEPS:.6f} s 2000-01-01", text)
+        self.assertEqual(figures["ticks"], 20 * STEPS)
+
+    def test_a_program_with_helpers_of_its_own(self):
+        text, figures, _ = self.same_twice(sys.executable, SHIM / "helper_process.py", WAITS, "{bus.arm}", STEPS)
+        self.assertIn("helper", text)
+        self.assertEqual(figures["ticks"], 3 * (20 * STEPS + 11))
+
+    def test_over_tcp_as_over_a_pseudo_terminal(self):
+        command = [sys.executable, SHIM / "serial_steps.py"]
+        text, figures, _ = self.same_twice(*command, "socket://{bus.arm}", STEPS, options=["--bus", "arm=tcp"])
+        on_tty, figures_on_tty, _ = run(*command, "{bus.arm}", STEPS)
+        self.assertEqual((text, figures["state_hash"]), (on_tty, figures_on_tty["state_hash"]))
+
+    def test_the_serial_c_program(self):
+        text, figures, _ = self.same_twice(SERIAL_ARM, "{bus.arm}")
+        self.assertIn("all well", text)
+        self.assertGreater(figures["sim_seconds"], 10)
+
+    def test_one_that_spins_is_named_and_comes_through(self):
+        _, _, errors = run(WAITS, "spin", "{bus.arm}", 2)
+        self.assertRegex(errors, r"thread \d+ of process \d+ spins on clock_gettime")
+
+    def test_one_that_is_killed_is_lost_where_it_was(self):
+        script = "sleep 0.05; kill -9 $$"
+        first, second = (run("bash", "-c", script, expect=4) for _ in range(2))
+        self.assertEqual(first[1]["state_hash"], second[1]["state_hash"])
+        self.assertEqual(first[1]["ticks"], 50)
+        self.assertIn("signal 9", first[2])
+
+    def test_a_child_that_is_killed_holds_nobody(self):
+        script = "sleep 100 & sleep 0.05; kill -9 $!; wait $!; echo $?; sleep 0.05"
+        text, figures, _ = self.same_twice("bash", "-c", script)
+        self.assertEqual(text, "137")
+        self.assertEqual(figures["ticks"], 100)
+
+
+class Ends(unittest.TestCase):
+    def test_with_the_code_of_the_program(self):
+        self.assertEqual(run("sh", "-c", "exit 37", expect=37)[1]["exit_code"], 37)
+
+    def test_what_it_left_behind_is_gone(self):
+        text, _, _ = run("sh", "-c", "sleep 1000 & echo $!")
+        stat = pathlib.Path(f"/proc/{text}/stat")
+        self.assertTrue(not stat.exists() or ") Z " in stat.read_text(), "it lives")
+
+    def test_a_program_that_does_not_come_to_its_end_is_ended(self):
+        run("sh", "-c", "while :; do :; done", timeout=0.5, expect=124)
+
+    def test_not_found_and_not_executable(self):
+        self.assertIn("no-such-program", run("no-such-program", expect=127)[2])
+        run("/etc/passwd", expect=126)
+
+    def test_a_scene_that_is_wrong(self):
+        run("true", scene="/nowhere.yaml", options=[], expect=3)
+
+    def test_nobody_there(self):
+        words = [BIN / "visum", "exec", "--connect", "127.0.0.1:1", "--lockstep", "--", "true"]
+        self.assertEqual(subprocess.run(words, capture_output=True, timeout=DEADLINE_S).returncode, 125)
+
+    def test_a_world_with_another_clock(self):
+        with Daemon("--clock", "realtime") as daemon:
+            words = [BIN / "visum", "exec", "--connect", daemon.connect, "--lockstep", "--", "true"]
+            done = subprocess.run(words, capture_output=True, text=True, timeout=DEADLINE_S)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("--clock lockstep", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,124 @@
+// Advance with follow_buses: what a program says over a bus and what it hears, against the world's time.
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <optional>
+
+#include "tests/gateway/bus/bus_line.h"
+#include "tests/gateway/running_daemon.h"
+
+namespace visum::gateway {
+namespace {
+
+using powercube::Telegram;
+using protocol::Advance;
+using protocol::Advanced;
+using protocol::Join;
+
+const Telegram kGetVersion{Telegram::Kind::kGet, 3, {0x0A, 0x1D}};
+const Telegram kVersion{Telegram::Kind::kAnswer, 3, {0x0A, 0x1D, 0x34, 0x46}};
+
+DaemonOptions with(const BusAddress& bus) {
+  DaemonOptions options;
+  options.buses = {bus};
+  return options;
+}
+
+class FollowBuses : public testing::Test {
+ protected:
+  static protocol::Connection member(RunningDaemon& daemon) {
+    auto client = daemon.connect("keeper");
+    client.request(Join{0, 2, protocol::OnTimeout::kHold});
+    return client;
+  }
+  static std::uint32_t port_of(const BusLine& line) {
+    sockaddr_in own{};
+    socklen_t size = sizeof own;
+    EXPECT_EQ(::getsockname(line.fd(), reinterpret_cast<sockaddr*>(&own), &size), 0);
+    return ntohs(own.sin_port);
+  }
+  LinkFolder folder_;
+};
+
+TEST_F(FollowBuses, WhatWasSaidIsAnsweredBeforeTheFirstTick) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep, with({"arm", "pty", folder_ / "arm.tty", {}}));
+  auto client = member(daemon);
+  auto line = BusLine::tty(folder_ / "arm.tty");
+  std::uint64_t said = 0;
+  for (int i = 0; i < 200; ++i) {
+    line.send(kGetVersion);
+    const auto reply = client.request_as<Advanced>(Advance{1000, true, said, {}});
+    EXPECT_EQ(reply.tick, 0);
+    EXPECT_EQ(reply.bus_said, said + BusLine::serial(kVersion).size());
+    said = reply.bus_said;
+    EXPECT_EQ(line.read_once(0), BusLine::serial(kVersion)) << i;
+  }
+  EXPECT_EQ((client.request_as<Advanced>(Advance{7, true, said, {}})).tick, 7) << "nobody says anything";
+}
+
+TEST_F(FollowBuses, TheWorldStopsWhereAnAnswerCameLater) {
+  BusTiming slow;
+  slow.delay_ns = 5'000'000;
+  RunningDaemon daemon(scene::ClockKind::kLockstep, with({"arm", "pty", folder_ / "arm.tty", slow}));
+  auto client = member(daemon);
+  auto line = BusLine::tty(folder_ / "arm.tty");
+  line.send(kGetVersion);
+  const auto reply = client.request_as<Advanced>(Advance{1000, true, 0, {}});
+  EXPECT_GE(reply.tick, 5);
+  EXPECT_LE(reply.tick, 6);
+  EXPECT_EQ(line.read_once(0), BusLine::serial(kVersion));
+}
+
+TEST_F(FollowBuses, OverTcpAsManyBytesAreWaitedForAsWereWritten) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep, with({"arm", "tcp", "0", {}}));
+  auto client = member(daemon);
+  auto line = BusLine::tcp(daemon.buses().at("arm").at(0));
+  protocol::Stream stream{port_of(line), 0, 0};
+  for (int i = 0; i < 200; ++i) {
+    line.send(kGetVersion);
+    stream.written += BusLine::serial(kGetVersion).size();
+    const auto reply = client.request_as<Advanced>(Advance{1000, true, 0, {stream}});
+    ASSERT_EQ(reply.tick, 0);
+    ASSERT_EQ(reply.streams.size(), 1u);
+    EXPECT_EQ(reply.streams[0].heard, stream.written);
+    stream.heard = reply.streams[0].written;
+    EXPECT_EQ(line.read_to('\x03'), BusLine::serial(kVersion));
+  }
+  EXPECT_EQ((client.request_as<Advanced>(Advance{7, true, 0, {stream}})).tick, 7);
+}
+
+TEST_F(FollowBuses, AConnectionThatIsGoneHoldsNobody) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep, with({"arm", "tcp", "0", {}}));
+  auto client = member(daemon);
+  std::optional<BusLine> line = BusLine::tcp(daemon.buses().at("arm").at(0));
+  const protocol::Stream stream{port_of(*line), BusLine::serial(kGetVersion).size(), 0};
+  line->send(kGetVersion);
+  line.reset();
+  const auto reply = client.request_as<Advanced>(Advance{0, true, 0, {stream}});
+  const protocol::Stream told{stream.port, stream.written, reply.streams.at(0).written};
+  EXPECT_EQ((client.request_as<Advanced>(Advance{7, true, 0, {told}})).tick, 7);
+}
+
+TEST_F(FollowBuses, BelongsToLockstep) {
+  RunningDaemon daemon(scene::ClockKind::kFree);
+  auto client = member(daemon);
+  EXPECT_EQ(refusal_of([&] {
+              client.request(Advance{1, true, 0, {}});
+            }).code(),
+            protocol::ErrorCode::kBadValue);
+}
+
+TEST_F(FollowBuses, StatusTellsGradeAndNote) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto client = member(daemon);
+  client.request(protocol::Note{"waits for thread 7"});
+  const auto status = client.request_as<protocol::ServerStatus>(protocol::Status{});
+  ASSERT_EQ(status.lockstep.size(), 1u);
+  EXPECT_EQ(status.lockstep[0].grade, 2u);
+  EXPECT_EQ(status.lockstep[0].note, "waits for thread 7");
+  EXPECT_EQ(refusal_of([&] { client.request(protocol::Note{std::string(201, 'x')}); }).code(),
+            protocol::ErrorCode::kBadValue);
+}
+
+}  // namespace
+}  // namespace visum::gateway
