@@ -18,10 +18,12 @@ TEST(Models, EveryShippedSceneLoads) {
     if (entry.path().extension() == ".yaml") scenes.push_back(entry.path());
   std::sort(scenes.begin(), scenes.end());
   ASSERT_FALSE(scenes.empty());
+  Options options;
+  options.plugin_folders = plugin::plugin_folders({});  // those that come along
   for (const fs::path& file : scenes) {
     SCOPED_TRACE(file.string());
     EXPECT_NO_THROW({
-      const Scene scene = load_scene(file);
+      const Scene scene = load_scene(file, options);
       EXPECT_EQ(world::find_fault(scene.world), "");
       EXPECT_FALSE(scene.world.bodies.empty());
     });
