@@ -16,7 +16,7 @@ constexpr int kBack = 7;
 
 int ticks_to_go() {
   const char* wanted = std::getenv("VISUM_SYNC_TICKS");
-  return wanted ? std::atoi(wanted) : 250;
+  return wanted ? std::atoi(wanted) : 100;
 }
 
 // Every part's first two inputs, on their way from tick to tick.

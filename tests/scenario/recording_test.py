@@ -32,6 +32,16 @@ def check_run(visum: str, scenario: str, file: Path, *options: str) -> dict:
     return again
 
 
+def check_bus(visum: str, file: Path) -> None:
+    """Telegrams of a field bus come in real time, whenever they come: they come back at the same ticks. How well the
+    program kept its own times is not the question here."""
+    subprocess.run([visum, "run", str(MODELS / "scenarios" / "serial_arm.yaml"), "--record", str(file)],
+                   capture_output=True, timeout=120)
+    again = replay(visum, file)
+    assert again["equal"] and not again["damage"] and again["inputs"] > 0, again
+    print(f"serial_arm: {again['ticks']} ticks, {again['inputs']} inputs")
+
+
 def check_export(visum: str, file: Path, ticks: int) -> None:
     table = file.with_suffix(".csv")
     subprocess.run([visum, "export", str(file), "-o", str(table), "--ports", "robot/Actual Angle"], check=True, timeout=60)
@@ -91,7 +101,7 @@ def main() -> int:
             check_reader(*reader, folder / "wave.mcap", again)
         check_rewind(visum, folder / "wave.mcap", 0.5)
         check_run(visum, "pick_and_place", folder / "pick.mcap")
-        check_run(visum, "serial_arm", folder / "serial.mcap")
+        check_bus(visum, folder / "serial.mcap")
         check_killed_daemon(visum, folder / "killed.mcap")
     return 0
 
