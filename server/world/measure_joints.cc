@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "server/world/joint_kinds.h"
+#include "server/world/trig.h"
 #include "server/world/world_state.h"
 
 namespace visum::world {
@@ -29,12 +30,24 @@ Eigen::Vector3d relative_velocity(const Side& parent, const Side& child) {
   return child.v_WJ - parent.v_WJ - parent.w_W.cross(child.X_WJ.p - parent.X_WJ.p);
 }
 
-void measure_angle(const Joint& joint, const Side& parent, const Side& child, JointState& state) {
-  const Eigen::Quaterniond turned = parent.X_WJ.q.conjugate() * child.X_WJ.q;
-  const double angle = 2.0 * std::atan2(joint.axis_J.dot(turned.vec()), turned.w());
+// Likewise, as far as it turns.
+struct Turn {
+  Eigen::Quaterniond q_WJ;
+  Eigen::Vector3d w_W = Eigen::Vector3d::Zero();
+};
+
+Turn turn_of(const WorldState& state, BodyId id, const Pose& X_BJ) {
+  if (!id.valid()) return {X_BJ.q};
+  const BodyState& motion = state.bodies[id.index()];
+  return {motion.q_WB * X_BJ.q, motion.w_WB};
+}
+
+void measure_angle(const Joint& joint, const Turn& parent, const Turn& child, JointState& state) {
+  const Eigen::Quaterniond turned = parent.q_WJ.conjugate() * child.q_WJ;
+  const double angle = 2.0 * arc_tangent(joint.axis_J.dot(turned.vec()), turned.w());
   // The nearest of the angles that look the same: a tick turns by far less than half a turn.
   state.position = angle + kTurn * std::round((state.position - angle) / kTurn);
-  state.velocity = (parent.X_WJ.q * joint.axis_J).dot(child.w_W - parent.w_W);
+  state.velocity = (parent.q_WJ * joint.axis_J).dot(child.w_W - parent.w_W);
 }
 
 void measure_distance(const Joint& joint, const Side& parent, const Side& child, JointState& state) {
@@ -58,10 +71,6 @@ void measure_place(const Joint& joint, const Side& parent, const Side& child, Jo
 
 void measure(const Joint& joint, const Side& parent, const Side& child, JointState& state) {
   switch (joint.kind) {
-    case JointKind::kHinge:
-    case JointKind::kScrew:
-    case JointKind::kTorsionSpring:
-      return measure_angle(joint, parent, child, state);
     case JointKind::kSlider:
     case JointKind::kPointOnLine:
       return measure_distance(joint, parent, child, state);
@@ -69,6 +78,9 @@ void measure(const Joint& joint, const Side& parent, const Side& child, JointSta
       return measure_length(parent, child, state);
     case JointKind::kPointOnCurve:
       return measure_place(joint, parent, child, state);
+    case JointKind::kHinge:
+    case JointKind::kScrew:
+    case JointKind::kTorsionSpring:
     case JointKind::kFixed:
     case JointKind::kBall:
     case JointKind::kUniversal:
@@ -83,8 +95,12 @@ void measure(const Joint& joint, const Side& parent, const Side& child, JointSta
 void measure_joints(const WorldModel& model, WorldState& state) {
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     const Joint& joint = model.joints[i];
-    measure(joint, side_of(model, state, joint.parent, joint.X_PJ),
-            side_of(model, state, joint.child, joint.X_CJ), state.joints[i]);
+    if (info(joint.kind).is_angle)
+      measure_angle(joint, turn_of(state, joint.parent, joint.X_PJ), turn_of(state, joint.child, joint.X_CJ),
+                    state.joints[i]);
+    else
+      measure(joint, side_of(model, state, joint.parent, joint.X_PJ),
+              side_of(model, state, joint.child, joint.X_CJ), state.joints[i]);
   }
 }
 

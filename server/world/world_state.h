@@ -48,7 +48,7 @@ Eigen::Vector3d link_velocity(const Body& body, const BodyState& state);  // of 
 // turns.
 void measure_joints(const WorldModel& model, WorldState& state);
 
-// True if all is finite and within 1e6 m, m/s, rad/s (reliability.md §5). Names the first offender otherwise.
+// True if all is finite and within 1e6 m, m/s, rad/s. Names the first offender otherwise.
 bool is_sane(const WorldModel& model, const WorldState& state, std::string* offender);
 
 // Appends every field, in order, without padding; state_hash is XXH64 over those bytes.

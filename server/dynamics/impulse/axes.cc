@@ -34,8 +34,8 @@ void take_law(Axis& axis, const hwparts::JointDrive& drive, double last_effort) 
   axis.feedforward = drive.feedforward;
   axis.damping = driven ? 0.0 : axis.model->damping;
   axis.acts = axis.most > 0.0;
-  axis.boxed =
-      axis.acts && (axis.loop >= 0 || std::abs(last_effort - axis.feedforward) >= kAtLimit * axis.most);
+  axis.expected = std::clamp(last_effort - axis.feedforward, -axis.most, axis.most);
+  axis.boxed = axis.acts && (axis.loop >= 0 || std::abs(axis.expected) >= kAtLimit * axis.most);
   if (!driven && std::abs(axis.rate) > kMoves) axis.boxed = axis.acts;
 }
 

@@ -36,6 +36,24 @@ void find_principal_axes(const Matrix3d& inertia, BodyConstants& body) {
   body.q_BP = Quaterniond(axes).normalized();
 }
 
+// R diag(moments) R^T; of a top m E + (n - m) a a^T with its axis a.
+Matrix3d turned(const BodyConstants& body, const Vector3d& moments, const Matrix3d& R) {
+  switch (body.symmetry) {
+    case Symmetry::kBall:
+      return moments.asDiagonal();
+    case Symmetry::kTop: {
+      const double across = moments[(body.axis + 1) % 3];
+      const Vector3d a = R.col(body.axis);
+      Matrix3d result = ((moments[body.axis] - across) * a) * a.transpose();
+      result.diagonal().array() += across;
+      return result;
+    }
+    case Symmetry::kNone:
+      break;
+  }
+  return R * moments.asDiagonal() * R.transpose();
+}
+
 }  // namespace
 
 Bodies::Bodies(const world::WorldModel& model, std::int32_t engine_index)
@@ -59,16 +77,16 @@ Bodies::Bodies(const world::WorldModel& model, std::int32_t engine_index)
   for (auto* list : {&R, &R1, &inertia, &inverse_inertia}) list->assign(n, Matrix3d::Identity());
 }
 
-void Bodies::turn(std::size_t i) {
-  const BodyConstants& body = constants[i];
+void Bodies::orient(std::size_t i) {
+  q[i] = constants[i].aligned ? q_WB[i] : q_WB[i] * constants[i].q_BP;
   R[i] = q[i].toRotationMatrix();
-  if (body.symmetry == Symmetry::kBall) {
-    inertia[i] = body.moments.asDiagonal();
-    inverse_inertia[i] = body.inverse_moments.asDiagonal();
-    return;
-  }
-  inertia[i].noalias() = R[i] * body.moments.asDiagonal() * R[i].transpose();
-  inverse_inertia[i].noalias() = R[i] * body.inverse_moments.asDiagonal() * R[i].transpose();
+  turn_inertia(i);
+}
+
+void Bodies::turn_inertia(std::size_t i) {
+  const BodyConstants& body = constants[i];
+  inertia[i] = turned(body, body.moments, R[i]);
+  inverse_inertia[i] = turned(body, body.inverse_moments, R[i]);
 }
 
 void Bodies::load(const world::WorldState& state) {
@@ -78,9 +96,23 @@ void Bodies::load(const world::WorldState& state) {
     v[i] = from.v_WC;
     w[i] = from.w_WB;
     q_WB[i] = from.q_WB;
-    q[i] = constants[i].aligned ? q_WB[i] : q_WB[i] * constants[i].q_BP;
-    turn(i);
+    orient(i);
   }
+}
+
+void Bodies::keep(BodiesMotion& motion) const {
+  motion.x = x;
+  motion.v = v;
+  motion.w = w;
+  motion.q_WB = q_WB;
+}
+
+void Bodies::put_back(const BodiesMotion& motion) {
+  x = motion.x;
+  v = motion.v;
+  w = motion.w;
+  q_WB = motion.q_WB;
+  for (std::size_t i = 0; i < size(); ++i) orient(i);
 }
 
 void Bodies::store(world::WorldState& state) const {
@@ -100,10 +132,18 @@ void Bodies::commit(std::size_t i, double h, const Vector3d& gravity) {
   const Vector3d momentum = inertia[i] * w[i];
   x[i] = x1[i];
   v[i] += h * gravity;
-  q_WB[i] = constants[i].aligned ? q1[i] : (q1[i] * constants[i].q_BP.conjugate()).normalized();
-  q[i] = constants[i].aligned ? q_WB[i] : q_WB[i] * constants[i].q_BP;
-  turn(i);
+  if (constants[i].aligned) {
+    q_WB[i] = q[i] = q1[i];
+    R[i] = R1[i];
+    turn_inertia(i);
+  } else {
+    q_WB[i] = (q1[i] * constants[i].q_BP.conjugate()).normalized();
+    orient(i);
+  }
   w[i] = inverse_inertia[i] * momentum;
+  // Where the moments differ, what the rounded inverse has lost is given back: the momentum is kept to
+  // rounding.
+  if (constants[i].symmetry == Symmetry::kNone) w[i] += inverse_inertia[i] * (momentum - inertia[i] * w[i]);
 }
 
 }  // namespace visum::dynamics::impulse

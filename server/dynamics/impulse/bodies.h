@@ -28,6 +28,12 @@ struct BodyConstants {
   bool aligned = true;  // q_BP is the identity
 };
 
+// The state at t, as it is kept over a step that may fail.
+struct BodiesMotion {
+  std::vector<Vector3d> x, v, w;
+  std::vector<Quaterniond> q_WB;
+};
+
 class Bodies {
  public:
   Bodies(const world::WorldModel& model, std::int32_t engine_index);
@@ -37,6 +43,8 @@ class Bodies {
 
   void load(const world::WorldState& state);
   void store(world::WorldState& state) const;
+  void keep(BodiesMotion& motion) const;
+  void put_back(const BodiesMotion& motion);
 
   // Where free flight over h leads from the state at t.
   void look_ahead(std::size_t i, double h, const Vector3d& gravity);
@@ -54,7 +62,8 @@ class Bodies {
   std::vector<Matrix3d> R1;
 
  private:
-  void turn(std::size_t i);  // R and inertia from q
+  void orient(std::size_t i);  // q, R and inertia from q_WB
+  void turn_inertia(std::size_t i);
 
   std::vector<int> numbers_;  // by BodyId
 };

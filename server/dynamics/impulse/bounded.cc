@@ -25,7 +25,7 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kMostSweeps = 200;
 constexpr double kEnough = 1e-11;  // m/s, rad/s
-constexpr double kShare = 1e-6;    // of what impulses change, that may be left; a hit bounces exactly
+constexpr double kShare = 1e-7;    // of what impulses change, that may be left; a hit bounces exactly
 // (m/s)/N of a contact with what moves by another engine, and the layer that is left alone there, m: that
 // body cannot give way here, and what it squeezes must. At 1 ms a spring of 2 MN/m; ODE leaves its 10 um
 // alone.

@@ -56,6 +56,7 @@ class Bounded {
   void add_touch(std::size_t index);
   void add_twist(std::size_t index);
   void add_axis(std::size_t index);
+  void add_law(std::size_t index);
   void add_stop(std::size_t index, std::size_t side);
   void add_spring(std::size_t index);
   RowBlock& add_block(Owner owner, std::size_t dim);

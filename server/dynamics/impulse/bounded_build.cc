@@ -49,6 +49,8 @@ void Bounded::add_touch(std::size_t index) {
   if (touch.asleep) return;
   RowBlock& block = add_block({Of::kTouch, index}, 3);
   block.kind = RowBlock::Kind::kContact;
+  block.gives = moment_ != kHit;
+  if (moment_ == kAfter) block.rest = touch.impulse[kAhead][0];
   for (int i = 0; i < 3; ++i) block.lambda[static_cast<std::size_t>(i)] = touch.impulse[moment_][i];
   Reach a{touch.a, {}, {}}, b{touch.b, {}, {}};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -90,11 +92,18 @@ void Bounded::add_twist(std::size_t index) {
 void Bounded::add_axis(std::size_t index) {
   const Axis& axis = plant_.axes[index];
   if (plant_.mechanism_asleep[axis.mechanism]) return;
-  if (axis.boxed && moment_ != kHit) connect_axis(add_block({Of::kLaw, index}, 1), axis);
+  if (axis.boxed && moment_ != kHit) add_law(index);
   if (axis.loop >= 0 && axis.damping > 0.0 && moment_ != kHit)
     connect_axis(add_block({Of::kDamping, index}, 1), axis);
   if (!axis.model->limited) return;
   for (const std::size_t side : {0u, 1u}) add_stop(index, side);
+}
+
+void Bounded::add_law(std::size_t index) {
+  const Axis& axis = plant_.axes[index];
+  RowBlock& block = add_block({Of::kLaw, index}, 1);
+  block.lambda[0] = moment_ == kAhead ? 0.5 * h_ * axis.expected : axis.law[kAhead];
+  connect_axis(block, axis);
 }
 
 // At the end only a stop that has pushed, or that the look-ahead has reached.

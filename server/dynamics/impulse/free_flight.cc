@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "server/dynamics/impulse/trig.h"
+#include "server/world/trig.h"
 
 namespace visum::dynamics::impulse {
 namespace {
@@ -12,11 +12,14 @@ Quaterniond renormalised(const Quaterniond& q) {
   return Quaterniond(q.coeffs() * (1.5 - 0.5 * q.squaredNorm()));
 }
 
-Quaterniond about(int axis, double angle) {
-  const SinCos half = sin_cos(0.5 * angle);
+Quaterniond about(int axis, const world::SinCos& half) {
   Quaterniond result(half.cos, 0.0, 0.0, 0.0);
   result.vec()[axis] = half.sin;
   return result;
+}
+
+Quaterniond about(int axis, double angle) {
+  return about(axis, world::sin_cos(0.5 * angle));
 }
 
 Quaterniond fly_top(const BodyConstants& body, const Quaterniond& q, const Matrix3d& R, const Vector3d& w,
@@ -31,8 +34,9 @@ Quaterniond fly_top(const BodyConstants& body, const Quaterniond& q, const Matri
 
 // R <- R rot(angle about axis k), L <- rot(-angle) L.
 void turn_about(int k, double angle, Quaterniond& q, Vector3d& L) {
-  q = q * about(k, angle);
-  const SinCos full = sin_cos(angle);
+  const world::SinCos half = world::sin_cos(0.5 * angle);
+  q = q * about(k, half);
+  const world::SinCos full{2.0 * half.sin * half.cos, 1.0 - 2.0 * half.sin * half.sin};
   const int i = (k + 1) % 3, j = (k + 2) % 3;
   const double li = L[i];
   L[i] = full.cos * li + full.sin * L[j];
@@ -55,7 +59,7 @@ Quaterniond fly_any(const BodyConstants& body, Quaterniond q, const Matrix3d& R,
 
 Quaterniond rotation(const Vector3d& u) {
   const double half = 0.5 * u.norm();
-  const SinCos turn = sin_cos(half);
+  const world::SinCos turn = world::sin_cos(half);
   // sin(a/2)/a, and its limit where a is nothing.
   const double scale = half > 1e-8 ? 0.5 * turn.sin / half : 0.5;
   return Quaterniond(turn.cos, scale * u.x(), scale * u.y(), scale * u.z());

@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <optional>
 #include <stdexcept>
 
 #include "server/dynamics/engine_factories.h"
@@ -49,6 +48,7 @@ class ImpulseEngine : public Engine {
 
  private:
   void prepare(const StepInput& input, const world::WorldState& state) {
+    moved_ = false;
     plant_.bodies.load(state);
     const std::vector<std::byte>& kept = state.engines[index_];
     sleep_.begin(input, state, kept, plant_);
@@ -61,12 +61,12 @@ class ImpulseEngine : public Engine {
 
   // A step whose joints do not close is made of two of half the length.
   bool advance(double h, int halvings, const StepInput& input, const world::WorldState& state) {
+    if (moved_) measure_axes(plant_);
+    moved_ = false;
     Moving& before = before_[static_cast<std::size_t>(halvings)];
     before.keep(plant_);
-    if (stepper_.step(h, input.wrenches, state)) {
-      measure_axes(plant_);
-      return true;
-    }
+    moved_ = stepper_.step(h, input.wrenches, state);
+    if (moved_) return true;
     before.put_back(plant_);
     if (halvings == kMostHalvings) return false;
     ++halvings_;
@@ -115,16 +115,16 @@ class ImpulseEngine : public Engine {
   // What a step changes, to be put back.
   struct Moving {
     void keep(const Plant& plant) {
-      bodies = plant.bodies;
+      plant.bodies.keep(bodies);
       axes = plant.axes;
       touches = plant.touches;
     }
     void put_back(Plant& plant) const {
-      plant.bodies = *bodies;
+      plant.bodies.put_back(bodies);
       plant.axes = axes;
       plant.touches = touches;
     }
-    std::optional<Bodies> bodies;
+    BodiesMotion bodies;
     std::vector<Axis> axes;
     std::vector<Touch> touches;
   };
@@ -133,6 +133,7 @@ class ImpulseEngine : public Engine {
   Plant plant_;
   Stepper stepper_;
   Sleep sleep_;
+  bool moved_ = false;  // in this tick: where the axes are is to be measured
   std::array<Moving, kMostHalvings + 1> before_;
   std::uint64_t halvings_ = 0;
 };

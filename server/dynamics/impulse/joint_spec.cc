@@ -12,8 +12,8 @@
 #include "server/dynamics/impulse/joints/screw.h"
 #include "server/dynamics/impulse/joints/slider.h"
 #include "server/dynamics/impulse/joints/universal.h"
-#include "server/dynamics/impulse/trig.h"
 #include "server/world/joint_kinds.h"
+#include "server/world/trig.h"
 
 namespace visum::dynamics::impulse {
 namespace {
@@ -168,7 +168,7 @@ JointPose pose_ahead(const JointSpec& joint, const Bodies& bodies, double positi
 double joint_angle(const JointSpec& joint, const JointPose& pose, double near) {
   const Across a = across(joint.frame_a.transpose() * joint.axis_a);
   const Vector3d u = pose.Ra * (joint.frame_a * a.first), w = pose.Rb * (joint.frame_b * a.first);
-  const double angle = arc_tangent(pose.a.dot(u.cross(w)), u.dot(w));
+  const double angle = world::arc_tangent(pose.a.dot(u.cross(w)), u.dot(w));
   return angle + kTurn * std::round((near - angle) / kTurn);
 }
 

@@ -24,7 +24,8 @@ struct Axis {
   double target = 0.0, compliance_s = 0.0, most = 0.0;  // rad/s, (rad/s)/(N·m), N·m
   double feedforward = 0.0;
   double damping = 0.0;
-  bool boxed = false;  // the law may be at its limit: a row; else it is part of the tree
+  bool boxed = false;     // the law may be at its limit: a row; else it is part of the tree
+  double expected = 0.0;  // N·m, what the law gave in the last tick: where a row starts
 
   double start = 0.0, rate = 0.0;                // position and velocity at t
   double mean_rate = 0.0;                        // what the last look-ahead gives

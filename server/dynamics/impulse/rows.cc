@@ -1,7 +1,8 @@
 // Solves by proximal points (Rockafellar, Monotone operators and the proximal point algorithm, SIAM J.
 // Control and Optimization 14, 1976): each row is softened by s (lambda - c), c where lambda came from, and c
 // follows. Rows that say the same twice, or contradict each other by rounding, then have one answer, the one
-// nearest to the last tick's; at rest the softness is no error at all.
+// nearest to the last tick's; at rest the softness is no error at all. A box between two jaws that both stand
+// fast has no room by a rounding: normals of contacts give way a little more, as a spring, and settle.
 //
 // Each point by sweeps of projected Gauss-Seidel, which find out the rows that are at their bounds, and the
 // others at once (rows_active.cc); where that does not end, by sweeps sped up by nonlinear conjugate
@@ -18,13 +19,18 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kSoftness = 1e-6;   // share of a row's response to itself
-constexpr double kTolerated = 1e-5;  // of the largest change, that is left after the last round
+constexpr double kSoftness = 1e-6;  // share of a row's response to itself
+constexpr double kGive = 1e-5;      // likewise, of a contact's normal
 constexpr int kMostPoints = 4;
 constexpr int kMostRounds = 8;  // of sweeps and a solution of what they leave within its bounds
 
 double dot(const std::array<double, 6>& a, const double* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
+}
+
+void move_centre(RowBlock& block) {
+  block.centre = block.lambda;
+  if (block.gives) block.centre[0] = block.rest;
 }
 
 }  // namespace
@@ -46,7 +52,7 @@ void Rows::prepare() {
           block.K[i][j] += end.free ? dot(end.J[i], end.MJ[j].data())
                                     : responses[end.response + (end.first + i) * end.size + end.first + j];
     }
-    block.softness[0] = kSoftness * block.K[0][0];
+    block.softness[0] = (block.gives ? kGive : kSoftness) * block.K[0][0];
     if (block.kind == RowBlock::Kind::kBounded) continue;
     block.softness[1] = block.softness[2] =
         0.5 * kSoftness * (block.K[1][1] + block.K[2][2]) + kRigid * block.free_response;
@@ -170,21 +176,23 @@ void Rows::start() {
 
 double Rows::solve(int most_sweeps, double least, double share) {
   start();
-  for (RowBlock& block : blocks) block.centre = block.lambda;
+  for (RowBlock& block : blocks) move_centre(block);
   const double first = sweep(true);
-  largest_ = std::max(largest_, first);
+  for (const RowBlock& block : blocks)
+    for (std::size_t i = 0; i < block.dim; ++i)
+      largest_ = std::max(largest_, block.K[i][i] * std::abs(block.lambda[i]));
   const double enough = std::max(least, share * largest_);
   for (int point = 0; point < kMostPoints; ++point) {
-    if (settle(enough) > std::max(least, kTolerated * largest_)) {
+    if (settle(enough) > enough) {
       sweep_and_accelerate(most_sweeps, enough);
       break;
     }
     double left = 0.0;
     for (const RowBlock& block : blocks)
-      for (std::size_t i = 0; i < block.dim; ++i)
+      for (std::size_t i = block.gives ? 1 : 0; i < block.dim; ++i)
         left = std::max(left, block.softness[i] * std::abs(block.lambda[i] - block.centre[i]));
     if (left <= enough) break;
-    for (RowBlock& block : blocks) block.centre = block.lambda;
+    for (RowBlock& block : blocks) move_centre(block);
   }
   return first;
 }

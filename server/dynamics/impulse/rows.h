@@ -45,6 +45,9 @@ struct RowBlock {
   std::array<double, 3> lambda{};   // in: where to start, out
   std::array<double, 3> applied{};  // what of lambda the velocities hold already
 
+  bool gives = false;  // contact: its normal yields a little (rows.cc), not at all at the impulse `rest`
+  double rest = 0.0;
+
   double free_response =
       0.0;  // contact: of its bodies, were they not jointed: what a response is measured by
 
@@ -95,7 +98,7 @@ class Rows {
   // rows_active.cc. False where there is nothing to be solved at once, or too much.
   bool solve_active(double enough);
   double response(const RowBlock& a, std::size_t r, const RowBlock& b, std::size_t s) const;
-  double response(const Row& a, const Row& b) const;
+  double dragged(const Row& a, const Row& b) const;
   void add_contact(std::size_t index);
   void add_twist(std::size_t index);
   void find_active();

@@ -18,7 +18,7 @@ constexpr int kMostSteps = 8;                  // from bound to bound
 constexpr std::size_t kMostEntries = 400'000;  // of the factor: beyond, sweeps alone are quicker
 constexpr double kInside = 1.0 - 1e-9;         // share of the friction's radius up to which a contact sticks
 
-double dot(const std::array<double, 6>& a, const std::array<double, 6>& b) {
+inline double dot(const std::array<double, 6>& a, const std::array<double, 6>& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
 }
 
@@ -35,7 +35,7 @@ bool meet(const RowBlock& a, const RowBlock& b) {
 
 }  // namespace
 
-// What an impulse on row s of b does to row r of a.
+// What an impulse on row s of b does to row r of a, and the other way round.
 double Rows::response(const RowBlock& a, std::size_t r, const RowBlock& b, std::size_t s) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.end_count; ++i) {
@@ -49,11 +49,11 @@ double Rows::response(const RowBlock& a, std::size_t r, const RowBlock& b, std::
   return sum;
 }
 
-double Rows::response(const Row& a, const Row& b) const {
-  const RowBlock &to = blocks[a.block], &from = blocks[b.block];
-  double sum = response(to, a.row, from, b.row);
+// What b's friction does to row a, where it is dragged along.
+double Rows::dragged(const Row& a, const Row& b) const {
+  double sum = 0.0;
   for (std::size_t i = 0; i < 2; ++i)
-    if (b.drag[i] != 0.0) sum += b.drag[i] * response(to, a.row, from, i + 1);
+    if (b.drag[i] != 0.0) sum += b.drag[i] * response(blocks[a.block], a.row, blocks[b.block], i + 1);
   return sum;
 }
 
@@ -116,8 +116,10 @@ bool Rows::factor_active() {
     factor_.add(first);
     if (factor_.entries() > kMostEntries) return false;
     for (std::size_t j = first; j <= i; ++j) {
-      factor_.at(i, j) = response(row, active_[j]);
-      if (j < i) factor_.at(j, i) = response(active_[j], row);
+      const Row& other = active_[j];
+      const double both = response(blocks[block], row.row, blocks[other.block], other.row);
+      factor_.at(i, j) = both + dragged(row, other);
+      if (j < i) factor_.at(j, i) = both + dragged(other, row);
     }
     factor_.at(i, i) += blocks[block].softness[row.row] + (row.row == 0 ? blocks[block].compliance : 0.0);
   }

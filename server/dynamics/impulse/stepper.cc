@@ -9,6 +9,7 @@ namespace {
 
 constexpr int kMostPasses = 40;       // of Newton, each closes the joints to second order
 constexpr int kMostBoxings = 12;      // repetitions because laws reached their limit
+constexpr double kPushed = 1.0;       // m, rad: where drives have pushed, the gap is not yet known
 constexpr double kStandstill = 1e-9;  // m, rad: a gap below, which no longer shrinks, is rounding
 
 // What suits the error of a step at 1 ms; of the iteration, what it reaches.
@@ -60,7 +61,9 @@ void Stepper::push_axis(const Axis& axis, double impulse) {
   push(joint.b, 1.0);
 }
 
-// Half of what forces give in a step, at either end of it.
+// Half of what forces give in a step, at either end of it. What a drive gives beside its law would throw its
+// two bodies far off the joint, alone: where joints are solved for together, push_feedforward() hands it to
+// all bodies of the tree at once.
 void Stepper::push(double h, std::span<const Wrench> wrenches) {
   Bodies& bodies = plant_.bodies;
   for (const Wrench& wrench : wrenches) {
@@ -71,8 +74,18 @@ void Stepper::push(double h, std::span<const Wrench> wrenches) {
     bodies.w[i] += 0.5 * h * (bodies.inverse_inertia[i] * wrench.torque_nm);
   }
   for (const Axis& axis : plant_.axes)
-    if (axis.feedforward != 0.0 && !plant_.mechanism_asleep[axis.mechanism])
+    if (axis.feedforward != 0.0 && (corrector_ || axis.node < 0) && !plant_.mechanism_asleep[axis.mechanism])
       push_axis(axis, 0.5 * h * axis.feedforward);
+}
+
+bool Stepper::push_feedforward(std::size_t m, double h) {
+  bool any = false;
+  for (const Axis& axis : plant_.axes_of(m)) {
+    if (axis.feedforward == 0.0 || axis.node < 0) continue;
+    plant_.mechanisms[m].tree().push_axis(static_cast<std::size_t>(axis.node), 0.5 * h * axis.feedforward);
+    any = true;
+  }
+  return any;
 }
 
 void Stepper::save_velocities() {
@@ -144,15 +157,17 @@ void Stepper::fly(std::size_t m, double h) {
     plant_.bodies.look_ahead(static_cast<std::size_t>(mechanism.body(i)), h, plant_.model.gravity);
 }
 
-// One pass of Newton over a mechanism's joints. Returns the gap that it found; below D_max nothing is done.
-double Stepper::close(std::size_t m, double h, const world::WorldState& state) {
+// One pass of Newton over a mechanism's joints, the first with what drives give. Returns the gap that it
+// found; below D_max nothing is done.
+double Stepper::close(std::size_t m, double h, const world::WorldState& state, int pass) {
   Mechanism& mechanism = plant_.mechanisms[m];
   fly(m, h);
   measure_ahead(plant_, m, h);
   mechanism.clear();
   const double gap = mechanism.ask_gaps(plant_.bodies, state, h);
   const double missing = h * ask_axes(plant_, m, kAhead, h);
-  const double largest = missing > gap || std::isnan(missing) ? missing : gap;
+  double largest = missing > gap || std::isnan(missing) ? missing : gap;
+  if (pass == 0 && push_feedforward(m, h)) largest = std::max(largest, kPushed);
   if (largest <= d_max_) return largest;
   mechanism.solve();
   mechanism.apply(plant_.bodies);
@@ -164,7 +179,7 @@ bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& stat
   if (corrector_) return correct_alone(m, h, state);
   double last = 0.0;
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    const double gap = close(m, h, state);
+    const double gap = close(m, h, state, pass);
     if (gap <= d_max_) return true;
     if (!std::isfinite(gap)) break;
     if (pass > 2 && gap <= kStandstill && gap > 0.5 * last) {
@@ -204,7 +219,7 @@ bool Stepper::close_together(double h, const world::WorldState& state) {
     for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
       if (!bounded_.binds(m)) continue;
       if (corrector_) corrector_->forget_look_ahead(m);
-      const double gap = corrector_ ? correct(m, h, state, pass) : close(m, h, state);
+      const double gap = corrector_ ? correct(m, h, state, pass) : close(m, h, state, pass);
       if (!(gap <= largest)) {
         largest = gap;
         broken_ = worst_joint(m);
@@ -250,6 +265,7 @@ void Stepper::match_velocities(std::size_t m, double h) {
   mechanism.clear();
   mechanism.ask_velocities(plant_.bodies);
   ask_axes(plant_, m, kAfter, h);
+  push_feedforward(m, h);
   mechanism.solve();
   mechanism.apply(plant_.bodies);
   take_axis_impulses(plant_, m, kAfter);

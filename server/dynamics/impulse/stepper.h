@@ -24,13 +24,14 @@ class Stepper {
  private:
   void push(double h, std::span<const Wrench> wrenches);
   void push_axis(const Axis& axis, double impulse);
+  bool push_feedforward(std::size_t mechanism, double h);
   void save_velocities();
   void restore_velocities();
   const JointSpec* worst_joint(std::size_t mechanism) const;
   void hit(double h);
   bool foresee(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
   bool look_ahead(double h, const world::WorldState& state);
-  double close(std::size_t mechanism, double h, const world::WorldState& state);
+  double close(std::size_t mechanism, double h, const world::WorldState& state, int pass);
   double correct(std::size_t mechanism, double h, const world::WorldState& state, int sweep);
   bool close_alone(std::size_t mechanism, double h, const world::WorldState& state);
   bool correct_alone(std::size_t mechanism, double h, const world::WorldState& state);

@@ -1,12 +1,11 @@
-#include "server/dynamics/impulse/trig.h"
+#include "server/world/trig.h"
 
 #include <cmath>
 #include <limits>
 
-namespace visum::dynamics::impulse {
+namespace visum::world {
 namespace {
 
-constexpr double kQuarterPi = 0.78539816339744830962;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kTwoByPi = 6.36619772367581382433e-01;
 constexpr double kHalfPiHigh = 1.57079632673412561417e+00;  // 33 bits, so that n times it is exact
@@ -52,8 +51,7 @@ double atan_positive(double x) {
 
 }  // namespace
 
-SinCos sin_cos(double x) {
-  if (std::abs(x) <= kQuarterPi) return sin_cos_small(x);
+SinCos sin_cos_large(double x) {
   if (!(std::abs(x) <= kMost)) return {kNaN, kNaN};
   const double n = (x * kTwoByPi + kRound) - kRound;
   const SinCos r = sin_cos_small((x - n * kHalfPiHigh) - n * kHalfPiLow);
@@ -76,4 +74,4 @@ double arc_tangent(double y, double x) {
   return y < 0.0 ? -turned : turned;
 }
 
-}  // namespace visum::dynamics::impulse
+}  // namespace visum::world

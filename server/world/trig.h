@@ -3,16 +3,18 @@
 // reduction: fdlibm (Sun Microsystems, 1993), k_sin.c, k_cos.c, s_atan.c.
 #pragma once
 
-namespace visum::dynamics::impulse {
+namespace visum::world {
 
 struct SinCos {
   double sin, cos;
 };
 
-SinCos sin_cos(double x);  // |x| up to 1e6; beyond it, and for what is no number, NaN
-double arc_tangent(double y, double x);
+inline constexpr double kQuarterPi = 0.78539816339744830962;
 
-// sin_cos() for |x| <= pi/4, without asking.
+SinCos sin_cos_large(double x);
+double arc_tangent(double y, double x);  // as std::atan2
+
+// For |x| <= pi/4.
 inline SinCos sin_cos_small(double x) {
   const double z = x * x;
   const double s = -1.66666666666666324348e-01 +
@@ -28,4 +30,9 @@ inline SinCos sin_cos_small(double x) {
   return {x + x * z * s, 1.0 - (0.5 * z - z * z * c)};
 }
 
-}  // namespace visum::dynamics::impulse
+// |x| up to 1e6; beyond it, and for what is no number, NaN.
+inline SinCos sin_cos(double x) {
+  return x <= kQuarterPi && x >= -kQuarterPi ? sin_cos_small(x) : sin_cos_large(x);
+}
+
+}  // namespace visum::world

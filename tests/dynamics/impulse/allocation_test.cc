@@ -1,0 +1,63 @@
+// A tick of the engine `impulse` and of the collision stage. Once warm: what happens has happened before,
+// from the same state. What FCL allocates inside is its own.
+#include "tests/support/allocation_counter.h"
+
+#include "tests/dynamics/contract/scenes.h"
+#include "tests/dynamics/physics/engine_rows.h"
+#include "tests/dynamics/physics/loop_models.h"
+
+namespace visum::dynamics::testing {
+namespace {
+
+std::vector<physics::EngineRow> impulse_rows() {
+  std::vector<physics::EngineRow> rows = physics::engine_rows();
+  std::erase_if(rows, [](const physics::EngineRow& row) { return row.setting.name != "impulse"; });
+  return rows;
+}
+
+class Allocation : public ::testing::TestWithParam<physics::EngineRow> {
+ protected:
+  static void expect_none_the_second_time(Lab& lab, int ticks) {
+    const world::WorldState start = lab.state;
+    lab.run_ticks(ticks);
+    const std::uint64_t end = lab.hash();
+    lab.state = start;
+    test_support::AllocationCounts counts;
+    std::string ours;
+    {
+      const test_support::AllocationScope scope;
+      lab.run_ticks(ticks);
+      counts = scope.counts();
+      ours = scope.describe_ours();
+    }
+    EXPECT_EQ(counts.ours, 0u) << ours;
+    EXPECT_EQ(lab.hash(), end);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Engines, Allocation, ::testing::ValuesIn(impulse_rows()), [](const auto& info) {
+  std::string name = info.param.name;
+  std::erase(name, '-');
+  return name;
+});
+
+TEST_P(Allocation, DrivesFallsAndContactsNeedNoneOfOurs) {
+  Lab lab(busy_model(GetParam().setting));
+  set_busy_drives(lab);
+  expect_none_the_second_time(lab, 800);
+  EXPECT_FALSE(lab.contacts.empty());
+}
+
+TEST_P(Allocation, ClosedLoopsNeedNone) {
+  Lab lab(physics::four_bars(GetParam().setting, 1e-3, 3));
+  expect_none_the_second_time(lab, 200);
+}
+
+// A step whose joints do not close is cut in halves.
+TEST_P(Allocation, StepsInHalvesNeedNone) {
+  world::WorldModel model = physics::four_bars(GetParam().setting, 5e-2, 2);
+  Lab lab(std::move(model));
+  expect_none_the_second_time(lab, 20);
+}
+
+}  // namespace
+}  // namespace visum::dynamics::testing
