@@ -66,8 +66,9 @@ class EveryKindOfProgram(unittest.TestCase):
     def test_over_tcp_as_over_a_pseudo_terminal(self):
         command = [sys.executable, SHIM / "serial_steps.py"]
         text, figures, _ = self.same_twice(*command, "socket://{bus.arm}", STEPS, options=["--bus", "arm=tcp"])
-        on_tty, figures_on_tty, _ = run(*command, "{bus.arm}", STEPS)
-        self.assertEqual((text, figures["state_hash"]), (on_tty, figures_on_tty["state_hash"]))
+        on_tty, _, _ = run(*command, "{bus.arm}", STEPS)
+        self.assertEqual(text, on_tty)
+        self.assertGreaterEqual(figures["ticks"], 20 * STEPS, "and pyserial sleeps when it closes a socket")
 
     def test_the_serial_c_program(self):
         text, figures, _ = self.same_twice(SERIAL_ARM, "{bus.arm}")

@@ -78,18 +78,21 @@ bool Keeper::is_patient() {
   return !ended_ || Clock::now() < ended_at_ + kFarewell;
 }
 
-// `soon`: nobody runs, but somebody is about to go or to wake up.
+// `soon`: nobody runs, but somebody is about to go or to wake up. First nobody may run at all; only then can
+// nobody be woken any more while we ask for one after the other. Who ran when we began and waits by now drew
+// a ticket: he may have started or woken somebody whom we had passed already.
 bool Keeper::is_quiet(bool& soon) {
   bool busy = false;
+  const auto tickets = memory_.tickets.load();
   for (auto& slot : channel_.slots()) {
     if (slot.state == State::kLeaving) {
       free_if_gone(slot);
       soon = true;  // also where it is gone: who waited for that is being woken
     }
     busy |= is_busy(slot);
-    soon |= !busy && !is_still(slot);
   }
-  soon &= !busy;
+  for (auto& slot : channel_.slots()) soon |= !busy && !is_still(slot);
+  soon = !busy && (soon || memory_.tickets != tickets);
   return !busy && !soon;
 }
 
