@@ -14,7 +14,6 @@
 #include "server/cycle/simulation.h"
 #include "server/gateway/command_line.h"
 #include "server/gateway/daemon.h"
-#include "server/gateway/page_files.h"
 #include "server/gateway/program.h"
 #include "server/gateway/replay_report.h"
 #include "server/gateway/scene_check.h"
@@ -38,8 +37,8 @@ struct Options {
   std::int64_t seed = -1;
   gateway::Talk talk;
   std::vector<std::string> buses;
-  std::vector<std::string> plugins;                       // folders
-  std::string http;                                       // a port, or "off"; empty: not given
+  std::vector<std::string> plugins;  // folders
+  gateway::HttpWords http;
   std::string record;                                     // a file; empty: none
   std::string rewound;                                    // a recording to go on from, instead of a scene
   double at_s = std::numeric_limits<double>::infinity();  // where in it
@@ -74,21 +73,6 @@ std::unique_ptr<cycle::Simulation> make_simulation(const Options& options) {
                            [&](scene::Scene& scene) { set_clock(options, scene); });
 }
 
-// --http decides; without it the usual port, or any free one where that is taken or --port leaves the choice
-// too.
-gateway::DaemonOptions with_http(const Options& options) {
-  gateway::DaemonOptions all = options.of_daemon;
-  all.http.on = options.http != "off";
-  if (!all.http.on) return all;
-  const bool given = !options.http.empty();
-  if (given) all.http.port = static_cast<std::uint16_t>(std::stoi(options.http));
-  if (!given && all.port == 0) all.http.port = 0;
-  all.http.any_if_taken = !given;
-  if (all.http.page.empty()) all.http.page = gateway::find_page_folder();
-  if (all.http.page.empty()) spdlog::warn("no page beside this program: HTTP has /healthz and /metrics only");
-  return all;
-}
-
 // What is written down of the world while it runs, where that is wanted.
 struct Recording {
   Recording(const Options& options, cycle::Simulation& simulation, config::Files files)
@@ -107,7 +91,7 @@ int run(Options options) {
   noted.reset();
   for (const auto& bus : options.buses)
     options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
-  options.of_daemon = with_http(options);
+  options.of_daemon.http = options.http.settled(options.of_daemon);
   gateway::Daemon daemon(simulation, options.of_daemon);
   const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.talk.json);
   if (simulation.frozen())
@@ -115,13 +99,6 @@ int run(Options options) {
   spdlog::info("ended at tick {}", simulation.tick_count());
   if (signal == SIGINT) return gateway::kInterrupted;
   return simulation.frozen() ? gateway::kFailed : gateway::kPassed;
-}
-
-std::string check_http(const std::string& text) {
-  if (text == "off") return {};
-  const bool digits =
-      !text.empty() && text.size() <= 5 && text.find_first_not_of("0123456789") == std::string::npos;
-  return digits && std::stoi(text) <= 65535 ? std::string() : "must be a port from 0 to 65535, or off";
 }
 
 // What the world is made of: a scene, or a recording of one, which fixes engine and seed.
@@ -144,25 +121,12 @@ void declare_world(CLI::App& app, Options& options, std::string_view verb) {
 
 void declare(CLI::App& app, Options& options) {
   gateway::declare_common(app, options.of_daemon, options.talk);
-  app.add_option(
-         "--http", options.http,
-         "port of the page, /metrics and /healthz; 0: any free one; off. Default: 8080, or any free one "
-         "where that is taken or --port is 0")
-      ->type_name("PORT|off")
-      ->check(check_http);
-  app.add_option("--http-host", options.of_daemon.http.hosts,
-                 "a further name under which browsers may ask for the page; may be repeated")
-      ->type_name("NAME[:PORT]");
-  app.add_option("--page", options.of_daemon.http.page,
-                 "folder of the page's files, instead of the one found")
-      ->type_name("FOLDER");
+  gateway::declare_http(app, options.of_daemon, options.http);
   app.add_option("--clock", options.clock, "instead of the scene's: realtime, lockstep or free")
       ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
   app.add_option("--speedup", options.speedup, "realtime: simulated seconds per second")
       ->check(CLI::Range(1e-3, 1e3));
   gateway::declare_plugins(app, options.plugins);
-  app.add_option("--iterations", options.of_daemon.iterations, "end after so many ticks")
-      ->check(CLI::NonNegativeNumber);
   app.add_option("--bus", options.buses,
                  "PART=KIND:WHERE, a field bus to the part's modules; repeatable. KIND:WHERE is pty:PATH,\n"
                  "tcp:PORT, slcan:PATH or socketcan:INTERFACE, then ,baud=N and ,delay_ms=X if wanted")
