@@ -118,11 +118,11 @@ class Explorer final : public plugin::Agent {
  private:
   // The scan onto the map, and as points around the cart.
   void look() {
-    const auto [x, y] = ahead(cart_.place(), kCentreAt_m);
+    const auto from = ahead(cart_.place(), kCentreAt_m);
     points_.clear();
     eye_.look([&](double angle, double distance) {
       const bool met = distance < eye_.reach_m() - 0.05;
-      floor_.see(x, y, cart_.place().heading + angle, distance, met);
+      floor_.see(from[0], from[1], cart_.place().heading + angle, distance, met);
       if (met && distance < kFarSight_m + 2 * kCircleRadius_m)
         points_.push_back({kCentreAt_m + distance * std::cos(angle), distance * std::sin(angle)});
     });

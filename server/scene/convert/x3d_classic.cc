@@ -245,8 +245,8 @@ void write_node(const X3dNode& node, const std::string& indent, std::string& tex
   for (std::size_t i = 0; i < node.children.size(); ++i) {
     const auto& [field, child] = node.children[i];
     const bool many = is_many_nodes(field, node.type);
-    const bool first = i == 0 || node.children[i - 1].first != field;
-    const bool last = i + 1 == node.children.size() || node.children[i + 1].first != field;
+    const bool first = i == 0 || node.children[i - 1].field != field;
+    const bool last = i + 1 == node.children.size() || node.children[i + 1].field != field;
     if (first) text += inner + field + (many ? " [\n" : " ");
     if (many) text += inner + "  ";
     write_node(child, many ? inner + "  " : inner, text);

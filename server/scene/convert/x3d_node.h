@@ -10,19 +10,28 @@
 
 namespace visum::scene {
 
+struct X3dChild;
+
 struct X3dNode {
   std::string type;  // "Transform"; empty where `use` is given
   std::string def, use;
   int line = 0;
   // Values by field, as XML attributes have them: "1 2 3", "true", a text, or several texts in quotes.
   std::map<std::string, std::string> values;
-  std::vector<std::pair<std::string, X3dNode>> children;  // by field, in their order
+  std::vector<X3dChild> children;  // in their order
 
-  X3dNode& add(const std::string& field, X3dNode child) {
-    children.emplace_back(field, std::move(child));
-    return children.back().second;
-  }
+  X3dNode& add(const std::string& field, X3dNode child);
 };
+
+struct X3dChild {
+  std::string field;
+  X3dNode node;
+};
+
+inline X3dNode& X3dNode::add(const std::string& field, X3dNode child) {
+  children.push_back({field, std::move(child)});
+  return children.back().node;
+}
 
 // The top node has the type "Scene" and its nodes in the field "children". These throw ConfigError with file
 // and line for what is not well-formed, for prototypes and scripts, and beyond the limits. No document types,
