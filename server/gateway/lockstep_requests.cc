@@ -54,6 +54,7 @@ void Gateway::handle(const Call& call, const protocol::Advance& request) {
   // Who comes later than a whole period in realtime or free starts anew from now: no burst of answers.
   if (now.tick - member->granted_tick > request.ticks) member->granted_tick = now.tick;
   member->granted_tick += request.ticks;
+  member->waited_since.reset();
   member->advance = call.id;
   member->note.clear();
   if (request.follow_buses) member->follows = {request.bus_said, request.streams, false};

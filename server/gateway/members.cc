@@ -12,6 +12,7 @@ Member* Members::find(std::uint64_t session) {
 
 Member& Members::join(std::uint64_t session, const std::string& client, std::int64_t tick,
                       std::chrono::nanoseconds timeout) {
+  for (auto& other : members_) other.waited_since.reset();  // the time alone does not count
   auto& member = members_.emplace_back();
   member.session = session;
   member.client = client;

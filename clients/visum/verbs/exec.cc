@@ -152,7 +152,7 @@ class ExecVerb : public Verb {
     for (const auto& can : parsed_cans_) exec::lead_can(can, buses);
     const auto devices = exec::placements_of(parsed_ttys_, buses);
     if (lockstep_) return run_in_lockstep(std::move(link), devices);
-    exec::load_tty_library(devices);
+    if (!devices.empty()) exec::load_tty_library(devices);
     if (stays()) return run_beside(link, devices);
     if (!devices.empty()) exec::place_devices(devices);
     return exec::become(command_);
