@@ -67,9 +67,9 @@ protocol::WorldSample Gateway::world_sample(Client& client, const Published& now
   sample.joint_velocities = now.joint_velocities;
   sample.joint_efforts = now.joint_efforts;
   sample.following_errors = now.following_errors;
+  sample.peak_following_errors.resize(now.joint_positions.size());
+  sample.peak_contact_forces.resize(now.poses.size() / 7);
   if (!now.shown) {  // of another server's world no peaks are kept here
-    sample.peak_following_errors.resize(now.joint_positions.size());
-    sample.peak_contact_forces.resize(now.poses.size() / 7);
     now.ring->peaks(client.peaks_from, now.tick, sample.peak_following_errors, sample.peak_contact_forces);
     client.peaks_from = now.tick;
   }
