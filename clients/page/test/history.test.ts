@@ -53,3 +53,43 @@ test("what was not recorded is nothing", () => {
   history.add(1, () => 2);
   assert.deepEqual(history.all([0]).values, [[null, 2]]);
 });
+
+// A ramp of 1 ms samples that lost what lies between `from` and `to`.
+function torn(count: number, from: number, to: number): History {
+  const history = new History(1, 32_768);
+  for (let n = 0; n < count; ++n) if (n <= from || n >= to) history.add(n * kMs, () => n, n === to);
+  return history;
+}
+
+test("samples that were lost are a gap in a short window, and in an export they are not there", () => {
+  const history = torn(200, 100, 150);
+  const { times, values } = history.window(0.099, 0.151, 500, [0]);
+  assert.deepEqual(values[0], [99, 100, null, 150, 151]);
+  assert.ok(Math.abs(times[2]! - 0.125) < 1e-12);
+  assert.equal(history.all([0]).values[0]!.includes(null), false);
+});
+
+test("a gap is seen in a long window, wherever it lies among the groups, and costs no peak", () => {
+  for (const [from, to] of [[5000, 6000], [5119, 5120 + 64], [5120, 9999]] as const) {
+    const { times, values } = torn(20_000, from, to).window(0, 20, 100, [0]);
+    const at = values[0]!.indexOf(null);
+    assert.equal(values[0]!.lastIndexOf(null), at, "one gap");
+    assert.ok(times[at]! > from * kMs && times[at]! < to * kMs);
+    assert.equal(values[0]![at - 1], from);
+    assert.equal(values[0]![at + 1], to);
+    assert.deepEqual([values[0]!.at(0), values[0]!.at(-1)], [0, 19_999]);
+    assert.deepEqual(times, [...times].sort((a, b) => a - b));
+  }
+});
+
+test("many gaps within a pixel do not make more points than two for each group", () => {
+  const history = new History(1, 32_768);
+  for (let n = 0; n < 20_000; ++n) history.add(n * kMs, () => n, n % 3 === 0);
+  assert.ok(history.window(0, 20, 100, [0]).times.length <= 3 * 102);
+});
+
+test("a history that gets a channel more keeps its samples and its gaps", () => {
+  const wide = torn(200, 100, 150).widened(2);
+  const { values } = wide.window(0.1, 0.15, 500, [0, 1]);
+  assert.deepEqual(values, [[100, null, 150], [null, null, null]]);
+});

@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { toCsv } from "../src/plots/csv";
 import { align } from "../src/plots/merge";
+import { polyline } from "../src/ui/polyline";
 import { fit, leastSpan } from "../src/ui/range";
 
 test("a scale fits its values with some air", () => {
@@ -33,7 +34,15 @@ test("CSV has a row for each time of any column, and quotes what must be", () =>
 test("series of two parts stand on one time axis", () => {
   const aligned = align([
     { times: [0, 2], values: [[1, 2]] },
-    { times: [1, 2], values: [[3, 4], [5, 6]] },
+    { times: [1, 2], values: [[3, 4], [null, 6]] },
   ]);
-  assert.deepEqual(aligned, [[0, 1, 2], [1, null, 2], [null, 3, 4], [null, 5, 6]]);
+  // Undefined: the trace goes on. Null: it has a gap.
+  assert.deepEqual(aligned, [[0, 1, 2], [1, undefined, 2], [undefined, 3, 4], [undefined, null, 6]]);
+});
+
+test("a line is broken at a gap, and goes on where only another trace has a sample", () => {
+  const seen: string[] = [];
+  const path = { moveTo: (x: number) => void seen.push(`to ${x}`), lineTo: (x: number) => void seen.push(`line ${x}`) };
+  polyline(path, [null, [1, 0], undefined, [2, 0], null, [3, 0], [4, 0]]);
+  assert.deepEqual(seen, ["to 1", "line 2", "to 3", "line 4"]);
 });

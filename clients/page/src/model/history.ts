@@ -1,5 +1,6 @@
 // What ports were over the last minutes, at full tick rate: rings of numbers, with the least and greatest of each block
-// beside them, so that a plot of any length is drawn from about as many numbers as it has pixels. Pure.
+// beside them, so that a plot of any length is drawn from about as many numbers as it has pixels. Samples that did not
+// come leave a gap, which a window tells by nulls. Pure.
 
 export const kBlock = 64;
 
@@ -27,6 +28,7 @@ export interface Series {
 
 export class History {
   private readonly times: Float64Array;
+  private readonly gaps: Uint32Array; // how many gaps lie before a sample
   private readonly channels: Channel[] = [];
   private written = 0; // samples since the start; sample n stands in slot n % capacity
 
@@ -34,6 +36,7 @@ export class History {
   constructor(channels: number, capacity: number) {
     const rounded = Math.ceil(capacity / kBlock) * kBlock;
     this.times = new Float64Array(rounded);
+    this.gaps = new Uint32Array(rounded);
     for (let i = 0; i < channels; ++i) this.channels.push(new Channel(rounded));
   }
 
@@ -54,12 +57,13 @@ export class History {
     this.written = 0;
   }
 
-  // Times grow; a time that does not begins anew (a reset).
-  add(time: number, value: (channel: number) => number): void {
+  // Times grow; a time that does not begins anew (a reset). `afterGap`: samples between the last one and this were lost.
+  add(time: number, value: (channel: number) => number, afterGap = false): void {
     if (time < this.lastTime) this.clear();
     if (time === this.lastTime) return;
     const slot = this.written % this.capacity;
     this.times[slot] = time;
+    this.gaps[slot] = this.written === 0 ? 0 : this.gaps[(this.written - 1) % this.capacity]! + (afterGap ? 1 : 0);
     for (let i = 0; i < this.channels.length; ++i) this.channels[i]!.put(slot, value(i));
     ++this.written;
   }
@@ -77,7 +81,17 @@ export class History {
 
   // Every sample, for export.
   all(channels: readonly number[]): Series {
-    return this.plain(this.first, this.written, channels);
+    return this.plain(this.first, this.written, channels, false);
+  }
+
+  // The same samples with room for more channels, of which nothing is known so far.
+  widened(channels: number): History {
+    const wide = new History(channels, this.capacity);
+    for (let n = this.first; n < this.written; ++n) {
+      const slot = n % this.capacity;
+      wide.add(this.times[slot]!, (channel) => this.channels[channel]?.values[slot] ?? NaN, n > this.first && this.gapWithin(n - 1, n));
+    }
+    return wide;
   }
 
   private get first(): number {
@@ -96,9 +110,15 @@ export class History {
     return low;
   }
 
-  private plain(begin: number, end: number, channels: readonly number[]): Series {
+  // Between two samples something was lost.
+  private gapWithin(a: number, b: number): boolean {
+    return this.gaps[a % this.capacity] !== this.gaps[b % this.capacity];
+  }
+
+  private plain(begin: number, end: number, channels: readonly number[], showGaps = true): Series {
     const series: Series = { times: [], values: channels.map(() => []) };
     for (let n = begin; n < end; ++n) {
+      if (showGaps && n > begin && this.gapWithin(n - 1, n)) this.pushGap(series, n);
       const slot = n % this.capacity;
       series.times.push(this.times[slot]!);
       channels.forEach((channel, i) => series.values[i]!.push(known(this.channels[channel]!.values[slot])));
@@ -112,10 +132,39 @@ export class History {
       const from = Math.max(n, this.first);
       const to = Math.min(n + group, end);
       if (from >= to) continue;
-      series.times.push(this.times[from % this.capacity]!, this.times[(to - 1) % this.capacity]!);
-      channels.forEach((channel, i) => series.values[i]!.push(...this.range(channel, from, to)));
+      if (series.times.length > 0 && this.gapWithin(from - 1, from)) this.pushGap(series, from);
+      const cut = this.afterWidestGap(from, to);
+      this.pushGroup(series, from, cut, channels);
+      if (cut === to) continue;
+      this.pushGap(series, cut);
+      this.pushGroup(series, cut, to, channels);
     }
     return series;
+  }
+
+  private pushGroup(series: Series, from: number, to: number, channels: readonly number[]): void {
+    series.times.push(this.times[from % this.capacity]!, this.times[(to - 1) % this.capacity]!);
+    channels.forEach((channel, i) => series.values[i]!.push(...this.range(channel, from, to)));
+  }
+
+  // Nothing, in the middle between sample n and the one before.
+  private pushGap(series: Series, n: number): void {
+    series.times.push((this.times[(n - 1) % this.capacity]! + this.times[n % this.capacity]!) / 2);
+    for (const values of series.values) values.push(null);
+  }
+
+  // Of the gaps within a group one is shown, the widest: the sample behind it; `to`: there is none.
+  private afterWidestGap(from: number, to: number): number {
+    if (!this.gapWithin(from, to - 1)) return to;
+    let found = to;
+    let widest = 0;
+    for (let n = from + 1; n < to; ++n) {
+      const width = this.times[n % this.capacity]! - this.times[(n - 1) % this.capacity]!;
+      if (!this.gapWithin(n - 1, n) || width <= widest) continue;
+      widest = width;
+      found = n;
+    }
+    return found;
   }
 
   private range(channel: number, from: number, to: number): [number | null, number | null] {

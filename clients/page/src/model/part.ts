@@ -1,6 +1,6 @@
 // One part: its ports with their live values, who commands it, and what the page does with it.
 import type { Link } from "../link/link";
-import { LostError, type PartDescription, type PartSample, type PortDescription } from "../link/messages";
+import { LostError, type BlackboardData, type PartDescription, type PartSample, type PortDescription } from "../link/messages";
 import { History } from "./history";
 import { Emitter, Signal } from "./signal";
 
@@ -29,6 +29,7 @@ export class Part {
   private recorded: Port[] = [];
   private recording = 0; // how many plots want it
   private everyTicks = 0;
+  private reconnected = false; // since the last sample
   private era = -1n;
 
   constructor(private readonly link: Link, readonly description: PartDescription) {
@@ -80,13 +81,20 @@ export class Part {
     await this.link.request({ case: "write", value: { part: this.name, firstPort, values, sequence: 0n } }, "ok");
   }
 
+  readBlackboard(name: string): Promise<BlackboardData> {
+    return this.link.request({ case: "readBlackboard", value: { part: this.name, name } }, "blackboard");
+  }
+
   // The session that subscribed is gone.
   forgetSubscription(): void {
     this.everyTicks = 0;
+    this.reconnected = true;
   }
 
   take(sample: PartSample): void {
     this.sample = sample;
+    const lost = this.reconnected || Number(sample.conflated) > this.conflated;
+    this.reconnected = false;
     this.conflated = Number(sample.conflated);
     if (sample.era !== this.era) {
       this.era = sample.era;
@@ -96,7 +104,7 @@ export class Part {
     this.history?.add(Number(sample.simTimeNs) / kNsPerS, (channel) => {
       const port = recorded[channel]!;
       return (port.side === "input" ? sample.controllerInputs : sample.sensorOutputs)[port.index]!;
-    });
+    }, lost);
     this.keepHeld(sample);
     this.sampled.emit(sample);
   }
@@ -136,14 +144,8 @@ export class Part {
     if (this.recorded.includes(port)) return;
     if (this.recorded.length === kRecordedMost)
       throw new Error(`at most ${kRecordedMost} ports of '${this.name}' are recorded at a time`);
-    const old = this.history;
-    const oldPorts = this.recorded;
-    this.recorded = [...oldPorts, port];
-    this.history = new History(this.recorded.length, kHistorySamples);
-    if (!old) return;
-    const series = old.all(oldPorts.map((_, channel) => channel));
-    series.times.forEach((time, n) =>
-      this.history!.add(time, (channel) => series.values[channel]?.[n] ?? NaN));
+    this.recorded = [...this.recorded, port];
+    this.history = this.history?.widened(this.recorded.length) ?? new History(this.recorded.length, kHistorySamples);
   }
 
   private keepHeld(sample: PartSample): void {

@@ -3,8 +3,14 @@ import type { Port } from "../model/part";
 import { h } from "../ui/dom";
 import { formatInRange } from "../ui/numbers";
 import { cssColor, traceColor } from "../ui/palette";
+import { polyline } from "../ui/polyline";
 import { fit, leastSpan, type Range } from "../ui/range";
 import type { Context, Widget } from "./widget";
+
+interface Trace {
+  times: number[];
+  values: (number | null)[]; // null: a gap
+}
 
 const kSeconds = 5;
 const kMargin = 0.08;
@@ -45,12 +51,12 @@ function draw(canvas: HTMLCanvasElement, ports: Port[], scales: number[], second
   }
 }
 
-function traceOf(port: Port, from: number, to: number, width: number): { times: number[]; values: number[] } {
+function traceOf(port: Port, from: number, to: number, width: number): Trace {
   const history = port.part.recordings();
   const channel = port.part.channel(port);
   if (!history || channel < 0) return { times: [], values: [] };
   const series = history.window(from, to, width, [channel]);
-  return { times: series.times, values: series.values[0]!.map((value) => value ?? NaN) };
+  return { times: series.times, values: series.values[0]! };
 }
 
 function drawGrid(context: CanvasRenderingContext2D, width: number, height: number): void {
@@ -70,14 +76,14 @@ function drawScale(context: CanvasRenderingContext2D, { low, high }: Range, x: n
   context.fillText(formatInRange(low, low, high, " "), x, height - 4);
 }
 
-function drawTrace(context: CanvasRenderingContext2D, trace: { times: number[]; values: number[] }, index: number, { low, high }: Range, xOf: (time: number) => number, height: number): void {
+function drawTrace(context: CanvasRenderingContext2D, trace: Trace, index: number, { low, high }: Range, xOf: (time: number) => number, height: number): void {
   context.strokeStyle = traceColor(index);
   context.lineWidth = 1.5;
   context.beginPath();
-  trace.times.forEach((time, n) => {
-    const y = height - ((trace.values[n]! - low) / (high - low)) * height;
-    if (n === 0) context.moveTo(xOf(time), y);
-    else context.lineTo(xOf(time), y);
-  });
+  const yOf = (value: number) => height - ((value - low) / (high - low)) * height;
+  polyline(context, trace.times.map((time, n) => {
+    const value = trace.values[n];
+    return value === null || value === undefined ? null : [xOf(time), yOf(value)];
+  }));
   context.stroke();
 }

@@ -1,7 +1,8 @@
-// Series of several parts on one time axis, as uPlot wants them: all times, and for each trace a value or null at each. Pure.
+// Series of several parts on one time axis, as uPlot wants them: all times, and for each trace a value at each; null where
+// it has a gap, undefined where only another part has a sample. Pure.
 import type { Series } from "../model/history";
 
-export type Aligned = [number[], ...(number | null)[][]];
+export type Aligned = [number[], ...(number | null | undefined)[][]];
 
 export function align(series: readonly Series[]): Aligned {
   if (series.length === 1) return [series[0]!.times, ...series[0]!.values];
@@ -10,7 +11,7 @@ export function align(series: readonly Series[]): Aligned {
     const index = new Map(one.times.map((time, i) => [time, i]));
     return one.values.map((values) => times.map((time) => {
       const i = index.get(time);
-      return i === undefined ? null : (values[i] ?? null);
+      return i === undefined ? undefined : (values[i] ?? null);
     }));
   });
   return [times, ...traces];

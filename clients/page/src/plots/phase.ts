@@ -2,6 +2,7 @@
 import type { Port } from "../model/part";
 import { formatValue } from "../ui/numbers";
 import { cssColor, traceColor } from "../ui/palette";
+import { polyline } from "../ui/polyline";
 import { fit, leastSpan, type Range } from "../ui/range";
 import type { Aligned } from "./merge";
 
@@ -12,7 +13,8 @@ export function drawPhase(canvas: HTMLCanvasElement, ports: readonly Port[], [, 
   const { clientWidth: width, clientHeight: height } = canvas;
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
   const context = canvas.getContext("2d");
-  const points = xs.map((x, i) => [x, ys[i] ?? null] as const).filter((point): point is readonly [number, number] => point[0] !== null && point[1] !== null);
+  const all = xs.map((x, i): [number, number] | null | undefined => pair(x, ys[i]));
+  const points = all.filter((point): point is [number, number] => !!point);
   if (!context) return;
   context.clearRect(0, 0, width, height);
   const span = (axis: 0 | 1) => fit(points.map((point) => point[axis]), kAir, ports[axis] ? leastSpan(ports[axis].description) : 0);
@@ -24,11 +26,17 @@ export function drawPhase(canvas: HTMLCanvasElement, ports: readonly Port[], [, 
   context.strokeStyle = traceColor(0);
   context.lineWidth = 1.5;
   context.beginPath();
-  points.forEach(([x, y], i) => (i === 0 ? context.moveTo(toX(x), toY(y)) : context.lineTo(toX(x), toY(y))));
+  polyline(context, all.map((point) => point && [toX(point[0]), toY(point[1])]));
   context.stroke();
   const [x, y] = points.at(-1)!;
   context.fillStyle = traceColor(1);
   context.fillRect(toX(x) - 4, toY(y) - 4, 8, 8);
+}
+
+// Null where either has a gap, undefined where only one has a sample.
+function pair(x: number | null | undefined, y: number | null | undefined): [number, number] | null | undefined {
+  if (x === null || y === null) return null;
+  return x === undefined || y === undefined ? undefined : [x, y];
 }
 
 function frame(context: CanvasRenderingContext2D, width: number, height: number, ports: readonly Port[], x: Range, y: Range): void {

@@ -100,8 +100,8 @@ export class Plot {
       scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit || "1", { range: (_: uPlot, low: number | null, high: number | null) => this.valueRange(unit, low, high) }])) },
       axes: [{ ...axis, size: 26 }, ...units.slice(0, 2).map((unit, i) => ({ ...axis, scale: unit || "1", side: (i === 0 ? 3 : 1) as uPlot.Axis.Side, size: 52, label: unit, labelSize: 14, labelFont: "11px sans-serif", grid: { ...axis.grid, show: i === 0 } }))],
       series: [{ label: "t", value: (_, value) => (value === null ? "–" : `${value.toFixed(3)} s`) },
-        ...ports.map((port, i) => ({ label: port.description.name, scale: port.description.unit || "1", stroke: traceColor(i), dash: traceDash(i), width: 1.5, spanGaps: true, points: { show: false },
-          value: (_: uPlot, value: number | null) => (value === null ? "–" : `${formatOf(port.description, value)} ${port.description.unit}`) }))],
+        ...ports.map((port, i) => ({ label: port.description.name, scale: port.description.unit || "1", stroke: traceColor(i), dash: traceDash(i), width: 1.5, spanGaps: false, points: { show: false },
+          value: (_: uPlot, value: number | null | undefined) => (value === null || value === undefined ? "–" : `${formatOf(port.description, value)} ${port.description.unit}`) }))],
       hooks: {
         setSelect: [(plot) => this.zoomTo(plot)],
         ready: [(plot) => plot.over.addEventListener("dblclick", () => (this.zoom = null))],

@@ -21,7 +21,7 @@ export function blackboardsView(link: Link, part: Part): HTMLElement | null {
   );
   const refresh = async () => {
     for (const view of views) {
-      const data = await link.request({ case: "readBlackboard", value: { part: part.name, name: view.board.name } }, "blackboard");
+      const data = await part.readBlackboard(view.board.name);
       if (data.generation === view.generation) continue;
       view.generation = data.generation;
       view.body.replaceChildren(show(view.board, data.data));
