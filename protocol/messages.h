@@ -266,6 +266,11 @@ struct ViewpointDescription {
 struct PanelDescription {
   std::string name, text;
 };
+struct SensorDescription {
+  std::string part, kind, body;
+  std::vector<double> pose, range, angle;
+  double fov = 0.0, aspect = 0.0;
+};
 struct WorldDescription {
   std::string scene;
   std::int64_t tick_ns = 0;
@@ -278,6 +283,7 @@ struct WorldDescription {
   std::vector<ViewpointDescription> viewpoints;
   std::vector<PanelDescription> panels;
   std::vector<std::string> losses;
+  std::vector<SensorDescription> sensors;
 };
 struct MeshData {
   std::vector<float> vertices;

@@ -57,6 +57,28 @@ void take(const v1::ViewpointDescription& from, ViewpointDescription& to) {
   to.fov = from.fov();
 }
 
+void put(const SensorDescription& from, v1::SensorDescription& to) {
+  to.set_part(from.part);
+  to.set_kind(from.kind);
+  to.set_body(from.body);
+  put_numbers(from.pose, to.mutable_pose());
+  put_numbers(from.range, to.mutable_range());
+  put_numbers(from.angle, to.mutable_angle());
+  to.set_fov(from.fov);
+  to.set_aspect(from.aspect);
+}
+
+void take(const v1::SensorDescription& from, SensorDescription& to) {
+  to.part = from.part();
+  to.kind = from.kind();
+  to.body = from.body();
+  take_numbers(from.pose(), to.pose);
+  take_numbers(from.range(), to.range);
+  take_numbers(from.angle(), to.angle);
+  to.fov = from.fov();
+  to.aspect = from.aspect();
+}
+
 }  // namespace
 
 void put_looks(const WorldDescription& from, v1::WorldDescription& to) {
@@ -69,6 +91,7 @@ void put_looks(const WorldDescription& from, v1::WorldDescription& to) {
     added.set_text(panel.text);
   }
   for (const auto& loss : from.losses) to.add_losses(loss);
+  for (const auto& sensor : from.sensors) put(sensor, *to.add_sensors());
 }
 
 void take_looks(const v1::WorldDescription& from, WorldDescription& to) {
@@ -77,6 +100,7 @@ void take_looks(const v1::WorldDescription& from, WorldDescription& to) {
   for (const auto& viewpoint : from.viewpoints()) take(viewpoint, to.viewpoints.emplace_back());
   for (const auto& panel : from.panels()) to.panels.push_back({panel.name(), panel.text()});
   for (const auto& loss : from.losses()) to.losses.push_back(loss);
+  for (const auto& sensor : from.sensors()) take(sensor, to.sensors.emplace_back());
 }
 
 }  // namespace visum::protocol::wire

@@ -26,6 +26,7 @@ struct Options {
   std::string arm_token_file;
   double speedup = 1.0;
   gateway::Talk talk;
+  gateway::HttpWords http;
   gateway::MirrorBounds bounds;
   gateway::DaemonOptions of_daemon;
 };
@@ -63,6 +64,8 @@ int run(Options options) {
   options.of_daemon.simulated = mirror.simulated();
   options.of_daemon.has_world = false;
   options.of_daemon.run_at_once = true;
+  options.of_daemon.http = options.http.settled(options.of_daemon);
+  options.of_daemon.show = [&](gateway::Published& published) { mirror.show_world(published); };
   options.of_daemon.wait = [&](std::chrono::steady_clock::time_point due) {
     do {
       mirror.pump();
@@ -92,6 +95,7 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1e3));
   gateway::declare_common(app, options.of_daemon, options.talk);
+  gateway::declare_http(app, options.of_daemon, options.http);
   app.add_option("--speedup", options.speedup, "how much faster than the wall clock the arms' time runs")
       ->capture_default_str()
       ->check(CLI::Range(1e-3, 1e3));
@@ -100,7 +104,8 @@ void declare(CLI::App& app, Options& options) {
       "Example:\n"
       "  visum mirror --primary 127.0.0.1:1501 --shadow 127.0.0.1:1500 --port 1502 --angle-limit 0.1\n"
       "The virtual arm beside the real one, the real one in charge. The part arm_divergence says how\n"
-      "far the two are apart; its parameters switch the primary and set the limits.\n"
+      "far the two are apart; its parameters switch the primary and set the limits. The page shows the\n"
+      "world of the primary, or of the shadow where only that has one, and the other arm as a ghost.\n"
       "Exit codes: 0 ended in good order, 2 bad usage, or an arm that cannot be had, 130 interrupted.");
 }
 

@@ -9,7 +9,6 @@
 #include "server/cycle/simulation.h"
 #include "server/gateway/command_line.h"
 #include "server/gateway/daemon.h"
-#include "server/gateway/page_files.h"
 #include "server/gateway/program.h"
 #include "server/gateway/scene_check.h"
 #include "server/scene/scene.h"
@@ -25,7 +24,7 @@ struct Options {
   std::int64_t seed = -1;
   gateway::Talk talk;
   std::vector<std::string> buses;
-  std::string http;  // a port, or "off"; empty: not given
+  gateway::HttpWords http;
   scene::Options of_scene;
   gateway::DaemonOptions of_daemon;
 };
@@ -42,26 +41,11 @@ scene::Scene load(const Options& options) {
   return scene;
 }
 
-// --http decides; without it the usual port, or any free one where that is taken or --port leaves the choice
-// too.
-gateway::DaemonOptions with_http(const Options& options) {
-  gateway::DaemonOptions all = options.of_daemon;
-  all.http.on = options.http != "off";
-  if (!all.http.on) return all;
-  const bool given = !options.http.empty();
-  if (given) all.http.port = static_cast<std::uint16_t>(std::stoi(options.http));
-  if (!given && all.port == 0) all.http.port = 0;
-  all.http.any_if_taken = !given;
-  if (all.http.page.empty()) all.http.page = gateway::find_page_folder();
-  if (all.http.page.empty()) spdlog::warn("no page beside this program: HTTP has /healthz and /metrics only");
-  return all;
-}
-
 int run(Options options) {
   cycle::Simulation simulation(load(options));
   for (const auto& bus : options.buses)
     options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
-  options.of_daemon = with_http(options);
+  options.of_daemon.http = options.http.settled(options.of_daemon);
   gateway::Daemon daemon(simulation, options.of_daemon);
   const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.talk.json);
   if (simulation.frozen())
@@ -71,28 +55,10 @@ int run(Options options) {
   return simulation.frozen() ? gateway::kFailed : gateway::kPassed;
 }
 
-std::string check_http(const std::string& text) {
-  if (text == "off") return {};
-  const bool digits =
-      !text.empty() && text.size() <= 5 && text.find_first_not_of("0123456789") == std::string::npos;
-  return digits && std::stoi(text) <= 65535 ? std::string() : "must be a port from 0 to 65535, or off";
-}
-
 void declare(CLI::App& app, Options& options) {
   app.add_option("scene", options.scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
   gateway::declare_common(app, options.of_daemon, options.talk);
-  app.add_option(
-         "--http", options.http,
-         "port of the page, /metrics and /healthz; 0: any free one; off. Default: 8080, or any free one "
-         "where that is taken or --port is 0")
-      ->type_name("PORT|off")
-      ->check(check_http);
-  app.add_option("--http-host", options.of_daemon.http.hosts,
-                 "a further name under which browsers may ask for the page; may be repeated")
-      ->type_name("NAME[:PORT]");
-  app.add_option("--page", options.of_daemon.http.page,
-                 "folder of the page's files, instead of the one found")
-      ->type_name("FOLDER");
+  gateway::declare_http(app, options.of_daemon, options.http);
   app.add_option("--clock", options.clock, "instead of the scene's: realtime, lockstep or free")
       ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
   app.add_option("--speedup", options.speedup, "realtime: simulated seconds per second")
@@ -100,8 +66,6 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--seed", options.seed, "of the world's random numbers, instead of the scene's")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--engine", options.of_scene.engine, "moves all bodies, instead of the scene's engines");
-  app.add_option("--iterations", options.of_daemon.iterations, "end after so many ticks")
-      ->check(CLI::NonNegativeNumber);
   app.add_option("--bus", options.buses,
                  "PART=KIND:WHERE, a field bus to the part's modules; repeatable. KIND:WHERE is pty:PATH,\n"
                  "tcp:PORT, slcan:PATH or socketcan:INTERFACE, then ,baud=N and ,delay_ms=X if wanted")

@@ -1,18 +1,59 @@
 #include "server/gateway/command_line.h"
 
+#include <spdlog/spdlog.h>
+
 #include <CLI/CLI.hpp>
 
+#include "server/gateway/page_files.h"
 #include "server/gateway/program.h"
 
 namespace visum::gateway {
+namespace {
+
+std::string check_http(const std::string& text) {
+  if (text == "off") return {};
+  const bool digits =
+      !text.empty() && text.size() <= 5 && text.find_first_not_of("0123456789") == std::string::npos;
+  return digits && std::stoi(text) <= 65535 ? std::string() : "must be a port from 0 to 65535, or off";
+}
+
+}  // namespace
 
 void declare_common(CLI::App& app, DaemonOptions& daemon, Talk& talk) {
   app.add_option("--listen", daemon.address, "address to listen on; beyond loopback with --token-file only")
       ->capture_default_str();
   app.add_option("--port", daemon.port, "TCP port; 0: any free one")->capture_default_str();
   app.add_option("--token-file", daemon.token_file, "lines of \"ROLE TOKEN\"; clients then need one");
+  app.add_option("--iterations", daemon.iterations, "end after so many ticks")->check(CLI::NonNegativeNumber);
   app.add_flag("--json", talk.json, "print one line of JSON when ready");
   app.add_option("-v", talk.verbosity, "0 errors, 1 warnings, 2 news, 3 details")->check(CLI::Range(0, 3));
+}
+
+HttpOptions HttpWords::settled(const DaemonOptions& daemon) const {
+  HttpOptions http = daemon.http;
+  http.on = port != "off";
+  if (!http.on) return http;
+  const bool given = !port.empty();
+  if (given) http.port = static_cast<std::uint16_t>(std::stoi(port));
+  if (!given && daemon.port == 0) http.port = 0;
+  http.any_if_taken = !given;
+  if (http.page.empty()) http.page = find_page_folder();
+  if (http.page.empty()) spdlog::warn("no page beside this program: HTTP has /healthz and /metrics only");
+  return http;
+}
+
+void declare_http(CLI::App& app, DaemonOptions& daemon, HttpWords& words) {
+  app.add_option(
+         "--http", words.port,
+         "port of the page, /metrics and /healthz; 0: any free one; off. Default: 8080, or any free one "
+         "where that is taken or --port is 0")
+      ->type_name("PORT|off")
+      ->check(check_http);
+  app.add_option("--http-host", daemon.http.hosts,
+                 "a further name under which browsers may ask for the page; may be repeated")
+      ->type_name("NAME[:PORT]");
+  app.add_option("--page", daemon.http.page, "folder of the page's files, instead of the one found")
+      ->type_name("FOLDER");
 }
 
 int run_command(CLI::App& app, int argc, char** argv, const std::string& name, const Talk& talk,

@@ -18,8 +18,18 @@ struct Talk {
   bool json = false;  // one line when ready
 };
 
-// --listen, --port, --token-file, --json and -v.
+// --listen, --port, --token-file, --iterations, --json and -v.
 void declare_common(CLI::App& app, DaemonOptions& daemon, Talk& talk);
+
+// The port of the page, /metrics and /healthz, as a user said it.
+struct HttpWords {
+  std::string port;  // or "off"; empty: not given
+  // What that means: without a word the usual port, or any free one where that is taken or --port leaves the
+  // choice too; with the page beside this program, unless another is named.
+  HttpOptions settled(const DaemonOptions& daemon) const;
+};
+// --http, --http-host and --page.
+void declare_http(CLI::App& app, DaemonOptions& daemon, HttpWords& words);
 
 // Reads the words, sets up the log as `name`, and returns what run() does, or the exit code of its failure.
 int run_command(CLI::App& app, int argc, char** argv, const std::string& name, const Talk& talk,

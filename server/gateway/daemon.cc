@@ -59,6 +59,7 @@ struct Daemon::Impl {
         stopping(stop),
         iterations(options.iterations),
         wait(options.wait),
+        show(options.show),
         threaded(simulation.scene().clock == scene::ClockKind::kRealtime),
         mailbox(most_ports(simulation)),
         tick_side(simulation, mailbox, options.run_at_once),
@@ -116,15 +117,20 @@ struct Daemon::Impl {
   const Published& fresh_fill() {
     if (inline_copy.tick != simulation.tick_count() || inline_copy.era != simulation.era() ||
         inline_version != tick_side.version() || inline_copy.fault.empty() == simulation.frozen()) {
-      fill(inline_copy, simulation, tick_side.pace());
+      fill_copy(inline_copy);
       inline_version = tick_side.version();
     }
     return inline_copy;
   }
 
+  void fill_copy(Published& copy) {
+    fill(copy, simulation, tick_side.pace());
+    if (show) show(copy);
+  }
+
   // realtime: a copy for the sessions' thread, which is woken if it has something to send.
   void publish(bool wake) {
-    fill(exchange.back(), simulation, tick_side.pace());
+    fill_copy(exchange.back());
     exchange.publish();
     published_version = tick_side.version();
     if (wake) server.notify();
@@ -147,6 +153,7 @@ struct Daemon::Impl {
   std::atomic<bool>& stopping;
   const std::int64_t iterations;
   const std::function<void(Clock::time_point)> wait;
+  const std::function<void(Published&)> show;
   const bool threaded;
   Mailbox mailbox;
   TickSide tick_side;

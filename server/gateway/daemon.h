@@ -17,6 +17,8 @@
 
 namespace visum::gateway {
 
+struct Published;
+
 struct HttpOptions {
   bool on = false;
   std::uint16_t port = 8080;       // 0: any free one
@@ -38,6 +40,8 @@ struct DaemonOptions {
   bool has_world = true;  // false: nobody may hold the time, go back in it, or change bodies
   // On the tick's thread, before each tick: in clock realtime instead of sleeping until it is due.
   std::function<void(std::chrono::steady_clock::time_point)> wait;
+  // On the tick's thread, at each copy of the world for the sessions: puts another server's world into it.
+  std::function<void(Published&)> show;
 };
 
 class Daemon {

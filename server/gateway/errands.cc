@@ -4,6 +4,7 @@
 
 #include "protocol/config/config.h"
 #include "server/gateway/tick_side.h"
+#include "server/world/world_state.h"
 
 namespace visum::gateway {
 
@@ -111,7 +112,7 @@ Reply TickSide::answer(Errand& errand, const protocol::ReadBlackboard& request) 
   const auto wanted =
       request.length == 0 ? rest : rest.first(std::min<std::size_t>(request.length, rest.size()));
   return protocol::BlackboardData{
-      request.offset, bytes.size(), {wanted.begin(), wanted.end()}, blackboard_writes_};
+      request.offset, bytes.size(), {wanted.begin(), wanted.end()}, world::hash_bytes(bytes)};
 }
 
 Reply TickSide::answer(Errand& errand, const protocol::WriteBlackboard& request) {
@@ -120,7 +121,6 @@ Reply TickSide::answer(Errand& errand, const protocol::WriteBlackboard& request)
   const auto board = std::ranges::find(boards, request.name, &protocol::Blackboard::name) - boards.begin();
   if (auto reason = part.write_blackboard(static_cast<std::size_t>(board), request.offset, request.data))
     return Error{ErrorCode::kBadValue, std::move(*reason), {}};
-  ++blackboard_writes_;
   return Ok{};
 }
 

@@ -63,6 +63,7 @@ void Gateway::on_request(protocol::Session& session, std::uint64_t id, const pro
   const auto found = clients_.find(session.id());
   if (found == clients_.end()) return;
   now_ = &latest_();
+  follow_shown_world(*now_);
   auto& client = found->second;
   if (!client.waiting) {
     dispatch(client, id, request);
@@ -116,6 +117,7 @@ void Gateway::serve() {
   now_ = &latest_();
   const auto& now = *now_;
   follow_eras(now);
+  follow_shown_world(now);
   finish_errands();
   tell_notices();
   answer_advances(now);
@@ -149,6 +151,13 @@ void Gateway::follow_eras(const Published& now) {
     for (auto& subscription : client.subscriptions) subscription.next_tick = now.tick;
   }
   broadcast({"era", "the world was reset or restored", {}, now.era, now.tick});
+}
+
+void Gateway::follow_shown_world(const Published& now) {
+  if (now.shown == shown_) return;
+  shown_ = now.shown;
+  world_.view = *shown_;
+  broadcast({"world_changed", "another world is shown", {}, now.era, now.tick});
 }
 
 void Gateway::finish_errands() {
@@ -195,6 +204,13 @@ void Gateway::lose_lease(std::uint32_t part, const std::string& why) {
 
 void Gateway::broadcast(const protocol::Event& event) {
   for (auto& [id, client] : clients_) client.session->send(0, event);
+}
+
+// FNV-1a of the client's name: the same number in every run.
+std::uint64_t Gateway::order_of(const Call& call) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (unsigned char c : call.session.client_name()) hash = (hash ^ c) * 0x100000001b3u;
+  return hash;
 }
 
 Input* Gateway::input_or_fail(const Call& call) {

@@ -8,6 +8,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -151,6 +152,7 @@ class Gateway : public protocol::SessionHandler {
   bool blackboard_or_fail(const Call& call, std::uint32_t part, const std::string& name, bool to_write) const;
   bool lease_or_fail(const Call& call, std::uint32_t part) const;
   Input* input_or_fail(const Call& call);
+  static std::uint64_t order_of(const Call& call);  // among inputs that need no lease
   void send_errand(const Call& call, const protocol::Request& request, std::uint32_t part = 0);
   void subscribe(const Call& call, std::uint32_t stream, std::uint32_t every);
   void unsubscribe(const Call& call, std::uint32_t stream);
@@ -162,6 +164,7 @@ class Gateway : public protocol::SessionHandler {
   void finish_errands();
   void tell_notices();
   void follow_eras(const Published& now);
+  void follow_shown_world(const Published& now);
   protocol::PartSample part_sample(std::uint32_t part, const Published& now) const;
   protocol::WorldSample world_sample(Client& client, const Published& now) const;
   protocol::ServerStatus server_status(const Published& now) const;
@@ -183,6 +186,7 @@ class Gateway : public protocol::SessionHandler {
   std::map<std::uint64_t, Client> clients_;   // by session
   std::vector<std::vector<double>> latched_;  // by part: controller inputs as last accepted
   std::vector<protocol::PartBus> buses_;
+  std::shared_ptr<const WorldView> shown_;  // what world_.view was copied from, where it is another server's
   std::uint64_t era_ = 1;
   bool frozen_ = false;
   std::atomic<bool> start_asked_{false};

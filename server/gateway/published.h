@@ -10,6 +10,7 @@
 #include "server/collision/collision.h"
 #include "server/cycle/phases.h"
 #include "server/cycle/simulation.h"
+#include "server/gateway/world_view.h"
 
 namespace visum::gateway {
 
@@ -38,6 +39,7 @@ struct Published {
   std::vector<collision::Contact> contacts;
   cycle::Phases::Summary phases{};
   std::shared_ptr<const cycle::FlightRing> ring;  // shared: a change of the world makes a new one
+  std::shared_ptr<const WorldView> shown;  // another server's world, in place of this one's; null: its own
 };
 
 void fill(Published& published, const cycle::Simulation& simulation, const Pace& pace);

@@ -84,7 +84,6 @@ class TickSide {
   bool paused_ = false;
   std::uint64_t version_ = 0;
   bool told_ = false;
-  std::uint64_t blackboard_writes_ = 0;
   double real_time_factor_ = 0.0;
   Clock::time_point measured_at_ = Clock::now();
   std::int64_t measured_tick_ = 0;

@@ -21,13 +21,6 @@ Eigen::Vector3d to_vector(const std::vector<double>& numbers) {
   return numbers.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : Eigen::Vector3d(numbers.data());
 }
 
-// FNV-1a: the same number for the same name in every run.
-std::uint64_t hash_of(const std::string& name) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (unsigned char c : name) hash = (hash ^ c) * 0x100000001b3u;
-  return hash;
-}
-
 protocol::ContactSample to_sample(const collision::Contact& contact) {
   const auto& p = contact.p_W;
   const auto& n = contact.normal_W;
@@ -76,8 +69,10 @@ protocol::WorldSample Gateway::world_sample(Client& client, const Published& now
   sample.following_errors = now.following_errors;
   sample.peak_following_errors.resize(now.joint_positions.size());
   sample.peak_contact_forces.resize(now.poses.size() / 7);
-  now.ring->peaks(client.peaks_from, now.tick, sample.peak_following_errors, sample.peak_contact_forces);
-  client.peaks_from = now.tick;
+  if (!now.shown) {  // of another server's world no peaks are kept here
+    now.ring->peaks(client.peaks_from, now.tick, sample.peak_following_errors, sample.peak_contact_forces);
+    client.peaks_from = now.tick;
+  }
   for (const auto& contact : now.contacts) sample.contacts.push_back(to_sample(contact));
   sample.state_hash = now.state_hash;
   sample.revision = now.revision;
@@ -150,7 +145,7 @@ void Gateway::handle(const Call& call, const protocol::PushBody& request) {
   const auto body = static_cast<std::int32_t>(found - bodies.begin());
   input->kind = Input::Kind::kPush;
   input->part = 0;
-  input->epoch = hash_of(call.session.client_name());
+  input->epoch = order_of(call);
   input->wrench = {world::BodyId{body}, to_vector(request.force_n), to_vector(request.torque_nm)};
   input->revision = world_.view.description.revision;
   input->push_point = request.point_m.empty() ? std::nullopt : std::optional(to_vector(request.point_m));

@@ -3,6 +3,8 @@
 #include <span>
 #include <string>
 
+#include "hwparts/sensors/camera.h"
+#include "hwparts/sensors/range_finder.h"
 #include "server/world/joint_kinds.h"
 
 namespace visum::gateway {
@@ -111,6 +113,29 @@ const char* kind_name(scene::LightKind kind) {
   return "";
 }
 
+protocol::SensorDescription describe(const scene::SensorPlan& plan, const scene::Scene& scene) {
+  protocol::SensorDescription description;
+  description.part = plan.name;
+  description.kind = plan.kind;
+  if (plan.body.valid()) description.body = scene.world.bodies[plan.body.index()].name;
+  description.pose = numbers(plan.X_BS);
+  if (plan.kind == "distance" || plan.kind == "scanner") {
+    const auto reach = sensors::read_reach(plan.config);
+    description.range = {reach.lowest_m, reach.highest_m};
+  }
+  if (plan.kind == "scanner") {
+    const auto beams = sensors::read_beams(plan.config);
+    description.angle = {beams.front(), beams.back()};
+  }
+  if (plan.kind == "camera") {
+    const auto camera = sensors::read_camera(plan.config, plan.name, scene.seed);
+    description.range = {0.0, camera.farthest_m};
+    description.fov = camera.lens.fov_rad;
+    description.aspect = static_cast<double>(camera.lens.width) / camera.lens.height;
+  }
+  return description;
+}
+
 void describe_looks(const scene::Scene& scene, WorldView& view) {
   auto& world = view.description;
   for (const auto& m : scene.looks.materials)
@@ -160,6 +185,7 @@ WorldView describe_world(const scene::Scene& scene, std::uint64_t revision) {
     world.bodies[shape.body.index()].shapes.push_back(describe(shape, model));
   for (std::size_t i = 0; i < model.joints.size(); ++i)
     world.joints.push_back(describe(model.joints[i], world::JointId{static_cast<std::int32_t>(i)}, scene));
+  for (const auto& sensor : scene.sensors) world.sensors.push_back(describe(sensor, scene));
   describe_looks(scene, view);
   for (const auto& mesh : model.meshes) view.meshes.push_back(describe(mesh));
   return view;

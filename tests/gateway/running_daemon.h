@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "protocol/client.h"
 #include "server/cycle/simulation.h"
@@ -18,7 +19,11 @@ namespace visum::gateway {
 class RunningDaemon {
  public:
   explicit RunningDaemon(scene::ClockKind clock, DaemonOptions options = {}, double speed = 1.0)
-      : simulation_(scene_of(clock, speed)) {
+      : RunningDaemon("amtec_arm.yaml", clock, std::move(options), speed) {}
+  // `scene`: a file of models/scenes.
+  RunningDaemon(const std::string& scene, scene::ClockKind clock, DaemonOptions options = {},
+                double speed = 1.0)
+      : simulation_(scene_of(scene, clock, speed)) {
     options.port = 0;
     daemon_ = std::make_unique<Daemon>(simulation_, options);
     thread_ = std::thread([this] { daemon_->run(); });
@@ -37,8 +42,8 @@ class RunningDaemon {
   const BusNames& buses() const { return daemon_->buses(); }
 
  private:
-  static scene::Scene scene_of(scene::ClockKind clock, double speed) {
-    auto scene = scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml");
+  static scene::Scene scene_of(const std::string& file, scene::ClockKind clock, double speed) {
+    auto scene = scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes" / file);
     scene.clock = clock;
     scene.speed = speed;
     scene.lockstep_timeout_ns = 300'000'000;

@@ -27,6 +27,40 @@ TEST(Truth, DescribesBodiesShapesAndJoints) {
   EXPECT_EQ(driven, 9) << "seven hinges and two sliders, as in the paper";
 }
 
+TEST(Truth, TellsWhereSensorsSitAndWhatTheyLookAt) {
+  RunningDaemon daemon("sensors.yaml", scene::ClockKind::kLockstep);
+  auto client = daemon.connect("observer", Role::kObserver);
+  const auto world = client.request_as<WorldDescription>(DescribeWorld{});
+  ASSERT_EQ(world.sensors.size(), 7u);
+  const auto &eye = world.sensors[0], &scan = world.sensors[1], &camera = world.sensors[5];
+  EXPECT_EQ(eye.part + " " + eye.kind + " " + eye.body, "eye distance table");
+  EXPECT_EQ(eye.pose, (std::vector<double>{0, 0, 0.1, 1, 0, 0, 0}));
+  EXPECT_EQ(eye.range, (std::vector<double>{0.05, 6}));
+  EXPECT_TRUE(eye.angle.empty());
+  EXPECT_TRUE(scan.body.empty()) << "it stands in the world";
+  EXPECT_EQ(scan.angle, (std::vector<double>{-3.14159, 3.14159}));
+  EXPECT_EQ(camera.kind, "camera");
+  EXPECT_EQ(camera.range, (std::vector<double>{0, 100}));
+  EXPECT_NEAR(camera.fov, 75 * M_PI / 180, 1e-12);
+  EXPECT_DOUBLE_EQ(camera.aspect, 640.0 / 480.0);
+}
+
+TEST(Truth, ABlackboardsGenerationChangesWithItsContentAndOnlyThen) {
+  RunningDaemon daemon("sensors.yaml", scene::ClockKind::kLockstep);
+  auto client = daemon.connect("observer");
+  client.request(Join{});
+  const auto scan = [&] {
+    return client.request_as<BlackboardData>(ReadBlackboard{"scan", "scan"}).generation;
+  };
+  advance(client, 150);  // it scans each 100 ms
+  const auto first = scan();
+  EXPECT_EQ(scan(), first);
+  advance(client, 40);
+  EXPECT_EQ(scan(), first) << "the same scan still";
+  advance(client, 20);
+  EXPECT_NE(scan(), first);
+}
+
 TEST(Truth, KeepsThePeakForceBetweenTwoLooks) {
   RunningDaemon daemon(scene::ClockKind::kLockstep);
   auto client = daemon.connect("admin", Role::kAdmin);

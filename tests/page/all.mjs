@@ -2,5 +2,7 @@
 import "./page.test.mjs";
 import "./look.test.mjs";
 import "./overlays.test.mjs";
+import "./sensors.test.mjs";
+import "./mirror.test.mjs";
 import "./stereo.test.mjs";
 import "./browse.test.mjs";

@@ -2,10 +2,10 @@
 // done nothing wrong in the end.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
+import { drawn } from "./picture.mjs";
 import { Daemon, launch, openPage, until } from "./programs.mjs";
 
-export { drawn } from "./picture.mjs";
-export { until } from "./programs.mjs";
+export { drawn, until };
 
 export let browser;
 before(async () => {
@@ -13,10 +13,10 @@ before(async () => {
 });
 after(() => browser?.close());
 
-// `run(page, claim, daemon)`; claim(name, body): a part of the test that stands on its own.
-export function pageTest(name, run, { daemon: words = [], ...options } = {}) {
+// `run(page, claim, daemon)`; claim(name, body): a part of the test that stands on its own. `serve` starts what serves the page.
+export function pageTest(name, run, { daemon: words = [], serve = () => Daemon.start(...words), ...options } = {}) {
   test(name, async (t) => {
-    const daemon = await Daemon.start(...words);
+    const daemon = await serve();
     try {
       const page = await openPage(browser, daemon, options);
       await run(page, (claim, body) => t.test(claim, body), daemon);
@@ -35,6 +35,13 @@ export const viewBox = (page) => page.locator(".view canvas").boundingBox();
 export async function look(page, name) {
   await page.getByRole("combobox", { name: "Viewpoint" }).selectOption(name);
   await settled(page, "table"); // the view travels there
+}
+export async function overlay(page, name, on) {
+  const box = page.getByLabel(name, { exact: true });
+  if (!(await box.isVisible())) await button(page, "Overlays").click();
+  await box.setChecked(on);
+  await page.keyboard.press("Escape");
+  await drawn(page);
 }
 // Done when a body stays where it is on the screen.
 export const settled = (page, body) =>

@@ -1,27 +1,11 @@
 // Overlays: each is where the model's kinematics and the physics say, in its colour, and gone when switched off.
 import assert from "node:assert/strict";
-import { body, button, control, drawn, isRed, look, pageTest, settled, until, viewBox } from "./harness.mjs";
+import { body, button, control, drawn, isRed, look, overlay, pageTest, settled, until } from "./harness.mjs";
 import { linkPositions, readArm } from "./kinematics.mjs";
-import { colourAt, middleOf, pixels } from "./picture.mjs";
+import { around, colourAt, like } from "./picture.mjs";
 
 const kCentre = [0xb0, 0x49, 0x9a], kTrail = kCentre, kAxis = [0x00, 0x72, 0xb2], kContact = [0xd5, 0x5e, 0x00];
-const like = (wanted, tolerance = 8) => (...seen) => wanted.every((value, i) => Math.abs(seen[i] - value) <= tolerance);
 const floor = (page, point) => body(page, "floor", point);
-
-async function overlay(page, name, on) {
-  const box = page.getByLabel(name, { exact: true });
-  if (!(await box.isVisible())) await button(page, "Overlays").click();
-  await box.setChecked(on);
-  await page.keyboard.press("Escape");
-  await drawn(page);
-}
-
-// Pixels of a colour at most `reach` pixels from a place.
-async function around(page, { x, y }, reach, is) {
-  const view = await viewBox(page);
-  const [left, top] = [Math.max(view.x, Math.round(x) - reach), Math.max(view.y, Math.round(y) - reach)];
-  return middleOf(await pixels(page, { x: left, y: top, width: 2 * reach + 1, height: 2 * reach + 1 }), is);
-}
 
 const angles = (page) => page.evaluate(() => Object.fromEntries([1, 2, 3, 4, 5, 6, 7].map((i) => [`joint_${i}`, visum.read("arm", `Actual Angle ${i}`)])));
 

@@ -38,6 +38,16 @@ export function middleOf({ width, height, data }, is, { from = 0, to = width, to
   return { x: x / count, y: y / count, count };
 }
 
+// A colour, nearly.
+export const like = (wanted, tolerance = 8) => (...seen) => wanted.every((value, i) => Math.abs(seen[i] - value) <= tolerance);
+
+// Pixels of a colour at most `reach` pixels from a place of the view.
+export async function around(page, { x, y }, reach, is) {
+  const view = await page.locator(".view canvas").boundingBox();
+  const [left, top] = [Math.max(view.x, Math.round(x) - reach), Math.max(view.y, Math.round(y) - reach)];
+  return middleOf(await pixels(page, { x: left, y: top, width: 2 * reach + 1, height: 2 * reach + 1 }), is);
+}
+
 const twoFrames = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
 // Until the view is drawn as it stays, with every pixel (a slow machine leaves some out while things move), and is on the

@@ -1,5 +1,5 @@
 // The real programs, for the tests of this folder: visumd on free ports, and Chromium with the page that it serves.
-import { spawn } from "node:child_process";
+import { execFileSync, spawn } from "node:child_process";
 import { once } from "node:events";
 import { existsSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -25,12 +25,16 @@ export class Daemon {
     if (!options.includes("--hold")) own.push("--run");
     if (!options.includes("--port")) own.push("--port", "0");
     const words = [scene, ...own, ...options.filter((word) => word !== "--hold")];
-    daemon.process = spawn(join(bin, "visumd"), words, { stdio: ["ignore", "pipe", "inherit"] });
-    const died = once(daemon.process, "exit").then(([code]) => Promise.reject(new Error(`visumd ended with ${code} before it was ready`)));
-    const [line] = await Promise.race([once(createInterface({ input: daemon.process.stdout }), "line"), died]);
-    died.catch(() => undefined); // later, it may end
-    Object.assign(daemon, JSON.parse(line)); // port, http, ...
+    await daemon.spawn("visumd", words);
     return daemon;
+  }
+  // Any server program; done when it is ready.
+  async spawn(program, words) {
+    this.process = spawn(join(bin, program), words, { stdio: ["ignore", "pipe", "inherit"] });
+    const died = once(this.process, "exit").then(([code]) => Promise.reject(new Error(`${program} ended with ${code} before it was ready`)));
+    const [line] = await Promise.race([once(createInterface({ input: this.process.stdout }), "line"), died]);
+    died.catch(() => undefined); // later, it may end
+    Object.assign(this, JSON.parse(line)); // port, http, ...
   }
   get url() {
     return `http://127.0.0.1:${this.http}/`;
@@ -40,6 +44,25 @@ export class Daemon {
     const ended = once(this.process, "exit");
     this.process.kill("SIGTERM");
     await ended;
+  }
+}
+
+// Two virtual arms, each in a world of its own, behind one part: the mirror serves the page.
+export class MirroredPair extends Daemon {
+  static async start() {
+    const pair = new MirroredPair();
+    pair.arms = [await Daemon.start("--http", "off"), await Daemon.start("--http", "off")];
+    const [primary, shadow] = pair.arms.map(({ port }) => `127.0.0.1:${port}`);
+    await pair.spawn("visum-mirror", ["--primary", primary, "--shadow", shadow, "--port", "0", "--json", "-v", "0", "--iterations", kMostTicks]);
+    return pair;
+  }
+  // The shadow comes along no more: its time stands.
+  holdBack() {
+    execFileSync(join(bin, "visum"), ["pause", "--connect", `127.0.0.1:${this.arms[1].port}`]);
+  }
+  async stop() {
+    await super.stop();
+    for (const arm of this.arms) await arm.stop();
   }
 }
 

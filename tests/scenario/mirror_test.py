@@ -8,7 +8,7 @@ import subprocess
 import unittest
 
 from programs import BIN
-from served_arm import PATIENCE_S, MirrorProgram, Program, virtual_arm, wait_until
+from served_arm import PATIENCE_S, MirrorProgram, Program, serve_real, virtual_arm, wait_until
 
 import visum
 
@@ -146,6 +146,25 @@ class TwoArms(unittest.TestCase):
         for arm in self.arms:
             with visum.Client(arm.address, name="look", role="observer") as client:
                 self.assertEqual(client.part("arm").parameter("Maximum Acceleration 1"), 0.5)
+
+    def test_shows_the_world_of_the_primary_and_follows_its_changes(self) -> None:
+        self.mirror()
+        self.assertEqual(self.seen("World Of"), 1)
+        self.go(0.3)
+        self.expect(lambda: self.seen("Actual Angle 1") > 0.295 and self.seen("Part State") == READY)
+        self.client.advance_ms(20)
+        self.assertAlmostEqual(self.client.read_world().joint("arm/joint_1").position, 0.3, delta=0.005)
+        with visum.Client(self.arms[0].address, name="look", role="admin") as admin:
+            admin.add_body("{name: ball, mass: 0.1, pose: {xyz: [1.5, 1.5, 0.05]}, shapes: [{sphere: 0.05}]}")
+        self.expect(lambda: "ball" in self.client.world().body_names)
+        self.assertAlmostEqual(self.client.read_world().body("ball").position[0], 1.5, places=3)
+
+    def test_shows_the_world_of_the_shadow_where_the_primary_is_real(self) -> None:
+        with serve_real("tcp")() as real:
+            self.arms[0] = real
+            self.mirror()
+            self.assertEqual(self.seen("World Of"), 2)
+            self.assertIn("box", self.client.world().body_names)
 
 
 class WrongUse(unittest.TestCase):

@@ -2,6 +2,7 @@
 import { Vector3 } from "three";
 import type { Parts } from "./model/parts";
 import type { World } from "./model/world";
+import type { Ghost } from "./view3d/ghost";
 import type { Viewer } from "./view3d/viewer";
 
 export interface PortInfo {
@@ -23,12 +24,14 @@ export interface VisumApi {
   bodies(): string[];
   // Where a point of a body (m, in its frame; none: its origin) is in the page, in pixels; null: behind the camera.
   project(body: string, point?: [number, number, number]): { x: number; y: number } | null;
+  // The same of the ghost: the other arm of a mirrored pair; null, too: that body has none.
+  projectGhost(body: string, point?: [number, number, number]): { x: number; y: number } | null;
   // Where the world is seen from: m, in the world's frame; the vertical angle of view in degrees.
   camera(): { position: number[]; target: number[]; fov: number };
   simTime(): number; // s
 }
 
-export function makeApi(parts: Parts, world: World, viewer: Viewer): VisumApi {
+export function makeApi(parts: Parts, world: World, viewer: Viewer, ghost: Ghost): VisumApi {
   const port = (part: string, name: string) => {
     const found = parts.port(part, name);
     if (!found) throw new Error(`there is no port '${name}' of a part '${part}'`);
@@ -53,6 +56,10 @@ export function makeApi(parts: Parts, world: World, viewer: Viewer): VisumApi {
       const group = viewer.bodies.groups[world.bodyIndex(body)];
       if (!group) throw new Error(`there is no body '${body}'`);
       return viewer.toPixels(group.localToWorld(new Vector3(...point)));
+    },
+    projectGhost: (body, point = [0, 0, 0]) => {
+      const matrix = ghost.matrixOf(world.bodyIndex(body));
+      return matrix && viewer.toPixels(new Vector3(...point).applyMatrix4(matrix));
     },
     camera: () => {
       const { camera, controls } = viewer.view;

@@ -21,8 +21,10 @@ import { Tree } from "./tree/tree";
 import { h, setText } from "./ui/dom";
 import { Layout } from "./ui/layout";
 import { reportError } from "./ui/toasts";
+import { Ghost } from "./view3d/ghost";
 import { Overlays } from "./view3d/overlays";
 import { Selection } from "./view3d/selection";
+import { SensorOverlay } from "./view3d/sensors";
 import { viewToolbar } from "./view3d/toolbar";
 import { Viewer } from "./view3d/viewer";
 
@@ -47,17 +49,18 @@ const tree = new Tree(link, parts, {
 const scene = h("span", { class: "scene" });
 layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element, layout.toggles, connectionBadge(link));
 layout.panes.parts.append(tree.element);
-const overlays = new Overlays(viewer, world, layout.view);
+const ghost = new Ghost(viewer, world, parts);
+const overlays = new Overlays(viewer, world, new SensorOverlay(viewer, world, parts), ghost, layout.view);
 const selection = new Selection(viewer, world, parts, link, layout.view);
 const notShown = h("p", { class: "not-shown", hidden: true });
-layout.view.append(viewToolbar(viewer, world, overlays, selection, layout.view), notShown, lostBanner(link));
+layout.view.append(viewToolbar(viewer, world, overlays, selection, layout.view), notShown, ghost.sign, lostBanner(link));
 world.description.watch((description) => {
   const losses = description?.losses ?? [];
   notShown.hidden = losses.length === 0;
   notShown.title = losses.join("\n");
   setText(notShown, `Not shown or simulated: ${losses.length === 1 ? losses[0] : `${losses.length} things of the models`}`);
 });
-window.visum = makeApi(parts, world, viewer);
+window.visum = makeApi(parts, world, viewer, ghost);
 
 // Live means: connected, and a picture of this connection's data drawn.
 let fresh = false;

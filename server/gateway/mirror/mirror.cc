@@ -59,6 +59,19 @@ Mirror::Mirror(const std::array<std::string, kArms>& addresses, const std::strin
   const auto board = arms_[0].read_blackboard("Identity");
   identity_.assign(reinterpret_cast<const char*>(board.data()), board.size());
   compare();
+  find_world(token);
+}
+
+void Mirror::find_world(const std::string& token) {
+  for (std::size_t i = 0; i < kArms && !world_of_; ++i) {
+    world_.emplace(arms_[i].address(), token);
+    if (world_->has_world()) world_of_ = i;
+  }
+  if (!world_of_) world_.reset();
+}
+
+void Mirror::show_world(Published& published) const {
+  if (world_) world_->fill(published);
 }
 
 void Mirror::check_alike() const {
@@ -74,6 +87,7 @@ void Mirror::pump() {
     if (!arm.poll()) continue;
     arm.rebase(commanded(), initial_);
   }
+  if (world_) world_->poll();
   hear_refusals();
   compare();
 }
@@ -176,8 +190,9 @@ void Mirror::wait_until(std::chrono::steady_clock::time_point due) {
   const auto left = std::max(due - std::chrono::steady_clock::now(), std::chrono::steady_clock::duration{});
   const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(left).count();
   const timespec wait{static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
-  std::array<pollfd, kArms> set{};
+  std::array<pollfd, kArms + 1> set{};
   for (std::size_t i = 0; i < kArms; ++i) set[i] = {arms_[i].descriptor(), POLLIN, 0};
+  set[kArms] = {world_ ? world_->descriptor() : -1, POLLIN, 0};
   ::ppoll(set.data(), set.size(), &wait, nullptr);
 }
 

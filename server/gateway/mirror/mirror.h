@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "server/gateway/mirror/arm_link.h"
+#include "server/gateway/mirror/world_link.h"
 
 namespace visum::gateway {
 
@@ -56,6 +57,9 @@ class Mirror {
   std::uint64_t refusals(std::size_t arm) const { return arms_[arm].refusals(); }
   bool connected(std::size_t arm) const { return arms_[arm].connected(); }
   std::size_t primary() const { return primary_; }
+  // The world that is shown: of which arm, if one of them has one (the primary at start, else the other).
+  std::optional<std::size_t> world_of() const { return world_of_; }
+  void show_world(Published& published) const;
   // Returns why not.
   std::optional<std::string> switch_to(std::size_t arm, bool by_force);
   MirrorBounds& bounds() { return bounds_; }
@@ -67,6 +71,7 @@ class Mirror {
   void check_alike() const;
   void compare();
   void hear_refusals();
+  void find_world(const std::string& token);
   void raise(const std::string& why);
   std::vector<double> commanded() const;  // with the mirror's own halts
   void send();
@@ -84,6 +89,8 @@ class Mirror {
   std::size_t primary_ = 0;
   bool fault_ = false;
   std::string why_;
+  std::optional<WorldLink> world_;
+  std::optional<std::size_t> world_of_;
   std::array<std::uint64_t, kArms> refusals_seen_{};
   bool exceeded_ = false;  // the limit, when last looked
 };

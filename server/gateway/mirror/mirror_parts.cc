@@ -94,6 +94,7 @@ class Divergence : public MirrorPart {
     ports.push_back({"Divergence Fault", "", 0.0, 1.0, 0.0, "Divergence Fault"});
     ports.push_back({"Refusals 1", "", 0.0, kMostRefusals, 0.0, "Refusals"});
     ports.push_back({"Refusals 2", "", 0.0, kMostRefusals, 0.0, "Refusals"});
+    ports.push_back({"World Of", "", 0.0, 2.0, 0.0, "World Of"});
     description_.blackboards = {{"Fault", "text/plain", 1, 0, kLongestFault, false}};
     description_.parameters = parameters();
   }
@@ -109,6 +110,7 @@ class Divergence : public MirrorPart {
     *next++ = mirror_.fault() ? 1.0 : 0.0;
     for (std::size_t arm = 0; arm < Mirror::kArms; ++arm)
       *next++ = static_cast<double>(mirror_.refusals(arm));
+    *next++ = mirror_.world_of() ? static_cast<double>(*mirror_.world_of() + 1) : 0.0;
   }
   std::span<const std::byte> read_blackboard(std::size_t) const override {
     const auto text = std::as_bytes(std::span(mirror_.why()));

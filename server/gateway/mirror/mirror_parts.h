@@ -15,7 +15,8 @@ std::unique_ptr<hwparts::Part> make_mirrored_arm(Mirror& mirror);
 
 // Sensor outputs: "Divergence of Actual Angle 1" ... (the shadow's minus the primary's), "Largest Angle
 // Divergence" [rad], "Largest Position Divergence" [m], "Primary" (1, 2), "Connected 1", "Connected 2",
-// "Divergence Fault", "Refusals 1", "Refusals 2" (commands that the arms refused). Parameters: "Primary",
+// "Divergence Fault", "Refusals 1", "Refusals 2" (commands that the arms refused), "World Of" (the arm whose
+// world is shown; 0: there is none). Parameters: "Primary",
 // "Force Primary", and the limits. Blackboard "Fault": why the last one was raised.
 std::unique_ptr<hwparts::Part> make_divergence(Mirror& mirror, const std::string& name);
 

@@ -4,6 +4,7 @@ import type { BlackboardDescription } from "../link/messages";
 import type { Part } from "../model/part";
 import { h } from "../ui/dom";
 import { reportError } from "../ui/toasts";
+import { decodeCamera, kCameraType } from "./camera_image";
 
 const kRefreshMs = 1000;
 const kMostNumbers = 256;
@@ -34,6 +35,7 @@ export function blackboardsView(link: Link, part: Part): HTMLElement | null {
 export function show(board: BlackboardDescription, bytes: Uint8Array): HTMLElement {
   const type = board.contentType;
   if (type.startsWith("text/") || type === "application/json") return h("pre", {}, new TextDecoder().decode(bytes));
+  if (type.startsWith(kCameraType)) return cameraPicture(bytes, board.name);
   if (type.startsWith("image/")) return picture(type, bytes, board.name);
   const numbers = asNumbers(board, bytes);
   if (!numbers) return h("pre", {}, hex(bytes.subarray(0, kMostBytes)));
@@ -45,6 +47,15 @@ export function show(board: BlackboardDescription, bytes: Uint8Array): HTMLEleme
 function picture(type: string, bytes: Uint8Array, name: string): HTMLElement {
   const url = URL.createObjectURL(new Blob([new Uint8Array(bytes)], { type }));
   return h("img", { src: url, alt: name, onload: () => URL.revokeObjectURL(url) });
+}
+
+function cameraPicture(bytes: Uint8Array, name: string): HTMLElement {
+  const image = decodeCamera(bytes);
+  if (!image) return h("p", { class: "empty" }, "No picture yet.");
+  const { width, height } = image;
+  const canvas = h("canvas", { width, height, role: "img", "aria-label": `${name}, taken at ${image.takenS.toFixed(3)} s` });
+  canvas.getContext("2d")!.putImageData(new ImageData(image.rgba, width, height), 0, 0);
+  return canvas;
 }
 
 // Scans and vectors: floats by the size of an element.

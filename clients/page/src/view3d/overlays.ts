@@ -1,5 +1,5 @@
 // What can be laid over the world: frames, centres of mass, joint axes with their angles, contacts with their forces,
-// trails. Drawn through bodies, so that nothing hides.
+// trails, what sensors see. Drawn through bodies, so that nothing hides.
 import {
   ArrowHelper, AxesHelper, BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, Quaternion,
   SphereGeometry, Vector3,
@@ -7,7 +7,10 @@ import {
 import type { JointDescription, WorldDescription } from "../link/messages";
 import type { World } from "../model/world";
 import { formatInRange } from "../ui/numbers";
+import type { Ghost } from "./ghost";
 import { Labels } from "./labels";
+import { onTop } from "./on_top";
+import type { SensorOverlay } from "./sensors";
 import type { Viewer } from "./viewer";
 
 export const kOverlays = {
@@ -17,6 +20,9 @@ export const kOverlays = {
   contacts: "Contacts and forces",
   trails: "Trails",
   collision: "Collision shapes",
+  rays: "Sensor rays",
+  cameras: "Camera frusta",
+  ghost: "The other arm of a mirrored pair",
 } as const;
 export type OverlayName = keyof typeof kOverlays;
 
@@ -26,7 +32,9 @@ const kLongestArrow = 0.5;
 const kTrailPoints = 600;
 
 export class Overlays {
-  readonly on: Record<OverlayName, boolean> = { frames: false, com: false, joints: false, contacts: false, trails: false, collision: false };
+  readonly on: Record<OverlayName, boolean> = {
+    frames: false, com: false, joints: false, contacts: false, trails: false, collision: false, rays: false, cameras: false, ghost: true,
+  };
   private readonly root = new Group();
   private readonly contacts = new Group();
   private readonly labels: Labels;
@@ -35,15 +43,18 @@ export class Overlays {
   private axes: { arrow: ArrowHelper; joint: JointDescription; parent: number; child: number; index: number }[] = [];
   private trails: { line: Line; body: number; count: number }[] = [];
 
-  constructor(private readonly viewer: Viewer, private readonly world: World, container: HTMLElement) {
+  constructor(private readonly viewer: Viewer, private readonly world: World, private readonly sensors: SensorOverlay, private readonly ghost: Ghost, container: HTMLElement) {
     this.labels = new Labels(container, viewer);
-    viewer.scene.add(this.root, this.contacts);
+    viewer.scene.add(this.root, this.contacts, sensors.root);
     viewer.rebuilt.on((description) => this.build(description));
     viewer.beforeDraw.on(() => this.place());
   }
 
   set(name: OverlayName, on: boolean): void {
     this.on[name] = on;
+    if (name === "rays") this.sensors.showRays(on);
+    if (name === "cameras") this.sensors.showFrusta(on);
+    if (name === "ghost") this.ghost.set(on);
     if (name === "collision") this.viewer.bodies.showCollisionShapes(on);
     if (name === "trails" && !on) for (const trail of this.trails) trail.count = 0;
     this.viewer.redraw();
@@ -60,6 +71,7 @@ export class Overlays {
     }));
     this.trails = description.bodies.flatMap((body, i) => (body.fixed ? [] : [{ line: trailLine(), body: i, count: 0 }]));
     this.root.add(...this.frames, ...this.centres, ...this.axes.map(({ arrow }) => arrow), ...this.trails.map(({ line }) => line));
+    this.sensors.build(description);
     this.viewer.bodies.showCollisionShapes(this.on.collision);
   }
 
@@ -81,6 +93,7 @@ export class Overlays {
     this.placeAxes();
     this.placeContacts();
     this.placeTrails();
+    this.sensors.place();
   }
 
   private placeAxes(): void {
@@ -127,15 +140,6 @@ export class Overlays {
       if (this.on.trails) extend(trail, this.viewer.bodies.groups[trail.body]!.position);
     }
   }
-}
-
-function onTop<T extends AxesHelper | Mesh | Line>(object: T): T {
-  const material = object.material as LineBasicMaterial;
-  material.depthTest = false;
-  material.toneMapped = false; // the colours of the palette, in any light
-  object.renderOrder = 10;
-  object.raycast = () => undefined;
-  return object;
 }
 
 function arrow(color: number): ArrowHelper {

@@ -73,7 +73,7 @@ function triple([x = 0, y = 0, z = 0]: number[]): [number, number, number] {
 
 function overlayMenu(overlays: Overlays): HTMLElement {
   const rows = (Object.keys(kOverlays) as OverlayName[]).map((name) => {
-    const box = h("input", { type: "checkbox" });
+    const box = h("input", { type: "checkbox", checked: overlays.on[name] });
     box.addEventListener("change", () => overlays.set(name, box.checked));
     return h("label", { class: "check" }, box, h("span", {}, kOverlays[name]));
   });

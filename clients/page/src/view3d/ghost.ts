@@ -1,0 +1,119 @@
+// The other arm of a mirrored pair, as a ghost of the one that the world shows.
+import { Color, Group, Matrix4, Mesh, MeshStandardMaterial } from "three";
+import type { WorldDescription } from "../link/messages";
+import type { Part } from "../model/part";
+import type { Parts } from "../model/parts";
+import type { World } from "../model/world";
+import { h, setText } from "../ui/dom";
+import { isDrawn } from "./bodies";
+import { divergencePorts, ghostBodies, ghostPose, type GhostBody } from "./ghost_pose";
+import type { Viewer } from "./viewer";
+
+const kColor = new Color(0x009e73);
+const kOpacity = 0.45;
+const kKind = "divergence"; // of the part that tells how far two arms are apart (visum mirror)
+const kSuffix = "_divergence"; // of its name, behind that of the arm
+
+export class Ghost {
+  readonly sign = h("p", { class: "ghost-sign", hidden: true });
+  private readonly root = new Group();
+  private groups: Group[] = []; // by body; those of no ghost are empty
+  private bodies: GhostBody[] = [];
+  private ports: number[] = []; // by joint: the output that tells how far it is apart
+  private part: Part | null = null;
+  private on = true;
+  private stop: () => void = () => undefined;
+
+  constructor(private readonly viewer: Viewer, private readonly world: World, private readonly parts: Parts) {
+    viewer.scene.add(this.root);
+    viewer.rebuilt.on((description) => this.build(description));
+    parts.list.watch(() => this.world.description.value && this.build(this.world.description.value));
+    viewer.beforeDraw.on(() => this.place());
+  }
+
+  set(on: boolean): void {
+    this.on = on;
+    this.viewer.redraw();
+  }
+
+  // From the frame of a body's ghost to the world; null: it has none.
+  matrixOf(body: number): Matrix4 | null {
+    return this.bodies.some((ghost) => ghost.body === body) ? this.groups[body]!.matrixWorld : null;
+  }
+
+  private build(description: WorldDescription): void {
+    this.stop();
+    this.clear();
+    this.part = this.parts.list.value.find(({ description: { kind } }) => kind === kKind) ?? null;
+    if (!this.part || this.viewer.bodies.groups.length !== description.bodies.length) return;
+    const arm = this.part.name.endsWith(kSuffix) ? this.part.name.slice(0, -kSuffix.length) : "";
+    this.bodies = ghostBodies(description.joints, arm, (name) => this.world.bodyIndex(name));
+    this.ports = divergencePorts(description.joints, arm, this.part.description.sensorOutputs);
+    this.groups = description.bodies.map(() => new Group());
+    for (const { body } of this.bodies) this.addShapes(body);
+    for (const group of this.groups) this.root.add(group);
+    this.stop = this.part.sampled.on(() => this.viewer.redraw());
+  }
+
+  private addShapes(body: number): void {
+    for (const { mesh, shape } of this.viewer.bodies.shapes[body]!) {
+      if (!isDrawn(shape)) continue;
+      const copy = new Mesh(mesh.geometry, new MeshStandardMaterial({ color: kColor, transparent: true, opacity: kOpacity, depthWrite: false }));
+      copy.position.copy(mesh.position);
+      copy.quaternion.copy(mesh.quaternion);
+      copy.raycast = () => undefined;
+      this.groups[body]!.add(copy);
+    }
+  }
+
+  // The geometries are those of the bodies, who dispose of them.
+  private clear(): void {
+    this.root.traverse((object) => object instanceof Mesh && (object.material as MeshStandardMaterial).dispose());
+    this.root.clear();
+    this.bodies = [];
+    this.groups = [];
+  }
+
+  private place(): void {
+    const joints = this.world.description.value?.joints ?? [];
+    const shown = this.viewer.bodies.groups;
+    const side = this.side();
+    this.root.visible = this.on && side !== 0 && this.bodies.length > 0;
+    this.tell(side);
+    if (!this.root.visible || shown.length !== this.groups.length) return;
+    for (const { body, joint, parent } of this.bodies) {
+      const apart = side * this.value(this.ports[joint]!);
+      const parentShown = shown[parent]?.matrixWorld ?? new Matrix4();
+      const parentGhost = this.matrixOf(parent) ?? parentShown;
+      const group = this.groups[body]!;
+      group.matrixAutoUpdate = false;
+      group.matrix.copy(ghostPose(joints[joint]!, apart, parentGhost, parentShown, shown[body]!.matrixWorld));
+      group.updateMatrixWorld(true);
+    }
+  }
+
+  // The ports tell how far the shadow is from the primary: +1 where the world is the primary's, -1 where it is the shadow's;
+  // 0: nothing is known of the other arm.
+  private side(): number {
+    const [of, primary] = [this.read("World Of"), this.read("Primary")];
+    const connected = this.read("Connected 1") === 1 && this.read("Connected 2") === 1;
+    if (!(of > 0) || !connected) return 0;
+    return of === primary ? 1 : -1;
+  }
+
+  private tell(side: number): void {
+    this.sign.hidden = !this.part || !this.on;
+    if (this.sign.hidden) return;
+    const far = (this.read("Largest Angle Divergence") * 180) / Math.PI;
+    setText(this.sign, side === 0 ? "The other arm is not connected" : `Ghost: the ${side > 0 ? "shadow" : "primary"} arm, ${far.toFixed(1)}° apart`);
+  }
+
+  private value(port: number): number {
+    const value = this.part?.sample?.sensorOutputs[port];
+    return value === undefined || Number.isNaN(value) ? 0 : value;
+  }
+  private read(name: string): number {
+    const port = this.part?.port(name);
+    return port && this.part ? this.part.value(port) : NaN;
+  }
+}

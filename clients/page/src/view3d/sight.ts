@@ -1,0 +1,36 @@
+// What sensors see, in their own frame: they look along x, z is up. Pure.
+import type { SensorDescription } from "../link/messages";
+
+export type Point = [number, number, number];
+
+// Where the rays ended, by the readings; an end of the range tells that nothing was there, or that it was too near.
+export function hits({ range, angle }: Pick<SensorDescription, "range" | "angle">, distances: ArrayLike<number>): Point[] {
+  const [lowest = 0, highest = 0] = range;
+  const [first = 0, last = first] = angle;
+  const found: Point[] = [];
+  for (let i = 0; i < distances.length; ++i) {
+    const distance = distances[i]!;
+    if (!(distance > lowest && distance < highest)) continue;
+    const turn = distances.length === 1 ? first : first + ((last - first) * i) / (distances.length - 1);
+    found.push([distance * Math.cos(turn), distance * Math.sin(turn), 0]);
+  }
+  return found;
+}
+
+// The four corners of the picture, seen at `depth` along the axis: upper left, upper right, lower right, lower left.
+export function corners({ fov, aspect }: Pick<SensorDescription, "fov" | "aspect">, depth: number): Point[] {
+  const side = depth * Math.tan(fov / 2);
+  const up = side / aspect;
+  return [[depth, side, up], [depth, -side, up], [depth, -side, -up], [depth, side, -up]];
+}
+
+// The edges of what a camera sees, as pairs of points: from its eye to as far as it sees, closed there and, since that is
+// far away, at `near` too, where a tick marks the upper edge.
+export function frustumEdges(sensor: Pick<SensorDescription, "fov" | "aspect" | "range">, near: number): Point[] {
+  const far = corners(sensor, sensor.range[1] ?? near);
+  const close = corners(sensor, Math.min(near, sensor.range[1] ?? near));
+  const frame = (of: Point[]) => of.flatMap((corner, i): Point[] => [corner, of[(i + 1) % of.length]!]);
+  const [left, right] = [close[0]!, close[1]!];
+  const tip: Point = [left[0], 0, 1.4 * left[2]];
+  return [...far.flatMap((corner): Point[] => [[0, 0, 0], corner]), ...frame(far), ...frame(close), left, tip, tip, right];
+}
