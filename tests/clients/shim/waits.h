@@ -1,11 +1,8 @@
 /* Ways to let time pass, each by other means. Every one waits for about `ms` milliseconds. */
-#ifndef TESTS_CLIENTS_SHIM_WAITS_H
-#define TESTS_CLIENTS_SHIM_WAITS_H
+#pragma once
 
 struct kind {
   const char* name;
   void (*wait)(long ms);
 };
 extern const struct kind kinds[]; /* ends with a null name */
-
-#endif
