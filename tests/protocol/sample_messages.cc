@@ -149,6 +149,9 @@ Samples<Request> sample_requests() {
       {"shutdown", Shutdown{}},
       {"read_texture", ReadTexture{2}},
       {"note", Note{"waits for thread 7"}},
+      {"inject_fault", InjectFault{"arm", "encoder_offset", {{"joint", 3}, {"offset", 0.01}}, 2'000'000'000}},
+      {"clear_fault", ClearFault{"arm", "encoder_offset", 3}},
+      {"list_faults", ListFaults{"arm"}},
   };
 }
 
@@ -172,6 +175,11 @@ Samples<Reply> sample_replies() {
       {"snapshot", SnapshotTaken{2, 100, 0xdeadbeefcafe}},
       {"event", Event{"lease_lost", "pick_and_place is gone", "arm", 1, 77}},
       {"texture", TextureData{"image/png", bytes({137, 80, 78, 71})}},
+      {"faults", FaultList{{{"torque_lost",
+                             "drive",
+                             "less torque",
+                             {{"joint", "", 1, 64, true, 0}, {"share", "", 0, 1, false, 1}}}},
+                           {{"arm", "torque_lost", {{"joint", 3}, {"share", 0.5}}, 1200}}}},
   };
 }
 
