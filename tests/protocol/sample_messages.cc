@@ -81,7 +81,7 @@ WorldDescription world() {
   w.viewpoints = {{"from above", {0, 0, 2}, {0.1, 0, 0}, 0.7}};
   w.panels = {{"Jog", "{\"visum_panel\": 1}"}};
   w.losses = {"model 'arm': a camera is not simulated"};
-  w.sensors = {{"eye", "scanner", "box", {0, 0, 0.1, 1, 0, 0, 0}, {0.05, 8}, {-1.5, 1.5}, 0.0, 0.0},
+  w.sensors = {{"eye", "scanner", "box", {0, 0, 0.1, 1, 0, 0, 0}, {0.05, 8}, {-1.5, 1.5}, 0.5, 2.0},
                {"camera", "camera", "", {1, 2, 3, 1, 0, 0, 0}, {0, 100}, {}, 1.25, 1.5}};
   w.revision = 5;
   return w;
@@ -178,7 +178,7 @@ Samples<Reply> sample_replies() {
       {"faults", FaultList{{{"torque_lost",
                              "drive",
                              "less torque",
-                             {{"joint", "", 1, 64, true, 0}, {"share", "", 0, 1, false, 1}}}},
+                             {{"offset", "<u>", -1, 1, true, 0.5}, {"share", "", 0, 1, false, 1}}}},
                            {{"arm", "torque_lost", {{"joint", 3}, {"share", 0.5}}, 1200}}}},
   };
 }
