@@ -93,6 +93,25 @@ TEST_F(Faults, EncoderNoiseHasTheDeviationThatWasAskedFor) {
   EXPECT_NEAR(deviation, 1e-3, 1e-4);  // of 400 readings: 3.5 % of it
 }
 
+TEST_F(Faults, TorqueBrakeGearAndHeatBreakAtTheDriveThatWasNamed) {
+  inject("torque_lost", {{"joint", 2}});
+  inject("brake_stuck", {{"joint", 3}});
+  inject("gear_slip", {{"joint", 1}, {"effort", 0.5}});
+  for (int joint = 1; joint <= 3; ++joint) write("Desired Angle " + std::to_string(joint), 0.5);
+  const double second = truth("arm/joint_2"), third = truth("arm/joint_3");
+  for (int i = 0; i < 3000 && read("Part State") != static_cast<double>(servo_group::PartState::kFault); ++i)
+    advance(client, 1);
+  EXPECT_NE((word(2) | word(3)) & bit::kTowError, 0u);
+  EXPECT_LT(truth("arm/joint_2"), second + 0.01) << "no torque takes it there";
+  EXPECT_NEAR(truth("arm/joint_3"), third, 0.05) << "its brake holds it back: 0.1 rad behind is what trips";
+  EXPECT_GT(read("Actual Angle 1") - truth("arm/joint_1"), 0.005) << "the motor went, the joint did not";
+  EXPECT_EQ(word(6) & bit::kError, 0u);
+  inject("over_temperature", {{"joint", 6}, {"celsius", 400}});
+  advance(client, 2);
+  EXPECT_NE(word(6) & bit::kFetTemp, 0u);
+  EXPECT_EQ(word(7) & bit::kFetTemp, 0u);
+}
+
 TEST_F(Faults, ASupplyDipBelowTheMinimumTripsAllDrivesAndEndsWithIt) {
   inject("supply_dip", {{"volts", 10}}, 0.1);
   advance(client, 50);
