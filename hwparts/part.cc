@@ -10,4 +10,10 @@ std::optional<std::string> Part::write_blackboard(std::size_t, std::uint64_t, st
   return "the blackboard is read-only";
 }
 
+std::optional<std::string> Part::refuse_fault(const Fault& fault) const {
+  const auto target = fault_info(fault.kind).target;
+  if (has(target)) return std::nullopt;
+  return "'" + description().name + "' has no " + name_of(target) + " that could fail";
+}
+
 }  // namespace visum::hwparts

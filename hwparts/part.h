@@ -3,8 +3,8 @@
 //
 // Order of calls: construction (may throw ConfigError); then, per tick, on the tick's thread: act(), and
 // after the engines moved, publish(). Between ticks, on the same thread: reset(), set_parameter(),
-// controller_lost(), save(), load(). refuse() and description() are constant and may be called from any
-// thread. Nothing here allocates after construction, except description() and the parameter calls.
+// controller_lost(), suffer(), save(), load(). refuse() and description() are constant and may be called from
+// any thread. Nothing here allocates after construction, except description() and the parameter calls.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "hwparts/fault_set.h"
 #include "hwparts/joint.h"
 #include "hwparts/state_archive.h"
 #include "protocol/config/config.h"
@@ -40,6 +41,7 @@ struct PartContext {
   config::Node config;            // the part's entry in the scene file
   std::vector<JointInfo> joints;  // those of the model that the entry names, in the model's order
   double tick_s;                  // the tick's length
+  std::uint64_t seed = 1;         // the scene's
 };
 
 class Part {
@@ -80,6 +82,12 @@ class Part {
   virtual std::span<const std::byte> read_blackboard(std::size_t) const { return {}; }
   virtual std::optional<std::string> write_blackboard(std::size_t index, std::uint64_t offset,
                                                       std::span<const std::byte> data);
+
+  // Faults (fault_kinds.h). Whether the part has what a kind breaks; why such a fault cannot act on it,
+  // nothing if it can: constant, any thread. And all that act on it from now on, in place of those before.
+  virtual bool has(FaultTarget target) const { return target == FaultTarget::kAnyPart; }
+  virtual std::optional<std::string> refuse_fault(const Fault& fault) const;
+  virtual void suffer(std::span<const ActiveFault>) {}
 
   // The part's modules on a field bus, to be talked to between ticks; none: it has no bus.
   virtual powercube::ModuleBus* modules() { return nullptr; }

@@ -147,13 +147,29 @@ struct RemoveBody {
   std::string body;
 };
 struct Shutdown {};
+struct FaultNumber {
+  std::string name;
+  double value = 0.0;
+};
+struct InjectFault {
+  std::string part, kind;
+  std::vector<FaultNumber> numbers;
+  std::int64_t duration_ns = 0;
+};
+struct ClearFault {
+  std::string part, kind;
+  std::uint32_t joint = 0;
+};
+struct ListFaults {
+  std::string part;
+};
 
 using Request =
     std::variant<Hello, Status, ListParts, DescribePart, AcquireLease, ReleaseLease, Write, Read, Subscribe,
                  Unsubscribe, GetParameters, SetParameter, ReadBlackboard, WriteBlackboard, Join, Advance,
                  Leave, Note, DescribeWorld, ReadWorld, SubscribeWorld, UnsubscribeWorld, ReadMesh,
                  ReadTexture, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot, RestoreSnapshot, PushBody,
-                 AddBody, RemoveBody, Shutdown>;
+                 AddBody, RemoveBody, Shutdown, InjectFault, ClearFault, ListFaults>;
 
 // ------------------------------------------------------------------------------------------------ server to
 // client
@@ -336,8 +352,28 @@ struct Event {
   std::int64_t tick = 0;
 };
 
+struct FaultNumberDescription {
+  std::string name, unit;
+  double minimum = 0.0, maximum = 0.0;
+  bool needed = false;
+  double usual = 0.0;
+};
+struct FaultKind {
+  std::string name, target, effect;
+  std::vector<FaultNumberDescription> numbers;
+};
+struct ActiveFault {
+  std::string part, kind;
+  std::vector<FaultNumber> numbers;
+  std::int64_t until_tick = 0;
+};
+struct FaultList {
+  std::vector<FaultKind> kinds;
+  std::vector<ActiveFault> active;
+};
+
 using Reply = std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant,
                            PartSample, ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample,
-                           MeshData, SnapshotTaken, Event, TextureData>;
+                           MeshData, SnapshotTaken, Event, TextureData, FaultList>;
 
 }  // namespace visum::protocol

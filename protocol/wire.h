@@ -20,6 +20,8 @@ class ServerStatus;
 class WorldDescription;
 class WorldSample;
 class MeshData;
+class InjectFault;
+class FaultList;
 }  // namespace visum::v1
 
 namespace visum::protocol::wire {
@@ -63,6 +65,11 @@ std::vector<Stream> streams_of(const Repeated& from) {
   for (const auto& w : from) to.push_back({w.port(), w.written(), w.heard()});
   return to;
 }
+// wire_fault.cc
+void put(const InjectFault& from, v1::InjectFault& to);
+void take(const v1::InjectFault& from, InjectFault& to);
+void put(const FaultList& from, v1::FaultList& to);
+void take(const v1::FaultList& from, FaultList& to);
 
 // An enumerator from the wire, where 0..last are the ones that exist.
 template <typename Enum>

@@ -92,6 +92,7 @@ struct PutReply {
     w.set_data(bytes_of(m.data));
   }
   void operator()(const MeshData& m) const { put(m, *to.mutable_mesh()); }
+  void operator()(const FaultList& m) const { put(m, *to.mutable_faults()); }
 };
 
 bool take(const v1::Error& from, Error& to, std::string& why) {
@@ -200,6 +201,9 @@ bool take(const v1::ServerMessage& from, Reply& to, std::string& why) {
       return true;
     case Case::kSnapshot:
       to = SnapshotTaken{snapshot.snapshot(), snapshot.tick(), snapshot.state_hash()};
+      return true;
+    case Case::kFaults:
+      take(from.faults(), to.emplace<FaultList>());
       return true;
     case Case::kEvent:
       to = event_of(from.event());

@@ -109,6 +109,14 @@ struct PutRequest {
   void operator()(const AddBody& m) const { to.mutable_add_body()->set_yaml(m.yaml); }
   void operator()(const RemoveBody& m) const { to.mutable_remove_body()->set_body(m.body); }
   void operator()(const Shutdown&) const { to.mutable_shutdown(); }
+  void operator()(const InjectFault& m) const { put(m, *to.mutable_inject_fault()); }
+  void operator()(const ClearFault& m) const {
+    auto& w = *to.mutable_clear_fault();
+    w.set_part(m.part);
+    w.set_kind(m.kind);
+    w.set_joint(m.joint);
+  }
+  void operator()(const ListFaults& m) const { to.mutable_list_faults()->set_part(m.part); }
 };
 
 bool take(const v1::Hello& from, Hello& to, std::string& why) {
@@ -251,6 +259,15 @@ bool take_world_request(const v1::ClientMessage& from, Request& to) {
       return true;
     case v1::ClientMessage::kShutdown:
       to = Shutdown{};
+      return true;
+    case v1::ClientMessage::kInjectFault:
+      wire::take(from.inject_fault(), to.emplace<InjectFault>());
+      return true;
+    case v1::ClientMessage::kClearFault:
+      to = ClearFault{from.clear_fault().part(), from.clear_fault().kind(), from.clear_fault().joint()};
+      return true;
+    case v1::ClientMessage::kListFaults:
+      to = ListFaults{from.list_faults().part()};
       return true;
     default:
       return false;

@@ -40,6 +40,8 @@ constexpr Row kVerbs[] = {
     {"snapshot", "keep the state of the world", cli::make_snapshot},
     {"restore", "go back to a snapshot", cli::make_restore},
     {"push", "push a body", cli::make_push},
+    {"fault", "break something on purpose, or end that", cli::make_fault},
+    {"faults", "list what can be broken, and what is", cli::make_faults},
     {"check", "say what is wrong with a scene", cli::make_check},
     {"convert", "write a scene in another format", cli::make_convert},
     {"run", "run a scenario and check it", cli::make_run},

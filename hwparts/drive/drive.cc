@@ -28,23 +28,37 @@ Drive::Drive(const DriveData& data, double position, bool homed, double tick_s)
 
 void Drive::act(const Command& command, std::span<const hwparts::JointSample> joints,
                 std::span<hwparts::JointDrive> drives) {
+  state_.winding = std::max(state_.winding, broken_.least_winding);
   supervise(data_, state_);
   move_brake(data_.brake, state_, tick_s_);
   move_setpoint(command);
-  plan_ = plan_rotor(data_, state_, drive_motor(), tick_s_);
+  plan_ = plan_rotor(data_, state_, drive_motor(), brake_holds(), tick_s_);
+  const double most_effort = std::min(data_.gear.breaking_effort, broken_.slip_effort);
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    drives[i] = couple(data_, plan_, state_.rotor_position, joints.size(), joints[i], tick_s_);
+    drives[i] = couple(data_, plan_, state_.rotor_position, most_effort, joints.size(), joints[i], tick_s_);
   }
   acted_ = true;
 }
 
-void Drive::publish(std::span<const hwparts::JointSample> joints) {
+// What the brake does, whatever the module makes of it.
+bool Drive::brake_holds() const {
+  if (broken_.brake == BrakeFault::kNone) return state_.brake_closed;
+  return broken_.brake == BrakeFault::kStuckClosed;
+}
+
+double Drive::encoder(double noise) const {
+  if (broken_.encoder_stuck) return state_.measured_position;
+  return quantised(data_, state_.rotor_position + broken_.encoder_offset + noise) + state_.zero_offset;
+}
+
+void Drive::publish(std::span<const hwparts::JointSample> joints, double encoder_noise) {
   for (std::size_t i = 0; i < joints.size(); ++i) state_.joint_position[i] = joints[i].position;
   if (!acted_) return;
   acted_ = false;
   move_rotor(data_, plan_, joints, tick_s_, state_);
+  slip_gear(data_, joints, broken_.slip_effort, state_);
   watch_gear(data_.gear, state_);
-  const double measured = quantised(data_, state_.rotor_position) + state_.zero_offset;
+  const double measured = encoder(encoder_noise);
   state_.measured_speed =
       filtered_speed(data_.loop, state_.measured_speed, measured - state_.measured_position, tick_s_);
   state_.measured_position = measured;
@@ -166,8 +180,9 @@ MotorEffort Drive::drive_motor() {
   state_.current = command.current;
   state_.integral_current = command.integral;
   if (command.limited) state_.latched |= state_bit::kCurLimit;
-  const double slope = data_.effort_per_amp() * data_.effort_per_amp() / data_.motor.resistance;
-  return {data_.effort_per_amp() * command.current, command.by_voltage ? slope : 0.0};
+  const double constant = data_.effort_per_amp() * broken_.torque_share;  // [F]/A
+  const double slope = constant * data_.effort_per_amp() / data_.motor.resistance;
+  return {constant * command.current, command.by_voltage ? slope : 0.0};
 }
 
 }  // namespace visum::drive

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "hwparts/drive/broken.h"
 #include "hwparts/drive/drive_data.h"
 #include "hwparts/drive/drive_state.h"
 #include "hwparts/drive/gear.h"
@@ -27,8 +28,11 @@ class Drive {
   void act(const Command& command, std::span<const hwparts::JointSample> joints,
            std::span<hwparts::JointDrive> drives);
   // Without an act() before it (before the first tick, after a restore), only takes notice of where the
-  // joints are.
-  void publish(std::span<const hwparts::JointSample> joints);
+  // joints are. `encoder_noise`: what this reading is off by, [u].
+  void publish(std::span<const hwparts::JointSample> joints, double encoder_noise = 0.0);
+  // From now on; {} is whole again. What it did to the state (heat, a gear that slipped) stays.
+  void suffer(const Broken& broken) { broken_ = broken; }
+  const Broken& broken() const { return broken_; }
   // Back to the state after construction.
   void restart();
 
@@ -44,11 +48,14 @@ class Drive {
   Setpoint follow_bus();
   Setpoint keep_speed(double speed, const MotionLimits& limits);
   MotorEffort drive_motor();
+  bool brake_holds() const;
+  double encoder(double noise) const;
 
   DriveData data_;
   double tick_s_;
   DriveState initial_;
   DriveState state_;
+  Broken broken_;
   RotorPlan plan_;      // from act() to publish() of the same tick
   bool acted_ = false;  // plan_ holds
 };

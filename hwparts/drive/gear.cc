@@ -15,13 +15,15 @@ double sign(double x) {
   return x < 0.0 ? -1.0 : 1.0;
 }
 
-RotorPlan braked(const DriveData& data, const DriveState& state, double inertia, double tick_s) {
+RotorPlan braked(const DriveData& data, const DriveState& state, double motor_effort, double inertia,
+                 double tick_s) {
   const double mobility = tick_s / inertia;
-  const double momentum = data.reflected_inertia() * state.rotor_speed;
+  const double momentum = data.reflected_inertia() * state.rotor_speed + tick_s * motor_effort;
   const double moving = momentum - tick_s * state.gear_effort;
   const double brake = tick_s * data.brake.holding_effort;
-  if (rigid(data.gear) || std::abs(moving) <= brake) return {0.0, 0.0, mobility, 0.0};
-  return {(momentum - brake * sign(moving)) / inertia, mobility, mobility, sign(moving)};
+  if (rigid(data.gear) || std::abs(moving) <= brake) return {0.0, 0.0, mobility, 0.0, true, motor_effort};
+  const double direction = sign(moving);
+  return {(momentum - brake * direction) / inertia, mobility, mobility, direction, true, motor_effort};
 }
 
 // Which flank of the backlash the motion runs towards: the one it touches, unless it will have crossed the
@@ -33,9 +35,10 @@ double flank(double torsion, double predicted, double half_play) {
 }
 
 // The rotor is where the joint is; with the brake closed, dry friction holds it.
-hwparts::JointDrive couple_rigidly(const DriveData& data, const RotorPlan& plan, double n) {
-  const double limit = plan.mobility > 0.0 ? data.gear.breaking_effort : data.brake.holding_effort;
-  return {plan.free_speed / n, plan.mobility / n, limit, 0.0};
+hwparts::JointDrive couple_rigidly(const DriveData& data, const RotorPlan& plan, double most_effort,
+                                   double n) {
+  const double limit = plan.mobility > 0.0 ? most_effort : data.brake.holding_effort;
+  return {plan.free_speed / n, plan.mobility / n, limit, plan.motor_effort};
 }
 
 double total_effort(std::span<const hwparts::JointSample> joints) {
@@ -45,12 +48,13 @@ double total_effort(std::span<const hwparts::JointSample> joints) {
 }
 
 // ω⁺ by (1), or by the brake.
-double next_speed(const DriveData& data, const DriveState& state, const RotorPlan& plan, double effort) {
+double next_speed(const DriveData& data, const RotorPlan& plan, double effort) {
   const double speed = plan.free_speed - plan.mobility * effort;
-  if (!state.brake_closed) return speed;
+  if (!plan.braked) return speed;
   if (plan.slip_direction != 0.0) return speed * plan.slip_direction > 0.0 ? speed : 0.0;
-  const double excess = std::abs(effort) - data.brake.holding_effort;
-  return excess > 0.0 ? -sign(effort) * plan.slip_mobility * excess : 0.0;
+  const double load = plan.motor_effort - effort;
+  const double excess = std::abs(load) - data.brake.holding_effort;
+  return excess > 0.0 ? sign(load) * plan.slip_mobility * excess : 0.0;
 }
 
 void follow_joints(std::span<const hwparts::JointSample> joints, DriveState& state) {
@@ -64,33 +68,32 @@ void follow_joints(std::span<const hwparts::JointSample> joints, DriveState& sta
 }  // namespace
 
 RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const MotorEffort& motor,
-                     double tick_s) {
+                     bool brake_holds, double tick_s) {
   const double speed = state.rotor_speed;
   const double inertia =
       data.reflected_inertia() + tick_s * (friction_secant(data.gear, speed) + motor.damping);
-  if (state.brake_closed) return braked(data, state, inertia, tick_s);
   const double effort = motor.effort + motor.damping * speed;  // at standstill, on the same slope
-  return {(data.reflected_inertia() * speed + tick_s * effort) / inertia, tick_s / inertia, tick_s / inertia,
-          0.0};
+  if (brake_holds) return braked(data, state, effort, inertia, tick_s);
+  return {(data.reflected_inertia() * speed + tick_s * effort) / inertia, tick_s / inertia, tick_s / inertia};
 }
 
 hwparts::JointDrive couple(const DriveData& data, const RotorPlan& plan, double rotor_position,
-                           std::size_t share, const hwparts::JointSample& joint, double tick_s) {
+                           double most_effort, std::size_t share, const hwparts::JointSample& joint,
+                           double tick_s) {
   const auto& gear = data.gear;
   const double n = static_cast<double>(share);
-  if (rigid(gear)) return couple_rigidly(data, plan, n);
+  if (rigid(gear)) return couple_rigidly(data, plan, most_effort, n);
   const double k = gear.stiffness / n;
   const double kappa = tick_s * k + gear.damping / n;
   const double c = (1.0 / kappa + n * plan.mobility) / (n * n);  // at the joint
   const double torsion = rotor_position - n * joint.position;
-  if (gear.backlash == 0.0)
-    return {(plan.free_speed + k * torsion / kappa) / n, c, gear.breaking_effort, 0.0};
+  if (gear.backlash == 0.0) return {(plan.free_speed + k * torsion / kappa) / n, c, most_effort, 0.0};
 
   const double half_play = 0.5 * gear.backlash;
   const double predicted = torsion + tick_s * (plan.free_speed - n * joint.velocity);
   const double side = flank(torsion, predicted, half_play);
   const double target = (plan.free_speed + k * (torsion - side * half_play) / kappa) / n;
-  const double half_limit = 0.5 * gear.breaking_effort;
+  const double half_limit = 0.5 * most_effort;
   return {target - c * side * half_limit, c, half_limit, side * half_limit};
 }
 
@@ -98,8 +101,21 @@ void move_rotor(const DriveData& data, const RotorPlan& plan, std::span<const hw
                 double tick_s, DriveState& state) {
   state.gear_effort = total_effort(joints);
   if (rigid(data.gear)) return follow_joints(joints, state);
-  state.rotor_speed = next_speed(data, state, plan, state.gear_effort);
+  state.rotor_speed = next_speed(data, plan, state.gear_effort);
   state.rotor_position += tick_s * state.rotor_speed;
+}
+
+void slip_gear(const DriveData& data, std::span<const hwparts::JointSample> joints, double slip_effort,
+               DriveState& state) {
+  if (rigid(data.gear) || !(slip_effort < data.gear.breaking_effort)) return;
+  double torsion = state.rotor_position;
+  for (const auto& joint : joints) torsion -= joint.position;
+  const double most = 0.5 * data.gear.backlash + slip_effort / data.gear.stiffness;
+  const double steps = std::floor((std::abs(torsion) - most) / data.increment());
+  if (!(steps > 0.0)) return;
+  const double shift = sign(torsion) * steps * data.increment();
+  state.rotor_position -= shift;
+  state.zero_offset += shift;
 }
 
 }  // namespace visum::drive

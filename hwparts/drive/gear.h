@@ -25,10 +25,13 @@
 // are decided by q̇⁺ itself, within the tick, and since the flank's potential is convex, an implicit step
 // through it never gains energy.
 //
-// Brake closed: dry friction of T on the rotor, τm = 0. With p = J ω - h τ, τ of the tick before, as what
-// moves it: |p| <= h T, it is stuck: ω⁺ = 0, so c = 1/κ and v* = k φ / κ, and should τ turn out above T, it
-// starts to slip. Otherwise it slips, T acts against p: ωf = (J ω - h T sign p) / Jₑ, and it sticks where (1)
-// would turn it around.
+// Brake closed: dry friction of T on the rotor; τm = 0 unless the brake is stuck. With p = J ω + h (τm - τ),
+// τ of the tick before, as what moves it: |p| <= h T, it is stuck: ω⁺ = 0, so c = 1/κ and v* = k φ / κ, and
+// should |τm - τ| turn out above T, it starts to slip. Otherwise it slips, T acts against p: ωf = (J ω + h
+// (τm - T sign p)) / Jₑ, and it sticks where (1) would turn it around.
+//
+// A gear that slips above F (a fault) carries no more than F, and gives way where its torsion is beyond: the
+// rotor goes on, by whole increments that zero_offset takes up, so that the encoder does not see it.
 //
 // n joints on one drive (q = Σ qᵢ, a gripper's fingers): each gets a share of 1/n in k, d, J and F, and its
 // own torsion θ - n qᵢ; effort and speed at the joint are n and 1/n times the module's. In (1) the shares are
@@ -56,16 +59,24 @@ struct RotorPlan {
   double mobility = 0.0;        // h/Jₑ; 0: stuck in the brake
   double slip_mobility = 0.0;   // h/Jₑ should it start to slip
   double slip_direction = 0.0;  // of a rotor that slips in the brake, -1 or +1
+  bool braked = false;
+  double motor_effort = 0.0;  // [F], against a closed brake
 };
 
-RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const MotorEffort& motor, double tick_s);
+RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const MotorEffort& motor, bool braked,
+                     double tick_s);
 
-// What acts on one of `share` joints.
+// What acts on one of `share` joints; the gear carries `most_effort` [F].
 hwparts::JointDrive couple(const DriveData& data, const RotorPlan& plan, double rotor_position,
-                           std::size_t share, const hwparts::JointSample& joint, double tick_s);
+                           double most_effort, std::size_t share, const hwparts::JointSample& joint,
+                           double tick_s);
 
 // After the step. `joints` as the engine left them.
 void move_rotor(const DriveData& data, const RotorPlan& plan, std::span<const hwparts::JointSample> joints,
                 double tick_s, DriveState& state);
+
+// After move_rotor(), where the gear does not carry more than `slip_effort` [F]; infinite: it does not slip.
+void slip_gear(const DriveData& data, std::span<const hwparts::JointSample> joints, double slip_effort,
+               DriveState& state);
 
 }  // namespace visum::drive

@@ -40,7 +40,7 @@ void ModuleBus::power_up(Module& module) {
 }
 
 std::optional<Telegram> ModuleBus::obey(const Telegram& telegram, Wire wire) {
-  if (!connected_ || from_module(telegram.kind)) return std::nullopt;
+  if (!connected_ || from_module(telegram.kind) || happens(faults_.lost, to_modules_)) return std::nullopt;
   if (telegram.kind == Telegram::Kind::kBroadcast) {
     for (auto& module : modules_) obey_broadcast(edit(module), telegram.message, wire);
     return std::nullopt;
@@ -55,6 +55,22 @@ std::optional<Telegram> ModuleBus::obey(const Telegram& telegram, Wire wire) {
     return std::nullopt;
   }
   return std::nullopt;
+}
+
+void ModuleBus::suffer(const BusFaults& faults, std::uint64_t seed) {
+  faults_ = faults;
+  to_modules_ = sensors::Random(seed, "to the modules");
+  from_modules_ = sensors::Random(seed, "from the modules");
+}
+
+bool ModuleBus::happens(double share, sensors::Random& chance) {
+  return share > 0.0 && chance.uniform() < share;
+}
+
+Passage ModuleBus::passage() {
+  auto& chance = from_modules_;
+  return {happens(faults_.lost, chance), happens(faults_.doubled, chance), happens(faults_.corrupted, chance),
+          faults_.late_ns};
 }
 
 void ModuleBus::tick() {

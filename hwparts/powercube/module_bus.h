@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "hwparts/drive/drive.h"
+#include "hwparts/powercube/bus_faults.h"
 #include "hwparts/powercube/module.h"
+#include "hwparts/sensors/random.h"
 
 namespace visum::powercube {
 
@@ -27,6 +29,11 @@ class ModuleBus {
   // Cut: nothing is received and nothing sent.
   void connect(bool connected) { connected_ = connected; }
   bool connected() const { return connected_; }
+
+  // What goes wrong from now on; {}: nothing. Chances are drawn anew from `seed`.
+  void suffer(const BusFaults& faults, std::uint64_t seed);
+  // Of one frame of a module that is about to be sent. Between ticks.
+  Passage passage();
 
   // Once per tick, before the drives' act().
   void tick();
@@ -58,8 +65,13 @@ class ModuleBus {
   }
   static void power_up(Module& module);
 
+  static bool happens(double share, sensors::Random& chance);
+
   double tick_s_;
   bool connected_ = true;
+  BusFaults faults_;
+  // Frames to the modules are inputs of the world, theirs are not: each have chances of their own.
+  sensors::Random to_modules_{1, "to the modules"}, from_modules_{1, "from the modules"};
   std::vector<Module> modules_;
   std::vector<Telegram> spontaneous_;
   std::size_t spontaneous_count_ = 0;

@@ -22,6 +22,28 @@ std::span<const FailureName> failure_names() {
   return kNames;
 }
 
+Failure failure_of(hwparts::FaultKind kind) {
+  using hwparts::FaultKind;
+  switch (kind) {
+    case FaultKind::kSensorOff:
+      return Failure::kOff;
+    case FaultKind::kSensorFrozen:
+      return Failure::kStuck;
+    case FaultKind::kSensorGarbage:
+      return Failure::kGarbage;
+    case FaultKind::kSensorWrong:
+      return Failure::kWrong;
+    case FaultKind::kSensorSlow:
+      return Failure::kSlow;
+    case FaultKind::kSensorDelayed:
+      return Failure::kDelayed;
+    case FaultKind::kSensorIntermittent:
+      return Failure::kIntermittent;
+    default:
+      return Failure::kOk;
+  }
+}
+
 const char* name_of(Failure failure) {
   return kNames[static_cast<std::size_t>(failure)].name;
 }

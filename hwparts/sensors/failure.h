@@ -4,6 +4,8 @@
 #include <span>
 #include <string>
 
+#include "hwparts/fault_kinds.h"
+
 namespace visum::sensors {
 
 enum class Failure {
@@ -27,5 +29,6 @@ struct FailureName {
 };
 std::span<const FailureName> failure_names();
 const char* name_of(Failure failure);
+Failure failure_of(hwparts::FaultKind kind);  // kOk: it is none of a sensor
 
 }  // namespace visum::sensors

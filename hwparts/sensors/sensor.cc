@@ -60,7 +60,7 @@ void Sensor::set_numbers(std::vector<Accuracy> numbers) {
 }
 
 bool Sensor::due() const {
-  return failure_ != Failure::kOff && timing_.samples_between(now_ns_, now_ns_ + timing_.tick_ns);
+  return failing() != Failure::kOff && timing_.samples_between(now_ns_, now_ns_ + timing_.tick_ns);
 }
 
 void Sensor::publish(std::span<const hwparts::JointSample>, std::span<double> sensor_outputs) {
@@ -78,25 +78,25 @@ void Sensor::publish(std::span<const hwparts::JointSample>, std::span<double> se
 void Sensor::sample() {
   ++samples_;
   if (lost()) return;
-  if (failure_ != Failure::kStuck) {
+  if (failing() != Failure::kStuck) {
     read(truth_, last_, random_);
     disturb(last_);
   }
   std::ranges::copy(last_, queue_.back().begin());
-  const std::int64_t late_ns = failure_ == Failure::kDelayed ? kDelayedSamples * timing_.period_ns : 0;
+  const std::int64_t late_ns = failing() == Failure::kDelayed ? kDelayedSamples * timing_.period_ns : 0;
   queue_.push(now_ns_ + timing_.latency_ns + late_ns);
 }
 
 bool Sensor::lost() {
-  if (failure_ == Failure::kSlow) return samples_ % kSlowFactor != 0;
-  return failure_ == Failure::kIntermittent && random_.uniform() < kLossChance;
+  if (failing() == Failure::kSlow) return samples_ % kSlowFactor != 0;
+  return failing() == Failure::kIntermittent && random_.uniform() < kLossChance;
 }
 
 void Sensor::disturb(std::span<double> reading) {
   for (std::size_t i = 0; i < reading.size(); ++i) {
     const Accuracy& limits = layout_.numbers[i];
-    if (failure_ == Failure::kWrong) reading[i] = limits.lowest + limits.highest - reading[i];
-    if (failure_ == Failure::kGarbage)
+    if (failing() == Failure::kWrong) reading[i] = limits.lowest + limits.highest - reading[i];
+    if (failing() == Failure::kGarbage)
       reading[i] = limits.lowest + random_.uniform() * (limits.highest - limits.lowest);
     reading[i] = quantised(limits, reading[i]);
   }
@@ -156,6 +156,18 @@ std::optional<std::string> Sensor::set_parameter(const std::string& name,
     known += (known.empty() ? "" : ", ") + std::string(row.name);
   }
   return "must be one of " + known;
+}
+
+std::optional<std::string> Sensor::refuse_fault(const hwparts::Fault& fault) const {
+  if (auto reason = Part::refuse_fault(fault)) return reason;
+  if (const char* reason = why_not(failure_of(fault.kind))) return reason;
+  return std::nullopt;
+}
+
+void Sensor::suffer(std::span<const hwparts::ActiveFault> faults) {
+  suffered_ = Failure::kOk;
+  for (const auto& active : faults)
+    if (const auto failure = failure_of(active.fault.kind); failure != Failure::kOk) suffered_ = failure;
 }
 
 void Sensor::save(hwparts::StateWriter& to) const {

@@ -51,6 +51,11 @@ class Sensor : public hwparts::Part {
   std::vector<protocol::Parameter> parameters() const override;
   std::optional<std::string> set_parameter(const std::string& name,
                                            const protocol::ParameterValue& value) override;
+  bool has(hwparts::FaultTarget target) const final {
+    return target == hwparts::FaultTarget::kSensor || target == hwparts::FaultTarget::kAnyPart;
+  }
+  std::optional<std::string> refuse_fault(const hwparts::Fault& fault) const final;
+  void suffer(std::span<const hwparts::ActiveFault> faults) final;
   void save(hwparts::StateWriter& to) const final;
   void load(hwparts::StateReader& from) final;
 
@@ -70,6 +75,7 @@ class Sensor : public hwparts::Part {
   const Accuracy& accuracy(std::size_t number) const { return layout_.numbers[number]; }
 
  private:
+  Failure failing() const { return suffered_ == Failure::kOk ? failure_ : suffered_; }
   void draw_offsets();
   void sample();
   void disturb(std::span<double> reading);
@@ -84,7 +90,8 @@ class Sensor : public hwparts::Part {
   std::vector<double> offsets_;  // drawn at start
   // What changes.
   Random random_;
-  Failure failure_;
+  Failure failure_;                  // by the parameter
+  Failure suffered_ = Failure::kOk;  // by a fault, which goes before; no state of the sensor
   std::int64_t now_ns_ = 0;
   std::int64_t samples_ = 0;
   std::uint64_t changed_ = 0;

@@ -1,4 +1,5 @@
 // The parameters of a ServoGroup: those of each drive (tuning.h), numbered, and those of the whole part.
+#include <algorithm>
 #include <cmath>
 
 #include "hwparts/servo_group/servo_group.h"
@@ -82,7 +83,8 @@ std::optional<std::string> ServoGroup::set_supply(double volts) {
 }
 
 void ServoGroup::supply_drives() {
-  const double volts = state_.emergency_stop ? 0.0 : state_.supply_voltage;
+  const bool stopped = state_.emergency_stop || faults_.emergency_stop;
+  const double volts = stopped ? 0.0 : std::min(state_.supply_voltage, faults_.most_supply_v);
   for (auto& axis : axes_) axis.drive.state().tuning.supply_voltage = volts;
 }
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "hwparts/drive/state_word.h"
 #include "hwparts/drive/supervision.h"
+#include "hwparts/sensors/random.h"
 #include "hwparts/servo_group/identity.h"
 
 namespace visum::servo_group {
@@ -42,6 +44,7 @@ ServoGroup::ServoGroup(const hwparts::PartContext& context, const std::string& k
     : layout_(std::move(layout)),
       tick_s_(context.tick_s),
       modules_(context.config, data_of(drives), positions_of(drives), options.homed, context.tick_s),
+      seed_(context.seed),
       identity_(identity_text(kind, drives)) {
   for (const auto& entry : drives.drives) {
     axes_.push_back({drive::Drive(entry.data, entry.initial_position, options.homed, tick_s_),
@@ -117,7 +120,7 @@ void ServoGroup::publish(std::span<const hwparts::JointSample> samples, std::spa
   acted_ = false;
   for (std::size_t number = 0; number < axes_.size(); ++number) {
     auto& axis = axes_[number];
-    axis.drive.publish(samples.subspan(axis.run.first, axis.run.count));
+    axis.drive.publish(samples.subspan(axis.run.first, axis.run.count), encoder_noise(number));
     const auto& state = axis.drive.state();
     const double n = static_cast<double>(axis.run.count);
     for (std::size_t i = axis.run.first; i < axis.run.first + axis.run.count; ++i) {
@@ -130,6 +133,36 @@ void ServoGroup::publish(std::span<const hwparts::JointSample> samples, std::spa
   }
   outputs[layout_.part_state] = static_cast<double>(part_state());
   outputs[layout_.changed] = static_cast<double>(state_.changed);
+}
+
+// Another number in each tick, the same one whenever that tick is done.
+double ServoGroup::encoder_noise(std::size_t axis) const {
+  constexpr std::uint64_t kOdd = 0x9E3779B97F4A7C15u;
+  const double deviation = axes_[axis].drive.broken().encoder_deviation;
+  if (deviation == 0.0) return 0.0;
+  return deviation *
+         sensors::Random(seed_ + kOdd * (state_.changed * axes_.size() + axis), description_.name).normal();
+}
+
+std::optional<std::string> ServoGroup::refuse_fault(const hwparts::Fault& fault) const {
+  if (auto reason = Part::refuse_fault(fault)) return reason;
+  if (hwparts::fault_info(fault.kind).target != hwparts::FaultTarget::kDrive) return std::nullopt;
+  const std::string number = std::to_string(fault.drive() + 1);
+  if (fault.drive() >= axes_.size())
+    return "there is no joint " + number + "; '" + description_.name + "' has " +
+           std::to_string(axes_.size());
+  if (auto reason = servo_group::refuse(fault, axes_[fault.drive()].drive.data()))
+    return "joint " + number + " " + *reason;
+  return std::nullopt;
+}
+
+void ServoGroup::suffer(std::span<const hwparts::ActiveFault> faults) {
+  const auto before = std::exchange(faults_, group_faults(faults));
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].drive.suffer(broken_of(faults, i));
+  modules_.suffer(faults_.bus, seed_);
+  const bool same_supply =
+      before.emergency_stop == faults_.emergency_stop && before.most_supply_v == faults_.most_supply_v;
+  if (!same_supply) supply_drives();
 }
 
 void ServoGroup::following_errors(std::span<double> errors) const {

@@ -28,6 +28,7 @@
 #include "hwparts/part.h"
 #include "hwparts/powercube/module_bus.h"
 #include "hwparts/servo_group/drive_list.h"
+#include "hwparts/servo_group/group_faults.h"
 #include "hwparts/servo_group/part_options.h"
 #include "hwparts/servo_group/part_state.h"
 #include "hwparts/servo_group/port_layout.h"
@@ -52,6 +53,9 @@ class ServoGroup : public hwparts::Part {
   std::optional<std::string> set_parameter(const std::string& name,
                                            const protocol::ParameterValue& value) override;
   std::span<const std::byte> read_blackboard(std::size_t index) const override;
+  bool has(hwparts::FaultTarget target) const override { return target != hwparts::FaultTarget::kSensor; }
+  std::optional<std::string> refuse_fault(const hwparts::Fault& fault) const override;
+  void suffer(std::span<const hwparts::ActiveFault> faults) override;
   powercube::ModuleBus* modules() override { return &modules_; }
   void save(hwparts::StateWriter& to) const override;
   void load(hwparts::StateReader& from) override;
@@ -81,6 +85,7 @@ class ServoGroup : public hwparts::Part {
   std::optional<std::string> set_tuning(const std::string& name, double value);
   std::optional<std::string> set_supply(double volts);
   void supply_drives();
+  double encoder_noise(std::size_t axis) const;
 
   PortLayout layout_;
   std::vector<std::size_t> joints_;
@@ -89,6 +94,8 @@ class ServoGroup : public hwparts::Part {
   powercube::ModuleBus modules_;
   State initial_;
   State state_;
+  GroupFaults faults_;  // what acts; no state of the part
+  std::uint64_t seed_;
   bool acted_ = false;  // between act() and publish()
   std::string identity_;
   protocol::PartDescription description_;

@@ -13,6 +13,10 @@ bool parse(Bytes from, Message& to) {
   return to.ParseFromArray(from.data(), static_cast<int>(from.size()));
 }
 
+std::span<const double> view_of(const google::protobuf::RepeatedField<double>& from) {
+  return {from.data(), static_cast<std::size_t>(from.size())};
+}
+
 bool take_vector(const google::protobuf::RepeatedField<double>& from, std::array<double, 3>& to) {
   if (from.size() != 3) return false;
   std::copy(from.begin(), from.end(), to.begin());
@@ -43,8 +47,7 @@ bool take(const v1::Input& from, Input& to) {
   switch (from.what_case()) {
     case v1::Input::kWriteInputs: {
       const auto& w = from.write_inputs();
-      to = WriteInputs{
-          w.part(), w.first_port(), {w.values().data(), static_cast<std::size_t>(w.values().size())}};
+      to = WriteInputs{w.part(), w.first_port(), view_of(w.values())};
       return true;
     }
     case v1::Input::kLoseController:
@@ -76,6 +79,16 @@ bool take(const v1::Input& from, Input& to) {
     case v1::Input::kRemoveBody:
       to = RemoveBody{from.remove_body().name()};
       return true;
+    case v1::Input::kInjectFault: {
+      const auto& w = from.inject_fault();
+      to = InjectFault{w.part(), w.kind(), view_of(w.numbers()), w.until_tick()};
+      return true;
+    }
+    case v1::Input::kClearFault: {
+      const auto& w = from.clear_fault();
+      to = ClearFault{w.part(), w.kind(), w.drive()};
+      return true;
+    }
     case v1::Input::WHAT_NOT_SET:
       return false;
   }

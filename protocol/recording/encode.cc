@@ -82,6 +82,19 @@ struct PutInput {
   void operator()(const RestoreSnapshot& m) const { to.mutable_restore_snapshot()->set_number(m.number); }
   void operator()(const AddBody& m) const { to.mutable_add_body()->mutable_yaml()->assign(m.yaml); }
   void operator()(const RemoveBody& m) const { to.mutable_remove_body()->mutable_name()->assign(m.name); }
+  void operator()(const InjectFault& m) const {
+    auto& w = *to.mutable_inject_fault();
+    w.mutable_part()->assign(m.part);
+    w.mutable_kind()->assign(m.kind);
+    put_numbers(m.numbers, *w.mutable_numbers());
+    w.set_until_tick(m.until_tick);
+  }
+  void operator()(const ClearFault& m) const {
+    auto& w = *to.mutable_clear_fault();
+    w.mutable_part()->assign(m.part);
+    w.mutable_kind()->assign(m.kind);
+    w.set_drive(m.drive);
+  }
 };
 
 void put(const Build& from, v1::Build& to) {

@@ -43,6 +43,16 @@ struct PushBody {
   std::array<double, 3> force_n{}, torque_nm{};  // in W, about the centre of mass
   std::int64_t until_tick = 0;
 };
+// A fault on purpose: its kind by name, with all numbers of that kind in their order.
+struct InjectFault {
+  std::string_view part, kind;
+  std::span<const double> numbers;
+  std::int64_t until_tick = 0;  // 0: until it is cleared
+};
+struct ClearFault {
+  std::string_view part, kind;  // no kind: all faults of the part
+  std::uint32_t drive = 0;      // from 1; 0: of all drives
+};
 struct Reset {};
 struct TakeSnapshot {
   std::uint64_t number = 0;
@@ -57,8 +67,9 @@ struct RemoveBody {
   std::string_view name;
 };
 
-using Input = std::variant<WriteInputs, LoseController, SetParameter, WriteBlackboard, BusTelegram, PushBody,
-                           Reset, TakeSnapshot, RestoreSnapshot, AddBody, RemoveBody>;
+using Input =
+    std::variant<WriteInputs, LoseController, SetParameter, WriteBlackboard, BusTelegram, PushBody, Reset,
+                 TakeSnapshot, RestoreSnapshot, AddBody, RemoveBody, InjectFault, ClearFault>;
 
 // An input, and where the world stood when it took it.
 struct TimedInput {

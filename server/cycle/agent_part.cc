@@ -92,7 +92,7 @@ void AgentPart::think(std::int64_t now_ns) {
     for (auto& link : links_) link->begin_turn();
     agent_->think({now_ns, outputs_});
     plugged::check_values(description_.sensor_outputs, outputs_);
-    for (auto& link : links_) link->end_turn();
+    for (auto& link : links_) link->end_turn(now_ns / tick_ns_);
   });
   ++turns_;
   if (!done) let_go();

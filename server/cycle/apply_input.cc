@@ -86,6 +86,32 @@ class Applier {
   std::string operator()(const recording::RemoveBody& input) const {
     return simulation_.remove_body(std::string(input.name));
   }
+  std::string operator()(const recording::InjectFault& input) const {
+    const auto part = find(input.part);
+    if (!part) return unknown(input.part);
+    const auto* kind = hwparts::find_fault_kind(input.kind);
+    if (!kind) return "there is no fault '" + std::string(input.kind) + "'";
+    std::string why;
+    const auto fault = hwparts::make_fault(*kind, input.numbers, why);
+    if (!fault) return why;
+    if (input.until_tick < 0) return "a fault until tick " + std::to_string(input.until_tick);
+    if (auto reason = simulation_.parts()[*part].part->refuse_fault(*fault)) return *reason;
+    return simulation_.inject({static_cast<std::uint32_t>(*part), *fault, input.until_tick})
+               ? ""
+               : "too many faults act at once";
+  }
+  std::string operator()(const recording::ClearFault& input) const {
+    const auto part = find(input.part);
+    if (!part) return unknown(input.part);
+    const auto* kind = hwparts::find_fault_kind(input.kind);
+    if (!kind && !input.kind.empty()) return "there is no fault '" + std::string(input.kind) + "'";
+    std::optional<hwparts::FaultKind> only;
+    std::optional<std::size_t> drive;
+    if (kind) only = kind->kind;
+    if (input.drive != 0) drive = input.drive - 1;
+    simulation_.clear_faults(*part, only, drive);
+    return {};
+  }
 
  private:
   std::optional<std::size_t> find(std::string_view name) const {

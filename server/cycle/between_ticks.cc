@@ -19,7 +19,7 @@ void Simulation::tell(recording::TimedInput now, const recording::Input& input) 
 }
 
 void Simulation::write_inputs(std::size_t part, std::size_t first, std::span<const double> values) {
-  std::ranges::copy(values, parts_[part].controller_inputs.begin() + static_cast<std::ptrdiff_t>(first));
+  parts_[part].hear(state_.tick, first, values);
   tell(now(), recording::WriteInputs{name_of(part), static_cast<std::uint32_t>(first), values});
 }
 
@@ -55,6 +55,8 @@ std::optional<powercube::Telegram> Simulation::obey(std::size_t part, const powe
 
 void Simulation::reset() {
   const auto before = now();
+  faults_.clear_all();
+  hand_out_faults();
   for (auto& bound : parts_) bound.part->reset();
   start_state();
   ++era_;

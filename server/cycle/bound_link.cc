@@ -8,14 +8,15 @@ namespace visum::cycle {
 
 void BoundLink::begin_turn() {
   inputs_.assign(part().controller_inputs.begin(), part().controller_inputs.end());
+  if (!part().wire.ideal()) part().wire.writes().pour_into(inputs_);  // what it said last, arrived or not
   changed_ = false;
 }
 
-void BoundLink::end_turn() {
+void BoundLink::end_turn(std::int64_t tick) {
   if (!changed_) return;
   if (const auto reason = part().part->refuse(inputs_))
     throw plugin::Error("part '" + description().name + "' refuses its inputs: " + *reason);
-  part().controller_inputs = inputs_;
+  part().hear(tick, 0, inputs_);
 }
 
 const protocol::PartDescription& BoundLink::description() const {

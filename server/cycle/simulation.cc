@@ -1,6 +1,7 @@
 #include "server/cycle/simulation.h"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -40,9 +41,11 @@ std::unique_ptr<dynamics::Engine> make_engine(const scene::Scene& scene, std::si
 
 std::unique_ptr<hwparts::Part> make_part(const scene::Scene& scene, const scene::PartPlan& plan,
                                          const PartMaker& make) {
+  auto context = plan.context;
+  context.seed = scene.seed;
   if (const auto* kind = plugin::find_part(scene.plugins, plan.kind))
-    return plugged::make_part(*kind, plan.context);
-  return make(plan.kind, plan.context);
+    return plugged::make_part(*kind, context);
+  return make(plan.kind, context);
 }
 
 std::unique_ptr<sensors::Sensor> make_sensor(const scene::Scene& scene, const scene::SensorPlan& plan) {
@@ -50,6 +53,14 @@ std::unique_ptr<sensors::Sensor> make_sensor(const scene::Scene& scene, const sc
   if (const auto* kind = plugin::find_sensor(scene.plugins, plan.kind))
     return plugged::make_sensor(*kind, context);
   return sensors::make_sensor(plan.kind, context);
+}
+
+void load_parts(std::span<BoundPart> parts, hwparts::StateReader& from) {
+  for (auto& bound : parts) {
+    from.get(std::span<double>(bound.controller_inputs));
+    from.get(std::span<double>(bound.sensor_outputs));
+    bound.part->load(from);
+  }
 }
 
 }  // namespace
@@ -140,6 +151,8 @@ void Simulation::start_state() {
 
 void Simulation::tick() {
   if (frozen()) return;
+  if (faults_.expire(state_.tick)) hand_out_faults();
+  for (auto& bound : parts_) bound.deliver(state_.tick);
   phases_.begin();
   sense();
   phases_.end(Phase::kSense);
@@ -200,7 +213,8 @@ void Simulation::publish() {
   sense();
   senses_->feel(before_, state_, contacts_, wrenches_);
   for (auto& bound : parts_) {
-    bound.part->publish(bound.samples, bound.sensor_outputs);
+    bound.part->publish(bound.samples, bound.readings(unheard_));
+    if (!bound.wire.ideal()) bound.wire.show(state_.tick, bound.sensor_outputs);
     bound.part->following_errors(bound.following_errors);
     for (std::size_t i = 0; i < bound.joints.size(); ++i)
       following_errors_[bound.joints[i].index()] = bound.following_errors[i];
@@ -239,15 +253,15 @@ void Simulation::save_rest(std::vector<std::byte>& bytes) const {
     to.put(std::span<const double>(push.wrench.torque_nm.data(), 3));
     to.put(push.until_tick);
   }
+  if (faults_.all().empty()) return;  // a world without faults has the hash that it always had
+  faults_.save(to);
+  for (const auto& bound : parts_)
+    if (!bound.wire.ideal()) bound.wire.save(to);
 }
 
 void Simulation::load_rest(std::span<const std::byte> bytes) {
   hwparts::StateReader from(bytes);
-  for (auto& bound : parts_) {
-    from.get(std::span<double>(bound.controller_inputs));
-    from.get(std::span<double>(bound.sensor_outputs));
-    bound.part->load(from);
-  }
+  load_parts(parts_, from);
   std::uint64_t count = 0;
   from.get(count);
   pushes_.resize(count);
@@ -257,6 +271,14 @@ void Simulation::load_rest(std::span<const std::byte> bytes) {
     from.get(std::span<double>(push.wrench.torque_nm.data(), 3));
     from.get(push.until_tick);
   }
+  for (auto& bound : parts_) bound.wire = {};
+  faults_.clear_all();
+  if (!from.at_end()) faults_.load(from);
+  hand_out_faults();
+  for (auto& bound : parts_)
+    if (!bound.wire.ideal()) bound.wire.load(from);
+  hwparts::StateReader again(bytes);
+  load_parts(parts_, again);  // a fault that came or went may have changed a supply: what was saved counts
 }
 
 }  // namespace visum::cycle

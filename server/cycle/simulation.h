@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hwparts/fault_set.h"
 #include "hwparts/part.h"
 #include "hwparts/powercube/message.h"
 #include "protocol/recording/input.h"
@@ -20,6 +21,7 @@
 #include "server/cycle/agent_part.h"
 #include "server/cycle/flight_ring.h"
 #include "server/cycle/phases.h"
+#include "server/cycle/wire.h"
 #include "server/dynamics/engine.h"
 #include "server/scene/scene.h"
 #include "server/sensing/senses.h"
@@ -41,6 +43,14 @@ struct BoundPart {
   std::vector<hwparts::JointDrive> drives;
   std::vector<double> following_errors;
   std::string agent;  // of the scene, that commands it; empty: none, clients may
+
+  // What stands between it and its controllers, clients and agents alike: nothing but where a fault is.
+  Wire wire;
+  bool silent = false;
+  void hear(std::int64_t tick, std::size_t first, std::span<const double> values);  // a write
+  void deliver(std::int64_t until_tick);                     // what has arrived of the writes
+  std::vector<double>& readings(std::vector<double>& lost);  // where they go; `lost`: where nobody sees them
+  void set_wire(const Wire::Quality& quality, std::uint64_t seed);
 };
 
 // A push of a body that lasts until a tick.
@@ -82,10 +92,13 @@ class Simulation {
   // A telegram for the part's modules, which it must have.
   std::optional<powercube::Telegram> obey(std::size_t part, const powercube::Telegram& telegram,
                                           powercube::Wire wire);
-  void reset();                                 // the scene's initial state, a new era
-  std::uint64_t take_snapshot();                // its number; the oldest beyond kMaxSnapshots is dropped
-  bool restore_snapshot(std::uint64_t number);  // a new era; false: no such snapshot
-  bool push(const Push& push);                  // false: kMaxPushes act already
+  void reset();                                    // the scene's initial state, a new era
+  std::uint64_t take_snapshot();                   // its number; the oldest beyond kMaxSnapshots is dropped
+  bool restore_snapshot(std::uint64_t number);     // a new era; false: no such snapshot
+  bool push(const Push& push);                     // false: kMaxPushes act already
+  bool inject(const hwparts::ActiveFault& fault);  // already checked; false: FaultSet::kMost act already
+  void clear_faults(std::size_t part, std::optional<hwparts::FaultKind> kind,
+                    std::optional<std::size_t> drive);
   void add_body(const std::string& yaml);  // throws ConfigError and changes nothing. Drops the snapshots.
   std::string remove_body(const std::string& name);  // why not; empty: done. Drops the snapshots.
 
@@ -99,6 +112,7 @@ class Simulation {
   std::span<BoundPart> parts() { return parts_; }
   std::span<const BoundPart> parts() const { return parts_; }
   std::span<const collision::Contact> contacts() const { return contacts_; }  // of the last tick, with forces
+  std::span<const hwparts::ActiveFault> faults() const { return faults_.all(); }
   std::span<const double> following_errors() const { return following_errors_; }  // by JointId
   // Shared with readers on another thread, who may still hold it when a change of the world makes a new one.
   std::shared_ptr<const FlightRing> ring() const { return ring_; }
@@ -137,6 +151,7 @@ class Simulation {
   // Tells the witness of what was taken when the world stood at `now`.
   recording::TimedInput now() const { return {state_.tick, era_, {}}; }
   void tell(recording::TimedInput now, const recording::Input& input);
+  void hand_out_faults();
   void save_rest(std::vector<std::byte>& bytes) const;
   void load_rest(std::span<const std::byte> bytes);
 
@@ -154,6 +169,8 @@ class Simulation {
   std::vector<double> following_errors_;     // by JointId
   std::vector<double> contact_forces_;       // by BodyId
   std::vector<Push> pushes_;
+  hwparts::FaultSet faults_;
+  std::vector<double> unheard_;  // what a silent part would show
   std::vector<dynamics::Wrench> wrenches_;
   std::vector<Snapshot> snapshots_;
   std::shared_ptr<FlightRing> ring_;

@@ -39,7 +39,7 @@ Role role_needed(const protocol::Request& request) {
         using T = std::decay_t<decltype(message)>;
         if constexpr (kIsOneOf<T, Status, ListParts, DescribePart, Read, Subscribe, Unsubscribe,
                                GetParameters, ReadBlackboard, DescribeWorld, ReadWorld, SubscribeWorld,
-                               UnsubscribeWorld, ReadMesh, ReadTexture>)
+                               UnsubscribeWorld, ReadMesh, ReadTexture, ListFaults>)
           return Role::kObserver;
         else if constexpr (kIsOneOf<T, AcquireLease, ReleaseLease, Write, SetParameter, WriteBlackboard, Join,
                                     Advance, Leave, Note>)
@@ -56,7 +56,7 @@ bool needs_world(const protocol::Request& request) {
         using namespace protocol;
         using T = std::decay_t<decltype(message)>;
         return kIsOneOf<T, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot, RestoreSnapshot, PushBody,
-                        AddBody, RemoveBody>;
+                        AddBody, RemoveBody, InjectFault, ClearFault>;
       },
       request);
 }

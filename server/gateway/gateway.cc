@@ -181,6 +181,9 @@ void Gateway::tell_notices() {
   for (Notice notice; mailbox_.next_notice(notice);) {
     if (notice.kind == Notice::Kind::kPushRefused) {
       broadcast({"push_refused", "too many pushes act at once", {}, era_, notice.tick});
+    } else if (notice.kind == Notice::Kind::kFaultRefused) {
+      broadcast({"fault_refused", "too many faults act at once",
+                 world_.parts[notice.part]->description().name, era_, notice.tick});
     } else if (leases_.of(notice.part).epoch == notice.epoch && leases_.of(notice.part).session != 0) {
       const auto& name = world_.parts[notice.part]->description().name;
       broadcast({"lease_lost",

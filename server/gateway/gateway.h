@@ -161,9 +161,15 @@ class Gateway : public protocol::SessionHandler {
   void handle(const Call& call, const protocol::AddBody& request);
   void handle(const Call& call, const protocol::RemoveBody& request);
 
+  // faults (fault_requests.cc)
+  void handle(const Call& call, const protocol::InjectFault& request);
+  void handle(const Call& call, const protocol::ClearFault& request);
+  void handle(const Call& call, const protocol::ListFaults& request);
+
   std::optional<std::uint32_t> part_or_fail(const Call& call, const std::string& name) const;
   bool blackboard_or_fail(const Call& call, std::uint32_t part, const std::string& name, bool to_write) const;
   bool lease_or_fail(const Call& call, std::uint32_t part) const;
+  std::optional<std::string> why_not(std::uint32_t part, const hwparts::Fault& fault) const;
   Input* input_or_fail(const Call& call);
   static std::uint64_t order_of(const Call& call);  // among inputs that need no lease
   void send_errand(const Call& call, const protocol::Request& request, std::uint32_t part = 0);

@@ -12,6 +12,7 @@
 #include <semaphore>
 #include <vector>
 
+#include "hwparts/fault_set.h"
 #include "protocol/messages.h"
 #include "server/dynamics/engine.h"
 #include "server/gateway/world_view.h"
@@ -21,17 +22,20 @@ namespace visum::gateway {
 // Something latched for the next tick border. Applied in the order of (part, lease epoch, arrival), so that
 // it does not matter which of two clients' bytes came first.
 struct Input {
-  enum class Kind { kWrite, kLeaseGranted, kLeaseReleased, kLeaseLost, kPush };
+  enum class Kind { kWrite, kLeaseGranted, kLeaseReleased, kLeaseLost, kPush, kFault, kClearFault };
   Kind kind = Kind::kWrite;
   std::uint32_t part = 0;
-  std::uint64_t epoch = 0;                    // of the part's lease; pushes: a hash of the client's name
-  std::uint32_t first_port = 0;               // kWrite
-  std::vector<double> values;                 // kWrite; its capacity is kept
-  std::int64_t deadline_ticks = 0;            // kLeaseGranted; 0: none
-  dynamics::Wrench wrench{};                  // kPush
-  std::uint64_t revision = 0;                 // kPush: of the world that the body's number is of
+  std::uint64_t epoch = 0;          // of the part's lease; pushes, faults: a hash of the client's name
+  std::uint32_t first_port = 0;     // kWrite
+  std::vector<double> values;       // kWrite; its capacity is kept
+  std::int64_t deadline_ticks = 0;  // kLeaseGranted; 0: none
+  dynamics::Wrench wrench{};        // kPush
+  std::uint64_t revision = 0;       // kPush: of the world that the body's number is of
   std::optional<Eigen::Vector3d> push_point;  // kPush: where the force acts, in W; none: the centre of mass
-  std::int64_t duration_ticks = 0;            // kPush
+  std::int64_t duration_ticks = 0;            // kPush, kFault (0: until it is cleared)
+  hwparts::Fault fault{};                     // kFault
+  std::optional<hwparts::FaultKind> fault_kind;  // kClearFault; none: all
+  std::optional<std::size_t> fault_drive;        // kClearFault; none: all
   std::uint64_t arrival = 0;
 };
 
@@ -47,7 +51,7 @@ struct Errand {
 
 // The tick's side tells of something that no request asked for.
 struct Notice {
-  enum class Kind { kDeadlineMissed, kPushRefused };
+  enum class Kind { kDeadlineMissed, kPushRefused, kFaultRefused };
   Kind kind = Kind::kDeadlineMissed;
   std::uint32_t part = 0;
   std::uint64_t epoch = 0;

@@ -51,6 +51,8 @@ void fill(Published& published, const cycle::Simulation& simulation, const Pace&
   }
   fill_bodies(published, simulation);
   fill_joints(published, simulation);
+  const auto faults = simulation.faults();
+  published.faults.assign(faults.begin(), faults.end());
   const auto contacts = simulation.contacts();
   published.contacts.assign(contacts.begin(), contacts.end());
 }

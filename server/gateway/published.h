@@ -37,6 +37,7 @@ struct Published {
   std::vector<double> velocities;  // 6 per body
   std::vector<double> joint_positions, joint_velocities, joint_efforts, following_errors;
   std::vector<collision::Contact> contacts;
+  std::vector<hwparts::ActiveFault> faults;
   cycle::Phases::Summary phases{};
   std::shared_ptr<const cycle::FlightRing> ring;  // shared: a change of the world makes a new one
   std::shared_ptr<const WorldView> shown;  // another server's world, in place of this one's; null: its own

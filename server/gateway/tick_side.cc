@@ -80,6 +80,13 @@ void TickSide::apply(const Input& input) {
       return;
     case Input::Kind::kPush:
       return apply_push(input);
+    case Input::Kind::kFault:
+      if (!simulation_.inject(
+              {input.part, input.fault, input.duration_ticks == 0 ? 0 : now + input.duration_ticks}))
+        tell({Notice::Kind::kFaultRefused, input.part, 0, now});
+      return;
+    case Input::Kind::kClearFault:
+      return simulation_.clear_faults(input.part, input.fault_kind, input.fault_drive);
   }
 }
 

@@ -82,10 +82,12 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Wrong{"until: {at_s: 1}\ntimeline: [{say: x}]\n",
                             "s.yaml:5: timeline[0]: needs either 'at_s' or 'when'"},
                       Wrong{"until: {at_s: 1}\ntimeline: [{at_s: 1}]\n",
-                            "s.yaml:5: timeline[0]: needs exactly one of set, push, parameter, kill, signal, "
+                            "s.yaml:5: timeline[0]: needs exactly one of set, push, parameter, fault, "
+                            "clear_fault, kill, signal, "
                             "remove_body, say"},
                       Wrong{"until: {at_s: 1}\ntimeline: [{at_s: 1, say: x, remove_body: b}]\n",
-                            "s.yaml:5: timeline[0]: needs exactly one of set, push, parameter, kill, signal, "
+                            "s.yaml:5: timeline[0]: needs exactly one of set, push, parameter, fault, "
+                            "clear_fault, kill, signal, "
                             "remove_body, say"},
                       Wrong{"until: {at_s: 1}\ntimeline: [{at_s: 1, kill: x}]\n",
                             "s.yaml:5: timeline[0].kill: there is no controller 'x'"},

@@ -74,6 +74,23 @@ class Worlds(Scenario):
         text = "until: {{at_s: 0.2}}\ntimeline: [{{at_s: 0.1, push: {{body: box, force_n: [{}, 0, 0]}}}}]\n"
         self.assertNotEqual(self.run_it(text.format(0.5))[0]["state_hash"], self.run_it(text.format(0.6))[0]["state_hash"])
 
+    def test_what_breaks_shows_and_ends(self):
+        text = """
+            until: {at_s: 0.9}
+            timeline:
+              - {at_s: 0.1, fault: {part: arm, kind: encoder_stuck, numbers: {joint: 1}, for_s: 0.6}}
+              - {at_s: 0.2, set: {part: arm, port: Desired Angle 1, value: 0.5}}
+              - {at_s: 0.3, fault: {part: arm, kind: torque_lost, numbers: {joint: 2, share: 0.1}}}
+              - {at_s: 0.8, clear_fault: {part: arm, kind: torque_lost, joint: 2}}
+            checks:
+              - {that: {port: {part: arm, name: Module State 1, mask: 16}, equals: 16}, when: {by_s: 0.7}}
+              - {that: {port: {part: arm, name: Actual Angle 1}, between: [-0.001, 0.001]}, when: {to_s: 0.69}}
+              - {that: {joint_position: {joint: arm/joint_1}, above: 0.005}}
+              - {that: {port: {part: arm, name: Actual Angle 1}, above: 0.005}}
+        """
+        results = [self.run_it(text)[0] for _ in range(2)]
+        self.assertEqual(results[0]["state_hash"], results[1]["state_hash"])
+
     def test_a_check_that_fails_is_1_and_shows_what_was_measured(self):
         result, done = self.run_it("""
             until: {at_s: 0.05}

@@ -28,6 +28,7 @@ inline Catalogue small_catalogue() {
                         {"Module State 1", "", 0, 4294967295.0, 0, ""}};
   arm.parameters = {{"gain", "", "", 1.0, 0.0, 2.0, {}, false}};
   catalogue.parts["arm"] = arm;
+  catalogue.faults["arm"] = {{"encoder_stuck", "drive", "", {{"joint", "", 1, 64, true, 0}}}};
   return catalogue;
 }
 

@@ -63,6 +63,12 @@ TEST(Timeline, WhatAnActionNamesMustBeThere) {
        "file.yaml:1: [0]: there is no body 'tabel' (did you mean 'table'?)"},
       {"[{at_s: 0, parameter: {part: arm, name: gian, value: 1}}]",
        "file.yaml:1: [0]: there is no parameter of part 'arm' called 'gian' (did you mean 'gain'?)"},
+      {"[{at_s: 0, fault: {part: arm, kind: encoder_stuk}}]",
+       "file.yaml:1: [0]: there is no fault of part 'arm' called 'encoder_stuk' (did you mean "
+       "'encoder_stuck'?)"},
+      {"[{at_s: 0, fault: {part: arm, kind: encoder_stuck, numbers: {jiont: 1}}}]",
+       "file.yaml:1: [0]: there is no number of fault 'encoder_stuck' called 'jiont' (did you mean "
+       "'joint'?)"},
   };
   for (const auto& wrong : cases) {
     const auto list = entries(wrong.yaml);

@@ -169,6 +169,32 @@ class Commands(unittest.TestCase):
         self.daemon.visum("push", "box", "0", "0", "-5", "--for", "0.01")
         self.daemon.visum("push", "bux", "0", "0", "5", expect=2)
 
+    def test_faults_are_listed_put_in_and_ended(self):
+        kinds = {kind["name"] for kind in self.daemon.json("faults", "arm")["kinds"]}
+        self.assertIn("encoder_stuck", kinds)
+        self.assertNotIn("sensor_off", kinds)  # an arm is no sensor
+        self.daemon.visum("fault", "arm", "torque_lost", "joint=3", "share=0.5")
+        self.assertEqual(self.active_faults(1), [{"part": "arm", "kind": "torque_lost",
+                                                  "numbers": {"joint": 3, "share": 0.5}, "until_tick": 0}])
+        self.assertIn("acts on arm: torque_lost joint=3 share=0.5\n", self.daemon.visum("faults").stdout)
+        self.daemon.visum("fault", "arm", "torque_lost", "joint=3", "--clear")
+        self.assertEqual(self.active_faults(0), [])
+
+    def active_faults(self, count):
+        """Once there are so many: they come and go at a tick."""
+        for _ in range(100):
+            active = self.daemon.json("faults", "arm")["active"]
+            if len(active) == count:
+                return active
+        return active
+
+    def test_faults_that_mean_nothing_are_refused_with_the_reason(self):
+        for words, reason in ((("encoder_stuck",), "needs the number 'joint'"), (("encoder_stuck", "joint"), "must be NAME=NUMBER"),
+                              (("encoder_stuck", "joint=12"), "there is no joint 12"), (("bus_lost",), "on no field bus"),
+                              (("stuck",), "there is no fault 'stuck'"), ((), "which fault?"),
+                              (("supply_dip", "volts=3", "--clear"), "takes no number but joint")):
+            self.assertIn(reason, self.daemon.visum("fault", "arm", *words, expect=2).stderr, words)
+
     def test_watch_prints_a_line_per_sample_and_ends_by_count(self):
         lines = self.daemon.visum("watch", "arm", "Actual Angle 1", "--every", "10", "--count", "3").stdout.splitlines()
         self.assertEqual(len(lines), 3)

@@ -16,15 +16,16 @@ TEST(Access, EveryRequestNeedsTheRoleOfTheTable) {
   using namespace protocol;
   for (const Request& request : std::initializer_list<Request>{
            Status{}, ListParts{}, DescribePart{}, Read{}, Subscribe{}, Unsubscribe{}, GetParameters{},
-           ReadBlackboard{}, DescribeWorld{}, ReadWorld{}, SubscribeWorld{}, UnsubscribeWorld{}, ReadMesh{}})
+           ReadBlackboard{}, DescribeWorld{}, ReadWorld{}, SubscribeWorld{}, UnsubscribeWorld{}, ReadMesh{},
+           ListFaults{}})
     EXPECT_EQ(role_needed(request), Role::kObserver) << request.index();
   for (const Request& request :
        std::initializer_list<Request>{AcquireLease{}, ReleaseLease{}, Write{}, SetParameter{},
                                       WriteBlackboard{}, Join{}, Advance{}, Leave{}})
     EXPECT_EQ(role_needed(request), Role::kController) << request.index();
-  for (const Request& request :
-       std::initializer_list<Request>{Pause{}, Resume{}, Step{}, SetSpeed{}, Reset{}, TakeSnapshot{},
-                                      RestoreSnapshot{}, PushBody{}, AddBody{}, RemoveBody{}, Shutdown{}})
+  for (const Request& request : std::initializer_list<Request>{
+           Pause{}, Resume{}, Step{}, SetSpeed{}, Reset{}, TakeSnapshot{}, RestoreSnapshot{}, PushBody{},
+           AddBody{}, RemoveBody{}, Shutdown{}, InjectFault{}, ClearFault{}})
     EXPECT_EQ(role_needed(request), Role::kAdmin) << request.index();
 }
 

@@ -64,6 +64,28 @@ TEST(Agent, IsPartOfSnapshotsAndOfTheHash) {
   EXPECT_EQ(simulation.state_hash(), cycle::Simulation(test::scene_with_arm(kStepper)).state_hash());
 }
 
+// Faults stand between an agent and its parts as between those and a client.
+TEST(Agent, SpeaksAndHearsOverTheSameBrokenNetwork) {
+  cycle::Simulation simulation(test::scene_with_arm(kStepper));
+  const auto desired = [&] { return part_of(simulation, "arm").controller_inputs[0]; };
+  std::string why;
+  const auto late = hwparts::make_fault("network_delay", {{"ms", 25}}, why);
+  ASSERT_TRUE(late) << why;
+  ASSERT_TRUE(simulation.inject({0, *late, 0}));
+  run(simulation, 25);
+  EXPECT_EQ(desired(), 0.0) << "under way";
+  run(simulation, 1);
+  EXPECT_EQ(desired(), 0.001);
+  run(simulation, 10);
+  EXPECT_EQ(desired(), 0.002);
+  simulation.clear_faults(0, {}, {});
+  EXPECT_EQ(desired(), 0.004) << "what was under way has come";
+  const auto silent = hwparts::make_fault("part_silent", {}, why);
+  ASSERT_TRUE(simulation.inject({0, *silent, 0}));
+  run(simulation, 100);
+  EXPECT_EQ(desired(), 0.004);
+}
+
 TEST(Agent, TheExplorerTakenBackGoesOnWithTheSameBits) {
   const auto file = std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/explorer_agent.yaml";
   cycle::Simulation straight(scene::load_scene(file, test::plugin_options()));

@@ -81,7 +81,7 @@ WorldDescription world() {
   w.viewpoints = {{"from above", {0, 0, 2}, {0.1, 0, 0}, 0.7}};
   w.panels = {{"Jog", "{\"visum_panel\": 1}"}};
   w.losses = {"model 'arm': a camera is not simulated"};
-  w.sensors = {{"eye", "scanner", "box", {0, 0, 0.1, 1, 0, 0, 0}, {0.05, 8}, {-1.5, 1.5}, 0.5, 0.75},
+  w.sensors = {{"eye", "scanner", "box", {0, 0, 0.1, 1, 0, 0, 0}, {0.05, 8}, {-1.5, 1.5}, 0.5, 2.0},
                {"camera", "camera", "", {1, 2, 3, 1, 0, 0, 0}, {0, 100}, {}, 1.25, 1.5}};
   w.revision = 5;
   return w;
@@ -149,6 +149,9 @@ Samples<Request> sample_requests() {
       {"shutdown", Shutdown{}},
       {"read_texture", ReadTexture{2}},
       {"note", Note{"waits for thread 7"}},
+      {"inject_fault", InjectFault{"arm", "encoder_offset", {{"joint", 3}, {"offset", 0.01}}, 2'000'000'000}},
+      {"clear_fault", ClearFault{"arm", "encoder_offset", 3}},
+      {"list_faults", ListFaults{"arm"}},
   };
 }
 
@@ -172,6 +175,11 @@ Samples<Reply> sample_replies() {
       {"snapshot", SnapshotTaken{2, 100, 0xdeadbeefcafe}},
       {"event", Event{"lease_lost", "pick_and_place is gone", "arm", 1, 77}},
       {"texture", TextureData{"image/png", bytes({137, 80, 78, 71})}},
+      {"faults", FaultList{{{"torque_lost",
+                             "drive",
+                             "less torque",
+                             {{"offset", "<u>", -1, 1, true, 0.5}, {"share", "", 0, 1, false, 1}}}},
+                           {{"arm", "torque_lost", {{"joint", 3}, {"share", 0.5}}, 1200}}}},
   };
 }
 

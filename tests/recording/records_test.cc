@@ -56,6 +56,17 @@ TEST(Records, InputsComeBackAsTheyWere) {
   EXPECT_EQ(std::get<RestoreSnapshot>(through(RestoreSnapshot{9}, message).input).number, 9u);
   EXPECT_EQ(std::get<AddBody>(through(AddBody{"{name: x}"}, message).input).yaml, "{name: x}");
   EXPECT_EQ(std::get<RemoveBody>(through(RemoveBody{"x"}, message).input).name, "x");
+
+  const auto fault =
+      std::get<InjectFault>(through(InjectFault{"arm", "gear_slip", values, 77}, message).input);
+  EXPECT_EQ(fault.part, "arm");
+  EXPECT_EQ(fault.kind, "gear_slip");
+  EXPECT_EQ((std::vector<double>{fault.numbers.begin(), fault.numbers.end()}), values);
+  EXPECT_EQ(fault.until_tick, 77);
+  const auto clear = std::get<ClearFault>(through(ClearFault{"arm", "bus_late", 3}, message).input);
+  EXPECT_EQ(clear.part, "arm");
+  EXPECT_EQ(clear.kind, "bus_late");
+  EXPECT_EQ(clear.drive, 3u);
 }
 
 TEST(Records, BytesThatAreNoInputAreRefused) {

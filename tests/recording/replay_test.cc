@@ -5,6 +5,7 @@
 
 #include <sstream>
 
+#include "hwparts/powercube/module_bus.h"
 #include "protocol/recording/mcap_reader.h"
 #include "protocol/recording/mcap_writer.h"
 #include "server/recording/export_csv.h"
@@ -48,6 +49,43 @@ TEST(Replay, GoesThroughTheSameBits) {
   EXPECT_EQ(result.inputs, 9u);
   EXPECT_EQ(result.last_hash, hash);
   EXPECT_EQ(result.header.scene, "two_link");
+}
+
+hwparts::ActiveFault broken(const char* kind, const hwparts::NamedNumbers& numbers, std::int64_t until = 0) {
+  std::string why;
+  const auto fault = hwparts::make_fault(kind, numbers, why);
+  EXPECT_TRUE(fault) << why;
+  return {0, fault.value_or(hwparts::Fault{}), until};
+}
+
+// Chance is part of the bits: noise, what a network delays and loses, and which telegrams never arrive.
+TEST(Replay, BreaksTheSameThingsByTheSameChance) {
+  RecordedWorld world("amtec_arm.yaml");
+  ASSERT_TRUE(world->inject(broken("encoder_noise", {{"joint", 2}, {"deviation", 1e-3}})));
+  ASSERT_TRUE(world->inject(broken("network_delay", {{"ms", 3}, {"jitter_ms", 9}}, 70)));
+  ASSERT_TRUE(world->inject(broken("network_loss", {{"share", 0.5}}, 90)));
+  ASSERT_TRUE(world->inject(broken("bus_lost", {{"share", 0.5}})));
+  auto& modules = *world->parts()[0].part->modules();
+  for (int i = 0; i < 60; ++i) {
+    world->write_inputs(0, 0, std::vector{0.005 * i});
+    powercube::Telegram there{powercube::Telegram::Kind::kSet, 3, {0x0B, 0x04}};
+    powercube::put_value(there.message, 0.005f * static_cast<float>(i));
+    world->obey(0, there, powercube::Wire::kSerial);
+    modules.passage();  // an answer's way back, which no recording holds
+    world.run(2);
+  }
+  world->clear_faults(0, hwparts::FaultKind::kEncoderNoise, 1);
+  world->clear_faults(0, hwparts::FaultKind::kEncoderNoise, 1);  // nothing is left to clear: no input
+  world.run(10);
+  EXPECT_EQ(world->faults().size(), 1u) << "two were over by themselves";
+  world->reset();
+  world.run(10);
+  EXPECT_TRUE(world->faults().empty());
+  const auto hash = world->state_hash();
+  const auto result = replay(world.finish());
+  EXPECT_TRUE(result.equal) << result.difference.what << " at tick " << result.difference.tick;
+  EXPECT_EQ(result.inputs, 4u + 2 * 60u + 1u + 1u);
+  EXPECT_EQ(result.last_hash, hash);
 }
 
 TEST(Replay, HoldsWithTheOtherEngineToo) {
@@ -154,20 +192,27 @@ TEST_P(ReplayOfABadInput, IsRefusedWithAReason) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, ReplayOfABadInput,
-    testing::Values(BadInput{"NaN", WriteInputs{"robot", 0, kNaN}, "takes no"},
-                    BadInput{"OutOfRange", WriteInputs{"robot", 0, kHuge}, "takes no"},
-                    BadInput{"NoSuchPort", WriteInputs{"robot", 4'000'000'000u, kOnes}, "controller inputs"},
-                    BadInput{"NoSuchPart", LoseController{"nobody"}, "no part 'nobody'"},
-                    BadInput{"NoBody", PushBody{99, {}, {}, 5}, "no body number 99"},
-                    BadInput{"NegativeBody", PushBody{-1, {}, {}, 5}, "no body number -1"},
-                    BadInput{"PushOfNaN", PushBody{0, {kNaN[0], 0, 0}, {}, 5}, "no number"},
-                    BadInput{"NoSnapshot", RestoreSnapshot{7}, "no snapshot 7"},
-                    BadInput{"OtherSnapshot", TakeSnapshot{7}, "is number 1"},
-                    BadInput{"BadYaml", AddBody{"{name: ["}, "refused"},
-                    BadInput{"NoSuchName", RemoveBody{"nobody"}, "no body 'nobody'"},
-                    BadInput{"NoParameter", SetParameter{"robot", "No Such", 1.0}, "refused"},
-                    BadInput{"NoBlackboard", WriteBlackboard{"robot", "none", 0, {}},
-                             "no blackboard 'none'"}),
+    testing::Values(
+        BadInput{"NaN", WriteInputs{"robot", 0, kNaN}, "takes no"},
+        BadInput{"OutOfRange", WriteInputs{"robot", 0, kHuge}, "takes no"},
+        BadInput{"NoSuchPort", WriteInputs{"robot", 4'000'000'000u, kOnes}, "controller inputs"},
+        BadInput{"NoSuchPart", LoseController{"nobody"}, "no part 'nobody'"},
+        BadInput{"NoBody", PushBody{99, {}, {}, 5}, "no body number 99"},
+        BadInput{"NegativeBody", PushBody{-1, {}, {}, 5}, "no body number -1"},
+        BadInput{"PushOfNaN", PushBody{0, {kNaN[0], 0, 0}, {}, 5}, "no number"},
+        BadInput{"NoSnapshot", RestoreSnapshot{7}, "no snapshot 7"},
+        BadInput{"OtherSnapshot", TakeSnapshot{7}, "is number 1"},
+        BadInput{"BadYaml", AddBody{"{name: ["}, "refused"},
+        BadInput{"NoSuchName", RemoveBody{"nobody"}, "no body 'nobody'"},
+        BadInput{"NoFaultPart", InjectFault{"nobody", "part_silent", {}, 0}, "no part 'nobody'"},
+        BadInput{"NoFaultKind", InjectFault{"robot", "flat_tyre", {}, 0}, "no fault 'flat_tyre'"},
+        BadInput{"NoFaultNumbers", InjectFault{"robot", "network_loss", {}, 0}, "has 1 numbers"},
+        BadInput{"FaultOfNaN", InjectFault{"robot", "network_loss", kNaN, 0}, "finite"},
+        BadInput{"FaultOfNobody", InjectFault{"robot", "sensor_off", {}, 0}, "no sensor"},
+        BadInput{"FaultUntilBefore", InjectFault{"robot", "part_silent", {}, -1}, "until tick -1"},
+        BadInput{"NoFaultToClear", ClearFault{"robot", "flat_tyre", 0}, "no fault 'flat_tyre'"},
+        BadInput{"NoParameter", SetParameter{"robot", "No Such", 1.0}, "refused"},
+        BadInput{"NoBlackboard", WriteBlackboard{"robot", "none", 0, {}}, "no blackboard 'none'"}),
     [](const auto& info) { return std::string(info.param.name); });
 
 TEST(Replay, AFileThatWasCutShortIsComparedUpToItsLastWholeRecord) {

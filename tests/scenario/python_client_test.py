@@ -147,6 +147,19 @@ class OnTheTwoLinkRobot(unittest.TestCase):
         self.admin.remove_body("ball")
         self.assertNotIn("ball", self.admin.world().body_names)
 
+    def test_faults_act_from_the_next_tick_on(self) -> None:
+        robot = self.admin.part("robot")
+        robot.inject_fault("encoder_offset", joint=1, offset=0.01, seconds=1.0)
+        self.client.join()
+        self.client.advance_ms(1)
+        self.assertEqual(robot.faults(), ["encoder_offset"])
+        robot.clear_fault("encoder_offset")
+        self.client.advance_ms(1)
+        self.client.leave()
+        self.assertEqual(robot.faults(), [])
+        with self.assertRaisesRegex(visum.Error, "there is no joint 9"):
+            robot.inject_fault("encoder_stuck", joint=9)
+
     def test_paused_world_steps(self) -> None:
         self.admin.pause()
         self.admin.step(7)

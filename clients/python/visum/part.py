@@ -127,6 +127,20 @@ class Part:
         self._client.connection.request(write_blackboard=pb.WriteBlackboard(
             part=self.name, name=name, offset=offset, data=data))
 
+    def inject_fault(self, kind: str, seconds: float = 0.0, **numbers: float) -> None:
+        """A fault of `visum faults`, as inject_fault("encoder_stuck", joint=3); role admin. 0 seconds: until it is cleared."""
+        self._client.connection.request(inject_fault=pb.InjectFault(
+            part=self.name, kind=kind, duration_ns=round(seconds * 1e9),
+            numbers=[pb.FaultNumber(name=name, value=value) for name, value in numbers.items()]))
+
+    def clear_fault(self, kind: str = "", joint: int = 0) -> None:
+        """Ends all its faults, those of a kind, or that of one joint."""
+        self._client.connection.request(clear_fault=pb.ClearFault(part=self.name, kind=kind, joint=joint))
+
+    def faults(self) -> list[str]:
+        """The kinds that act."""
+        return [f.kind for f in self._client.connection.request(list_faults=pb.ListFaults(part=self.name)).faults.active]
+
 
 def _runs(values: dict[int, float]) -> Iterator[tuple[int, list[float]]]:
     """Neighbouring ports together, as one message can carry them."""

@@ -51,7 +51,7 @@ constexpr const char* kBashTail = R"(    esac
   case "$verb" in
     run) COMPREPLY=($(compgen -f -- "$cur")) ;;
     completion) COMPREPLY=($(compgen -W 'bash zsh fish' -- "$cur")) ;;
-    get|set|watch|describe|params|param-set)
+    get|set|watch|describe|params|param-set|fault|faults)
       if ((count == 0)); then
         _visum_candidates "$cur" < <(visum parts --names "${link[@]}" 2>/dev/null)
       elif [[ "$verb" == get || "$verb" == set || "$verb" == watch ]]; then
@@ -69,7 +69,7 @@ constexpr const char* kZshTail = R"(    esac
   case $words[2] in
     run) _files ;;
     completion) compadd bash zsh fish ;;
-    get|set|watch|describe|params|param-set)
+    get|set|watch|describe|params|param-set|fault|faults)
       if (( CURRENT == 3 )); then
         names=("${(@f)$(visum parts --names 2>/dev/null)}")
         compadd -a names

@@ -32,4 +32,10 @@ void Actions::perform(const SetParameter& set) {
   session_.request(protocol::SetParameter{set.part, set.name, cli::parse_value(parameter, set.value)});
 }
 
+void Actions::perform(const InjectFault& fault) {
+  protocol::InjectFault request{fault.part, fault.kind, {}, std::llround(fault.duration_s * 1e9)};
+  for (const auto& [name, value] : fault.numbers) request.numbers.push_back({name, value});
+  session_.request(request);
+}
+
 }  // namespace visum::run

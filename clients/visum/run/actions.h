@@ -22,6 +22,10 @@ class Actions {
   void perform(const SetPort& set);
   void perform(const Push& push);
   void perform(const SetParameter& set);
+  void perform(const InjectFault& fault);
+  void perform(const ClearFault& clear) {
+    session_.request(protocol::ClearFault{clear.part, clear.kind, static_cast<std::uint32_t>(clear.joint)});
+  }
   void perform(const Signal& signal) { controllers_.signal(signal.controller, signal.number); }
   void perform(const RemoveBody& remove) { session_.request(protocol::RemoveBody{remove.body}); }
   void perform(const Say& say) { on_say_(say.text); }

@@ -60,4 +60,15 @@ PortPlace find_port(const protocol::PartDescription& part, const std::string& na
   fail_unknown(place, "port of part '" + part.name + "' called", name, known);
 }
 
+const protocol::FaultKind& find_fault(const Catalogue& catalogue, const std::string& part,
+                                      const std::string& kind, const config::Place& place) {
+  find_part(catalogue, part, place);
+  std::vector<std::string> known;
+  for (const auto& row : catalogue.faults.at(part)) {
+    if (row.name == kind) return row;
+    known.push_back(row.name);
+  }
+  fail_unknown(place, "fault of part '" + part + "' called", kind, known);
+}
+
 }  // namespace visum::run

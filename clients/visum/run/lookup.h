@@ -25,4 +25,8 @@ struct PortPlace {
 PortPlace find_port(const protocol::PartDescription& part, const std::string& name,
                     const config::Place& place);
 
+// Of those that the part knows.
+const protocol::FaultKind& find_fault(const Catalogue& catalogue, const std::string& part,
+                                      const std::string& kind, const config::Place& place);
+
 }  // namespace visum::run

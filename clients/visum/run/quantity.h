@@ -17,6 +17,7 @@ namespace visum::run {
 struct Catalogue {
   protocol::WorldDescription world;
   std::map<std::string, protocol::PartDescription> parts;
+  std::map<std::string, std::vector<protocol::FaultKind>> faults;  // that each part knows
 };
 
 // One step's data. Peaks in `world` cover the time since the step before.

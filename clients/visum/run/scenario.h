@@ -91,6 +91,15 @@ struct SetParameter {
   std::string part, name;
   std::string value;  // as written; the parameter's own type decides what it means
 };
+struct InjectFault {
+  std::string part, kind;
+  std::vector<std::pair<std::string, double>> numbers;
+  double duration_s = 0.0;  // 0: until it is cleared
+};
+struct ClearFault {
+  std::string part, kind;  // kind: empty: all
+  int joint = 0;           // 0: of all
+};
 struct Signal {
   std::string controller;
   int number = 0;
@@ -101,7 +110,7 @@ struct RemoveBody {
 struct Say {
   std::string text;
 };
-using Action = std::variant<SetPort, Push, SetParameter, Signal, RemoveBody, Say>;
+using Action = std::variant<SetPort, Push, SetParameter, InjectFault, ClearFault, Signal, RemoveBody, Say>;
 
 struct TimelineEntry {
   double at_s = 0.0;              // where there is no condition

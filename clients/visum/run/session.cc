@@ -48,6 +48,8 @@ Catalogue Session::catalogue() {
   for (const auto& part : connection_.request_as<protocol::PartList>(protocol::ListParts{}).parts) {
     auto reply = connection_.request_as<protocol::PartDescriptionReply>(protocol::DescribePart{part.name});
     catalogue.parts[part.name] = std::move(reply.description);
+    catalogue.faults[part.name] =
+        connection_.request_as<protocol::FaultList>(protocol::ListFaults{part.name}).kinds;
   }
   return catalogue;
 }

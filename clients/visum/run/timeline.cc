@@ -1,5 +1,7 @@
 #include "clients/visum/run/timeline.h"
 
+#include <algorithm>
+
 #include "clients/visum/common/format.h"
 #include "clients/visum/run/bounds.h"
 #include "clients/visum/run/lookup.h"
@@ -33,6 +35,18 @@ struct Inspector {
       known.push_back(parameter.name);
     }
     fail_unknown(place, "parameter of part '" + set.part + "' called", set.name, known);
+  }
+  void operator()(const InjectFault& fault) const {
+    const auto& kind = find_fault(catalogue, fault.part, fault.kind, place);
+    std::vector<std::string> known;
+    for (const auto& number : kind.numbers) known.push_back(number.name);
+    for (const auto& [name, value] : fault.numbers)
+      if (std::ranges::find(known, name) == known.end())
+        fail_unknown(place, "number of fault '" + fault.kind + "' called", name, known);
+  }
+  void operator()(const ClearFault& clear) const {
+    find_part(catalogue, clear.part, place);
+    if (!clear.kind.empty()) find_fault(catalogue, clear.part, clear.kind, place);
   }
   void operator()(const Signal&) const {}
   void operator()(const Say&) const {}

@@ -31,6 +31,22 @@ SetParameter read_parameter(const Node& node) {
   return {node.get("part").text(), node.get("name").text(), node.get("value").text()};
 }
 
+InjectFault read_fault(const Node& node) {
+  node.allow_only({"part", "kind", "numbers", "for_s"});
+  InjectFault fault{node.get("part").text(), node.get("kind").text(), {}, 0.0};
+  if (const auto numbers = node.find("numbers"))
+    for (const auto& name : numbers->keys()) fault.numbers.emplace_back(name, numbers->get(name).number());
+  fault.duration_s = node.number_or("for_s", 0.0, config::kPositive);
+  return fault;
+}
+
+ClearFault read_clear(const Node& node) {
+  node.allow_only({"part", "kind", "joint"});
+  const auto joint = node.find("joint");
+  return {node.get("part").text(), node.text_or("kind", ""),
+          joint ? static_cast<int>(joint->integer(1, 1000)) : 0};
+}
+
 const std::string& check_controller(const Node& node, const std::string& name,
                                     const std::vector<ControllerSpec>& controllers) {
   std::vector<std::string> known;
@@ -55,6 +71,8 @@ Action read_action(const Node& entry, const std::string& key,
   if (key == "set") return read_set(node);
   if (key == "push") return read_push(node);
   if (key == "parameter") return read_parameter(node);
+  if (key == "fault") return read_fault(node);
+  if (key == "clear_fault") return read_clear(node);
   if (key == "kill") return Signal{check_controller(node, node.text(), controllers), SIGKILL};
   if (key == "signal") return read_signal(node, controllers);
   if (key == "remove_body") return RemoveBody{node.text()};
@@ -64,9 +82,10 @@ Action read_action(const Node& entry, const std::string& key,
 }  // namespace
 
 TimelineEntry read_timeline_entry(const Node& node, const std::vector<ControllerSpec>& controllers) {
-  static const std::vector<std::string> kActions{"set",    "push",        "parameter", "kill",
-                                                 "signal", "remove_body", "say"};
-  node.allow_only({"at_s", "when", "set", "push", "parameter", "kill", "signal", "remove_body", "say"});
+  static const std::vector<std::string> kActions{"set",  "push",   "parameter",   "fault", "clear_fault",
+                                                 "kill", "signal", "remove_body", "say"};
+  node.allow_only({"at_s", "when", "set", "push", "parameter", "fault", "clear_fault", "kill", "signal",
+                   "remove_body", "say"});
   TimelineEntry entry;
   entry.place = node.place();
   const auto at = node.find("at_s"), when = node.find("when");
@@ -79,7 +98,9 @@ TimelineEntry read_timeline_entry(const Node& node, const std::vector<Controller
     ++actions;
     entry.action = read_action(node, key, controllers);
   }
-  if (actions != 1) node.fail("needs exactly one of set, push, parameter, kill, signal, remove_body, say");
+  if (actions != 1)
+    node.fail(
+        "needs exactly one of set, push, parameter, fault, clear_fault, kill, signal, remove_body, say");
   return entry;
 }
 

@@ -24,6 +24,8 @@ std::unique_ptr<Verb> make_reset();
 std::unique_ptr<Verb> make_snapshot();
 std::unique_ptr<Verb> make_restore();
 std::unique_ptr<Verb> make_push();
+std::unique_ptr<Verb> make_fault();
+std::unique_ptr<Verb> make_faults();
 std::unique_ptr<Verb> make_run();
 std::unique_ptr<Verb> make_exec();
 std::unique_ptr<Verb> make_mirror();

@@ -198,9 +198,9 @@ void BusThread::take(std::uint64_t number, const Line& line, const Telegram& tel
 void BusThread::send_answers() {
   for (BusItem item; answers_.pop(item);) {
     if (item.wire == Wire::kCan) {
-      spread(wirings_[item.link].part, item.telegram, 0);
+      if (!item.corrupted) spread(wirings_[item.link].part, item.telegram, 0);
     } else if (const auto line = lines_.find(item.channel); line != lines_.end()) {
-      line->second.channel->send(item.telegram);
+      line->second.channel->send(item.telegram, item.corrupted);
     }
   }
 }

@@ -29,6 +29,8 @@ struct BusItem {
   std::uint64_t channel = 0;  // by number; answers to CAN go to all CAN channels of the link's part
   powercube::Wire wire = powercube::Wire::kSerial;
   powercube::Telegram telegram;
+  // An answer of which a bit is turned over on its way. On CAN the receivers throw such a frame away.
+  bool corrupted = false;
 };
 
 class BusThread {

@@ -67,16 +67,24 @@ Buses::~Buses() {
 void Buses::obey(const BusItem& item) {
   const auto answer = simulation_.obey(parts_[item.link], item.telegram, item.wire);
   if (!answer) return;
+  const auto passage = simulation_.parts()[parts_[item.link]].part->modules()->passage();
+  if (passage.lost) return;
   BusItem reply = item;
   reply.telegram = *answer;
+  reply.corrupted = passage.corrupted;
+  send(reply, passage.late_ns);
+  if (passage.doubled) send(reply, passage.late_ns);
+}
+
+void Buses::send(const BusItem& item, std::int64_t late_ns) {
   auto& timing = timings_[item.link];
-  if (timing.ideal()) {
-    thread_->answer(reply);
+  if (timing.ideal() && late_ns == 0 && waiting_[item.link].empty()) {
+    thread_->answer(item);
     answered_ = true;
     return;
   }
-  const auto out = timing.pass(*answer, item.wire, simulation_.sim_time_ns() + timing.delay_ns());
-  waiting_[item.link].push_back({out, true, reply});
+  const auto now = simulation_.sim_time_ns() + timing.delay_ns() + late_ns;
+  waiting_[item.link].push_back({timing.pass(item.telegram, item.wire, now), true, item});
 }
 
 bool Buses::serve() {
@@ -149,8 +157,12 @@ void Buses::send_spontaneous() {
   for (std::uint32_t link = 0; link < parts_.size(); ++link) {
     // Once for each part: the bus thread spreads it over all its links.
     if (std::ranges::find(parts_, parts_[link]) != parts_.begin() + link) continue;
-    for (const auto& telegram : simulation_.parts()[parts_[link]].part->modules()->spontaneous()) {
-      thread_->answer({link, 0, powercube::Wire::kCan, telegram});
+    auto& modules = *simulation_.parts()[parts_[link]].part->modules();
+    for (const auto& telegram : modules.spontaneous()) {
+      const auto passage = modules.passage();
+      if (passage.lost) continue;
+      for (int times = passage.doubled ? 2 : 1; times > 0; --times)
+        thread_->answer({link, 0, powercube::Wire::kCan, telegram, passage.corrupted});
       answered_ = true;
     }
   }

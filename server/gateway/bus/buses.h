@@ -47,6 +47,7 @@ class Buses {
     BusItem item;
   };
   void obey(const BusItem& item);
+  void send(const BusItem& item, std::int64_t late_ns);
   void move_lines();
   void send_spontaneous();
   void send();

@@ -161,7 +161,7 @@ void Channel::obey_adapter(const SlcanDecoded& decoded, const OnTelegram& on_tel
   }
 }
 
-void Channel::send(const Telegram& telegram) {
+void Channel::send(const Telegram& telegram, bool corrupted) {
   if (speech_ == Speech::kSocketCan) {
     const auto frame = to_kernel(powercube::to_can(telegram));
     write(&frame, sizeof frame);
@@ -169,7 +169,8 @@ void Channel::send(const Telegram& telegram) {
     const auto line = powercube::encode_slcan(powercube::to_can(telegram));
     if (open_ || speech_ == Speech::kSlcanHost) write(line.data.data(), line.size);
   } else if (telegram.kind != Telegram::Kind::kState) {
-    const auto frame = powercube::encode_serial(telegram);
+    auto frame = powercube::encode_serial(telegram);
+    if (corrupted) frame.data[frame.size - 2] ^= 0x40;  // of the check sum, before the frame's end
     write(frame.data.data(), frame.size);
   }
 }

@@ -45,8 +45,8 @@ class Channel {
   bool read(const OnTelegram& on_telegram);
   // Whether the client has discarded output of its own since the last call; only packets tell.
   bool client_discarded() { return std::exchange(client_discarded_, false); }
-  // One write.
-  void send(const powercube::Telegram& telegram);
+  // One write. Corrupted: with a bit of its check sum turned over; serial lines only.
+  void send(const powercube::Telegram& telegram, bool corrupted = false);
 
  private:
   bool read_bytes(const OnTelegram& on_telegram);

@@ -108,6 +108,33 @@ TEST(Sensor, ShowsAReadingAfterItsLatency) {
   }
 }
 
+// A fault on purpose is what the parameter of the sensor would have it do, and ends with it.
+TEST(Sensor, FaultsAreItsFailuresAndEnd) {
+  const std::pair<const char*, const char*> pairs[]{{"sensor_off", "off"},
+                                                    {"sensor_frozen", "stuck"},
+                                                    {"sensor_garbage", "garbage"},
+                                                    {"sensor_wrong", "wrong"},
+                                                    {"sensor_slow", "slow"},
+                                                    {"sensor_delayed", "delayed"},
+                                                    {"sensor_intermittent", "intermittent"}};
+  for (const auto& [fault, failure] : pairs) {
+    SCOPED_TRACE(fault);
+    Bench broken(kDistance + ", noise: 0.01"), failing(kDistance + ", noise: 0.01");
+    EXPECT_EQ(readings(broken, 1.0, 3), readings(failing, 1.0, 3));
+    std::string why;
+    const auto made = hwparts::make_fault(fault, {}, why);
+    ASSERT_TRUE(made) << why;
+    const hwparts::ActiveFault active{0, *made, 0};
+    broken.sensor->suffer({&active, 1});
+    failing.fail(failure);
+    EXPECT_EQ(readings(broken, 2.0, 40), readings(failing, 2.0, 40));
+    EXPECT_EQ(broken.port("Changed"), failing.port("Changed"));
+    broken.sensor->suffer({});
+    failing.fail("ok");
+    EXPECT_EQ(readings(broken, 3.0, 40), readings(failing, 3.0, 40));
+  }
+}
+
 TEST(Sensor, OffStandsStillAndGoesOnAgain) {
   Bench bench(kDistance);
   readings(bench, 1.0, 3);

@@ -1,0 +1,60 @@
+#include "hwparts/fault_set.h"
+
+#include <algorithm>
+
+namespace visum::hwparts {
+
+bool FaultSet::inject(const ActiveFault& fault) {
+  const auto same = [&](const ActiveFault& one) {
+    return one.part == fault.part && one.fault.same_place(fault.fault);
+  };
+  if (const auto found = std::ranges::find_if(active_, same); found != active_.end()) {
+    *found = fault;
+    return true;
+  }
+  if (active_.size() == kMost) return false;
+  const auto behind = std::ranges::upper_bound(active_, fault.part, {}, &ActiveFault::part);
+  active_.insert(behind, fault);
+  return true;
+}
+
+std::size_t FaultSet::clear(std::uint32_t part, std::optional<FaultKind> kind,
+                            std::optional<std::size_t> drive) {
+  return std::erase_if(active_, [&](const ActiveFault& one) {
+    const bool there =
+        !drive || (fault_info(one.fault.kind).target == FaultTarget::kDrive && one.fault.drive() == *drive);
+    return one.part == part && (!kind || one.fault.kind == *kind) && there;
+  });
+}
+
+bool FaultSet::expire(std::int64_t tick) {
+  return std::erase_if(active_, [tick](const ActiveFault& one) {
+           return one.until_tick != 0 && one.until_tick <= tick;
+         }) != 0;
+}
+
+const ActiveFault* FaultSet::find(std::uint32_t part, FaultKind kind) const {
+  for (const auto& one : active_)
+    if (one.part == part && one.fault.kind == kind) return &one;
+  return nullptr;
+}
+
+void FaultSet::save(StateWriter& to) const {
+  to.put(static_cast<std::uint64_t>(active_.size()));
+  for (const auto& one : active_) {
+    to.put(one.part), to.put(one.fault.kind), to.put(one.until_tick);
+    to.put(std::span<const double>(one.fault.numbers));
+  }
+}
+
+void FaultSet::load(StateReader& from) {
+  std::uint64_t count = 0;
+  from.get(count);
+  active_.resize(std::min<std::uint64_t>(count, kMost));
+  for (auto& one : active_) {
+    from.get(one.part), from.get(one.fault.kind), from.get(one.until_tick);
+    from.get(std::span<double>(one.fault.numbers));
+  }
+}
+
+}  // namespace visum::hwparts

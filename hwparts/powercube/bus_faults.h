@@ -1,0 +1,20 @@
+// What goes wrong on a bus on purpose (hwparts/fault_kinds.h): shares of the frames, from 0 to 1, and a time.
+// Plain.
+#pragma once
+
+#include <cstdint>
+
+namespace visum::powercube {
+
+struct BusFaults {
+  double lost = 0.0, doubled = 0.0, corrupted = 0.0;
+  std::int64_t late_ns = 0;
+};
+
+// What happens to one frame of a module on its way.
+struct Passage {
+  bool lost = false, doubled = false, corrupted = false;
+  std::int64_t late_ns = 0;
+};
+
+}  // namespace visum::powercube

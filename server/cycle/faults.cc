@@ -1,0 +1,67 @@
+// Faults on purpose: those that act, and what stands between a part and its controllers while they do.
+#include <algorithm>
+#include <limits>
+
+#include "server/cycle/simulation.h"
+
+namespace visum::cycle {
+
+void BoundPart::hear(std::int64_t tick, std::size_t first, std::span<const double> values) {
+  if (silent) return;
+  if (!wire.ideal()) return wire.send(tick, first, values);
+  std::ranges::copy(values, controller_inputs.begin() + static_cast<std::ptrdiff_t>(first));
+}
+
+void BoundPart::deliver(std::int64_t until_tick) {
+  if (wire.ideal()) return;
+  for (auto& lane = wire.writes(); lane.due(until_tick); lane.pop())
+    std::ranges::copy(lane.front(), controller_inputs.begin() + static_cast<std::ptrdiff_t>(lane.first()));
+}
+
+std::vector<double>& BoundPart::readings(std::vector<double>& lost) {
+  auto& shown = wire.ideal() ? sensor_outputs : wire.readings();
+  if (!silent) return shown;
+  lost = shown;
+  return lost;
+}
+
+// What is under way on a wire whose quality changes arrives at once.
+void BoundPart::set_wire(const Wire::Quality& quality, std::uint64_t seed) {
+  if (wire.quality() == quality) return;
+  if (!wire.ideal()) {
+    deliver(std::numeric_limits<std::int64_t>::max());
+    sensor_outputs = wire.readings();
+  }
+  wire.begin(quality, seed, sensor_outputs, controller_inputs.size());
+}
+
+bool Simulation::inject(const hwparts::ActiveFault& fault) {
+  if (!faults_.inject(fault)) return false;
+  hand_out_faults();
+  const auto& kind = hwparts::fault_info(fault.fault.kind);
+  const auto numbers = std::span<const double>(fault.fault.numbers).first(hwparts::number_count(kind));
+  tell(now(), recording::InjectFault{name_of(fault.part), kind.name, numbers, fault.until_tick});
+  return true;
+}
+
+void Simulation::clear_faults(std::size_t part, std::optional<hwparts::FaultKind> kind,
+                              std::optional<std::size_t> drive) {
+  if (faults_.clear(static_cast<std::uint32_t>(part), kind, drive) == 0) return;
+  hand_out_faults();
+  tell(now(), recording::ClearFault{name_of(part), kind ? hwparts::fault_info(*kind).name : "",
+                                    drive ? static_cast<std::uint32_t>(*drive) + 1 : 0});
+}
+
+// To each part its own; they stand side by side.
+void Simulation::hand_out_faults() {
+  const auto all = faults_.all();
+  for (std::uint32_t part = 0; part < parts_.size(); ++part) {
+    const auto own = std::ranges::equal_range(all, part, {}, &hwparts::ActiveFault::part);
+    auto& bound = parts_[part];
+    bound.part->suffer({own.begin(), own.end()});
+    bound.silent = faults_.find(part, hwparts::FaultKind::kPartSilent) != nullptr;
+    bound.set_wire(Wire::quality_of({own.begin(), own.end()}, scene_.world.tick_ns), scene_.seed + part);
+  }
+}
+
+}  // namespace visum::cycle

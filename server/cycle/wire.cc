@@ -1,0 +1,123 @@
+#include "server/cycle/wire.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace visum::cycle {
+namespace {
+
+constexpr std::size_t kLeastWrites = 1024, kWritesPerTick = 4;  // that have room under way
+constexpr double kNsPerMs = 1e6;
+
+}  // namespace
+
+void Lane::reset(std::size_t capacity, std::size_t width) {
+  slots_.assign(capacity, {});
+  numbers_.assign(capacity * width, 0.0);
+  width_ = width;
+  head_ = count_ = 0;
+  last_due_ = 0;
+}
+
+void Lane::push(std::int64_t due_tick, std::size_t first, std::span<const double> numbers) {
+  if (count_ == slots_.size() || numbers.size() > width_) return;
+  last_due_ = std::max(last_due_, due_tick);
+  const std::size_t at = slot(count_++);
+  slots_[at] = {last_due_, first, numbers.size()};
+  std::ranges::copy(numbers, numbers_.begin() + static_cast<std::ptrdiff_t>(at * width_));
+}
+
+std::span<const double> Lane::front() const {
+  return std::span(numbers_).subspan(head_ * width_, slots_[head_].size);
+}
+
+void Lane::pop() {
+  head_ = slot(1);
+  --count_;
+}
+
+void Lane::pour_into(std::span<double> inputs) const {
+  for (std::size_t n = 0; n < count_; ++n) {
+    const auto& item = slots_[slot(n)];
+    std::ranges::copy(std::span(numbers_).subspan(slot(n) * width_, item.size),
+                      inputs.begin() + static_cast<std::ptrdiff_t>(item.first));
+  }
+}
+
+void Lane::save(hwparts::StateWriter& to) const {
+  to.put(last_due_), to.put(static_cast<std::uint64_t>(count_));
+  for (std::size_t n = 0; n < count_; ++n) {
+    const auto& item = slots_[slot(n)];
+    to.put(item.due_tick), to.put(item.first), to.put(item.size);
+    to.put(std::span(numbers_).subspan(slot(n) * width_, item.size));
+  }
+}
+
+// Into a lane of the same capacity and width.
+void Lane::load(hwparts::StateReader& from) {
+  std::uint64_t count = 0;
+  head_ = 0;
+  from.get(last_due_), from.get(count);
+  count_ = std::min<std::size_t>(count, slots_.size());
+  for (std::size_t n = 0; n < count_; ++n) {
+    auto& item = slots_[n];
+    from.get(item.due_tick), from.get(item.first), from.get(item.size);
+    from.get(std::span(numbers_).subspan(n * width_, std::min<std::size_t>(item.size, width_)));
+  }
+}
+
+Wire::Quality Wire::quality_of(std::span<const hwparts::ActiveFault> faults, std::int64_t tick_ns) {
+  const auto ticks = [tick_ns](double ms) {
+    return std::llround(ms * kNsPerMs / static_cast<double>(tick_ns));
+  };
+  Quality quality;
+  for (const auto& active : faults) {
+    const auto& numbers = active.fault.numbers;
+    if (active.fault.kind == hwparts::FaultKind::kNetworkLoss) quality.loss = numbers[0];
+    if (active.fault.kind != hwparts::FaultKind::kNetworkDelay) continue;
+    quality.delay_ticks = ticks(numbers[0]);
+    quality.jitter_ticks = ticks(numbers[1]);
+  }
+  return quality;
+}
+
+void Wire::begin(const Quality& quality, std::uint64_t seed, std::span<const double> shown,
+                 std::size_t inputs) {
+  quality_ = quality;
+  chance_ = sensors::Random(seed, "wire");
+  readings_.assign(shown.begin(), shown.end());
+  const auto most_ticks = static_cast<std::size_t>(quality.delay_ticks + quality.jitter_ticks) + 2;
+  writes_.reset(std::max(kLeastWrites, kWritesPerTick * most_ticks), inputs);
+  samples_.reset(most_ticks, shown.size());
+}
+
+std::int64_t Wire::arrival(std::int64_t tick) {
+  const double most = static_cast<double>(quality_.jitter_ticks);
+  const double late = most > 0.0 ? std::floor(chance_.uniform() * (most + 1.0)) : 0.0;
+  return tick + quality_.delay_ticks + static_cast<std::int64_t>(late);
+}
+
+void Wire::send(std::int64_t tick, std::size_t first, std::span<const double> values) {
+  if (!lost()) writes_.push(arrival(tick), first, values);
+}
+
+void Wire::show(std::int64_t tick, std::span<double> shown) {
+  if (!lost()) samples_.push(arrival(tick), 0, readings_);
+  for (; samples_.due(tick); samples_.pop()) std::ranges::copy(samples_.front(), shown.begin());
+}
+
+void Wire::save(hwparts::StateWriter& to) const {
+  chance_.save(to);
+  to.put(std::span<const double>(readings_));
+  writes_.save(to);
+  samples_.save(to);
+}
+
+void Wire::load(hwparts::StateReader& from) {
+  chance_.load(from);
+  from.get(std::span<double>(readings_));
+  writes_.load(from);
+  samples_.load(from);
+}
+
+}  // namespace visum::cycle

@@ -1,0 +1,111 @@
+// Faults on purpose: checked at the edge against their table and their part, and latched as writes are, so
+// that they act from a tick border on. What is answered with Ok acts.
+#include <algorithm>
+#include <limits>
+
+#include "server/gateway/gateway.h"
+
+namespace visum::gateway {
+
+using protocol::ErrorCode;
+
+namespace {
+
+protocol::FaultKind describe(const hwparts::FaultInfo& info) {
+  protocol::FaultKind kind{info.name, hwparts::name_of(info.target), info.effect, {}};
+  for (const auto& number : info.numbers)
+    if (number)
+      kind.numbers.push_back({number->name, number->unit, number->minimum, number->maximum,
+                              !number->usual.has_value(), number->usual.value_or(0.0)});
+  return kind;
+}
+
+protocol::ActiveFault describe(const hwparts::ActiveFault& active, const std::string& part) {
+  const auto& info = hwparts::fault_info(active.fault.kind);
+  protocol::ActiveFault fault{part, info.name, {}, active.until_tick};
+  for (std::size_t i = 0; i < info.numbers.size(); ++i)
+    if (info.numbers[i]) fault.numbers.push_back({info.numbers[i]->name, active.fault.numbers[i]});
+  return fault;
+}
+
+std::int64_t to_ticks(std::int64_t ns, std::int64_t tick_ns) {
+  return ns / tick_ns + (ns % tick_ns != 0 ? 1 : 0);
+}
+
+}  // namespace
+
+// What the part itself cannot know: whether anybody hears its modules.
+std::optional<std::string> Gateway::why_not(std::uint32_t part, const hwparts::Fault& fault) const {
+  const auto& name = world_.parts[part]->description().name;
+  const bool of_bus = hwparts::fault_info(fault.kind).target == hwparts::FaultTarget::kBus;
+  const bool has_bus = std::ranges::find(buses_, name, &protocol::PartBus::part) != buses_.end();
+  if (auto reason = world_.parts[part]->refuse_fault(fault)) return reason;
+  if (of_bus && !has_bus) return "'" + name + "' is on no field bus (visumd --bus)";
+  return std::nullopt;
+}
+
+void Gateway::handle(const Call& call, const protocol::InjectFault& request) {
+  constexpr std::int64_t kLongest_ns = 1'000'000'000'000'000;
+  const auto part = part_or_fail(call, request.part);
+  if (!part) return;
+  hwparts::NamedNumbers numbers;
+  for (const auto& [name, value] : request.numbers) numbers.emplace_back(name, value);
+  std::string why;
+  const auto fault = hwparts::make_fault(request.kind, numbers, why);
+  if (!fault)
+    return call.fail(hwparts::find_fault_kind(request.kind) ? ErrorCode::kBadValue : ErrorCode::kUnknownName,
+                     why);
+  if (request.duration_ns < 0 || request.duration_ns > kLongest_ns)
+    return call.fail(ErrorCode::kBadValue, "duration_ns must be within 0 and 1e15");
+  if (auto reason = why_not(*part, *fault)) return call.fail(ErrorCode::kBadValue, *reason);
+  auto* input = input_or_fail(call);
+  if (!input) return;
+  input->kind = Input::Kind::kFault;
+  input->part = *part;
+  input->epoch = order_of(call);
+  input->fault = *fault;
+  input->duration_ticks = to_ticks(request.duration_ns, world_.tick_ns);
+  mailbox_.send(input);
+  call.reply(protocol::Ok{});
+}
+
+void Gateway::handle(const Call& call, const protocol::ClearFault& request) {
+  const auto part = part_or_fail(call, request.part);
+  if (!part) return;
+  const auto* kind = hwparts::find_fault_kind(request.kind);
+  if (!kind && !request.kind.empty())
+    return call.fail(ErrorCode::kUnknownName, "there is no fault '" + request.kind + "'");
+  auto* input = input_or_fail(call);
+  if (!input) return;
+  input->kind = Input::Kind::kClearFault;
+  input->part = *part;
+  input->epoch = order_of(call);
+  input->fault_kind.reset();
+  input->fault_drive.reset();
+  if (kind) input->fault_kind = kind->kind;
+  if (request.joint != 0) input->fault_drive = request.joint - 1;
+  mailbox_.send(input);
+  call.reply(protocol::Ok{});
+}
+
+void Gateway::handle(const Call& call, const protocol::ListFaults& request) {
+  std::optional<std::uint32_t> only;
+  if (!request.part.empty()) {
+    only = part_or_fail(call, request.part);
+    if (!only) return;
+  }
+  const auto concerned = [&](std::uint32_t part) { return !only || *only == part; };
+  protocol::FaultList list;
+  for (const auto& info : hwparts::fault_kinds()) {
+    bool known = false;
+    for (std::uint32_t part = 0; part < world_.parts.size(); ++part)
+      known = known || (concerned(part) && world_.parts[part]->has(info.target));
+    if (known) list.kinds.push_back(describe(info));
+  }
+  for (const auto& active : now_->faults)
+    if (concerned(active.part))
+      list.active.push_back(describe(active, world_.parts[active.part]->description().name));
+  call.reply(list);
+}
+
+}  // namespace visum::gateway

@@ -1,0 +1,89 @@
+// Faults of a bus, in lockstep, as a client on its line sees them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/gateway/bus/bus_line.h"
+#include "tests/gateway/running_daemon.h"
+
+namespace visum::gateway {
+namespace {
+
+using powercube::Telegram;
+using Kind = Telegram::Kind;
+
+const Telegram kGetVersion{Kind::kGet, 3, {0x0A, 0x1D}};
+const Telegram kVersion{Kind::kAnswer, 3, {0x0A, 0x1D, 0x34, 0x46}};
+const Telegram kGetAddress{Kind::kGet, 4, {0x0A, 0x20}};
+const Telegram kAddress{Kind::kAnswer, 4, {0x0A, 0x20, 4}};
+
+DaemonOptions on_a_bus() {
+  DaemonOptions options;
+  options.buses = {{"arm", "tcp", "0", {}}};
+  return options;
+}
+
+class BusFaults : public testing::Test {
+ protected:
+  BusFaults() { client.request(protocol::Join{}); }
+  void inject(const std::string& kind, const std::string& number, double value) {
+    client.request(protocol::InjectFault{"arm", kind, {{number, value}}, 0});
+    advance(client, 1);
+  }
+  void clear() {
+    client.request(protocol::ClearFault{"arm", "", 0});
+    advance(client, 1);
+  }
+
+  RunningDaemon daemon{scene::ClockKind::kLockstep, on_a_bus()};
+  BusLine line = BusLine::tcp(daemon.buses().at("arm").at(0));
+  protocol::Connection client = daemon.connect("breaker", protocol::Role::kAdmin);
+};
+
+TEST_F(BusFaults, ALostFrameIsSilence) {
+  EXPECT_EQ(line.ask(kGetVersion), kVersion);
+  inject("bus_lost", "share", 1.0);
+  line.send(kGetVersion);
+  EXPECT_EQ(line.read_once(50), "");
+  clear();
+  EXPECT_EQ(line.ask(kGetAddress), kAddress);
+}
+
+TEST_F(BusFaults, ACorruptedFrameHasAWrongCheckSum) {
+  inject("bus_corrupted", "share", 1.0);
+  line.send(kGetVersion);
+  const auto bytes = line.read_to('\x03');
+  const auto decoded =
+      powercube::decode_serial({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+  EXPECT_EQ(decoded.telegram, kVersion);
+  EXPECT_FALSE(decoded.checksum_ok);
+  clear();
+  EXPECT_EQ(line.ask(kGetAddress), kAddress);
+}
+
+TEST_F(BusFaults, FramesComeTwiceAsOftenAsTheirShare) {
+  constexpr int kFrames = 400;
+  inject("bus_doubled", "share", 0.25);
+  std::string all;
+  for (int i = 0; i < kFrames; ++i) all += BusLine::serial(kGetVersion);
+  line.send(all + BusLine::serial(kGetAddress));
+  int heard = 0;
+  while (line.read_to('\x03') == BusLine::serial(kVersion)) ++heard;
+  EXPECT_NEAR(heard - kFrames, 0.25 * kFrames, 4 * std::sqrt(0.25 * 0.75 * kFrames));
+}
+
+TEST_F(BusFaults, ALateAnswerTakesItsSimulatedTime) {
+  inject("bus_late", "ms", 15.0);
+  line.send(kGetVersion);
+  int ticks = 0;
+  while (line.read_once(0).empty() && ticks < 1000) {
+    advance(client, 1);
+    ++ticks;
+    if (ticks < 10) line.read_once(20);  // lets what would be early come
+  }
+  EXPECT_GE(ticks, 15);
+  EXPECT_LE(ticks, 60);  // when the request came is the host's business
+}
+
+}  // namespace
+}  // namespace visum::gateway
