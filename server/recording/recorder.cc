@@ -31,6 +31,7 @@ Header header_of(const scene::Scene& scene, const Origin& origin) {
   header.scene_file = key_of(scene.file);
   header.scene = scene.name;
   header.engine = origin.engine;
+  header.parameters = origin.parameters;
   header.clock = to_string(scene.clock);
   header.seed = scene.seed;
   header.tick_ns = scene.world.tick_ns;

@@ -17,7 +17,7 @@ namespace {
 using Adjust = std::function<void(scene::Scene&)>;
 
 std::unique_ptr<cycle::Simulation> make_world(const Header& header, const Adjust& adjust) {
-  auto scene = scene::load_scene(header.scene_file, {header.engine});
+  auto scene = scene::load_scene(header.scene_file, {header.engine, {}, header.parameters});
   scene.seed = header.seed;
   if (adjust) adjust(scene);
   return std::make_unique<cycle::Simulation>(std::move(scene));

@@ -276,6 +276,9 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
   report.clock = scenario.clock;
   report.engine = scenario.engine.value_or("");
   report.seed = scenario.seed.value_or(-1);
+  report.run = scenario.run;
+  report.swept = scenario.swept;
+  report.recording = scenario.record;
   Vigil vigil(scenario.max_wall_s);
   guard(report, nullptr, [&] {
     const cli::TempFolder links;
@@ -286,7 +289,8 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
                                        scenario.engine,
                                        scenario.seed,
                                        bus_options(scenario, links),
-                                       scenario.record};
+                                       scenario.record,
+                                       scenario.parameters};
     Daemon daemon(daemon_options, scenario.start_wall_s, vigil,
                   [&](const std::string& line) { options.on_line("visumd", line); });
     // Who keeps the world wants to look at it, from the beginning.
