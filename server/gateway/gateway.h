@@ -39,8 +39,6 @@ struct StaticWorld {
   bool has_world = true;  // false: see DaemonOptions
 };
 
-const char* to_string(scene::ClockKind clock);
-
 class Gateway : public protocol::SessionHandler {
  public:
   // `latest` gives the newest published copy, which stays as it is until the next call of it; `pacer` is read
