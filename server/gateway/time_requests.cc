@@ -32,8 +32,7 @@ protocol::ServerStatus Gateway::server_status(const Published& now) const {
   status.refused = refused_;
   status.buses = buses_;
   for (const auto& member : members_.all()) {
-    const auto waited =
-        member.waited_since ? clock_() - *member.waited_since : Member::Clock::duration{};
+    const auto waited = member.waited_since ? clock_() - *member.waited_since : Member::Clock::duration{};
     status.lockstep.push_back({member.client, member.granted_tick, std::chrono::nanoseconds(waited).count(),
                                member.grade, member.note});
   }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kStopTicks =
     1500;                         // of 1 ms: the drives' slowest stop takes 0.4 s, their brakes the rest
-constexpr double kStands = 0.02;           // rad/s: a step or two of the encoders in a tick
+constexpr double kStands = 0.02;  // rad/s: a step or two of the encoders in a tick
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 constexpr std::int64_t kHashEvery = 100;  // ticks
 
@@ -48,6 +48,7 @@ protocol::Role Oracle::on_hello(protocol::Session& session, const protocol::Hell
 }
 
 void Oracle::on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) {
+  if (id == 0) return;  // a bit that was flipped: it would have no answer by which to know what became of it
   ++counts_.requests;
   asked_[session.id()][id].push_back(request);
   judged_.on_request(session, id, request);
