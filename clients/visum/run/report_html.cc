@@ -173,7 +173,7 @@ std::string summary_of(std::span<const Report> reports) {
 std::string report_html(std::span<const Report> reports) {
   std::vector<const Report*> order;
   for (const Report& report : reports) order.push_back(&report);
-  std::ranges::stable_partition(order, [](const Report* report) { return !report->passed(); });
+  std::stable_partition(order.begin(), order.end(), [](const Report* report) { return !report->passed(); });
   const Report& any = reports.front();
   std::string page = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
                      markup(any.name) + "</title><style>" + kStyle + "</style></head><body>\n<h1>" +
