@@ -20,7 +20,10 @@ struct Talk {
 
   void run() {
     client.write({});
-    for (bool any = true; any;) any = carry(client, server, at_server) | carry(server, client, at_client);
+    for (bool any = true; any;) {
+      any = carry(client, server, at_server);
+      any = carry(server, client, at_client) || any;
+    }
   }
   static bool carry(TlsStream& from, TlsStream& to, std::string& read) {
     const Bytes bytes = from.pending();
