@@ -48,8 +48,7 @@ class Conformance(unittest.TestCase):
                 told = wire.receive()
                 found = list(differences(parsed(payload), parsed(told)))
                 self.assertEqual(found, [], f"{file.name}, frame {number}")
-            for wire in wires.values():
-    
+
     def test_every_recorded_session_of_every_version(self):
         files = sorted(HERE.glob("v*/*.session"))
         self.assertGreaterEqual(len(files), 5)
