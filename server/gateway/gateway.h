@@ -42,8 +42,6 @@ struct StaticWorld {
   const NodeWatch* node_watch = nullptr;  // null: plug-ins are not watched
 };
 
-const char* to_string(scene::ClockKind clock);
-
 class Gateway : public protocol::SessionHandler {
  public:
   // `latest` gives the newest published copy, which stays as it is until the next call of it; `pacer` is read
@@ -68,6 +66,8 @@ class Gateway : public protocol::SessionHandler {
   // Lockstep: the tick up to which the members let the world run; `tick` itself if nobody has joined.
   std::int64_t limit(std::int64_t tick) const { return members_.empty() ? tick : members_.limit(); }
   bool has_members() const { return !members_.empty(); }
+  // What time-outs of members are measured by, instead of the steady clock. Before the first session.
+  void use_clock(std::function<Member::Clock::time_point()> clock) { clock_ = std::move(clock); }
   // Lockstep, while the world waits at `tick`: drops a member that is waited for too long.
   void check_timeouts(std::int64_t tick);
   // True once a client asked for Shutdown. Any thread.
@@ -205,6 +205,7 @@ class Gateway : public protocol::SessionHandler {
   Mailbox& mailbox_;
   const cycle::Pacer& pacer_;
   Latest latest_;
+  std::function<Member::Clock::time_point()> clock_ = Member::Clock::now;
   const Published* now_ = nullptr;  // the copy in use: taken anew at the start of each call from outside
   Leases leases_;
   Members members_;
