@@ -220,6 +220,8 @@ struct ServerStatus {
   std::uint64_t refused = 0;
   std::int64_t own_allocations = -1;
   std::vector<PartBus> buses;
+  std::string stuck_node;  // empty: none
+  std::int64_t stuck_ns = 0;
 };
 struct PartSummary {
   std::string name, kind, lease_owner;

@@ -44,6 +44,7 @@ StaticWorld static_world(const cycle::Simulation& simulation, const DaemonOption
   }
   world.simulated = options.simulated;
   world.has_world = options.has_world;
+  world.node_watch = options.node_watch;
   return world;
 }
 

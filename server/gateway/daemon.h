@@ -18,6 +18,7 @@
 namespace visum::gateway {
 
 struct Published;
+class NodeWatch;
 
 struct HttpOptions {
   bool on = false;
@@ -35,6 +36,7 @@ struct DaemonOptions {
   std::string token_file;         // needed where the address is not loopback
   std::vector<BusAddress> buses;  // beside those of the scene
   HttpOptions http;
+  const NodeWatch* node_watch = nullptr;  // tells which node of a plug-in hangs; must outlive the daemon
   // Parts in front of something real.
   bool simulated = true;  // what the welcome says
   bool has_world = true;  // false: nobody may hold the time, go back in it, or change bodies

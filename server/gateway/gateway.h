@@ -26,6 +26,8 @@
 
 namespace visum::gateway {
 
+class NodeWatch;
+
 // What the sessions' side knows of the world for as long as it stands.
 struct StaticWorld {
   std::string scene;
@@ -36,7 +38,8 @@ struct StaticWorld {
   std::vector<std::string> agents;          // by part: the scene's agent that commands it; empty: none
   WorldView view;
   bool simulated = true;
-  bool has_world = true;  // false: see DaemonOptions
+  bool has_world = true;                  // false: see DaemonOptions
+  const NodeWatch* node_watch = nullptr;  // null: plug-ins are not watched
 };
 
 class Gateway : public protocol::SessionHandler {

@@ -52,6 +52,8 @@ ServerStatus status() {
   s.refused = 7;
   s.own_allocations = 6;
   s.buses = {{"arm", "pty:/tmp/arm.tty"}, {"arm", "tcp:40123"}};
+  s.stuck_node = "agent 'explorer'";
+  s.stuck_ns = 1'200'000'000;
   return s;
 }
 

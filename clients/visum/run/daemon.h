@@ -20,8 +20,10 @@ struct DaemonOptions {
   std::uint16_t port = 0;  // 0: any free one
   std::optional<std::string> engine;
   std::optional<std::int64_t> seed;
-  std::vector<std::string> buses{};  // as --bus takes them
-  std::string record{};              // a recording's file; empty: none
+  std::vector<std::string> buses{};    // as --bus takes them
+  std::string record{};                // a recording's file; empty: none
+  std::vector<std::string> plugins{};  // folders
+  std::optional<double> node_timeout_s{};
 };
 
 // The folder of the program that runs now.

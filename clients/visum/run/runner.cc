@@ -237,7 +237,8 @@ void guard(Report& report, Daemon* daemon, auto&& work) {
     fail(report, cli::kBadConfig, error.what());
   } catch (const protocol::ConnectionError& error) {
     const std::string obituary = daemon != nullptr ? daemon->obituary() : std::string();
-    fail(report, cli::kFailed, obituary.empty() ? error.what() : obituary);
+    const bool hung = !obituary.empty() && daemon->process().check_exit()->number == cli::kTimedOut;
+    fail(report, hung ? cli::kTimedOut : cli::kFailed, obituary.empty() ? error.what() : obituary);
   } catch (const protocol::RequestError& error) {
     fail(report, cli::kFailed, std::string("visumd refused: ") + error.what());
   }
@@ -286,7 +287,9 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
                                        scenario.engine,
                                        scenario.seed,
                                        bus_options(scenario, links),
-                                       scenario.record};
+                                       scenario.record,
+                                       options.plugins,
+                                       options.node_timeout_s};
     Daemon daemon(daemon_options, scenario.start_wall_s, vigil,
                   [&](const std::string& line) { options.on_line("visumd", line); });
     // Who keeps the world wants to look at it, from the beginning.

@@ -46,11 +46,14 @@ std::string json_of(const Welcome& welcome, const ServerStatus& status) {
   json.member("lateness_max_ns", status.lateness_max_ns).member("state_hash", hex(status.state_hash));
   json.member("sessions", status.sessions).member("refused", status.refused);
   json.member("own_allocations", status.own_allocations);
+  json.member("stuck_node", status.stuck_node).member("stuck_ns", status.stuck_ns);
   write_members(json, status);
   return json.end_object().text() + "\n";
 }
 
 std::string state_of(const ServerStatus& status) {
+  if (!status.stuck_node.empty())
+    return "STUCK: " + status.stuck_node + " has not come back for " + seconds(status.stuck_ns);
   if (status.frozen) return "FROZEN: " + status.frozen_reason;
   return status.paused ? "paused" : "running";
 }
