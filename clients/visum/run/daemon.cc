@@ -29,6 +29,7 @@ std::vector<std::string> command_line(const DaemonOptions& options) {
   if (options.engine) argv.insert(argv.end(), {"--engine", *options.engine});
   for (const auto& bus : options.buses) argv.insert(argv.end(), {"--bus", bus});
   if (!options.record.empty()) argv.insert(argv.end(), {"--record", options.record});
+  if (!options.parameters.empty()) argv.insert(argv.end(), {"--parameters", options.parameters});
   for (const auto& folder : options.plugins) argv.insert(argv.end(), {"--plugins", folder});
   if (options.node_timeout_s)
     argv.insert(argv.end(), {"--node-timeout", cli::exact(*options.node_timeout_s)});

@@ -277,6 +277,9 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
   report.clock = scenario.clock;
   report.engine = scenario.engine.value_or("");
   report.seed = scenario.seed.value_or(-1);
+  report.run = scenario.run;
+  report.swept = scenario.swept;
+  report.recording = scenario.record;
   Vigil vigil(scenario.max_wall_s);
   guard(report, nullptr, [&] {
     const cli::TempFolder links;
@@ -288,6 +291,7 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
                                        scenario.seed,
                                        bus_options(scenario, links),
                                        scenario.record,
+                                       scenario.parameters,
                                        options.plugins,
                                        options.node_timeout_s};
     Daemon daemon(daemon_options, scenario.start_wall_s, vigil,

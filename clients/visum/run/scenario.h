@@ -134,6 +134,10 @@ struct Scenario {
   std::string clock = "lockstep";
   std::optional<std::string> engine;
   std::optional<std::int64_t> seed;
+  std::string parameters;  // of the scene, a YAML map on one line; empty: its defaults
+  // Where it is one of the runs of a sweep: which one, from 1, and by which values, for people.
+  std::size_t run = 0;
+  std::vector<std::pair<std::string, std::string>> swept;
   std::string record;                        // a recording's file; empty: none
   std::map<std::string, std::string> buses;  // kind by part: "pty", "tcp", "slcan"
   double max_sim_s = 60.0;

@@ -5,6 +5,8 @@
 #include "clients/visum/run/placeholders.h"
 #include "clients/visum/run/scenario_parts.h"
 #include "clients/visum/run/session.h"
+#include "clients/visum/run/sweep.h"
+#include "protocol/config/flow.h"
 
 namespace visum::run {
 namespace {
@@ -101,6 +103,10 @@ void read_basics(const Node& root, Scenario& scenario) {
   if (const auto clock = root.find("clock")) scenario.clock = clock->one_of({"realtime", "lockstep", "free"});
   if (const auto engine = root.find("engine")) scenario.engine = engine->text();
   if (const auto seed = root.find("seed")) scenario.seed = seed->integer(0);
+  if (const auto parameters = root.find("parameters")) {
+    if (parameters->kind() != Node::Kind::kMap) parameters->fail("must be a map of the scene's parameters");
+    scenario.parameters = config::flow(*parameters);
+  }
   if (const auto record = root.find("record")) {
     scenario.record = record->text();
     if (scenario.record.empty()) record->fail("must name a file");
@@ -133,12 +139,18 @@ ControllerSpec read_controller(const Node& node) {
   return controller;
 }
 
-Scenario read_scenario(const Node& root) {
-  if (root.kind() != Node::Kind::kMap) root.fail("a scenario is a map");
-  root.allow_only({"visum_scenario", "name", "description", "scene", "clock", "engine", "seed", "record",
-                   "max_sim_s", "max_wall_s", "start_wall_s", "settle_s", "check_every_ms", "until", "buses",
-                   "controllers", "timeline", "checks"});
+Scenario read_scenario(const Node& file, std::size_t run) {
+  if (file.kind() != Node::Kind::kMap) file.fail("a scenario is a map");
+  file.allow_only({"visum_scenario", "name",         "description", "scene",          "parameters",
+                   "clock",          "engine",       "seed",        "record",         "max_sim_s",
+                   "max_wall_s",     "start_wall_s", "settle_s",    "check_every_ms", "until",
+                   "buses",          "controllers",  "timeline",    "checks",         "sweep"});
+  const Sweep sweep(file);
+  config::ExpansionBudget budget;
+  const Node root = config::expanded(file, sweep.variables(run), budget);
   Scenario scenario;
+  if (sweep.given()) scenario.run = run;
+  scenario.swept = sweep.described(run);
   read_basics(root, scenario);
   read_times(root, scenario);
   read_buses(root, scenario);
