@@ -17,24 +17,24 @@ import time
 from pathlib import Path
 
 SCENE = Path(__file__).resolve().parents[2] / "models/scenes/two_link.yaml"
-LONGEST_S = 0.8  # before the kill: from before the file is there to some chunks of it
+MOST_BYTES = 3_000_000  # that are written before the kill: from none to some chunks
 
 
-def kill_one(visum: Path, file: Path, after_s: float) -> int:
+def kill_one(visum: Path, file: Path, after_bytes: int) -> int:
     """The ticks that can be gone through again; -1: the file was cut before its first chunk."""
     file.unlink(missing_ok=True)
     words = [visum, "record", file, SCENE, "--clock", "free", "--run", "--port", "0", "--http", "off", "-v", "0"]
     with subprocess.Popen(words) as daemon:
-        time.sleep(after_s)
+        while not file.exists() or file.stat().st_size < after_bytes:
+            assert daemon.poll() is None, "visumd ended by itself"
+            time.sleep(0.001)
         daemon.kill()
-    if not file.exists():
-        return -1
     done = subprocess.run([visum, "replay", file, "--json"], capture_output=True, text=True, timeout=600)
     if done.returncode == 3 and str(file) in done.stderr:
         return -1
-    assert done.returncode in (0, 1), f"killed after {after_s:.3f} s: replay ended with {done.returncode}: {done.stderr}"
+    assert done.returncode in (0, 1), f"killed after {after_bytes} bytes: replay ended with {done.returncode}: {done.stderr}"
     again = json.loads(done.stdout.splitlines()[-1])
-    assert again["equal"], f"killed after {after_s:.3f} s: {again}"
+    assert again["equal"], f"killed after {after_bytes} bytes: {again}"
     return again["ticks"]
 
 
@@ -46,7 +46,7 @@ def main() -> int:
     options = parser.parse_args()
     dice = random.Random(options.seed)
     with tempfile.TemporaryDirectory() as folder:
-        ticks = [kill_one(options.visum, Path(folder) / "killed.mcap", dice.uniform(0.0, LONGEST_S)) for _ in range(options.kills)]
+        ticks = [kill_one(options.visum, Path(folder) / "killed.mcap", dice.randrange(MOST_BYTES)) for _ in range(options.kills)]
     read = [count for count in ticks if count > 0]
     print(f"{options.kills} kills: {len(read)} files with {sum(read)} ticks went through again with the same bits, "
           f"{len(ticks) - len(read)} were cut before the first tick")
