@@ -127,6 +127,7 @@ void put(const ServerStatus& from, v1::ServerStatus& to) {
     w.set_part(bus.part);
     w.set_name(bus.name);
   }
+  for (const auto& client : from.free_running) to.add_free_running(client);
 }
 
 void take(const v1::ServerStatus& from, ServerStatus& to) {
@@ -151,6 +152,7 @@ void take(const v1::ServerStatus& from, ServerStatus& to) {
   to.refused = from.refused();
   to.own_allocations = from.own_allocations();
   for (const auto& w : from.buses()) to.buses.push_back({w.part(), w.name()});
+  to.free_running.assign(from.free_running().begin(), from.free_running().end());
 }
 
 void put(const WorldDescription& from, v1::WorldDescription& to) {

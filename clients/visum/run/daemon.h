@@ -22,6 +22,7 @@ struct DaemonOptions {
   std::optional<std::int64_t> seed;
   std::vector<std::string> buses{};  // as --bus takes them
   std::string record{};              // a recording's file; empty: none
+  double speedup = 0.0;              // 0: the scene's, and in lockstep none
 };
 
 // The folder of the program that runs now.

@@ -32,6 +32,9 @@ class RunVerb : public Verb {
     app.add_option("--seed", seed_, "of the world's random numbers")->check(CLI::NonNegativeNumber);
     app.add_option("--clock", clock_, "instead of the scenario's")
         ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
+    app.add_option("--speedup", speedup_,
+                   "simulated seconds per second; in lockstep at most that, else as fast as it goes")
+        ->check(number_within(1e-3, 1e3));
     app.add_option("--record", record_, "write down every input, port and state's hash: an MCAP file");
     app.add_option("--port", port_, "the daemon's port; 0: any free one")->capture_default_str();
     app.add_option("--timeout", timeout_s_, "wall seconds after which the run is given up")
@@ -43,7 +46,8 @@ class RunVerb : public Verb {
         "it.\n"
         "Exit codes: 0 passed, 1 a check failed, 3 scene or scenario wrong, 4 a controller was lost or timed "
         "out,\n"
-        "124 the wall time was over, 130 interrupted.\n\nExamples:\n"
+        "6 the host was too slow for real time (the run is invalid), 124 the wall time was over, 130 "
+        "interrupted.\n\nExamples:\n"
         "  visum run models/scenarios/pick_and_place.yaml\n"
         "  visum run models/scenarios/pick_and_place.yaml --junit report.xml --json\n"
         "  visum run models/scenarios/pick_and_place.yaml --record run.mcap && visum replay run.mcap");
@@ -76,6 +80,7 @@ class RunVerb : public Verb {
     run::Scenario scenario = run::read_scenario(file_);
     if (!engine_.empty()) scenario.engine = engine_;
     if (!clock_.empty()) scenario.clock = clock_;
+    if (speedup_ > 0.0) scenario.speedup = speedup_;
     if (seed_) scenario.seed = seed_;
     if (!record_.empty()) scenario.record = record_;
     if (timeout_s_ > 0.0) scenario.max_wall_s = timeout_s_;
@@ -109,7 +114,7 @@ class RunVerb : public Verb {
   bool json_ = false, progress_ = false, keep_ = false, told_ = false;
   std::optional<std::int64_t> seed_;
   std::uint16_t port_ = 0;
-  double timeout_s_ = 0.0;
+  double timeout_s_ = 0.0, speedup_ = 0.0;
 };
 
 }  // namespace
