@@ -52,9 +52,7 @@ scene::Options with_plugins(scene::Options options, const std::vector<std::strin
 }
 
 void set_clock(const Options& options, scene::Scene& scene) {
-  if (options.clock == "realtime") scene.clock = scene::ClockKind::kRealtime;
-  if (options.clock == "lockstep") scene.clock = scene::ClockKind::kLockstep;
-  if (options.clock == "free") scene.clock = scene::ClockKind::kFree;
+  if (!options.clock.empty()) scene.clock = scene::clock_of(options.clock);
   if (options.speedup > 0.0) scene.speed = options.speedup;
 }
 
@@ -124,7 +122,7 @@ void declare(CLI::App& app, Options& options) {
   gateway::declare_common(app, options.of_daemon, options.talk);
   gateway::declare_http(app, options.of_daemon, options.http);
   app.add_option("--clock", options.clock, "instead of the scene's: realtime, lockstep or free")
-      ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
+      ->check(CLI::IsMember(std::vector<std::string>{scene::kClockNames.begin(), scene::kClockNames.end()}));
   app.add_option("--speedup", options.speedup,
                  "simulated seconds per second: in realtime the pace, in lockstep at most")
       ->check(CLI::Range(1e-3, 1e3));

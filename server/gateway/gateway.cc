@@ -8,18 +8,6 @@ namespace visum::gateway {
 
 using protocol::ErrorCode;
 
-const char* to_string(scene::ClockKind clock) {
-  switch (clock) {
-    case scene::ClockKind::kRealtime:
-      return "realtime";
-    case scene::ClockKind::kLockstep:
-      return "lockstep";
-    case scene::ClockKind::kFree:
-      return "free";
-  }
-  return "";
-}
-
 Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, const cycle::Pacer& pacer, Latest latest)
     : world_(std::move(world)),
       tokens_(std::move(tokens)),
@@ -55,7 +43,7 @@ protocol::Role Gateway::on_hello(protocol::Session& session, const protocol::Hel
   }
   welcome.tick_ns = world_.tick_ns;
   welcome.scene = world_.scene;
-  welcome.clock = to_string(world_.clock);
+  welcome.clock = scene::name_of(world_.clock);
   welcome.simulated = world_.simulated;
   clients_[session.id()].session = &session;
   return role;

@@ -41,8 +41,6 @@ struct StaticWorld {
   bool has_world = true;  // false: see DaemonOptions
 };
 
-const char* to_string(scene::ClockKind clock);
-
 class Gateway : public protocol::SessionHandler {
  public:
   // `latest` gives the newest published copy, which stays as it is until the next call of it; `pacer` is read
@@ -69,6 +67,8 @@ class Gateway : public protocol::SessionHandler {
   bool has_members() const { return !members_.empty(); }
   // Lockstep: somebody who was late goes on in real time, and the world with him.
   bool has_dropped() const { return !dropped_.empty(); }
+  // What time-outs of members are measured by, instead of the steady clock. Before the first session.
+  void use_clock(std::function<Member::Clock::time_point()> clock) { clock_ = std::move(clock); }
   // Lockstep, while the world waits at `tick`: drops a member that is waited for too long.
   void check_timeouts(std::int64_t tick);
   // True once a client asked for Shutdown. Any thread.
@@ -221,6 +221,7 @@ class Gateway : public protocol::SessionHandler {
   Mailbox& mailbox_;
   const cycle::Pacer& pacer_;
   Latest latest_;
+  std::function<Member::Clock::time_point()> clock_ = Member::Clock::now;
   const Published* now_ = nullptr;  // the copy in use: taken anew at the start of each call from outside
   Leases leases_;
   Members members_;

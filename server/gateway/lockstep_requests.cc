@@ -157,7 +157,7 @@ protocol::Advanced Gateway::advanced(const Member& member, const Published& now)
 }
 
 void Gateway::check_timeouts(std::int64_t tick) {
-  const auto* late = members_.waited_too_long(tick, Member::Clock::now());
+  const auto* late = members_.waited_too_long(tick, clock_());
   if (!late) return;
   const auto session = late->session;
   const auto on_timeout = late->on_timeout;

@@ -79,17 +79,18 @@ void Gateway::handle(const Call& call, const protocol::AcquireLease& request) {
   if (!part) return;
   if (request.deadline_ns < 0) return call.fail(ErrorCode::kBadValue, "deadline_ns must not be negative");
   const auto& lease = leases_.of(*part);
-  if (lease.session != 0 && lease.session != call.session.id()) {
+  const bool others = lease.session != 0 && lease.session != call.session.id();
+  if (others) {
     if (!request.take || lease.session == kAgentsSession)
       return call.fail(ErrorCode::kLeased,
                        "the part '" + request.part + "' is leased by '" + lease.owner + "'", lease.owner);
     if (call.session.role() < protocol::Role::kAdmin)
       return call.fail(ErrorCode::kForbidden, "only the role admin takes a lease from '" + lease.owner + "'",
                        lease.owner);
-    lose_lease(*part, "taken by '" + call.session.client_name() + "'");
   }
   auto* input = input_or_fail(call);
   if (!input) return;
+  if (others) lose_lease(*part, "taken by '" + call.session.client_name() + "'");
   const auto epoch = leases_.grant(*part, call.session.id(), call.session.client_name());
   input->kind = Input::Kind::kLeaseGranted;
   input->part = *part;

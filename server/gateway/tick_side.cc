@@ -65,17 +65,18 @@ void TickSide::apply(const Input& input) {
   const auto now = simulation_.tick_count();
   switch (input.kind) {
     case Input::Kind::kWrite:
+      if (input.epoch <= watches_[input.part].lost) return;
       simulation_.write_inputs(input.part, input.first_port, input.values);
       watches_[input.part].last_tick = now;
       return;
     case Input::Kind::kLeaseGranted:
-      watches_[input.part] = {input.epoch, input.deadline_ticks, now};
+      watches_[input.part] = {input.epoch, input.deadline_ticks, now, watches_[input.part].lost};
       return;
     case Input::Kind::kLeaseReleased:
-      watches_[input.part] = {};
+      watches_[input.part].deadline_ticks = 0;
       return;
     case Input::Kind::kLeaseLost:
-      watches_[input.part] = {};
+      end_watch(input.part, input.epoch);
       simulation_.lose_controller(input.part);
       return;
     case Input::Kind::kPush:
@@ -109,8 +110,12 @@ void TickSide::check_deadlines() {
     if (watch.deadline_ticks == 0 || now - watch.last_tick <= watch.deadline_ticks) continue;
     simulation_.lose_controller(part);
     tell({Notice::Kind::kDeadlineMissed, part, watch.epoch, now});
-    watch = {};
+    end_watch(part, watch.epoch);
   }
+}
+
+void TickSide::end_watch(std::uint32_t part, std::uint64_t lost_epoch) {
+  watches_[part] = {.lost = std::max(watches_[part].lost, lost_epoch)};
 }
 
 void TickSide::tell(const Notice& notice) {

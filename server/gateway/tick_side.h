@@ -47,6 +47,7 @@ class TickSide {
     std::uint64_t epoch = 0;
     std::int64_t deadline_ticks = 0;  // 0: none
     std::int64_t last_tick = 0;
+    std::uint64_t lost = 0;  // the newest lease that was lost: what was still on its way is not done
   };
 
   struct WatchedNode {  // of a plug-in
@@ -58,6 +59,7 @@ class TickSide {
   void apply(const Input& input);
   void apply_push(const Input& input);
   void check_deadlines();
+  void end_watch(std::uint32_t part, std::uint64_t lost_epoch);
   void run(std::unique_ptr<Errand> errand);
   void finish_steps();
   void measure_speed();

@@ -20,7 +20,7 @@ protocol::ServerStatus Gateway::server_status(const Published& now) const {
   status.paused = now.pace.paused;
   status.frozen = !now.fault.empty();
   status.frozen_reason = now.fault;
-  status.clock = to_string(world_.clock);
+  status.clock = scene::name_of(world_.clock);
   status.speed = now.pace.speed;
   status.real_time_factor = now.pace.real_time_factor;
   status.overruns = pacer_.overruns();
@@ -32,8 +32,7 @@ protocol::ServerStatus Gateway::server_status(const Published& now) const {
   status.refused = refused_;
   status.buses = buses_;
   for (const auto& member : members_.all()) {
-    const auto waited =
-        member.waited_since ? Member::Clock::now() - *member.waited_since : Member::Clock::duration{};
+    const auto waited = member.waited_since ? clock_() - *member.waited_since : Member::Clock::duration{};
     status.lockstep.push_back({member.client, member.granted_tick, std::chrono::nanoseconds(waited).count(),
                                member.grade, member.note});
   }
@@ -69,8 +68,8 @@ void Gateway::handle(const Call& call, const protocol::Step& request) {
 
 void Gateway::handle(const Call& call, const protocol::SetSpeed& request) {
   if (world_.clock != scene::ClockKind::kRealtime)
-    return call.fail(ErrorCode::kWrongState,
-                     std::string("the clock is ") + to_string(world_.clock) + "; only realtime has a speed");
+    return call.fail(ErrorCode::kWrongState, "the clock is " + std::string(scene::name_of(world_.clock)) +
+                                                 "; only realtime has a speed");
   if (!(request.factor >= 1e-3 && request.factor <= 1e3))
     return call.fail(ErrorCode::kBadValue, "the speed must be within 0.001 and 1000");
   send_errand(call, request);

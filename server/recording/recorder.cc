@@ -14,24 +14,12 @@ std::string key_of(const std::filesystem::path& file) {
   return std::filesystem::absolute(file).lexically_normal().string();
 }
 
-const char* to_string(scene::ClockKind clock) {
-  switch (clock) {
-    case scene::ClockKind::kRealtime:
-      return "realtime";
-    case scene::ClockKind::kLockstep:
-      return "lockstep";
-    case scene::ClockKind::kFree:
-      return "free";
-  }
-  return "";
-}
-
 Header header_of(const scene::Scene& scene, const Origin& origin) {
   Header header;
   header.scene_file = key_of(scene.file);
   header.scene = scene.name;
   header.engine = origin.engine;
-  header.clock = to_string(scene.clock);
+  header.clock = scene::name_of(scene.clock);
   header.seed = scene.seed;
   header.tick_ns = scene.world.tick_ns;
   header.build = this_build(scene);

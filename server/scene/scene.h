@@ -11,12 +11,11 @@
 #include "hwparts/part.h"
 #include "protocol/config/config.h"
 #include "protocol/plugin/library.h"
+#include "server/scene/clock.h"
 #include "server/scene/looks.h"
 #include "server/world/world_model.h"
 
 namespace visum::scene {
-
-enum class ClockKind { kRealtime, kLockstep, kFree };
 
 // A robot of the scene, as its entry says. Its links and joints are in the world.
 struct ModelPlan {

@@ -16,9 +16,7 @@ constexpr double kMaxSpeed = 1e6;
 constexpr double kNsTolerance = 1e-6;  // what decimal fractions of a millisecond are off in binary
 
 ClockKind read_clock(const config::Node& node) {
-  const std::string word = node.one_of({"realtime", "lockstep", "free"});
-  if (word == "lockstep") return ClockKind::kLockstep;
-  return word == "free" ? ClockKind::kFree : ClockKind::kRealtime;
+  return clock_of(node.one_of({kClockNames.begin(), kClockNames.end()}));
 }
 
 std::int64_t read_tick_ns(const config::Node& node) {

@@ -2,10 +2,10 @@
 // done nothing wrong in the end.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { drawn } from "./picture.mjs";
+import { drawn, twoFrames } from "./picture.mjs";
 import { Daemon, launch, openPage, until } from "./programs.mjs";
 
-export { drawn, until };
+export { drawn, twoFrames, until };
 
 export let browser;
 before(async () => {
@@ -13,19 +13,45 @@ before(async () => {
 });
 after(() => browser?.close());
 
-// `run(page, claim, daemon)`; claim(name, body): a part of the test that stands on its own. `serve` starts what serves the page.
+const kLongestMs = 300_000; // a guard against hanging for ever, not a measure
+
+// A test that gets a second chance: a browser without a GPU, on a machine that is busy, is late for more than any wait can
+// foresee. The first failure is told in the report, and who fails twice has failed.
+export function browserTest(name, run) {
+  test(name, { timeout: 2 * kLongestMs }, async (t) => {
+    try {
+      await run(t);
+    } catch (error) {
+      t.diagnostic(`FAILED ONCE, tried again: ${error.stack}`);
+      await closePages();
+      await run(t);
+    }
+  });
+}
+
+// `run(page, claim, daemon)`; claim(name, body): a part of the test, by the name of which it fails. `serve` starts what
+// serves the page.
 export function pageTest(name, run, { daemon: words = [], serve = () => Daemon.start(...words), ...options } = {}) {
-  test(name, async (t) => {
+  browserTest(name, async (t) => {
     const daemon = await serve();
     try {
       const page = await openPage(browser, daemon, options);
-      await run(page, (claim, body) => t.test(claim, body), daemon);
+      await run(page, (words, body) => claim(t, words, body), daemon);
       assert.deepEqual(page.faults, []);
     } finally {
       await closePages();
       await daemon.stop();
     }
   });
+}
+
+async function claim(t, words, body) {
+  try {
+    await body();
+    t.diagnostic(`ok: ${words}`);
+  } catch (error) {
+    throw new Error(`${words}: ${error.message}`, { cause: error });
+  }
 }
 
 export const closePages = () => Promise.all(browser.contexts().map((context) => context.close()));

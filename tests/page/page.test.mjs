@@ -3,8 +3,7 @@ import assert from "node:assert/strict";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { test } from "node:test";
-import { browser, button, closePages, control, pageTest, until } from "./harness.mjs";
+import { browser, browserTest, button, closePages, control, pageTest, until } from "./harness.mjs";
 import { Daemon, live, openPage, require } from "./programs.mjs";
 
 pageTest("a slider of the panel jogs a joint, and the world follows", async (page) => {
@@ -110,7 +109,7 @@ for (const [width, height] of [[1280, 720], [768, 1024], [1024, 768]])
     assert.deepEqual(root, [width, height]);
   }, { viewport: { width, height } });
 
-test("where a token is set, the page asks for it", async () => {
+browserTest("where a token is set, the page asks for it", async () => {
   const folder = mkdtempSync(join(tmpdir(), "visum-page-"));
   const token = "0123456789abcdef0123456789abcdef";
   writeFileSync(join(folder, "token"), `admin ${token}\n`, { mode: 0o600 });
@@ -135,16 +134,19 @@ test("where a token is set, the page asks for it", async () => {
   }
 });
 
-test("a lost daemon is told, and regained without a hand", async () => {
+browserTest("a lost daemon is told, and regained without a hand", async () => {
   let mine = await Daemon.start();
   const { port, http } = mine;
-  const page = await openPage(browser, mine);
-  await mine.stop();
-  await until(page, () => document.documentElement.dataset.visum === "lost");
-  assert.match(await page.getByRole("alert").first().textContent(), /No data from visumd/);
-  mine = await Daemon.start("--port", String(port), "--http", String(http));
-  await live(page);
-  assert.ok(await page.getByRole("alert").first().isHidden());
-  await closePages();
-  await mine.stop();
+  try {
+    const page = await openPage(browser, mine);
+    await mine.stop();
+    await until(page, () => document.documentElement.dataset.visum === "lost");
+    assert.match(await page.getByRole("alert").first().textContent(), /No data from visumd/);
+    mine = await Daemon.start("--port", String(port), "--http", String(http));
+    await live(page);
+    await page.getByRole("alert").first().waitFor({ state: "hidden" });
+  } finally {
+    await closePages();
+    await mine.stop();
+  }
 });

@@ -48,7 +48,7 @@ export async function around(page, { x, y }, reach, is) {
   return middleOf(await pixels(page, { x: left, y: top, width: 2 * reach + 1, height: 2 * reach + 1 }), is);
 }
 
-const twoFrames = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+export const twoFrames = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
 // Until the view is drawn as it stays, with every pixel (a slow machine leaves some out while things move), and is on the
 // screen: reading a pixel waits for all that was drawn before.

@@ -14,11 +14,6 @@ using world::ShapeKind;
 
 constexpr double kNsPerMs = 1e6, kNsPerS = 1e9;
 
-const char* clock_word(ClockKind clock) {
-  if (clock == ClockKind::kLockstep) return "lockstep";
-  return clock == ClockKind::kFree ? "free" : "realtime";
-}
-
 std::string engine_text(const world::EngineSetting& engine) {
   const world::EngineSetting usual;
   YamlMap map;
@@ -308,7 +303,7 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Scene& scene)
       {"name", yaml_text(scene.name)},
       {"gravity", yaml_list(scene.world.gravity)},
       {"tick_ms", exact(static_cast<double>(scene.world.tick_ns) / kNsPerMs)},
-      {"clock", clock_word(scene.clock)},
+      {"clock", std::string(name_of(scene.clock))},
       {"speed", exact(scene.speed)},
       {"seed", std::to_string(scene.seed)},
       {"lockstep_timeout_s", exact(static_cast<double>(scene.lockstep_timeout_ns) / kNsPerS)},

@@ -1,0 +1,26 @@
+// The kinds of clocks that a scene's time follows, and their names in scene files, options, messages and
+// recordings.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+namespace visum::scene {
+
+enum class ClockKind { kRealtime, kLockstep, kFree };
+
+inline constexpr std::array<std::string_view, 3> kClockNames{"realtime", "lockstep", "free"};
+
+constexpr std::string_view name_of(ClockKind clock) {
+  return kClockNames[static_cast<std::size_t>(clock)];
+}
+
+// `name`: one of kClockNames.
+constexpr ClockKind clock_of(std::string_view name) {
+  std::size_t kind = 0;
+  while (kind + 1 < kClockNames.size() && kClockNames[kind] != name) ++kind;
+  return static_cast<ClockKind>(kind);
+}
+
+}  // namespace visum::scene

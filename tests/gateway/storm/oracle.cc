@@ -1,0 +1,217 @@
+#include "tests/gateway/storm/oracle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+namespace visum::storm {
+namespace {
+
+constexpr std::int64_t kStopTicks =
+    1500;                         // of 1 ms: the drives' slowest stop takes 0.4 s, their brakes the rest
+constexpr double kStands = 0.02;  // rad/s: a step or two of the encoders in a tick
+constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+constexpr std::int64_t kHashEvery = 100;  // ticks
+
+}  // namespace
+
+Oracle::Oracle(protocol::SessionHandler& judged, cycle::Simulation& simulation)
+    : judged_(judged), simulation_(simulation), parts_(simulation.parts().size()) {
+  simulation_.set_witness(this);
+}
+
+void Oracle::expect(bool holds, const std::string& claim) {
+  if (holds || !broken_.empty()) return;
+  broken_ = "tick " + std::to_string(simulation_.tick_count()) + ": not so: " + claim;
+}
+
+void Oracle::note(std::uint64_t number) {
+  for (int i = 0; i < 8; ++i) digest_ = (digest_ ^ (number >> (8 * i) & 0xff)) * 0x100000001b3u;
+}
+
+std::size_t Oracle::part_of(std::string_view name) const {
+  const auto parts = simulation_.parts();
+  return static_cast<std::size_t>(
+      std::ranges::find(parts, name,
+                        [](const auto& bound) { return std::string_view(bound.part->description().name); }) -
+      parts.begin());
+}
+
+// ----------------------------------------------------------------------------------------------------
+// the sessions' side
+
+protocol::Role Oracle::on_hello(protocol::Session& session, const protocol::Hello& hello,
+                                protocol::Welcome& welcome, protocol::Error& refusal) {
+  return judged_.on_hello(session, hello, welcome, refusal);
+}
+
+void Oracle::on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) {
+  if (id == 0) return;  // a bit that was flipped: it would have no answer by which to know what became of it
+  ++counts_.requests;
+  asked_[session.id()][id].push_back(request);
+  judged_.on_request(session, id, request);
+}
+
+void Oracle::on_close(protocol::Session& session, protocol::CloseReason reason) {
+  judged_.on_close(session, reason);
+  note(session.id());
+  asked_.erase(session.id());
+  for (const auto& part : parts_) expect(part.owner != session.id(), "who is gone owns nothing");
+}
+
+void Oracle::sends(protocol::Session& session, std::uint64_t reply_to, const protocol::Reply& reply) {
+  note(session.id());
+  note(reply_to);
+  note(reply.index());
+  if (std::holds_alternative<protocol::Welcome>(reply)) return;
+  if (reply_to == 0) {
+    const auto* event = std::get_if<protocol::Event>(&reply);
+    if (event && event->kind == "lease_lost") lost(*event);
+    return;
+  }
+  auto& open = asked_[session.id()];
+  const auto found = open.find(reply_to);
+  if (found == open.end())
+    return expect(false, "one answer for each request, number " + std::to_string(reply_to));
+  const auto request = std::move(found->second.front());
+  found->second.pop_front();
+  if (found->second.empty()) open.erase(found);
+  if (const auto* error = std::get_if<protocol::Error>(&reply)) {
+    ++counts_.refused;
+    expect(error->code != protocol::ErrorCode::kInternal, "no internal error: " + error->text);
+  } else {
+    accepted(session, request, reply);
+  }
+}
+
+void Oracle::accepted(protocol::Session& session, const protocol::Request& request,
+                      const protocol::Reply& reply) {
+  if (const auto* grant = std::get_if<protocol::LeaseGrant>(&reply)) {
+    auto& part = parts_[part_of(grant->part)];
+    expect(part.owner == 0 || part.owner == session.id(), "one owner of '" + grant->part + "'");
+    expect(grant->epoch == part.epoch + 1, "epochs of '" + grant->part + "' count the grants");
+    part.owner = session.id();
+    part.epoch = grant->epoch;
+    part.under_way.push_back({Step::Kind::kGrant, part.epoch});
+  } else if (const auto* release = std::get_if<protocol::ReleaseLease>(&request)) {
+    auto& part = parts_[part_of(release->part)];
+    expect(part.owner == session.id(), "only its owner releases '" + release->part + "'");
+    part.owner = 0;
+    part.under_way.push_back({Step::Kind::kRelease, part.epoch});
+  } else if (const auto* write = std::get_if<protocol::Write>(&request)) {
+    auto& part = parts_[part_of(write->part)];
+    ++counts_.writes;
+    expect(part.owner == session.id(), "only its owner writes to '" + write->part + "'");
+    part.under_way.push_back({Step::Kind::kWrite, part.epoch, write->first_port, write->values});
+  }
+}
+
+// Everybody is told; the first to be told counts. A missed deadline is known to the world already.
+void Oracle::lost(const protocol::Event& event) {
+  auto& part = parts_[part_of(event.part)];
+  if (part.owner == 0) return;
+  part.owner = 0;
+  if (event.text.find("missed the deadline") == std::string::npos)
+    part.under_way.push_back({Step::Kind::kLoss, part.epoch});
+  else
+    expect(part.lost_there >= part.epoch, "the world knows of a missed deadline first");
+}
+
+// Some errands take what came before them to the world at once, so that it is followed while it is taken out.
+void Oracle::empty_mailbox(gateway::TickSide& tick_side) {
+  for (auto& part : parts_) part.delivered = kAll;
+  tick_side.empty_mailbox();
+  for (auto& part : parts_) {
+    part.delivered = part.under_way.size();
+    for (const auto& step : part.under_way)
+      if (step.kind == Step::Kind::kGrant) part.newest_there = std::max(part.newest_there, step.epoch);
+  }
+}
+
+// ----------------------------------------------------------------------------------------------------
+// the world
+
+void Oracle::took(const recording::TimedInput& input) {
+  note(static_cast<std::uint64_t>(input.tick));
+  note(input.input.index());
+  if (const auto* write = std::get_if<recording::WriteInputs>(&input.input)) {
+    took_write(parts_[part_of(write->part)], *write);
+  } else if (const auto* loss = std::get_if<recording::LoseController>(&input.input)) {
+    took_loss(parts_[part_of(loss->part)]);
+  } else if (std::holds_alternative<recording::Reset>(input.input) ||
+             std::holds_alternative<recording::RestoreSnapshot>(input.input)) {
+    for (auto& part : parts_) part.must_stand_from = -1;  // it may move there
+  }
+}
+
+std::optional<Oracle::Step> Oracle::next_step(PartModel& part) {
+  if (part.delivered == 0 || part.under_way.empty()) return {};
+  auto step = std::move(part.under_way.front());
+  part.under_way.pop_front();
+  --part.delivered;
+  if (step.kind == Step::Kind::kGrant) part.newest_there = step.epoch;
+  return step;
+}
+
+void Oracle::took_write(PartModel& part, const recording::WriteInputs& write) {
+  ++counts_.taken;
+  while (const auto next = next_step(part)) {
+    const auto& step = *next;
+    if (step.kind == Step::Kind::kLoss) expect(false, "a loss reaches the world before what comes after it");
+    if (step.kind != Step::Kind::kWrite) continue;
+    const bool same = step.first_port == write.first_port && std::ranges::equal(step.values, write.values);
+    if (!same && step.epoch <= part.lost_there) continue;  // it came too late to be done
+    expect(same, "what is accepted is done once, in order");
+    expect(step.epoch > part.lost_there, "nothing of a lost lease reaches the world");
+    part.must_stand_from = -1;
+    return;
+  }
+  expect(false, "nothing is done that was not accepted");
+}
+
+void Oracle::took_loss(PartModel& part) {
+  ++counts_.losses;
+  part.must_stand_from = simulation_.tick_count() + kStopTicks;
+  while (const auto next = next_step(part)) {
+    const auto& step = *next;
+    if (step.kind == Step::Kind::kLoss) {
+      part.lost_there = std::max(part.lost_there, step.epoch);
+      return;
+    }
+    if (step.kind == Step::Kind::kWrite)
+      expect(step.epoch <= part.lost_there, "a write is done before the loss of its lease");
+  }
+  part.lost_there = part.newest_there;  // a deadline was missed
+}
+
+void Oracle::ticked() {
+  const auto tick = simulation_.tick_count();
+  expect(!simulation_.frozen(), "the world goes on: " + simulation_.fault());
+  if (tick % kHashEvery == 0) note(simulation_.state_hash());
+  const auto parts = simulation_.parts();
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    if (parts_[i].must_stand_from < 0 || tick < parts_[i].must_stand_from) continue;
+    const auto& outputs = parts[i].part->description().sensor_outputs;
+    for (std::size_t port = 0; port < outputs.size(); ++port)
+      if (outputs[port].name.starts_with("Actual Speed"))
+        expect(std::abs(parts[i].sensor_outputs[port]) < kStands,
+               "'" + outputs[port].name + "' stands after the loss of its controller");
+  }
+}
+
+void Oracle::settled() {
+  for (const auto& [session, open] : asked_)
+    expect(false, "everybody was answered: session " + std::to_string(session) + " asked for " +
+                      std::to_string(open.size()) + " things that were not");
+  for (const auto& part : parts_) {
+    expect(part.owner == 0, "nobody owns anything when all are gone");
+    for (const auto& step : part.under_way)
+      expect(step.kind != Step::Kind::kLoss &&
+                 (step.kind != Step::Kind::kWrite || step.epoch <= part.lost_there),
+             "what was accepted was done");
+  }
+}
+
+}  // namespace visum::storm
