@@ -98,6 +98,7 @@ int run(Options options) {
   for (const auto& bus : options.buses)
     options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
   options.of_daemon.http = options.http.settled(options.of_daemon);
+  options.of_daemon.paced = options.speedup > 0.0;
   gateway::Daemon daemon(simulation, options.of_daemon);
   const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.talk.json);
   if (simulation.frozen())
@@ -131,7 +132,8 @@ void declare(CLI::App& app, Options& options) {
   gateway::declare_http(app, options.of_daemon, options.http);
   app.add_option("--clock", options.clock, "instead of the scene's: realtime, lockstep or free")
       ->check(CLI::IsMember(std::vector<std::string>{scene::kClockNames.begin(), scene::kClockNames.end()}));
-  app.add_option("--speedup", options.speedup, "realtime: simulated seconds per second")
+  app.add_option("--speedup", options.speedup,
+                 "simulated seconds per second: in realtime the pace, in lockstep at most")
       ->check(CLI::Range(1e-3, 1e3));
   gateway::declare_plugins(app, options.plugins);
   gateway::declare_node_timeout(app, options.plugins);

@@ -35,6 +35,7 @@ struct DaemonOptions {
   std::int64_t iterations = 0;    // ends after so many ticks; 0: never
   std::string token_file;         // needed where the address is not loopback
   std::vector<BusAddress> buses;  // beside those of the scene
+  bool paced = false;  // lockstep too is no faster than the scene's speed; else as fast as its members let it
   HttpOptions http;
   const NodeWatch* node_watch = nullptr;  // tells which node of a plug-in hangs; must outlive the daemon
   // Parts in front of something real.

@@ -25,6 +25,7 @@ struct DaemonOptions {
   std::string parameters{};            // of the scene, as --parameters takes them; empty: its defaults
   std::vector<std::string> plugins{};  // folders
   std::optional<double> node_timeout_s{};
+  double speedup = 0.0;  // 0: the scene's, and in lockstep none
 };
 
 // The folder of the program that runs now.

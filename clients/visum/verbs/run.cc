@@ -41,6 +41,9 @@ class RunVerb : public Verb {
         ->type_name("FOLDER")
         ->check(CLI::ExistingDirectory);
     app.add_option("--node-timeout", node_timeout_s_, "seconds that a plug-in's call may take; 0: for ever");
+    app.add_option("--speedup", speedup_,
+                   "simulated seconds per second; in lockstep at most that, else as fast as it goes")
+        ->check(number_within(1e-3, 1e3));
     app.add_option("--record", record_, "write down every input, port and state's hash: an MCAP file");
     app.add_option("--port", port_, "the daemon's port; 0: any free one")->capture_default_str();
     app.add_option("--timeout", timeout_s_, "wall seconds after which the run is given up")
@@ -61,7 +64,9 @@ class RunVerb : public Verb {
         "it.\n"
         "Exit codes: 0 passed, 1 a check failed, 3 scene or scenario wrong, 4 a controller was lost or timed "
         "out,\n"
-        "124 the wall time was over, or a plug-in hangs, 130 interrupted.\n\nExamples:\n"
+        "6 the host was too slow for real time (the run is invalid), 124 the wall time was over or a plug-in "
+        "hangs,\n"
+        "130 interrupted.\n\nExamples:\n"
         "  visum run models/scenarios/pick_and_place.yaml\n"
         "  visum run models/scenarios/pick_and_place.yaml --junit report.xml --json\n"
         "  visum run models/scenarios/pick_and_place.yaml --record run.mcap && visum replay run.mcap\n"
@@ -129,6 +134,7 @@ class RunVerb : public Verb {
     run::Scenario scenario = run::read_scenario(root, std::max<std::size_t>(only_, 1));
     if (!engine_.empty()) scenario.engine = engine_;
     if (!clock_.empty()) scenario.clock = clock_;
+    if (speedup_ > 0.0) scenario.speedup = speedup_;
     if (seed_) scenario.seed = seed_;
     if (!record_.empty()) scenario.record = record_;
     if (timeout_s_ > 0.0) scenario.max_wall_s = timeout_s_;
@@ -169,7 +175,7 @@ class RunVerb : public Verb {
   std::optional<double> node_timeout_s_;
   std::optional<std::int64_t> seed_;
   std::uint16_t port_ = 0;
-  double timeout_s_ = 0.0;
+  double timeout_s_ = 0.0, speedup_ = 0.0;
 };
 
 }  // namespace
