@@ -101,6 +101,7 @@ class RunVerb : public Verb {
     if (!clock_.empty()) words.words.insert(words.words.end(), {"--clock", clock_});
     if (seed_) words.words.insert(words.words.end(), {"--seed", std::to_string(*seed_)});
     if (timeout_s_ > 0.0) words.words.insert(words.words.end(), {"--timeout", exact(timeout_s_)});
+    if (speedup_ > 0.0) words.words.insert(words.words.end(), {"--speedup", exact(speedup_)});
     for (const auto& folder : plugins_) words.words.insert(words.words.end(), {"--plugins", folder});
     if (node_timeout_s_) words.words.insert(words.words.end(), {"--node-timeout", exact(*node_timeout_s_)});
     return run_many(words, root);
