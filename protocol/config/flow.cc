@@ -8,13 +8,16 @@
 namespace visum::config {
 namespace {
 
-// What means nothing to YAML, wherever it stands.
+bool is_plain(char c) {
+  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+}
+
+// Words and numbers, which mean nothing more to YAML wherever they stand.
 bool is_harmless(std::string_view text) {
-  constexpr std::string_view kBeside = "_.+-/";
-  return !text.empty() && text != "-" && std::ranges::all_of(text, [&](char c) {
-    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-           kBeside.find(c) != std::string_view::npos;
-  });
+  if (text.starts_with('-')) text.remove_prefix(1);
+  if (text.empty() || !is_plain(text.front())) return false;
+  return std::ranges::all_of(
+      text, [](char c) { return is_plain(c) || c == '.' || c == '+' || c == '-' || c == '/'; });
 }
 
 std::string in_quotes(std::string_view text) {

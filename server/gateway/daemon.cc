@@ -76,7 +76,7 @@ struct Daemon::Impl {
                 [this]() -> const Published& { return threaded ? fresh_copy() : fresh_fill(); }),
         web(options.http.page.empty() ? PageFiles() : PageFiles(options.http.page), gateway,
             [this] { return server.refused(); }),
-        server({options.address, options.port, {}, web_options(options.http)}, gateway) {
+        server({options.address, options.port, {}, web_options(options.http), options.tls}, gateway) {
     open_buses(options.buses);
     if (threaded) publish(false);
   }

@@ -1,5 +1,7 @@
 #include "server/gateway/gateway.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -29,16 +31,22 @@ void Gateway::Call::reply(const protocol::Reply& reply) const {
 
 void Gateway::Call::fail(ErrorCode code, const std::string& text, const std::string& owner) const {
   ++refused;
+  if (code == ErrorCode::kForbidden)
+    spdlog::warn("'{}' at {} is refused: {}", session.client_name(), session.peer(), text);
   session.send(id, protocol::Error{code, text, owner});
 }
 
 protocol::Role Gateway::on_hello(protocol::Session& session, const protocol::Hello& hello,
                                  protocol::Welcome& welcome, protocol::Error& refusal) {
-  const auto role = tokens_.grant(hello.token, hello.role);
+  const auto identity = session.identity();
+  const auto role = tokens_.grant(hello.token, identity, hello.role);
   if (role == protocol::Role::kUnspecified) {
-    refusal = tokens_.required()
-                  ? protocol::Error{ErrorCode::kUnauthenticated, "the token is missing or wrong", {}}
-                  : protocol::Error{ErrorCode::kMalformed, "hello names no role", {}};
+    const std::string why =
+        identity.empty() ? "the token is missing or wrong"
+                         : "neither a token nor the certificate of '" + identity + "' gives a role here";
+    refusal = tokens_.required() ? protocol::Error{ErrorCode::kUnauthenticated, why, {}}
+                                 : protocol::Error{ErrorCode::kMalformed, "hello names no role", {}};
+    spdlog::warn("'{}' at {} is refused: {}", hello.client_name, session.peer(), refusal.text);
     return role;
   }
   welcome.tick_ns = world_.tick_ns;

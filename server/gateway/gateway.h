@@ -94,7 +94,7 @@ class Gateway : public protocol::SessionHandler {
   // What is counted and measured, for /metrics; `refused_connections` is the server's.
   Metrics metrics();
   bool lets_in(const std::string& token, protocol::Role role) const {
-    return tokens_.grant(token, role) != protocol::Role::kUnspecified;
+    return tokens_.grant(token, {}, role) != protocol::Role::kUnspecified;
   }
   // The next serve() tells everybody that the server ends. Any thread.
   void end() { ending_ = true; }

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <cstdlib>
 #include <system_error>
 
 #include "clients/visum/common/exit_code.h"
@@ -89,6 +90,8 @@ std::filesystem::path find_visumd() {
 
 Daemon::Daemon(const DaemonOptions& options, double patience_s, Vigil& vigil, ChildProcess::OnLine on_line)
     : vigil_(vigil) {
+  // It speaks plain text, on loopback: no client that is started for it is to try anything else.
+  for (const char* variable : {"VISUM_TLS_CA", "VISUM_TLS_CERT", "VISUM_TLS_KEY"}) ::unsetenv(variable);
   try {
     process_.emplace(
         "visumd", command_line(options),
