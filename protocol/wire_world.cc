@@ -122,11 +122,14 @@ void put(const ServerStatus& from, v1::ServerStatus& to) {
   for (const PhaseTime& phase : from.phases) put(phase, *to.add_phases());
   to.set_refused(from.refused);
   to.set_own_allocations(from.own_allocations);
+  to.set_stuck_node(from.stuck_node);
+  to.set_stuck_ns(from.stuck_ns);
   for (const PartBus& bus : from.buses) {
     auto& w = *to.add_buses();
     w.set_part(bus.part);
     w.set_name(bus.name);
   }
+  for (const auto& client : from.free_running) to.add_free_running(client);
 }
 
 void take(const v1::ServerStatus& from, ServerStatus& to) {
@@ -150,7 +153,10 @@ void take(const v1::ServerStatus& from, ServerStatus& to) {
   for (const auto& w : from.phases()) to.phases.push_back({w.name(), w.mean_ns(), w.max_ns()});
   to.refused = from.refused();
   to.own_allocations = from.own_allocations();
+  to.stuck_node = from.stuck_node();
+  to.stuck_ns = from.stuck_ns();
   for (const auto& w : from.buses()) to.buses.push_back({w.part(), w.name()});
+  to.free_running.assign(from.free_running().begin(), from.free_running().end());
 }
 
 void put(const WorldDescription& from, v1::WorldDescription& to) {

@@ -14,6 +14,7 @@
 #include "server/cycle/simulation.h"
 #include "server/gateway/command_line.h"
 #include "server/gateway/daemon.h"
+#include "server/gateway/node_watch.h"
 #include "server/gateway/program.h"
 #include "server/gateway/replay_report.h"
 #include "server/gateway/scene_check.h"
@@ -39,7 +40,7 @@ struct Options {
   std::int64_t seed = -1;
   gateway::Talk talk;
   std::vector<std::string> buses;
-  std::vector<std::string> plugins;  // folders
+  gateway::PluginWords plugins;
   gateway::HttpWords http;
   std::string record;                                     // a file; empty: none
   std::string rewound;                                    // a recording to go on from, instead of a scene
@@ -48,8 +49,8 @@ struct Options {
   gateway::DaemonOptions of_daemon;
 };
 
-scene::Options with_plugins(scene::Options options, const std::vector<std::string>& folders) {
-  options.plugin_folders = plugin::plugin_folders(folders);
+scene::Options with_plugins(scene::Options options, const gateway::PluginWords& words) {
+  options.plugin_folders = plugin::plugin_folders(words.folders);
   return options;
 }
 
@@ -69,8 +70,9 @@ scene::Scene load(const Options& options) {
 
 std::unique_ptr<cycle::Simulation> make_simulation(const Options& options) {
   if (options.rewound.empty()) return std::make_unique<cycle::Simulation>(load(options));
-  return recording::rewind(options.rewound, options.at_s,
-                           [&](scene::Scene& scene) { set_clock(options, scene); });
+  return recording::rewind(
+      options.rewound, options.at_s, [&](scene::Scene& scene) { set_clock(options, scene); },
+      plugin::plugin_folders(options.plugins.folders));
 }
 
 // What is written down of the world while it runs, where that is wanted.
@@ -84,6 +86,8 @@ struct Recording {
 };
 
 int run(Options options) {
+  const gateway::NodeWatch watch(options.plugins.node_timeout());
+  options.of_daemon.node_watch = &watch;
   std::optional<config::FilesNoted> noted;
   if (!options.record.empty()) noted.emplace();
   const auto made = make_simulation(options);
@@ -94,6 +98,7 @@ int run(Options options) {
   for (const auto& bus : options.buses)
     options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
   options.of_daemon.http = options.http.settled(options.of_daemon);
+  options.of_daemon.paced = options.speedup > 0.0;
   gateway::Daemon daemon(simulation, options.of_daemon);
   const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.talk.json);
   if (simulation.frozen())
@@ -127,9 +132,11 @@ void declare(CLI::App& app, Options& options) {
   gateway::declare_http(app, options.of_daemon, options.http);
   app.add_option("--clock", options.clock, "instead of the scene's: realtime, lockstep or free")
       ->check(CLI::IsMember(std::vector<std::string>{scene::kClockNames.begin(), scene::kClockNames.end()}));
-  app.add_option("--speedup", options.speedup, "realtime: simulated seconds per second")
+  app.add_option("--speedup", options.speedup,
+                 "simulated seconds per second: in realtime the pace, in lockstep at most")
       ->check(CLI::Range(1e-3, 1e3));
   gateway::declare_plugins(app, options.plugins);
+  gateway::declare_node_timeout(app, options.plugins);
   app.add_option("--bus", options.buses,
                  "PART=KIND:WHERE, a field bus to the part's modules; repeatable. KIND:WHERE is pty:PATH,\n"
                  "tcp:PORT, slcan:PATH or socketcan:INTERFACE, then ,baud=N and ,delay_ms=X if wanted")
@@ -147,13 +154,14 @@ void declare(CLI::App& app, Options& options) {
       "  visumd rewind run.mcap --at 12.5                          goes on from there; engine and seed are "
       "the run's\n"
       "  visumd check models/scenes/amtec_arm.yaml                 says what is wrong with a scene, no more\n"
-      "Exit codes: 0 ended in good order, 1 the world froze, 2 bad usage, 3 the scene is wrong, 130 "
-      "interrupted.");
+      "Exit codes: 0 ended in good order, 1 the world froze, 2 bad usage, 3 the scene is wrong, 124 a "
+      "plug-in "
+      "hangs,\n130 interrupted.");
 }
 
 int check(int argc, char** argv) {
   std::string scene;
-  std::vector<std::string> plugins;
+  gateway::PluginWords plugins;
   scene::Options of_scene;
   gateway::Talk talk{.verbosity = 1};
   CLI::App app{"visumd check: says what is wrong with a scene, where, and what was meant"};
@@ -161,12 +169,14 @@ int check(int argc, char** argv) {
   app.add_option("--engine", of_scene.engine, "moves all bodies, instead of the scene's engines");
   app.add_option("--parameters", of_scene.parameters, kParametersHelp)->type_name("YAML");
   gateway::declare_plugins(app, plugins);
+  gateway::declare_node_timeout(app, plugins);
   app.add_flag("--json", talk.json, "print one line of JSON");
   app.footer(
       "Example:\n"
       "  visum check models/scenes/cart.yaml\n"
       "Exit codes: 0 the scene is right, 2 bad usage, 3 the scene is wrong.");
   return gateway::run_command(app, argc, argv, "visumd", talk, [&] {
+    const gateway::NodeWatch watch(plugins.node_timeout());
     gateway::check_scene(scene, with_plugins(of_scene, plugins), talk.json);
     return gateway::kPassed;
   });
@@ -174,7 +184,7 @@ int check(int argc, char** argv) {
 
 int convert(int argc, char** argv) {
   std::string from, to;
-  std::vector<std::string> plugins;
+  gateway::PluginWords plugins;
   gateway::Talk talk{.verbosity = 1};
   CLI::App app{"visumd convert: writes a scene in another format, and says what that cannot hold"};
   app.add_option("FROM", from, "a scene: .yaml, .urdf, .sdf, .x3d, .x3dv or .wrl")->required();
@@ -194,10 +204,13 @@ int convert(int argc, char** argv) {
 
 int replay(int argc, char** argv) {
   std::string file;
+  gateway::PluginWords plugins;
   gateway::Talk talk{.verbosity = 1};
   CLI::App app{
       "visumd replay: goes through a recording again and compares the state's hash after every tick"};
   app.add_option("recording", file, "an MCAP file that --record wrote")->required()->type_name("FILE.mcap");
+  gateway::declare_plugins(app, plugins);
+  gateway::declare_node_timeout(app, plugins);
   app.add_flag("--json", talk.json, "print one line of JSON");
   app.footer(
       "Example:\n"
@@ -205,8 +218,10 @@ int replay(int argc, char** argv) {
       "Exit codes: 0 the same bits in every tick, 1 the same as far as the file can be read, 2 no recording, "
       "3 "
       "the\nscene in it is wrong, 5 the first tick that differs is shown.");
-  return gateway::run_command(app, argc, argv, "visumd", talk,
-                              [&] { return gateway::report_replay(file, talk.json); });
+  return gateway::run_command(app, argc, argv, "visumd", talk, [&] {
+    const gateway::NodeWatch watch(plugins.node_timeout());
+    return gateway::report_replay(file, plugin::plugin_folders(plugins.folders), talk.json);
+  });
 }
 
 int export_ports(const std::string& file, const recording::CsvOptions& options, const std::string& to) {

@@ -26,6 +26,7 @@ void NodeKeeper::save(const plugin::Node& node, hwparts::StateWriter& to) const 
   std::string fault = fault_;
   scratch_.clear();
   if (fault.empty()) {
+    const plugin::ForeignCall standing(node_);
     try {
       plugin::StateOut out(scratch_);
       node.save(out);

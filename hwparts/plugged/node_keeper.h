@@ -8,6 +8,7 @@
 
 #include "hwparts/state_archive.h"
 #include "protocol/part_description.h"
+#include "protocol/plugin/foreign_call.h"
 #include "protocol/plugin/plugin.h"
 
 namespace visum::plugged {
@@ -15,13 +16,17 @@ namespace visum::plugged {
 // Whether a node works, and why not. What fails once is not called again until reset() or load().
 class NodeKeeper {
  public:
+  explicit NodeKeeper(std::string node) : node_(std::move(node)) {}  // "agent 'explorer'"
+
   bool works() const { return fault_.empty(); }
   const std::string& fault() const { return fault_; }
   void fail(std::string text);
+  void forgive() { fault_.clear(); }
   // Runs `call` unless the node has failed before; true: it has come to its end.
   template <typename Call>
   bool run(const Call& call) {
     if (!works()) return false;
+    const plugin::ForeignCall standing(node_);
     try {
       call();
     } catch (...) {
@@ -39,6 +44,7 @@ class NodeKeeper {
  private:
   void fail_by_exception();
 
+  const std::string node_;
   std::string fault_;
   mutable std::vector<std::byte> scratch_;
 };

@@ -47,6 +47,7 @@ class PluggedPart final : public hwparts::Part {
   PluggedPart(const hwparts::PartContext& from, const char* kind, const Context& made,
               std::unique_ptr<plugin::Part> node)
       : node_(std::move(node)),
+        keeper_("part '" + from.name + "'"),
         joints_(from.joints.size()),
         samples_(from.joints.size()),
         drives_(from.joints.size()),

@@ -33,10 +33,13 @@ class Context final : public plugin::SensorContext {
 
 PluggedSensor::PluggedSensor(const sensors::SensorContext& context, sensors::Layout layout, bool wants_rays,
                              std::unique_ptr<plugin::Sensor> node)
-    : Sensor(context, std::move(layout)), node_(std::move(node)), wants_rays_(wants_rays) {}
+    : Sensor(context, std::move(layout)),
+      node_(std::move(node)),
+      keeper_("sensor '" + context.name + "'"),
+      wants_rays_(wants_rays) {}
 
 void PluggedSensor::measure(const plugin::Truth& world) {
-  if (!keeper_.works()) keeper_ = {};  // somebody has set `Failure` back
+  if (!keeper_.works()) keeper_.forgive();  // somebody has set `Failure` back
   const bool done = keeper_.run([&] {
     std::ranges::fill(truth(), 0.0);
     node_->measure(world, truth());

@@ -24,7 +24,7 @@ class PluggedSensor final : public sensors::Sensor {
   const std::string* node_fault() const override { return &keeper_.fault(); }
 
  protected:
-  void shown_again(std::span<const double>) override { keeper_ = {}; }
+  void shown_again(std::span<const double>) override { keeper_.forgive(); }
 
  private:
   std::unique_ptr<plugin::Sensor> node_;

@@ -80,9 +80,12 @@ void check_rows(const fs::path& file, const Kinds& kinds) {
 }
 
 template <typename Kind>
-const Kind* find_in(std::span<const Kind> kinds, const std::string& name) {
-  const auto found = std::ranges::find_if(kinds, [&](const Kind& kind) { return name == kind.name; });
-  return found == kinds.end() ? nullptr : &*found;
+const Kind* find_in(const std::vector<Library>& libraries, std::span<const Kind> Manifest::*kinds,
+                    const std::string& name) {
+  for (const Library& library : libraries)
+    for (const Kind& kind : library.manifest->*kinds)
+      if (name == kind.name) return &kind;
+  return nullptr;
 }
 
 }  // namespace
@@ -94,6 +97,7 @@ Library open_library(const std::string& name, const std::vector<fs::path>& folde
   check_rows(library.file, library.manifest->agents);
   check_rows(library.file, library.manifest->sensors);
   check_rows(library.file, library.manifest->parts);
+  check_rows(library.file, library.manifest->engines);
   return library;
 }
 
@@ -113,21 +117,16 @@ std::vector<fs::path> plugin_folders(const std::vector<std::string>& named) {
 }
 
 const AgentKind* find_agent(const std::vector<Library>& libraries, const std::string& kind) {
-  for (const Library& library : libraries)
-    if (const auto* found = find_in(library.manifest->agents, kind)) return found;
-  return nullptr;
+  return find_in(libraries, &Manifest::agents, kind);
 }
-
 const SensorKind* find_sensor(const std::vector<Library>& libraries, const std::string& kind) {
-  for (const Library& library : libraries)
-    if (const auto* found = find_in(library.manifest->sensors, kind)) return found;
-  return nullptr;
+  return find_in(libraries, &Manifest::sensors, kind);
 }
-
 const PartKind* find_part(const std::vector<Library>& libraries, const std::string& kind) {
-  for (const Library& library : libraries)
-    if (const auto* found = find_in(library.manifest->parts, kind)) return found;
-  return nullptr;
+  return find_in(libraries, &Manifest::parts, kind);
+}
+const EngineKind* find_engine(const std::vector<Library>& libraries, const std::string& kind) {
+  return find_in(libraries, &Manifest::engines, kind);
 }
 
 }  // namespace visum::plugin

@@ -32,6 +32,7 @@ std::vector<std::filesystem::path> plugin_folders(const std::vector<std::string>
 const AgentKind* find_agent(const std::vector<Library>& libraries, const std::string& kind);
 const SensorKind* find_sensor(const std::vector<Library>& libraries, const std::string& kind);
 const PartKind* find_part(const std::vector<Library>& libraries, const std::string& kind);
+const EngineKind* find_engine(const std::vector<Library>& libraries, const std::string& kind);
 
 inline constexpr std::size_t kMaxLibraries = 64;
 

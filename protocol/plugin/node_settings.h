@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "protocol/config/config.h"
+#include "protocol/plugin/foreign_call.h"
 #include "protocol/plugin/plugin.h"
 
 namespace visum::plugin {
@@ -35,6 +36,8 @@ class NodeSettings final : public Settings {
 // Makes a node by a plug-in's `make`; what that throws becomes a ConfigError at `entry`.
 template <typename Kind, typename Context>
 auto make_node(const Kind& kind, Context& context, const config::Node& entry) {
+  const std::string node = std::string(kind.name) + ", which is made";
+  const ForeignCall standing(node);
   try {
     auto made = kind.make(context);
     if (!made) throw Error("makes nothing");

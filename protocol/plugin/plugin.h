@@ -1,6 +1,6 @@
 // What a plug-in of Visum is made against: this header alone. A plug-in is a shared library that adds kinds
-// of agents, of sensors and of hardware parts to scenes. It says what it has in one function (VISUM_PLUGIN,
-// below) and links nothing of Visum.
+// of agents, of sensors, of hardware parts and of engines to scenes. It says what it has in one function
+// (VISUM_PLUGIN, below) and links nothing of Visum.
 //
 //   class Blinker : public visum::plugin::Agent {
 //    public:
@@ -17,9 +17,13 @@
 //   VISUM_PLUGIN({.name = "blinker", .version = "1.0", .agents = kAgents})
 //
 // Everything is called on one thread. Constructors may throw: the scene is then wrong, and the text says why.
-// What throws later faults its own node, with the exception's text as the reason, and the world goes on.
-// Nothing may wait: the tick waits with it. All that changes goes through save() and load(), so that a world
+// What throws later faults its own node, with the exception's text as the reason, and the world goes on; only
+// without an engine it cannot, and freezes. All that changes goes through save() and load(), so that a world
 // that is taken back goes on with the same bits; clocks and random numbers of one's own break that.
+//
+// Nothing may wait: the tick waits with it. A call that has not come back after a second is told of by name,
+// in the log, in `visum status` and at /healthz, and after 10 s (visumd --node-timeout) visumd ends with exit
+// code 124: a thread that is lost in a library cannot be taken back, and half a world is none.
 //
 // SI units, radians, right-handed frames with z up, quaternions as w x y z.
 #pragma once
@@ -38,7 +42,7 @@
 namespace visum::plugin {
 
 // Grows with every change of this header that a plug-in built before would not survive.
-inline constexpr std::uint32_t kAbi = 1;
+inline constexpr std::uint32_t kAbi = 2;
 // Whose std::string and std::vector these are: both sides must mean the same.
 #if defined(_GLIBCXX_USE_CXX11_ABI) && _GLIBCXX_USE_CXX11_ABI
 inline constexpr const char* kRuntime = "libstdc++";
@@ -315,6 +319,99 @@ std::unique_ptr<Part> make_part(PartContext& context) {
   return std::make_unique<T>(context);
 }
 
+// --- Engines
+// -----------------------------------------------------------------------------------------------------
+
+// What an engine moves or meets. Here and in all that follows a body's place is that of its centre of mass,
+// with the axes of the body.
+struct EngineBody {
+  std::string name;
+  bool own = false;        // this engine moves it; others are scenery, or moved by another engine
+  double mass_kg = 0.0;    // of its own bodies
+  double inertia[9] = {};  // kg·m², about the centre of mass, in the body's axes, row by row; likewise
+};
+
+// A joint between two of its own bodies, or one and the world. A stop, friction or damping that it cannot
+// hold is to be refused, like a kind: by an Error when it is made.
+struct EngineJoint {
+  std::string name;
+  std::string kind;  // as in scenes: "hinge", "slider", "ball", ...; never "point_on_curve"
+  int parent = -1;   // index of a body; -1: the world
+  int child = -1;
+  Pose in_parent, in_child;  // the joint's frame, seen from each; both are the same place at position 0
+  double axis[3] = {};       // in that frame, unit
+  double axis2[3] = {};      // universal: of the child, unit, perpendicular to the other
+  double pitch_m = 0.0;      // screw: along the axis per turn
+  double stiffness = 0.0;    // springs: N/m or N·m/rad
+  double rest = 0.0;         // springs: length or angle without a load
+  bool limited = false;
+  double lower = 0.0, upper = 0.0;  // mechanical stops
+  double stop_restitution = 0.0;
+  double friction = 0.0;  // constant, N·m or N; counts where the drive is all 0
+  double damping = 0.0;   // N·m·s/rad or N·s/m; likewise, and of springs always
+};
+
+struct Motion {
+  double p[3], q_wxyz[4];            // the quaternion has unit length
+  double velocity[3], turn_rate[3];  // m/s, rad/s; both in the world
+};
+
+struct EngineContact {
+  int a = -1, b = -1;  // indices of bodies
+  double p[3];         // midway between the surfaces
+  double normal[3];    // unit, from b to a
+  double depth = 0.0;  // > 0: they overlap
+  double friction = 0.0, restitution = 0.0;
+  double rolling_friction = 0.0, torsional_friction = 0.0;  // m
+  double force_on_a[3] = {};                                // to be filled: mean over the tick, N
+};
+
+struct EnginePush {
+  int body = -1;
+  double force_n[3], torque_nm[3];  // at the centre of mass, during this tick
+};
+
+// One step from t_k to t_k+1. All spans are in the order of EngineContext.
+struct EngineTick {
+  double tick_s;
+  double gravity[3];
+  std::span<const EnginePush> pushes;   // on its own bodies
+  std::span<const JointDrive> drives;   // by joint
+  std::span<const JointSample> joints;  // where its joints are at t_k
+  std::span<EngineContact> contacts;    // those that touch its own bodies
+  std::span<Motion> bodies;             // at t_k, and to be moved on; what is not its own stays as it is
+  std::span<double> efforts;            // to be filled: what each joint's drive transmitted
+};
+
+class EngineContext {
+ public:
+  virtual Settings& settings() = 0;
+  virtual double tick_s() const = 0;
+  virtual std::span<const EngineBody> bodies() const = 0;  // all of the world
+  virtual std::span<const EngineJoint> joints() const = 0;
+
+ protected:
+  ~EngineContext() = default;
+};
+
+// Keeps nothing that matters but what it saves: each step starts from the bodies that it is given. What it
+// throws, and a world that it leaves with a number that is none, a quaternion off unit length or a body
+// beyond 1e6 m, freezes the world at its last good state, with the reason, until somebody resets or restores.
+class Engine : public Node {
+ public:
+  virtual void step(const EngineTick& tick) = 0;
+};
+
+struct EngineKind {
+  const char* name;
+  const char* help;
+  std::unique_ptr<Engine> (*make)(EngineContext&);
+};
+template <typename T>
+std::unique_ptr<Engine> make_engine(EngineContext& context) {
+  return std::make_unique<T>(context);
+}
+
 // --- The plug-in itself
 // -------------------------------------------------------------------------------------------
 
@@ -327,6 +424,7 @@ struct Manifest {
   std::span<const AgentKind> agents = {};
   std::span<const SensorKind> sensors = {};
   std::span<const PartKind> parts = {};
+  std::span<const EngineKind> engines = {};
 };
 
 inline constexpr const char* kEntryName = "visum_plugin";

@@ -65,7 +65,7 @@ class AgentPart::Context final : public plugin::AgentContext {
 };
 
 AgentPart::AgentPart(const scene::AgentPlan& plan, std::int64_t tick_ns, std::vector<BoundPart>& parts)
-    : tick_ns_(tick_ns), period_ns_(plan.period_ns) {
+    : tick_ns_(tick_ns), period_ns_(plan.period_ns), keeper_("agent '" + plan.name + "'") {
   description_ = {plan.name, plan.kind->name, {}, {}, {}, {plugged::fault_blackboard()}};
   Context context(plan, parts, *this);
   agent_ = plugin::make_node(*plan.kind, context, plan.config);

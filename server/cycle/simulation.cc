@@ -9,6 +9,8 @@
 #include "hwparts/plugged/plugged_sensor.h"
 #include "hwparts/sensors/sensor_kinds.h"
 #include "server/cycle/node_errors.h"
+#include "server/dynamics/plugged/plugged_engine.h"
+#include "server/scene/settings.h"
 
 namespace visum::cycle {
 namespace {
@@ -29,10 +31,29 @@ std::vector<std::uint64_t> seeded(std::uint64_t seed) {
   return words;
 }
 
+std::unique_ptr<dynamics::Engine> make_engine_of(const scene::Scene& scene, std::size_t number) {
+  const auto index = static_cast<std::int32_t>(number);
+  const auto* plugged = plugin::find_engine(scene.plugins, scene.world.engines[number].name);
+  if (!plugged) return dynamics::make_engine(scene.world, index);
+  if (std::ranges::any_of(dynamics::engine_kinds(),
+                          [&](const auto& kind) { return std::string_view(kind.name) == plugged->name; }))
+    throw std::runtime_error("a plug-in brings an engine '" + std::string(plugged->name) +
+                             "', which there is without it");
+  const auto entry = scene.plugged_engines.find(number);
+  const auto keys = scene::engine_keys();
+  return dynamics::make_plugged_engine(
+      *plugged, scene.world, index,
+      entry == scene.plugged_engines.end() ? config::load_text("{}", "the engine's settings") : entry->second,
+      {keys.begin(), keys.end()});
+}
+
 // An engine that is not there, or cannot hold what the scene gives it, is wrong where the scene names it.
 std::unique_ptr<dynamics::Engine> make_engine(const scene::Scene& scene, std::size_t number) {
   try {
-    return dynamics::make_engine(scene.world, static_cast<std::int32_t>(number));
+    return make_engine_of(scene, number);
+  } catch (const config::ConfigError& error) {
+    if (scene.plugged_engines.contains(number) || scene.engine_places.empty()) throw;
+    throw config::ConfigError(scene.engine_places.at(number), error.message());
   } catch (const std::runtime_error& error) {
     if (scene.engine_places.empty()) throw;
     throw config::ConfigError(scene.engine_places.at(number), error.what());

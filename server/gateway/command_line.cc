@@ -31,8 +31,16 @@ void declare_tls(CLI::App& app, protocol::TlsFiles& tls) {
 
 }  // namespace
 
-void declare_plugins(CLI::App& app, std::vector<std::string>& folders) {
-  app.add_option("--plugins", folders,
+void declare_node_timeout(CLI::App& app, PluginWords& words) {
+  app.add_option("--node-timeout", words.node_timeout_s,
+                 "seconds that a plug-in's call may take: then it hangs, and this ends with exit code 124; "
+                 "0: for ever")
+      ->capture_default_str()
+      ->check(CLI::IsMember({0.0}) | CLI::Range(0.1, 86400.0));
+}
+
+void declare_plugins(CLI::App& app, PluginWords& words) {
+  app.add_option("--plugins", words.folders,
                  "a folder that plug-ins of the scene may come from, before the installed one; repeatable")
       ->type_name("FOLDER")
       ->check(CLI::ExistingDirectory);

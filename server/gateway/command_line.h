@@ -19,8 +19,17 @@ struct Talk {
   bool json = false;  // one line when ready
 };
 
-// --plugins: folders that plug-ins of scenes may come from.
-void declare_plugins(CLI::App& app, std::vector<std::string>& folders);
+// Where plug-ins of scenes may come from, and how long one of their calls may take.
+struct PluginWords {
+  std::vector<std::string> folders;
+  double node_timeout_s = 10.0;  // 0: for ever
+  std::chrono::milliseconds node_timeout() const {
+    return std::chrono::milliseconds(static_cast<std::int64_t>(node_timeout_s * 1e3));
+  }
+};
+// --plugins; and --node-timeout, where their code runs.
+void declare_plugins(CLI::App& app, PluginWords& words);
+void declare_node_timeout(CLI::App& app, PluginWords& words);
 
 // --listen, --port, --token-file, --iterations, --json and -v.
 void declare_common(CLI::App& app, DaemonOptions& daemon, Talk& talk);

@@ -19,6 +19,7 @@
 namespace visum::gateway {
 
 struct Published;
+class NodeWatch;
 
 struct HttpOptions {
   bool on = false;
@@ -36,7 +37,9 @@ struct DaemonOptions {
   std::string token_file;         // needed where the address is not loopback
   protocol::TlsFiles tls;         // none: plain text
   std::vector<BusAddress> buses;  // beside those of the scene
+  bool paced = false;  // lockstep too is no faster than the scene's speed; else as fast as its members let it
   HttpOptions http;
+  const NodeWatch* node_watch = nullptr;  // tells which node of a plug-in hangs; must outlive the daemon
   // Parts in front of something real.
   bool simulated = true;  // what the welcome says
   bool has_world = true;  // false: nobody may hold the time, go back in it, or change bodies

@@ -47,6 +47,9 @@ void write_time(Page& page, const protocol::ServerStatus& status) {
   page.one("visum_ticks", "gauge", "Ticks since the last reset.", static_cast<double>(status.tick));
   page.one("visum_sim_time_seconds", "gauge", "Simulated time since the last reset.",
            static_cast<double>(status.sim_time_ns) * kSecondsPerNs);
+  page.one("visum_node_stuck_seconds", "gauge",
+           "For how long a plug-in's node has not come back; 0: all have.",
+           static_cast<double>(status.stuck_ns) * kSecondsPerNs);
   page.one("visum_era", "counter", "Resets and restores, from 1.", static_cast<double>(status.era));
   page.one("visum_paused", "gauge", "1 while time stands.", status.paused);
   page.one("visum_real_time_factor", "gauge", "Simulated per wall time over the last second.",

@@ -9,7 +9,15 @@
 namespace visum::gateway {
 
 // Exit codes.
-enum Exit { kPassed = 0, kFailed = 1, kUsage = 2, kConfigWrong = 3, kDiffers = 5, kInterrupted = 130 };
+enum Exit {
+  kPassed = 0,
+  kFailed = 1,
+  kUsage = 2,
+  kConfigWrong = 3,
+  kDiffers = 5,
+  kTimedOut = 124,
+  kInterrupted = 130
+};
 
 // To stderr, as "NAME: level: text"; 0 errors, 1 warnings, 2 news, 3 details.
 void set_up_log(const std::string& name, int verbosity);

@@ -80,8 +80,8 @@ void print_as_json(const recording::Replay& replay) {
 
 }  // namespace
 
-int report_replay(const std::filesystem::path& file, bool json) {
-  const auto replay = recording::replay(file);
+int report_replay(const std::filesystem::path& file, const recording::PluginFolders& plugins, bool json) {
+  const auto replay = recording::replay(file, plugins);
   json ? print_as_json(replay) : print(replay);
   if (!replay.equal) return kDiffers;
   return replay.damage.empty() ? kPassed : kFailed;

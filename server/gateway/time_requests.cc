@@ -3,6 +3,7 @@
 #include <string>
 
 #include "server/gateway/gateway.h"
+#include "server/gateway/node_watch.h"
 
 namespace visum::gateway {
 
@@ -31,11 +32,19 @@ protocol::ServerStatus Gateway::server_status(const Published& now) const {
   status.sessions = static_cast<std::uint32_t>(clients_.size());
   status.refused = refused_;
   status.buses = buses_;
+  if (world_.node_watch) {
+    const StuckNode stuck = world_.node_watch->stuck();
+    status.stuck_node = stuck.node;
+    status.stuck_ns = std::chrono::nanoseconds(stuck.since).count();
+  }
   for (const auto& member : members_.all()) {
     const auto waited = member.waited_since ? clock_() - *member.waited_since : Member::Clock::duration{};
     status.lockstep.push_back({member.client, member.granted_tick, std::chrono::nanoseconds(waited).count(),
                                member.grade, member.note});
   }
+  for (const auto& [id, client] : clients_)
+    if (client.session->role() >= protocol::Role::kController && !members_.is_member(id) && !is_gated(client))
+      status.free_running.push_back(client.session->client_name());
   for (std::size_t i = 0; i < cycle::kPhases; ++i)
     status.phases.push_back({cycle::kPhaseNames[i], now.phases[i].mean_ns, now.phases[i].max_ns});
   return status;

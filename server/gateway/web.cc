@@ -27,9 +27,12 @@ WebReply Web::get(const protocol::WebRequest& request) {
 // Open to whoever reaches the port, so it says no more than that.
 WebReply Web::health() const {
   WebReply reply;
-  const bool frozen = gateway_.metrics().status.frozen;
-  reply.status = frozen ? 503 : 200;
-  reply.text = frozen ? "frozen\n" : "ok\n";
+  const auto status = gateway_.metrics().status;
+  reply.status = status.frozen || !status.stuck_node.empty() ? 503 : 200;
+  reply.text = status.frozen ? "frozen\n" : "ok\n";
+  if (!status.stuck_node.empty())
+    reply.text = "stuck: a plug-in's node has not come back for " +
+                 std::to_string(status.stuck_ns / 1'000'000'000) + " s\n";
   return reply;
 }
 

@@ -16,8 +16,9 @@ namespace {
 
 using Adjust = std::function<void(scene::Scene&)>;
 
-std::unique_ptr<cycle::Simulation> make_world(const Header& header, const Adjust& adjust) {
-  auto scene = scene::load_scene(header.scene_file, {header.engine, {}, header.parameters});
+std::unique_ptr<cycle::Simulation> make_world(const Header& header, const Adjust& adjust,
+                                              const PluginFolders& plugins) {
+  auto scene = scene::load_scene(header.scene_file, {header.engine, plugins, header.parameters});
   scene.seed = header.seed;
   if (adjust) adjust(scene);
   return std::make_unique<cycle::Simulation>(std::move(scene));
@@ -29,8 +30,11 @@ bool same_bits(double a, double b) {
 
 class Replayer {
  public:
-  explicit Replayer(const std::filesystem::path& file, const Adjust& adjust = {})
-      : file_(file), files_(file_.take_files()), kept_(make_world(file_.header(), adjust)), world_(*kept_) {
+  Replayer(const std::filesystem::path& file, const PluginFolders& plugins, const Adjust& adjust = {})
+      : file_(file),
+        files_(file_.take_files()),
+        kept_(make_world(file_.header(), adjust, plugins)),
+        world_(*kept_) {
     result_.header = file_.header();
   }
 
@@ -120,13 +124,13 @@ class Replayer {
 
 }  // namespace
 
-Replay replay(const std::filesystem::path& file) {
-  return Replayer(file).run();
+Replay replay(const std::filesystem::path& file, const PluginFolders& plugins) {
+  return Replayer(file, plugins).run();
 }
 
 std::unique_ptr<cycle::Simulation> rewind(const std::filesystem::path& file, double at_s,
-                                          const Adjust& adjust) {
-  Replayer replayer(file, adjust);
+                                          const Adjust& adjust, const PluginFolders& plugins) {
+  Replayer replayer(file, plugins, adjust);
   const auto result = replayer.run_until(at_s);
   if (!result.equal)
     throw std::runtime_error(file.string() + ": not the same bits at tick " +

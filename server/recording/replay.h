@@ -40,14 +40,18 @@ struct Replay {
   std::string damage;     // why the file was not read to its end; empty: it was
 };
 
+// Where plug-ins of the recorded scene may come from: a recording holds files, and no code.
+using PluginFolders = std::vector<std::filesystem::path>;
+
 // Throws std::runtime_error where the file is no recording, ConfigError where the scene in it is wrong.
-Replay replay(const std::filesystem::path& file);
+Replay replay(const std::filesystem::path& file, const PluginFolders& plugins = {});
 
 // The world of a recording as it was `at_s` simulated seconds after the beginning (over all eras), or at its
 // end where that is sooner: to go on from there with other inputs. `adjust` may change what does not belong
 // to the world: its clock. Throws what replay() throws, and std::runtime_error where the ticks up to there
 // differ.
 std::unique_ptr<cycle::Simulation> rewind(const std::filesystem::path& file, double at_s,
-                                          const std::function<void(scene::Scene&)>& adjust);
+                                          const std::function<void(scene::Scene&)>& adjust,
+                                          const PluginFolders& plugins = {});
 
 }  // namespace visum::recording

@@ -31,6 +31,7 @@ void refuse_taken_kinds(const Draft& draft, const plugin::Library& library, cons
   check(library.manifest->agents, plugin::find_agent);
   check(library.manifest->sensors, plugin::find_sensor);
   check(library.manifest->parts, plugin::find_part);
+  check(library.manifest->engines, plugin::find_engine);
 }
 
 std::int64_t read_period_ns(const Draft& draft, const Node& entry) {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -55,8 +56,9 @@ struct Scene {
   std::string name;
   std::filesystem::path file;
   world::WorldModel world;
-  std::vector<std::string> engine_names{"default"};  // how the scene calls world.engines
-  std::vector<config::Place> engine_places;          // where it says so; empty: an option did
+  std::vector<std::string> engine_names{"default"};     // how the scene calls world.engines
+  std::vector<config::Place> engine_places;             // where it says so; empty: an option did
+  std::map<std::size_t, config::Node> plugged_engines;  // entries of those that plug-ins bring, by number
   std::vector<ModelPlan> models;
   std::vector<PartPlan> parts;
   std::vector<SensorPlan> sensors;

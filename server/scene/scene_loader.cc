@@ -181,6 +181,7 @@ void apply(const Options& options, Scene& scene) {
   if (options.engine.empty()) return;
   for (world::EngineSetting& engine : scene.world.engines) engine.name = options.engine;
   scene.engine_places.clear();
+  scene.plugged_engines.clear();
 }
 
 void refuse_fault(const Scene& scene, const config::Place& place) {

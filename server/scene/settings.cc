@@ -26,22 +26,23 @@ std::int64_t read_tick_ns(const config::Node& node) {
   return std::llround(ns);
 }
 
+std::string kind_of_engine(const config::Node& node) {
+  return read_name(node.kind() == config::Node::Kind::kScalar ? node : node.get("kind"));
+}
+
 int read_order(const config::Node& node) {
   const auto order = node.integer(2, 6);
   if (order % 2 != 0) node.fail("must be 2, 4 or 6, is " + node.text());
   return static_cast<int>(order);
 }
 
-// "ode", or {kind: ode, step: quick, ...}. What a kind makes of its settings is the engine table's business.
-world::EngineSetting read_engine(const config::Node& node) {
+// "ode", or {kind: ode, step: quick, ...}. What a kind makes of its settings is the engine table's business,
+// or that of the plug-in that brings it.
+world::EngineSetting read_engine(const config::Node& node, bool plugged) {
   world::EngineSetting engine;
-  if (node.kind() == config::Node::Kind::kScalar) {
-    engine.name = read_name(node);
-    return engine;
-  }
-  node.allow_only({"kind", "step", "iterations", "erp", "cfm", "solver", "order", "d_max", "v_max", "budget",
-                   "impact", "sleep"});
-  engine.name = read_name(node.get("kind"));
+  engine.name = kind_of_engine(node);
+  if (plugged || node.kind() == config::Node::Kind::kScalar) return engine;
+  node.allow_only({engine_keys().begin(), engine_keys().end()});
   if (const auto step = node.find("step")) engine.step = step->one_of({"world", "quick"});
   if (const auto count = node.find("iterations"))
     engine.iterations = static_cast<int>(count->integer(1, 100'000));
@@ -55,6 +56,15 @@ world::EngineSetting read_engine(const config::Node& node) {
   engine.sleep_s = node.number_or("sleep", engine.sleep_s, {0.0, 86400.0});
   if (const auto impact = node.find("impact")) engine.impact = impact->one_of({"newton", "poisson"});
   return engine;
+}
+
+// Engine number `number`, which is there already.
+void set_engine(Scene& scene, std::size_t number, const config::Node& node) {
+  const bool plugged = plugin::find_engine(scene.plugins, kind_of_engine(node)) != nullptr;
+  scene.world.engines[number] = read_engine(node, plugged);
+  scene.engine_places[number] = node.place();
+  scene.plugged_engines.erase(number);
+  if (plugged && node.kind() == config::Node::Kind::kMap) scene.plugged_engines.emplace(number, node);
 }
 
 world::Surface read_surface(const std::string& name, const config::Node& node) {
@@ -79,6 +89,13 @@ bool said_before(const std::vector<world::Surface>& surfaces, const world::Surfa
 
 }  // namespace
 
+std::span<const std::string_view> engine_keys() {
+  static const std::vector<std::string_view> known{"kind",  "step",   "iterations", "erp",
+                                                   "cfm",   "solver", "order",      "d_max",
+                                                   "v_max", "budget", "impact",     "sleep"};
+  return known;
+}
+
 void read_settings(Draft& draft, const config::Node& root) {
   Scene& scene = draft.scene;
   if (const auto node = root.find("name")) scene.name = read_name(*node);
@@ -93,10 +110,7 @@ void read_settings(Draft& draft, const config::Node& root) {
 
 void read_engines(Draft& draft, const config::Node& root) {
   Scene& scene = draft.scene;
-  if (const auto node = root.find("engine")) {
-    scene.world.engines[0] = read_engine(*node);
-    scene.engine_places[0] = node->place();
-  }
+  if (const auto node = root.find("engine")) set_engine(scene, 0, *node);
   const auto engines = root.find("engines");
   if (!engines) return;
   for (const std::string& name : engines->keys()) {
@@ -106,9 +120,10 @@ void read_engines(Draft& draft, const config::Node& root) {
     draft.claim("engine", name, node.place());
     if (scene.world.engines.size() == kMaxEngines)
       node.fail("there are more than " + std::to_string(kMaxEngines) + " engines");
-    scene.world.engines.push_back(read_engine(node));
+    scene.world.engines.emplace_back();
     scene.engine_names.push_back(name);
     scene.engine_places.push_back(node.place());
+    set_engine(scene, scene.world.engines.size() - 1, node);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 namespace visum::sensing {
 namespace {
@@ -44,12 +45,29 @@ Painter::Painter(const scene::Scene& scene, const Mount& mount, const sensors::C
       settings_(settings),
       rays_(model_),
       state_(world::initial_state(model_)) {
+  covers_.resize(model_.shapes.size());
+  if (settings_.shows == sensors::Shows::kColor) cover_shapes(scene.looks);
   const sensors::Lens& lens = settings_.lens;
   for (int row = 0; row < lens.height; ++row) {
     for (int column = 0; column < lens.width; ++column) {
       const auto d = sensors::direction_of(lens, column + 0.5, row + 0.5);
       directions_C_.push_back(Vector3d(d[0], d[1], d[2]).normalized());
     }
+  }
+}
+
+// Reads the textures that something wears, each once.
+void Painter::cover_shapes(const scene::Looks& looks) {
+  std::map<std::int32_t, std::int32_t> known;  // of the scene's textures, where they are in ours
+  for (std::size_t i = 0; i < covers_.size(); ++i) {
+    const std::int32_t number = model_.shapes[i].material;
+    if (number < 0) continue;
+    const scene::Material& material = looks.materials[static_cast<std::size_t>(number)];
+    if (material.texture < 0) continue;
+    const auto [entry, is_new] =
+        known.try_emplace(material.texture, static_cast<std::int32_t>(textures_.size()));
+    if (is_new) textures_.emplace_back(looks.textures[static_cast<std::size_t>(material.texture)]);
+    covers_[i] = {entry->second, material.texture_size_m};
   }
 }
 
@@ -88,14 +106,28 @@ double Painter::light_on(const Light& light, const Vector3d& p_W, const Vector3d
   return light.intensity * falls;
 }
 
+Painter::Color Painter::own_color_of(const Hit& hit, const Vector3d& p_W) const {
+  const world::Shape& shape = model_.shapes[hit.shape.index()];
+  const Color color(shape.color[0], shape.color[1], shape.color[2]);
+  const Cover& cover = covers_[hit.shape.index()];
+  if (cover.texture < 0) return color;
+  const std::size_t body = shape.body.index();
+  const world::Pose X_SW =
+      (world::link_pose(model_.bodies[body], state_.bodies[body]) * shape.X_BS).inverse();
+  const auto place = place_on(shape, X_SW * p_W, X_SW.q * hit.normal_W);
+  if (!place) return color;
+  const Texture& texture = textures_[static_cast<std::size_t>(cover.texture)];
+  return color.cwiseProduct(texture.at((*place)[0] / cover.tile_m[0], (*place)[1] / cover.tile_m[1]));
+}
+
 Painter::Color Painter::color_of(const Hit& hit, const Ray& ray) const {
   const Vector3d p_W =
       ray.p_W + hit.distance_m * ray.direction_W + kOffSurface * (1.0 + hit.distance_m) * hit.normal_W;
   Color light = Color::Zero();
   for (const Light& one : lights_)
     light += light_on(one, p_W, hit.normal_W) * Color(one.color[0], one.color[1], one.color[2]);
-  const auto& own = model_.shapes[hit.shape.index()].color;
-  return settings_.exposure * light.cwiseProduct(Color(own[0], own[1], own[2]));
+  const Color own = own_color_of(hit, ray.p_W + hit.distance_m * ray.direction_W);
+  return settings_.exposure * light.cwiseProduct(own);
 }
 
 void Painter::put_color(const Color& color, sensors::Random& random, std::byte* to) const {

@@ -1,6 +1,6 @@
 // Paints a camera's picture: which way each pixel looks, what it meets there, and how the scene's lights fall
-// on it. Has a world of its own to look into, so that it may live on any thread. A function of the reading
-// alone.
+// on it, and on the pictures that cover it. Has a world of its own to look into, so that it may live on any
+// thread. A function of the reading alone.
 #pragma once
 
 #include <vector>
@@ -8,6 +8,7 @@
 #include "hwparts/sensors/camera.h"
 #include "server/scene/scene.h"
 #include "server/sensing/probe.h"
+#include "server/sensing/texture.h"
 
 namespace visum::sensing {
 
@@ -26,6 +27,8 @@ class Painter {
   using Color = Eigen::Vector3d;  // red, green, blue; 1 is white
 
   void place(std::span<const double> reading);
+  void cover_shapes(const scene::Looks& looks);
+  Color own_color_of(const Hit& hit, const Eigen::Vector3d& p_W) const;
   Color color_of(const Hit& hit, const Ray& ray) const;
   double light_on(const scene::Light& light, const Eigen::Vector3d& p_W,
                   const Eigen::Vector3d& normal_W) const;
@@ -35,6 +38,13 @@ class Painter {
 
   const world::WorldModel model_;
   const std::vector<scene::Light> lights_;
+  // What lies on each shape, by ShapeId; without a texture: its colour alone.
+  struct Cover {
+    std::int32_t texture = -1;  // index into textures_
+    std::array<double, 2> tile_m{1.0, 1.0};
+  };
+  std::vector<Cover> covers_;
+  std::vector<Texture> textures_;
   const Mount mount_;
   const sensors::CameraSettings settings_;
   std::vector<Eigen::Vector3d> directions_C_;  // by pixel, unit

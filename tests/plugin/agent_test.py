@@ -5,9 +5,11 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import urllib.error
+import urllib.request
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "clients"))
-from programs import BIN, DEADLINE_S, SOURCE, Daemon  # noqa: E402
+from programs import BIN, DEADLINE_S, SOURCE, Daemon, visum  # noqa: E402
 
 SCENES = SOURCE / "models" / "scenes"
 TEST_PLUGINS = BIN.parent / "test_plugins"
@@ -15,8 +17,25 @@ CULPRIT = f"""\
 visum: 1
 include: ["{SCENES / 'amtec_arm.yaml'}"]
 plugins: [kinds]
-agents: [{{name: hand, kind: culprit, parts: {{arm: arm}}, does: throws}}]
+agents: [{{name: hand, kind: culprit, parts: {{arm: arm}}, does: DOES}}]
 """
+SCENARIO = """\
+visum_scenario: 1
+name: hangs
+scene: culprit.yaml
+clock: lockstep
+until: {at_s: 1}
+checks:
+  - name: the arm stands
+    that: {speed: {body: arm/link_7}, below: 1}
+"""
+
+
+def culprit(folder, does):
+    """The scene of one who does what he should not."""
+    scene = pathlib.Path(folder) / "culprit.yaml"
+    scene.write_text(CULPRIT.replace("DOES", does))
+    return scene
 
 
 def run_agent(*words):
@@ -36,13 +55,52 @@ class Inside(unittest.TestCase):
 
     def test_one_that_fails_is_told_of_and_the_world_goes_on(self):
         with tempfile.TemporaryDirectory() as folder:
-            scene = pathlib.Path(folder) / "culprit.yaml"
-            scene.write_text(CULPRIT)
+            scene = culprit(folder, "throws")
             done = subprocess.run([BIN / "visumd", scene, "--plugins", TEST_PLUGINS, "--port", "0", "--clock", "free", "-r",
                                    "--iterations", "100"], capture_output=True, text=True, timeout=DEADLINE_S)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stderr.count("error: 'hand' is in fault: lost its head"), 1, done.stderr)
         self.assertIn("ended at tick 100", done.stderr)
+
+
+class Hanging(unittest.TestCase):
+    """An agent that never comes back: told of by name, and the end of the daemon after the limit."""
+
+    def test_status_and_health_tell_who_is_waited_for(self):
+        with tempfile.TemporaryDirectory() as folder:
+            command = ("--plugins", TEST_PLUGINS, "--node-timeout", 4, "-r", "--http", 0)
+            with Daemon(*command, scene=culprit(folder, "hangs")) as daemon:
+                status = daemon.json("status")
+                while not status["stuck_node"]:
+                    status = daemon.json("status")
+                self.assertEqual(status["stuck_node"], "agent 'hand'")
+                self.assertGreaterEqual(status["stuck_ns"], 1e9)
+                self.assertIn("STUCK: agent 'hand' has not come back for", daemon.visum("status").stdout)
+                with self.assertRaises(urllib.error.HTTPError) as health:
+                    urllib.request.urlopen(f"http://127.0.0.1:{daemon.ready['http']}/healthz")
+                self.assertEqual(health.exception.code, 503)
+                self.assertIn(b"stuck: a plug-in's node has not come back", health.exception.read())
+                health.exception.close()
+                self.assertEqual(daemon.process.wait(timeout=DEADLINE_S), 124)
+
+    def test_a_run_ends_with_the_reason_and_its_exit_code(self):
+        with tempfile.TemporaryDirectory() as folder:
+            culprit(folder, "hangs")
+            scenario = pathlib.Path(folder) / "scenario.yaml"
+            scenario.write_text(SCENARIO)
+            done = visum("run", scenario, "--plugins", TEST_PLUGINS, "--node-timeout", 0.5, expect=124)
+        self.assertRegex(done.stdout + done.stderr, r"agent 'hand' has not come back for 0\.[5-9] s and is given up")
+
+
+class Recorded(unittest.TestCase):
+    def test_a_world_with_plugins_is_replayed_with_the_same_bits(self):
+        with tempfile.TemporaryDirectory() as folder:
+            recording = pathlib.Path(folder) / "run.mcap"
+            subprocess.run([BIN / "visumd", culprit(folder, "nothing"), "--plugins", TEST_PLUGINS, "--port", "0", "--clock",
+                            "free", "-r", "--iterations", "200", "--record", recording], check=True, timeout=DEADLINE_S,
+                           capture_output=True)
+            self.assertIn("there is no plug-in 'kinds'", visum("replay", recording, expect=3).stderr)
+            visum("replay", recording, "--plugins", TEST_PLUGINS)
 
 
 class Outside(unittest.TestCase):

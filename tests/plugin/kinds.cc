@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <thread>
 
 #include "protocol/plugin/plugin.h"
 
@@ -45,6 +46,7 @@ class Culprit final : public Agent {
     if (++turns_ < 3) return arm_.set(0, 0.5);
     if (does_ == "throws") throw std::runtime_error("lost its head");
     if (does_ == "throws an int") throw 42;
+    while (does_ == "hangs") std::this_thread::yield();
     if (does_ == "sets not a number") arm_.set(0, std::numeric_limits<double>::quiet_NaN());
     if (does_ == "sets too much") arm_.set(0, 1e9);
     if (does_ == "sets an unknown port") arm_.set(999, 0.0);
@@ -127,6 +129,35 @@ class Motor final : public Part {
   std::vector<double> torques_;
 };
 
+// Does what `does` says, from its third step on; before it moves on what it has, and counts how often.
+class Clumsy final : public Engine {
+ public:
+  explicit Clumsy(EngineContext& scene) : does_(scene.settings().text_or("does", "")) {
+    if (does_ == "throws at once") throw Error("has no arms");
+  }
+
+  void step(const EngineTick& tick) override {
+    Motion& first = tick.bodies[0];
+    first.p[0] += 1e-3 * ++steps_;
+    if (steps_ < 3) return;
+    if (does_ == "throws") throw std::runtime_error("slipped");
+    if (does_ == "leaves not a number") first.velocity[1] = std::nan("");
+    if (does_ == "leaves no rotation") first.q_wxyz[0] = 0.5;
+    if (does_ == "loses a body") first.p[2] = 1e9;
+    if (does_ == "tells of endless effort") tick.efforts[0] = std::numeric_limits<double>::infinity();
+    if (does_ == "moves what is not its own")
+      for (Motion& body : tick.bodies.subspan(1)) body.p[2] += 1.0;
+  }
+  void reset() override { steps_ = 0; }
+  void save(StateOut& to) const override { to.put(steps_); }
+  void load(StateIn& from) override { from.get(steps_); }
+
+ private:
+  const std::string does_;
+  int steps_ = 0;
+};
+
+constexpr EngineKind kEngines[] = {{"clumsy", "moves the first body, badly", make_engine<Clumsy>}};
 constexpr AgentKind kAgents[] = {{"stepper", "turns a drive on", make_agent<Stepper>},
                                  {"culprit", "does what it should not", make_agent<Culprit>},
                                  {"watcher", "writes where it may only read", make_agent<Watcher>}};
@@ -136,4 +167,9 @@ constexpr PartKind kParts[] = {{"motor", "torques", make_part<Motor>}};
 
 }  // namespace
 
-VISUM_PLUGIN({.name = "kinds", .version = "1.0", .agents = kAgents, .sensors = kSensors, .parts = kParts})
+VISUM_PLUGIN({.name = "kinds",
+              .version = "1.0",
+              .agents = kAgents,
+              .sensors = kSensors,
+              .parts = kParts,
+              .engines = kEngines})

@@ -60,7 +60,8 @@ TEST(PluginLibrary, SaysWhatIsWrongWithAFile) {
   EXPECT_EQ(refusal_of("stray", {kFolder}),
             "'" + kFolder + "/stray.so' is no plug-in: it has no visum_plugin()");
   EXPECT_EQ(refusal_of("old", {kFolder}),
-            "'" + kFolder + "/old.so' was built for version 0 of plugin.h, this program has version 1");
+            "'" + kFolder + "/old.so' was built for version 0 of plugin.h, this program has version " +
+                std::to_string(plugin::kAbi));
   EXPECT_EQ(refusal_of("foreign", {kFolder}),
             "'" + kFolder + "/foreign.so' was built with libc++, this program with libstdc++");
   const test::TempFiles files;

@@ -13,9 +13,7 @@ using test::part_of;
 using test::run;
 
 scene::Scene scene_of(const std::string& yaml) {
-  const test::TempFiles files;
-  return scene::load_scene(files.write("s.yaml", "visum: 1\nplugins: [kinds]\n" + yaml),
-                           test::plugin_options());
+  return test::scene_of("plugins: [kinds]\n" + yaml);
 }
 
 // A rod of 1 kg and 0.02 kg·m² about the hinge, which lies in its centre: no gravity acts on it.

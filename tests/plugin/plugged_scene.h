@@ -23,6 +23,14 @@ inline scene::Scene scene_with_arm(const std::string& yaml) {
                            plugin_options());
 }
 
+// A scene of its own.
+inline scene::Scene scene_of(const std::string& yaml, const std::string& engine = "") {
+  const TempFiles files;
+  auto options = plugin_options();
+  options.engine = engine;
+  return scene::load_scene(files.write("s.yaml", "visum: 1\n" + yaml), options);
+}
+
 // What is wrong with a scene of its own, as a user sees it; "no error" if nothing is.
 inline std::string error_of_scene(const std::string& yaml) {
   const TempFiles files;

@@ -133,6 +133,76 @@ TEST(Convert, SaysWhereYamlChangesTheOrderOfBodies) {
   EXPECT_EQ(cart.X_WB.q.coeffs(), same.X_WB.q.coeffs());
 }
 
+// A wheel with a drive, which turns, and a rod that passes through what it stands in.
+std::string driven() {
+  const auto drives = std::filesystem::path(VISUM_SOURCE_DIR) / "models/cart/drives.yaml";
+  return R"(
+visum: 1
+name: driven
+bodies:
+  - {name: frame, mass: 2, inertia: [0.1, 0.1, 0.1, 0, 0, 0], pose: {xyz: [0, 0, 1]}, shapes: [{box: [0.4, 0.1, 0.1]}]}
+  - {name: wheel, density: 500, pose: {xyz: [0, 0.2, 1]}, shapes: [{cylinder: {radius: 0.1, length: 0.05}}]}
+  - {name: rod, density: 500, pose: {xyz: [0.1, 0, 1.01]}, shapes: [{box: [0.02, 0.02, 0.3]}]}
+joints: [{name: rear_left_axle, type: hinge, parent: frame, child: wheel, pose: {xyz: [0, 0.2, 0]}, axis: [0, 1, 0]}]
+no_collision: [[frame, rod]]
+parts: [{name: motor, kind: servo_group, joints: [rear_left_axle], drives: ")" +
+         drives.string() + "\"}]\n";
+}
+
+std::vector<std::uint64_t> hashes_driven(const std::filesystem::path& file) {
+  cycle::Simulation simulation(load_scene(file));
+  std::vector<double> inputs = simulation.parts().front().controller_inputs;
+  inputs.front() = 5.0;  // Desired Speed 1
+  simulation.write_inputs(0, 0, inputs);
+  std::vector<std::uint64_t> all;
+  for (int i = 0; i < 1000; ++i) {
+    simulation.tick();
+    all.push_back(simulation.state_hash());
+  }
+  EXPECT_GT(std::abs(simulation.state().joints[0].position), 1.0) << "it has turned";
+  return all;
+}
+
+TEST(Convert, MotorsKeepTheHashOfAThousandTicksThroughX3d) {
+  const test::TempFiles files;
+  const auto first = files.write("driven.yaml", driven());
+  for (const char* ending : {".x3d", ".x3dv"}) {
+    const auto there = files.folder() / (std::string("there") + ending), back = files.folder() / "back.yaml";
+    EXPECT_THAT(convert(first, there, {}), IsEmpty());
+    EXPECT_THAT(convert(there, back, {}), IsEmpty());
+    EXPECT_EQ(hashes_driven(first), hashes_driven(back)) << ending;
+  }
+}
+
+TEST(Convert, AMotorThatAnEditorTakesAwayDrivesNothing) {
+  const test::TempFiles files;
+  convert(files.write("driven.yaml", driven()), files.folder() / "d.x3d", {});
+  std::string text = text_of(files.folder() / "d.x3d");
+  const auto begin = text.find("<MotorJoint"), end = text.find("</MotorJoint>");
+  ASSERT_NE(begin, std::string::npos);
+  EXPECT_THAT(text.substr(begin, end - begin), HasSubstr("motor1Axis=\"0 1 0\""));
+  text.erase(begin, end + std::string("</MotorJoint>").size() - begin);
+  const auto scene = read_any_scene(files.write("d.x3d", text), {});
+  EXPECT_THAT(scene.parts, IsEmpty());
+  EXPECT_THAT(scene.losses,
+              ElementsAre(HasSubstr(
+                  "part 'motor' is not read: the joint 'rear_left_axle' has no MotorJoint any more")));
+}
+
+TEST(Convert, TheCartKeepsItsDrivesThroughX3d) {
+  const test::TempFiles files;
+  const auto cart = std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/cart.yaml";
+  const auto there = files.folder() / "cart.x3d", back = files.folder() / "cart.yaml";
+  const auto losses = convert(cart, there, {});
+  EXPECT_THAT(losses, testing::Contains(HasSubstr("X3D has no models: the links and joints of 'cart'")));
+  EXPECT_THAT(losses, testing::Not(testing::Contains(HasSubstr("hardware parts"))));
+  convert(there, back, {});
+  cycle::Simulation simulation(load_scene(back));
+  ASSERT_EQ(simulation.parts().size(), 1u);
+  EXPECT_EQ(simulation.parts()[0].part->description().controller_inputs.size(),
+            cycle::Simulation(load_scene(cart)).parts()[0].part->description().controller_inputs.size());
+}
+
 TEST(Convert, SaysWhatX3dCannotHold) {
   const test::TempFiles files;
   const auto file = files.write("s.yaml", R"(

@@ -17,7 +17,7 @@ LOADER = {
     "server/scene/scene_loader.cc check_header": "",
     "server/scene/includes.cc read_include": "$defs/include/anyOf/1",
     "server/scene/frames.cc read_frame": "$defs/frame",
-    "server/scene/settings.cc read_engine": "$defs/engine_settings",
+    "server/scene/settings.cc engine_keys": "$defs/engine_settings",
     "server/scene/settings.cc read_surface": "$defs/surface",
     "server/scene/read_looks.cc read_material": "$defs/material",
     "server/scene/read_looks.cc read_light": "$defs/light",

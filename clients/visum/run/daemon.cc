@@ -29,8 +29,12 @@ std::vector<std::string> command_line(const DaemonOptions& options) {
                                 std::to_string(options.port)};
   if (options.engine) argv.insert(argv.end(), {"--engine", *options.engine});
   for (const auto& bus : options.buses) argv.insert(argv.end(), {"--bus", bus});
+  if (options.speedup > 0.0) argv.insert(argv.end(), {"--speedup", cli::exact(options.speedup)});
   if (!options.record.empty()) argv.insert(argv.end(), {"--record", options.record});
   if (!options.parameters.empty()) argv.insert(argv.end(), {"--parameters", options.parameters});
+  for (const auto& folder : options.plugins) argv.insert(argv.end(), {"--plugins", folder});
+  if (options.node_timeout_s)
+    argv.insert(argv.end(), {"--node-timeout", cli::exact(*options.node_timeout_s)});
   if (options.seed) argv.insert(argv.end(), {"--seed", std::to_string(*options.seed)});
   return argv;
 }

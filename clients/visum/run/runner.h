@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "clients/visum/run/report.h"
 #include "clients/visum/run/scenario.h"
@@ -13,9 +14,11 @@
 namespace visum::run {
 
 struct RunOptions {
-  std::filesystem::path visumd;  // the daemon's program
-  std::uint16_t port = 0;        // 0: any free one
-  bool keep = false;             // afterwards let the world run in real time until interrupted
+  std::filesystem::path visumd;            // the daemon's program
+  std::uint16_t port = 0;                  // 0: any free one
+  std::vector<std::string> plugins{};      // folders that the scene's plug-ins may come from
+  std::optional<double> node_timeout_s{};  // how long one of their calls may take; none: as visumd has it
+  bool keep = false;                       // afterwards let the world run in real time until interrupted
   // Called with each line of the daemon and the controllers, and with what the time line says.
   std::function<void(const std::string& who, const std::string& line)> on_line;
   // Called after each step.

@@ -37,6 +37,13 @@ class RunVerb : public Verb {
     app.add_option("--seed", seed_, "of the world's random numbers")->check(CLI::NonNegativeNumber);
     app.add_option("--clock", clock_, "instead of the scenario's")
         ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
+    app.add_option("--plugins", plugins_, "a folder that plug-ins of the scene may come from; repeatable")
+        ->type_name("FOLDER")
+        ->check(CLI::ExistingDirectory);
+    app.add_option("--node-timeout", node_timeout_s_, "seconds that a plug-in's call may take; 0: for ever");
+    app.add_option("--speedup", speedup_,
+                   "simulated seconds per second; in lockstep at most that, else as fast as it goes")
+        ->check(number_within(1e-3, 1e3));
     app.add_option("--record", record_, "write down every input, port and state's hash: an MCAP file");
     app.add_option("--port", port_, "the daemon's port; 0: any free one")->capture_default_str();
     app.add_option("--timeout", timeout_s_, "wall seconds after which the run is given up")
@@ -57,7 +64,9 @@ class RunVerb : public Verb {
         "it.\n"
         "Exit codes: 0 passed, 1 a check failed, 3 scene or scenario wrong, 4 a controller was lost or timed "
         "out,\n"
-        "124 the wall time was over, 130 interrupted.\n\nExamples:\n"
+        "6 the host was too slow for real time (the run is invalid), 124 the wall time was over or a plug-in "
+        "hangs,\n"
+        "130 interrupted.\n\nExamples:\n"
         "  visum run models/scenarios/pick_and_place.yaml\n"
         "  visum run models/scenarios/pick_and_place.yaml --junit report.xml --json\n"
         "  visum run models/scenarios/pick_and_place.yaml --record run.mcap && visum replay run.mcap\n"
@@ -92,6 +101,9 @@ class RunVerb : public Verb {
     if (!clock_.empty()) words.words.insert(words.words.end(), {"--clock", clock_});
     if (seed_) words.words.insert(words.words.end(), {"--seed", std::to_string(*seed_)});
     if (timeout_s_ > 0.0) words.words.insert(words.words.end(), {"--timeout", exact(timeout_s_)});
+    if (speedup_ > 0.0) words.words.insert(words.words.end(), {"--speedup", exact(speedup_)});
+    for (const auto& folder : plugins_) words.words.insert(words.words.end(), {"--plugins", folder});
+    if (node_timeout_s_) words.words.insert(words.words.end(), {"--node-timeout", exact(*node_timeout_s_)});
     return run_many(words, root);
   }
 
@@ -104,6 +116,8 @@ class RunVerb : public Verb {
     options.visumd = run::find_visumd();
     options.port = port_;
     options.keep = keep_;
+    options.plugins = plugins_;
+    options.node_timeout_s = node_timeout_s_;
     options.on_line = [&](const std::string& who, const std::string& line) { progress.line(who, line); };
     options.on_step = [&](double sim_s) { progress.step(sim_s); };
     options.on_keep = [&](const run::Report& report, std::uint16_t port, const run::Catalogue& catalogue) {
@@ -121,6 +135,7 @@ class RunVerb : public Verb {
     run::Scenario scenario = run::read_scenario(root, std::max<std::size_t>(only_, 1));
     if (!engine_.empty()) scenario.engine = engine_;
     if (!clock_.empty()) scenario.clock = clock_;
+    if (speedup_ > 0.0) scenario.speedup = speedup_;
     if (seed_) scenario.seed = seed_;
     if (!record_.empty()) scenario.record = record_;
     if (timeout_s_ > 0.0) scenario.max_wall_s = timeout_s_;
@@ -157,9 +172,11 @@ class RunVerb : public Verb {
   std::string file_, junit_, engine_, clock_, record_, report_, result_;
   std::size_t jobs_ = 1, only_ = 0;
   bool json_ = false, progress_ = false, keep_ = false, told_ = false;
+  std::vector<std::string> plugins_;
+  std::optional<double> node_timeout_s_;
   std::optional<std::int64_t> seed_;
   std::uint16_t port_ = 0;
-  double timeout_s_ = 0.0;
+  double timeout_s_ = 0.0, speedup_ = 0.0;
 };
 
 }  // namespace

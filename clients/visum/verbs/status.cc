@@ -29,6 +29,8 @@ void write_members(JsonWriter& json, const ServerStatus& status) {
   json.end_array().key("buses").begin_array();
   for (const auto& bus : status.buses)
     json.begin_object().member("part", bus.part).member("name", bus.name).end_object();
+  json.end_array().key("free_running").begin_array();
+  for (const auto& client : status.free_running) json.value(client);
   json.end_array();
 }
 
@@ -46,16 +48,20 @@ std::string json_of(const Welcome& welcome, const ServerStatus& status) {
   json.member("lateness_max_ns", status.lateness_max_ns).member("state_hash", hex(status.state_hash));
   json.member("sessions", status.sessions).member("refused", status.refused);
   json.member("own_allocations", status.own_allocations);
+  json.member("stuck_node", status.stuck_node).member("stuck_ns", status.stuck_ns);
   write_members(json, status);
   return json.end_object().text() + "\n";
 }
 
 std::string state_of(const ServerStatus& status) {
+  if (!status.stuck_node.empty())
+    return "STUCK: " + status.stuck_node + " has not come back for " + seconds(status.stuck_ns);
   if (status.frozen) return "FROZEN: " + status.frozen_reason;
   return status.paused ? "paused" : "running";
 }
 
 std::string grade_text(std::uint32_t grade) {
+  if (grade == 1) return "L1 (gate)";
   if (grade == 2) return "L2 (time shim)";
   return grade == 4 ? "L4 (steps of its own)" : "L" + std::to_string(grade);
 }
@@ -70,7 +76,11 @@ std::string waiting_text(const ServerStatus& status) {
     if (!member.note.empty()) text += "; it " + member.note;
     text += "\n";
   }
-  return text.empty() ? text : "clients that step with the world\n" + text;
+  if (!text.empty()) text = "clients that step with the world\n" + text;
+  for (const auto& client : status.free_running)
+    text += (&client == &status.free_running.front() ? "clients that step with nobody\n  " : "  ") + client +
+            ": L0 (free-running)\n";
+  return text;
 }
 
 std::string text_of(const Welcome& welcome, const ServerStatus& status) {

@@ -29,6 +29,13 @@ std::string engine_text(const world::EngineSetting& engine) {
   return map.text();
 }
 
+// What a plug-in's engine is set to is the plug-in's alone.
+std::string engine_text(const Scene& scene, std::size_t number) {
+  const auto plugged = scene.plugged_engines.find(number);
+  return plugged == scene.plugged_engines.end() ? engine_text(scene.world.engines[number])
+                                                : yaml_of(plugged->second);
+}
+
 std::string surface_text(const world::Surface& surface) {
   YamlMap map;
   map.add_number("friction", surface.friction).add_number("restitution", surface.restitution);
@@ -40,7 +47,7 @@ std::string surface_text(const world::Surface& surface) {
 std::string engines_text(const Scene& scene) {
   YamlMap others;
   for (std::size_t i = 1; i < scene.world.engines.size(); ++i)
-    others.add(scene.engine_names[i], engine_text(scene.world.engines[i]));
+    others.add(scene.engine_names[i], engine_text(scene, i));
   return others.empty() ? "" : others.text();
 }
 
@@ -307,7 +314,7 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Scene& scene)
       {"speed", exact(scene.speed)},
       {"seed", std::to_string(scene.seed)},
       {"lockstep_timeout_s", exact(static_cast<double>(scene.lockstep_timeout_ns) / kNsPerS)},
-      {"engine", engine_text(scene.world.engines[0])}};
+      {"engine", engine_text(scene, 0)}};
   if (const std::string others = engines_text(scene); !others.empty())
     settings.emplace_back("engines", others);
   settings.emplace_back("surfaces", surfaces.text());

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "server/scene/convert/write_yaml.h"
+#include "server/scene/convert/x3d_motors.h"
 #include "server/scene/convert/x3d_scene.h"
 #include "server/scene/convert/x3d_text.h"
 #include "server/scene/convert/yaml_text.h"
@@ -65,10 +66,13 @@ class Exporter {
     for (const Light& light : scene_.looks.lights) add_light(root, light);
     for (const Viewpoint& viewpoint : scene_.looks.viewpoints)
       root.add("children", viewpoint_node(viewpoint));
+    if (physics_) driving_ = parts_with_motors(scene_, output_);
     X3dNode collection = node_of("RigidBodyCollection", {{"gravity", text_of(world_.gravity)}});
     add_metadata(collection, settings());
     for (std::size_t i = 0; i < world_.bodies.size(); ++i) add_body(root, collection, i);
     for (std::size_t i = 0; i < world_.joints.size(); ++i) add_joint(collection, world_.joints[i]);
+    for (const PartPlan* part : driving_)
+      for (const world::JointId joint : part->joints) add_motor(collection, world_.joints[joint.index()]);
     if (physics_) root.add("children", std::move(collection));
     tell_losses();
     return root;
@@ -76,10 +80,21 @@ class Exporter {
 
  private:
   // As in a scene file.
-  std::string settings() const {
+  std::string settings() {
     YamlMap map;
     for (const auto& [key, value] : settings_of(scene_)) map.add(key, value);
+    if (const std::string pairs = no_collision(); !pairs.empty()) map.add("no_collision", "[" + pairs + "]");
+    if (!driving_.empty()) map.add("parts", motors_yaml(scene_, driving_, output_));
     return map.text();
+  }
+
+  // Beside those that a joint keeps apart.
+  std::string no_collision() const {
+    std::string pairs;
+    const auto name = [&](world::BodyId id) { return yaml_text(flat_name(world_.bodies[id.index()].name)); };
+    for (const auto& [a, b] : world_.no_collision)
+      if (!joined(a, b)) pairs += (pairs.empty() ? "[" : ", [") + name(a) + ", " + name(b) + "]";
+    return pairs;
   }
 
   std::string shape_metadata(const world::Shape& shape) const {
@@ -196,12 +211,6 @@ class Exporter {
     return node;
   }
 
-  // "arm/link_3" is a name of models, which X3D has none of.
-  static std::string flat_name(std::string name) {
-    std::ranges::replace(name, '/', '.');
-    return name;
-  }
-
   void add_joint(X3dNode& collection, const world::Joint& joint) {
     const char* type = nullptr;
     if (joint.kind == JointKind::kHinge) type = "SingleAxisHingeJoint";
@@ -217,8 +226,24 @@ class Exporter {
     node.def = def_name("joint", collection.children.size(), joint.name);
     place_joint(joint, node);
     add_metadata(node, joint_metadata(joint));
+    add_sides(joint, node);
+    collection.add("joints", std::move(node));
+  }
+
+  void add_sides(const world::Joint& joint, X3dNode& node) const {
     if (joint.parent.valid()) node.add("body1", bodies_[joint.parent.index()]);
     node.add("body2", bodies_[joint.child.index()]);
+  }
+
+  // X3D's motors turn; what drives a slider stands in the metadata alone.
+  void add_motor(X3dNode& collection, const world::Joint& joint) const {
+    if (joint.kind != JointKind::kHinge) return;
+    const world::Pose X_WP = joint.parent.valid() ? world_.bodies[joint.parent.index()].X_WB : world::Pose{};
+    X3dNode node = node_of(
+        "MotorJoint", {{"enabledAxes", "1"}, {"motor1Axis", text_of(X_WP.q * joint.X_PJ.q * joint.axis_J)}});
+    node.def = def_name("motor", collection.children.size(), joint.name);
+    add_metadata(node, YamlMap().add_text("joint", flat_name(joint.name)).text());
+    add_sides(joint, node);
     collection.add("joints", std::move(node));
   }
 
@@ -289,7 +314,7 @@ class Exporter {
       output_.lose("X3D has no models: the links and joints of '" + model.name +
                    "' are bodies and joints of their own, '" + model.name + ".' before their names");
     for (const auto& part : scene_.parts)
-      output_.lose("X3D has no hardware parts: '" + part.context.name + "' is left out");
+      if (!physics_) output_.lose("VRML97 has no hardware parts: '" + part.context.name + "' is left out");
     for (const auto& sensor : scene_.sensors)
       output_.lose("X3D has no sensors of Visum's: '" + sensor.name + "' is left out");
     for (const auto& agent : scene_.agents)
@@ -297,10 +322,6 @@ class Exporter {
     if (!scene_.looks.panels.empty()) output_.lose("X3D has no panels");
     if (!physics_ && !world_.bodies.empty())
       output_.lose("VRML97 has no bodies and joints: only what is to be seen is written");
-    for (const auto& [a, b] : world_.no_collision)
-      if (!joined(a, b))
-        output_.lose("X3D has no pairs that never collide: '" + world_.bodies[a.index()].name + "' and '" +
-                     world_.bodies[b.index()].name + "'");
   }
 
   bool joined(world::BodyId a, world::BodyId b) const {
@@ -313,7 +334,8 @@ class Exporter {
   const world::WorldModel& world_;
   Output& output_;
   const bool physics_;
-  std::vector<X3dNode> bodies_;  // by BodyId, as USE
+  std::vector<X3dNode> bodies_;           // by BodyId, as USE
+  std::vector<const PartPlan*> driving_;  // those that are kept
   std::size_t shapes_ = 0;
 };
 

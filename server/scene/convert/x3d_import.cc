@@ -4,10 +4,12 @@
 #include <set>
 
 #include "server/scene/convert/x3d_geometry.h"
+#include "server/scene/convert/x3d_motors.h"
 #include "server/scene/convert/x3d_scene.h"
 #include "server/scene/convert/x3d_text.h"
 #include "server/scene/draft.h"
 #include "server/scene/joints.h"
+#include "server/scene/parts.h"
 #include "server/scene/settings.h"
 #include "server/scene/values.h"
 
@@ -52,8 +54,10 @@ class Importer {
     for (const X3dNode* collection : collections_)
       for (const auto& [field, child] : collection->children)
         if (field == "joints") read_joint(resolved(child));
+    for (const X3dNode* collection : collections_) read_rest(*collection);
     read_scenery();
     sort_world(draft_, {file_, 0, ""});
+    plan_parts(draft_);
     scene_.world.name = scene_.name;
     if (const std::string fault = world::find_fault(scene_.world); !fault.empty())
       throw config::ConfigError({file_, 0, ""}, fault);
@@ -118,6 +122,14 @@ class Importer {
     scene_.world.gravity = gravity;
     read_engines(draft_, *known);
     read_surfaces(draft_, *known);
+  }
+
+  // What only metadata tells of bodies and joints that are there.
+  void read_rest(const X3dNode& collection) {
+    const auto known = metadata(collection);
+    if (!known) return;
+    if (const auto pairs = known->find("no_collision")) read_no_collision(draft_, *pairs, "");
+    if (const auto parts = known->find("parts")) read_motors(draft_, *parts, motors_);
   }
 
   // Of the metadata where that agrees with the fields.
@@ -252,6 +264,10 @@ class Importer {
     const auto kind = kind_of(node.type);
     if (!kind) {
       if (node.type != "MotorJoint") fail(node, "is no joint");
+      if (const auto motor = metadata(node)) {
+        motors_.insert(motor->get("joint").text());
+        return;
+      }
       scene_.losses.push_back("line " + std::to_string(node.line) +
                               ": a MotorJoint is not read: what drives joints here are hardware parts");
       return;
@@ -428,6 +444,7 @@ class Importer {
   std::vector<const X3dNode*> collections_;
   std::set<const X3dNode*> of_bodies_;  // asked only whether they hold a shape
   std::map<const X3dNode*, world::BodyId> bodies_;
+  std::set<std::string> motors_;  // joints with one
   std::map<std::pair<const X3dNode*, double>, std::optional<X3dForm>> forms_;
   world::BodyId scenery_;
   std::size_t visits_ = 0, vertices_ = 0;

@@ -88,4 +88,9 @@ bool flag_of(const X3dNode& node, const std::string& field, bool otherwise, cons
   return found->second == "true";
 }
 
+std::string flat_name(std::string name) {
+  std::ranges::replace(name, '/', '.');
+  return name;
+}
+
 }  // namespace visum::scene

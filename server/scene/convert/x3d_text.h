@@ -28,4 +28,7 @@ bool flag_of(const X3dNode& node, const std::string& field, bool otherwise, cons
 
 [[noreturn]] void fail_at(const X3dNode& node, const std::string& file, const std::string& message);
 
+// "arm/link_3" is a name of models, which X3D has none of: "arm.link_3".
+std::string flat_name(std::string name);
+
 }  // namespace visum::scene

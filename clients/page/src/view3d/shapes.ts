@@ -11,7 +11,7 @@ export function geometryOf(shape: ShapeDescription, mesh: MeshData | null): Buff
   const [a = 1, b = 1, c = 1] = shape.size;
   switch (shape.kind) {
     case "box":
-      return new BoxGeometry(a, b, c);
+      return boxOf(a, b, c);
     case "sphere":
       return new SphereGeometry(a, 32, 20);
     case "cylinder":
@@ -23,6 +23,15 @@ export function geometryOf(shape: ShapeDescription, mesh: MeshData | null): Buff
     default:
       return mesh ? geometryOfMesh(mesh) : new BufferGeometry();
   }
+}
+
+// A texture goes on over a, b as on the top face; the sides, which are c high, get as much of it per metre.
+function boxOf(a: number, b: number, c: number): BufferGeometry {
+  const box = new BoxGeometry(a, b, c);
+  const uv = box.getAttribute("uv");
+  for (let i = 0; i < 8; i++) uv.setX(i, uv.getX(i) * (c / a)); // +x and -x, four corners each
+  for (let i = 8; i < 16; i++) uv.setY(i, uv.getY(i) * (c / b)); // +y and -y
+  return box;
 }
 
 function geometryOfMesh(mesh: MeshData): BufferGeometry {

@@ -1,0 +1,35 @@
+#include "protocol/plugin/foreign_call.h"
+
+#include <atomic>
+
+namespace visum::plugin {
+namespace {
+
+std::atomic<const std::string*> standing_node{nullptr};
+std::atomic<std::uint64_t> calls{0};
+
+// One writer: a plain load and store do, and cost no lock.
+void put(const std::string* node) {
+  standing_node.store(node, std::memory_order_release);
+  calls.store(calls.load(std::memory_order_relaxed) + 1, std::memory_order_release);
+}
+
+}  // namespace
+
+ForeignCall::ForeignCall(const std::string& node) : outer_(standing_node.load(std::memory_order_relaxed)) {
+  put(&node);
+}
+
+ForeignCall::~ForeignCall() {
+  put(outer_);
+}
+
+std::uint64_t foreign_calls() {
+  return calls.load(std::memory_order_acquire);
+}
+
+const std::string* foreign_node() {
+  return standing_node.load(std::memory_order_acquire);
+}
+
+}  // namespace visum::plugin
