@@ -24,9 +24,9 @@ bool waits_for_the_world(const Request& request) {
 }  // namespace
 
 struct Connection::Impl {
-  Impl(const std::string& host, std::uint16_t port, milliseconds timeout)
+  Impl(const std::string& host, std::uint16_t port, milliseconds timeout, const TlsFiles& tls)
       : timeout_(timeout),
-        socket_(host, port, steady_clock::now() + timeout),
+        socket_(host, port, tls, steady_clock::now() + timeout),
         in_(kReceiveBytes, kReceiveBytes) {}
   ~Impl() { socket_.finish(); }
 
@@ -35,6 +35,7 @@ struct Connection::Impl {
   void flush();                                  // what was encoded
   bool receive(Deadline deadline);               // false: the deadline passed
   bool taken(std::size_t received);
+  void drain();
   template <typename Call>
   std::size_t explained(Call call);
   void read_frames();
@@ -64,19 +65,31 @@ std::uint64_t Connection::Impl::encode(const Request& request) {
 // While the server is slow to read, it may be waiting for us to read: so both at once.
 void Connection::Impl::flush() {
   std::span<const std::byte> left(out_);
-  while (!left.empty()) {
+  while (!left.empty() || socket_.has_unsent()) {
     const std::size_t sent = explained([&] { return socket_.send(left); });
     left = left.subspan(sent);
-    if (sent > 0) continue;
+    if (sent > 0 || (left.empty() && !socket_.has_unsent())) continue;
     if (!socket_.wait_to_send(steady_clock::now() + timeout_))
       throw ConnectionError("the server does not read what is sent to it");
     taken(explained([&] { return socket_.receive(in_.space()); }));
+    if (socket_.is_secure()) drain();
   }
   out_.clear();
 }
 
 bool Connection::Impl::receive(Deadline deadline) {
-  return taken(explained([&] { return socket_.receive(in_.space(), deadline, spin_); }));
+  const bool any = taken(explained([&] { return socket_.receive(in_.space(), deadline, spin_); }));
+  if (any && socket_.is_secure()) drain();
+  return any;
+}
+
+// What TLS holds back is not to be seen by who polls the socket. An end that is met here is met again by who
+// reads on: first what came before it.
+void Connection::Impl::drain() try {
+  while (taken(socket_.receive(in_.space()))) {
+  }
+} catch (const std::runtime_error&) {
+  // told by the next receive()
 }
 
 bool Connection::Impl::taken(std::size_t received) {
@@ -158,10 +171,10 @@ void Connection::Impl::say_hello(const Hello& hello, Deadline deadline) {
   }
 }
 
-Connection::Connection(const std::string& host, std::uint16_t port, const Hello& hello,
-                       milliseconds timeout) {
+Connection::Connection(const std::string& host, std::uint16_t port, const Hello& hello, milliseconds timeout,
+                       const TlsFiles& tls) {
   const Deadline deadline = steady_clock::now() + timeout;
-  impl_ = std::make_unique<Impl>(host, port, timeout);
+  impl_ = std::make_unique<Impl>(host, port, timeout, tls);
   impl_->say_hello(hello, deadline);
 }
 

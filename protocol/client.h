@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "protocol/messages.h"
+#include "protocol/tls.h"
 
 namespace visum::protocol {
 
@@ -38,9 +39,10 @@ class ConnectionError : public std::runtime_error {
 
 class Connection {
  public:
-  // Connects and says hello. Throws ConnectionError, or RequestError where the server refused.
+  // Connects, over TLS where there are files for it, and says hello. Throws ConnectionError, or RequestError
+  // where the server, or TLS on either side, refused.
   Connection(const std::string& host, std::uint16_t port, const Hello& hello,
-             std::chrono::milliseconds timeout = std::chrono::seconds(5));
+             std::chrono::milliseconds timeout = std::chrono::seconds(5), const TlsFiles& tls = {});
   ~Connection();  // closes in good order
   Connection(Connection&&) noexcept;
   Connection& operator=(Connection&&) noexcept;

@@ -14,8 +14,10 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <utility>
 
 #include "protocol/client.h"
+#include "protocol/codec.h"
 
 namespace visum::protocol {
 namespace {
@@ -24,6 +26,8 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kFarewell{250};
+constexpr std::size_t kCipheredBytes = 16u << 10;  // about a record of TLS
+constexpr const char* kClosed = "the server closed the connection";
 // A receive with more time than this sleeps in recv() itself, in slices of this: one system call instead of
 // two.
 constexpr std::chrono::seconds kSlice{1};
@@ -100,9 +104,40 @@ bool would_block() {
   return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
 }
 
+// What a server without TLS says to its first bytes, where that can be read.
+std::string plain_words(std::span<const std::byte> answer) {
+  std::string why;
+  if (answer.size() <= kHeaderBytes) return {};
+  const auto reply = decode_reply(answer.subspan(kHeaderBytes), why);
+  const auto* error = reply ? std::get_if<Error>(&reply->reply) : nullptr;
+  return error ? ": " + error->text : std::string();
+}
+
+std::unique_ptr<TlsContext> make_client_context(const TlsFiles& files) try {
+  return std::make_unique<TlsContext>(files, TlsContext::Side::kClient);
+} catch (const std::runtime_error& error) {
+  throw RequestError(ErrorCode::kUnauthenticated, error.what());
+}
+
+bool is_tls_answer(std::span<const std::byte> answer) {
+  constexpr std::byte kAlert{0x15};
+  return looks_like_tls(answer) || answer[0] == kAlert;
+}
+
 }  // namespace
 
-ClientSocket::ClientSocket(const std::string& host, std::uint16_t port, Deadline deadline) {
+ClientSocket::ClientSocket(const std::string& host, std::uint16_t port, const TlsFiles& tls,
+                           Deadline deadline) {
+  connect(host, port, deadline);
+  try {
+    if (tls.given()) shake_hands(host, tls, deadline);
+  } catch (...) {
+    ::close(fd_);
+    throw;
+  }
+}
+
+void ClientSocket::connect(const std::string& host, std::uint16_t port, Deadline deadline) {
   const AddressList addresses = resolve(host, port);
   int error = EADDRNOTAVAIL;
   for (const addrinfo* address = addresses.get(); address; address = address->ai_next) {
@@ -126,7 +161,68 @@ ClientSocket::~ClientSocket() {
   if (fd_ >= 0) ::close(fd_);
 }
 
+// ---------------------------------------------------------------------------------------------------- TLS
+
+void ClientSocket::shake_hands(const std::string& host, const TlsFiles& files, Deadline deadline) {
+  context_ = make_client_context(files);
+  tls_ = std::make_unique<TlsStream>(*context_, host);
+  ciphered_.resize(kCipheredBytes);
+  bool first = true;
+  while (tls_->write({}), !tls_->established()) {
+    check_tls();
+    while (!send_pending())
+      if (!wait_for(fd_, POLLOUT, deadline)) throw ConnectionError("no answer to the TLS handshake");
+    if (!wait_for(fd_, POLLIN, deadline)) throw ConnectionError("no answer to the TLS handshake");
+    const std::size_t got = receive_raw(ciphered_, MSG_DONTWAIT);
+    const auto answer = std::span<const std::byte>(ciphered_).first(got);
+    if (std::exchange(first, false) && !is_tls_answer(answer))
+      throw RequestError(ErrorCode::kUnauthenticated, "the server does not speak TLS" + plain_words(answer));
+    tls_->feed(answer);
+  }
+  send_pending();
+}
+
+void ClientSocket::check_tls() const {
+  if (!tls_->failure().empty()) throw RequestError(ErrorCode::kUnauthenticated, tls_->failure());
+}
+
+bool ClientSocket::send_pending() {
+  for (auto pending = tls_->pending(); !pending.empty(); pending = tls_->pending()) {
+    const std::size_t sent = send_raw(pending);
+    if (sent == 0) return false;
+    tls_->sent(sent);
+  }
+  return true;
+}
+
+bool ClientSocket::has_unsent() {
+  return tls_ && !tls_->pending().empty();
+}
+
 std::size_t ClientSocket::send(std::span<const std::byte> bytes) {
+  if (!tls_) return send_raw(bytes);
+  if (!send_pending()) return 0;
+  const std::size_t taken = tls_->write(bytes);
+  check_tls();
+  send_pending();
+  return taken;
+}
+
+std::size_t ClientSocket::receive_with(std::span<std::byte> into, int flags) {
+  if (!tls_) return receive_raw(into, flags);
+  for (;;) {
+    const std::size_t bytes = tls_->read(into);
+    send_pending();
+    if (bytes > 0) return bytes;
+    check_tls();
+    if (tls_->ended()) throw ConnectionError(kClosed);
+    const std::size_t got = receive_raw(ciphered_, flags);
+    if (got == 0) return 0;
+    tls_->feed(std::span<const std::byte>(ciphered_).first(got));
+  }
+}
+
+std::size_t ClientSocket::send_raw(std::span<const std::byte> bytes) {
   const ssize_t sent = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
   if (sent >= 0) return static_cast<std::size_t>(sent);
   if (would_block()) return 0;
@@ -137,10 +233,10 @@ bool ClientSocket::wait_to_send(Deadline deadline) const {
   return wait_for(fd_, POLLIN | POLLOUT, deadline);
 }
 
-std::size_t ClientSocket::receive_with(std::span<std::byte> into, int flags) {
+std::size_t ClientSocket::receive_raw(std::span<std::byte> into, int flags) {
   const ssize_t received = ::recv(fd_, into.data(), into.size(), flags);
   if (received > 0) return static_cast<std::size_t>(received);
-  if (received == 0) throw ConnectionError("the server closed the connection");
+  if (received == 0) throw ConnectionError(kClosed);
   if (would_block()) return 0;
   throw ConnectionError(std::string("the connection to the server is gone: ") + std::strerror(errno));
 }
@@ -166,12 +262,15 @@ std::size_t ClientSocket::receive(std::span<std::byte> into, Deadline deadline,
 }
 
 void ClientSocket::finish() noexcept {
-  if (fd_ < 0 || ::shutdown(fd_, SHUT_WR) != 0) return;
+  if (fd_ < 0) return;
   try {
+    if (tls_) tls_->finish();
+    if (tls_) send_pending();
+    if (::shutdown(fd_, SHUT_WR) != 0) return;
     std::array<std::byte, 4096> ignored;
     const Deadline deadline = steady_clock::now() + kFarewell;
     while (wait_for(fd_, POLLIN, deadline)) receive(ignored);
-  } catch (const ConnectionError&) {
+  } catch (const std::runtime_error&) {
     // which is what was waited for
   }
 }

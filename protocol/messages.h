@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -91,10 +92,18 @@ struct WriteBlackboard {
   std::vector<std::byte> data;
 };
 enum class OnTimeout : std::uint32_t { kEnd = 0, kHold = 1, kStop = 2, kFree = 3 };
+struct Gate {
+  std::string part, client;
+  std::int64_t period_ns = 0;
+  std::uint32_t module = 0;
+  std::vector<std::byte> frame{};
+};
 struct Join {
   std::int64_t timeout_ns = 0;
   std::uint32_t grade = 0;
   OnTimeout on_timeout = OnTimeout::kEnd;
+  std::optional<Gate> gate{};
+  std::vector<std::string> parts{};
 };
 struct Stream {
   std::uint32_t port = 0;
@@ -222,6 +231,7 @@ struct ServerStatus {
   std::vector<PartBus> buses;
   std::string stuck_node;  // empty: none
   std::int64_t stuck_ns = 0;
+  std::vector<std::string> free_running{};
 };
 struct PartSummary {
   std::string name, kind, lease_owner;

@@ -84,8 +84,9 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   void count_open();
   bool over() const { return stopping_ && sessions_.empty(); }
 
-  // Destroyed last, so that sockets and timers go before it; it then drops pending handlers without calling
-  // them.
+  // The io_context is destroyed last but for what its handlers use, so that sockets and timers go before it;
+  // it then drops pending handlers without calling them.
+  std::unique_ptr<TlsContext> tls_;  // null: plain text
   asio::io_context io_{1};
   asio::executor_work_guard<asio::io_context::executor_type> stay_{io_.get_executor()};
   const ListenOptions options_;
@@ -112,13 +113,16 @@ struct Server::Impl final : SessionOwner, HttpOwner {
 };
 
 Server::Impl::Impl(const ListenOptions& options, SessionHandler& handler)
-    : options_(options),
+    : tls_(options.tls.given() ? std::make_unique<TlsContext>(options.tls, TlsContext::Side::kServer)
+                               : nullptr),
+      options_(options),
       handler_(handler),
       sweep_period_(sweep_period(options.limits)),
       signal_fd_(io_, make_eventfd()) {
   context_.step = sweep_period_;
   if (options_.web.pages)
-    http_ = std::make_unique<HttpDoor>(io_, options_.address, options_.web, context_, *this);
+    http_ =
+        std::make_unique<HttpDoor>(io_, tls_ ? "127.0.0.1" : options_.address, options_.web, context_, *this);
   await_signal();
 }
 
@@ -131,8 +135,8 @@ Server::Impl::~Impl() {
 
 void Server::Impl::admit(tcp::socket socket, const tcp::endpoint& peer) {
   const std::string why = refusal(peer.address());
-  if (!why.empty() && crowded()) return turn_away(socket, why);
-  keep(std::make_unique<TcpSession>(context_, *this, std::move(socket), next_id_++, peer), why);
+  if (!why.empty() && (tls_ || crowded())) return turn_away(socket, why);
+  keep(std::make_unique<TcpSession>(context_, *this, std::move(socket), next_id_++, peer, tls_.get()), why);
 }
 
 // A session like any other from here on: the same limits, the same refusals in the same words.

@@ -14,6 +14,7 @@
 
 #include "protocol/limits.h"
 #include "protocol/messages.h"
+#include "protocol/tls.h"
 #include "protocol/web_pages.h"
 
 namespace visum::protocol {
@@ -33,6 +34,8 @@ class Session {
   virtual const std::string& client_name() const = 0;  // "" before hello
   virtual const std::string& peer() const = 0;         // "127.0.0.1:43210"
   virtual Role role() const = 0;
+  // The name in the certificate that the client showed; "": it showed none.
+  virtual std::string identity() const { return {}; }
 
   // Queues a reply or an event; in order, never dropped. Over the limit the session is closed.
   virtual void send(std::uint64_t reply_to, const Reply& reply) = 0;
@@ -61,6 +64,7 @@ struct ListenOptions {
   std::uint16_t port = kDefaultPort;  // 0: any free one
   Limits limits;
   WebOptions web;  // sessions over WebSocket, and pages, on a port of their own
+  TlsFiles tls;    // none: plain text. HTTP is plain text always, and then for this machine alone
 };
 
 class Server {

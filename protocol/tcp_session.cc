@@ -1,7 +1,10 @@
 #include "protocol/tcp_session.h"
 
+#include <spdlog/spdlog.h>
+
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/error.hpp>
+#include <boost/asio/post.hpp>
 
 namespace visum::protocol {
 namespace {
@@ -11,13 +14,21 @@ using boost::system::error_code;
 
 constexpr std::chrono::milliseconds kLinger{500};
 constexpr std::size_t kMaxDiscarded = 1u << 20;
+constexpr std::size_t kCipheredBytes = 16u << 10;  // about a record of TLS
 
 }  // namespace
 
 TcpSession::TcpSession(SessionContext& context, SessionOwner& owner, Socket socket, std::uint64_t id,
-                       const asio::ip::tcp::endpoint& peer)
+                       const asio::ip::tcp::endpoint& peer, const TlsContext* tls)
     : WireSession(context, owner, id, peer), socket_(std::move(socket)) {
   set_socket_options(socket_);
+  if (!tls) return;
+  tls_ = std::make_unique<TlsStream>(*tls);
+  ciphered_.resize(kCipheredBytes);
+}
+
+std::string TcpSession::identity() const {
+  return tls_ ? tls_->peer_name() : std::string();
 }
 
 // Who was refused is not listened to before he was told.
@@ -32,7 +43,15 @@ void TcpSession::read() {
   if (reading_ || !socket_.is_open()) return;
   reading_ = true;
   ++operations_;
-  const auto space = in().space();
+  if (tls_ && !fed_dry_ && !closing())  // not within itself, and others first
+    return asio::post(socket_.get_executor(), [this] {
+      --operations_;
+      reading_ = false;
+      if (!socket_.is_open()) return wake();
+      if (!closing()) return take_plain();
+      read();
+    });
+  const auto space = space_for_network();
   socket_.async_read_some(asio::buffer(space.data(), space.size()),
                           [this](const error_code& error, std::size_t bytes) {
                             --operations_;
@@ -43,15 +62,53 @@ void TcpSession::read() {
 
 void TcpSession::on_read(const error_code& error, std::size_t bytes) {
   if (!socket_.is_open()) return wake();
-  if (error == asio::error::eof) {
-    peer_gone_ = true;
-    if (lingering_) return hang_up();
-    return peer_closed();
-  }
+  if (error == asio::error::eof) return stream_ended();
   if (error) return lost();
   if (closing()) return discard(bytes);
+  if (tls_) return decipher(bytes);
   in().commit(bytes);
   proceed();
+}
+
+void TcpSession::stream_ended() {
+  peer_gone_ = true;
+  if (lingering_) return hang_up();
+  peer_closed();
+}
+
+std::span<std::byte> TcpSession::space_for_network() {
+  return tls_ ? std::span(ciphered_) : in().space();
+}
+
+// Who speaks plain text where TLS is spoken is told so, in plain text.
+void TcpSession::decipher(std::size_t bytes) {
+  const std::span<const std::byte> fresh = std::span(ciphered_).first(bytes);
+  if (!fed_ && !looks_like_tls(fresh)) {
+    tls_.reset();
+    return refuse(0, {ErrorCode::kUnauthenticated,
+                      "this server speaks TLS only, with certificates (--tls-ca, --tls-cert, --tls-key)",
+                      {}});
+  }
+  fed_ = true;
+  tls_->feed(fresh);
+  take_plain();
+}
+
+// Some of what was fed. Reading goes on here until nothing of it is left.
+void TcpSession::take_plain() {
+  const std::size_t bytes = tls_->read(in().space());
+  wake();  // a handshake has something to send
+  if (!tls_->failure().empty()) return tls_failed();
+  if (tls_->ended()) return stream_ended();
+  fed_dry_ = bytes == 0;
+  in().commit(bytes);
+  proceed();
+}
+
+void TcpSession::tls_failed() {
+  spdlog::warn("{} is refused: {}", peer(), tls_->failure());
+  context().refused.fetch_add(1, std::memory_order_relaxed);
+  close(CloseReason::kRefused);
 }
 
 // Closing with unread input would reset the connection, and the reset may overtake the reason that was sent.
@@ -67,15 +124,23 @@ void TcpSession::discard(std::size_t bytes) {
 
 void TcpSession::flush() {
   if (blocked_ || lingering_ || !socket_.is_open()) return;
-  while (!out().empty()) {
-    const auto bytes = out().front();
+  for (auto bytes = bytes_for_network(); !bytes.empty(); bytes = bytes_for_network()) {
     error_code error;
     const std::size_t sent = socket_.write_some(asio::buffer(bytes.data(), bytes.size()), error);
     if (error == asio::error::would_block) return wait_until_writable();
     if (error) return lost();
-    out().written(sent);
+    tls_ ? tls_->sent(sent) : out().written(sent);
   }
   written_out();
+}
+
+// The next piece of what waits; with TLS the piece before has left by then.
+std::span<const std::byte> TcpSession::bytes_for_network() {
+  if (!tls_) return out().empty() ? std::span<const std::byte>() : out().front();
+  if (const auto pending = tls_->pending(); !pending.empty()) return pending;
+  if (!out().empty()) out().written(tls_->write(out().front()));
+  if (closing() && out().empty() && !std::exchange(said_goodbye_, true)) tls_->finish();
+  return tls_->pending();
 }
 
 void TcpSession::wait_until_writable() {

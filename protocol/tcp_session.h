@@ -1,15 +1,22 @@
-// A session on its plain TCP socket: reads into the core, writes what it queued, lingers after a refusal so
-// that the client can read why. Internal to the server.
+// A session on its TCP socket, in plain text or over TLS: reads into the core, writes what it queued, lingers
+// after a refusal so that the client can read why. Internal to the server.
 #pragma once
 
+#include <memory>
+#include <vector>
+
+#include "protocol/tls.h"
 #include "protocol/wire_session.h"
 
 namespace visum::protocol {
 
 class TcpSession final : public WireSession {
  public:
+  // `tls`: null for plain text.
   TcpSession(SessionContext& context, SessionOwner& owner, Socket socket, std::uint64_t id,
-             const boost::asio::ip::tcp::endpoint& peer);
+             const boost::asio::ip::tcp::endpoint& peer, const TlsContext* tls);
+
+  std::string identity() const override;
 
   void start() override;
   void sweep() override;
@@ -22,11 +29,22 @@ class TcpSession final : public WireSession {
   void flush() override;
 
   void on_read(const boost::system::error_code& error, std::size_t bytes);
+  void take_plain();
+  void decipher(std::size_t bytes);
+  void tls_failed();
+  void stream_ended();
   void discard(std::size_t bytes);
+  std::span<std::byte> space_for_network();
+  std::span<const std::byte> bytes_for_network();
   void wait_until_writable();
   void written_out();
 
   Socket socket_;
+  std::unique_ptr<TlsStream> tls_;   // null: plain text
+  std::vector<std::byte> ciphered_;  // as read from the network, where there is TLS
+  bool fed_ = false;                 // bytes of TLS came
+  bool fed_dry_ = true;              // nothing of them is left to be read
+  bool said_goodbye_ = false;
   bool reading_ = false;
   bool blocked_ = false;    // writing waits for the peer
   bool peer_gone_ = false;  // its end of the stream was read

@@ -7,9 +7,23 @@
 namespace visum::protocol::wire {
 namespace {
 
+void put_gate(const Gate& from, v1::Gate& to) {
+  to.set_part(from.part);
+  to.set_client(from.client);
+  to.set_period_ns(from.period_ns);
+  to.set_module(from.module);
+  to.set_frame(bytes_of(from.frame));
+}
+
+Gate gate_of(const v1::Gate& from) {
+  return {from.part(), from.client(), from.period_ns(), from.module(), bytes_of(from.frame())};
+}
+
 bool take(const v1::Join& from, Join& to, std::string& why) {
   to.timeout_ns = from.timeout_ns();
   to.grade = from.grade();
+  if (from.has_gate()) to.gate = gate_of(from.gate());
+  to.parts.assign(from.parts().begin(), from.parts().end());
   return take_enum(from.on_timeout(), OnTimeout::kFree, to.on_timeout, "on_timeout", why);
 }
 
@@ -73,6 +87,8 @@ struct PutRequest {
     w.set_timeout_ns(m.timeout_ns);
     w.set_grade(m.grade);
     w.set_on_timeout(static_cast<v1::OnTimeout>(m.on_timeout));
+    if (m.gate) put_gate(*m.gate, *w.mutable_gate());
+    for (const auto& part : m.parts) w.add_parts(part);
   }
   void operator()(const Advance& m) const {
     auto& w = *to.mutable_advance();

@@ -129,6 +129,7 @@ void put(const ServerStatus& from, v1::ServerStatus& to) {
     w.set_part(bus.part);
     w.set_name(bus.name);
   }
+  for (const auto& client : from.free_running) to.add_free_running(client);
 }
 
 void take(const v1::ServerStatus& from, ServerStatus& to) {
@@ -155,6 +156,7 @@ void take(const v1::ServerStatus& from, ServerStatus& to) {
   to.stuck_node = from.stuck_node();
   to.stuck_ns = from.stuck_ns();
   for (const auto& w : from.buses()) to.buses.push_back({w.part(), w.name()});
+  to.free_running.assign(from.free_running().begin(), from.free_running().end());
 }
 
 void put(const WorldDescription& from, v1::WorldDescription& to) {

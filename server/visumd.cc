@@ -30,6 +30,8 @@ namespace {
 using namespace visum;
 
 constexpr const char* kRecordHelp = "write down every input, port and state's hash: an MCAP file";
+constexpr const char* kParametersHelp =
+    "values of the scene's parameters, instead of their defaults: \"{mass: 2, friction: 0.4}\"";
 
 struct Options {
   std::string scene;
@@ -76,7 +78,9 @@ std::unique_ptr<cycle::Simulation> make_simulation(const Options& options) {
 // What is written down of the world while it runs, where that is wanted.
 struct Recording {
   Recording(const Options& options, cycle::Simulation& simulation, config::Files files)
-      : recorder(simulation, {std::move(files), options.of_scene.engine}, options.record), sink(recorder) {}
+      : recorder(simulation, {std::move(files), options.of_scene.engine, options.of_scene.parameters},
+                 options.record),
+        sink(recorder) {}
   recording::Recorder recorder;
   recording::LogSink sink;
 };
@@ -94,6 +98,7 @@ int run(Options options) {
   for (const auto& bus : options.buses)
     options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
   options.of_daemon.http = options.http.settled(options.of_daemon);
+  options.of_daemon.paced = options.speedup > 0.0;
   gateway::Daemon daemon(simulation, options.of_daemon);
   const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.talk.json);
   if (simulation.frozen())
@@ -119,6 +124,7 @@ void declare_world(CLI::App& app, Options& options, std::string_view verb) {
   app.add_option("--seed", options.seed, "of the world's random numbers, instead of the scene's")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--engine", options.of_scene.engine, "moves all bodies, instead of the scene's engines");
+  app.add_option("--parameters", options.of_scene.parameters, kParametersHelp)->type_name("YAML");
 }
 
 void declare(CLI::App& app, Options& options) {
@@ -126,7 +132,8 @@ void declare(CLI::App& app, Options& options) {
   gateway::declare_http(app, options.of_daemon, options.http);
   app.add_option("--clock", options.clock, "instead of the scene's: realtime, lockstep or free")
       ->check(CLI::IsMember(std::vector<std::string>{scene::kClockNames.begin(), scene::kClockNames.end()}));
-  app.add_option("--speedup", options.speedup, "realtime: simulated seconds per second")
+  app.add_option("--speedup", options.speedup,
+                 "simulated seconds per second: in realtime the pace, in lockstep at most")
       ->check(CLI::Range(1e-3, 1e3));
   gateway::declare_plugins(app, options.plugins);
   gateway::declare_node_timeout(app, options.plugins);
@@ -159,6 +166,7 @@ int check(int argc, char** argv) {
   CLI::App app{"visumd check: says what is wrong with a scene, where, and what was meant"};
   app.add_option("scene", scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
   app.add_option("--engine", of_scene.engine, "moves all bodies, instead of the scene's engines");
+  app.add_option("--parameters", of_scene.parameters, kParametersHelp)->type_name("YAML");
   gateway::declare_plugins(app, plugins);
   gateway::declare_node_timeout(app, plugins);
   app.add_flag("--json", talk.json, "print one line of JSON");

@@ -26,13 +26,13 @@ std::pair<std::string, std::uint16_t> parse(const std::string& address) try {
 
 // Tries until somebody listens or the time is over, with pauses that double.
 protocol::Connection connect(const std::string& address, const protocol::Hello& hello,
-                             std::chrono::milliseconds patience) {
+                             std::chrono::milliseconds patience, const protocol::TlsFiles& tls) {
   const auto [host, port] = parse(address);
   const auto give_up = Clock::now() + patience;
   for (auto pause = std::chrono::milliseconds(10);;
        pause = std::min(pause * 2, std::chrono::milliseconds(500))) {
     try {
-      return protocol::Connection(host, port, hello);
+      return protocol::Connection(host, port, hello, std::chrono::seconds(5), tls);
     } catch (const protocol::RequestError& refusal) {
       throw detail::to_error(refusal);
     } catch (const protocol::ConnectionError& error) {
@@ -57,7 +57,9 @@ Client::Client(const std::string& address, const ClientOptions& options)
     : state_(std::make_unique<detail::ClientState>()) {
   protocol::Hello hello{protocol::kProtocolVersion, protocol::kProtocolVersion, options.name,
                         static_cast<protocol::Role>(options.role), read_token(options)};
-  state_->connection.emplace(connect(address, hello, options.connect_timeout));
+  protocol::TlsFiles tls{options.tls_ca, options.tls_cert, options.tls_key};
+  if (!tls.given()) tls = protocol::tls_files_of_environment();
+  state_->connection.emplace(connect(address, hello, options.connect_timeout, tls));
   const protocol::Welcome& welcome = state_->connection->welcome();
   state_->server = {welcome.server, welcome.scene, welcome.clock, welcome.tick_ns, welcome.simulated};
   if (welcome.tick_ns <= 0) throw Error(ErrorCode::kMalformed, "the server's tick has no length");

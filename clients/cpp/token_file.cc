@@ -35,6 +35,7 @@ std::string read_token_file(const std::string& file, Role role) {
     std::string first, second;
     if (!(words >> first)) continue;
     if (!(words >> second)) return first;
+    if (second.starts_with("CN=")) continue;  // of a certificate
     if (is_better(role_named(first), best_role, role)) {
       best = second;
       best_role = role_named(first);

@@ -77,6 +77,9 @@ struct ClientOptions {
   std::string name = "controller";  // shown to others as the owner of leases; at most 64 bytes
   Role role = Role::kController;
   std::string token_file = {};  // for a server that was started with one
+  // For a server that speaks TLS, PEM files: who signed the server's certificate, and our own with its key.
+  // Where all are empty: $VISUM_TLS_CA, $VISUM_TLS_CERT and $VISUM_TLS_KEY.
+  std::string tls_ca = {}, tls_cert = {}, tls_key = {};
   // How long the constructor keeps trying (10 ms, 20, 40, ... apart) while nobody listens; 0: one attempt.
   std::chrono::milliseconds connect_timeout{5000};
 };

@@ -108,7 +108,8 @@ void take(const v1::Build& from, Build& to) {
 bool decode(Bytes from, Header& to) {
   v1::Header w;
   if (!parse(from, w)) return false;
-  to = {w.format(), w.scene_file(), w.scene(), w.engine(), w.clock(), w.seed(), w.tick_ns(), {}, {}};
+  to = {w.format(), w.scene_file(), w.scene(), w.engine(), w.clock(),
+        w.seed(),   w.tick_ns(),    {},        {},         w.parameters()};
   take(w.build(), to.build);
   for (const auto& file : w.files()) to.files.push_back({file.name(), file.size(), file.crc()});
   return true;

@@ -116,6 +116,7 @@ void encode(const Header& from, std::vector<std::byte>& to) {
     w.set_clock(from.clock);
     w.set_seed(from.seed);
     w.set_tick_ns(from.tick_ns);
+    w.set_parameters(from.parameters);
     put(from.build, *w.mutable_build());
     for (const auto& file : from.files) {
       auto& entry = *w.add_files();

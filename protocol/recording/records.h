@@ -43,6 +43,7 @@ struct Header {
   std::int64_t tick_ns = 0;
   Build build;
   std::vector<FileEntry> files;
+  std::string parameters;  // of the scene's file, a YAML map; empty: its defaults
 };
 struct Tick {
   std::int64_t tick = 0;

@@ -23,6 +23,20 @@ bool equal_in_constant_time(const std::string& a, const std::string& b) {
   return difference == 0;
 }
 
+constexpr std::string_view kName = "CN=";
+
+// What is left of a line, without blanks around it.
+std::string rest_of(std::istringstream& words) {
+  std::string rest;
+  std::getline(words >> std::ws, rest);
+  return rest.substr(0, rest.find_last_not_of(" \t\r") + 1);
+}
+
+bool is_emergency_stop(const protocol::SetParameter& request) {
+  const bool* on = std::get_if<bool>(&request.value);
+  return request.name == "Emergency Stop" && on != nullptr && *on;
+}
+
 Role role_named(const std::string& word) {
   if (word == "observer") return Role::kObserver;
   if (word == "controller") return Role::kController;
@@ -33,6 +47,8 @@ Role role_named(const std::string& word) {
 }  // namespace
 
 Role role_needed(const protocol::Request& request) {
+  if (const auto* set = std::get_if<protocol::SetParameter>(&request); set && is_emergency_stop(*set))
+    return Role::kObserver;
   return std::visit(
       [](const auto& message) {
         using namespace protocol;
@@ -61,6 +77,17 @@ bool needs_world(const protocol::Request& request) {
       request);
 }
 
+Tokens::Entry Tokens::read_entry(Role role, const std::string& words, const config::Place& place) {
+  if (words.starts_with(kName)) {
+    if (words.size() == kName.size()) throw config::ConfigError(place, "CN= without a name");
+    return {role, {}, words.substr(kName.size())};
+  }
+  if (words.find_first_of(" \t") != std::string::npos)
+    throw config::ConfigError(place, "more than a role and a token");
+  if (words.size() < 16) throw config::ConfigError(place, "the token has less than 16 characters");
+  return {role, words, {}};
+}
+
 Tokens::Tokens(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw config::ConfigError({file.string(), 0, ""}, "cannot be read");
@@ -71,24 +98,24 @@ Tokens::Tokens(const std::filesystem::path& file) {
   for (std::string line; std::getline(in, line);) {
     ++number;
     std::istringstream words(line.substr(0, line.find('#')));
-    std::string role, token, more;
+    std::string role;
     if (!(words >> role)) continue;
     const config::Place place{file.string(), number, ""};
     if (role_named(role) == Role::kUnspecified)
       throw config::ConfigError(place, "'" + role + "' is no role: observer, controller or admin");
-    if (!(words >> token) || token.size() < 16)
-      throw config::ConfigError(place, "the token has less than 16 characters");
-    if (words >> more) throw config::ConfigError(place, "more than a role and a token");
-    entries_.push_back({role_named(role), token});
+    entries_.push_back(read_entry(role_named(role), rest_of(words), place));
   }
   if (entries_.empty()) throw config::ConfigError({file.string(), 0, ""}, "holds no token");
 }
 
-Role Tokens::grant(const std::string& token, Role wanted) const {
+Role Tokens::grant(const std::string& token, const std::string& identity, Role wanted) const {
   if (!required()) return wanted;
   Role best = Role::kUnspecified;
-  for (const auto& entry : entries_)
-    if (equal_in_constant_time(entry.token, token)) best = std::max(best, entry.role);
+  for (const auto& entry : entries_) {
+    const bool is_his = entry.token.empty() ? entry.identity == identity  // a name is no secret
+                                            : equal_in_constant_time(entry.token, token);
+    if (is_his) best = std::max(best, entry.role);
+  }
   return std::min(best, wanted);
 }
 

@@ -1,37 +1,44 @@
-// Who may do what: the role that each request needs, and the tokens that give roles.
+// Who may do what: the role that each request needs, and the tokens and certificates that give roles.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "protocol/config/config.h"
 #include "protocol/messages.h"
 
 namespace visum::gateway {
 
-// The least role that may send this request. Hello needs none and is not asked about.
+// The least role that may send this request. Hello needs none and is not asked about. Anybody may pull an
+// emergency stop; to release it takes a controller.
 protocol::Role role_needed(const protocol::Request& request);
 
 // What only a simulated world can do: hold time, go back in it, change bodies.
 bool needs_world(const protocol::Request& request);
 
-// The roles by token. Without a token file everybody on loopback gets the role that he asks for.
+// The roles by token, and by the name in a client's certificate. Without a token file everybody on loopback,
+// and everybody with a certificate, gets the role that he asks for.
 class Tokens {
  public:
   Tokens() = default;  // no file: no token is asked for
-  // Lines of "observer|controller|admin TOKEN", # begins a comment; a token has at least 16 characters (128
-  // bits as hex are 32). Throws ConfigError for a wrong line, or a file that others may read.
+  // Lines of "observer|controller|admin TOKEN" or "... CN=NAME", # begins a comment; a token has at least 16
+  // characters (128 bits as hex are 32). Throws ConfigError for a wrong line, or a file that others may read.
   explicit Tokens(const std::filesystem::path& file);
 
   bool required() const { return !entries_.empty(); }
-  // The role granted to somebody who asks for `wanted`: at most that of his token; kUnspecified: not let in.
-  protocol::Role grant(const std::string& token, protocol::Role wanted) const;
+  // The role granted to somebody who asks for `wanted`: at most that of his token or of the name in his
+  // certificate ("": he showed none); kUnspecified: not let in.
+  protocol::Role grant(const std::string& token, const std::string& identity, protocol::Role wanted) const;
 
  private:
   struct Entry {
     protocol::Role role;
-    std::string token;
+    std::string token;  // empty: `identity` gives the role
+    std::string identity;
   };
+  static Entry read_entry(protocol::Role role, const std::string& words, const config::Place& place);
+
   std::vector<Entry> entries_;
 };
 

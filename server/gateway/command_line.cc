@@ -17,6 +17,18 @@ std::string check_http(const std::string& text) {
   return digits && std::stoi(text) <= 65535 ? std::string() : "must be a port from 0 to 65535, or off";
 }
 
+// All three, or none: to speak TLS to clients that are not known would be half of it.
+void declare_tls(CLI::App& app, protocol::TlsFiles& tls) {
+  auto* certificate = app.add_option("--tls-cert", tls.certificate,
+                                     "speak TLS 1.3 only, with this certificate (PEM); HTTP then is for this "
+                                     "machine alone");
+  auto* key = app.add_option("--tls-key", tls.key, "its private key, ours alone to read");
+  auto* authority =
+      app.add_option("--tls-ca", tls.authority, "who must have signed the certificates of clients");
+  for (auto* option : {certificate, key, authority})
+    option->type_name("FILE")->check(CLI::ExistingFile)->needs(certificate)->needs(key)->needs(authority);
+}
+
 }  // namespace
 
 void declare_node_timeout(CLI::App& app, PluginWords& words) {
@@ -38,7 +50,10 @@ void declare_common(CLI::App& app, DaemonOptions& daemon, Talk& talk) {
   app.add_option("--listen", daemon.address, "address to listen on; beyond loopback with --token-file only")
       ->capture_default_str();
   app.add_option("--port", daemon.port, "TCP port; 0: any free one")->capture_default_str();
-  app.add_option("--token-file", daemon.token_file, "lines of \"ROLE TOKEN\"; clients then need one");
+  app.add_option(
+      "--token-file", daemon.token_file,
+      "lines of \"ROLE TOKEN\" or \"ROLE CN=NAME\"; clients then need a token, or such a certificate");
+  declare_tls(app, daemon.tls);
   app.add_option("--iterations", daemon.iterations, "end after so many ticks")->check(CLI::NonNegativeNumber);
   app.add_flag("--json", talk.json, "print one line of JSON when ready");
   app.add_option("-v", talk.verbosity, "0 errors, 1 warnings, 2 news, 3 details")->check(CLI::Range(0, 3));

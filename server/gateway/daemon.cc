@@ -20,8 +20,9 @@ namespace visum::gateway {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::milliseconds kIdle{20};  // how soon stop() is noticed while time stands
-constexpr std::chrono::seconds kFarewell{2};    // for clients that read their last frames slowly
+constexpr std::chrono::milliseconds kIdle{20};     // how soon stop() is noticed while time stands
+constexpr std::chrono::milliseconds kPaceLook{1};  // sessions of a paced lockstep are served that often
+constexpr std::chrono::seconds kFarewell{2};       // for clients that read their last frames slowly
 
 std::size_t most_ports(const cycle::Simulation& simulation) {
   std::size_t most = 0;
@@ -66,6 +67,7 @@ struct Daemon::Impl {
         wait(options.wait),
         show(options.show),
         threaded(simulation.scene().clock == scene::ClockKind::kRealtime),
+        paced(options.paced && simulation.scene().clock == scene::ClockKind::kLockstep),
         mailbox(most_ports(simulation)),
         tick_side(simulation, mailbox, options.run_at_once),
         gateway(static_world(simulation, options),
@@ -74,7 +76,7 @@ struct Daemon::Impl {
                 [this]() -> const Published& { return threaded ? fresh_copy() : fresh_fill(); }),
         web(options.http.page.empty() ? PageFiles() : PageFiles(options.http.page), gateway,
             [this] { return server.refused(); }),
-        server({options.address, options.port, {}, web_options(options.http)}, gateway) {
+        server({options.address, options.port, {}, web_options(options.http), options.tls}, gateway) {
     open_buses(options.buses);
     if (threaded) publish(false);
   }
@@ -89,8 +91,10 @@ struct Daemon::Impl {
     });
     gateway.name_buses(buses->addresses());
     gateway.open_buses({[this](const auto& streams) { settle_buses(streams); },
-                        [this] { return buses->said(); },
-                        [this](auto& streams) { buses->fill_in(streams); }});
+                        [this] { return buses->said(); }, [this](auto& streams) { buses->fill_in(streams); },
+                        [this](auto part, auto rule) { buses->open_gate(part, std::move(rule)); },
+                        [this](auto part) { buses->close_gate(part); },
+                        [this](auto part) { return buses->granted_tick(part); }});
   }
 
   // All that members' programs have written by now is obeyed and answered.
@@ -163,6 +167,8 @@ struct Daemon::Impl {
   void run_realtime();
   void run_inline();
   bool may_tick_inline();
+  bool is_let(std::int64_t tick) const;
+  bool await_due();
 
   cycle::Simulation& simulation;
   std::atomic<bool>& stopping;
@@ -170,11 +176,13 @@ struct Daemon::Impl {
   const std::function<void(Clock::time_point)> wait;
   const std::function<void(Published&)> show;
   const bool threaded;
+  const bool paced;
   Mailbox mailbox;
   TickSide tick_side;
   world::Exchange<Published> exchange;
   Published inline_copy;
   std::uint64_t inline_version = 0;
+  bool is_paced_now = false;
   std::uint64_t published_version = 0;
   Gateway gateway;
   Web web;
@@ -245,16 +253,35 @@ void Daemon::Impl::run_realtime() {
 
 bool Daemon::Impl::may_tick_inline() {
   if (gateway.start_asked()) tick_side.start();
-  if (!tick_side.time_runs()) return false;
+  if (!tick_side.time_runs()) return is_paced_now = false;
   if (simulation.scene().clock == scene::ClockKind::kFree) return true;
   const auto tick = simulation.tick_count();
-  // A world that nobody steps with only moves by Step.
-  const bool let = gateway.limit(tick) > tick || (tick_side.stepping() && !gateway.has_members());
-  if (!let) gateway.check_timeouts(tick);
-  return let;
+  if (is_let(tick)) return await_due();
+  is_paced_now = false;
+  gateway.check_timeouts(tick);
+  return false;
+}
+
+// A world that nobody steps with only moves by Step, or for who was late and goes on in real time.
+bool Daemon::Impl::is_let(std::int64_t tick) const {
+  if (gateway.has_members()) return gateway.limit(tick) > tick;
+  return tick_side.stepping() || gateway.has_dropped();
+}
+
+// False: the next tick's time has not come yet. Sessions are served meanwhile.
+bool Daemon::Impl::await_due() {
+  if (!paced && !gateway.has_dropped()) return true;
+  auto& pacer = tick_side.pacer();
+  if (!std::exchange(is_paced_now, true)) pacer.restart(Clock::now());
+  const auto left = pacer.due() - Clock::now();
+  if (left > kPaceLook) return false;
+  if (left > Clock::duration::zero()) sleep_until(pacer.due());
+  pacer.begin_tick(Clock::now());
+  return true;
 }
 
 void Daemon::Impl::run_inline() {
+  if (paced) prctl(PR_SET_TIMERSLACK, 1UL);
   while (!ended()) {
     server.poll();
     const auto version = tick_side.version();
@@ -269,7 +296,7 @@ void Daemon::Impl::run_inline() {
       if (has_something_to_send()) gateway.serve();
     } else {
       gateway.serve();
-      server.poll_for(kIdle);
+      server.poll_for(is_paced_now ? kPaceLook : kIdle);
     }
   }
   gateway.end();

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/tls.h"
 #include "server/cycle/simulation.h"
 #include "server/gateway/access.h"
 #include "server/gateway/bus/address.h"
@@ -34,7 +35,9 @@ struct DaemonOptions {
   bool run_at_once = false;  // else time starts with the first lease, the first step of a member, or resume
   std::int64_t iterations = 0;    // ends after so many ticks; 0: never
   std::string token_file;         // needed where the address is not loopback
+  protocol::TlsFiles tls;         // none: plain text
   std::vector<BusAddress> buses;  // beside those of the scene
+  bool paced = false;  // lockstep too is no faster than the scene's speed; else as fast as its members let it
   HttpOptions http;
   const NodeWatch* node_watch = nullptr;  // tells which node of a plug-in hangs; must outlive the daemon
   // Parts in front of something real.

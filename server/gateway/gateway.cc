@@ -1,5 +1,7 @@
 #include "server/gateway/gateway.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -29,16 +31,22 @@ void Gateway::Call::reply(const protocol::Reply& reply) const {
 
 void Gateway::Call::fail(ErrorCode code, const std::string& text, const std::string& owner) const {
   ++refused;
+  if (code == ErrorCode::kForbidden)
+    spdlog::warn("'{}' at {} is refused: {}", session.client_name(), session.peer(), text);
   session.send(id, protocol::Error{code, text, owner});
 }
 
 protocol::Role Gateway::on_hello(protocol::Session& session, const protocol::Hello& hello,
                                  protocol::Welcome& welcome, protocol::Error& refusal) {
-  const auto role = tokens_.grant(hello.token, hello.role);
+  const auto identity = session.identity();
+  const auto role = tokens_.grant(hello.token, identity, hello.role);
   if (role == protocol::Role::kUnspecified) {
-    refusal = tokens_.required()
-                  ? protocol::Error{ErrorCode::kUnauthenticated, "the token is missing or wrong", {}}
-                  : protocol::Error{ErrorCode::kMalformed, "hello names no role", {}};
+    const std::string why =
+        identity.empty() ? "the token is missing or wrong"
+                         : "neither a token nor the certificate of '" + identity + "' gives a role here";
+    refusal = tokens_.required() ? protocol::Error{ErrorCode::kUnauthenticated, why, {}}
+                                 : protocol::Error{ErrorCode::kMalformed, "hello names no role", {}};
+    spdlog::warn("'{}' at {} is refused: {}", hello.client_name, session.peer(), refusal.text);
     return role;
   }
   welcome.tick_ns = world_.tick_ns;
@@ -56,7 +64,7 @@ void Gateway::on_request(protocol::Session& session, std::uint64_t id, const pro
   follow_shown_world(*now_);
   auto& client = found->second;
   if (!client.waiting) {
-    dispatch(client, id, request);
+    if (!holds(client, id, request)) dispatch(client, id, request);
   } else if (client.backlog.size() < kMaxBacklog) {
     client.backlog.emplace_back(id, request);
   } else {
@@ -85,10 +93,11 @@ void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request
 
 void Gateway::work_off_backlogs() {
   for (auto& [id, client] : clients_) {
+    release(client);
     while (!client.waiting && !client.backlog.empty()) {
       const auto [request_id, request] = std::move(client.backlog.front());
       client.backlog.pop_front();
-      dispatch(client, request_id, request);
+      if (!holds(client, request_id, request)) dispatch(client, request_id, request);
     }
   }
 }
@@ -99,7 +108,8 @@ void Gateway::on_close(protocol::Session& session, protocol::CloseReason) {
   for (std::uint32_t part = 0; part < world_.parts.size(); ++part)
     if (leases_.held_by(part, id))
       lose_lease(part, "'" + session.client_name() + "' is gone without a release");
-  members_.leave(id);
+  leave(id);
+  dropped_.erase(id);
   clients_.erase(id);
 }
 
@@ -120,8 +130,10 @@ void Gateway::serve() {
 void Gateway::note_due() {
   auto due = std::numeric_limits<std::int64_t>::max();
   if (const auto answer = members_.next_answer()) due = *answer;
-  for (const auto& [id, client] : clients_)
+  for (const auto& [id, client] : clients_) {
+    if (client.step_until) due = std::min(due, *client.step_until);
     for (const auto& subscription : client.subscriptions) due = std::min(due, subscription.next_tick);
+  }
   next_due_.store(due, std::memory_order_relaxed);
 }
 
@@ -138,6 +150,7 @@ void Gateway::follow_eras(const Published& now) {
     latched_[part] = now.parts[part].controller_inputs;
   for (auto& [id, client] : clients_) {
     client.peaks_from = now.tick;
+    if (client.step_until) client.step_until = now.tick;
     for (auto& subscription : client.subscriptions) subscription.next_tick = now.tick;
   }
   broadcast({"era", "the world was reset or restored", {}, now.era, now.tick});
@@ -183,13 +196,20 @@ void Gateway::tell_notices() {
   }
 }
 
-void Gateway::lose_lease(std::uint32_t part, const std::string& why) {
-  // A loss follows a grant, so that the inputs kept back cannot run out before there are that many parts.
+// The part is told that its controller is gone.
+void Gateway::stop_part(std::uint32_t part) {
+  // A loss follows a grant or a Join, so that the inputs kept back cannot run out before there are that many
+  // parts.
   auto* input = mailbox_.blank_input(true);
+  if (!input) return;
   input->kind = Input::Kind::kLeaseLost;
   input->part = part;
   input->epoch = leases_.of(part).epoch;
   mailbox_.send(input);
+}
+
+void Gateway::lose_lease(std::uint32_t part, const std::string& why) {
+  stop_part(part);
   leases_.free(part);
   ++lease_losses_;
   broadcast({"lease_lost", why, world_.parts[part]->description().name, era_, now_->tick});

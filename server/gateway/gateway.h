@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "protocol/server.h"
 #include "server/cycle/pacer.h"
 #include "server/gateway/access.h"
+#include "server/gateway/bus/cycle_gate.h"
 #include "server/gateway/leases.h"
 #include "server/gateway/mailbox.h"
 #include "server/gateway/members.h"
@@ -66,6 +68,8 @@ class Gateway : public protocol::SessionHandler {
   // Lockstep: the tick up to which the members let the world run; `tick` itself if nobody has joined.
   std::int64_t limit(std::int64_t tick) const { return members_.empty() ? tick : members_.limit(); }
   bool has_members() const { return !members_.empty(); }
+  // Lockstep: somebody who was late goes on in real time, and the world with him.
+  bool has_dropped() const { return !dropped_.empty(); }
   // What time-outs of members are measured by, instead of the steady clock. Before the first session.
   void use_clock(std::function<Member::Clock::time_point()> clock) { clock_ = std::move(clock); }
   // Lockstep, while the world waits at `tick`: drops a member that is waited for too long.
@@ -79,6 +83,9 @@ class Gateway : public protocol::SessionHandler {
     std::function<void(const std::vector<protocol::Stream>&)> settle;
     std::function<std::uint64_t()> said;
     std::function<void(std::vector<protocol::Stream>&)> fill_in;
+    std::function<void(std::uint32_t, CycleRule)> open_gate;
+    std::function<void(std::uint32_t)> close_gate;
+    std::function<std::int64_t(std::uint32_t)> granted_tick;
   };
   void open_buses(BusDoor door) { bus_door_ = std::move(door); }
   // Lockstep, before each tick: settles the buses for members that ask for it, and stops the world here, at
@@ -87,7 +94,7 @@ class Gateway : public protocol::SessionHandler {
   // What is counted and measured, for /metrics; `refused_connections` is the server's.
   Metrics metrics();
   bool lets_in(const std::string& token, protocol::Role role) const {
-    return tokens_.grant(token, role) != protocol::Role::kUnspecified;
+    return tokens_.grant(token, {}, role) != protocol::Role::kUnspecified;
   }
   // The next serve() tells everybody that the server ends. Any thread.
   void end() { ending_ = true; }
@@ -108,6 +115,7 @@ class Gateway : public protocol::SessionHandler {
     // A session's requests are answered in order: while one waits for the tick's side, those behind it wait
     // too.
     bool waiting = false;
+    std::optional<std::int64_t> step_until;  // a gate holds the first of the backlog until this tick
     std::deque<std::pair<std::uint64_t, protocol::Request>> backlog;
   };
   static constexpr std::uint32_t kWorldStream = 0xFFFFFFFF;
@@ -175,6 +183,17 @@ class Gateway : public protocol::SessionHandler {
   std::optional<std::string> why_not(std::uint32_t part, const hwparts::Fault& fault) const;
   Input* input_or_fail(const Call& call);
   static std::uint64_t order_of(const Call& call);  // among inputs that need no lease
+  // grade L1 (gates.cc)
+  std::string fault_of_gate(const protocol::Gate& gate) const;
+  void open_gate(Member& member, const protocol::Gate& gate);
+  void follow_gate(Member& member);
+  void leave(std::uint64_t session);
+  Member* gate_of(const Client& client);
+  bool is_gated(const Client& client) const;
+  bool holds(Client& client, std::uint64_t id, const protocol::Request& request);
+  void release(Client& client);
+  void stop_part(std::uint32_t part);
+
   void send_errand(const Call& call, const protocol::Request& request, std::uint32_t part = 0);
   void subscribe(const Call& call, std::uint32_t stream, std::uint32_t every);
   void unsubscribe(const Call& call, std::uint32_t stream);
@@ -212,7 +231,9 @@ class Gateway : public protocol::SessionHandler {
   std::map<std::uint64_t, Client> clients_;   // by session
   std::vector<std::vector<double>> latched_;  // by part: controller inputs as last accepted
   std::vector<protocol::PartBus> buses_;
-  BusDoor bus_door_{[](const auto&) {}, [] { return std::uint64_t{0}; }, [](auto&) {}};
+  BusDoor bus_door_{[](const auto&) {}, [] { return std::uint64_t{0}; },     [](auto&) {}, [](auto, auto) {},
+                    [](auto) {},        [](auto) { return std::int64_t{0}; }};
+  std::set<std::uint64_t> dropped_;         // sessions that were late and go on
   std::shared_ptr<const WorldView> shown_;  // what world_.view was copied from, where it is another server's
   std::uint64_t era_ = 1;
   bool frozen_ = false;

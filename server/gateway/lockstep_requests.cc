@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int64_t kMostTicks = 1'000'000'000;
 constexpr std::size_t kMostStreams = 64, kLongestNote = 200;
-constexpr std::uint32_t kGradeShim = 2, kGradeStep = 4;
+constexpr std::uint32_t kGradeGate = 1, kGradeShim = 2, kGradeStep = 4;
 
 // Why an Advance cannot be; empty: it can.
 std::string fault_of(const protocol::Advance& request, bool lockstep) {
@@ -32,14 +32,30 @@ void Gateway::handle(const Call& call, const protocol::Join& request) {
     return call.fail(ErrorCode::kWrongState, "this session has joined already");
   if (request.timeout_ns < 0) return call.fail(ErrorCode::kBadValue, "timeout_ns must not be negative");
   const auto grade = request.grade == 0 ? kGradeStep : request.grade;
-  if (grade != kGradeShim && grade != kGradeStep)
-    return call.fail(ErrorCode::kBadValue, "grade must be 2 (time shim) or 4 (steps of its own)");
+  if (grade != kGradeGate && grade != kGradeShim && grade != kGradeStep)
+    return call.fail(ErrorCode::kBadValue, "grade must be 1 (gate), 2 (time shim) or 4 (steps of its own)");
+  if ((grade == kGradeGate) != request.gate.has_value())
+    return call.fail(ErrorCode::kBadValue, "grade 1 needs a gate, and no other has one");
+  if (auto why = request.gate ? fault_of_gate(*request.gate) : std::string(); !why.empty())
+    return call.fail(ErrorCode::kBadValue, why);
+  std::vector<std::uint32_t> parts;
+  for (const auto& name : request.parts) {
+    const auto part = part_or_fail(call, name);
+    if (!part) return;
+    parts.push_back(*part);
+  }
   const auto& now = *now_;
   const auto timeout =
       request.timeout_ns > 0 ? std::chrono::nanoseconds(request.timeout_ns) : world_.lockstep_timeout;
   auto& member = members_.join(call.session.id(), call.session.client_name(), now.tick, timeout);
   member.grade = grade;
   member.on_timeout = request.on_timeout;
+  member.own_timeout = request.timeout_ns > 0;
+  // From now on it is waited for.
+  const bool waited_for = member.own_timeout || grade != kGradeStep;
+  if (waited_for && world_.clock == scene::ClockKind::kLockstep) start_asked_ = true;
+  member.parts = std::move(parts);
+  if (request.gate) open_gate(member, *request.gate);
   call.reply(protocol::Advanced{now.tick, now.sim_time_ns, now.era});
 }
 
@@ -65,8 +81,9 @@ void Gateway::handle(const Call& call, const protocol::Advance& request) {
 }
 
 void Gateway::handle(const Call& call, const protocol::Leave&) {
-  if (!members_.leave(call.session.id()))
+  if (!members_.find(call.session.id()))
     return call.fail(ErrorCode::kWrongState, "this session has not joined");
+  leave(call.session.id());
   call.reply(protocol::Ok{});
 }
 
@@ -93,14 +110,16 @@ bool Gateway::was_told_more(const Follows& follows) {
 bool Gateway::follow_buses(std::int64_t tick) {
   bool any = false;
   for (auto& member : members_.all()) {
+    if (member.bus_gate) follow_gate(member);
     if (!member.advance || !member.follows) continue;
     auto& follows = *member.follows;
     if (!follows.settled) {
       bus_door_.settle(follows.streams);
       follows.settled = true;
       any = true;
+      if (member.bus_gate) follow_gate(member);
     }
-    if (tick < member.granted_tick && was_told_more(follows)) {
+    if (tick < member.granted_tick && !member.bus_gate && was_told_more(follows)) {
       member.granted_tick = tick;
       any = true;
     }
@@ -142,12 +161,18 @@ void Gateway::check_timeouts(std::int64_t tick) {
   if (!late) return;
   const auto session = late->session;
   const auto on_timeout = late->on_timeout;
+  const auto parts = late->parts;
   const std::string text = "'" + late->client + "' held the lockstep at tick " + std::to_string(tick) +
                            " for longer than its time-out";
   if (on_timeout == OnTimeout::kEnd) end_advances(tick, text);
-  members_.leave(session);
-  for (std::uint32_t part = 0; on_timeout != OnTimeout::kFree && part < world_.parts.size(); ++part)
-    if (leases_.held_by(part, session)) lose_lease(part, text);
+  leave(session);
+  if (on_timeout == OnTimeout::kFree) dropped_.insert(session);
+  for (std::uint32_t part = 0; on_timeout != OnTimeout::kFree && part < world_.parts.size(); ++part) {
+    if (leases_.held_by(part, session))
+      lose_lease(part, text);
+    else if (std::ranges::find(parts, part) != parts.end())
+      stop_part(part);
+  }
   broadcast({"lockstep_timeout", text, {}, era_, tick});
 }
 

@@ -10,6 +10,10 @@ Member* Members::find(std::uint64_t session) {
   return found == members_.end() ? nullptr : &*found;
 }
 
+bool Members::is_member(std::uint64_t session) const {
+  return std::ranges::find(members_, session, &Member::session) != members_.end();
+}
+
 Member& Members::join(std::uint64_t session, const std::string& client, std::int64_t tick,
                       std::chrono::nanoseconds timeout) {
   for (auto& other : members_) other.waited_since.reset();  // the time alone does not count
@@ -51,8 +55,8 @@ Member* Members::waited_too_long(std::int64_t tick, Member::Clock::time_point no
       continue;
     }
     if (!member.waited_since) member.waited_since = now;
-    const bool patient =
-        alone || member.timeout.count() == 0 || member.on_timeout == protocol::OnTimeout::kHold;
+    const bool patient = (alone && !member.own_timeout) || member.timeout.count() == 0 ||
+                         member.on_timeout == protocol::OnTimeout::kHold;
     if (!late && !patient && now - *member.waited_since > member.timeout) late = &member;
   }
   return late;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "protocol/messages.h"
+#include "server/gateway/session_gate.h"
 
 namespace visum::gateway {
 
@@ -28,14 +29,19 @@ struct Member {
   std::chrono::nanoseconds timeout{};             // 0: none
   std::optional<Clock::time_point> waited_since;  // the world waits for it
   std::optional<Follows> follows;                 // of the Advance that waits
-  std::uint32_t grade = 4;                        // of lockstep: 2 or 4
+  std::uint32_t grade = 4;                        // of lockstep: 1, 2 or 4
   protocol::OnTimeout on_timeout = protocol::OnTimeout::kEnd;
-  std::string note;  // its own, what it is busy with
+  bool own_timeout = false;               // it asked for one, and has it also where it is alone
+  std::vector<std::uint32_t> parts;       // that its program commands by their buses
+  std::optional<std::uint32_t> bus_gate;  // grade 1: of this part's buses
+  std::optional<SessionGate> gate;        // grade 1: of sessions
+  std::string note;                       // its own, what it is busy with
 };
 
 class Members {
  public:
   Member* find(std::uint64_t session);
+  bool is_member(std::uint64_t session) const;
   Member& join(std::uint64_t session, const std::string& client, std::int64_t tick,
                std::chrono::nanoseconds timeout);
   bool leave(std::uint64_t session);  // false: was none
@@ -50,8 +56,8 @@ class Members {
   // After a reset or restore: everybody stands at `tick`.
   void rebase(std::int64_t tick);
   // Marks those that hold the world at `tick` as waited for since `now`, unmarks the rest. Returns the first
-  // that has been waited for longer than its time-out, where it has one. Who is alone is waited for without
-  // end: he may stand in a debugger for as long as he likes.
+  // that has been waited for longer than its time-out, where it has one. Who is alone and asked for none is
+  // waited for without end: he may stand in a debugger for as long as he likes.
   Member* waited_too_long(std::int64_t tick, Member::Clock::time_point now);
 
  private:

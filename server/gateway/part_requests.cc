@@ -1,4 +1,6 @@
 // What is asked of parts: ports, leases, parameters, blackboards.
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -90,7 +92,11 @@ void Gateway::handle(const Call& call, const protocol::AcquireLease& request) {
   }
   auto* input = input_or_fail(call);
   if (!input) return;
-  if (others) lose_lease(*part, "taken by '" + call.session.client_name() + "'");
+  if (others) {
+    spdlog::warn("'{}' at {} takes the lease of '{}' from '{}'", call.session.client_name(),
+                 call.session.peer(), request.part, lease.owner);
+    lose_lease(*part, "taken by '" + call.session.client_name() + "'");
+  }
   const auto epoch = leases_.grant(*part, call.session.id(), call.session.client_name());
   input->kind = Input::Kind::kLeaseGranted;
   input->part = *part;
@@ -184,7 +190,10 @@ void Gateway::handle(const Call& call, const protocol::GetParameters& request) {
 void Gateway::handle(const Call& call, const protocol::SetParameter& request) {
   const auto part = part_or_fail(call, request.part);
   if (!part) return;
-  if (call.session.role() < protocol::Role::kAdmin && !lease_or_fail(call, *part)) return;
+  // What anybody may do, an emergency stop, waits for nobody's lease.
+  const bool needs_lease =
+      call.session.role() < protocol::Role::kAdmin && role_needed(request) > protocol::Role::kObserver;
+  if (needs_lease && !lease_or_fail(call, *part)) return;
   if (const auto* number = std::get_if<double>(&request.value); number && !std::isfinite(*number))
     return call.fail(ErrorCode::kBadValue, "'" + request.name + "' must be a finite number");
   const auto known = names_of(world_.parts[*part]->description().parameters);

@@ -42,6 +42,9 @@ protocol::ServerStatus Gateway::server_status(const Published& now) const {
     status.lockstep.push_back({member.client, member.granted_tick, std::chrono::nanoseconds(waited).count(),
                                member.grade, member.note});
   }
+  for (const auto& [id, client] : clients_)
+    if (client.session->role() >= protocol::Role::kController && !members_.is_member(id) && !is_gated(client))
+      status.free_running.push_back(client.session->client_name());
   for (std::size_t i = 0; i < cycle::kPhases; ++i)
     status.phases.push_back({cycle::kPhaseNames[i], now.phases[i].mean_ns, now.phases[i].max_ns});
   return status;

@@ -19,6 +19,7 @@ Header header_of(const scene::Scene& scene, const Origin& origin) {
   header.scene_file = key_of(scene.file);
   header.scene = scene.name;
   header.engine = origin.engine;
+  header.parameters = origin.parameters;
   header.clock = scene::name_of(scene.clock);
   header.seed = scene.seed;
   header.tick_ns = scene.world.tick_ns;

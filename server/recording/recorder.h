@@ -18,8 +18,9 @@ class Scribe;
 
 // What the scene was made of, beside itself.
 struct Origin {
-  config::Files files;  // all that was read for it
-  std::string engine;   // instead of the scene's; empty: none
+  config::Files files;       // all that was read for it
+  std::string engine;        // instead of the scene's; empty: none
+  std::string parameters{};  // of the scene's file, as scene::Options has them
 };
 
 class Recorder : public cycle::Witness {

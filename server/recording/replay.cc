@@ -18,7 +18,7 @@ using Adjust = std::function<void(scene::Scene&)>;
 
 std::unique_ptr<cycle::Simulation> make_world(const Header& header, const Adjust& adjust,
                                               const PluginFolders& plugins) {
-  auto scene = scene::load_scene(header.scene_file, {header.engine, plugins});
+  auto scene = scene::load_scene(header.scene_file, {header.engine, plugins, header.parameters});
   scene.seed = header.seed;
   if (adjust) adjust(scene);
   return std::make_unique<cycle::Simulation>(std::move(scene));

@@ -76,6 +76,7 @@ struct Scene {
 struct Options {
   std::string engine;  // --engine: replaces every engine of the scene; empty: as the scene says
   std::vector<std::filesystem::path> plugin_folders;  // where plug-ins may come from
+  std::string parameters;  // --parameters: values of the file's parameters, a YAML map; empty: its defaults
 };
 
 Scene load_scene(const std::filesystem::path& file, const Options& options = {});

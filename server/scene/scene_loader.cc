@@ -170,6 +170,13 @@ class Loader {
   config::ExpansionBudget budget_;
 };
 
+std::optional<Node> given_parameters(const Options& options) {
+  if (options.parameters.empty()) return {};
+  const Node given = config::load_text(options.parameters, "--parameters");
+  if (given.kind() != Node::Kind::kMap) given.fail("must be a map, as {mass: 2}");
+  return given;
+}
+
 void apply(const Options& options, Scene& scene) {
   if (options.engine.empty()) return;
   for (world::EngineSetting& engine : scene.world.engines) engine.name = options.engine;
@@ -223,7 +230,7 @@ Scene load_scene(const fs::path& file, const Options& options) {
   Scene scene = empty_scene(file);
   Draft draft(scene);
   draft.plugin_folders = options.plugin_folders;
-  Loader(draft, nullptr).read_file(file, std::nullopt, nullptr);
+  Loader(draft, nullptr).read_file(file, given_parameters(options), nullptr);
   finish(draft, options);
   return scene;
 }
@@ -234,7 +241,7 @@ std::optional<Scene> load_scene(const fs::path& file, const Options& options,
   Draft draft(scene);
   draft.plugin_folders = options.plugin_folders;
   try {
-    Loader(draft, &errors).read_file(file, std::nullopt, nullptr);
+    Loader(draft, &errors).read_file(file, given_parameters(options), nullptr);
     if (errors.empty()) finish(draft, options);
   } catch (const config::ConfigError& error) {
     errors.push_back(error);

@@ -134,7 +134,8 @@ class Worlds(Scenario):
 
     def test_every_clock(self):
         for clock in ("lockstep", "free", "realtime"):
-            result, _ = self.run_it("until: {at_s: 0.05}\n", "--clock", clock)
+            # A host that is busy with other tests may be late as often as it likes.
+            result, _ = self.run_it("until: {at_s: 0.05}\nmax_overruns: 1\n", "--clock", clock)
             self.assertGreaterEqual(result["sim_seconds"], 0.05)
 
     def test_many_side_by_side(self):

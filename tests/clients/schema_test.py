@@ -80,7 +80,7 @@ class Schema(unittest.TestCase):
         bounds = {"below", "above", "between", "equals", "within"}
         for quantity in set(condition) - bounds:
             self.assertIn(f"`{quantity}: {{", PAGE, quantity)
-        for action in set(SCHEMA["$defs"]["timeline_entry"]["properties"]) - {"at_s", "when"}:
+        for action in set(SCHEMA["$defs"]["timeline_entry"]["properties"]) - {"at_s", "when", "repeat"}:
             self.assertRegex(PAGE, rf"(?m)^\| `{action}: ", action)
         for key in SCHEMA["properties"]:
             self.assertRegex(PAGE, rf"(?m)^\| .*`{key}`", key)

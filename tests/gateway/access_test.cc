@@ -29,6 +29,14 @@ TEST(Access, EveryRequestNeedsTheRoleOfTheTable) {
     EXPECT_EQ(role_needed(request), Role::kAdmin) << request.index();
 }
 
+TEST(Access, AnybodyMayPullAnEmergencyStopAndAControllerReleasesIt) {
+  using namespace protocol;
+  EXPECT_EQ(role_needed(SetParameter{"arm", "Emergency Stop", true}), Role::kObserver);
+  EXPECT_EQ(role_needed(SetParameter{"arm", "Emergency Stop", false}), Role::kController);
+  EXPECT_EQ(role_needed(SetParameter{"arm", "Emergency Stop", 1.0}), Role::kController);
+  EXPECT_EQ(role_needed(SetParameter{"arm", "Supply Voltage", true}), Role::kController);
+}
+
 class TokenFile : public testing::Test {
  protected:
   std::filesystem::path write(const std::string& text) {
@@ -50,15 +58,15 @@ class TokenFile : public testing::Test {
 
 TEST_F(TokenFile, GivesAtMostTheRoleOfItsToken) {
   const Tokens tokens(write("# the lab\nobserver 0123456789abcdef\nadmin    fedcba9876543210\n"));
-  EXPECT_EQ(tokens.grant("0123456789abcdef", Role::kAdmin), Role::kObserver);
-  EXPECT_EQ(tokens.grant("fedcba9876543210", Role::kAdmin), Role::kAdmin);
-  EXPECT_EQ(tokens.grant("fedcba9876543210", Role::kController), Role::kController);
+  EXPECT_EQ(tokens.grant("0123456789abcdef", "", Role::kAdmin), Role::kObserver);
+  EXPECT_EQ(tokens.grant("fedcba9876543210", "", Role::kAdmin), Role::kAdmin);
+  EXPECT_EQ(tokens.grant("fedcba9876543210", "", Role::kController), Role::kController);
 }
 
 TEST_F(TokenFile, LetsNobodyInWithoutAToken) {
   const Tokens tokens(write("admin fedcba9876543210\n"));
   for (const auto* token : {"", "f", "fedcba987654321", "fedcba98765432100", "fedcba9876543211"})
-    EXPECT_EQ(tokens.grant(token, Role::kObserver), Role::kUnspecified) << token;
+    EXPECT_EQ(tokens.grant(token, "", Role::kObserver), Role::kUnspecified) << token;
 }
 
 TEST_F(TokenFile, NamesTheLineThatIsWrong) {

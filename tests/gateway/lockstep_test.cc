@@ -73,6 +73,55 @@ TEST(Lockstep, OthersGoOnWhereATimeOutIsToStopOrFreeItsClient) {
   }
 }
 
+constexpr double kControllerLost = 6.0;  // of the port Part State
+
+// With a time-out of its own, as `visum exec --wait`.
+Join late(OnTimeout on_timeout) {
+  return {100'000'000, 2, on_timeout, {}, {"arm"}};
+}
+
+TEST(Lockstep, WhoIsAloneAndLateIsThrownOutWhereItAskedForThat) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto alone = daemon.connect("alone");
+  alone.request(late(OnTimeout::kEnd));
+  while (!alone.request_as<ServerStatus>(Status{}).lockstep.empty()) alone.next(std::chrono::milliseconds(1));
+  EXPECT_EQ(refusal_of([&] { advance(alone, 1); }).code(), ErrorCode::kWrongState);
+}
+
+TEST(Lockstep, WhoGoesOnInRealTimeTakesTheWorldWithIt) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto client = daemon.connect("dropped");
+  client.request(Join{});
+  advance(client, 1);
+  client.request(Leave{});
+  client.request(late(OnTimeout::kFree));
+  while (client.request_as<ServerStatus>(Status{}).tick < 20) client.next(std::chrono::milliseconds(1));
+  EXPECT_EQ(client.request_as<ServerStatus>(Status{}).free_running, std::vector<std::string>{"dropped"});
+}
+
+TEST(Lockstep, PartsThatAreCommandedByTheirBusesStopToo) {
+  for (const auto on_timeout : {OnTimeout::kEnd, OnTimeout::kStop, OnTimeout::kFree}) {
+    RunningDaemon daemon(scene::ClockKind::kLockstep);
+    auto waiting = daemon.connect("waiting"), asleep = daemon.connect("asleep");
+    waiting.request(Join{});
+    asleep.request(late(on_timeout));
+    const auto first = waiting.send(Advance{10});
+    try {
+      waiting.wait(first);
+    } catch (const RequestError&) {  // kEnd
+    }
+    advance(waiting, 10);
+    const bool stopped = sensor(waiting, "Part State") == kControllerLost;
+    EXPECT_EQ(stopped, on_timeout != OnTimeout::kFree) << static_cast<int>(on_timeout);
+  }
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto client = daemon.connect("confused");
+  EXPECT_EQ(refusal_of([&] {
+              client.request(Join{0, 2, OnTimeout::kEnd, {}, {"leg"}});
+            }).code(),
+            ErrorCode::kUnknownName);
+}
+
 TEST(Lockstep, StepsNeedAJoinAndSaneNumbers) {
   RunningDaemon daemon(scene::ClockKind::kLockstep);
   auto client = daemon.connect("confused");

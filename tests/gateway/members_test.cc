@@ -50,6 +50,14 @@ TEST(Members, WhoeverIsAloneHasNoTimeOut) {
   EXPECT_EQ(members.find(1)->waited_since, kNow) << "but Status tells since when";
 }
 
+TEST(Members, WhoAskedForATimeOutHasItAlsoWhereHeIsAlone) {
+  Members members;
+  members.join(1, "alone", 0, 1s).own_timeout = true;
+  members.waited_too_long(0, kNow);
+  EXPECT_EQ(members.waited_too_long(0, kNow + 900ms), nullptr);
+  EXPECT_EQ(members.waited_too_long(0, kNow + 2s), members.find(1));
+}
+
 TEST(Members, WhoMayHoldTheWorldHasNoTimeOut) {
   Members members;
   members.join(1, "holds", 0, 1s).on_timeout = protocol::OnTimeout::kHold;

@@ -54,6 +54,7 @@ ServerStatus status() {
   s.buses = {{"arm", "pty:/tmp/arm.tty"}, {"arm", "tcp:40123"}};
   s.stuck_node = "agent 'explorer'";
   s.stuck_ns = 1'200'000'000;
+  s.free_running = {"joystick", "page"};
   return s;
 }
 
@@ -130,7 +131,11 @@ Samples<Request> sample_requests() {
       {"set_parameter_text", SetParameter{"arm", "loss_reaction", std::string("h\xC3\xB6ld")}},
       {"read_blackboard", ReadBlackboard{"arm", "log", 16, 32}},
       {"write_blackboard", WriteBlackboard{"arm", "log", 4, bytes({0, 255, 10, 0})}},
-      {"join", Join{2'000'000'000, 2, OnTimeout::kFree}},
+      {"join", Join{2'000'000'000,
+                    1,
+                    OnTimeout::kFree,
+                    Gate{"arm", "poller", 20'000'000, 3, {std::byte{0x0B}, std::byte{0x10}}},
+                    {"arm", "gripper"}}},
       {"advance", Advance{10, true, 77, {{40123, 1'234'567'890'123, 17}}}},
       {"leave", Leave{}},
       {"describe_world", DescribeWorld{}},

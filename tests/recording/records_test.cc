@@ -83,9 +83,9 @@ TEST(Records, BytesThatAreNoInputAreRefused) {
 
 TEST(Records, TheHeaderAndTheTickComeBack) {
   std::vector<std::byte> bytes;
-  Header header{kFormat,      "/a/s.yaml", "s",       "ode",
-                "free",       42,          1'000'000, {"1", "abc", "gcc", "x86-64", {"ode"}},
-                {{"f", 7, 9}}};
+  Header header{kFormat,       "/a/s.yaml", "s",       "ode",
+                "free",        42,          1'000'000, {"1", "abc", "gcc", "x86-64", {"ode"}},
+                {{"f", 7, 9}}, "{mass: 2}"};
   encode(header, bytes);
   Header back;
   ASSERT_TRUE(decode(bytes, back));
@@ -94,6 +94,7 @@ TEST(Records, TheHeaderAndTheTickComeBack) {
   EXPECT_EQ(back.build, header.build);
   ASSERT_EQ(back.files.size(), 1u);
   EXPECT_EQ(back.files[0].crc, 9u);
+  EXPECT_EQ(back.parameters, "{mass: 2}");
 
   bytes.clear();
   encode(Tick{3, 1, 3'000'000, 0xFEDCBA9876543210u, "arm/link_3 flies away"}, bytes);

@@ -55,6 +55,23 @@ std::vector<std::string> names(const Scene& scene) {
   return all;
 }
 
+TEST(SceneLanguage, ParametersOfTheFirstFileComeFromTheOptions) {
+  const test::TempFiles files;
+  const auto file = files.write("post.yaml", kPost);
+  Options options;
+  options.parameters = "{name: a, height: 3}";
+  EXPECT_EQ(body(load_scene(file, options), "a").X_WB.p[2], 1.5);
+  options.parameters = "{name: a, hight: 3}";
+  EXPECT_EQ(files.error_of([&] { load_scene(file, options); }),
+            "--parameters:1: unknown key 'hight'; did you mean 'height'?");
+  options.parameters = "[1]";
+  EXPECT_EQ(files.error_of([&] { load_scene(file, options); }),
+            "--parameters:1: must be a map, as {mass: 2}");
+  options.parameters = "{name: a}";
+  const auto none = files.write("none.yaml", "visum: 1");
+  EXPECT_THAT(files.error_of([&] { load_scene(none, options); }), HasSubstr("has no parameters"));
+}
+
 TEST(SceneLanguage, ParametersHaveDefaultsThatMayBuildOnEachOther) {
   const Scene scene = load("include: [{file: post.yaml, parameters: {name: a, height: 3}}]");
   EXPECT_EQ(body(scene, "a").X_WB.p[2], 1.5);

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple
 
-from visum.connection import VERSION, Connection, pb
+from visum.connection import VERSION, Connection, TlsFiles, pb
 from visum.errors import Error, ErrorCode, nearest_hint
 from visum.part import Part
 from visum.world import World, WorldView
@@ -30,15 +30,20 @@ class ServerInfo(NamedTuple):
 
 class Client:
     """Connects at construction; a context manager that closes. `name` is shown to others as the owner of leases;
-    `role` is observer, controller or admin. Keeps trying for `connect_timeout_s` while nobody listens."""
+    `role` is observer, controller or admin. Keeps trying for `connect_timeout_s` while nobody listens. `tls_ca`,
+    `tls_cert` and `tls_key` are for a server that speaks TLS; without them $VISUM_TLS_CA, $VISUM_TLS_CERT, $VISUM_TLS_KEY."""
 
     def __init__(self, address: str = "127.0.0.1:1500", *, name: str = "python", role: str = "controller",
-                 token_file: str | Path | None = None, connect_timeout_s: float = 5.0) -> None:
+                 token_file: str | Path | None = None, connect_timeout_s: float = 5.0, tls_ca: str | Path | None = None,
+                 tls_cert: str | Path | None = None, tls_key: str | Path | None = None) -> None:
         if role not in _ROLES:
             raise Error(ErrorCode.MISUSE, f"no role '{role}'{nearest_hint(role, list(_ROLES))}")
         token = Path(token_file).read_bytes().strip() if token_file else b""
         hello = pb.Hello(min_version=VERSION, max_version=VERSION, client_name=name, role=_ROLES[role], token=token)
-        self.connection = Connection(address, hello, connect_timeout_s)
+        tls = TlsFiles(*(str(file) if file else None for file in (tls_ca, tls_cert, tls_key)))
+        if not any(tls):
+            tls = TlsFiles.of_environment()
+        self.connection = Connection(address, hello, connect_timeout_s, tls)
         welcome = self.connection.welcome
         self.server = ServerInfo(welcome.server, welcome.scene, welcome.clock, welcome.tick_ns, welcome.simulated)
         self.tick = 0  # as of the last join or advance

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import socket
+import ssl
 import struct
 import time
 from collections import deque
+from typing import NamedTuple
 
 from visum.errors import Error, ErrorCode
 
@@ -28,6 +31,32 @@ def parse_address(text: str) -> tuple[str, int]:
     return host.strip("[]") or "127.0.0.1", int(port)
 
 
+class TlsFiles(NamedTuple):
+    """PEM files: who signed the server's certificate, our own certificate, its key."""
+
+    ca: str | None = None
+    cert: str | None = None
+    key: str | None = None
+
+    @staticmethod
+    def of_environment() -> TlsFiles:
+        return TlsFiles(*(os.environ.get(f"VISUM_TLS_{name}") or None for name in ("CA", "CERT", "KEY")))
+
+
+def _secure(plain: socket.socket, address: str, files: TlsFiles) -> socket.socket:
+    """The same connection over TLS 1.3, with certificates on both sides."""
+    try:
+        if not all(files):
+            raise Error(ErrorCode.MISUSE, "TLS needs three files: tls_ca, tls_cert and tls_key")
+        context = ssl.create_default_context(cafile=files.ca)
+        context.minimum_version = ssl.TLSVersion.TLSv1_3
+        context.load_cert_chain(files.cert, files.key)
+        return context.wrap_socket(plain, server_hostname=parse_address(address)[0])
+    except (OSError, ssl.SSLError) as error:
+        plain.close()
+        raise Error(ErrorCode.UNAUTHENTICATED, f"TLS with {address}: {error}") from error
+
+
 def _connect(address: str, patience_s: float) -> socket.socket:
     """Tries until somebody listens or the time is over, with pauses that double."""
     end = time.monotonic() + patience_s
@@ -45,7 +74,7 @@ def _connect(address: str, patience_s: float) -> socket.socket:
 class Connection:
     """One session. Requests are answered in the order in which they are sent."""
 
-    def __init__(self, address: str, hello: pb.Hello, patience_s: float) -> None:
+    def __init__(self, address: str, hello: pb.Hello, patience_s: float, tls: TlsFiles = TlsFiles()) -> None:
         self._next_id = 1
         self._received = bytearray()
         self._replies: dict[int, pb.ServerMessage] = {}
@@ -54,6 +83,8 @@ class Connection:
         self.latest_world: pb.WorldSample | None = None
         self._socket = _connect(address, patience_s)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        if any(tls):
+            self._socket = _secure(self._socket, address, tls)
         self.welcome: pb.Welcome = self.request(hello=hello).welcome
         self._socket.settimeout(None)
 
@@ -130,8 +161,10 @@ class Connection:
         while len(self._received) < size:
             try:
                 chunk = self._socket.recv(65536)
-            except BlockingIOError:
-                raise
+            except (BlockingIOError, ssl.SSLWantReadError) as wait:
+                raise BlockingIOError from wait
+            except ssl.SSLError as error:  # the server did not accept our certificate
+                raise Error(ErrorCode.UNAUTHENTICATED, f"TLS: {error}") from error
             except OSError as error:
                 raise Error(ErrorCode.CONNECTION, f"the connection is gone: {error}") from error
             if not chunk:

@@ -32,6 +32,10 @@ class JsonWriter {
   }
   JsonWriter& number(const std::string& digits) { return raw(digits); }  // already in JSON's form
   JsonWriter& null() { return raw("null"); }
+  JsonWriter& new_line() {  // between two values, for readers with lines of bounded length
+    text_ += '\n';
+    return *this;
+  }
 
   template <typename T>
   JsonWriter& member(std::string_view name, const T& content) {

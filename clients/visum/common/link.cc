@@ -24,7 +24,7 @@ protocol::Connection open_link(const LinkOptions& options, protocol::Role role,
                               read_token(options, role)};
   try {
     const auto [host, port] = protocol::parse_address(options.connect);
-    return protocol::Connection(host, port, hello);
+    return protocol::Connection(host, port, hello, std::chrono::seconds(5), options.tls);
   } catch (const std::invalid_argument& error) {
     throw ExitError(kUsage, std::string("--connect: ") + error.what());
   }

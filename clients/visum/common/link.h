@@ -12,6 +12,7 @@ namespace visum::cli {
 struct LinkOptions {
   std::string connect = "127.0.0.1:1500";
   std::string token_file;
+  protocol::TlsFiles tls;
   bool json = false;
 };
 

@@ -46,6 +46,13 @@ std::vector<Placement> placements_of(const std::vector<TtyOption>& ttys,
   return all;
 }
 
+std::string part_of_can(const CanOption& can, const std::vector<protocol::PartBus>& buses) {
+  if (!can.part.empty()) return can.part;
+  for (const auto& bus : buses)
+    if (bus.name.starts_with("tcp:")) return bus.part;
+  return {};  // lead_can() refuses that
+}
+
 void lead_can(const CanOption& can, const std::vector<protocol::PartBus>& buses) {
   const auto folder = run::own_folder().parent_path() / "lib" / "visum-can";
   const auto library = folder / (can.vendor == "esd" ? "libntcan.so" : "libpcan.so");

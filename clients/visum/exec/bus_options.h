@@ -24,6 +24,8 @@ CanOption parse_can(const std::string& text);
 // Where the devices' buses stand on this machine. Throws ExitError.
 std::vector<Placement> placements_of(const std::vector<TtyOption>& ttys,
                                      const std::vector<protocol::PartBus>& buses);
+// The part whose bus it is: the first that has one, where none is named.
+std::string part_of_can(const CanOption& can, const std::vector<protocol::PartBus>& buses);
 // The vendor's library of ours in the environment: a program's own library of that vendor is found in our
 // folder first, and knows where the bus is. Buses are on the server's loopback, and so must the program be.
 void lead_can(const CanOption& can, const std::vector<protocol::PartBus>& buses);

@@ -32,8 +32,14 @@ bool is_ready(const Slot& slot, std::int64_t now_ns) {
 
 }  // namespace
 
-Keeper::Keeper(TimeChannel& channel, WorldLink& world, pid_t program, Clock::time_point give_up)
-    : channel_(channel), memory_(channel.memory()), world_(world), program_(program), give_up_(give_up) {}
+Keeper::Keeper(TimeChannel& channel, WorldLink& world, pid_t program, std::int64_t period_ticks,
+               Clock::time_point give_up)
+    : channel_(channel),
+      memory_(channel.memory()),
+      world_(world),
+      program_(program),
+      period_ticks_(period_ticks),
+      give_up_(give_up) {}
 
 // The rules, aloud: one thread at a time; who is due before who may look again; then the buses; then time.
 int Keeper::run() {
@@ -204,16 +210,22 @@ bool Keeper::awaits_answer() {
 // somebody wakes up by himself.
 void Keeper::advance() {
   const auto until = earliest();
-  const auto now = memory_.now_ns.load();
   if (awaits_answer() || (until == shim::kNever && !somebody_on_bus())) {
     if (memory_.dirty) advance_by(0);
     shim::futex_wait(memory_.bell, quiet_bell_, kWatch_ns);
     return;
   }
-  const auto ticks =
-      until == shim::kNever ? kMostTicks : (until - now + world_.tick_ns() - 1) / world_.tick_ns();
-  advance_by(std::min(kMostTicks, ticks));
+  advance_by(until == shim::kNever ? kMostTicks : ticks_to(until));
   ring_alarms();
+}
+
+// To the first period that begins then or later; or a part of the way.
+std::int64_t Keeper::ticks_to(std::int64_t until_ns) const {
+  const auto tick_ns = world_.tick_ns(), now_ns = memory_.now_ns.load();
+  const auto ticks = (until_ns - now_ns + tick_ns - 1) / tick_ns;
+  if (ticks > kMostTicks) return kMostTicks;
+  const auto end = now_ns / tick_ns + ticks;
+  return ticks + (period_ticks_ - end % period_ticks_) % period_ticks_;
 }
 
 bool Keeper::advance_by(std::int64_t ticks) {

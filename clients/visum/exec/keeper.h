@@ -20,8 +20,10 @@ class Keeper {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // `program`: a child of ours. `give_up`: when to end the run.
-  Keeper(TimeChannel& channel, WorldLink& world, pid_t program, Clock::time_point give_up);
+  // `program`: a child of ours, which wakes up at multiples of `period_ticks`. `give_up`: when to end the
+  // run.
+  Keeper(TimeChannel& channel, WorldLink& world, pid_t program, std::int64_t period_ticks,
+         Clock::time_point give_up);
 
   // Until the program has ended; its status as waitpid() has it. Throws ExitError: kTimedOut, kLost.
   int run();
@@ -59,6 +61,7 @@ class Keeper {
   void advance();
   bool advance_by(std::int64_t ticks);
   std::int64_t earliest() const;
+  std::int64_t ticks_to(std::int64_t until_ns) const;
   bool somebody_on_bus();
   bool awaits_answer();
   void ring_alarms();
@@ -70,6 +73,7 @@ class Keeper {
   shim::Shared& memory_;
   WorldLink& world_;
   pid_t program_;
+  std::int64_t period_ticks_;
   Clock::time_point give_up_;
   Threads threads_;
   std::array<Watched, shim::kMostThreads> watched_{};

@@ -24,6 +24,7 @@ std::string text_of(const Slot& slot) {
 }  // namespace
 
 void Keeper::watch() {
+  world_.look();
   for (auto& slot : channel_.slots())
     if (slot.state == State::kRunning || slot.state == State::kStarting) look_after(slot);
   const auto busy_for = Clock::now() - quiet_since_;

@@ -36,6 +36,31 @@ void hand_signals_on() {
   std::signal(SIGINT, SIG_IGN);
 }
 
+struct Descriptor {
+  explicit Descriptor(int the_fd) : fd(the_fd) {}
+  ~Descriptor() {
+    if (fd >= 0) ::close(fd);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int fd;
+};
+
+// For poll().
+int milliseconds_until(std::chrono::steady_clock::time_point when) {
+  using std::chrono::milliseconds;
+  if (when == std::chrono::steady_clock::time_point::max()) return -1;
+  const auto left = std::chrono::ceil<milliseconds>(when - std::chrono::steady_clock::now()).count();
+  return static_cast<int>(std::clamp<long>(left, 0, kLongestPoll_ms));
+}
+
+int reap(pid_t program) {
+  int status = 0;
+  while (::waitpid(program, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
 [[noreturn]] void be_program(const std::vector<std::string>& command,
                              const std::vector<Placement>& placements, pid_t parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -73,24 +98,22 @@ pid_t launch(const std::vector<std::string>& command, const std::vector<Placemen
   return pid;
 }
 
-int await_end(pid_t program, std::chrono::steady_clock::time_point give_up) {
+int await_end(pid_t program, std::chrono::steady_clock::time_point give_up, int fd,
+              const std::function<void()>& on_readable) {
   using Clock = std::chrono::steady_clock;
-  const bool forever = give_up == Clock::time_point::max();
-  const int fd = static_cast<int>(::syscall(SYS_pidfd_open, program, 0));
-  pollfd ended{fd, POLLIN, 0};
-  for (auto left = give_up - Clock::now(); fd >= 0 && left > Clock::duration::zero();
-       left = give_up - Clock::now()) {
-    const auto ms = forever ? -1 : std::chrono::ceil<std::chrono::milliseconds>(left).count();
-    if (::poll(&ended, 1, static_cast<int>(std::min<long>(ms, kLongestPoll_ms))) != 0) break;
+  const Descriptor ended(static_cast<int>(::syscall(SYS_pidfd_open, program, 0)));
+  pollfd set[] = {{ended.fd, POLLIN, 0}, {fd, POLLIN, 0}};
+  try {
+    while (set[0].revents == 0 && ended.fd >= 0) {
+      if (Clock::now() >= give_up) throw cli::ExitError(cli::kTimedOut, "the program has not ended in time");
+      if (::poll(set, 2, milliseconds_until(give_up)) > 0 && set[1].revents != 0) on_readable();
+    }
+  } catch (...) {
+    ::kill(program, SIGKILL);
+    reap(program);
+    throw;
   }
-  if (fd >= 0) ::close(fd);
-  const bool late = Clock::now() >= give_up;
-  if (late) ::kill(program, SIGKILL);
-  int status = 0;
-  while (::waitpid(program, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (late) throw cli::ExitError(cli::kTimedOut, "the program has not ended in time");
-  return status;
+  return reap(program);
 }
 
 int exit_code_of(int status, const std::string& program) {

@@ -5,6 +5,7 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,9 +22,10 @@ int become(std::vector<std::string> command);
 // word on stderr. Throws ExitError(kFailed) where there is no process left.
 pid_t launch(const std::vector<std::string>& command, const std::vector<Placement>& placements);
 
-// Until it has ended: its status, as waitpid() has it. Throws ExitError(kTimedOut) at `give_up`, after
-// killing it.
-int await_end(pid_t program, std::chrono::steady_clock::time_point give_up);
+// Until it has ended: its status, as waitpid() has it. Throws ExitError(kTimedOut) at `give_up`, and what
+// `on_readable` throws, which is called when `fd` is readable; both after killing it.
+int await_end(pid_t program, std::chrono::steady_clock::time_point give_up, int fd = -1,
+              const std::function<void()>& on_readable = {});
 
 // Its exit code as `visum exec` gives it on: its own, or kLost, with a word on stderr, where a signal ended
 // it.

@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <memory>
 #include <utility>
@@ -37,7 +38,8 @@ LockstepEnd run_in_lockstep(protocol::Connection connection, const LockstepPlan&
   channel.set_session_port(plan.session_port);
   channel.export_to_environment();
   const pid_t program = launch(plan.command, plan.placements);
-  keeper = std::make_unique<Keeper>(channel, world, program, plan.give_up);
+  keeper = std::make_unique<Keeper>(
+      channel, world, program, std::max<std::int64_t>(1, plan.period_ns / world.tick_ns()), plan.give_up);
   try {
     const int status = keeper->run();
     keeper->kill_all();

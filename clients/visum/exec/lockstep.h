@@ -17,6 +17,7 @@ struct LockstepPlan {
   std::vector<Placement> placements;
   std::uint16_t session_port = 0;  // the server's own
   protocol::Join join;
+  std::int64_t period_ns = 0;  // of the program's wake-ups, whole ticks; 0: a tick
   std::chrono::steady_clock::time_point give_up = std::chrono::steady_clock::time_point::max();
 };
 
@@ -25,8 +26,11 @@ struct LockstepEnd {
   protocol::ServerStatus world;
 };
 
-// Runs it. `connection` becomes a member of the lockstep. Throws ExitError: kUsage (the server's clock is
-// another), kTimedOut, kLost (the world), kFailed; nothing of the program is left then.
+// Runs it under the time shim (grade L2). `connection` becomes a member of the lockstep. Throws ExitError:
+// kUsage (the server's clock is another), kTimedOut, kLost (the world), kFailed; nothing of the program is
+// left then.
 LockstepEnd run_in_lockstep(protocol::Connection connection, const LockstepPlan& plan);
+// The same in real time, behind the gate of `plan.join` (grade L1).
+LockstepEnd run_gated(protocol::Connection connection, const LockstepPlan& plan);
 
 }  // namespace visum::exec

@@ -1,28 +1,31 @@
 #include "clients/visum/exec/world_link.h"
 
+#include <algorithm>
 #include <chrono>
+#include <thread>
 #include <utility>
 
 #include "clients/visum/common/exit_code.h"
+#include "clients/visum/exec/membership.h"
 
 namespace visum::exec {
 namespace {
 
 constexpr std::chrono::milliseconds kLook{20};
+constexpr std::int64_t kPiece_ns = 1'000'000;
 
 }  // namespace
 
 WorldLink::WorldLink(protocol::Connection connection, const protocol::Join& join, std::function<bool()> idle)
-    : connection_(std::move(connection)), idle_(std::move(idle)) {
-  if (connection_.welcome().clock != "lockstep")
-    throw cli::ExitError(cli::kUsage, "--lockstep: the server's clock is " + connection_.welcome().clock +
-                                          "; start visumd with --clock lockstep");
-  const auto joined = connection_.request_as<protocol::Advanced>(join);
+    : connection_(std::move(connection)), on_timeout_(join.on_timeout), idle_(std::move(idle)) {
+  const auto joined = exec::join(connection_, join);
   era_ = joined.era;
   world_ns_ = joined.sim_time_ns;
 }
 
 bool WorldLink::advance(std::int64_t ticks, std::vector<protocol::Stream>& streams) try {
+  look();
+  if (free_since_) return pass_freely(ticks), true;
   const auto id = connection_.send(protocol::Advance{ticks, true, bus_said_, streams});
   auto reply = connection_.wait_for(id, kLook);
   while (!reply) {
@@ -38,7 +41,28 @@ bool WorldLink::advance(std::int64_t ticks, std::vector<protocol::Stream>& strea
   }
   return true;
 } catch (const protocol::RequestError& error) {
-  throw cli::ExitError(cli::kLost, error.what());
+  look();
+  if (!free_since_) throw cli::ExitError(cli::kLost, error.what());
+  return pass_freely(ticks), true;
+}
+
+void WorldLink::look() {
+  if (free_since_) return;
+  const auto why = why_thrown_out(connection_);
+  if (!why) return;
+  if (on_timeout_ != protocol::OnTimeout::kFree) throw cli::ExitError(cli::kLost, *why);
+  say_dropped(*why);
+  free_since_ = Clock::now();
+  free_from_ns_ = world_ns_;
+}
+
+// Real time, in pieces: a bus may speak at any moment.
+void WorldLink::pass_freely(std::int64_t ticks) {
+  using std::chrono::nanoseconds;
+  spoke_ = true;
+  const auto until = world_ns_ + std::min(ticks * tick_ns(), kPiece_ns);
+  std::this_thread::sleep_until(*free_since_ + nanoseconds(until - free_from_ns_));
+  world_ns_ = until;
 }
 
 void WorldLink::follow(const protocol::Advanced& advanced) {
@@ -50,7 +74,8 @@ void WorldLink::follow(const protocol::Advanced& advanced) {
 }
 
 void WorldLink::note(const std::string& text) {
-  connection_.request(protocol::Note{text});
+  look();
+  if (!free_since_) connection_.request(protocol::Note{text});
 }
 
 protocol::ServerStatus WorldLink::status() {

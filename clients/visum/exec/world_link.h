@@ -1,8 +1,10 @@
 // The world that a program under the shim keeps in step with: a member of the server's lockstep. One thread.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,13 +31,22 @@ class WorldLink {
   bool spoke() const { return spoke_; }
 
   void note(const std::string& text);  // for `visum status`
+  // While the program runs: what the server says unasked. Throws ExitError(kLost) where we were too late, and
+  // are to end then; where the program goes on by itself, its time is the wall clock's from now on.
+  void look();
   protocol::ServerStatus status();
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   void follow(const protocol::Advanced& advanced);
+  void pass_freely(std::int64_t ticks);
 
   protocol::Connection connection_;
+  const protocol::OnTimeout on_timeout_;
   std::function<bool()> idle_;
+  std::optional<Clock::time_point> free_since_;  // out of the lockstep
+  std::int64_t free_from_ns_ = 0;                // world_ns_ then
   std::int64_t world_ns_ = 0, offset_ns_ = 0;
   std::uint64_t era_ = 0, bus_said_ = 0;
   bool spoke_ = false;

@@ -26,6 +26,16 @@ bool holds(const Bounds& bounds, double value) {
   return margin(bounds, value) >= 0.0;
 }
 
+std::vector<double> limits(const Bounds& bounds) {
+  std::vector<double> limits;
+  if (bounds.below) limits.push_back(*bounds.below);
+  if (bounds.above) limits.push_back(*bounds.above);
+  if (bounds.between) limits.insert(limits.end(), {bounds.between->first, bounds.between->second});
+  if (bounds.equals) limits.push_back(*bounds.equals - bounds.within);
+  if (bounds.equals && bounds.within > 0.0) limits.push_back(*bounds.equals + bounds.within);
+  return limits;
+}
+
 std::string to_text(const Bounds& bounds, const std::string& unit) {
   std::string text;
   const auto add = [&](const std::string& bound) { text += (text.empty() ? "" : " and ") + bound; };

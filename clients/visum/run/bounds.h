@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "clients/visum/run/scenario.h"
 
@@ -11,6 +12,7 @@ namespace visum::run {
 // nearest to breaking a bound has the smallest margin.
 double margin(const Bounds& bounds, double value);
 bool holds(const Bounds& bounds, double value);
+std::vector<double> limits(const Bounds& bounds);                    // the values at its edges
 std::string to_text(const Bounds& bounds, const std::string& unit);  // "below 0.01 m"
 
 }  // namespace visum::run

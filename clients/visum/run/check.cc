@@ -45,6 +45,7 @@ void Check::observe(const Observation& now) {
   const double value = quantity_.measure(quantity_, now);
   const double inside = margin(spec_.that.bounds, value);
   const bool good = holds(spec_.that.bounds, value);
+  course_.add(now_s, value);
   switch (window.kind) {
     case Window::Kind::kEnd:
       keep(value, inside, now_s);
@@ -70,6 +71,8 @@ CheckResult Check::result() const {
   result.passed = held_;
   result.value = value_;
   result.at_s = at_s_;
+  result.limits = limits(spec_.that.bounds);
+  result.course = course_.points();
   if (held_) return result;
   result.failure = result.text + " must be " + result.bound + " " + window_text(spec_.when) + ", ";
   if (!value_) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "clients/visum/run/course.h"
 #include "clients/visum/run/quantity.h"
 
 namespace visum::run {
@@ -15,9 +16,11 @@ struct CheckResult {
   std::string bound;  // "below 0.01 m"
   std::string unit;
   bool passed = false;
-  std::optional<double> value;  // at the end, the worst, or the best one, as the window has it
-  double at_s = 0.0;            // when it was measured
-  std::string failure;          // empty if passed
+  std::optional<double> value;        // at the end, the worst, or the best one, as the window has it
+  double at_s = 0.0;                  // when it was measured
+  std::string failure;                // empty if passed
+  std::vector<double> limits{};       // values between which it holds, for plots
+  std::vector<CoursePoint> course{};  // at the steps at which it was looked at
 };
 
 class Check {
@@ -35,6 +38,7 @@ class Check {
   const CheckSpec& spec_;
   Quantity quantity_;
   std::optional<double> value_;
+  Course course_;
   double margin_ = 0.0;
   double at_s_ = 0.0;
   bool held_ = false;  // as its window demands, so far

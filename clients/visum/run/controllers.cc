@@ -25,6 +25,20 @@ const protocol::LockstepMember* find_member(const protocol::ServerStatus& status
   return found == status.lockstep.end() ? nullptr : &*found;
 }
 
+// What a program that knows nothing of a clock is started by; empty: by nobody.
+std::vector<std::string> keeper_of(const ControllerSpec& spec, const std::string& connect) {
+  if (!spec.shim && spec.gate.empty()) return {};
+  std::vector<std::string> argv{(own_folder() / "visum").string(), "exec", "--name", spec.client};
+  if (spec.shim)
+    argv.push_back("--lockstep");
+  else
+    argv.insert(argv.end(), {"--gate", spec.gate});
+  if (spec.period_ms > 0.0) argv.insert(argv.end(), {"--period", cli::exact(spec.period_ms)});
+  if (spec.wait_s > 0.0) argv.insert(argv.end(), {"--wait", cli::exact(spec.wait_s)});
+  argv.insert(argv.end(), {"--on-timeout", spec.on_timeout, "--connect", connect, "--"});
+  return argv;
+}
+
 }  // namespace
 
 Controllers::Controllers(const std::vector<ControllerSpec>& specs,
@@ -52,10 +66,8 @@ void Controllers::start(double patience_s) {
 }
 
 void Controllers::start_one(Controller& controller) {
-  std::vector<std::string> argv;
-  if (controller.spec->shim && session_.clock() == "lockstep")
-    argv = {(own_folder() / "visum").string(), "exec",      "--lockstep",          "--name",
-            controller.spec->client,           "--connect", values_.at("connect"), "--"};
+  auto argv = session_.clock() == "lockstep" ? keeper_of(*controller.spec, values_.at("connect"))
+                                             : std::vector<std::string>();
   for (const std::string& word : controller.spec->command) argv.push_back(fill_in(word, values_));
   const auto hand_on = [this, spec = controller.spec](const std::string& line) {
     on_line_(spec->name, line);

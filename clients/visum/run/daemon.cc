@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <cstdlib>
 #include <system_error>
 
 #include "clients/visum/common/exit_code.h"
@@ -28,7 +29,9 @@ std::vector<std::string> command_line(const DaemonOptions& options) {
                                 std::to_string(options.port)};
   if (options.engine) argv.insert(argv.end(), {"--engine", *options.engine});
   for (const auto& bus : options.buses) argv.insert(argv.end(), {"--bus", bus});
+  if (options.speedup > 0.0) argv.insert(argv.end(), {"--speedup", cli::exact(options.speedup)});
   if (!options.record.empty()) argv.insert(argv.end(), {"--record", options.record});
+  if (!options.parameters.empty()) argv.insert(argv.end(), {"--parameters", options.parameters});
   for (const auto& folder : options.plugins) argv.insert(argv.end(), {"--plugins", folder});
   if (options.node_timeout_s)
     argv.insert(argv.end(), {"--node-timeout", cli::exact(*options.node_timeout_s)});
@@ -87,6 +90,8 @@ std::filesystem::path find_visumd() {
 
 Daemon::Daemon(const DaemonOptions& options, double patience_s, Vigil& vigil, ChildProcess::OnLine on_line)
     : vigil_(vigil) {
+  // It speaks plain text, on loopback: no client that is started for it is to try anything else.
+  for (const char* variable : {"VISUM_TLS_CA", "VISUM_TLS_CERT", "VISUM_TLS_KEY"}) ::unsetenv(variable);
   try {
     process_.emplace(
         "visumd", command_line(options),

@@ -22,8 +22,10 @@ struct DaemonOptions {
   std::optional<std::int64_t> seed;
   std::vector<std::string> buses{};    // as --bus takes them
   std::string record{};                // a recording's file; empty: none
+  std::string parameters{};            // of the scene, as --parameters takes them; empty: its defaults
   std::vector<std::string> plugins{};  // folders
   std::optional<double> node_timeout_s{};
+  double speedup = 0.0;  // 0: the scene's, and in lockstep none
 };
 
 // The folder of the program that runs now.

@@ -12,8 +12,11 @@
 namespace visum::run {
 
 struct Report {
-  std::string name, file, scene, clock, engine;  // engine: empty for the scene's own
-  std::int64_t seed = -1;                        // -1: the scene's own
+  std::string name, file, scene, clock, engine;            // engine: empty for the scene's own
+  std::int64_t seed = -1;                                  // -1: the scene's own
+  std::size_t run = 0;                                     // of a sweep, from 1; 0: there is none
+  std::vector<std::pair<std::string, std::string>> swept;  // its values, for people
+  std::string recording;                                   // a file; empty: none
   cli::ExitCode code = cli::kDone;
   std::string error;                  // why the run could not go to its end; empty if it did
   std::vector<std::string> failures;  // of the run as a whole, e.g. an end that never came
@@ -26,5 +29,9 @@ struct Report {
 
   bool passed() const { return code == cli::kDone; }
 };
+
+// "name", of a sweep's run "name [run 3: payload=2, seed=1]".
+std::string title(const Report& report);
+std::string swept_text(const Report& report);  // "payload=2, seed=1"
 
 }  // namespace visum::run

@@ -3,61 +3,47 @@
 #include <algorithm>
 
 #include "clients/visum/common/format.h"
-#include "clients/visum/common/utf8.h"
+#include "clients/visum/common/markup.h"
 
 namespace visum::run {
 namespace {
 
-// XML 1.0 has no way to write most control characters; they become '?'.
-std::string escaped(const std::string& text) {
-  std::string xml;
-  for (const char c : cli::valid_utf8(text)) {
-    switch (c) {
-      case '&':
-        xml += "&amp;";
-        break;
-      case '<':
-        xml += "&lt;";
-        break;
-      case '>':
-        xml += "&gt;";
-        break;
-      case '"':
-        xml += "&quot;";
-        break;
-      case '\n':
-        xml += "&#10;";
-        break;
-      default: {
-        const auto byte = static_cast<unsigned char>(c);
-        xml += (byte < 0x20 && c != '\t') || byte == 0x7f ? '?' : c;
-      }
-    }
-  }
-  return xml;
+std::string attribute(const char* name, const std::string& value) {
+  return std::string(" ") + name + "=\"" + cli::markup(value) + "\"";
 }
 
-std::string attribute(const char* name, const std::string& value) {
-  return std::string(" ") + name + "=\"" + escaped(value) + "\"";
-}
+struct Counts {
+  int cases = 0, failures = 0, errors = 0, skipped = 0;
+  double seconds = 0.0;
+
+  void add(const Counts& more) {
+    cases += more.cases;
+    failures += more.failures;
+    errors += more.errors;
+    skipped += more.skipped;
+    seconds += more.seconds;
+  }
+  std::string attributes() const {
+    return attribute("tests", std::to_string(cases)) + attribute("failures", std::to_string(failures)) +
+           attribute("errors", std::to_string(errors)) + attribute("skipped", std::to_string(skipped)) +
+           attribute("time", cli::fixed(seconds, 3));
+  }
+};
 
 class Suite {
  public:
-  explicit Suite(const Report& report) : report_(report), class_(attribute("classname", report.name)) {
+  explicit Suite(const Report& report) : report_(report), class_(attribute("classname", title(report))) {
+    counts_.seconds = report.wall_seconds;
     add_run();
     for (const auto& check : report.checks) add_check(check);
     for (const auto& controller : report.controllers) add_controller(controller);
   }
 
   std::string text() const {
-    const std::string counts =
-        attribute("tests", std::to_string(cases_)) + attribute("failures", std::to_string(failures_)) +
-        attribute("errors", std::to_string(errors_)) + attribute("skipped", std::to_string(skipped_));
-    const std::string time = attribute("time", cli::fixed(report_.wall_seconds, 3));
-    return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + counts + time + ">\n  <testsuite" +
-           attribute("name", report_.name) + counts + time + ">\n" + properties() + body_ +
-           "  </testsuite>\n</testsuites>\n";
+    return "  <testsuite" + attribute("name", title(report_)) + counts_.attributes() + ">\n" + properties() +
+           body_ + "  </testsuite>\n";
   }
+  const Counts& counts() const { return counts_; }
 
  private:
   std::string properties() const {
@@ -70,6 +56,8 @@ class Suite {
     add("clock", report_.clock);
     if (!report_.engine.empty()) add("engine", report_.engine);
     if (report_.seed >= 0) add("seed", std::to_string(report_.seed));
+    for (const auto& [name, value] : report_.swept) add(("sweep." + name).c_str(), value);
+    if (!report_.recording.empty()) add("recording", report_.recording);
     add("ticks", std::to_string(report_.ticks));
     add("sim_seconds", cli::exact(report_.sim_seconds));
     add("state_hash", cli::hex(report_.state_hash));
@@ -77,25 +65,25 @@ class Suite {
   }
 
   void add_case(const std::string& name, const std::string& content) {
-    ++cases_;
+    ++counts_.cases;
     body_ += "    <testcase" + class_ + attribute("name", name) + attribute("time", "0.000");
     body_ += content.empty() ? "/>\n" : ">\n" + content + "    </testcase>\n";
   }
 
   std::string failure(const std::string& message) {
-    ++failures_;
+    ++counts_.failures;
     return "      <failure" + attribute("message", message) + "/>\n";
   }
 
   std::string skipped() {
-    ++skipped_;
+    ++counts_.skipped;
     return "      <skipped message=\"the run did not come to it\"/>\n";
   }
 
   void add_run() {
     std::string content;
     if (!report_.error.empty()) {
-      ++errors_;
+      ++counts_.errors;
       content += "      <error" + attribute("message", report_.error) + "/>\n";
     } else if (!report_.failures.empty()) {
       std::string all;
@@ -111,8 +99,8 @@ class Suite {
     std::string content = check.passed ? std::string() : not_reached ? skipped() : failure(check.failure);
     if (check.value) {
       content += "      <system-out>" +
-                 escaped(check.text + " " + cli::exact(*check.value) + " " + check.unit + " at " +
-                         cli::fixed(check.at_s, 3) + " s") +
+                 cli::markup(check.text + " " + cli::exact(*check.value) + " " + check.unit + " at " +
+                             cli::fixed(check.at_s, 3) + " s") +
                  "</system-out>\n";
     }
     add_case(check.name, content);
@@ -122,20 +110,32 @@ class Suite {
     std::string content = controller.failure.empty() ? std::string() : failure(controller.failure);
     std::string output;
     for (const auto& line : controller.last_lines) output += line + "\n";
-    content += "      <system-out>" + escaped(output + controller.end) + "</system-out>\n";
+    content += "      <system-out>" + cli::markup(output + controller.end) + "</system-out>\n";
     add_case("controller " + controller.name, content);
   }
 
   const Report& report_;
   std::string class_;
   std::string body_;
-  int cases_ = 0, failures_ = 0, errors_ = 0, skipped_ = 0;
+  Counts counts_;
 };
 
 }  // namespace
 
+std::string report_junit(std::span<const Report> reports) {
+  Counts all;
+  std::string suites;
+  for (const Report& report : reports) {
+    const Suite suite(report);
+    suites += suite.text();
+    all.add(suite.counts());
+  }
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + all.attributes() + ">\n" + suites +
+         "</testsuites>\n";
+}
+
 std::string report_junit(const Report& report) {
-  return Suite(report).text();
+  return report_junit(std::span(&report, 1));
 }
 
 }  // namespace visum::run

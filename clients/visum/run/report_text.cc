@@ -64,8 +64,9 @@ std::string report_text(const Report& report, const cli::Style& style) {
   if (!report.engine.empty()) text += ", engine " + report.engine;
   if (report.seed >= 0) text += ", seed " + std::to_string(report.seed);
   text += ")\n" + check_lines(report, style) + trouble(report, style) + figures(report);
-  text += (report.passed() ? style.green("PASSED") : style.red("FAILED")) + ": " + std::to_string(passed) +
-          " of " + std::to_string(report.checks.size()) + " checks\n";
+  const bool invalid = report.code == cli::kInvalid;
+  text += (report.passed() ? style.green("PASSED") : style.red(invalid ? "INVALID" : "FAILED")) + ": " +
+          std::to_string(passed) + " of " + std::to_string(report.checks.size()) + " checks\n";
   return text;
 }
 
@@ -74,6 +75,7 @@ std::string report_json(const Report& report) {
   json.begin_object().member("passed", report.passed()).member("ticks", report.ticks);
   json.key("sim_seconds").number(with_point(report.sim_seconds));
   json.key("wall_seconds").number(with_point(report.wall_seconds));
+  if (report.code == cli::kInvalid) json.member("invalid", true);
   return json.member("state_hash", cli::hex(report.state_hash)).end_object().text();
 }
 

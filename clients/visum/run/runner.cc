@@ -82,6 +82,7 @@ class Run {
 
   void go();
   void collect();  // what is known so far, into the report
+  std::string why_invalid() { return run::why_invalid({}, session_.status(), scenario_.max_overruns); }
   void keep();
 
  private:
@@ -251,6 +252,12 @@ void judge(Report& report) {
   report.code = good ? cli::kDone : cli::kFailed;
 }
 
+// On a host that was too slow neither a success nor a failure says anything.
+void invalidate(Report& report, const std::string& why) {
+  if (report.code != cli::kDone && report.code != cli::kFailed) return;
+  fail(report, cli::kInvalid, report.error.empty() ? why : why + "; " + report.error);
+}
+
 void run_with(Daemon& daemon, const Scenario& scenario, const RunOptions& options, Vigil& vigil,
               Report& report) {
   std::optional<Run> run;
@@ -259,8 +266,12 @@ void run_with(Daemon& daemon, const Scenario& scenario, const RunOptions& option
     run->go();
   });
   if (!run) return;
+  std::string invalid;
+  Report at_the_end;  // a daemon that is gone is told of already
+  guard(at_the_end, nullptr, [&] { invalid = run->why_invalid(); });
   run->collect();
   judge(report);
+  if (!invalid.empty()) invalidate(report, invalid);
   if (report.code == cli::kDone || report.code == cli::kFailed) {
     Report afterwards;  // how the time after the scenario ends does not matter to its result
     guard(afterwards, &daemon, [&] { run->keep(); });
@@ -277,6 +288,9 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
   report.clock = scenario.clock;
   report.engine = scenario.engine.value_or("");
   report.seed = scenario.seed.value_or(-1);
+  report.run = scenario.run;
+  report.swept = scenario.swept;
+  report.recording = scenario.record;
   Vigil vigil(scenario.max_wall_s);
   guard(report, nullptr, [&] {
     const cli::TempFolder links;
@@ -288,8 +302,10 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
                                        scenario.seed,
                                        bus_options(scenario, links),
                                        scenario.record,
+                                       scenario.parameters,
                                        options.plugins,
-                                       options.node_timeout_s};
+                                       options.node_timeout_s,
+                                       scenario.speedup};
     Daemon daemon(daemon_options, scenario.start_wall_s, vigil,
                   [&](const std::string& line) { options.on_line("visumd", line); });
     // Who keeps the world wants to look at it, from the beginning.

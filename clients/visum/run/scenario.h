@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "clients/visum/run/coverage.h"
+#include "clients/visum/run/overruns.h"
 #include "protocol/config/config.h"
 
 namespace visum::run {
@@ -71,6 +72,10 @@ struct ControllerSpec {
   std::string client;                // the name that it says hello with
   std::optional<bool> joins;         // the clock; not given: under lockstep
   bool shim = false;                 // under lockstep its time is the world's (visum exec --lockstep)
+  std::string gate;                  // under lockstep its cycles let the world run (visum exec --gate)
+  double period_ms = 0.0;            // of --period, with shim or gate; 0: not given
+  double wait_s = 0.0;               // of --wait
+  std::string on_timeout = "end";    // of --on-timeout
   config::Place place;
 };
 
@@ -134,8 +139,14 @@ struct Scenario {
   std::string clock = "lockstep";
   std::optional<std::string> engine;
   std::optional<std::int64_t> seed;
+  std::string parameters;  // of the scene, a YAML map on one line; empty: its defaults
+  // Where it is one of the runs of a sweep: which one, from 1, and by which values, for people.
+  std::size_t run = 0;
+  std::vector<std::pair<std::string, std::string>> swept;
   std::string record;                        // a recording's file; empty: none
   std::map<std::string, std::string> buses;  // kind by part: "pty", "tcp", "slcan"
+  double speedup = 0.0;                      // simulated per wall seconds; 0: the scene's, in lockstep none
+  double max_overruns = kMostOverruns;       // of all ticks, in real time; more make the run invalid
   double max_sim_s = 60.0;
   double max_wall_s = 300.0;
   double start_wall_s = 10.0;  // for daemon and controllers to be ready

@@ -5,6 +5,8 @@
 #include "clients/visum/run/placeholders.h"
 #include "clients/visum/run/scenario_parts.h"
 #include "clients/visum/run/session.h"
+#include "clients/visum/run/sweep.h"
+#include "protocol/config/flow.h"
 
 namespace visum::run {
 namespace {
@@ -59,6 +61,21 @@ void check_buses(const Scenario& scenario) {
   }
 }
 
+// How a program that knows nothing of a clock keeps in step.
+void read_step(const Node& node, ControllerSpec& controller) {
+  if (const auto shim = node.find("shim")) controller.shim = shim->boolean();
+  controller.gate = node.text_or("gate", "");
+  if (controller.shim && !controller.gate.empty()) node.fail("shim and gate exclude each other");
+  controller.period_ms = node.number_or("period_ms", 0.0, {0.0, 1e6, true});
+  controller.wait_s = node.number_or("wait_s", 0.0, kSomeSeconds);
+  if (const auto way = node.find("on_timeout"))
+    controller.on_timeout = way->one_of({"end", "hold", "stop", "free"});
+  for (const char* key : {"period_ms", "wait_s", "on_timeout"}) {
+    if (!controller.shim && controller.gate.empty() && node.find(key))
+      node.get(key).fail("only with shim or gate");
+  }
+}
+
 Until read_until(const Node& root, const Scenario& scenario) {
   const auto node = root.find("until");
   Until until;
@@ -80,6 +97,8 @@ Until read_until(const Node& root, const Scenario& scenario) {
 }
 
 void read_times(const Node& root, Scenario& scenario) {
+  if (root.find("speedup")) scenario.speedup = root.get("speedup").number({1e-3, 1e3, false});
+  scenario.max_overruns = root.number_or("max_overruns", scenario.max_overruns, {0.0, 1.0, false});
   scenario.max_sim_s = root.number_or("max_sim_s", scenario.max_sim_s, kSomeSeconds);
   scenario.max_wall_s = root.number_or("max_wall_s", scenario.max_wall_s, kSomeSeconds);
   scenario.start_wall_s = root.number_or("start_wall_s", scenario.start_wall_s, kSomeSeconds);
@@ -101,6 +120,10 @@ void read_basics(const Node& root, Scenario& scenario) {
   if (const auto clock = root.find("clock")) scenario.clock = clock->one_of({"realtime", "lockstep", "free"});
   if (const auto engine = root.find("engine")) scenario.engine = engine->text();
   if (const auto seed = root.find("seed")) scenario.seed = seed->integer(0);
+  if (const auto parameters = root.find("parameters")) {
+    if (parameters->kind() != Node::Kind::kMap) parameters->fail("must be a map of the scene's parameters");
+    scenario.parameters = config::flow(*parameters);
+  }
   if (const auto record = root.find("record")) {
     scenario.record = record->text();
     if (scenario.record.empty()) record->fail("must name a file");
@@ -110,7 +133,8 @@ void read_basics(const Node& root, Scenario& scenario) {
 }  // namespace
 
 ControllerSpec read_controller(const Node& node) {
-  node.allow_only({"name", "command", "client", "joins", "shim"});
+  node.allow_only(
+      {"name", "command", "client", "joins", "shim", "gate", "period_ms", "wait_s", "on_timeout"});
   ControllerSpec controller;
   controller.place = node.place();
   controller.name = node.get("name").text();
@@ -129,16 +153,23 @@ ControllerSpec read_controller(const Node& node) {
       node.fail("the client name '" + controller.client + "' is the runner's own");
   }
   if (const auto joins = node.find("joins")) controller.joins = joins->boolean();
-  if (const auto shim = node.find("shim")) controller.shim = shim->boolean();
+  read_step(node, controller);
   return controller;
 }
 
-Scenario read_scenario(const Node& root) {
-  if (root.kind() != Node::Kind::kMap) root.fail("a scenario is a map");
-  root.allow_only({"visum_scenario", "name", "description", "scene", "clock", "engine", "seed", "record",
-                   "max_sim_s", "max_wall_s", "start_wall_s", "settle_s", "check_every_ms", "until", "buses",
-                   "controllers", "timeline", "checks"});
+Scenario read_scenario(const Node& file, std::size_t run) {
+  if (file.kind() != Node::Kind::kMap) file.fail("a scenario is a map");
+  file.allow_only({"visum_scenario", "name",         "description",  "scene",          "parameters",
+                   "clock",          "engine",       "seed",         "record",         "speedup",
+                   "max_overruns",   "max_sim_s",    "max_wall_s",   "start_wall_s",   "settle_s",
+                   "check_every_ms", "until",        "buses",        "controllers",    "timeline",
+                   "checks",         "sweep"});
+  const Sweep sweep(file);
+  config::ExpansionBudget budget;
+  const Node root = config::expanded(file, sweep.variables(run), budget);
   Scenario scenario;
+  if (sweep.given()) scenario.run = run;
+  scenario.swept = sweep.described(run);
   read_basics(root, scenario);
   read_times(root, scenario);
   read_buses(root, scenario);

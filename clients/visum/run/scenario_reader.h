@@ -8,8 +8,9 @@
 
 namespace visum::run {
 
-// Throws config::ConfigError that names file, line and key.
+// One of the runs that the file stands for (sweep.h), counted from 1. Throws config::ConfigError that names
+// file, line and key.
 Scenario read_scenario(const std::filesystem::path& file);
-Scenario read_scenario(const config::Node& root);
+Scenario read_scenario(const config::Node& file, std::size_t run = 1);
 
 }  // namespace visum::run

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -12,10 +13,12 @@
 #include "clients/visum/common/json_writer.h"
 #include "clients/visum/common/temp_folder.h"
 #include "clients/visum/exec/bus_options.h"
+#include "clients/visum/exec/gate_option.h"
 #include "clients/visum/exec/launch.h"
 #include "clients/visum/exec/lockstep.h"
 #include "clients/visum/exec/tty_library.h"
 #include "clients/visum/run/daemon.h"
+#include "clients/visum/run/overruns.h"
 #include "clients/visum/verbs/verbs.h"
 
 namespace visum::cli {
@@ -27,22 +30,30 @@ using Clock = std::chrono::steady_clock;
 constexpr double kStart_s = 30.0;   // for a daemon of our own
 constexpr double kForever_s = 1e8;  // about three years
 constexpr double kLongest_s = 1e7;  // of --timeout
+constexpr double kLongestPeriod_ms = 1e6;
 
 const char* const kFooter =
     "Runs a program that knows nothing of Visum with a part's field bus where it looks for its device.\n"
     "The exit code is the program's own; 126, 127: it cannot be run, is not found; 125: visum itself "
     "failed.\n"
-    "Without --lockstep, --scene, --timeout and --json visum becomes the program, and signals are its own "
-    "too.\n\n"
-    "--lockstep: the program's clocks, sleeps and time-outs are the world's: it runs as fast as both can "
-    "compute,\n"
-    "and with the same result every time. 4: it was ended by a signal, or the world was lost; 124: "
-    "--timeout.\n\n"
+    "Without --lockstep, --gate, --scene, --timeout and --json visum becomes the program, and signals are "
+    "its "
+    "own too.\n\n"
+    "Grades of lockstep, as `visum status` shows them:\n"
+    "  L0            in real time; 6: the host was too slow for that, the run is invalid\n"
+    "  L1 --gate     in real time, but the world runs by a period for each of its cycles only\n"
+    "  L2 --lockstep its clocks, sleeps and time-outs are the world's: as fast as both can compute\n"
+    "L1 and L2 have the same result every time. 4: it was ended by a signal or was late (--wait), or the "
+    "world "
+    "was lost;\n124: --timeout.\n\n"
     "Example:\n"
     "  visumd models/scenes/amtec_arm.yaml --bus arm=pty:arm.tty &\n"
     "  visum exec --tty ttyS0=arm -- ./controller args\n"
     "  visum exec --can esd -- ./controller          where visumd has --bus arm=tcp:0\n"
     "  visum exec --scene models/scenes/amtec_arm.yaml --bus arm=pty --lockstep --json -- ./controller "
+    "{bus.arm}\n"
+    "  visum exec --scene models/scenes/amtec_arm.yaml --bus arm=pty --gate bus:arm --period 20 -- "
+    "./controller "
     "{bus.arm}";
 
 void replace_all(std::string& text, const std::string& what, const std::string& with) {
@@ -74,7 +85,8 @@ class ExecVerb : public Verb {
         ->type_name("PART=KIND")
         ->allow_extra_args(false);
     app.add_option("--name", name_, "the program's name in `visum status`; the command's by default");
-    app.add_flag("--lockstep", lockstep_, "the program's time is the world's");
+    declare_step(app);
+    declare_pace(app);
     app.add_option("--timeout", timeout_s_,
                    "end the program after so many seconds of wall time, with exit code 124")
         ->check(number_within(1e-3, kLongest_s));
@@ -104,9 +116,62 @@ class ExecVerb : public Verb {
   }
 
  private:
-  bool stays() const { return lockstep_ || !scene_.empty() || timeout_s_ > 0.0 || link_.json; }
+  // How it keeps in step with the world.
+  void declare_step(CLI::App& app) {
+    auto* lockstep =
+        app.add_flag("--lockstep", lockstep_, "the program's time is the world's, by a time shim (L2)");
+    app.add_option(
+           "--gate", gate_,
+           "the program asks and is answered, and each of its cycles lets the world run by --period "
+           "(L1): bus[:PART[=MODULE:BYTES]] or ports[:CLIENT] say what ends a cycle; a request that was "
+           "made already in it, by default")
+        ->type_name("WHAT")
+        ->excludes(lockstep);
+    app.add_option(
+           "--period", period_ms_,
+           "with --gate: simulated ms of a cycle, 10 by default; with --lockstep: the program wakes up "
+           "at multiples of it only")
+        ->type_name("MS")
+        ->check(number_within(1e-3, kLongestPeriod_ms));
+    app.add_option(
+           "--wait", wait_s_,
+           "with --gate and --lockstep: the world waits for the program for so many seconds of wall "
+           "time; without it the scene's lockstep_timeout_s, and as long as it takes where nobody else "
+           "steps")
+        ->type_name("S")
+        ->check(number_within(1e-3, kLongest_s));
+    app.add_option("--on-timeout", on_timeout_,
+                   "what happens then: end the run (exit code 4), hold the world, stop the part and the "
+                   "program (4) while others go on, or let the program go on in real time, free")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"end", "hold", "stop", "free"}));
+  }
+
+  void declare_pace(CLI::App& app) {
+    app.add_option(
+           "--speedup", speedup_,
+           "with --scene: simulated seconds per second; with --lockstep and --gate at most that, else "
+           "as fast as it goes")
+        ->type_name("X")
+        ->check(number_within(1e-3, 1e3));
+    app.add_option(
+           "--max-overruns", max_overruns_,
+           "in real time: the share of ticks that may begin more than a tick late; where more do the run "
+           "is invalid, exit code 6")
+        ->type_name("SHARE")
+        ->check(number_within(0.0, 1.0))
+        ->capture_default_str();
+  }
+
+  bool in_step() const { return lockstep_ || parsed_gate_.has_value(); }
+  bool stays() const { return in_step() || !scene_.empty() || timeout_s_ > 0.0 || link_.json; }
 
   void read_options() {
+    if (!gate_.empty()) parsed_gate_ = exec::parse_gate(gate_);
+    if (!in_step() && (period_ms_ > 0.0 || wait_s_ > 0.0 || on_timeout_ != "end"))
+      throw ExitError(kUsage, "--period, --wait and --on-timeout: only with --lockstep or --gate");
+    if (speedup_ > 0.0 && scene_.empty())
+      throw ExitError(kUsage, "--speedup: only with --scene; else it is the server's own");
     if (ttys_.empty() && cans_.empty() && !stays())
       throw ExitError(kUsage, "nothing to put in its place: --tty DEVICE=PART or --can VENDOR is missing");
     if (cans_.size() > 1) throw ExitError(kUsage, "--can: there is one CAN bus for a program");
@@ -119,7 +184,8 @@ class ExecVerb : public Verb {
     run::DaemonOptions options;
     options.program = run::find_visumd();
     options.scene = scene_;
-    options.clock = lockstep_ ? "lockstep" : "realtime";
+    options.clock = in_step() ? "lockstep" : "realtime";
+    options.speedup = speedup_;
     const auto pty = [&](const std::string& part) {
       return part + "=pty:" + (links.path() / (part + ".tty")).string();
     };
@@ -148,58 +214,108 @@ class ExecVerb : public Verb {
   int run_there() {
     const auto name = name_.empty() ? fs::path(command_.front()).filename().string() : name_;
     auto link = open_link(link_, protocol::Role::kController, name);
-    const auto buses = link.request_as<protocol::ServerStatus>(protocol::Status{}).buses;
+    const auto world = link.request_as<protocol::ServerStatus>(protocol::Status{});
+    const auto& buses = world.buses;
     for (const auto& can : parsed_cans_) exec::lead_can(can, buses);
     const auto devices = exec::placements_of(parsed_ttys_, buses);
-    if (lockstep_) return run_in_lockstep(std::move(link), devices);
+    if (lockstep_) return run_in_step(std::move(link), devices, shim_join(buses));
     if (!devices.empty()) exec::load_tty_library(devices);
-    if (stays()) return run_beside(link, devices);
+    if (parsed_gate_) return run_in_step(std::move(link), devices, gate_join(buses, name));
+    if (stays()) return run_beside(link, devices, world);
     if (!devices.empty()) exec::place_devices(devices);
     return exec::become(command_);
   }
 
-  int run_in_lockstep(protocol::Connection link, const std::vector<exec::Placement>& devices) {
-    exec::LockstepPlan plan{
-        command_, devices, protocol::parse_address(link_.connect).second, {0, 2, protocol::OnTimeout::kEnd}};
-    if (timeout_s_ > 0.0) plan.give_up = Clock::now() + duration();
-    began_ = true;
-    const auto end = exec::run_in_lockstep(std::move(link), plan);
-    return finish(end.status, end.world);
+  protocol::Join shim_join(const std::vector<protocol::PartBus>& buses) const {
+    static const std::map<std::string, protocol::OnTimeout> kWays{{"end", protocol::OnTimeout::kEnd},
+                                                                  {"hold", protocol::OnTimeout::kHold},
+                                                                  {"stop", protocol::OnTimeout::kStop},
+                                                                  {"free", protocol::OnTimeout::kFree}};
+    return {std::llround(wait_s_ * 1e9), 2, kWays.at(on_timeout_), {}, parts_of_bus(buses)};
   }
 
-  // In real time.
-  int run_beside(protocol::Connection& link, const std::vector<exec::Placement>& devices) {
+  protocol::Join gate_join(const std::vector<protocol::PartBus>& buses, const std::string& program) const {
+    auto join = shim_join(buses);
+    join.grade = 1;
+    join.gate = exec::gate_of(*parsed_gate_, buses, program);
+    join.gate->period_ns = period_ns();
+    if (!join.gate->part.empty()) join.parts.push_back(join.gate->part);
+    return join;
+  }
+
+  // Those that the program commands by their buses, as far as the options tell.
+  std::vector<std::string> parts_of_bus(const std::vector<protocol::PartBus>& buses) const {
+    std::vector<std::string> parts;
+    for (const auto& tty : parsed_ttys_) parts.push_back(tty.part);
+    for (const auto& text : buses_) parts.push_back(text.substr(0, text.find('=')));
+    for (const auto& can : parsed_cans_) parts.push_back(exec::part_of_can(can, buses));
+    return parts;
+  }
+
+  int run_in_step(protocol::Connection link, const std::vector<exec::Placement>& devices,
+                  const protocol::Join& join) {
+    exec::LockstepPlan plan{command_, devices, protocol::parse_address(link_.connect).second, join,
+                            period_ns()};
+    if (period_ns() % link.welcome().tick_ns != 0)
+      throw ExitError(kUsage, "--period must be whole ticks of this world, of " +
+                                  exact(static_cast<double>(link.welcome().tick_ns) * 1e-6) + " ms");
+    if (timeout_s_ > 0.0) plan.give_up = Clock::now() + duration();
+    began_ = true;
+    const auto end =
+        lockstep_ ? exec::run_in_lockstep(std::move(link), plan) : exec::run_gated(std::move(link), plan);
+    return finish(end.status, end.world, {});
+  }
+
+  // In real time. Where it is not the world's own it says so.
+  int run_beside(protocol::Connection& link, const std::vector<exec::Placement>& devices,
+                 const protocol::ServerStatus& before) {
+    if (before.clock == "lockstep")
+      std::fprintf(
+          stderr,
+          "visum: the world keeps in step with others, but not with '%s', which runs in real time (L0); "
+          "--lockstep or --gate make it keep in step\n",
+          command_.front().c_str());
     const pid_t program = exec::launch(command_, devices);
     began_ = true;
     const auto give_up = timeout_s_ > 0.0 ? Clock::now() + duration() : Clock::time_point::max();
     const int status = exec::await_end(program, give_up);
-    return finish(status, link.request_as<protocol::ServerStatus>(protocol::Status{}));
+    const auto after = link.request_as<protocol::ServerStatus>(protocol::Status{});
+    return finish(status, after, run::why_invalid(before, after, max_overruns_));
   }
+
+  std::int64_t period_ns() const { return std::llround(period_ms_ * 1e6); }
 
   Clock::duration duration() const {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeout_s_));
   }
 
-  int finish(int status, const protocol::ServerStatus& world) {
+  int finish(int status, const protocol::ServerStatus& world, const std::string& invalid) {
     const int code = exec::exit_code_of(status, command_.front());
-    if (!link_.json) return code;
+    if (!invalid.empty()) std::fprintf(stderr, "visum: INVALID: %s\n", invalid.c_str());
+    if (link_.json) print_json(code, world, invalid);
+    return invalid.empty() ? code : kInvalid;
+  }
+
+  void print_json(int code, const protocol::ServerStatus& world, const std::string& invalid) const {
     JsonWriter json;
     json.begin_object().member("exit_code", code).member("ticks", world.tick);
+    json.member("grade", lockstep_ ? "L2" : parsed_gate_ ? "L1" : "L0").member("valid", invalid.empty());
     json.member("sim_seconds", static_cast<double>(world.sim_time_ns) * 1e-9);
     json.member("wall_seconds", std::chrono::duration<double>(Clock::now() - started_).count());
     json.member("state_hash", hex(world.state_hash)).end_object();
     std::printf("%s\n", json.text().c_str());
-    return code;
   }
 
   LinkOptions link_;
-  std::string scene_, name_;
+  std::string scene_, name_, gate_, on_timeout_ = "end";
+  std::optional<exec::GateOption> parsed_gate_;
   std::vector<std::string> ttys_, cans_, buses_;
   std::vector<exec::TtyOption> parsed_ttys_;
   std::vector<exec::CanOption> parsed_cans_;
   std::vector<std::string> command_;
   bool lockstep_ = false;
-  double timeout_s_ = 0.0;
+  double timeout_s_ = 0.0, period_ms_ = 0.0, wait_s_ = 0.0, speedup_ = 0.0;
+  double max_overruns_ = run::kMostOverruns;
   bool began_ = false;  // the program
   Clock::time_point started_ = Clock::now();
 };

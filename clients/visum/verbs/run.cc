@@ -1,15 +1,20 @@
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 
 #include "clients/visum/common/exit_code.h"
+#include "clients/visum/common/format.h"
 #include "clients/visum/common/interrupt.h"
 #include "clients/visum/common/terminal.h"
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/progress.h"
+#include "clients/visum/run/report_file.h"
 #include "clients/visum/run/report_junit.h"
 #include "clients/visum/run/report_text.h"
 #include "clients/visum/run/runner.h"
 #include "clients/visum/run/scenario_reader.h"
+#include "clients/visum/run/sweep.h"
+#include "clients/visum/verbs/run_many.h"
 #include "clients/visum/verbs/verbs.h"
 
 namespace visum::cli {
@@ -36,26 +41,75 @@ class RunVerb : public Verb {
         ->type_name("FOLDER")
         ->check(CLI::ExistingDirectory);
     app.add_option("--node-timeout", node_timeout_s_, "seconds that a plug-in's call may take; 0: for ever");
+    app.add_option("--speedup", speedup_,
+                   "simulated seconds per second; in lockstep at most that, else as fast as it goes")
+        ->check(number_within(1e-3, 1e3));
     app.add_option("--record", record_, "write down every input, port and state's hash: an MCAP file");
     app.add_option("--port", port_, "the daemon's port; 0: any free one")->capture_default_str();
     app.add_option("--timeout", timeout_s_, "wall seconds after which the run is given up")
         ->check(number_within(1e-3, 1e7));
     app.add_flag("--progress", progress_, "show time, pace and the controller's last line while it runs");
     app.add_flag("--keep", keep_, "afterwards let the world run on in real time, until Ctrl-C");
+    app.add_option("--jobs,-j", jobs_, "of a sweep: so many runs at a time; 0: as many as processors")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1000));
+    app.add_option("--only", only_, "of a sweep: this run only, counted from 1")->check(CLI::PositiveNumber);
+    app.add_option("--report", report_,
+                   "write report.html, junit.xml and a recording of each run that fails to this folder")
+        ->type_name("FOLDER");
+    app.add_option("--result", result_, "write all that the run gave, with each check's course: JSON")
+        ->type_name("FILE");
     app.footer(
         "Starts visumd on a free port and the scenario's controllers, lets time run, checks, ends all of "
         "it.\n"
         "Exit codes: 0 passed, 1 a check failed, 3 scene or scenario wrong, 4 a controller was lost or timed "
         "out,\n"
-        "124 the wall time was over, or a plug-in hangs, 130 interrupted.\n\nExamples:\n"
+        "6 the host was too slow for real time (the run is invalid), 124 the wall time was over or a plug-in "
+        "hangs,\n"
+        "130 interrupted.\n\nExamples:\n"
         "  visum run models/scenarios/pick_and_place.yaml\n"
         "  visum run models/scenarios/pick_and_place.yaml --junit report.xml --json\n"
-        "  visum run models/scenarios/pick_and_place.yaml --record run.mcap && visum replay run.mcap");
+        "  visum run models/scenarios/pick_and_place.yaml --record run.mcap && visum replay run.mcap\n"
+        "  visum run models/scenarios/pick_and_place_sweep.yaml --jobs 2 --report failures");
   }
 
   int run() override {
-    const run::Scenario scenario = read();
+    const config::Node root = config::load_file(file_);
+    const run::Sweep sweep = sweep_of(root);
+    if (only_ > sweep.runs())
+      throw ExitError(kUsage, "--only: the scenario has " + std::to_string(sweep.runs()) +
+                                  (sweep.runs() == 1 ? " run" : " runs"));
+    if (only_ == 0 && (sweep.given() || !report_.empty())) return run_all(root);
+    if (!report_.empty()) throw ExitError(kUsage, "--report is of all runs, --only of one: choose");
+    return run_one(read(root));
+  }
+
+ private:
+  static run::Sweep sweep_of(const config::Node& root) {
+    if (root.kind() != config::Node::Kind::kMap) root.fail("a scenario is a map");
+    return run::Sweep(root);
+  }
+
+  int run_all(const config::Node& root) const {
+    if (!record_.empty() || !result_.empty() || keep_ || port_ != 0)
+      throw ExitError(kUsage,
+                      "--record, --result, --port and --keep are for one run: --only says which of a sweep; "
+                      "--report records what fails");
     check_writable(junit_);
+    ManyWords words{file_, report_, junit_, {}, jobs_, json_};
+    if (!engine_.empty()) words.words.insert(words.words.end(), {"--engine", engine_});
+    if (!clock_.empty()) words.words.insert(words.words.end(), {"--clock", clock_});
+    if (seed_) words.words.insert(words.words.end(), {"--seed", std::to_string(*seed_)});
+    if (timeout_s_ > 0.0) words.words.insert(words.words.end(), {"--timeout", exact(timeout_s_)});
+    if (speedup_ > 0.0) words.words.insert(words.words.end(), {"--speedup", exact(speedup_)});
+    for (const auto& folder : plugins_) words.words.insert(words.words.end(), {"--plugins", folder});
+    if (node_timeout_s_) words.words.insert(words.words.end(), {"--node-timeout", exact(*node_timeout_s_)});
+    return run_many(words, root);
+  }
+
+  int run_one(const run::Scenario& scenario) {
+    check_writable(junit_);
+    check_writable(result_);
     catch_interrupts();
     run::Progress progress(progress_, json_ ? stderr : stdout);
     run::RunOptions options;
@@ -77,11 +131,11 @@ class RunVerb : public Verb {
     return report.code;
   }
 
- private:
-  run::Scenario read() const {
-    run::Scenario scenario = run::read_scenario(file_);
+  run::Scenario read(const config::Node& root) const {
+    run::Scenario scenario = run::read_scenario(root, std::max<std::size_t>(only_, 1));
     if (!engine_.empty()) scenario.engine = engine_;
     if (!clock_.empty()) scenario.clock = clock_;
+    if (speedup_ > 0.0) scenario.speedup = speedup_;
     if (seed_) scenario.seed = seed_;
     if (!record_.empty()) scenario.record = record_;
     if (timeout_s_ > 0.0) scenario.max_wall_s = timeout_s_;
@@ -92,13 +146,17 @@ class RunVerb : public Verb {
     told_ = true;
     std::FILE* people = json_ ? stderr : stdout;
     std::fputs(run::report_text(report, Style(people)).c_str(), people);
-    if (!junit_.empty()) {
-      std::ofstream out(junit_, std::ios::trunc);
-      out << run::report_junit(report);
-      if (!out.flush()) std::fprintf(stderr, "visum: %s: cannot be written\n", junit_.c_str());
-    }
+    write(junit_, run::report_junit(report));
+    write(result_, run::report_as_json(report));
     if (json_) std::printf("%s%s\n", run::checks_json(report).c_str(), run::report_json(report).c_str());
     std::fflush(stdout);
+  }
+
+  static void write(const std::string& file, const std::string& text) {
+    if (file.empty()) return;
+    std::ofstream out(file, std::ios::trunc);
+    out << text;
+    if (!out.flush()) std::fprintf(stderr, "visum: %s: cannot be written\n", file.c_str());
   }
 
   void invite(std::uint16_t port, const run::Catalogue& catalogue) const {
@@ -111,13 +169,14 @@ class RunVerb : public Verb {
     }
   }
 
-  std::string file_, junit_, engine_, clock_, record_;
+  std::string file_, junit_, engine_, clock_, record_, report_, result_;
+  std::size_t jobs_ = 1, only_ = 0;
   bool json_ = false, progress_ = false, keep_ = false, told_ = false;
   std::vector<std::string> plugins_;
   std::optional<double> node_timeout_s_;
   std::optional<std::int64_t> seed_;
   std::uint16_t port_ = 0;
-  double timeout_s_ = 0.0;
+  double timeout_s_ = 0.0, speedup_ = 0.0;
 };
 
 }  // namespace

@@ -29,6 +29,8 @@ void write_members(JsonWriter& json, const ServerStatus& status) {
   json.end_array().key("buses").begin_array();
   for (const auto& bus : status.buses)
     json.begin_object().member("part", bus.part).member("name", bus.name).end_object();
+  json.end_array().key("free_running").begin_array();
+  for (const auto& client : status.free_running) json.value(client);
   json.end_array();
 }
 
@@ -59,6 +61,7 @@ std::string state_of(const ServerStatus& status) {
 }
 
 std::string grade_text(std::uint32_t grade) {
+  if (grade == 1) return "L1 (gate)";
   if (grade == 2) return "L2 (time shim)";
   return grade == 4 ? "L4 (steps of its own)" : "L" + std::to_string(grade);
 }
@@ -73,7 +76,11 @@ std::string waiting_text(const ServerStatus& status) {
     if (!member.note.empty()) text += "; it " + member.note;
     text += "\n";
   }
-  return text.empty() ? text : "clients that step with the world\n" + text;
+  if (!text.empty()) text = "clients that step with the world\n" + text;
+  for (const auto& client : status.free_running)
+    text += (&client == &status.free_running.front() ? "clients that step with nobody\n  " : "  ") + client +
+            ": L0 (free-running)\n";
+  return text;
 }
 
 std::string text_of(const Welcome& welcome, const ServerStatus& status) {

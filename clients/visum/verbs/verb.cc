@@ -13,6 +13,13 @@ void add_link_options(CLI::App& app, LinkOptions& options, bool json) {
       ->capture_default_str()
       ->envname("VISUM_CONNECT");
   app.add_option("--token-file", options.token_file, "file with the token, for a server that asks for one");
+  const auto add_tls = [&](const char* name, std::string& file, const char* help, const char* variable) {
+    app.add_option(name, file, help)->type_name("FILE")->envname(variable);
+  };
+  add_tls("--tls-ca", options.tls.authority, "TLS: who signed the server's certificate (PEM)",
+          "VISUM_TLS_CA");
+  add_tls("--tls-cert", options.tls.certificate, "TLS: our certificate", "VISUM_TLS_CERT");
+  add_tls("--tls-key", options.tls.key, "TLS: its private key", "VISUM_TLS_KEY");
   if (json) app.add_flag("--json", options.json, "print JSON instead of text");
 }
 

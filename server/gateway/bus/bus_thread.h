@@ -19,19 +19,10 @@
 #include <vector>
 
 #include "protocol/messages.h"
+#include "server/gateway/bus/bus_item.h"
 #include "server/gateway/bus/bus_link.h"
 
 namespace visum::gateway {
-
-// A telegram on its way through the queues.
-struct BusItem {
-  std::uint32_t link = 0;     // by which it came, or by which it goes
-  std::uint64_t channel = 0;  // by number; answers to CAN go to all CAN channels of the link's part
-  powercube::Wire wire = powercube::Wire::kSerial;
-  powercube::Telegram telegram;
-  // An answer of which a bit is turned over on its way. On CAN the receivers throw such a frame away.
-  bool corrupted = false;
-};
 
 class BusThread {
  public:

@@ -65,15 +65,21 @@ Buses::~Buses() {
 }
 
 void Buses::obey(const BusItem& item) {
-  const auto answer = simulation_.obey(parts_[item.link], item.telegram, item.wire);
-  if (!answer) return;
+  const auto said = simulation_.obey(parts_[item.link], item.telegram, item.wire);
+  if (!said) return;
   const auto passage = simulation_.parts()[parts_[item.link]].part->modules()->passage();
   if (passage.lost) return;
   BusItem reply = item;
-  reply.telegram = *answer;
+  reply.telegram = *said;
   reply.corrupted = passage.corrupted;
-  send(reply, passage.late_ns);
-  if (passage.doubled) send(reply, passage.late_ns);
+  answer(reply, passage.late_ns);
+  if (passage.doubled) answer(reply, passage.late_ns);
+}
+
+void Buses::answer(const BusItem& item, std::int64_t late_ns) {
+  const auto gate = gates_.find(parts_[item.link]);
+  const bool waits = gate != gates_.end() && simulation_.tick_count() < gate->second.granted_tick();
+  waits ? gate->second.hold({item, late_ns}) : send(item, late_ns);
 }
 
 void Buses::send(const BusItem& item, std::int64_t late_ns) {
@@ -90,16 +96,63 @@ void Buses::send(const BusItem& item, std::int64_t late_ns) {
 bool Buses::serve() {
   bool any = false;
   for (BusItem item; thread_->next_request(item); any = true) {
-    auto& timing = timings_[item.link];
-    auto& waiting = waiting_[item.link];
-    if (timing.ideal()) {
-      obey(item);
-    } else if (waiting.size() < BusThread::kQueue) {
-      waiting.push_back({timing.pass(item.telegram, item.wire, simulation_.sim_time_ns()), false, item});
-    }
+    const auto gate = gates_.find(parts_[item.link]);
+    gate != gates_.end() ? gate->second.ask(item) : accept(item);
   }
+  if (!gates_.empty()) serve_gates();
   send();
   return any;
+}
+
+void Buses::accept(const BusItem& item) {
+  auto& timing = timings_[item.link];
+  auto& waiting = waiting_[item.link];
+  if (timing.ideal())
+    obey(item);
+  else if (waiting.size() < BusThread::kQueue)
+    waiting.push_back({timing.pass(item.telegram, item.wire, simulation_.sim_time_ns()), false, item});
+}
+
+void Buses::serve_gates() {
+  follow_era();
+  const auto tick = simulation_.tick_count();
+  for (auto& [part, gate] : gates_) {
+    if (simulation_.frozen()) gate.restart(tick);
+    for (const auto& held : gate.released(tick)) send(held.item, held.late_ns);
+    while (!line_is_busy(part)) {
+      const auto request = gate.next(tick);
+      if (!request) break;
+      accept(*request);
+    }
+  }
+}
+
+bool Buses::line_is_busy(std::uint32_t part) const {
+  for (std::size_t link = 0; link < parts_.size(); ++link)
+    if (parts_[link] == part && !waiting_[link].empty()) return true;
+  return false;
+}
+
+void Buses::open_gate(std::uint32_t part, CycleRule rule) {
+  gates_.emplace(part, CycleGate(std::move(rule), simulation_.tick_count()));
+}
+
+void Buses::close_gate(std::uint32_t part) {
+  auto closed = gates_.extract(part);
+  if (closed.empty()) return;
+  auto& gate = closed.mapped();
+  gate.restart(simulation_.tick_count());
+  for (const auto& held : gate.released(simulation_.tick_count())) send(held.item, held.late_ns);
+  for (const auto& request : gate.requests()) accept(request);
+  send();
+}
+
+// A line that takes time needs the world to run.
+std::int64_t Buses::granted_tick(std::uint32_t part) const {
+  const auto gate = gates_.find(part);
+  const auto tick = simulation_.tick_count();
+  const auto granted = gate == gates_.end() ? tick : gate->second.granted_tick();
+  return line_is_busy(part) ? std::max(granted, tick + 1) : granted;
 }
 
 bool Buses::settle(const std::vector<protocol::Stream>& streams) {
@@ -128,17 +181,22 @@ void Buses::serve_until(Clock::time_point due) {
 
 void Buses::after_tick() {
   move_lines();
+  if (!gates_.empty()) serve_gates();
   send_spontaneous();
   send();
 }
 
+void Buses::follow_era() {
+  if (era_ == simulation_.era()) return;
+  era_ = simulation_.era();
+  for (auto& timing : timings_) timing.restart();
+  for (auto& waiting : waiting_) waiting.clear();
+  for (auto& [part, gate] : gates_) gate.restart(simulation_.tick_count());
+}
+
 // Requests that have come in are obeyed, answers that have gone out are written.
 void Buses::move_lines() {
-  if (era_ != simulation_.era()) {
-    era_ = simulation_.era();
-    for (auto& timing : timings_) timing.restart();
-    for (auto& waiting : waiting_) waiting.clear();
-  }
+  follow_era();
   for (auto& waiting : waiting_) {
     while (!waiting.empty() && waiting.front().due_ns <= simulation_.sim_time_ns()) {
       const Waiting first = waiting.front();

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "server/cycle/simulation.h"
 #include "server/gateway/bus/address.h"
 #include "server/gateway/bus/bus_thread.h"
+#include "server/gateway/bus/cycle_gate.h"
 #include "server/gateway/bus/line_timing.h"
 
 namespace visum::gateway {
@@ -40,14 +42,26 @@ class Buses {
   std::uint64_t said() { return thread_->said(); }
   void fill_in(std::vector<protocol::Stream>& streams) { thread_->fill_in(streams); }
 
+  // Requests to this part let the world run, by this rule, from now on. At most one gate for each part.
+  void open_gate(std::uint32_t part, CycleRule rule);
+  // What still waits is obeyed and answered.
+  void close_gate(std::uint32_t part);
+  // The tick up to which the part's gate lets the world run.
+  std::int64_t granted_tick(std::uint32_t part) const;
+
  private:
   struct Waiting {  // on a line that is not ideal
     std::int64_t due_ns;
     bool answered;  // an answer on its way out; else a request on its way in
     BusItem item;
   };
+  void accept(const BusItem& item);
   void obey(const BusItem& item);
+  void answer(const BusItem& item, std::int64_t late_ns);
   void send(const BusItem& item, std::int64_t late_ns);
+  void serve_gates();
+  bool line_is_busy(std::uint32_t part) const;
+  void follow_era();
   void move_lines();
   void send_spontaneous();
   void send();
@@ -59,6 +73,7 @@ class Buses {
   std::vector<std::uint32_t> parts_;          // by link
   std::vector<LineTiming> timings_;           // by link
   std::vector<std::deque<Waiting>> waiting_;  // by link, in the order of the line
+  std::map<std::uint32_t, CycleGate> gates_;  // by part
   std::uint64_t era_ = 0;
   bool answered_ = false;  // something waits for send()
   bool settles_ = false;   // then answers leave before we go on

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   const struct kind* kind = kinds;
   while (kind->name && strcmp(kind->name, argv[1]) != 0) ++kind;
   if (!kind->name || !line_open(&line, argv[2], 38400)) return 2;
+  line.timeout_ms = 5000; /* who is asked is there, in a slow world, too */
   if (!module_command(&line, 1, 0x00) || !module_get_word(&line, 1, PAR_STATE, &state)) return 3;
   for (int k = 1; k <= atoi(argv[3]); ++k) {
     if (!module_step(&line, 1, 0.002f * (float)k, 22, &position)) return 3;

@@ -57,7 +57,7 @@ TEST_P(EachClock, MovesTheArmThatThePortsShow) {
 INSTANTIATE_TEST_SUITE_P(Bus, EachClock,
                          testing::Values(scene::ClockKind::kRealtime, scene::ClockKind::kLockstep,
                                          scene::ClockKind::kFree),
-                         [](const auto& info) { return std::string(to_string(info.param)); });
+                         [](const auto& info) { return std::string(scene::name_of(info.param)); });
 
 TEST(Bus, TheFirstFrameStartsTheTime) {
   RunningDaemon daemon(scene::ClockKind::kRealtime, with({{"arm", "tcp", "0", {}}}));

@@ -1,0 +1,38 @@
+// Grade L1: the program runs in real time; what it asks over its bus or its session lets the world run.
+#include <chrono>
+
+#include "clients/visum/common/exit_code.h"
+#include "clients/visum/exec/launch.h"
+#include "clients/visum/exec/lockstep.h"
+#include "clients/visum/exec/membership.h"
+
+namespace visum::exec {
+namespace {
+
+constexpr std::chrono::seconds kFarewell{5};  // for the world, once the program has ended
+
+// What it wrote in the end is obeyed.
+void settle(protocol::Connection& world) {
+  world.wait_for(world.send(protocol::Advance{0, true, 0, {}}), kFarewell);
+}
+
+}  // namespace
+
+LockstepEnd run_gated(protocol::Connection world, const LockstepPlan& plan) {
+  join(world, plan.join);
+  bool member = true;
+  const auto look = [&] {
+    const auto why = member ? why_thrown_out(world) : std::nullopt;
+    if (!why) return;
+    if (plan.join.on_timeout != protocol::OnTimeout::kFree) throw cli::ExitError(cli::kLost, *why);
+    say_dropped(*why);
+    member = false;
+  };
+  const pid_t program = launch(plan.command, plan.placements);
+  const int status = await_end(program, plan.give_up, world.native_handle(), look);
+  look();
+  if (member) settle(world);
+  return {status, world.request_as<protocol::ServerStatus>(protocol::Status{})};
+}
+
+}  // namespace visum::exec

@@ -1,0 +1,40 @@
+#include "clients/visum/exec/membership.h"
+
+#include <chrono>
+#include <cstdio>
+
+#include "clients/visum/common/exit_code.h"
+
+namespace visum::exec {
+
+protocol::Advanced join(protocol::Connection& connection, const protocol::Join& request) try {
+  if (connection.welcome().clock != "lockstep")
+    throw cli::ExitError(cli::kUsage, "the server's clock is " + connection.welcome().clock +
+                                          "; for --lockstep and --gate start visumd with --clock lockstep");
+  return connection.request_as<protocol::Advanced>(request);
+} catch (const protocol::RequestError& error) {
+  throw cli::ExitError(cli::kUsage, error.what());
+}
+
+std::optional<std::string> why_thrown_out(protocol::Connection& connection) {
+  std::optional<std::string> why;
+  while (const auto message = connection.next(std::chrono::milliseconds(0))) {
+    const auto* event = std::get_if<protocol::Event>(&*message);
+    if (event && event->kind == "lockstep_timeout") why = event->text;
+  }
+  if (!why) return why;
+  // It may have been another.
+  try {
+    connection.request(protocol::Note{});
+    return std::nullopt;
+  } catch (const protocol::RequestError& error) {
+    if (error.code() != protocol::ErrorCode::kWrongState) throw;
+    return why;
+  }
+}
+
+void say_dropped(const std::string& why) {
+  std::fprintf(stderr, "visum: %s: it goes on in real time (L0), and no run is like another\n", why.c_str());
+}
+
+}  // namespace visum::exec

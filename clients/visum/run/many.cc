@@ -1,0 +1,133 @@
+#include "clients/visum/run/many.h"
+
+#include <algorithm>
+#include <csignal>
+#include <memory>
+#include <system_error>
+
+#include "clients/visum/common/format.h"
+#include "clients/visum/common/temp_folder.h"
+#include "clients/visum/run/child_process.h"
+#include "clients/visum/run/report_file.h"
+#include "clients/visum/run/vigil.h"
+#include "protocol/config/config.h"
+
+namespace visum::run {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kRound{100};
+constexpr milliseconds kFarewell{15'000};  // a run ends its controllers and its daemon first
+constexpr double kNoLimit_s = 1e7;         // each run has its own
+
+// "007" of 120, so that names sort as numbers do.
+std::string padded(std::size_t run, std::size_t runs) {
+  std::string number = std::to_string(run);
+  const std::size_t width = std::to_string(runs).size();
+  return std::string(width - std::min(width, number.size()), '0') + number;
+}
+
+struct Job {
+  std::size_t run = 0;
+  std::filesystem::path result, recording;
+  std::unique_ptr<ChildProcess> process;
+};
+
+class Crew {
+ public:
+  explicit Crew(const ManyOptions& options) : options_(options), reports_(options.runs) {}
+
+  std::vector<Report> work() {
+    try {
+      while (started_ < options_.runs || !jobs_.empty()) {
+        while (started_ < options_.runs && jobs_.size() < options_.jobs) start(++started_);
+        vigil_.wait(-1, kRound);
+        std::erase_if(jobs_, [this](Job& job) { return take_end(job); });
+      }
+    } catch (const cli::ExitError&) {
+      end_all();
+      throw;
+    }
+    return std::move(reports_);
+  }
+
+ private:
+  void start(std::size_t run) {
+    Job job;
+    job.run = run;
+    job.result = results_.path() / (std::to_string(run) + ".json");
+    if (!options_.recordings.empty())
+      job.recording = options_.recordings / ("run_" + padded(run, options_.runs) + ".mcap");
+    std::vector<std::string> words{options_.program,    "run",      options_.file, "--only",
+                                   std::to_string(run), "--result", job.result};
+    if (!job.recording.empty()) words.insert(words.end(), {"--record", job.recording});
+    words.insert(words.end(), options_.words.begin(), options_.words.end());
+    try {
+      job.process = std::make_unique<ChildProcess>("run " + std::to_string(run), words,
+                                                   ChildProcess::OnLine{}, ChildProcess::OnLine{});
+    } catch (const std::runtime_error& error) {
+      throw cli::ExitError(cli::kFailed, error.what());
+    }
+    vigil_.watch(*job.process);
+    jobs_.push_back(std::move(job));
+  }
+
+  bool take_end(Job& job) {
+    const auto& exit = job.process->check_exit();
+    if (!exit) return false;
+    vigil_.forget(*job.process);
+    Report& report = reports_[job.run - 1];
+    try {
+      report = read_report(job.result);
+    } catch (const config::ConfigError&) {
+      report = lost_report(job, *exit);
+    }
+    std::error_code ignored;
+    std::filesystem::remove(job.result, ignored);
+    if (report.passed() && !job.recording.empty()) {
+      std::filesystem::remove(job.recording, ignored);
+      report.recording.clear();
+    }
+    if (options_.on_done) options_.on_done(report);
+    return true;
+  }
+
+  // It ended without a word of its own: what it said last must do.
+  Report lost_report(const Job& job, const ExitStatus& exit) const {
+    Report report;
+    report.name = report.file = options_.file.string();
+    report.run = job.run;
+    const bool told = !exit.by_signal && exit.number != cli::kDone;
+    report.code = told ? static_cast<cli::ExitCode>(exit.number) : cli::kFailed;
+    report.error = "the run's process " + exit.text();
+    for (const auto& line : job.process->last_lines()) report.error += "\n" + line;
+    return report;
+  }
+
+  void end_all() {
+    for (const Job& job : jobs_) job.process->signal(SIGINT);
+    for (const Job& job : jobs_) job.process->stop(kFarewell);
+  }
+
+  const ManyOptions& options_;
+  std::vector<Report> reports_;
+  const cli::TempFolder results_;
+  Vigil vigil_{kNoLimit_s};
+  std::size_t started_ = 0;
+  std::vector<Job> jobs_;
+};
+
+}  // namespace
+
+std::vector<Report> run_many(const ManyOptions& options) {
+  return Crew(options).work();
+}
+
+cli::ExitCode code_of(const std::vector<Report>& reports) {
+  for (const auto code : {cli::kInterrupted, cli::kBadConfig, cli::kUsage, cli::kTimedOut, cli::kLost})
+    if (std::ranges::any_of(reports, [&](const Report& report) { return report.code == code; })) return code;
+  return std::ranges::all_of(reports, &Report::passed) ? cli::kDone : cli::kFailed;
+}
+
+}  // namespace visum::run

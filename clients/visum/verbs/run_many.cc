@@ -1,0 +1,81 @@
+#include "clients/visum/verbs/run_many.h"
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <set>
+#include <system_error>
+#include <thread>
+
+#include "clients/visum/common/interrupt.h"
+#include "clients/visum/common/terminal.h"
+#include "clients/visum/run/daemon.h"
+#include "clients/visum/run/many.h"
+#include "clients/visum/run/report_html.h"
+#include "clients/visum/run/report_junit.h"
+#include "clients/visum/run/report_many.h"
+#include "clients/visum/run/scenario_reader.h"
+#include "clients/visum/run/sweep.h"
+
+namespace visum::cli {
+namespace {
+
+// Reads all runs before the first begins. Returns whether they say for themselves where they are recorded.
+bool check_runs(const config::Node& root, std::size_t runs) {
+  std::set<std::string> recordings;
+  for (std::size_t run = 1; run <= runs; ++run) {
+    const auto scenario = run::read_scenario(root, run);
+    if (scenario.record.empty()) continue;
+    if (!recordings.insert(scenario.record).second)
+      root.get("record").fail("two runs of the sweep would write '" + scenario.record +
+                              "': let ${...} tell them apart, or leave it out and use --report");
+  }
+  return !recordings.empty();
+}
+
+void make_folder(const std::string& folder) {
+  std::error_code error;
+  if (!folder.empty()) std::filesystem::create_directories(folder, error);
+  if (error) throw ExitError(kUsage, folder + ": " + error.message());
+}
+
+void write_file(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  out << text;
+  if (!out.flush()) throw ExitError(kFailed, file.string() + ": cannot be written");
+}
+
+std::size_t count_jobs(std::size_t wanted) {
+  return wanted != 0 ? wanted : std::max(1U, std::thread::hardware_concurrency());
+}
+
+}  // namespace
+
+int run_many(const ManyWords& words, const config::Node& root) {
+  const std::size_t runs = run::Sweep(root).runs();
+  const bool recorded = check_runs(root, runs);
+  make_folder(words.report);
+  catch_interrupts();
+  std::FILE* people = words.json ? stderr : stdout;
+  const Style style(people);
+  run::ManyOptions options{run::own_folder() / "visum", words.file, runs, count_jobs(words.jobs),
+                           words.words};
+  if (!recorded) options.recordings = words.report;
+  options.on_done = [&](const run::Report& report) {
+    std::fputs(run::run_line(report, style).c_str(), people);
+    if (words.json) std::printf("%s\n", run::run_json(report).c_str());
+    std::fflush(nullptr);
+  };
+  const auto began = std::chrono::steady_clock::now();
+  const auto reports = run::run_many(options);
+  const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  const std::filesystem::path folder = words.report;
+  if (!words.report.empty()) write_file(folder / "report.html", run::report_html(reports));
+  if (!words.report.empty()) write_file(folder / "junit.xml", run::report_junit(reports));
+  if (!words.junit.empty()) write_file(words.junit, run::report_junit(reports));
+  std::fputs(run::many_text(reports, wall_s, style).c_str(), people);
+  if (words.json) std::printf("%s\n", run::many_json(reports, wall_s).c_str());
+  return run::code_of(reports);
+}
+
+}  // namespace visum::cli

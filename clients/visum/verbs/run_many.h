@@ -1,0 +1,24 @@
+// `visum run` of a scenario that sweeps, or with --report: its runs side by side, and one report of all.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "protocol/config/config.h"
+
+namespace visum::cli {
+
+struct ManyWords {
+  std::string file;                // the scenario's
+  std::string report;              // a folder; empty: none
+  std::string junit;               // a file; empty: none
+  std::vector<std::string> words;  // that each run is given too
+  std::size_t jobs = 1;            // 0: as many as there are processors
+  bool json = false;
+};
+
+// `root`: what stands in the file. Returns the exit code; throws ExitError, config::ConfigError.
+int run_many(const ManyWords& words, const config::Node& root);
+
+}  // namespace visum::cli

@@ -1,0 +1,118 @@
+"""TLS with the real programs, and OpenSSL's own client: who gets in, and what the others are told."""
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+from programs import ARM, BIN, Daemon, visum
+
+
+class Tls(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.kept = tempfile.TemporaryDirectory(prefix="visum_tls_test_")
+        cls.folder = pathlib.Path(cls.kept.name)
+        cls.openssl("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", 2,
+                    "-subj", "/CN=authority", "-keyout", "ca.key", "-out", "ca.pem")
+        for name in ("server", "boss", "camera"):
+            cls.sign(name)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.kept.cleanup()
+
+    @classmethod
+    def openssl(cls, *words, **more):
+        done = subprocess.run(["openssl", *map(str, words)], cwd=cls.folder, capture_output=True, text=True, timeout=60, **more)
+        if done.returncode != 0:
+            raise AssertionError(f"openssl {words}: {done.stderr}")
+        return done
+
+    @classmethod
+    def sign(cls, name):
+        cls.openssl("req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-subj", f"/CN={name}",
+                    "-keyout", f"{name}.key", "-out", f"{name}.csr")
+        (cls.folder / "names").write_text("subjectAltName=DNS:localhost,IP:127.0.0.1\n")
+        cls.openssl("x509", "-req", "-in", f"{name}.csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial", "-days", 2,
+                    "-extfile", "names", "-out", f"{name}.pem")
+
+    def files(self, name):
+        return ("--tls-ca", self.folder / "ca.pem", "--tls-cert", self.folder / f"{name}.pem", "--tls-key",
+                self.folder / f"{name}.key")
+
+    def environment(self, name):
+        return {f"VISUM_TLS_{what}": str(file) for what, file in zip(("CA", "CERT", "KEY"), self.files(name)[1::2])}
+
+    def daemon(self, *options):
+        return Daemon("--clock", "lockstep", *self.files("server"), *options)
+
+    def test_visum_and_scripts_get_in_by_options_and_by_the_environment(self):
+        with self.daemon() as daemon:
+            self.assertIn("arm", daemon.visum("parts", *self.files("boss")).stdout)
+            self.assertIn("arm", daemon.visum("parts", env=self.environment("boss")).stdout)
+            script = ("import sys, visum\n"
+                      "with visum.Client(sys.argv[1]) as client:\n"
+                      "    arm = client.part('arm')\n"
+                      "    with arm.lease():\n"
+                      "        client.join()\n"
+                      "        client.advance_ms(10)\n"
+                      "        print(client.tick)\n")
+            done = subprocess.run(["/usr/bin/python3", "-c", script, daemon.connect], capture_output=True, text=True, timeout=60,
+                                  env={**os.environ, **self.environment("boss"), "PYTHONPATH": str(BIN.parent / "python")})
+            self.assertEqual((done.stdout, done.stderr), ("10\n", ""))
+
+    def test_names_decide_the_roles(self):
+        tokens = self.folder / "tokens"
+        tokens.write_text("admin CN=boss\nobserver CN=camera\n")
+        tokens.chmod(0o600)
+        with self.daemon("--token-file", tokens) as daemon:
+            daemon.visum("step", 5, *self.files("boss"))
+            refused = daemon.visum("step", 5, *self.files("camera"), expect=1)
+            self.assertIn("this needs the role admin, the session has observer", refused.stderr)
+            stopped = daemon.visum("param-set", "arm", "Emergency Stop", "true", *self.files("camera"))
+            self.assertEqual(stopped.stderr, "", "anybody may stop")
+            refused = daemon.visum("param-set", "arm", "Emergency Stop", "false", *self.files("camera"), expect=1)
+            self.assertIn("controller", refused.stderr)
+
+    def test_who_is_not_let_in_is_told_why(self):
+        with self.daemon() as daemon:
+            plain = daemon.visum("parts", expect=1)
+            self.assertIn("this server speaks TLS only", plain.stderr)
+            half = daemon.visum("parts", "--tls-ca", self.folder / "ca.pem", expect=1)
+            self.assertIn("TLS needs three files", half.stderr)
+        with Daemon() as daemon:
+            secure = daemon.visum("parts", *self.files("boss"), expect=1)
+            self.assertIn("the server does not speak TLS", secure.stderr)
+
+    def test_nothing_older_than_1_3_and_nobody_without_a_certificate(self):
+        with self.daemon() as daemon:
+            def handshake(*words):
+                return subprocess.run(["openssl", "s_client", "-connect", daemon.connect, "-CAfile", self.folder / "ca.pem", *words],
+                                      input="", capture_output=True, text=True, timeout=60)
+            old = handshake("-tls1_2", "-cert", self.folder / "boss.pem", "-key", self.folder / "boss.key")
+            self.assertNotEqual(old.returncode, 0)
+            self.assertIn("protocol version", old.stderr)
+            self.assertIn("certificate required", handshake("-ign_eof").stderr)
+            self.assertIn("arm", daemon.visum("parts", *self.files("boss")).stdout, "it goes on")
+
+    def test_wrong_files_are_named_before_anything_else(self):
+        def start(*options):
+            return subprocess.run([BIN / "visumd", ARM, "--port", "0", *map(str, options)], capture_output=True,
+                                  text=True, timeout=60)
+        cert = self.folder / "server.pem"
+        half = start("--tls-cert", cert)
+        self.assertEqual(half.returncode, 2)
+        self.assertIn("--tls-key", half.stderr + half.stdout)
+        wrong = start("--tls-cert", cert, "--tls-key", self.folder / "boss.key", "--tls-ca", self.folder / "ca.pem")
+        self.assertEqual(wrong.returncode, 2)
+        self.assertIn("boss.key: holds no private key of the certificate in", wrong.stderr)
+
+    def test_runs_have_a_daemon_of_their_own_whatever_the_environment_says(self):
+        scenario = self.folder / "scenario.yaml"
+        scenario.write_text(f"visum_scenario: 1\nname: n\nscene: {ARM}\nuntil: {{at_s: 0.05}}\n")
+        visum("run", scenario, env=self.environment("boss"))
+
+
+if __name__ == "__main__":
+    unittest.main()
