@@ -154,9 +154,8 @@ void declare(CLI::App& app, Options& options) {
       "  visumd rewind run.mcap --at 12.5                          goes on from there; engine and seed are "
       "the run's\n"
       "  visumd check models/scenes/amtec_arm.yaml                 says what is wrong with a scene, no more\n"
-      "Exit codes: 0 ended in good order, 1 the world froze, 2 bad usage, 3 the scene is wrong, 124 a "
-      "plug-in "
-      "hangs,\n130 interrupted.");
+      "Exit codes: 0 ended in good order, 1 the world froze, 2 bad usage, 3 the scene is wrong, 124 a\n"
+      "plug-in hangs, 130 interrupted.");
 }
 
 int check(int argc, char** argv) {

@@ -26,7 +26,7 @@ void NodeKeeper::save(const plugin::Node& node, hwparts::StateWriter& to) const 
   std::string fault = fault_;
   scratch_.clear();
   if (fault.empty()) {
-    const plugin::ForeignCall standing(node_);
+    const plugin::ForeignCall standing(node_.c_str());
     try {
       plugin::StateOut out(scratch_);
       node.save(out);

@@ -26,7 +26,7 @@ class NodeKeeper {
   template <typename Call>
   bool run(const Call& call) {
     if (!works()) return false;
-    const plugin::ForeignCall standing(node_);
+    const plugin::ForeignCall standing(node_.c_str());
     try {
       call();
     } catch (...) {

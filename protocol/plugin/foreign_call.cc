@@ -5,19 +5,19 @@
 namespace visum::plugin {
 namespace {
 
-std::atomic<const std::string*> standing_node{nullptr};
+std::atomic<const char*> standing_node{nullptr};
 std::atomic<std::uint64_t> calls{0};
 
 // One writer: a plain load and store do, and cost no lock.
-void put(const std::string* node) {
+void put(const char* node) {
   standing_node.store(node, std::memory_order_release);
   calls.store(calls.load(std::memory_order_relaxed) + 1, std::memory_order_release);
 }
 
 }  // namespace
 
-ForeignCall::ForeignCall(const std::string& node) : outer_(standing_node.load(std::memory_order_relaxed)) {
-  put(&node);
+ForeignCall::ForeignCall(const char* node) : outer_(standing_node.load(std::memory_order_relaxed)) {
+  put(node);
 }
 
 ForeignCall::~ForeignCall() {
@@ -28,7 +28,7 @@ std::uint64_t foreign_calls() {
   return calls.load(std::memory_order_acquire);
 }
 
-const std::string* foreign_node() {
+const char* foreign_node() {
   return standing_node.load(std::memory_order_acquire);
 }
 

@@ -3,27 +3,26 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 
 namespace visum::plugin {
 
 // Stands while plug-in code runs; may stand within another one.
 class ForeignCall {
  public:
-  // `node`: "agent 'explorer'"; must outlive this.
-  explicit ForeignCall(const std::string& node);
+  // `node`: "agent 'explorer'"; must outlive this by far (foreign_node).
+  explicit ForeignCall(const char* node);
   ~ForeignCall();
   ForeignCall(const ForeignCall&) = delete;
   ForeignCall& operator=(const ForeignCall&) = delete;
 
  private:
-  const std::string* outer_;
+  const char* outer_;
 };
 
 // For the watchdog: changes with every call that begins or ends.
 std::uint64_t foreign_calls();
 // The node of the call that stands; null: none. May be looked into only once foreign_calls() has not changed
 // for far longer than a call takes.
-const std::string* foreign_node();
+const char* foreign_node();
 
 }  // namespace visum::plugin

@@ -36,8 +36,7 @@ class NodeSettings final : public Settings {
 // Makes a node by a plug-in's `make`; what that throws becomes a ConfigError at `entry`.
 template <typename Kind, typename Context>
 auto make_node(const Kind& kind, Context& context, const config::Node& entry) {
-  const std::string node = std::string(kind.name) + ", which is made";
-  const ForeignCall standing(node);
+  const ForeignCall standing(kind.name);
   try {
     auto made = kind.make(context);
     if (!made) throw Error("makes nothing");

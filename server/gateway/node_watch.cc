@@ -22,7 +22,7 @@ double seconds(milliseconds time) {
 
 CallWatch::Verdict CallWatch::look(milliseconds passed) {
   const std::uint64_t calls = plugin::foreign_calls();
-  const std::string* node = plugin::foreign_node();
+  const char* node = plugin::foreign_node();
   if (calls != calls_ || !node) {
     calls_ = calls;
     standing_ = milliseconds(0);
@@ -34,7 +34,7 @@ CallWatch::Verdict CallWatch::look(milliseconds passed) {
   standing_ += passed;
   if (standing_ < kTell && (limit_.count() == 0 || standing_ < limit_)) return Verdict::kFine;
   const bool is_new = stuck_.node.empty();
-  stuck_ = {*node, standing_};
+  stuck_ = {node, standing_};
   if (limit_.count() > 0 && standing_ >= limit_) return was_lost ? Verdict::kFine : Verdict::kLost;
   return is_new ? Verdict::kTold : Verdict::kFine;
 }
@@ -74,9 +74,8 @@ void NodeWatch::run() {
 // Nothing that the lost thread may hold is touched: no destructor runs.
 void NodeWatch::end_process(const StuckNode& lost) {
   spdlog::error(
-      "{} has not come back for {:.1f} s and is given up: its plug-in hangs. What it holds cannot be taken "
-      "back, "
-      "so this ends here (--node-timeout sets the limit)",
+      "{} has not come back for {:.1f} s and is given up: its plug-in hangs. What it holds cannot be\n"
+      "taken back, so this ends here (--node-timeout sets the limit)",
       lost.node, seconds(lost.since));
   spdlog::default_logger()->flush();
   std::_Exit(kTimedOut);

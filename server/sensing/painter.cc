@@ -5,6 +5,8 @@
 #include <cstring>
 #include <map>
 
+#include "server/world/trig.h"
+
 namespace visum::sensing {
 namespace {
 
@@ -13,6 +15,7 @@ using scene::Light;
 using scene::LightKind;
 
 constexpr double kOffSurface = 1e-6;  // share of the distance: where a shadow's ray begins
+constexpr double kGrazing = 1e-3;     // the least sine of a ray to a surface that counts
 constexpr double kEndless_m = 1e6;    // of a ray to a light that is not in the scene
 
 // Of a scene without lights: some from everywhere, a sun, and a weak light from the other side.
@@ -32,6 +35,11 @@ Vector3d vector_at(std::span<const double> numbers) {
   return {numbers[0], numbers[1], numbers[2]};
 }
 
+double pixel_at_1m(const sensors::Lens& lens) {
+  const auto half = world::sin_cos(lens.fov_rad / 2.0);
+  return 2.0 * half.sin / half.cos / lens.width;
+}
+
 std::byte as_byte(double share) {
   return static_cast<std::byte>(static_cast<unsigned char>(std::clamp(share * 255.0 + 0.5, 0.0, 255.0)));
 }
@@ -43,6 +51,7 @@ Painter::Painter(const scene::Scene& scene, const Mount& mount, const sensors::C
       lights_(scene.looks.lights.empty() ? studio() : scene.looks.lights),
       mount_(mount),
       settings_(settings),
+      pixel_at_1m_(pixel_at_1m(settings.lens)),
       rays_(model_),
       state_(world::initial_state(model_)) {
   covers_.resize(model_.shapes.size());
@@ -97,7 +106,8 @@ double Painter::light_on(const Light& light, const Vector3d& p_W, const Vector3d
     length = (light.position - p_W).norm();
     if (length == 0.0) return 0.0;
     to_light = (light.position - p_W) / length;
-    if (light.kind == LightKind::kSpot && -to_light.dot(light.direction) < std::cos(light.angle_rad))
+    if (light.kind == LightKind::kSpot &&
+        -to_light.dot(light.direction) < world::sin_cos(light.angle_rad).cos)
       return 0.0;
   }
   const double falls = normal_W.dot(to_light);
@@ -106,7 +116,7 @@ double Painter::light_on(const Light& light, const Vector3d& p_W, const Vector3d
   return light.intensity * falls;
 }
 
-Painter::Color Painter::own_color_of(const Hit& hit, const Vector3d& p_W) const {
+Painter::Color Painter::own_color_of(const Hit& hit, const Ray& ray) const {
   const world::Shape& shape = model_.shapes[hit.shape.index()];
   const Color color(shape.color[0], shape.color[1], shape.color[2]);
   const Cover& cover = covers_[hit.shape.index()];
@@ -114,10 +124,16 @@ Painter::Color Painter::own_color_of(const Hit& hit, const Vector3d& p_W) const 
   const std::size_t body = shape.body.index();
   const world::Pose X_SW =
       (world::link_pose(model_.bodies[body], state_.bodies[body]) * shape.X_BS).inverse();
-  const auto place = place_on(shape, X_SW * p_W, X_SW.q * hit.normal_W);
+  const auto place =
+      place_on(shape, X_SW * (ray.p_W + hit.distance_m * ray.direction_W), X_SW.q * hit.normal_W);
   if (!place) return color;
+  // What a pixel covers of the surface, the longer way.
+  const double covers_m =
+      pixel_at_1m_ * hit.distance_m / std::max(kGrazing, std::abs(hit.normal_W.dot(ray.direction_W)));
   const Texture& texture = textures_[static_cast<std::size_t>(cover.texture)];
-  return color.cwiseProduct(texture.at((*place)[0] / cover.tile_m[0], (*place)[1] / cover.tile_m[1]));
+  const auto& tile = cover.tile_m;
+  return color.cwiseProduct(
+      texture.at((*place)[0] / tile[0], (*place)[1] / tile[1], covers_m / std::min(tile[0], tile[1])));
 }
 
 Painter::Color Painter::color_of(const Hit& hit, const Ray& ray) const {
@@ -126,8 +142,7 @@ Painter::Color Painter::color_of(const Hit& hit, const Ray& ray) const {
   Color light = Color::Zero();
   for (const Light& one : lights_)
     light += light_on(one, p_W, hit.normal_W) * Color(one.color[0], one.color[1], one.color[2]);
-  const Color own = own_color_of(hit, ray.p_W + hit.distance_m * ray.direction_W);
-  return settings_.exposure * light.cwiseProduct(own);
+  return settings_.exposure * light.cwiseProduct(own_color_of(hit, ray));
 }
 
 void Painter::put_color(const Color& color, sensors::Random& random, std::byte* to) const {

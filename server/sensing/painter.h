@@ -28,7 +28,7 @@ class Painter {
 
   void place(std::span<const double> reading);
   void cover_shapes(const scene::Looks& looks);
-  Color own_color_of(const Hit& hit, const Eigen::Vector3d& p_W) const;
+  Color own_color_of(const Hit& hit, const Ray& ray) const;
   Color color_of(const Hit& hit, const Ray& ray) const;
   double light_on(const scene::Light& light, const Eigen::Vector3d& p_W,
                   const Eigen::Vector3d& normal_W) const;
@@ -47,6 +47,7 @@ class Painter {
   std::vector<Texture> textures_;
   const Mount mount_;
   const sensors::CameraSettings settings_;
+  const double pixel_at_1m_;                   // m, how much of a wall 1 m ahead one pixel covers
   std::vector<Eigen::Vector3d> directions_C_;  // by pixel, unit
   RayWorld rays_;                              // of model_
   world::WorldState state_;

@@ -1,5 +1,6 @@
 #include "server/sensing/texture.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "protocol/config/config.h"
@@ -46,25 +47,57 @@ Texture::Texture(const scene::Texture& file) {
   const std::string fault = read_picture(file.content_type, file.bytes, kMaxTextureSide, kMaxTexels, picture);
   if (!fault.empty())
     throw config::ConfigError({file.name, 0, ""}, "a camera cannot read this picture: " + fault);
-  width_ = picture.width;
-  height_ = picture.height;
-  rgb_ = std::move(picture.rgb);
+  levels_.push_back({picture.width, picture.height, std::move(picture.rgb)});
+  while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(half_of(levels_.back()));
 }
 
-Vector3d Texture::pixel(int column, int row) const {
-  column = (column % width_ + width_) % width_;
-  row = (row % height_ + height_) % height_;
-  const std::uint8_t* rgb = &rgb_[3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
-                                       static_cast<std::size_t>(column))];
+// Each pixel is the mean of four, or of two where one side is a single pixel.
+Texture::Level Texture::half_of(const Level& level) {
+  Level half{std::max(1, level.width / 2), std::max(1, level.height / 2), {}};
+  const auto at = [&](int column, int row, int channel) {
+    return int{level.rgb[3 * (static_cast<std::size_t>(std::min(row, level.height - 1)) *
+                                  static_cast<std::size_t>(level.width) +
+                              static_cast<std::size_t>(std::min(column, level.width - 1))) +
+                         static_cast<std::size_t>(channel)]};
+  };
+  for (int row = 0; row < half.height; ++row)
+    for (int column = 0; column < half.width; ++column)
+      for (int channel = 0; channel < 3; ++channel) {
+        const int x = 2 * column, y = 2 * row;
+        const int sum =
+            at(x, y, channel) + at(x + 1, y, channel) + at(x, y + 1, channel) + at(x + 1, y + 1, channel);
+        half.rgb.push_back(static_cast<std::uint8_t>((sum + 2) / 4));
+      }
+  return half;
+}
+
+Vector3d Texture::pixel(const Level& level, int column, int row) {
+  column = (column % level.width + level.width) % level.width;
+  row = (row % level.height + level.height) % level.height;
+  const std::uint8_t* rgb =
+      &level.rgb[3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(level.width) +
+                      static_cast<std::size_t>(column))];
   return Vector3d(rgb[0], rgb[1], rgb[2]) / 255.0;
 }
 
-Vector3d Texture::at(double u, double v) const {
-  const double x = (u - std::floor(u)) * width_ - 0.5, y = (1.0 - (v - std::floor(v))) * height_ - 0.5;
+Vector3d Texture::between(const Level& level, double u, double v) {
+  const double x = (u - std::floor(u)) * level.width - 0.5;
+  const double y = (1.0 - (v - std::floor(v))) * level.height - 0.5;
   const int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
   const double right = x - column, down = y - row;
-  return (1.0 - down) * ((1.0 - right) * pixel(column, row) + right * pixel(column + 1, row)) +
-         down * ((1.0 - right) * pixel(column, row + 1) + right * pixel(column + 1, row + 1));
+  return (1.0 - down) * ((1.0 - right) * pixel(level, column, row) + right * pixel(level, column + 1, row)) +
+         down * ((1.0 - right) * pixel(level, column, row + 1) + right * pixel(level, column + 1, row + 1));
+}
+
+// The two levels between whose pixels the viewer's one lies, in parts: 1 to 2 pixels of the first.
+Vector3d Texture::at(double u, double v, double across) const {
+  double pixels = across * std::max(levels_[0].width, levels_[0].height);
+  std::size_t level = 0;
+  for (; pixels >= 2.0 && level + 1 < levels_.size(); ++level) pixels /= 2.0;
+  const double rest = std::clamp(pixels - 1.0, 0.0, 1.0);
+  const Vector3d color = between(levels_[level], u, v);
+  if (rest == 0.0 || level + 1 == levels_.size()) return color;
+  return (1.0 - rest) * color + rest * between(levels_[level + 1], u, v);
 }
 
 std::optional<std::array<double, 2>> place_on(const world::Shape& shape, const Vector3d& p_S,

@@ -19,14 +19,21 @@ class Texture {
   explicit Texture(const scene::Texture& file);
 
   // Red, green and blue at a place in tiles: u to the right and v up, from the lower left corner of a tile. 1
-  // is white; between the four nearest pixels, and on and on in both directions.
-  Eigen::Vector3d at(double u, double v) const;
+  // is white; between the four nearest pixels, and on and on in both directions. `across`: how much of a tile
+  // the viewer's pixel covers; where that is more than a pixel of the picture, smaller copies of it answer.
+  Eigen::Vector3d at(double u, double v, double across = 0.0) const;
 
  private:
-  Eigen::Vector3d pixel(int column, int row) const;
+  // The picture, or a copy of half the size of the one before.
+  struct Level {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> rgb;  // row by row from the top
+  };
+  static Eigen::Vector3d pixel(const Level& level, int column, int row);
+  static Eigen::Vector3d between(const Level& level, double u, double v);
+  static Level half_of(const Level& level);
 
-  int width_ = 0, height_ = 0;
-  std::vector<std::uint8_t> rgb_;  // row by row from the top
+  std::vector<Level> levels_;  // down to one pixel
 };
 
 // Where a point of a shape's surface is on a picture that lies on it, in m from the picture's lower left

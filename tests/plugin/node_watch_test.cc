@@ -14,7 +14,7 @@ using Verdict = CallWatch::Verdict;
 
 TEST(CallWatch, TellsOnceAfterASecondAndGivesUpOnceAtTheLimit) {
   CallWatch watch(3s);
-  const std::string node = "agent 'hand'";
+  const char* node = "agent 'hand'";
   const plugin::ForeignCall call(node);
   std::vector<Verdict> verdicts;
   for (int i = 0; i < 9; ++i) verdicts.push_back(watch.look(500ms));
@@ -27,7 +27,7 @@ TEST(CallWatch, TellsOnceAfterASecondAndGivesUpOnceAtTheLimit) {
 
 TEST(CallWatch, CallsThatComeBackAreFineHoweverManyThereAre) {
   CallWatch watch(3s);
-  const std::string node = "agent 'hand'";
+  const char* node = "agent 'hand'";
   for (int i = 0; i < 20; ++i) {
     const plugin::ForeignCall call(node);
     EXPECT_EQ(watch.look(900ms), Verdict::kFine);
@@ -38,7 +38,7 @@ TEST(CallWatch, CallsThatComeBackAreFineHoweverManyThereAre) {
 
 TEST(CallWatch, TellsOfOneThatHasComeBack) {
   CallWatch watch(0s);
-  const std::string node = "sensor 'eye'";
+  const char* node = "sensor 'eye'";
   {
     const plugin::ForeignCall call(node);
     watch.look(1s);
@@ -51,7 +51,7 @@ TEST(CallWatch, TellsOfOneThatHasComeBack) {
 
 TEST(CallWatch, NamesTheInnerOfTwo) {
   CallWatch watch(10s);
-  const std::string outer = "agent 'hand'", inner = "part 'motor'";
+  const char *outer = "agent 'hand'", *inner = "part 'motor'";
   const plugin::ForeignCall call(outer);
   {
     const plugin::ForeignCall within(inner);
@@ -66,7 +66,7 @@ TEST(CallWatch, NamesTheInnerOfTwo) {
 
 TEST(NodeWatch, GivesUpFromAThreadOfItsOwn) {
   std::promise<std::string> lost;
-  const std::string node = "engine 'euler'";
+  const char* node = "engine 'euler'";
   const plugin::ForeignCall call(node);
   NodeWatch watch(200ms, [&](const StuckNode& stuck) { lost.set_value(stuck.node); });
   EXPECT_EQ(lost.get_future().get(), node);

@@ -75,6 +75,15 @@ TEST(Texture, LiesBetweenTheFourNearestPixelsAndGoesOn) {
   EXPECT_EQ(texture.at(0.0, 0.75), Vector3d(0.5, 0.5, 0)) << "and on over a tile's edge";
 }
 
+TEST(Texture, SmallerCopiesAnswerWhereAPixelSeesMuchOfIt) {
+  const Texture texture({"four.png", "image/png", png_of(2, 2, kFour)});
+  const Vector3d mean = Vector3d::Constant(128) / 255;
+  EXPECT_EQ(texture.at(0.25, 0.75, 0.5), Vector3d(1, 0, 0)) << "a pixel for a pixel";
+  EXPECT_EQ(texture.at(0.25, 0.75, 1.0), mean);
+  EXPECT_EQ(texture.at(0.25, 0.75, 1000.0), mean);
+  EXPECT_LT((texture.at(0.25, 0.75, 0.75) - (Vector3d(1, 0, 0) + mean) / 2).norm(), 1e-12);
+}
+
 TEST(Texture, AJpegIsReadAsWell) {
   std::vector<std::uint8_t> grey;
   for (int i = 0; i < 16 * 8; ++i) grey.insert(grey.end(), {200, 120, 40});

@@ -38,7 +38,6 @@ class PluggedEngine final : public Engine {
         name_("engine '" + std::string(kind.name) + "'"),
         world_(model, engine_index) {
     Context context(world_, entry, std::move(resting));
-    const plugin::ForeignCall call(name_);
     node_ = plugin::make_node(kind, context, entry);
     context.refuse_others();
   }
@@ -60,7 +59,7 @@ class PluggedEngine final : public Engine {
  private:
   void advance(const StepInput& input, world::WorldState& state) {
     std::vector<std::byte>& memory = state.engines[index_];
-    const plugin::ForeignCall call(name_);
+    const plugin::ForeignCall call(name_.c_str());
     if (last_ != memory) recall(memory);
     world_.load(input, state);
     node_->step(world_.tick(input.tick_s));
