@@ -118,10 +118,13 @@ void note_connected(int fd) {
 }
 
 void note_written(const Descriptor& to, std::int64_t count) {
-  if (count <= 0 || !to.on_bus()) return;
+  if (count <= 0) return;
   if (to.stream) to.stream->written += static_cast<std::uint64_t>(count);
-  shared()->dirty = 1;
-  note_progress();
+  if (to.on_bus()) {
+    shared()->dirty = 1;
+    note_progress();
+  }
+  if (to.on_bus() || to.is_session) note_request();
 }
 
 void note_read(const Descriptor& from, std::int64_t count) {

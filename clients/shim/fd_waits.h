@@ -38,7 +38,14 @@ int wait_for(const FdWait& wait, Look look, Block block) {
     if (const auto found = look(); found != 0) return found;
     if (wait.deadline_ns <= now_ns()) return 0;
     const auto next = std::min(wait.deadline_ns, next_timer_ns());
-    if (wait.on_session) return await_answer(wait, block);
+    if (wait.on_session) {
+      // Nothing came within the time-out: it is over in the world, too, which may have something to say then.
+      const int found = await_answer(wait, block);
+      if (found != 0 || wait.deadline_ns == kNever) return found;
+      if (park({wait.doing, wait.deadline_ns})) return look();
+      errno = EINTR;
+      return -1;
+    }
     if (next == kNever && !wait.on_bus && !has_timers())
       return blocked(wait.doing, [&] { return block(nullptr); });
     if (park({wait.doing, next, flags})) continue;

@@ -10,6 +10,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <utility>
+
 #include "clients/shim/futex.h"
 
 namespace visum::shim {
@@ -22,6 +24,9 @@ Shared* the_shared = nullptr;
 __thread Slot* my_slot = nullptr;
 __thread int looks = 0;
 __thread bool said_that_we_spin = false;
+__thread int requests = 0;  // at requested_ns
+__thread std::int64_t requested_ns = 0;
+__thread bool said_that_we_ask = false;
 
 std::int32_t thread_id() {
   return static_cast<std::int32_t>(::syscall(SYS_gettid));
@@ -231,6 +236,21 @@ void note_look(const char* doing) {
   park({doing, now_ns() + shared()->tick_ns});
   errno = error;
   looks = kMostLooks;
+}
+
+// Time that passes by the thread's own waits is none of ours.
+void note_request() {
+  if (now_ns() != requested_ns) requests = 0;
+  requested_ns = now_ns();
+  if (++requests <= kMostLooks) return;
+  if (!std::exchange(said_that_we_ask, true))
+    say("thread %d of process %d asks without letting time pass: from now on each request takes a tick",
+        thread_id(), ::getpid());
+  const int error = errno;
+  park({"request", now_ns() + shared()->tick_ns});
+  errno = error;
+  requests = kMostLooks;
+  requested_ns = now_ns();
 }
 
 void note_progress() {

@@ -47,6 +47,8 @@ auto blocked(const char* doing, Call call, std::uint32_t flags = 0) {
 // We looked at something and did not wait: a clock, a descriptor. Who does only that makes time go on by it.
 void note_look(const char* doing);
 void note_progress();  // but here we did something: it is no mere looking
+// The world was asked something, over a bus or a session. Who asks and asks makes time go on by it.
+void note_request();
 
 // A slot for a thread or process that is about to be; null: there is no room. take_slot() is for itself to
 // call, drop_slot() where nothing came of it.

@@ -75,6 +75,46 @@ class EveryKindOfProgram(unittest.TestCase):
         self.assertIn("all well", text)
         self.assertGreater(figures["sim_seconds"], 10)
 
+    def test_behind_a_vendors_can_library(self):
+        text, _, _ = self.same_twice(BIN / "visum-test-pcan", options=["--bus", "arm=tcp", "--can", "pcan=arm"])
+        self.assertEqual(text, "all well")
+
+    def test_one_that_asks_without_a_wait_makes_time_pass(self):
+        body = ("import os, sys, tty\n"
+                "from serial_steps import ETX, frame\n"
+                "line = os.open(sys.argv[1], os.O_RDWR | os.O_NOCTTY)\n"
+                "tty.setraw(line)\n"
+                "for _ in range(1050):\n"
+                "    os.write(line, frame(1, [0x0A, 0x27]))\n"
+                "    while os.read(line, 64)[-1] != ETX: pass\n")
+        env = {**os.environ, "PYTHONPATH": str(SHIM), "PYTHONDONTWRITEBYTECODE": "1"}
+        _, figures, errors = run(sys.executable, "-c", body, "{bus.arm}", env=env)
+        self.assertIn("asks without letting time pass", errors)
+        self.assertEqual(figures["ticks"], 50, "a tick for each request after the first thousand")
+
+    def test_clients_of_the_ports_in_cpp(self):
+        move = f"{BIN}/visum set arm 'Desired Angle 1' 0.2 --connect {{connect}}"
+        look = f"{BIN}/visum get arm 'Actual Angle 1' --connect {{connect}}"
+        text, figures, _ = self.same_twice("sh", "-c", f"{move} && sleep 0.5 && {look}")
+        self.assertGreater(float(text), 0.1)
+        self.assertGreaterEqual(figures["ticks"], 500)
+
+    def test_clients_of_the_ports_in_python(self):
+        body = ("import sys, time, visum\n"
+                "with visum.Client(sys.argv[1], name='shimmed') as client:\n"
+                "    arm = client.part('arm')\n"
+                "    arm.acquire()\n"
+                "    for step in range(12):\n"
+                "        arm.read()\n"
+                "        arm.inputs('Desired Angle')[0] = 0.01 * step\n"
+                "        arm.write()\n"
+                "        time.sleep(0.02)\n"
+                "    arm.read()\n"
+                "    print(arm.outputs('Actual Angle')[0])\n")
+        env = {**os.environ, "PYTHONPATH": str(BIN.parent / "python")}
+        text, _, _ = self.same_twice(sys.executable, "-c", body, "{connect}", env=env)
+        self.assertGreater(float(text), 0.02)
+
     def test_one_that_spins_is_named_and_comes_through(self):
         _, _, errors = run(WAITS, "spin", "{bus.arm}", 2)
         self.assertRegex(errors, r"thread \d+ of process \d+ spins on clock_gettime")

@@ -21,18 +21,23 @@ from lockstep_exec_test import KINDS, SERIAL_ARM, SHIM, STEPS, WAITS, run
 from programs import ARM, Daemon
 
 PYSERIAL = "pyserial"
+GATE = "gate"  # grade L1, in real time
 
 
 def command_of(kind):
     if kind == PYSERIAL:
         return [sys.executable, SHIM / "serial_steps.py", "{bus.arm}", STEPS]
-    return [WAITS, kind, "{bus.arm}", STEPS]
+    return [WAITS, "usleep" if kind == GATE else kind, "{bus.arm}", STEPS]
+
+
+def grade_of(kind):
+    return ["--gate", "bus:arm", "--period", 20] if kind == GATE else ["--lockstep"]
 
 
 def distinct(kind, runs):
     hashes = collections.Counter()
     for _ in range(runs):
-        text, figures, _ = run(*command_of(kind))
+        text, figures, _ = run(*command_of(kind), grade=grade_of(kind))
         hashes[text, figures["state_hash"]] += 1
     return len(hashes)
 
@@ -79,7 +84,7 @@ def serial_program():
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=100)
-    parser.add_argument("--kinds", default=",".join([*KINDS, PYSERIAL]))
+    parser.add_argument("--kinds", default=",".join([*KINDS, PYSERIAL, GATE]))
     parser.add_argument("--only-hashes", action="store_true")
     options = parser.parse_args()
     print(f"{platform.processor() or platform.machine()}, {os.cpu_count()} processors, {platform.platform()}")
