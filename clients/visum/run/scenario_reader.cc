@@ -159,10 +159,10 @@ ControllerSpec read_controller(const Node& node) {
 
 Scenario read_scenario(const Node& file, std::size_t run) {
   if (file.kind() != Node::Kind::kMap) file.fail("a scenario is a map");
-  file.allow_only({"visum_scenario", "name",         "description",  "scene",          "parameters",
-                   "clock",          "engine",       "seed",         "record",         "speedup",
-                   "max_overruns",   "max_sim_s",    "max_wall_s",   "start_wall_s",   "settle_s",
-                   "check_every_ms", "until",        "buses",        "controllers",    "timeline",
+  file.allow_only({"visum_scenario", "name",      "description", "scene",        "parameters",
+                   "clock",          "engine",    "seed",        "record",       "speedup",
+                   "max_overruns",   "max_sim_s", "max_wall_s",  "start_wall_s", "settle_s",
+                   "check_every_ms", "until",     "buses",       "controllers",  "timeline",
                    "checks",         "sweep"});
   const Sweep sweep(file);
   config::ExpansionBudget budget;

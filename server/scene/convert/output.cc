@@ -73,7 +73,7 @@ std::string Output::add_mesh(const world::TriangleMesh& mesh) {
 
 void Output::write(const std::string& text) const {
   std::error_code error;
-  if (!companions_.empty()) fs::create_directories(folder_, error);
+  if (!companions_.empty()) fs::create_directory(folder_, error);
   for (const Companion& companion : companions_) write_file(folder_ / companion.name, companion.bytes);
   write_file(file_, text);
 }
