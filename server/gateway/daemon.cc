@@ -30,19 +30,8 @@ std::size_t most_ports(const cycle::Simulation& simulation) {
   return most;
 }
 
-StaticWorld static_world(const cycle::Simulation& simulation, const DaemonOptions& options) {
-  const auto& scene = simulation.scene();
-  StaticWorld world{scene.name,
-                    scene.clock,
-                    scene.world.tick_ns,
-                    std::chrono::nanoseconds(scene.lockstep_timeout_ns),
-                    {},
-                    {},
-                    describe_world(scene, simulation.revision())};
-  for (const auto& bound : simulation.parts()) {
-    world.parts.push_back(bound.part.get());
-    world.agents.push_back(bound.agent);
-  }
+StaticWorld shown_world(const cycle::Simulation& simulation, const DaemonOptions& options) {
+  auto world = static_world(simulation);
   world.simulated = options.simulated;
   world.has_world = options.has_world;
   world.node_watch = options.node_watch;
@@ -70,7 +59,7 @@ struct Daemon::Impl {
         paced(options.paced && simulation.scene().clock == scene::ClockKind::kLockstep),
         mailbox(most_ports(simulation)),
         tick_side(simulation, mailbox, options.run_at_once),
-        gateway(static_world(simulation, options),
+        gateway(shown_world(simulation, options),
                 options.token_file.empty() ? Tokens() : Tokens(options.token_file), mailbox,
                 tick_side.pacer(),
                 [this]() -> const Published& { return threaded ? fresh_copy() : fresh_fill(); }),
@@ -167,7 +156,6 @@ struct Daemon::Impl {
   void run_realtime();
   void run_inline();
   bool may_tick_inline();
-  bool is_let(std::int64_t tick) const;
   bool await_due();
 
   cycle::Simulation& simulation;
@@ -256,16 +244,10 @@ bool Daemon::Impl::may_tick_inline() {
   if (!tick_side.time_runs()) return is_paced_now = false;
   if (simulation.scene().clock == scene::ClockKind::kFree) return true;
   const auto tick = simulation.tick_count();
-  if (is_let(tick)) return await_due();
+  if (gateway.lets(tick, tick_side.stepping())) return await_due();
   is_paced_now = false;
   gateway.check_timeouts(tick);
   return false;
-}
-
-// A world that nobody steps with only moves by Step, or for who was late and goes on in real time.
-bool Daemon::Impl::is_let(std::int64_t tick) const {
-  if (gateway.has_members()) return gateway.limit(tick) > tick;
-  return tick_side.stepping() || gateway.has_dropped();
 }
 
 // False: the next tick's time has not come yet. Sessions are served meanwhile.

@@ -10,6 +10,22 @@ namespace visum::gateway {
 
 using protocol::ErrorCode;
 
+StaticWorld static_world(const cycle::Simulation& simulation) {
+  const auto& scene = simulation.scene();
+  StaticWorld world{scene.name,
+                    scene.clock,
+                    scene.world.tick_ns,
+                    std::chrono::nanoseconds(scene.lockstep_timeout_ns),
+                    {},
+                    {},
+                    describe_world(scene, simulation.revision())};
+  for (const auto& bound : simulation.parts()) {
+    world.parts.push_back(bound.part.get());
+    world.agents.push_back(bound.agent);
+  }
+  return world;
+}
+
 Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, const cycle::Pacer& pacer, Latest latest)
     : world_(std::move(world)),
       tokens_(std::move(tokens)),

@@ -43,6 +43,7 @@ struct StaticWorld {
   bool has_world = true;                  // false: see DaemonOptions
   const NodeWatch* node_watch = nullptr;  // null: plug-ins are not watched
 };
+StaticWorld static_world(const cycle::Simulation& simulation);
 
 class Gateway : public protocol::SessionHandler {
  public:
@@ -65,9 +66,11 @@ class Gateway : public protocol::SessionHandler {
   std::int64_t next_due() const { return next_due_.load(std::memory_order_relaxed); }
   // True once a member stepped: time starts. Any thread.
   bool start_asked() const { return start_asked_.load(std::memory_order_relaxed); }
-  // Lockstep: the tick up to which the members let the world run; `tick` itself if nobody has joined.
-  std::int64_t limit(std::int64_t tick) const { return members_.empty() ? tick : members_.limit(); }
-  bool has_members() const { return !members_.empty(); }
+  // Lockstep: whether the world may go on from `tick`. One that nobody steps with only moves by Step, or for
+  // who was late and goes on in real time.
+  bool lets(std::int64_t tick, bool stepping) const {
+    return members_.empty() ? stepping || has_dropped() : members_.limit() > tick;
+  }
   // Lockstep: somebody who was late goes on in real time, and the world with him.
   bool has_dropped() const { return !dropped_.empty(); }
   // What time-outs of members are measured by, instead of the steady clock. Before the first session.

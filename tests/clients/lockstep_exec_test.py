@@ -18,10 +18,9 @@ KINDS = ["usleep", "absolute", "poll", "select", "condition", "semaphore", "mute
          "yield", "fork", "command", "join", "thread"]
 
 
-def run(*command, scene=ARM, grade=("--lockstep",), options=(), timeout=DEADLINE_S, expect=0, env=None):
+def run(*command, scene=ARM, buses=("--bus", "arm=pty"), grade=("--lockstep",), options=(), timeout=DEADLINE_S, expect=0, env=None):
     """One run with a server of its own: (what it said, the figures of the last line, its standard error)."""
-    words = [BIN / "visum", "exec", "--scene", scene, "--bus", "arm=pty", *grade, "--json", "--timeout", timeout,
-             *options, "--", *command]
+    words = [BIN / "visum", "exec", "--scene", scene, *buses, *grade, "--json", "--timeout", timeout, *options, "--", *command]
     done = subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=2 * DEADLINE_S, env=env)
     if done.returncode != expect:
         raise AssertionError(f"{words}: exit code {done.returncode}, not {expect}\n{done.stdout}\n{done.stderr}")

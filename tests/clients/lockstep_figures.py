@@ -54,7 +54,7 @@ def per_sleep(scene, sleeps):
     walls = {}
     for count in (0, sleeps):
         body = f"import time\nfor _ in range({count}): time.sleep(0.001)\n"
-        walls[count] = min(run(sys.executable, "-c", body, scene=scene)[1]["wall_seconds"] for _ in range(3))
+        walls[count] = min(run(sys.executable, "-c", body, scene=scene, buses=())[1]["wall_seconds"] for _ in range(3))
     return (walls[sleeps] - walls[0]) / sleeps * 1e6
 
 

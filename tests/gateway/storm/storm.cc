@@ -32,22 +32,6 @@ scene::Scene scene_with(ClockKind clock) {
   return scene;
 }
 
-gateway::StaticWorld static_world(const cycle::Simulation& simulation) {
-  const auto& scene = simulation.scene();
-  gateway::StaticWorld world{scene.name,
-                             scene.clock,
-                             scene.world.tick_ns,
-                             std::chrono::nanoseconds(scene.lockstep_timeout_ns),
-                             {},
-                             {},
-                             gateway::describe_world(scene, simulation.revision())};
-  for (const auto& bound : simulation.parts()) {
-    world.parts.push_back(bound.part.get());
-    world.agents.push_back(bound.agent);
-  }
-  return world;
-}
-
 // One daemon, from its start to its end or crash.
 class Server {
  public:
@@ -57,7 +41,7 @@ class Server {
         threaded_(clock == ClockKind::kRealtime),
         mailbox_(64),
         tick_side_(simulation_, mailbox_, false),
-        gateway_(static_world(simulation_), {}, mailbox_, tick_side_.pacer(),
+        gateway_(gateway::static_world(simulation_), {}, mailbox_, tick_side_.pacer(),
                  [this]() -> const Published& { return latest(); }),
         oracle_(gateway_, simulation_),
         born_ms_(now_ms) {
@@ -123,9 +107,9 @@ class Server {
     if (!tick_side_.time_runs()) return false;
     if (simulation_.scene().clock == ClockKind::kFree) return true;
     const auto tick = simulation_.tick_count();
-    const bool let = gateway_.limit(tick) > tick || (tick_side_.stepping() && !gateway_.has_members());
-    if (!let) gateway_.check_timeouts(tick);
-    return let;
+    if (gateway_.lets(tick, tick_side_.stepping())) return true;
+    gateway_.check_timeouts(tick);
+    return false;
   }
 
   void empty_mailbox() { oracle_.empty_mailbox(tick_side_); }
