@@ -17,7 +17,9 @@
 namespace visum::shim {
 namespace {
 
-constexpr int kMostLooks = 1000;                      // without a wait
+// Without a wait. Who only starts looks often, too: Python reads a clock 1161 times to import its client.
+constexpr int kMostLooks = 20'000;
+constexpr int kMostRequests = 1000;                   // while no time passes
 constexpr std::int64_t kPatience_ns = 1'000'000'000;  // then we look whether the keeper lives
 
 Shared* the_shared = nullptr;
@@ -242,14 +244,14 @@ void note_look(const char* doing) {
 void note_request() {
   if (now_ns() != requested_ns) requests = 0;
   requested_ns = now_ns();
-  if (++requests <= kMostLooks) return;
+  if (++requests <= kMostRequests) return;
   if (!std::exchange(said_that_we_ask, true))
     say("thread %d of process %d asks without letting time pass: from now on each request takes a tick",
         thread_id(), ::getpid());
   const int error = errno;
   park({"request", now_ns() + shared()->tick_ns});
   errno = error;
-  requests = kMostLooks;
+  requests = kMostRequests;
   requested_ns = now_ns();
 }
 
