@@ -29,6 +29,7 @@ LATERAL_GAIN, HEADING_GAIN = 16.0, 8.0  # 1/m2, 1/m: an error dies out, critical
 MAXIMUM_CURVATURE = 1.3
 STOP_SHORT = 0.1  # m ahead of where it would stand, that must be free
 KEEP_AWAY = 0.03  # m, from what it did not expect
+WAYS_OUT = (-0.3, 0.3, -0.15, 0.15)  # m, straight on: from where it finds no way, another place may have one
 
 
 class Eye:
@@ -136,9 +137,14 @@ class Explorer:
 
     def explore(self) -> None:
         self.stand(self._eye.settle_s)
+        untried = list(WAYS_OUT)
         while not self.out_of_time():
             moves = find_way(self._floor, self._cart.pose)
-            if not moves:
+            if moves:
+                untried = list(WAYS_OUT)
+            elif untried:
+                moves = [Move(untried.pop(0), 0.0)]
+            else:
                 return
             self.catch_up()
             self.drive(moves)
