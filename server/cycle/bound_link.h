@@ -17,8 +17,8 @@ class BoundLink final : public plugin::PartLink {
   bool commanded() const { return commanded_; }
 
   void begin_turn();
-  void end_turn(
-      std::int64_t tick);  // the part takes what was set; throws plugin::Error where it refuses that
+  // The part takes what was set; throws plugin::Error where it refuses that.
+  void end_turn(std::int64_t tick);
   void lose_controller() { part().part->controller_lost(); }
 
   std::size_t input(std::string_view name) const override;

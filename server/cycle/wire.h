@@ -54,7 +54,6 @@ class Wire {
   const Quality& quality() const { return quality_; }
   // Nothing is under way then. `shown`: the part's readings; `inputs`: how many numbers it can be written.
   void begin(const Quality& quality, std::uint64_t seed, std::span<const double> shown, std::size_t inputs);
-  void end() { quality_ = {}; }
 
   // A write that leaves its controller at `tick`, and those that have arrived by then.
   void send(std::int64_t tick, std::size_t first, std::span<const double> values);
