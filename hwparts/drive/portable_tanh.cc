@@ -1,17 +1,32 @@
 #include "hwparts/drive/portable_tanh.h"
 
+#include <array>
 #include <cmath>
 
 namespace visum::drive {
 namespace {
 
-// e^r - 1 for |r| <= ln(2)/2 by its Taylor series in Horner form: the first term left out is below 1e-17 of
-// the sum.
+// 1/1!, 1/2!, ... 1/14!
+constexpr std::array kInverseFactorials = [] {
+  std::array<double, 14> result{};
+  double factorial = 1.0;  // exact: 14! < 2^53
+  for (std::size_t n = 0; n < result.size(); ++n) {
+    factorial *= static_cast<double>(n + 1);
+    result[n] = 1.0 / factorial;
+  }
+  return result;
+}();
+
+// e^r - 1 for |r| <= ln(2)/2 by its Taylor series, odd and even terms each in Horner form: the first term
+// left out is below 1e-17 of the sum.
 double small_expm1(double r) {
-  constexpr int kTerms = 14;
-  double sum = 1.0;
-  for (int n = kTerms; n >= 2; --n) sum = 1.0 + sum * r / n;
-  return r * sum;
+  const double square = r * r;
+  double odd = 0.0, even = 0.0;
+  for (std::size_t n = kInverseFactorials.size(); n >= 2; n -= 2) {
+    even = kInverseFactorials[n - 1] + square * even;
+    odd = kInverseFactorials[n - 2] + square * odd;
+  }
+  return r * odd + square * even;
 }
 
 // e^y - 1 for 0 <= y <= 40, with y = n ln2 + r. ln2 is split in two so that n * kLn2High is exact.
