@@ -18,6 +18,7 @@ import random
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -27,13 +28,15 @@ from programs import SCENES, SOURCE, Daemon, Failed, burn, expect, flood, proces
 BURDENS = ("none", "hog", "flood", "observers", "stops", "record", "pace")
 PERIOD_TICKS = 10
 MOST_STOP_S = 0.3
+Answer = tuple[int, int]  # the last tick, and the state's hash
+Answers = "multiprocessing.Queue[Answer]"
 
 
-def control(address: str, ticks: int, answers: "multiprocessing.Queue[tuple[int, int]]") -> None:
-    """Sends every part a sine of its own, a period at a time; answers with the last tick and the state's hash."""
+def control(address: str, ticks: int, answers: Answers, token: Path | None = None) -> None:
+    """Sends every part a sine of its own, a period at a time; and answers."""
     import visum
 
-    with visum.Client(address, name="controller", connect_timeout_s=60) as client:
+    with visum.Client(address, name="controller", token_file=token, connect_timeout_s=60) as client:
         parts = [part for part in map(client.part, client.part_names()) if part.input_ports]
         for part in parts:
             part.acquire()
@@ -49,7 +52,22 @@ def control(address: str, ticks: int, answers: "multiprocessing.Queue[tuple[int,
         answers.put((status.tick, status.state_hash))
 
 
-def run(options: argparse.Namespace, scene: str, engine: str, burden: str, seed: int) -> tuple[int, int]:
+def answer_of(controller: Callable[..., None], *words: object, token: Path | None = None, started: Callable[[int], None] = lambda _: None) -> Answer:
+    """Of a controller in a process of its own; `started` is told the id of that."""
+    answers: Answers = multiprocessing.Queue()
+    process = multiprocessing.Process(target=controller, args=(*words, answers, token), daemon=True)
+    process.start()
+    assert process.pid
+    started(process.pid)
+    while True:
+        ended = process.exitcode is not None
+        try:
+            return answers.get(timeout=1.0)
+        except queue.Empty:
+            expect(not ended, f"the controller ended with {process.exitcode}")
+
+
+def run(options: argparse.Namespace, scene: str, engine: str, burden: str, seed: int) -> Answer:
     words: list[object] = ["--clock", "lockstep", "--engine", engine, "--http", "off"]
     if burden == "pace":
         words += ["--speedup", random.Random(seed).choice([2, 5, 20])]
@@ -58,28 +76,22 @@ def run(options: argparse.Namespace, scene: str, engine: str, burden: str, seed:
             folder = stack.enter_context(tempfile.TemporaryDirectory())
             words += ["--record", f"{folder}/run.mcap"]
         daemon = stack.enter_context(Daemon(options.bin, *words, scene=SCENES / f"{scene}.yaml"))
-        answers: "multiprocessing.Queue[tuple[int, int]]" = multiprocessing.Queue()
-        controller = multiprocessing.Process(target=control, args=(daemon.address, options.ticks, answers), daemon=True)
         burdens = {"hog": [(burn, ())] * (os.cpu_count() or 2),
                    "flood": [(flood, (daemon.port, seed + i)) for i in range(2)],
                    "observers": [(watch, (daemon.address, seed, 8))]}.get(burden, [])
         stack.enter_context(processes(*burdens))
-        controller.start()
-        if burden == "stops":
-            assert controller.pid
-            stack.enter_context(processes((stop_and_go, ([daemon.pid, controller.pid], seed, MOST_STOP_S))))
-        while True:
-            ended = controller.exitcode is not None
-            try:
-                return answers.get(timeout=1.0)
-            except queue.Empty:
-                expect(not ended, f"the controller ended with {controller.exitcode} under the burden {burden}")
+
+        def started(controller: int) -> None:
+            if burden == "stops":
+                stack.enter_context(processes((stop_and_go, ([daemon.pid, controller], seed, MOST_STOP_S))))
+
+        return answer_of(control, daemon.address, options.ticks, started=started)
 
 
 def compare(options: argparse.Namespace, scene: str, engine: str) -> str:
     """The burdens take turns; where only a few runs are asked for, the seed decides which."""
     dice = random.Random(f"{options.seed} {scene} {engine}")
-    first: tuple[int, int] | None = None
+    first: Answer | None = None
     order = list(BURDENS[1:])
     for number in range(options.runs):
         if number % len(order) == 0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import multiprocessing
 import os
@@ -10,6 +11,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -24,6 +26,10 @@ SKIPPED = 77  # the exit code of a trial that this machine does not allow
 
 class Failed(Exception):
     """A promise that did not hold."""
+
+
+class NotHere(Exception):
+    """This machine does not allow it."""
 
 
 def expect(holds: bool, claim: str) -> None:
@@ -99,6 +105,26 @@ def processes(*burdens: tuple[Callable[..., None], tuple[object, ...]]) -> Itera
         for process in running:
             process.kill()
             process.join()
+
+
+def run_all(trials: dict[str, Callable[..., str]], wanted: list[str], options: argparse.Namespace) -> int:
+    """Runs those wanted, or all, each with a folder of its own; prints what each says, and returns the exit code."""
+    if unknown := set(wanted) - set(trials):
+        print(f"there is no {', '.join(unknown)}; there are {', '.join(trials)}", file=sys.stderr)
+        return 2
+    codes = set()
+    for name in wanted or list(trials):
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                said, code = trials[name](options, Path(folder)), 0
+            except NotHere as reason:
+                said, code = f"SKIPPED: {reason}", SKIPPED
+            except Failed as broken:
+                said, code = f"FAILED: {broken}", 1
+            print(f"{name:18} {said}", flush=True)
+            codes.add(code)
+            subprocess.run(["umount", Path(folder) / "small"], capture_output=True)
+    return 1 if 1 in codes else min(codes)
 
 
 # Burdens: each goes on until it is killed --------------------------------------------------------------------------

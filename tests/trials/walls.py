@@ -22,16 +22,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import programs
-from programs import ARM, PATIENCE_S, SKIPPED, SOURCE, Daemon, Failed, await_that, expect, processes, watch
+from programs import ARM, PATIENCE_S, SOURCE, Daemon, NotHere, await_that, expect, processes, watch
 
 MEMORY_MIB = 128
 PROCESSES = 32
 DESCRIPTORS = 64
 DISK_MIB = 4
-
-
-class NotHere(Exception):
-    """This machine does not allow it."""
 
 
 @contextmanager
@@ -190,31 +186,12 @@ def main() -> int:
     parser.add_argument("--bin", type=Path, default=SOURCE / "build/dev/bin")
     parser.add_argument("wall", nargs="*", help=", ".join(WALLS))
     options = parser.parse_args()
-    wanted = options.wall or list(WALLS)
-    if unknown := set(wanted) - set(WALLS):
-        parser.error(f"there is no wall {unknown}; there are {', '.join(WALLS)}")
     if os.environ.get("VISUM_UNSHARED") != "yes":  # in a mount namespace of its own, so that no mount is left behind
         able = subprocess.run(["unshare", "--mount", "true"], capture_output=True).returncode == 0
         if able:
             os.execvpe("unshare", ["unshare", "--mount", "--propagation", "private", sys.executable, *sys.argv], {**os.environ, "VISUM_UNSHARED": "yes"})
     programs.use_client_of(options.bin)
-    results = {"held": 0, "failed": 0, "skipped": 0}
-    for name in wanted:
-        with tempfile.TemporaryDirectory() as folder:
-            try:
-                print(f"{name:18} {WALLS[name](options, Path(folder))}", flush=True)
-                results["held"] += 1
-            except NotHere as reason:
-                print(f"{name:18} SKIPPED: {reason}", flush=True)
-                results["skipped"] += 1
-            except Failed as broken:
-                print(f"{name:18} FAILED: {broken}", flush=True)
-                results["failed"] += 1
-            finally:
-                subprocess.run(["umount", Path(folder) / "small"], capture_output=True)
-    if results["failed"]:
-        return 1
-    return 0 if results["held"] else SKIPPED
+    return programs.run_all(WALLS, options.wall, options)
 
 
 if __name__ == "__main__":
