@@ -13,6 +13,7 @@
 #include <cstring>
 #include <exception>
 #include <iostream>
+#include <system_error>
 
 #include "protocol/config/config.h"
 #include "server/gateway/json.h"
@@ -34,6 +35,7 @@ void catch_signals() {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a recording that may grow no more ends, and the world goes on
 }
 
 // Tells systemd that the service is ready (sd_notify(3), Type=notify).
@@ -93,6 +95,14 @@ void log_ready(const Daemon& daemon, const cycle::Simulation& simulation, const 
     for (const auto& name : names) spdlog::info("{}: bus {}", part, name);
 }
 
+// What the threads of C++ throw where the system gives none.
+bool is_no_thread(const std::system_error& error) {
+  return error.code() == std::errc::resource_unavailable_try_again;
+}
+constexpr const char* kNoThread =
+    "cannot start a thread: the limit of processes (ulimit -u, or pids of the container) or of memory is "
+    "reached";
+
 }  // namespace
 
 void set_up_log(const std::string& name, int verbosity) {
@@ -111,6 +121,9 @@ int exit_code_of(const std::function<int()>& run) {
   } catch (const config::ConfigError& error) {
     spdlog::error("{}", error.what());
     return kConfigWrong;
+  } catch (const std::system_error& error) {
+    spdlog::error("{}", is_no_thread(error) ? kNoThread : error.what());
+    return kUsage;
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
     return kUsage;

@@ -22,7 +22,8 @@ struct CsvResult {
   std::string damage;  // why the file was not read to its end; empty: it was
 };
 
-// Throws std::runtime_error where the file is no recording, or has no port of a name that is asked for.
+// Throws ConfigError where the file is no recording, std::runtime_error where it has no port of a name that
+// is asked for.
 CsvResult export_csv(const std::filesystem::path& file, const CsvOptions& options, std::ostream& out);
 
 }  // namespace visum::recording

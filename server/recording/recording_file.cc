@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "protocol/config/config.h"
+
 namespace visum::recording {
 namespace {
 
@@ -31,7 +33,7 @@ RecordingFile::RecordingFile(const std::filesystem::path& file) try : in_(open(f
                              std::to_string(kFormat));
   check_files();
 } catch (const std::runtime_error& error) {
-  throw std::runtime_error(file.string() + ": " + error.what());
+  throw config::ConfigError({file.string()}, error.what());
 }
 
 void RecordingFile::check_files() const {

@@ -17,8 +17,8 @@ namespace visum::recording {
 
 class RecordingFile {
  public:
-  // Reads up to the header. Throws std::runtime_error where there is none, or a file of the scene is missing
-  // or not what the header says.
+  // Reads up to the header. Throws config::ConfigError where there is none, or a file of the scene is
+  // missing or not what the header says.
   explicit RecordingFile(const std::filesystem::path& file);
 
   const Header& header() const { return header_; }

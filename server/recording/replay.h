@@ -43,7 +43,7 @@ struct Replay {
 // Where plug-ins of the recorded scene may come from: a recording holds files, and no code.
 using PluginFolders = std::vector<std::filesystem::path>;
 
-// Throws std::runtime_error where the file is no recording, ConfigError where the scene in it is wrong.
+// Throws ConfigError where the file is no recording, or the scene in it is wrong.
 Replay replay(const std::filesystem::path& file, const PluginFolders& plugins = {});
 
 // The world of a recording as it was `at_s` simulated seconds after the beginning (over all eras), or at its

@@ -78,7 +78,8 @@ Observed observe(const Options& options, std::vector<Connection>& observers, con
 
 struct Controlled {
   std::uint64_t commands = 0;
-  std::uint64_t lost = 0;  // taken by the server, and not in force after the period
+  std::uint64_t late = 0;  // sent so late in the period that it was in force in the next only
+  std::uint64_t lost = 0;  // taken by the server, and not in force then either
 };
 
 // Writes a vector each period, waits for the period to pass, and looks whether it is in force.
@@ -94,9 +95,12 @@ void control(Connection& client, const Options& options, bench::Percentiles& rou
     const auto sent = Clock::now();
     client.request_as<Ok>(Write{options.part, 0, angles, controlled.commands});
     round_trips.add(Clock::now() - sent);
-    client.request_as<Advanced>(Advance{ticks});
-    const auto in_force = client.request_as<PartSample>(Read{options.part}).controller_inputs;
-    if (in_force[0] != angles[0]) ++controlled.lost;
+    const auto is_in_force = [&] {
+      client.request_as<Advanced>(Advance{ticks});
+      return client.request_as<PartSample>(Read{options.part}).controller_inputs[0] == angles[0];
+    };
+    if (is_in_force()) continue;
+    ++(is_in_force() ? controlled.late : controlled.lost);
   }
 }
 
@@ -112,6 +116,7 @@ Figures figures_of(const Options& options, const Observed& observed, const Contr
           {"samples", number(observed.samples)},
           {"conflated_max", number(observed.conflated)},
           {"commands", number(controlled.commands)},
+          {"commands_late", number(controlled.late)},
           {"commands_lost", number(controlled.lost)},
           {"write_p50_us", round_trips.at(0.5)},
           {"write_p99_us", round_trips.at(0.99)},

@@ -2,39 +2,18 @@
 // come out is an answer or a close; anything else is for the sanitizers to find.
 #include <spdlog/spdlog.h>
 
-#include <cstdlib>
-
 #include "protocol/codec.h"
 #include "protocol/limits.h"
+#include "tests/fuzz/answering.h"
 #include "tests/protocol/memory_session.h"
 
 namespace {
 
 using namespace visum::protocol;
+using visum::testing::Answering;
+using visum::testing::fail;
 using visum::testing::MemorySession;
 using Bytes = std::span<const std::byte>;
-
-[[noreturn]] void fail(const char* what) {
-  std::fprintf(stderr, "%s\n", what);
-  std::abort();
-}
-
-// Answers, sends samples and, on one request, closes: what a gateway does, without a world.
-struct Answering final : SessionHandler {
-  Role on_hello(Session&, const Hello& hello, Welcome&, Error&) override {
-    ++open;
-    return hello.role;
-  }
-  void on_request(Session& session, std::uint64_t id, const Request& request) override {
-    if (std::holds_alternative<Shutdown>(request)) return session.close(CloseReason::kShutdown);
-    if (const auto* write = std::get_if<Write>(&request))
-      session.send_latest(write->first_port % 4, PartSample{write->part, 1, 1, 1, write->values, {}, 0});
-    session.send(id, Ok{});
-  }
-  void on_close(Session&, CloseReason) override { --open; }
-  void on_notify() override {}
-  int open = 0;
-};
 
 void into_a_session(Bytes bytes, bool greeted) {
   const Limits limits;

@@ -259,7 +259,7 @@ TEST(Replay, WhatIsNoRecordingIsRefused) {
   const auto why_not = [&](const std::filesystem::path& file) {
     try {
       replay(file);
-    } catch (const std::runtime_error& error) {
+    } catch (const config::ConfigError& error) {
       return std::string(error.what()).substr(files.folder().string().size() + 1);
     }
     return std::string("nothing wrong");

@@ -1,0 +1,198 @@
+#!/usr/bin/python3
+"""Runs the daemon against the walls of a container: memory, processes, descriptors, disk. It has to refuse with a reason and go
+on, or end with one; what was recorded by then must be readable.
+
+    walls.py [--bin FOLDER] [WALL...]
+
+Needs a cgroup (version 1 or 2) for memory and processes, and a mount namespace for the disk: what this machine does not allow is
+skipped, and said. Exit code 0: all held; 1: one did not; 77: all were skipped.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import programs
+from programs import ARM, PATIENCE_S, SOURCE, Daemon, NotHere, await_that, expect, processes, watch
+
+MEMORY_MIB = 128
+PROCESSES = 32
+DESCRIPTORS = 64
+DISK_MIB = 4
+
+
+@contextmanager
+def cgroup(controller: str, **limits: int) -> Iterator[Path]:
+    """A group of that controller; limits as version 2 names them. Whoever's id is written to cgroup.procs is in it."""
+    root = Path("/sys/fs/cgroup")
+    old = {"memory.max": "memory.limit_in_bytes"}
+    first = root / controller if (root / controller).is_dir() else root
+    group = first / f"visum-walls-{os.getpid()}"
+    try:
+        group.mkdir()
+    except OSError as error:
+        raise NotHere(f"no cgroup: {error}") from error
+    try:
+        for name, limit in limits.items():
+            file = group / name.replace("_", ".")
+            file = file if file.exists() else group / old.get(file.name, file.name)
+            if not file.exists():
+                raise NotHere(f"the cgroup has no {file.name}")
+            file.write_text(str(limit))
+        yield group
+    finally:
+        await_that(lambda: not (group / "cgroup.procs").read_text(), "the group is empty")
+        group.rmdir()
+
+
+def inside(group: Path) -> tuple[str, ...]:
+    """Words that start a program in the group."""
+    return ("sh", "-c", 'echo $$ > "$0/cgroup.procs" && exec "$@"', str(group))
+
+
+def replay(programs_: Path, file: Path) -> dict[str, object]:
+    done = subprocess.run([programs_ / "visum", "replay", file, "--json"], capture_output=True, text=True, timeout=PATIENCE_S)
+    expect(done.returncode in (0, 1), f"the recording cannot be read: {done.stdout}{done.stderr}")
+    again = json.loads(done.stdout.splitlines()[-1])
+    expect(again["equal"], f"the recording has other bits: {again}")
+    return again
+
+
+def goes_on(daemon: Daemon) -> None:
+    """Who comes now is served, and the world runs."""
+    import visum
+
+    with visum.Client(daemon.address, name="checker", role="observer", connect_timeout_s=60) as client:
+        tick = client.status().tick
+        await_that(lambda: client.status().tick > tick, "the world runs")
+
+
+def memory(options: argparse.Namespace, folder: Path) -> str:
+    import visum
+
+    file = folder / "run.mcap"
+    with cgroup("memory", memory_max=MEMORY_MIB << 20) as group:
+        with Daemon(options.bin, "--run", "--record", file, before=inside(group)) as daemon:
+            with processes(*((watch, (daemon.address, seed, 8)) for seed in range(4))):
+                admin = visum.Client(daemon.address, name="hoarder", role="admin")
+                for _ in range(100):
+                    admin.take_snapshot()
+                refused = 0
+                for number in range(300):
+                    shape = "{mesh: nothing.stl}" if number % 3 == 0 else "{sphere: 0.01}"
+                    try:
+                        admin.add_body(f"{{name: body_{number}, shape: {shape}, mass: 0.1, pose: {{xyz: [{number}, 5, 1]}}}}")
+                    except visum.Error:
+                        refused += 1
+                expect(refused > 0, "bodies of a file that is not there are refused")
+                goes_on(daemon)
+            peak = daemon.resident_kib()
+    again = replay(options.bin, file)
+    return f"{MEMORY_MIB} MiB: 32 observers, 300 bodies, 100 snapshots, {peak // 1024} MiB resident; {again['ticks']} ticks replayed"
+
+
+def too_little_memory(options: argparse.Namespace, folder: Path) -> str:
+    words = [options.bin / "visumd", ARM, "--port", "0", "--http", "off", "--run", "--iterations", "10"]
+    codes = set()
+    for mib in (40, 60, 80, 100, 120, 140):
+        limit = mib << 20
+        done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE_S,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
+        codes.add(done.returncode)
+        expect(done.returncode >= 0, f"with {mib} MiB of addresses it died of signal {-done.returncode}: {done.stderr}")
+        expect(done.returncode == 0 or len(done.stderr) > 0, f"with {mib} MiB of addresses it said nothing")
+    return f"40 to 140 MiB of addresses: it ends with a reason or runs (exit codes {sorted(codes)})"
+
+
+def threads(options: argparse.Namespace, folder: Path) -> str:
+    words = [options.bin / "visumd", ARM, "--port", "0", "--http", "off", "--clock", "realtime", "--run", "--iterations", "50"]
+    needed = 0
+    with cgroup("pids", pids_max=PROCESSES) as group:
+        with Daemon(options.bin, "--run", "--record", folder / "run.mcap", before=inside(group)) as daemon:
+            goes_on(daemon)
+    replay(options.bin, folder / "run.mcap")
+    for most in range(1, PROCESSES):
+        with cgroup("pids", pids_max=most) as group:
+            done = subprocess.run([*inside(group), *words, "--record", folder / "few.mcap"], capture_output=True, text=True, timeout=PATIENCE_S)
+        if done.returncode == 0:
+            needed = most
+            break
+        expect("cannot start a thread" in done.stderr, f"with {most} threads it ended with {done.returncode}: {done.stderr}")
+    expect(needed > 1, "one thread is not enough, 31 are")
+    return f"{PROCESSES} processes are enough; with fewer than {needed} it says why it does not start"
+
+
+def descriptors(options: argparse.Namespace, folder: Path) -> str:
+    import visum
+
+    before = ("sh", "-c", f'ulimit -n {DESCRIPTORS} && exec "$@"', "sh")
+    with Daemon(options.bin, "--run", before=before) as daemon:
+        base = daemon.descriptors()
+        good = visum.Client(daemon.address, name="good")
+        crowd = []
+        while daemon.descriptors() < DESCRIPTORS:
+            crowd.append(programs.connect(daemon.port))
+        more = [programs.connect(daemon.port) for _ in range(20)]  # the kernel takes them, the daemon cannot yet
+        with good.part("arm").lease():
+            good.join()
+            good.advance_ticks(100)
+        for stranger in crowd + more:
+            stranger.close()
+        goes_on(daemon)
+        good.close()
+        await_that(lambda: daemon.descriptors() <= base, f"{base} descriptors as before")
+    return f"{DESCRIPTORS} descriptors, all taken: who is there is served, and afterwards whoever comes"
+
+
+def disk(options: argparse.Namespace, folder: Path) -> str:
+    small = folder / "small"
+    small.mkdir()
+    done = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={DISK_MIB}m", "tmpfs", small], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise NotHere(f"no mount: {done.stderr.strip()}")
+    return fill(options, folder, small / "run.mcap", (), f"{DISK_MIB} MiB of disk")
+
+
+def file_size(options: argparse.Namespace, folder: Path) -> str:
+    before = ("sh", "-c", 'ulimit -f 4000 && exec "$@"', "sh")  # blocks of 512 or 1024 bytes
+    return fill(options, folder, folder / "run.mcap", before, "a limited size of files")
+
+
+def fill(options: argparse.Namespace, folder: Path, file: Path, before: tuple[str, ...], wall: str) -> str:
+    log = folder / "log"
+    with Daemon(options.bin, "--clock", "free", "--run", "--record", file, before=before, log=log) as daemon:
+        await_that(lambda: "recording" in log.read_text(), "it says that the recording has ended")
+        goes_on(daemon)
+    said = log.read_text().strip().splitlines()[0]
+    again = replay(options.bin, file)
+    expect(int(str(again["ticks"])) > 0, "a part of the run is in the recording")
+    return f"{wall}: \"{said}\"; the world goes on, {again['ticks']} ticks replayed"
+
+
+WALLS = {"memory": memory, "too-little-memory": too_little_memory, "threads": threads, "descriptors": descriptors, "disk": disk, "file-size": file_size}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--bin", type=Path, default=SOURCE / "build/dev/bin")
+    parser.add_argument("wall", nargs="*", help=", ".join(WALLS))
+    options = parser.parse_args()
+    if os.environ.get("VISUM_UNSHARED") != "yes":  # in a mount namespace of its own, so that no mount is left behind
+        able = subprocess.run(["unshare", "--mount", "true"], capture_output=True).returncode == 0
+        if able:
+            os.execvpe("unshare", ["unshare", "--mount", "--propagation", "private", sys.executable, *sys.argv], {**os.environ, "VISUM_UNSHARED": "yes"})
+    programs.use_client_of(options.bin)
+    return programs.run_all(WALLS, options.wall, options)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
