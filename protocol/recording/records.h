@@ -47,6 +47,7 @@ struct Header {
   std::vector<FileEntry> files;
   std::string parameters;  // of the scene's file, a YAML map; empty: its defaults
 };
+inline constexpr std::uint64_t kNoHash = 0;  // it was not taken in this tick
 struct Tick {
   std::int64_t tick = 0;
   std::uint64_t era = 0;

@@ -74,8 +74,9 @@ struct Daemon::Impl {
                 options.token_file.empty() ? Tokens() : Tokens(options.token_file), mailbox,
                 tick_side.pacer(),
                 [this]() -> const Published& { return threaded ? fresh_copy() : fresh_fill(); }),
-        web(options.http.page.empty() ? PageFiles() : PageFiles(options.http.page), gateway,
-            [this] { return server.refused(); }),
+        web(
+            options.http.page.empty() ? PageFiles() : PageFiles(options.http.page), gateway,
+            [this] { return server.refused(); }, options.playback),
         server({options.address, options.port, {}, web_options(options.http), options.tls}, gateway) {
     if (playback) tick_side.play([this] { return playback->tick(); });
     if (!playback) open_buses(options.buses);  // nobody talks to what is long over

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <sstream>
 #include <utility>
 
 #include "server/gateway/json.h"
@@ -13,6 +14,8 @@ namespace {
 
 constexpr const char *kPosition = "Position", *kKind = "recording";
 constexpr double kMostTicks = 1e15;
+constexpr std::string_view kPortsPath = "/recording/ports/";
+constexpr std::uint64_t kMostRows = 10'000;        // at once
 constexpr std::size_t kLongestReport = 64u << 10;  // bytes
 
 // As fast as it was, with pauses and speeds as somebody looks at it.
@@ -101,15 +104,31 @@ Playback::Playback(const std::filesystem::path& file, const recording::PluginFol
     : file_(file),
       player_(file, plugins, in_real_time),
       comparison_(file, plugins),
+      ports_(file, player_.points()),
       name_(free_name(player_.world())),
       recorded_era_(player_.world().era()),
       shown_revision_(player_.world().revision()) {
+  for (const auto& bound : std::as_const(player_.world()).parts())
+    parts_.push_back(bound.part->description().name);
   player_.world().add_onlooker(std::make_unique<Steering>(*this));
 }
 
 void Playback::seek(std::uint64_t position) {
   ++jumps_;
   player_.seek(position);
+}
+
+std::optional<std::string> Playback::ports_at(const std::string& path) {
+  std::istringstream words(path);
+  std::uint64_t part = 0, to = 0, count = 0;
+  char between = 0;
+  if (!path.starts_with(kPortsPath)) return {};
+  words.ignore(static_cast<std::streamsize>(kPortsPath.size()));
+  words >> part >> between >> to >> between >> count;
+  if (!words || !words.eof() || part >= parts_.size()) return {};
+  const auto rows = ports_.read(parts_[part], std::min(to, player_.ticks()), std::min(count, kMostRows));
+  const auto bytes = std::as_bytes(std::span(rows));
+  return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
 std::string Playback::report() const {

@@ -7,6 +7,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +32,10 @@ class Playback {
   // Compares one more tick with the recorded one, in a world of its own; false: all that there is, is
   // compared.
   bool compare() { return comparison_.run(1); }
+  // The sessions' thread: rows of PortReader's, as bytes of little-endian doubles, for the path
+  // /recording/ports/PART/TO/COUNT: a part by its number, a position, and how many ticks up to it. No such
+  // path: nothing.
+  std::optional<std::string> ports_at(const std::string& path);
   // Puts what was recorded in place of what the world's parts show, and the jumps into its era.
   void show(Published& published);
 
@@ -43,6 +49,8 @@ class Playback {
   const std::filesystem::path file_;
   recording::Player player_;
   recording::Replayer comparison_;
+  recording::PortReader ports_;
+  std::vector<std::string> parts_;  // by number
   std::string name_;
   std::uint64_t jumps_ = 0;
   std::uint64_t recorded_era_ = 1;  // of the last copy

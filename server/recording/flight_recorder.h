@@ -19,6 +19,7 @@ namespace visum::recording {
 class FlightRecorder : public cycle::Witness {
  public:
   static constexpr std::size_t kTicks = 1000;           // of a half
+  static constexpr std::size_t kHashEvery = 50;         // ticks: to hash each of them costs a tenth of a tick
   static constexpr std::size_t kInputBytes = 1u << 20;  // of a half: more of them end it sooner
   static constexpr int kMostFiles = 10;  // of one run: who freezes it over and over fills no disk
 

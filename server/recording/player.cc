@@ -51,14 +51,14 @@ void Player::put_right(const State& state) {
 
 void Player::seek(std::uint64_t position) {
   position = std::min(position, ticks_);
-  const auto after = std::ranges::upper_bound(points_, position, {}, &Point::position);
+  const auto after = std::ranges::upper_bound(points_, position, {}, &StatePoint::position);
   const bool near = position >= position_ && (after == points_.begin() || (after - 1)->position <= position_);
   if (!near) after == points_.begin() ? go_to_beginning() : go_to(*(after - 1));
   while (position_ < position && advance()) {
   }
 }
 
-void Player::go_to(const Point& point) {
+void Player::go_to(const StatePoint& point) {
   const config::FilesGiven given(files_);
   file_.go_to(point.place);
   samples_.clear();

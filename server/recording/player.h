@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "server/recording/port_reader.h"
 #include "server/recording/recording_file.h"
 #include "server/recording/replayer.h"
 
@@ -30,6 +31,8 @@ class Player {
   // Why the file ends there; empty: it is whole.
   const std::string& damage() const { return damage_; }
 
+  const std::vector<StatePoint>& points() const { return points_; }
+
   // The next recorded tick; false: there is none.
   bool advance();
   // To `position`, or the end where that is sooner.
@@ -39,12 +42,8 @@ class Player {
   const protocol::PartSample* sample(const std::string& part) const;
 
  private:
-  struct Point {
-    std::uint64_t position;
-    RecordingFile::Place place;  // of the state
-  };
   void read_through();
-  void go_to(const Point& point);
+  void go_to(const StatePoint& point);
   void go_to_beginning();
   void put_right(const State& state);
 
@@ -53,7 +52,7 @@ class Player {
   const std::unique_ptr<cycle::Simulation> world_;
   State initial_;  // of the scene
   RecordingFile::Place beginning_;
-  std::vector<Point> points_;  // by position
+  std::vector<StatePoint> points_;  // by position
   std::map<std::string, protocol::PartSample> samples_;
   std::uint64_t ticks_ = 0, position_ = 0;
   std::string damage_;

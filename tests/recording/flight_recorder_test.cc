@@ -8,6 +8,7 @@
 #include "server/recording/player.h"
 #include "server/recording/replay.h"
 #include "server/scene/scene.h"
+#include "tests/recording/forge.h"
 #include "tests/support/temp_files.h"
 
 namespace visum::recording {
@@ -52,6 +53,28 @@ TEST_F(Flight, AFrozenWorldLeavesItsLastThousandTicks) {
   EXPECT_EQ(result.ticks, 3500u - 2000u + 1u)
       << "the half before the last, the last, and the tick that froze";
   EXPECT_EQ(result.last_hash, world().state_hash());
+}
+
+// Of most ticks it has no hash, but all ports.
+TEST_F(Flight, EveryTickOfItIsCompared) {
+  world().write_inputs(0, 0, std::vector{0.7, -0.3});
+  run(1500);
+  explode();
+  const auto forged = files_.folder() / "forged.mcap";
+  protocol::PartSample sample;
+  forge(flight_->dump(), forged, "/parts/robot", 77, [&](std::vector<std::byte>& bytes) {
+    ASSERT_TRUE(decode(bytes, sample));
+    sample.sensor_outputs[0] += 1e-12;
+    bytes.clear();
+    encode(Sample{sample.part, sample.tick, sample.sim_time_ns, sample.era, sample.controller_inputs,
+                  sample.sensor_outputs},
+           bytes);
+  });
+  const auto result = replay(forged);
+  EXPECT_FALSE(result.equal);
+  EXPECT_EQ(result.ticks, 77u);
+  ASSERT_EQ(result.difference.ports.size(), 1u);
+  EXPECT_EQ(result.difference.ports[0].recorded, sample.sensor_outputs[0]);
 }
 
 TEST_F(Flight, ThePageShowsItFromItsFirstTickToTheFreeze) {

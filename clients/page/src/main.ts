@@ -36,7 +36,7 @@ const link = new Link(url, `page ${crypto.getRandomValues(new Uint16Array(1))[0]
 const world = new World(link);
 const parts = new Parts(link);
 const clock = new Clock(link);
-const recording = new Recording(link);
+const recording = new Recording(link, parts);
 
 const layout = new Layout();
 document.getElementById("app")!.replaceWith(layout.root);
@@ -91,9 +91,12 @@ async function begin(): Promise<void> {
   viewer.redraw();
 }
 
+let stood = false; // time, when it was asked for last
 clock.status.watch((status) => {
   if (!status || !link.welcome) return;
   if (status.paused) world.catchUp(status.simTimeNs).catch(reportError);
+  if (status.paused && !stood) void recording.refresh().then(() => recording.refill());
+  stood = status.paused;
   if (status.paused || status.realTimeFactor === 0) return;
   world.adaptTo(status.realTimeFactor).catch(reportError);
   parts.adaptTo(status.realTimeFactor).catch(reportError);

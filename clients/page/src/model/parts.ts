@@ -2,13 +2,14 @@
 import type { Link } from "../link/link";
 import type { Event } from "../link/messages";
 import { Part, type Port } from "./part";
-import { Signal } from "./signal";
+import { Emitter, Signal } from "./signal";
 
 const kRefreshMs = 1000;
 const kRecording = "recording";
 
 export class Parts {
   readonly list = new Signal<Part[]>([]);
+  readonly plotsChanged = new Emitter<void>(); // more or other ports are plotted
   steering: string | null = null; // the part that moves through a recording, which is not one of the list
   private realTimeFactor = 1;
 
@@ -55,6 +56,7 @@ export class Parts {
 
   // Also after a plot began or ended to want every tick.
   async subscribe(): Promise<void> {
+    this.plotsChanged.emit();
     const welcome = this.link.welcome;
     if (!welcome) return;
     for (const part of this.list.value) await part.subscribe(Number(welcome.tickNs), this.realTimeFactor);

@@ -1,6 +1,7 @@
 // A recording that visumd shows in place of a live world: how long it is, where it stands, and what comparing it with
 // this program's bits has found. Steered through its own part (server/gateway/playback.h).
 import type { Link } from "../link/link";
+import type { Parts } from "./parts";
 import { Signal } from "./signal";
 
 export interface PortDifference {
@@ -22,6 +23,7 @@ export interface Report {
 
 const kPeriodMs = 500;
 const kFrameNs = 33e6;
+const kPlottedTicks = 10_000; // as many as the server gives at once
 
 export class Recording {
   readonly report = new Signal<Report | null>(null); // null: the world lives
@@ -30,10 +32,11 @@ export class Recording {
   private wanted: number | null = null; // the latest of the jumps that are still to be made
   private jumping: Promise<void> | null = null;
 
-  constructor(private readonly link: Link) {
+  constructor(private readonly link: Link, private readonly parts: Parts) {
     link.told.on((body) => {
       if (body.case === "partSample" && body.value.part === this.part) this.show(body.value.sensorOutputs[0]!);
     });
+    parts.plotsChanged.on(() => void this.refill());
     setInterval(() => void this.refresh(), kPeriodMs);
   }
 
@@ -54,6 +57,17 @@ export class Recording {
     return this.jumping;
   }
 
+  // Plots show what was before this position, too.
+  async refill(): Promise<void> {
+    if (this.report.value === null) return;
+    const to = this.position.value;
+    for (const [number, part] of this.parts.list.value.entries()) {
+      if (!part.isPlotted) continue;
+      const answer = await fetch(`/recording/ports/${number}/${to}/${kPlottedTicks}`).catch(() => null);
+      if (answer?.ok && this.position.value === to) part.refill(new Float64Array(await answer.arrayBuffer()));
+    }
+  }
+
   get atEnd(): boolean {
     return this.report.value !== null && this.position.value >= this.report.value.ticks;
   }
@@ -65,6 +79,7 @@ export class Recording {
       const value = { case: "integer", value: BigInt(position) } as const;
       await this.link.request({ case: "setParameter", value: { part: this.part, name: "Position", value: { value } } }, "ok");
       this.show(position);
+      void this.refill();
     }
   }
 
@@ -72,7 +87,7 @@ export class Recording {
     if (this.wanted === null) this.position.value = position;
   }
 
-  private async refresh(): Promise<void> {
+  async refresh(): Promise<void> {
     if (this.part === "" || !this.link.welcome) return;
     const board = await this.link.request({ case: "readBlackboard", value: { part: this.part, name: "Report" } }, "blackboard").catch(() => null);
     if (!board) return;
