@@ -164,6 +164,10 @@ const FaultInfo& fault_info(FaultKind kind) {
   return kKinds[static_cast<std::size_t>(kind)];
 }
 
+bool is_fault_kind(FaultKind kind) {
+  return static_cast<std::size_t>(kind) < std::size(kKinds);
+}
+
 const FaultInfo* find_fault_kind(std::string_view name) {
   for (const auto& row : kKinds)
     if (name == row.name) return &row;

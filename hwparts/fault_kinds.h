@@ -62,6 +62,7 @@ struct FaultInfo {
 std::span<const FaultInfo> fault_kinds();
 const FaultInfo* find_fault_kind(std::string_view name);
 const FaultInfo& fault_info(FaultKind kind);
+bool is_fault_kind(FaultKind kind);  // of a number that came from elsewhere
 
 // One fault, checked against the table.
 struct Fault {

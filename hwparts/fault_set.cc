@@ -54,6 +54,7 @@ void FaultSet::load(StateReader& from) {
   for (auto& one : active_) {
     from.get(one.part), from.get(one.fault.kind), from.get(one.until_tick);
     from.get(std::span<double>(one.fault.numbers));
+    if (!is_fault_kind(one.fault.kind)) throw std::out_of_range("a fault of no kind");
   }
 }
 

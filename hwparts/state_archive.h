@@ -39,9 +39,21 @@ class StateReader {
 
   template <typename T>
   requires std::is_arithmetic_v<T> || std::is_enum_v<T>
-  void get(T& value) { copy(&value, sizeof value); }
+  void get(T& value) {
+    if constexpr (std::is_same_v<T, bool>) {
+      std::uint8_t byte = 0;
+      copy(&byte, sizeof byte);
+      value = byte != 0;
+    } else {
+      copy(&value, sizeof value);
+    }
+  }
   void get(std::span<double> values) { copy(values.data(), values.size_bytes()); }
   bool at_end() const { return bytes_.empty(); }
+  // So many bytes are to come: before memory is made for them.
+  void expect(std::uint64_t size) const {
+    if (size > bytes_.size()) throw std::out_of_range("the snapshot's state is shorter than the part's");
+  }
 
  private:
   void copy(void* to, std::size_t size) {

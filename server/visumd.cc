@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <limits>
@@ -15,11 +16,13 @@
 #include "server/gateway/command_line.h"
 #include "server/gateway/daemon.h"
 #include "server/gateway/node_watch.h"
+#include "server/gateway/playback.h"
 #include "server/gateway/program.h"
 #include "server/gateway/replay_report.h"
 #include "server/gateway/scene_check.h"
 #include "server/gateway/scene_convert.h"
 #include "server/recording/export_csv.h"
+#include "server/recording/flight_recorder.h"
 #include "server/recording/log_sink.h"
 #include "server/recording/recorder.h"
 #include "server/recording/replay.h"
@@ -33,6 +36,12 @@ constexpr const char* kRecordHelp = "write down every input, port and state's ha
 constexpr const char* kParametersHelp =
     "values of the scene's parameters, instead of their defaults: \"{mass: 2, friction: 0.4}\"";
 
+// A service manager's word, else here.
+std::string state_folder() {
+  const char* folder = std::getenv("STATE_DIRECTORY");
+  return folder && *folder ? folder : ".";
+}
+
 struct Options {
   std::string scene;
   std::string clock;
@@ -43,6 +52,7 @@ struct Options {
   gateway::PluginWords plugins;
   gateway::HttpWords http;
   std::string record;                                     // a file; empty: none
+  std::string dump = state_folder();                      // where the ticks before a freeze go; or "off"
   std::string rewound;                                    // a recording to go on from, instead of a scene
   double at_s = std::numeric_limits<double>::infinity();  // where in it
   scene::Options of_scene;
@@ -75,12 +85,14 @@ std::unique_ptr<cycle::Simulation> make_simulation(const Options& options) {
       plugin::plugin_folders(options.plugins.folders));
 }
 
+recording::Origin origin_of(const Options& options, config::Files files) {
+  return {std::move(files), options.of_scene.engine, options.of_scene.parameters};
+}
+
 // What is written down of the world while it runs, where that is wanted.
 struct Recording {
   Recording(const Options& options, cycle::Simulation& simulation, config::Files files)
-      : recorder(simulation, {std::move(files), options.of_scene.engine, options.of_scene.parameters},
-                 options.record),
-        sink(recorder) {}
+      : recorder(simulation, origin_of(options, std::move(files)), options.record), sink(recorder) {}
   recording::Recorder recorder;
   recording::LogSink sink;
 };
@@ -89,11 +101,17 @@ int run(Options options) {
   const gateway::NodeWatch watch(options.plugins.node_timeout());
   options.of_daemon.node_watch = &watch;
   std::optional<config::FilesNoted> noted;
-  if (!options.record.empty()) noted.emplace();
+  const bool dumps = options.record.empty() && options.rewound.empty() && options.dump != "off";
+  if (dumps || !options.record.empty()) noted.emplace();
   const auto made = make_simulation(options);
   auto& simulation = *made;
   std::optional<Recording> recording;
-  if (noted) recording.emplace(options, simulation, std::move(noted->files));
+  std::optional<recording::FlightRecorder> flight;
+  if (dumps)
+    flight.emplace(simulation, origin_of(options, std::move(noted->files)), options.dump);
+  else if (noted)
+    recording.emplace(options, simulation, std::move(noted->files));
+  if (flight) options.of_daemon.flight = &*flight;
   noted.reset();
   for (const auto& bus : options.buses)
     options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
@@ -120,6 +138,11 @@ void declare_world(CLI::App& app, Options& options, std::string_view verb) {
     app.add_option("recording", options.record, kRecordHelp)->required()->type_name("FILE.mcap");
   else
     app.add_option("--record", options.record, kRecordHelp)->type_name("FILE.mcap");
+  app.add_option(
+         "--dump", options.dump,
+         "where the last thousand ticks go if the world freezes and --record is not given; or off. Default: "
+         "$STATE_DIRECTORY, or the working directory")
+      ->type_name("FOLDER|off");
   app.add_option("scene", options.scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
   app.add_option("--seed", options.seed, "of the world's random numbers, instead of the scene's")
       ->check(CLI::NonNegativeNumber);
@@ -201,24 +224,48 @@ int convert(int argc, char** argv) {
   });
 }
 
+int view_recording(const std::string& file, const recording::PluginFolders& plugins,
+                   gateway::DaemonOptions options, bool json) {
+  gateway::set_verbosity(2);
+  gateway::Playback playback(file, plugins);
+  options.playback = &playback;
+  gateway::Daemon daemon(playback.world(), options);
+  const int signal = gateway::run_until_signal(daemon, playback.world(), options, json);
+  return signal == SIGINT ? gateway::kInterrupted : gateway::kPassed;
+}
+
 int replay(int argc, char** argv) {
   std::string file;
   gateway::PluginWords plugins;
   gateway::Talk talk{.verbosity = 1};
+  gateway::DaemonOptions of_daemon;
+  of_daemon.port = 0;
+  gateway::HttpWords http;
+  bool view = false;
   CLI::App app{
       "visumd replay: goes through a recording again and compares the state's hash after every tick"};
   app.add_option("recording", file, "an MCAP file that --record wrote")->required()->type_name("FILE.mcap");
   gateway::declare_plugins(app, plugins);
   gateway::declare_node_timeout(app, plugins);
   app.add_flag("--json", talk.json, "print one line of JSON");
+  app.add_flag("--view", view, "show it on the page, with a slider for its time, and compare meanwhile");
+  app.add_option("--port", of_daemon.port, "with --view: TCP port for clients; 0: any free one")
+      ->capture_default_str();
+  gateway::declare_http(app, of_daemon, http);
   app.footer(
-      "Example:\n"
+      "Examples:\n"
       "  visum replay run.mcap\n"
+      "  visum replay run.mcap --view      and open the address that it prints\n"
       "Exit codes: 0 the same bits in every tick, 1 the same as far as the file can be read, 2 no recording, "
       "3 "
       "the\nscene in it is wrong, 5 the first tick that differs is shown.");
   return gateway::run_command(app, argc, argv, "visumd", talk, [&] {
     const gateway::NodeWatch watch(plugins.node_timeout());
+    if (view) {
+      of_daemon.node_watch = &watch;
+      of_daemon.http = http.settled(of_daemon);
+      return view_recording(file, plugin::plugin_folders(plugins.folders), of_daemon, talk.json);
+    }
     return gateway::report_replay(file, plugin::plugin_folders(plugins.folders), talk.json);
   });
 }

@@ -45,9 +45,11 @@ void NodeKeeper::save(const plugin::Node& node, hwparts::StateWriter& to) const 
 void NodeKeeper::load(plugin::Node& node, hwparts::StateReader& from) {
   std::uint64_t size = 0;
   from.get(size);
+  from.expect(size);
   fault_.assign(size, ' ');
   for (char& c : fault_) from.get(c);
   from.get(size);
+  from.expect(size);
   scratch_.assign(size, std::byte{0});
   for (std::byte& byte : scratch_) from.get(byte);
   run([&] {

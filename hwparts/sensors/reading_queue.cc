@@ -1,6 +1,7 @@
 #include "hwparts/sensors/reading_queue.h"
 
 #include <cassert>
+#include <stdexcept>
 
 namespace visum::sensors {
 
@@ -38,7 +39,7 @@ void ReadingQueue::save(hwparts::StateWriter& to) const {
 void ReadingQueue::load(hwparts::StateReader& from) {
   std::uint64_t count = 0;
   from.get(count);
-  assert(count <= due_ns_.size());
+  if (count > due_ns_.size()) throw std::out_of_range("more readings are under way than there is room for");
   clear();
   for (; count_ < count; ++count_) {
     from.get(due_ns_[count_]);

@@ -70,11 +70,11 @@ FilesNoted::~FilesNoted() {
   noted = nullptr;
 }
 
-FilesGiven::FilesGiven(Files all) : files(std::move(all)) {
+FilesGiven::FilesGiven(const Files& all) : files(all), before_(given) {
   given = this;
 }
 FilesGiven::~FilesGiven() {
-  given = nullptr;
+  given = before_;
 }
 
 }  // namespace visum::config

@@ -34,14 +34,17 @@ class FilesNoted {
 };
 
 // While the object lives these are all the files that there are to read_file() and is_file() on this thread:
-// the disk is not asked.
+// the disk is not asked. They have to live as long; objects may stand within each other.
 class FilesGiven {
  public:
-  explicit FilesGiven(Files all);
+  explicit FilesGiven(const Files& all);
   ~FilesGiven();
   FilesGiven(const FilesGiven&) = delete;
   FilesGiven& operator=(const FilesGiven&) = delete;
-  const Files files;
+  const Files& files;
+
+ private:
+  const FilesGiven* const before_;
 };
 
 }  // namespace visum::config

@@ -95,6 +95,17 @@ bool take(const v1::Input& from, Input& to) {
   return false;
 }
 
+std::vector<std::byte> copy_of(const std::string& from) {
+  const auto bytes = bytes_of(from);
+  return {bytes.begin(), bytes.end()};
+}
+
+bool take(const v1::Input& from, State::Edit& to) {
+  to.came = from.has_add_body();
+  to.text = to.came ? from.add_body().yaml() : from.remove_body().name();
+  return from.has_add_body() || from.has_remove_body();
+}
+
 void take(const v1::Build& from, Build& to) {
   to = {from.version(),
         from.commit(),
@@ -112,6 +123,16 @@ bool decode(Bytes from, Header& to) {
         w.seed(),   w.tick_ns(),    {},        {},         w.parameters()};
   take(w.build(), to.build);
   for (const auto& file : w.files()) to.files.push_back({file.name(), file.size(), file.crc()});
+  return true;
+}
+
+bool decode(Bytes from, State& to) {
+  v1::State w;
+  if (!parse(from, w)) return false;
+  to = {w.tick(), w.era(), w.revision(), w.next_snapshot(), copy_of(w.state()), {}, {}};
+  for (const auto& kept : w.snapshots()) to.snapshots.push_back({kept.number(), copy_of(kept.state())});
+  for (const auto& edit : w.edits())
+    if (!take(edit, to.edits.emplace_back())) return false;
   return true;
 }
 

@@ -156,6 +156,28 @@ void encode(const Sample& from, std::vector<std::byte>& to) {
   });
 }
 
+void encode(const State& from, std::vector<std::byte>& to) {
+  append<v1::State>(to, [&](v1::State& w) {
+    w.set_tick(from.tick);
+    w.set_era(from.era);
+    w.set_revision(from.revision);
+    w.set_next_snapshot(from.next_snapshot);
+    put(from.state, *w.mutable_state());
+    for (const auto& kept : from.snapshots) {
+      auto& entry = *w.add_snapshots();
+      entry.set_number(kept.number);
+      put(kept.state, *entry.mutable_state());
+    }
+    for (const auto& edit : from.edits) {
+      auto& entry = *w.add_edits();
+      if (edit.came)
+        entry.mutable_add_body()->set_yaml(edit.text);
+      else
+        entry.mutable_remove_body()->set_name(edit.text);
+    }
+  });
+}
+
 void encode(const LogLine& from, std::vector<std::byte>& to) {
   append<v1::LogLine>(to, [&](v1::LogLine& w) {
     w.mutable_level()->assign(from.level);

@@ -67,6 +67,7 @@ class LittleReader {
   }
   Bytes rest() { return raw(left_.size()); }
   bool at_end() const { return left_.empty(); }
+  Bytes left() const { return left_; }
   bool complete() const { return complete_; }  // false: more was asked for than was there
 
  private:

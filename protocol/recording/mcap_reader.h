@@ -26,6 +26,16 @@ class McapReader {
   // What comes next. After the End, damage() tells whether it was the file's.
   std::variant<End, Attachment, Message> next();
 
+  // Where the next record will be read, to come back to it: within one reader, of a place that it has passed.
+  struct Place {
+    std::uint64_t record = 0;  // where the chunk begins that holds it
+    std::size_t left = 0;      // bytes of that chunk from there on; 0: the record stands outside of chunks
+  };
+  Place place() const;
+  // Reads on from there. What was passed once is known to be whole: the CRC over the whole file is not looked
+  // at any more.
+  void go_to(const Place& place);
+
   // The channel of a message that was read.
   const Channel& channel(std::uint16_t id) const { return channels_.at(id); }
 
@@ -50,6 +60,8 @@ class McapReader {
 
   std::istream& in_;
   std::uint64_t size_ = 0, place_ = 0;
+  std::uint64_t chunk_at_ = 0;    // where the chunk in hand begins
+  bool went_ = false;             // elsewhere: crc_ tells nothing
   std::uint64_t record_at_ = 0;   // where the record in hand begins
   Crc32 crc_;                     // of the data section, then of the summary
   std::uint64_t summary_at_ = 0;  // 0: still in the data section

@@ -12,6 +12,7 @@
 #include "protocol/messages.h"
 #include "protocol/recording/input.h"
 #include "protocol/recording/little_endian.h"
+#include "protocol/recording/state.h"
 
 namespace visum::recording {
 
@@ -20,6 +21,7 @@ namespace visum::recording {
 inline constexpr std::string_view kHeaderTopic = "/recording";
 inline constexpr std::string_view kInputTopic = "/inputs";
 inline constexpr std::string_view kTickTopic = "/ticks";
+inline constexpr std::string_view kStateTopic = "/states";
 inline constexpr std::string_view kLogTopic = "/log";
 inline constexpr std::string_view kPartTopic = "/parts/";
 inline constexpr std::string_view kDescriptionTopic = "/description";
@@ -45,6 +47,7 @@ struct Header {
   std::vector<FileEntry> files;
   std::string parameters;  // of the scene's file, a YAML map; empty: its defaults
 };
+inline constexpr std::uint64_t kNoHash = 0;  // it was not taken in this tick
 struct Tick {
   std::int64_t tick = 0;
   std::uint64_t era = 0;
@@ -67,10 +70,12 @@ void encode(const Header& from, std::vector<std::byte>& to);
 void encode(const TimedInput& from, std::vector<std::byte>& to);
 void encode(const Tick& from, std::vector<std::byte>& to);
 void encode(const Sample& from, std::vector<std::byte>& to);
+void encode(const State& from, std::vector<std::byte>& to);
 void encode(const LogLine& from, std::vector<std::byte>& to);
 void encode(const protocol::PartDescription& from, std::vector<std::byte>& to);
 
 bool decode(Bytes from, Header& to);
+bool decode(Bytes from, State& to);
 bool decode(Bytes from, protocol::PartSample& to);
 bool decode(Bytes from, protocol::PartDescription& to);
 // Messages with views keep what the views look at.
@@ -100,6 +105,7 @@ Bytes schema();
 inline constexpr std::string_view kHeaderSchema = "visum.recording.v1.Header";
 inline constexpr std::string_view kInputSchema = "visum.recording.v1.Input";
 inline constexpr std::string_view kTickSchema = "visum.recording.v1.Tick";
+inline constexpr std::string_view kStateSchema = "visum.recording.v1.State";
 inline constexpr std::string_view kLogSchema = "visum.recording.v1.LogLine";
 inline constexpr std::string_view kSampleSchema = "visum.v1.PartSample";
 inline constexpr std::string_view kDescriptionSchema = "visum.v1.PartDescription";

@@ -99,6 +99,7 @@ bool Simulation::push(const Push& push) {
 void Simulation::add_body(const std::string& yaml) {
   auto changed = scene_;
   scene::add_body(changed, yaml);
+  if (!original_) original_ = scene_;
   scene_ = std::move(changed);
   const auto fresh = world::initial_state(scene_.world);
   for (std::size_t i = state_.bodies.size(); i < fresh.bodies.size(); ++i)
@@ -106,6 +107,7 @@ void Simulation::add_body(const std::string& yaml) {
   snapshots_.clear();
   rebuild_machinery();
   ++revision_;
+  edits_.push_back({true, yaml});
   tell(now(), recording::AddBody{yaml});
 }
 
@@ -117,6 +119,7 @@ std::string Simulation::remove_body(const std::string& name) {
     if (push.wrench.body == body) return "'" + name + "' is being pushed";
   for (const auto& sensor : scene_.sensors)
     if (sensor.body == body) return "it carries the sensor '" + sensor.name + "'";
+  if (!original_) original_ = scene_;
   erase_body(scene_.world, body);
   state_.bodies.erase(state_.bodies.begin() + body.value);
   for (auto& push : pushes_)
@@ -126,6 +129,7 @@ std::string Simulation::remove_body(const std::string& name) {
   snapshots_.clear();
   rebuild_machinery();
   ++revision_;
+  edits_.push_back({false, name});
   tell(now(), recording::RemoveBody{name});
   return {};
 }

@@ -78,6 +78,7 @@ std::unique_ptr<sensors::Sensor> make_sensor(const scene::Scene& scene, const sc
 
 void load_parts(std::span<BoundPart> parts, hwparts::StateReader& from) {
   for (auto& bound : parts) {
+    if (bound.onlooker) continue;
     from.get(std::span<double>(bound.controller_inputs));
     from.get(std::span<double>(bound.sensor_outputs));
     bound.part->load(from);
@@ -254,15 +255,20 @@ void Simulation::freeze(std::string fault) {
 }
 
 std::uint64_t Simulation::state_hash() const {
-  scratch_.clear();
-  world::save(state_, scratch_);
-  save_rest(scratch_);
+  save_all(state_, scratch_);
   return world::hash_bytes(scratch_);
+}
+
+void Simulation::save_all(const world::WorldState& state, std::vector<std::byte>& bytes) const {
+  bytes.clear();
+  world::save(state, bytes);
+  save_rest(bytes);
 }
 
 void Simulation::save_rest(std::vector<std::byte>& bytes) const {
   hwparts::StateWriter to(bytes);
   for (const auto& bound : parts_) {
+    if (bound.onlooker) continue;
     to.put(std::span<const double>(bound.controller_inputs));
     to.put(std::span<const double>(bound.sensor_outputs));
     bound.part->save(to);
@@ -285,9 +291,11 @@ void Simulation::load_rest(std::span<const std::byte> bytes) {
   load_parts(parts_, from);
   std::uint64_t count = 0;
   from.get(count);
+  if (count > kMaxPushes) throw std::out_of_range("more pushes than can act at once");
   pushes_.resize(count);
   for (auto& push : pushes_) {
     from.get(push.wrench.body.value);
+    if (push.wrench.body.index() >= state_.bodies.size()) throw std::out_of_range("a push of no body");
     from.get(std::span<double>(push.wrench.force_n.data(), 3));
     from.get(std::span<double>(push.wrench.torque_nm.data(), 3));
     from.get(push.until_tick);

@@ -17,6 +17,7 @@
 #include "hwparts/part.h"
 #include "hwparts/powercube/message.h"
 #include "protocol/recording/input.h"
+#include "protocol/recording/state.h"
 #include "server/collision/collision.h"
 #include "server/cycle/agent_part.h"
 #include "server/cycle/flight_ring.h"
@@ -42,7 +43,8 @@ struct BoundPart {
   std::vector<hwparts::JointSample> samples;
   std::vector<hwparts::JointDrive> drives;
   std::vector<double> following_errors;
-  std::string agent;  // of the scene, that commands it; empty: none, clients may
+  std::string agent;      // of the scene, that commands it; empty: none, clients may
+  bool onlooker = false;  // no part of the world's state: see Simulation::add_onlooker
 
   // What stands between it and its controllers, clients and agents alike: nothing but where a fault is.
   Wire wire;
@@ -102,6 +104,16 @@ class Simulation {
   void add_body(const std::string& yaml);  // throws ConfigError and changes nothing. Drops the snapshots.
   std::string remove_body(const std::string& name);  // why not; empty: done. Drops the snapshots.
 
+  // The whole of it at this tick border, and back there, in a world of the same scene: no input, so no
+  // witness is told. restore() believes nothing: it returns why not, and then the world is the scene's
+  // initial one; empty: done. Not of a frozen world.
+  void keep(recording::State& whole) const;
+  std::string restore(const recording::State& whole);
+
+  // Another part beside the world's, that its clients see and that is no part of its state: in no snapshot
+  // and no hash. Before the first tick.
+  void add_onlooker(std::unique_ptr<hwparts::Part> part);
+
   // From now on; null: nobody. It has to outlive the simulation or be taken away before.
   void set_witness(Witness* witness) { witness_ = witness; }
 
@@ -154,8 +166,13 @@ class Simulation {
   void hand_out_faults();
   void save_rest(std::vector<std::byte>& bytes) const;
   void load_rest(std::span<const std::byte> bytes);
+  void save_all(const world::WorldState& state, std::vector<std::byte>& bytes) const;
+  void edit_bodies(const std::vector<recording::State::Edit>& edits);
+  void restore_all(const recording::State& whole);
 
   scene::Scene scene_;
+  std::optional<scene::Scene> original_;  // as it was loaded, once bodies came or went
+  std::vector<recording::State::Edit> edits_;
   world::WorldState state_;
   world::WorldState before_;  // the last good state: what a frozen world shows
   std::vector<BoundPart> parts_;

@@ -62,7 +62,9 @@ void Lane::load(hwparts::StateReader& from) {
   for (std::size_t n = 0; n < count_; ++n) {
     auto& item = slots_[n];
     from.get(item.due_tick), from.get(item.first), from.get(item.size);
-    from.get(std::span(numbers_).subspan(n * width_, std::min<std::size_t>(item.size, width_)));
+    if (item.size > width_ || item.first > width_ - item.size)
+      throw std::out_of_range("a message on its way holds more than the part has ports");
+    from.get(std::span(numbers_).subspan(n * width_, item.size));
   }
 }
 

@@ -77,6 +77,17 @@ bool needs_world(const protocol::Request& request) {
       request);
 }
 
+bool leaves_recording(const protocol::Request& request, const std::string& steering) {
+  using namespace protocol;
+  if (const auto* set = std::get_if<SetParameter>(&request)) return set->part == steering;
+  return role_needed(request) == Role::kObserver ||
+         std::visit(
+             [](const auto& message) {
+               return kIsOneOf<std::decay_t<decltype(message)>, Pause, Resume, Step, SetSpeed, Shutdown>;
+             },
+             request);
+}
+
 Tokens::Entry Tokens::read_entry(Role role, const std::string& words, const config::Place& place) {
   if (words.starts_with(kName)) {
     if (words.size() == kName.size()) throw config::ConfigError(place, "CN= without a name");

@@ -16,6 +16,9 @@ protocol::Role role_needed(const protocol::Request& request);
 
 // What only a simulated world can do: hold time, go back in it, change bodies.
 bool needs_world(const protocol::Request& request);
+// Whether it changes nothing in a recording that is shown: reads, and moves within it. `steering`: the part
+// that does.
+bool leaves_recording(const protocol::Request& request, const std::string& steering);
 
 // The roles by token, and by the name in a client's certificate. Without a token file everybody on loopback,
 // and everybody with a certificate, gets the role that he asks for.

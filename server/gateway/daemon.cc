@@ -12,15 +12,18 @@
 #include "server/gateway/bus/buses.h"
 #include "server/gateway/gateway.h"
 #include "server/gateway/mailbox.h"
+#include "server/gateway/playback.h"
 #include "server/gateway/tick_side.h"
 #include "server/gateway/web.h"
+#include "server/recording/flight_recorder.h"
 #include "server/world/exchange.h"
 
 namespace visum::gateway {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::milliseconds kIdle{20};     // how soon stop() is noticed while time stands
+constexpr std::chrono::milliseconds kIdle{20};  // how soon stop() is noticed while time stands
+constexpr std::chrono::milliseconds kNoTime{0};
 constexpr std::chrono::milliseconds kPaceLook{1};  // sessions of a paced lockstep are served that often
 constexpr std::chrono::seconds kFarewell{2};       // for clients that read their last frames slowly
 
@@ -35,7 +38,13 @@ StaticWorld shown_world(const cycle::Simulation& simulation, const DaemonOptions
   world.simulated = options.simulated;
   world.has_world = options.has_world;
   world.node_watch = options.node_watch;
+  if (options.playback) world.steering_part = options.playback->name();
   return world;
+}
+
+std::function<void(Published&)> shown_by(const DaemonOptions& options) {
+  if (!options.playback) return options.show;
+  return [playback = options.playback](Published& published) { playback->show(published); };
 }
 
 // steady_clock is CLOCK_MONOTONIC; an absolute time does not drift with the time that the call takes.
@@ -54,7 +63,9 @@ struct Daemon::Impl {
         stopping(stop),
         iterations(options.iterations),
         wait(options.wait),
-        show(options.show),
+        show(shown_by(options)),
+        flight(options.flight),
+        playback(options.playback),
         threaded(simulation.scene().clock == scene::ClockKind::kRealtime),
         paced(options.paced && simulation.scene().clock == scene::ClockKind::kLockstep),
         mailbox(most_ports(simulation)),
@@ -63,10 +74,12 @@ struct Daemon::Impl {
                 options.token_file.empty() ? Tokens() : Tokens(options.token_file), mailbox,
                 tick_side.pacer(),
                 [this]() -> const Published& { return threaded ? fresh_copy() : fresh_fill(); }),
-        web(options.http.page.empty() ? PageFiles() : PageFiles(options.http.page), gateway,
-            [this] { return server.refused(); }),
+        web(
+            options.http.page.empty() ? PageFiles() : PageFiles(options.http.page), gateway,
+            [this] { return server.refused(); }, options.playback),
         server({options.address, options.port, {}, web_options(options.http), options.tls}, gateway) {
-    open_buses(options.buses);
+    if (playback) tick_side.play([this] { return playback->tick(); });
+    if (!playback) open_buses(options.buses);  // nobody talks to what is long over
     if (threaded) publish(false);
   }
 
@@ -106,6 +119,11 @@ struct Daemon::Impl {
     buses->serve_until(due);
   }
 
+  // A recording is compared while there is nothing else to do, up to `until`.
+  void compare_until(Clock::time_point until) {
+    while (playback && comparing && Clock::now() < until) comparing = playback->compare();
+  }
+
   void do_tick() {
     tick_side.tick();
     if (buses) buses->after_tick();
@@ -133,6 +151,7 @@ struct Daemon::Impl {
 
   void fill_copy(Published& copy) {
     fill(copy, simulation, tick_side.pace());
+    if (flight) copy.dump = flight->dump();
     if (show) show(copy);
   }
 
@@ -163,6 +182,9 @@ struct Daemon::Impl {
   const std::int64_t iterations;
   const std::function<void(Clock::time_point)> wait;
   const std::function<void(Published&)> show;
+  const recording::FlightRecorder* const flight;
+  Playback* const playback;
+  bool comparing = true;
   const bool threaded;
   const bool paced;
   Mailbox mailbox;
@@ -223,9 +245,11 @@ void Daemon::Impl::run_realtime() {
     if (published_version != tick_side.version() || runs != was_running) publish(true);
     was_running = runs;
     if (!runs) {
-      mailbox.wait_for(kIdle);
+      compare_until(Clock::now() + kIdle);
+      mailbox.wait_for(playback && comparing ? kNoTime : kIdle);
       continue;
     }
+    compare_until(pacer.due() - kPaceLook);
     wait_until(pacer.due());
     tick_side.empty_mailbox();
     pacer.begin_tick(Clock::now());

@@ -16,8 +16,13 @@
 #include "server/gateway/access.h"
 #include "server/gateway/bus/address.h"
 
+namespace visum::recording {
+class FlightRecorder;
+}  // namespace visum::recording
+
 namespace visum::gateway {
 
+class Playback;
 struct Published;
 class NodeWatch;
 
@@ -45,6 +50,8 @@ struct DaemonOptions {
   bool has_world = true;  // false: nobody may hold the time, go back in it, or change bodies
   // On the tick's thread, before each tick: in clock realtime instead of sleeping until it is due.
   std::function<void(std::chrono::steady_clock::time_point)> wait;
+  const recording::FlightRecorder* flight = nullptr;  // writes down how it froze; must outlive the daemon
+  Playback* playback = nullptr;  // a recording, whose world this is; must outlive the daemon
   // On the tick's thread, at each copy of the world for the sessions: puts another server's world into it.
   std::function<void(Published&)> show;
 };

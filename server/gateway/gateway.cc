@@ -104,6 +104,8 @@ void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request
                      "there is no simulated world behind these parts: their time cannot be "
                      "held or go back, and there are no bodies to change");
   }
+  if (!world_.steering_part.empty() && !leaves_recording(request, world_.steering_part))
+    return call.fail(ErrorCode::kWrongState, "this is a recording: what happened in it cannot be changed");
   std::visit([&](const auto& message) { handle(call, message); }, request);
 }
 
@@ -156,7 +158,7 @@ void Gateway::note_due() {
 void Gateway::follow_eras(const Published& now) {
   if (!now.fault.empty() && !frozen_) {
     ++freezes_;
-    broadcast({"frozen", now.fault, {}, now.era, now.tick});
+    broadcast({"frozen", frozen_reason(now), {}, now.era, now.tick});
   }
   frozen_ = !now.fault.empty();
   if (now.era == era_) return;

@@ -41,6 +41,7 @@ struct StaticWorld {
   WorldView view;
   bool simulated = true;
   bool has_world = true;                  // false: see DaemonOptions
+  std::string steering_part{};            // of a recording that is shown; empty: the world lives
   const NodeWatch* node_watch = nullptr;  // null: plug-ins are not watched
 };
 StaticWorld static_world(const cycle::Simulation& simulation);

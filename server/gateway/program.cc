@@ -105,14 +105,18 @@ constexpr const char* kNoThread =
 
 }  // namespace
 
-void set_up_log(const std::string& name, int verbosity) {
+void set_verbosity(int verbosity) {
   constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::err, spdlog::level::warn,
                                                    spdlog::level::info, spdlog::level::debug};
+  spdlog::set_level(kLevels[verbosity]);
+}
+
+void set_up_log(const std::string& name, int verbosity) {
   // The colouring sink looks for itself whether stderr is a terminal.
   spdlog::set_default_logger(std::getenv("NO_COLOR") ? spdlog::stderr_logger_mt(name)
                                                      : spdlog::stderr_color_mt(name));
   spdlog::set_pattern(name + ": %^%l%$: %v");
-  spdlog::set_level(kLevels[verbosity]);
+  set_verbosity(verbosity);
 }
 
 int exit_code_of(const std::function<int()>& run) {

@@ -21,6 +21,7 @@ enum Exit {
 
 // To stderr, as "NAME: level: text"; 0 errors, 1 warnings, 2 news, 3 details.
 void set_up_log(const std::string& name, int verbosity);
+void set_verbosity(int verbosity);
 
 // What `run` returns; where it throws, the exit code of that, once the error is in the log.
 int exit_code_of(const std::function<int()>& run);

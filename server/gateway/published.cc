@@ -33,6 +33,11 @@ void fill_joints(Published& published, const cycle::Simulation& simulation) {
 
 }  // namespace
 
+std::string frozen_reason(const Published& published) {
+  if (published.dump.empty()) return published.fault;
+  return published.fault + "; the ticks before it are in " + published.dump;
+}
+
 void fill(Published& published, const cycle::Simulation& simulation, const Pace& pace) {
   published.tick = simulation.tick_count();
   published.sim_time_ns = simulation.sim_time_ns();

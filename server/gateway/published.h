@@ -31,6 +31,7 @@ struct Published {
   std::uint64_t revision = 0;
   std::uint64_t state_hash = 0;
   std::string fault;  // empty: not frozen
+  std::string dump;   // the file that holds the ticks before it froze; empty: none
   Pace pace;
   std::vector<Part> parts;
   std::vector<double> poses;       // 7 per body: x y z qw qx qy qz of the link frame
@@ -42,6 +43,9 @@ struct Published {
   std::shared_ptr<const cycle::FlightRing> ring;  // shared: a change of the world makes a new one
   std::shared_ptr<const WorldView> shown;  // another server's world, in place of this one's; null: its own
 };
+
+// Why it is frozen, and where the ticks before it are.
+std::string frozen_reason(const Published& published);
 
 void fill(Published& published, const cycle::Simulation& simulation, const Pace& pace);
 

@@ -35,10 +35,20 @@ void TickSide::empty_mailbox() {
 void TickSide::tick() {
   apply_inputs();
   check_deadlines();
-  simulation_.tick();
+  if (!next_)
+    simulation_.tick();
+  else if (!next_())
+    hold();
   watch_nodes();
   measure_speed();
   if (steps_left_ > 0 && (--steps_left_ == 0 || simulation_.frozen())) finish_steps();
+}
+
+// Time stands, as after a pause.
+void TickSide::hold() {
+  paused_ = true;
+  finish_steps();
+  touch();
 }
 
 // What fails is told of once.

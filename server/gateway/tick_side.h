@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -22,6 +23,9 @@ class TickSide {
 
   // Takes everything out of the mailbox: errands are done at once, inputs are kept for the next tick.
   void empty_mailbox();
+
+  // Ticks are those of a recording from now on, by this, which tells whether there was one.
+  void play(std::function<bool()> next) { next_ = std::move(next); }
 
   // One tick: the inputs first, in their order, then the cycle.
   void tick();
@@ -55,6 +59,7 @@ class TickSide {
     bool failed = false;
   };
 
+  void hold();
   void apply_inputs();
   void apply(const Input& input);
   void apply_push(const Input& input);
@@ -84,6 +89,7 @@ class TickSide {
   cycle::Simulation& simulation_;
   Mailbox& mailbox_;
   cycle::Pacer pacer_;
+  std::function<bool()> next_;  // none: the world's own tick
   std::vector<Input*> inputs_;  // for the next tick
   std::vector<Watch> watches_;  // by part
   std::vector<WatchedNode> nodes_;

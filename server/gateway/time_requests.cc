@@ -20,7 +20,7 @@ protocol::ServerStatus Gateway::server_status(const Published& now) const {
   status.era = now.era;
   status.paused = now.pace.paused;
   status.frozen = !now.fault.empty();
-  status.frozen_reason = now.fault;
+  status.frozen_reason = frozen_reason(now);
   status.clock = scene::name_of(world_.clock);
   status.speed = now.pace.speed;
   status.real_time_factor = now.pace.real_time_factor;

@@ -3,17 +3,23 @@
 #include <utility>
 
 #include "server/gateway/metrics.h"
+#include "server/gateway/playback.h"
 
 namespace visum::gateway {
 
 using protocol::WebReply;
 
-Web::Web(PageFiles files, Gateway& gateway, std::function<std::uint64_t()> refused_connections)
-    : files_(std::move(files)), gateway_(gateway), refused_connections_(std::move(refused_connections)) {}
+Web::Web(PageFiles files, Gateway& gateway, std::function<std::uint64_t()> refused_connections,
+         Playback* playback)
+    : files_(std::move(files)),
+      gateway_(gateway),
+      refused_connections_(std::move(refused_connections)),
+      playback_(playback) {}
 
 WebReply Web::get(const protocol::WebRequest& request) {
   if (request.path == "/healthz") return health();
   if (request.path == "/metrics") return metrics(request);
+  if (playback_ && request.path.starts_with("/recording/")) return recorded(request);
   if (files_.empty() && request.path == "/") {
     WebReply reply;
     reply.status = 503;
@@ -22,6 +28,19 @@ WebReply Web::get(const protocol::WebRequest& request) {
     return reply;
   }
   return files_.get(request);
+}
+
+WebReply Web::recorded(const protocol::WebRequest& request) const {
+  WebReply reply;
+  auto rows = playback_->ports_at(request.path);
+  if (rows) {
+    reply.content_type = "application/octet-stream";
+    reply.text = std::move(*rows);
+  } else {
+    reply.status = 404;
+    reply.text = "no such part or position of the recording\n";
+  }
+  return reply;
 }
 
 // Open to whoever reaches the port, so it says no more than that.

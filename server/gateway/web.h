@@ -10,10 +10,14 @@
 
 namespace visum::gateway {
 
+class Playback;
+
 class Web : public protocol::WebPages {
  public:
   // `refused_connections`: what the server has turned away so far.
-  Web(PageFiles files, Gateway& gateway, std::function<std::uint64_t()> refused_connections);
+  // `playback`: a recording that is shown, whose ports plots ask for; null: the world lives.
+  Web(PageFiles files, Gateway& gateway, std::function<std::uint64_t()> refused_connections,
+      Playback* playback = nullptr);
 
   protocol::WebReply get(const protocol::WebRequest& request) override;
 
@@ -21,9 +25,12 @@ class Web : public protocol::WebPages {
   protocol::WebReply health() const;
   protocol::WebReply metrics(const protocol::WebRequest& request) const;
 
+  protocol::WebReply recorded(const protocol::WebRequest& request) const;
+
   PageFiles files_;
   Gateway& gateway_;
   std::function<std::uint64_t()> refused_connections_;
+  Playback* const playback_;
 };
 
 }  // namespace visum::gateway

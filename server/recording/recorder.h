@@ -8,20 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "protocol/config/read_file.h"
 #include "protocol/recording/records.h"
 #include "server/cycle/simulation.h"
+#include "server/recording/beginning.h"
 
 namespace visum::recording {
 
 class Scribe;
-
-// What the scene was made of, beside itself.
-struct Origin {
-  config::Files files;       // all that was read for it
-  std::string engine;        // instead of the scene's; empty: none
-  std::string parameters{};  // of the scene's file, as scene::Options has them
-};
 
 class Recorder : public cycle::Witness {
  public:
@@ -35,14 +28,14 @@ class Recorder : public cycle::Witness {
   void log(std::string_view level, std::string_view text);  // any thread
 
  private:
-  void write_beginning(const Origin& origin);
   void put(std::uint16_t channel);  // what stands in bytes_
 
   cycle::Simulation& simulation_;
   const std::unique_ptr<Scribe> scribe_;
-  std::uint16_t inputs_ = 0, ticks_ = 0, log_ = 0;  // channels
-  std::vector<std::uint16_t> parts_;                // channels, by part
-  std::uint64_t time_ns_ = 0;                       // of all ticks so far, in all eras
+  Channels channels_;
+  std::uint64_t time_ns_ = 0;                    // of all ticks so far, in all eras
+  std::uint64_t next_state_ns_ = 1'000'000'000;  // the whole state is due
+  State state_;
   std::vector<std::byte> bytes_;
 };
 

@@ -47,6 +47,7 @@ void RecordingFile::check_files() const {
 
 RecordingFile::Item RecordingFile::next() {
   while (damage_.empty()) {
+    last_ = reader_.place();
     const auto item = reader_.next();
     const auto* message = std::get_if<Message>(&item);
     if (std::holds_alternative<McapReader::End>(item)) break;
@@ -56,7 +57,20 @@ RecordingFile::Item RecordingFile::next() {
   return End{};
 }
 
+RecordingFile::Place RecordingFile::place_of_last() const {
+  Place place{last_, sequences_};
+  if (const auto last = place.sequences.find(last_channel_); last != place.sequences.end()) --last->second;
+  return place;
+}
+
+void RecordingFile::go_to(const Place& place) {
+  damage_.clear();
+  sequences_ = place.sequences;
+  reader_.go_to(place.place);
+}
+
 bool RecordingFile::in_sequence(const Message& message) {
+  last_channel_ = message.channel;
   return sequences_[message.channel]++ == message.sequence;
 }
 
@@ -90,6 +104,7 @@ RecordingFile::Item RecordingFile::take(const Message& message) {
     return End{};
   }
   if (topic == kInputTopic) return take_as(input_, message);
+  if (topic == kStateTopic) return take_as(state_, message);
   if (topic == kTickTopic) return take_as(tick_, message);
   if (!topic.starts_with(kPartTopic)) return End{};
   if (topic.ends_with(kDescriptionTopic)) return take_as(description_, message);

@@ -27,8 +27,17 @@ class RecordingFile {
   struct End {};
   // What comes next; valid until the next call. After the End, damage() tells whether it was the file's.
   using Item = std::variant<End, const TimedInput*, const Tick*, const protocol::PartSample*,
-                            const protocol::PartDescription*>;
+                            const protocol::PartDescription*, const State*>;
   Item next();
+
+  // Where the next item stands, to come back to it.
+  struct Place {
+    McapReader::Place place;
+    std::map<std::uint16_t, std::uint32_t> sequences;
+  };
+  Place place() const { return {reader_.place(), sequences_}; }
+  Place place_of_last() const;  // of the item that next() has given
+  void go_to(const Place& place);
 
   // Why nothing more was read, and where; empty: the file is whole.
   const std::string& damage() const { return damage_.empty() ? reader_.damage() : damage_; }
@@ -45,10 +54,13 @@ class RecordingFile {
   Header header_;
   config::Files files_;
   std::map<std::uint16_t, std::uint32_t> sequences_;  // the next, by channel
+  McapReader::Place last_;                            // where the last message stands
+  std::uint16_t last_channel_ = 0;
   InputMessage input_;
   TickMessage tick_;
   protocol::PartSample sample_;
   protocol::PartDescription description_;
+  State state_;
   std::string damage_;
 };
 

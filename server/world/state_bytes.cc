@@ -3,6 +3,8 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include <cstring>
+
 #include "server/world/world_state.h"
 
 namespace visum::world {
@@ -26,6 +28,48 @@ class Appender {
 
  private:
   std::vector<std::byte>& bytes_;
+};
+
+// Takes from the front what an Appender put there; from bytes that are too few it takes nothing any more.
+class Taker {
+ public:
+  explicit Taker(std::span<const std::byte> bytes) : left_(bytes) {}
+
+  template <typename T>
+  void take(T* items, std::size_t count) {
+    if (count > left_.size() / sizeof(T)) {
+      complete_ = false;
+      left_ = {};
+      return;
+    }
+    if (count > 0) std::memcpy(items, left_.data(), count * sizeof(T));
+    left_ = left_.subspan(count * sizeof(T));
+  }
+  void take(double& value) { take(&value, 1); }
+  template <typename Derived>
+  void take(Eigen::PlainObjectBase<Derived>& vector) {
+    take(vector.data(), static_cast<std::size_t>(vector.size()));
+  }
+  // A list's length, which is known.
+  void expect(std::size_t length) {
+    std::uint64_t found = 0;
+    take(&found, 1);
+    complete_ = complete_ && found == length;
+  }
+  template <typename T>
+  void take_list(std::vector<T>& list) {
+    std::uint64_t length = 0;
+    take(&length, 1);
+    if (length > left_.size() / sizeof(T)) complete_ = false;
+    list.resize(complete_ ? length : 0);
+    take(list.data(), list.size());
+  }
+  bool complete() const { return complete_; }
+  std::span<const std::byte> left() const { return left_; }
+
+ private:
+  std::span<const std::byte> left_;
+  bool complete_ = true;
 };
 
 void put_body(Appender& to, const BodyState& body) {
@@ -57,6 +101,36 @@ void save(const WorldState& state, std::vector<std::byte>& bytes) {
     to.put(engine.size());
     to.put(engine.data(), engine.size());
   }
+}
+
+std::span<const std::byte> load(std::span<const std::byte> bytes, const WorldModel& model, WorldState& state,
+                                std::string& fault) {
+  Taker from(bytes);
+  WorldState taken;
+  from.take(&taken.tick, 1);
+  from.expect(model.bodies.size());
+  taken.bodies.resize(model.bodies.size());
+  for (BodyState& body : taken.bodies) {
+    from.take(body.p_WC);
+    from.take(body.q_WB.coeffs());
+    from.take(body.v_WC);
+    from.take(body.w_WB);
+  }
+  from.expect(model.joints.size());
+  taken.joints.resize(model.joints.size());
+  for (JointState& joint : taken.joints)
+    for (double* number : {&joint.position, &joint.velocity, &joint.effort}) from.take(*number);
+  from.take_list(taken.random);
+  from.expect(model.engines.size());
+  taken.engines.resize(model.engines.size());
+  for (auto& engine : taken.engines) from.take_list(engine);
+  if (!from.complete() || taken.tick < 0) {
+    fault = "the state is not one of this world";
+    return {};
+  }
+  if (!is_sane(model, taken, &fault)) return {};
+  state = std::move(taken);
+  return from.left();
 }
 
 std::uint64_t hash_bytes(std::span<const std::byte> bytes) {

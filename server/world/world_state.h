@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "server/world/world_model.h"
@@ -53,6 +54,10 @@ bool is_sane(const WorldModel& model, const WorldState& state, std::string* offe
 
 // Appends every field, in order, without padding; state_hash is XXH64 over those bytes.
 void save(const WorldState& state, std::vector<std::byte>& bytes);
+// The way back, for a state of this very model; returns what follows it. Where the bytes are none, or a
+// number in them is not sane, `fault` (empty before) tells so and `state` stays as it is.
+std::span<const std::byte> load(std::span<const std::byte> bytes, const WorldModel& model, WorldState& state,
+                                std::string& fault);
 std::uint64_t hash_bytes(std::span<const std::byte> bytes);
 
 }  // namespace visum::world

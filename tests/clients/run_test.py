@@ -132,6 +132,34 @@ class Worlds(Scenario):
         properties = {p.get("name"): p.get("value") for p in suite.find("properties")}
         self.assertEqual(properties["state_hash"], result["state_hash"])
 
+    def recordings(self):
+        return sorted(file.name for file in self.folder.rglob("*.mcap"))
+
+    def test_a_run_that_fails_leaves_a_recording_beside_its_report(self):
+        report = self.folder / "report.xml"
+        passes = "until: {at_s: 0.02}\nchecks: [{that: {tilt: {body: box}, below: 1}}]\n"
+        fails = passes.replace("below", "above")
+        self.run_it(passes, "--junit", report)
+        self.assertEqual(self.recordings(), [])
+        self.assertNotIn("recording", report.read_text())
+        self.run_it(fails, "--junit", report, "--recordings", "off", expect=1)
+        self.assertEqual(self.recordings(), [])
+        result, _ = self.run_it(fails, "--junit", report, expect=1)
+        self.assertEqual(self.recordings(), ["scenario.mcap"])
+        properties = {p.get("name"): p.get("value") for p in xml.parse(report).getroot().find("testsuite/properties")}
+        self.assertEqual(properties["recording"], str(self.folder / "scenario.mcap"))
+        replayed = json.loads(visum("replay", properties["recording"], "--json").stdout)
+        self.assertEqual(replayed["state_hash"], result["state_hash"])
+
+    def test_under_ci_a_run_that_fails_leaves_a_recording(self):
+        fails = "until: {at_s: 0.02}\nchecks: [{that: {tilt: {body: box}, above: 1}}]\n"
+        for word, left in (("false", []), ("true", ["scenario.mcap"])):
+            environment = {**os.environ, "CI": word}
+            done = subprocess.run([BIN / "visum", "run", self.write(fails)], cwd=self.folder, env=environment, capture_output=True,
+                                  timeout=DEADLINE_S)
+            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertEqual(self.recordings(), left)
+
     def test_every_clock(self):
         for clock in ("lockstep", "free", "realtime"):
             # A host that is busy with other tests may be late as often as it likes.

@@ -5,4 +5,5 @@ import "./overlays.test.mjs";
 import "./sensors.test.mjs";
 import "./mirror.test.mjs";
 import "./stereo.test.mjs";
+import "./recording.test.mjs";
 import "./browse.test.mjs";

@@ -6,9 +6,8 @@
 #include <sstream>
 
 #include "hwparts/powercube/module_bus.h"
-#include "protocol/recording/mcap_reader.h"
-#include "protocol/recording/mcap_writer.h"
 #include "server/recording/export_csv.h"
+#include "tests/recording/forge.h"
 #include "tests/recording/recorded_world.h"
 
 namespace visum::recording {
@@ -109,32 +108,6 @@ TEST(Replay, NeedsNoneOfTheFilesThatTheSceneWasMadeOf) {
   std::filesystem::remove(scene);
   std::filesystem::remove(files.folder() / "world.yaml");
   EXPECT_EQ(replay(files.folder() / "run.mcap").ticks, 10u);
-}
-
-// The same file with one message of a topic changed by `change`, and all CRCs right.
-void forge(const std::filesystem::path& from, const std::filesystem::path& to, std::string_view topic,
-           std::uint32_t number, const std::function<void(std::vector<std::byte>&)>& change) {
-  std::ifstream in(from, std::ios::binary);
-  std::ofstream out(to, std::ios::binary);
-  McapReader reader(in);
-  McapWriter writer(
-      [&](Bytes bytes) {
-        out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-      },
-      "forger");
-  std::map<std::uint16_t, std::uint16_t> channels;
-  for (auto item = reader.next(); !std::holds_alternative<McapReader::End>(item); item = reader.next()) {
-    if (const auto* attachment = std::get_if<Attachment>(&item)) writer.attach(*attachment);
-    const auto* message = std::get_if<Message>(&item);
-    if (!message) continue;
-    const auto& channel = reader.channel(message->channel);
-    if (!channels.contains(channel.id))
-      channels[channel.id] = writer.add_channel(channel.topic, 0, channel.encoding);
-    std::vector<std::byte> data(message->data.begin(), message->data.end());
-    if (channel.topic == topic && message->sequence == number) change(data);
-    writer.write(channels[channel.id], message->log_time_ns, message->publish_time_ns, data);
-  }
-  writer.close();
 }
 
 TEST(Replay, ShowsTheFirstTickThatDiffersWithItsPorts) {

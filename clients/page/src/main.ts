@@ -3,6 +3,7 @@ import "uplot/dist/uPlot.min.css";
 import "../styles/base.css";
 import "../styles/layout.css";
 import "../styles/bar.css";
+import "../styles/timeline.css";
 import "../styles/tree.css";
 import "../styles/view.css";
 import "../styles/panel.css";
@@ -10,9 +11,11 @@ import "../styles/plots.css";
 import { makeApi } from "./api";
 import { connectionBadge, lostBanner, realityBadge } from "./bar/connection";
 import { TimeControls } from "./bar/time_controls";
+import { timeline } from "./bar/timeline";
 import { Link } from "./link/link";
 import { Clock } from "./model/clock";
 import { Parts } from "./model/parts";
+import { Recording } from "./model/recording";
 import { World } from "./model/world";
 import { PanelPane } from "./panels/pane";
 import { PlotPane } from "./plots/pane";
@@ -33,11 +36,12 @@ const link = new Link(url, `page ${crypto.getRandomValues(new Uint16Array(1))[0]
 const world = new World(link);
 const parts = new Parts(link);
 const clock = new Clock(link);
+const recording = new Recording(link, parts);
 
 const layout = new Layout();
 document.getElementById("app")!.replaceWith(layout.root);
 const viewer = new Viewer(layout.view, world);
-const time = new TimeControls(link, clock);
+const time = new TimeControls(link, clock, recording);
 const plots = new PlotPane(layout.panes.plots, parts);
 new PanelPane(layout.panes.panel, parts, world);
 const tree = new Tree(link, parts, {
@@ -47,7 +51,7 @@ const tree = new Tree(link, parts, {
   },
 }, profileView(link, clock));
 const scene = h("span", { class: "scene" });
-layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element, layout.toggles, connectionBadge(link));
+layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element, layout.toggles, connectionBadge(link), timeline(recording));
 layout.panes.parts.append(tree.element);
 const ghost = new Ghost(viewer, world, parts);
 const overlays = new Overlays(viewer, world, new SensorOverlay(viewer, world, parts), ghost, layout.view);
@@ -81,14 +85,18 @@ async function begin(): Promise<void> {
   setText(scene, link.welcome?.scene ?? "");
   document.title = `${link.welcome?.scene ?? ""} · Visum`;
   await parts.begin();
+  await recording.begin(parts.steering);
   await world.begin();
   await clock.refresh();
   viewer.redraw();
 }
 
+let stood = false; // time, when it was asked for last
 clock.status.watch((status) => {
   if (!status || !link.welcome) return;
   if (status.paused) world.catchUp(status.simTimeNs).catch(reportError);
+  if (status.paused && !stood) void recording.refresh().then(() => recording.refill());
+  stood = status.paused;
   if (status.paused || status.realTimeFactor === 0) return;
   world.adaptTo(status.realTimeFactor).catch(reportError);
   parts.adaptTo(status.realTimeFactor).catch(reportError);

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <string_view>
 
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/format.h"
@@ -45,6 +48,10 @@ class RunVerb : public Verb {
                    "simulated seconds per second; in lockstep at most that, else as fast as it goes")
         ->check(number_within(1e-3, 1e3));
     app.add_option("--record", record_, "write down every input, port and state's hash: an MCAP file");
+    app.add_option("--recordings", recordings_,
+                   "where a run that fails leaves a recording; or off. Default: with --report its folder, "
+                   "with --junit that file's, where the environment says CI the working directory, else none")
+        ->type_name("FOLDER|off");
     app.add_option("--port", port_, "the daemon's port; 0: any free one")->capture_default_str();
     app.add_option("--timeout", timeout_s_, "wall seconds after which the run is given up")
         ->check(number_within(1e-3, 1e7));
@@ -96,7 +103,7 @@ class RunVerb : public Verb {
                       "--record, --result, --port and --keep are for one run: --only says which of a sweep; "
                       "--report records what fails");
     check_writable(junit_);
-    ManyWords words{file_, report_, junit_, {}, jobs_, json_};
+    ManyWords words{file_, report_, junit_, recordings_folder(), {"--recordings", "off"}, jobs_, json_};
     if (!engine_.empty()) words.words.insert(words.words.end(), {"--engine", engine_});
     if (!clock_.empty()) words.words.insert(words.words.end(), {"--clock", clock_});
     if (seed_) words.words.insert(words.words.end(), {"--seed", std::to_string(*seed_)});
@@ -107,9 +114,10 @@ class RunVerb : public Verb {
     return run_many(words, root);
   }
 
-  int run_one(const run::Scenario& scenario) {
+  int run_one(run::Scenario scenario) {
     check_writable(junit_);
     check_writable(result_);
+    record_in_case(scenario);
     catch_interrupts();
     run::Progress progress(progress_, json_ ? stderr : stdout);
     run::RunOptions options;
@@ -128,7 +136,32 @@ class RunVerb : public Verb {
     const run::Report report = run::run_scenario(scenario, options);
     progress.finish();
     if (!told_) tell(report);
+    std::error_code ignored;
+    if (in_case_ && report.passed()) std::filesystem::remove(scenario.record, ignored);
     return report.code;
+  }
+
+  // Where runs that fail are recorded without a word of the scenario's; empty: nowhere.
+  std::filesystem::path recordings_folder() const {
+    if (recordings_ == "off") return {};
+    if (!recordings_.empty()) return recordings_;
+    if (!report_.empty()) return report_;
+    if (!junit_.empty()) return std::filesystem::absolute(junit_).parent_path();
+    const char* ci = std::getenv("CI");
+    const std::string_view word = ci ? ci : "";
+    return word.empty() || word == "false" || word == "0" ? std::filesystem::path()
+                                                          : std::filesystem::current_path();
+  }
+
+  void record_in_case(run::Scenario& scenario) {
+    const auto folder = recordings_folder();
+    if (!scenario.record.empty() || folder.empty()) return;
+    in_case_ = true;
+    std::filesystem::create_directories(folder);
+    const auto run = only_ == 0 ? std::string() : "_run_" + std::to_string(only_);
+    std::string name = scenario.name + run + ".mcap";
+    std::ranges::replace(name, '/', '_');
+    scenario.record = (folder / name).string();
   }
 
   run::Scenario read(const config::Node& root) const {
@@ -142,8 +175,9 @@ class RunVerb : public Verb {
     return scenario;
   }
 
-  void tell(const run::Report& report) {
+  void tell(run::Report report) {
     told_ = true;
+    if (in_case_ && report.passed()) report.recording.clear();
     std::FILE* people = json_ ? stderr : stdout;
     std::fputs(run::report_text(report, Style(people)).c_str(), people);
     write(junit_, run::report_junit(report));
@@ -169,9 +203,10 @@ class RunVerb : public Verb {
     }
   }
 
-  std::string file_, junit_, engine_, clock_, record_, report_, result_;
+  std::string file_, junit_, engine_, clock_, record_, recordings_, report_, result_;
   std::size_t jobs_ = 1, only_ = 0;
   bool json_ = false, progress_ = false, keep_ = false, told_ = false;
+  bool in_case_ = false;  // recorded for the case that it fails
   std::vector<std::string> plugins_;
   std::optional<double> node_timeout_s_;
   std::optional<std::int64_t> seed_;

@@ -60,7 +60,8 @@ int run_many(const ManyWords& words, const config::Node& root) {
   const Style style(people);
   run::ManyOptions options{run::own_folder() / "visum", words.file, runs, count_jobs(words.jobs),
                            words.words};
-  if (!recorded) options.recordings = words.report;
+  if (!recorded) options.recordings = words.recordings;
+  make_folder(options.recordings.string());
   options.on_done = [&](const run::Report& report) {
     std::fputs(run::run_line(report, style).c_str(), people);
     if (words.json) std::printf("%s\n", run::run_json(report).c_str());

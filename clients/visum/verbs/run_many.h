@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -10,11 +11,12 @@
 namespace visum::cli {
 
 struct ManyWords {
-  std::string file;                // the scenario's
-  std::string report;              // a folder; empty: none
-  std::string junit;               // a file; empty: none
-  std::vector<std::string> words;  // that each run is given too
-  std::size_t jobs = 1;            // 0: as many as there are processors
+  std::string file;                  // the scenario's
+  std::string report;                // a folder; empty: none
+  std::string junit;                 // a file; empty: none
+  std::filesystem::path recordings;  // a folder for those of runs that fail; empty: none
+  std::vector<std::string> words;    // that each run is given too
+  std::size_t jobs = 1;              // 0: as many as there are processors
   bool json = false;
 };
 

@@ -14,21 +14,25 @@ export function connectionBadge(link: Link): HTMLElement {
   const element = h("div", { class: "connection" }, h("span", { class: "dot" }), text, role);
   link.state.watch((state) => {
     element.dataset["state"] = state.kind;
-    setText(text, words(state));
+    setText(text, words(state, link.recorded.value));
     if (state.kind !== "open") return;
     role.value = String(state.welcome.role);
     element.title = `Session ${state.welcome.session} of ${state.welcome.server || "visumd"}, as '${link.name}'`;
   });
+  link.recorded.watch((recorded) => {
+    element.dataset["recorded"] = String(recorded);
+    setText(text, words(link.state.value, recorded));
+  });
   return element;
 }
 
-function words(state: LinkState): string {
-  if (state.kind === "open") return "Live";
+function words(state: LinkState, recorded: boolean): string {
+  if (state.kind === "open") return recorded ? "Recorded" : "Live";
   if (state.kind === "token") return "Token needed";
   return state.kind === "lost" ? "Reconnecting" : "Connecting";
 }
 
-// Virtual or real: nobody may mistake the one for the other.
+// Virtual, real or over: nobody may mistake the one for the other.
 export function realityBadge(link: Link): HTMLElement {
   const element = h("span", { class: "reality" }, "–");
   link.state.watch((state) => {
@@ -36,6 +40,12 @@ export function realityBadge(link: Link): HTMLElement {
     element.dataset["real"] = String(!state.welcome.simulated);
     setText(element, state.welcome.simulated ? "Virtual" : "Real");
     element.title = state.welcome.simulated ? "A simulated world" : "Real hardware moves behind these ports";
+  });
+  link.recorded.watch((recorded) => {
+    element.dataset["recorded"] = String(recorded);
+    if (!recorded) return;
+    setText(element, "Recording");
+    element.title = "Nothing of this happens now, and nothing in it can be changed";
   });
   return element;
 }

@@ -2,6 +2,7 @@
 import type { Link } from "../link/link";
 import { Role, type ServerStatus } from "../link/messages";
 import type { Clock } from "../model/clock";
+import type { Recording } from "../model/recording";
 import { h, iconButton, setText } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { formatNs, formatTime } from "../ui/numbers";
@@ -23,7 +24,7 @@ export class TimeControls {
   private readonly overruns = meter("Overruns", "Ticks that began more than a tick late");
   private readonly lateness = meter("Late p99.9", "How late ticks begin: of a thousand, one is later");
 
-  constructor(private readonly link: Link, private readonly clock: Clock) {
+  constructor(private readonly link: Link, private readonly clock: Clock, private readonly recording: Recording) {
     this.run = iconButton(icons.play, "Run", () => this.toggle(), { class: "icon primary" });
     this.runIcon = this.run.querySelector("path")!;
     this.speed.addEventListener("change", () => this.clock.setSpeed(Number(this.speed.value)).catch(reportError));
@@ -47,9 +48,9 @@ export class TimeControls {
     this.runIcon.setAttribute("d", stands ? icons.play : icons.pause);
     this.run.setAttribute("aria-label", stands ? "Run" : "Pause");
     this.run.title = stands ? "Run (Space)" : "Pause (Space)";
-    this.run.disabled = !admin || status.frozen;
+    this.run.disabled = !admin || (status.frozen && !this.recording.atEnd);
     for (const control of [this.tick, this.many, this.count]) control.disabled = !admin || !status.paused || status.frozen;
-    this.reset.disabled = !admin;
+    this.reset.disabled = !this.link.mayChangeWorld;
     this.speed.disabled = !admin || status.clock !== "realtime";
     this.showSpeed(status);
     this.showTime(Number(status.simTimeNs) / 1e9);
@@ -77,7 +78,12 @@ export class TimeControls {
   private toggle(): void {
     const status = this.clock.status.value;
     const stands = status === null || status.paused;
-    (stands ? this.clock.resume() : this.clock.pause()).catch(reportError);
+    (stands ? this.resume() : this.clock.pause()).catch(reportError);
+  }
+  // A recording that is over begins anew.
+  private async resume(): Promise<void> {
+    if (this.recording.atEnd) await this.recording.seek(0);
+    await this.clock.resume();
   }
   toggleRun(): void {
     if (!this.run.disabled) this.toggle();

@@ -16,6 +16,7 @@ const kLastRetryMs = 2000;
 export class Link {
   readonly state = new Signal<LinkState>({ kind: "connecting" });
   readonly told = new Emitter<Body>();
+  readonly recorded = new Signal<boolean>(false); // a recording is shown: its time can be moved in, and nothing changed
   role = Role.ADMIN;
   readonly name: string;
   private token = "";
@@ -57,6 +58,12 @@ export class Link {
 
   get welcome(): Welcome | null {
     return this.state.value.kind === "open" ? this.state.value.welcome : null;
+  }
+  get mayCommand(): boolean {
+    return !this.recorded.value && (this.welcome?.role ?? Role.OBSERVER) >= Role.CONTROLLER;
+  }
+  get mayChangeWorld(): boolean {
+    return !this.recorded.value && this.welcome?.role === Role.ADMIN;
   }
   get received(): number {
     return this.receivedBefore + (this.connection?.received ?? 0);

@@ -96,12 +96,13 @@ export class Part {
     const lost = this.reconnected || Number(sample.conflated) > this.conflated;
     this.reconnected = false;
     this.conflated = Number(sample.conflated);
+    const time = Number(sample.simTimeNs) / kNsPerS;
     if (sample.era !== this.era) {
       this.era = sample.era;
-      this.history?.clear();
+      if (time !== this.history?.lastTime) this.history?.clear(); // else it was filled up to here, see refill()
     }
     const recorded = this.recorded;
-    this.history?.add(Number(sample.simTimeNs) / kNsPerS, (channel) => {
+    this.history?.add(time, (channel) => {
       const port = recorded[channel]!;
       return (port.side === "input" ? sample.controllerInputs : sample.sensorOutputs)[port.index]!;
     }, lost);
@@ -130,6 +131,22 @@ export class Part {
         this.recorded = [];
       }
     };
+  }
+
+  get isPlotted(): boolean {
+    return this.history !== null;
+  }
+
+  // What was before, read from a recording: rows of time (s), controller inputs, sensor outputs.
+  refill(rows: Float64Array): void {
+    const width = 1 + this.ports.length;
+    const inputs = this.description.controllerInputs.length;
+    this.history?.clear();
+    for (let at = 0; at + width <= rows.length; at += width)
+      this.history?.add(rows[at]!, (channel) => {
+        const port = this.recorded[channel]!;
+        return rows[at + 1 + (port.side === "input" ? 0 : inputs) + port.index]!;
+      });
   }
 
   // Where a port stands in recordings(); -1: it is not recorded.

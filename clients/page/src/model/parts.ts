@@ -2,12 +2,15 @@
 import type { Link } from "../link/link";
 import type { Event } from "../link/messages";
 import { Part, type Port } from "./part";
-import { Signal } from "./signal";
+import { Emitter, Signal } from "./signal";
 
 const kRefreshMs = 1000;
+const kRecording = "recording";
 
 export class Parts {
   readonly list = new Signal<Part[]>([]);
+  readonly plotsChanged = new Emitter<void>(); // more or other ports are plotted
+  steering: string | null = null; // the part that moves through a recording, which is not one of the list
   private realTimeFactor = 1;
 
   constructor(private readonly link: Link) {
@@ -22,7 +25,9 @@ export class Parts {
   async begin(): Promise<void> {
     const { parts } = await this.link.request({ case: "listParts", value: {} }, "parts");
     const list: Part[] = [];
-    for (const { name } of parts) {
+    this.steering = parts.find(({ kind }) => kind === kRecording)?.name ?? null;
+    for (const { name, kind } of parts) {
+      if (kind === kRecording) continue;
       const description = await this.link.request({ case: "describePart", value: { part: name } }, "partDescription");
       const before = this.find(name);
       const same = before && sameLayout(before, new Part(this.link, description));
@@ -51,6 +56,7 @@ export class Parts {
 
   // Also after a plot began or ended to want every tick.
   async subscribe(): Promise<void> {
+    this.plotsChanged.emit();
     const welcome = this.link.welcome;
     if (!welcome) return;
     for (const part of this.list.value) await part.subscribe(Number(welcome.tickNs), this.realTimeFactor);

@@ -75,6 +75,7 @@ export class PanelPane {
   private showTake(): void {
     const parts = [...this.view.partsToLease()];
     this.take.hidden = parts.length === 0;
+    this.take.disabled = this.parts.steering !== null; // of a recording nobody has control
     setText(this.take, `Take control of ${parts.join(", ")}`);
   }
 

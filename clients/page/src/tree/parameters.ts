@@ -14,7 +14,7 @@ export function parametersView(link: Link, part: Part): HTMLElement | null {
   const details = h("details", { class: "side" }, h("summary", {}, h("span", {}, "Parameters"), h("span", { class: "count" }, String(count))), body);
   const refresh = async () => {
     const { parameters } = await link.request({ case: "getParameters", value: { part: part.name } }, "parameters");
-    body.replaceChildren(...parameters.map((parameter) => row(parameter, set)));
+    body.replaceChildren(...parameters.map((parameter) => row({ ...parameter, readOnly: parameter.readOnly || link.recorded.value }, set)));
   };
   const set = (name: string, value: Value) =>
     link.request({ case: "setParameter", value: { part: part.name, name, value: { value: value as never } } }, "ok")

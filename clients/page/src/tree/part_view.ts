@@ -29,7 +29,7 @@ export class PartView {
       parametersView(link, part),
       blackboardsView(link, part),
     );
-    this.stops.push(part.holder.watch(() => this.showLease()), part.leased.watch(() => this.showLease()));
+    this.stops.push(part.holder.watch(() => this.showLease()), part.leased.watch(() => this.showLease()), link.recorded.watch(() => this.showLease()));
   }
 
   dispose(): void {
@@ -87,7 +87,9 @@ export class PartView {
     this.holder.title = leased.value ? "This page holds the lease" : holder.value === "" ? "Nobody holds the lease" : `The lease is held by ${holder.value}`;
     const take = !leased.value && holder.value !== "";
     setText(this.lease, leased.value ? "Release" : take ? "Take over" : "Take control");
-    this.lease.disabled = (this.link.welcome?.role ?? Role.OBSERVER) < Role.CONTROLLER;
+    this.lease.disabled = !this.link.mayCommand;
+    this.lease.title = this.link.recorded.value ? "A recording: what happened cannot be changed" : "";
+    this.holder.hidden = this.link.recorded.value;
     for (const row of this.rows) row.setEditable(leased.value);
   }
 

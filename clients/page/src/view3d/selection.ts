@@ -2,7 +2,6 @@
 // (Ctrl or Alt with the pointer), as if by hand.
 import { Plane, Vector3 } from "three";
 import type { Link } from "../link/link";
-import { Role } from "../link/messages";
 import type { Parts } from "../model/parts";
 import { Emitter } from "../model/signal";
 import type { World } from "../model/world";
@@ -84,7 +83,7 @@ export class Selection {
   private beginPull(event: PointerEvent): boolean {
     const hit = this.hit(event);
     const body = hit && this.world.description.value?.bodies[hit.body];
-    if (!hit || !body || body.fixed || this.link.welcome?.role !== Role.ADMIN) return false;
+    if (!hit || !body || body.fixed || !this.link.mayChangeWorld) return false;
     this.select(hit.body);
     const normal = this.viewer.view.camera.getWorldDirection(new Vector3());
     const local = this.viewer.bodies.groups[hit.body]!.worldToLocal(hit.point.clone());
@@ -133,7 +132,7 @@ export class Selection {
       ["Contact force", `${formatInRange(sample.peakContactForces[this.body] ?? 0, 0, 200, "N")} N`],
       ["Driven by", drivingPorts(this.world, this.parts, description.name).join("; ") || "nothing"],
     ];
-    if (!description.fixed && this.link.welcome?.role === Role.ADMIN) rows.push(["Pull", "Ctrl and drag"]);
+    if (!description.fixed && this.link.mayChangeWorld) rows.push(["Pull", "Ctrl and drag"]);
     while (this.facts.children.length > 2 * rows.length) this.facts.lastElementChild!.remove();
     while (this.facts.children.length < 2 * rows.length) this.facts.append(h("dt", {}), h("dd", {}));
     rows.forEach(([name, value], i) => (setText(this.facts.children[2 * i]!, name), setText(this.facts.children[2 * i + 1]!, value)));

@@ -1,0 +1,181 @@
+#include "server/gateway/playback.h"
+
+#include <algorithm>
+#include <charconv>
+#include <sstream>
+#include <utility>
+
+#include "server/gateway/json.h"
+#include "server/recording/build.h"
+#include "server/scene/scene.h"
+
+namespace visum::gateway {
+namespace {
+
+constexpr const char *kPosition = "Position", *kKind = "recording";
+constexpr double kMostTicks = 1e15;
+constexpr std::string_view kPortsPath = "/recording/ports/";
+constexpr std::uint64_t kMostRows = 10'000;        // at once
+constexpr std::size_t kLongestReport = 64u << 10;  // bytes
+
+// As fast as it was, with pauses and speeds as somebody looks at it.
+void in_real_time(scene::Scene& scene) {
+  scene.clock = scene::ClockKind::kRealtime;
+  scene.speed = 1.0;
+}
+
+std::string free_name(const cycle::Simulation& world) {
+  std::string name = kKind;
+  const auto is_taken = [&](const auto& bound) { return bound.part->description().name == name; };
+  while (std::ranges::any_of(world.parts(), is_taken)) name += "_";
+  return name;
+}
+
+// As few digits as come back to the same bits.
+std::string number(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+std::string ports_as_json(const std::vector<recording::PortDifference>& ports) {
+  std::string list;
+  for (const auto& port : ports)
+    list += (list.empty() ? "" : ",") + std::string("{\"part\":") + gateway::quoted(port.part) +
+            ",\"port\":" + gateway::quoted(port.port) +
+            ",\"recorded\":" + gateway::quoted(number(port.recorded)) +
+            ",\"replayed\":" + gateway::quoted(number(port.replayed)) + "}";
+  return "[" + list + "]";
+}
+
+}  // namespace
+
+// The part that steers. It is beside the world, not of it.
+class Playback::Steering : public hwparts::Part {
+ public:
+  explicit Steering(Playback& playback) : playback_(playback) {
+    description_.name = playback.name();
+    description_.kind = kKind;
+    description_.sensor_outputs = {{kPosition, "", 0.0, kMostTicks, 0.0, kPosition}};
+    description_.parameters = parameters();
+    description_.blackboards = {{"Report", "application/json", 1, 0, kLongestReport, false}};
+  }
+  const protocol::PartDescription& description() const override { return description_; }
+  std::span<const std::size_t> joints() const override { return {}; }
+  std::optional<std::string> refuse(std::span<const double>) const override { return {}; }
+  void act(std::span<const double>, std::span<const hwparts::JointSample>,
+           std::span<hwparts::JointDrive>) override {}
+  void publish(std::span<const hwparts::JointSample>, std::span<double>) override {}
+  void following_errors(std::span<double>) const override {}
+  void controller_lost() override {}
+  void reset() override {}
+  void save(hwparts::StateWriter&) const override {}
+  void load(hwparts::StateReader&) override {}
+
+  std::vector<protocol::Parameter> parameters() const override {
+    protocol::Parameter position;
+    position.name = kPosition;
+    position.help = "ticks since the recording's beginning";
+    position.value = static_cast<std::int64_t>(playback_.player_.position());
+    position.maximum = static_cast<double>(playback_.player_.ticks());
+    return {position};
+  }
+  std::optional<std::string> set_parameter(const std::string& name,
+                                           const protocol::ParameterValue& value) override {
+    const auto* position = std::get_if<std::int64_t>(&value);
+    if (name != kPosition || !position) return "'" + name + "' takes a whole number";
+    const auto ticks = playback_.player_.ticks();
+    if (*position < 0 || static_cast<std::uint64_t>(*position) > ticks)
+      return "the recording has the positions 0 to " + std::to_string(ticks);
+    playback_.seek(static_cast<std::uint64_t>(*position));
+    return {};
+  }
+  std::span<const std::byte> read_blackboard(std::size_t) const override {
+    report_ = playback_.report();
+    return std::as_bytes(std::span(report_));
+  }
+
+ private:
+  Playback& playback_;
+  protocol::PartDescription description_;
+  mutable std::string report_;
+};
+
+Playback::Playback(const std::filesystem::path& file, const recording::PluginFolders& plugins)
+    : file_(file),
+      player_(file, plugins, in_real_time),
+      comparison_(file, plugins),
+      ports_(file, player_.points()),
+      name_(free_name(player_.world())),
+      recorded_era_(player_.world().era()),
+      shown_revision_(player_.world().revision()) {
+  for (const auto& bound : std::as_const(player_.world()).parts())
+    parts_.push_back(bound.part->description().name);
+  player_.world().add_onlooker(std::make_unique<Steering>(*this));
+}
+
+void Playback::seek(std::uint64_t position) {
+  ++jumps_;
+  player_.seek(position);
+}
+
+std::optional<std::string> Playback::ports_at(const std::string& path) {
+  std::istringstream words(path);
+  std::uint64_t part = 0, to = 0, count = 0;
+  char between = 0;
+  if (!path.starts_with(kPortsPath)) return {};
+  words.ignore(static_cast<std::streamsize>(kPortsPath.size()));
+  words >> part >> between >> to >> between >> count;
+  if (!words || !words.eof() || part >= parts_.size()) return {};
+  const auto rows = ports_.read(parts_[part], std::min(to, player_.ticks()), std::min(count, kMostRows));
+  const auto bytes = std::as_bytes(std::span(rows));
+  return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+}
+
+std::string Playback::report() const {
+  const auto& found = comparison_.result();
+  std::string json =
+      "{\"file\":" + gateway::quoted(file_.filename().string()) +
+      ",\"ticks\":" + std::to_string(player_.ticks()) +
+      ",\"tick_ns\":" + std::to_string(player_.header().tick_ns) +
+      ",\"position\":" + std::to_string(player_.position()) + ",\"compared\":" + std::to_string(found.ticks) +
+      ",\"equal\":" + (found.equal ? "true" : "false") + ",\"damage\":" + gateway::quoted(player_.damage());
+  if (!found.equal) {
+    const auto other = recording::difference(found.header.build, recording::this_build({}));
+    json += ",\"difference\":{\"position\":" + std::to_string(std::min(found.ticks + 1, player_.ticks())) +
+            ",\"tick\":" + std::to_string(found.difference.tick) +
+            ",\"era\":" + std::to_string(found.difference.era) +
+            ",\"what\":" + gateway::quoted(found.difference.what) +
+            ",\"other_build\":" + gateway::quoted(other) +
+            ",\"ports\":" + ports_as_json(found.difference.ports) + "}";
+  }
+  return json + "}";
+}
+
+void Playback::show_ports(Published& published) const {
+  const auto parts = player_.world().parts();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const auto& name = parts[i].part->description().name;
+    if (name == name_) published.parts[i].sensor_outputs = {static_cast<double>(player_.position())};
+    const auto* sample = player_.sample(name);
+    if (!sample || sample->controller_inputs.size() != published.parts[i].controller_inputs.size() ||
+        sample->sensor_outputs.size() != published.parts[i].sensor_outputs.size())
+      continue;
+    published.parts[i].controller_inputs = sample->controller_inputs;
+    published.parts[i].sensor_outputs = sample->sensor_outputs;
+  }
+}
+
+// For its clients the clock must never go back within an era: a jump begins a new one, as a reset that was
+// recorded does.
+void Playback::show(Published& published) {
+  const auto& world = player_.world();
+  if (std::exchange(jumps_, 0) > 0 || world.era() != recorded_era_) ++shown_era_;
+  recorded_era_ = world.era();
+  published.era = shown_era_;
+  if (std::exchange(shown_revision_, world.revision()) != world.revision())
+    view_ = std::make_shared<const WorldView>(describe_world(world.scene(), world.revision()));
+  published.shown = view_;
+  show_ports(published);
+}
+
+}  // namespace visum::gateway

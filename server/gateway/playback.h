@@ -1,0 +1,62 @@
+// A recording in place of a live world: what the daemon shows while somebody goes through it. Its time runs,
+// stands and jumps; nothing else in it can be changed. A part of kind "recording" steers it: its parameter
+// Position, in ticks since the recording's beginning, jumps there; its blackboard Report tells, as JSON, how
+// far the recorded bits were compared with this program's, and the first difference. Lives on the tick's
+// thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/gateway/published.h"
+#include "server/recording/player.h"
+#include "server/recording/replayer.h"
+
+namespace visum::gateway {
+
+class Playback {
+ public:
+  // Throws what recording::Player throws.
+  Playback(const std::filesystem::path& file, const recording::PluginFolders& plugins);
+
+  cycle::Simulation& world() { return player_.world(); }
+  const std::string& name() const { return name_; }  // of the part that steers
+  const std::filesystem::path& file() const { return file_; }
+
+  // Instead of the world's own tick; false: the recording ends here.
+  bool tick() { return player_.advance(); }
+  // Compares one more tick with the recorded one, in a world of its own; false: all that there is, is
+  // compared.
+  bool compare() { return comparison_.run(1); }
+  // The sessions' thread: rows of PortReader's, as bytes of little-endian doubles, for the path
+  // /recording/ports/PART/TO/COUNT: a part by its number, a position, and how many ticks up to it. No such
+  // path: nothing.
+  std::optional<std::string> ports_at(const std::string& path);
+  // Puts what was recorded in place of what the world's parts show, and the jumps into its era.
+  void show(Published& published);
+
+ private:
+  class Steering;
+
+  void seek(std::uint64_t position);
+  std::string report() const;
+  void show_ports(Published& published) const;
+
+  const std::filesystem::path file_;
+  recording::Player player_;
+  recording::Replayer comparison_;
+  recording::PortReader ports_;
+  std::vector<std::string> parts_;  // by number
+  std::string name_;
+  std::uint64_t jumps_ = 0;
+  std::uint64_t recorded_era_ = 1;  // of the last copy
+  std::uint64_t shown_era_ = 1;
+  std::uint64_t shown_revision_ = 1;
+  std::shared_ptr<const WorldView> view_;  // where bodies came or went; null: as at the beginning
+};
+
+}  // namespace visum::gateway

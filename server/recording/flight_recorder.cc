@@ -1,0 +1,144 @@
+#include "server/recording/flight_recorder.h"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <stdexcept>
+
+namespace visum::recording {
+
+FlightRecorder::FlightRecorder(cycle::Simulation& simulation, Origin origin, std::filesystem::path folder)
+    : simulation_(simulation), origin_(std::move(origin)), folder_(std::move(folder)) {
+  for (const auto& bound : std::as_const(simulation_).parts())
+    ports_per_tick_ += bound.controller_inputs.size() + bound.sensor_outputs.size();
+  for (Half* half : {&now_, &before_}) {
+    half->ticks.reserve(kTicks);
+    half->ports.reserve(kTicks * ports_per_tick_);
+  }
+  begin_half();
+  simulation_.set_witness(this);
+}
+
+FlightRecorder::~FlightRecorder() {
+  simulation_.set_witness(nullptr);
+}
+
+void FlightRecorder::begin_half() {
+  std::swap(now_, before_);
+  now_.ticks.clear();
+  now_.ports.clear();
+  now_.inputs.clear();
+  now_.input_bytes.clear();
+  now_.in_use = true;
+  simulation_.keep(now_.begin);
+}
+
+void FlightRecorder::forget() {
+  now_.in_use = before_.in_use = false;
+}
+
+void FlightRecorder::took(const TimedInput& input) {
+  if (simulation_.frozen()) return;
+  if (!now_.in_use) {  // a frozen world lives again, by this very input
+    dump_.clear();
+    return begin_half();
+  }
+  const auto from = now_.input_bytes.size();
+  encode(input, now_.input_bytes);
+  const auto size = now_.input_bytes.size() - from;
+  now_.inputs.push_back({now_.ticks.size(), from, size});
+  if (now_.input_bytes.size() <= kInputBytes) return;
+  if (size > kInputBytes) forget();  // that one alone is too much to be kept
+  begin_half();
+}
+
+void FlightRecorder::ticked() {
+  if (!now_.in_use) return;
+  now_.ticks.push_back(
+      {simulation_.tick_count(), simulation_.era(), simulation_.sim_time_ns(), simulation_.state_hash(), {}});
+  for (const auto& bound : std::as_const(simulation_).parts()) {
+    now_.ports.insert(now_.ports.end(), bound.controller_inputs.begin(), bound.controller_inputs.end());
+    now_.ports.insert(now_.ports.end(), bound.sensor_outputs.begin(), bound.sensor_outputs.end());
+  }
+  if (simulation_.frozen()) return dump_now();
+  if (now_.ticks.size() == kTicks) begin_half();
+}
+
+void FlightRecorder::dump_now() {
+  const auto ticks = now_.ticks.size() + (before_.in_use ? before_.ticks.size() : 0);
+  if (++files_ > kMostFiles) {
+    spdlog::warn("the world froze for the {}th time: the ticks before it are not written any more", files_);
+    return forget();
+  }
+  const auto name = "frozen-" + std::to_string(::getpid()) + "-" + std::to_string(files_) + "-tick-" +
+                    std::to_string(simulation_.tick_count()) + ".mcap";
+  try {
+    const auto file = std::filesystem::absolute(folder_ / name).lexically_normal();
+    write(file);
+    dump_ = file.string();
+    spdlog::error("the world froze: its last {} ticks are in {}", ticks, dump_);
+  } catch (const std::exception& error) {
+    spdlog::error("the world froze, and its last ticks cannot be written: {}", error.what());
+  }
+  forget();
+}
+
+void FlightRecorder::write(const std::filesystem::path& file) const {
+  std::filesystem::create_directories(file.parent_path());
+  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  out.exceptions(std::ios::failbit | std::ios::badbit);
+  McapWriter writer(
+      [&](Bytes bytes) {
+        out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+      },
+      "visumd");
+  const auto channels = write_beginning(writer, simulation_, origin_);
+  std::uint64_t time_ns = 0;
+  if (before_.in_use) write_half(before_, writer, channels, time_ns);
+  write_half(now_, writer, channels, time_ns);
+  writer.close();
+  out.flush();
+}
+
+void FlightRecorder::write_half(const Half& half, McapWriter& writer, const Channels& channels,
+                                std::uint64_t& time_ns) const {
+  std::vector<std::byte> bytes;
+  const auto put = [&](std::uint16_t channel, std::int64_t sim_time_ns, const auto& message) {
+    bytes.clear();
+    encode(message, bytes);
+    writer.write(channel, time_ns, static_cast<std::uint64_t>(sim_time_ns), bytes);
+  };
+  const auto tick_ns = simulation_.model().tick_ns;
+  put(channels.states, half.begin.tick * tick_ns, half.begin);
+  auto input = half.inputs.begin();
+  std::span<const double> ports = half.ports;
+  const auto next_ports = [&](std::size_t count) {
+    const auto taken = ports.first(count);
+    ports = ports.subspan(count);
+    return taken;
+  };
+  const auto put_inputs = [&](std::size_t ticks) {
+    for (; input != half.inputs.end() && input->ticks == ticks; ++input)
+      writer.write(channels.inputs, time_ns, time_ns,
+                   Bytes(half.input_bytes).subspan(input->from, input->size));
+  };
+  for (std::size_t i = 0; i < half.ticks.size(); ++i) {
+    put_inputs(i);
+    time_ns += static_cast<std::uint64_t>(tick_ns);
+    auto tick = half.ticks[i];
+    const auto parts = std::as_const(simulation_).parts();
+    for (std::size_t part = 0; part < parts.size(); ++part) {
+      const auto inputs = next_ports(parts[part].controller_inputs.size());
+      const auto outputs = next_ports(parts[part].sensor_outputs.size());
+      put(channels.parts[part], tick.sim_time_ns,
+          Sample{parts[part].part->description().name, tick.tick, tick.sim_time_ns, tick.era, inputs,
+                 outputs});
+    }
+    if (&half == &now_ && i + 1 == half.ticks.size()) tick.fault = simulation_.fault();
+    put(channels.ticks, tick.sim_time_ns, tick);
+  }
+  put_inputs(half.ticks.size());
+}
+
+}  // namespace visum::recording

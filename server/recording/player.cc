@@ -1,0 +1,86 @@
+#include "server/recording/player.h"
+
+#include <algorithm>
+
+#include "server/cycle/apply_input.h"
+#include "server/world/world_state.h"
+
+namespace visum::recording {
+
+Player::Player(const std::filesystem::path& file, const PluginFolders& plugins, const Adjust& adjust)
+    : file_(file),
+      files_(file_.take_files()),
+      world_(make_world(file_.header(), files_, plugins, adjust)),
+      beginning_(file_.place()) {
+  world_->keep(initial_);
+  read_through();
+  seek(0);
+}
+
+void Player::read_through() {
+  for (auto item = file_.next(); !std::holds_alternative<RecordingFile::End>(item); item = file_.next()) {
+    if (std::holds_alternative<const Tick*>(item)) ++ticks_;
+    if (std::holds_alternative<const State*>(item)) points_.push_back({ticks_, file_.place_of_last()});
+  }
+  damage_ = file_.damage();
+  position_ = ticks_;
+}
+
+bool Player::advance() {
+  if (position_ == ticks_) return false;
+  const config::FilesGiven given(files_);
+  while (true) {
+    const auto item = file_.next();
+    if (std::holds_alternative<RecordingFile::End>(item)) return false;
+    if (const auto* input = std::get_if<const TimedInput*>(&item)) cycle::apply(*world_, (*input)->input);
+    if (const auto* sample = std::get_if<const protocol::PartSample*>(&item))
+      samples_[(*sample)->part] = **sample;
+    if (const auto* state = std::get_if<const State*>(&item)) put_right(**state);
+    if (!std::holds_alternative<const Tick*>(item)) continue;
+    world_->tick();
+    ++position_;
+    return true;
+  }
+}
+
+// Restoring costs the contacts' memory, which is nothing but looks; so only where there is need.
+void Player::put_right(const State& state) {
+  if (world::hash_bytes(state.state) != world_->state_hash() || state.era != world_->era())
+    world_->restore(state);
+}
+
+void Player::seek(std::uint64_t position) {
+  position = std::min(position, ticks_);
+  const auto after = std::ranges::upper_bound(points_, position, {}, &StatePoint::position);
+  const bool near = position >= position_ && (after == points_.begin() || (after - 1)->position <= position_);
+  if (!near) after == points_.begin() ? go_to_beginning() : go_to(*(after - 1));
+  while (position_ < position && advance()) {
+  }
+}
+
+void Player::go_to(const StatePoint& point) {
+  const config::FilesGiven given(files_);
+  file_.go_to(point.place);
+  samples_.clear();
+  position_ = point.position;
+  const auto item = file_.next();
+  const auto* state = std::get_if<const State*>(&item);
+  if (!state || !world_->restore(**state).empty()) go_to_beginning();
+}
+
+void Player::go_to_beginning() {
+  const config::FilesGiven given(files_);
+  file_.go_to(beginning_);
+  samples_.clear();
+  position_ = 0;
+  world_->restore(initial_);
+}
+
+const protocol::PartSample* Player::sample(const std::string& part) const {
+  const auto found = samples_.find(part);
+  const bool here = found != samples_.end() && found->second.tick == world_->tick_count() &&
+                    found->second.era == world_->era();
+  return here ? &found->second : nullptr;
+}
+
+}  // namespace visum::recording

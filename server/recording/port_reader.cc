@@ -1,0 +1,34 @@
+#include "server/recording/port_reader.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace visum::recording {
+
+PortReader::PortReader(const std::filesystem::path& file, std::vector<StatePoint> points)
+    : file_(file), beginning_(file_.place()), points_(std::move(points)) {}
+
+std::vector<double> PortReader::read(const std::string& part, std::uint64_t to, std::uint64_t count) {
+  const auto from = to - std::min(to, count);
+  const auto after = std::ranges::upper_bound(points_, from, {}, &StatePoint::position);
+  const bool at_beginning = after == points_.begin();
+  auto position = at_beginning ? 0 : (after - 1)->position;
+  file_.go_to(at_beginning ? beginning_ : (after - 1)->place);
+  std::vector<double> rows;
+  protocol::PartSample sample;
+  std::uint64_t era = 0;
+  while (position < to) {
+    const auto item = file_.next();
+    if (std::holds_alternative<RecordingFile::End>(item)) break;
+    const auto* of_part = std::get_if<const protocol::PartSample*>(&item);
+    if (of_part && (*of_part)->part == part) sample = **of_part;
+    if (!std::holds_alternative<const Tick*>(item) || ++position <= from) continue;
+    if (std::exchange(era, sample.era) != sample.era) rows.clear();
+    rows.push_back(static_cast<double>(sample.sim_time_ns) * 1e-9);
+    rows.insert(rows.end(), sample.controller_inputs.begin(), sample.controller_inputs.end());
+    rows.insert(rows.end(), sample.sensor_outputs.begin(), sample.sensor_outputs.end());
+  }
+  return rows;
+}
+
+}  // namespace visum::recording

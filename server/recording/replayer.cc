@@ -1,0 +1,134 @@
+#include "server/recording/replayer.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "server/cycle/apply_input.h"
+#include "server/scene/scene.h"
+#include "server/world/world_state.h"
+
+namespace visum::recording {
+namespace {
+
+bool same_bits(double a, double b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+}  // namespace
+
+std::unique_ptr<cycle::Simulation> make_world(const Header& header, const config::Files& files,
+                                              const PluginFolders& plugins, const Adjust& adjust) {
+  const config::FilesGiven given(files);
+  auto scene = scene::load_scene(header.scene_file, {header.engine, plugins, header.parameters});
+  scene.seed = header.seed;
+  if (adjust) adjust(scene);
+  return std::make_unique<cycle::Simulation>(std::move(scene));
+}
+
+Replayer::Replayer(const std::filesystem::path& file, const PluginFolders& plugins, const Adjust& adjust)
+    : file_(file),
+      files_(file_.take_files()),
+      kept_(make_world(file_.header(), files_, plugins, adjust)),
+      world_(*kept_) {
+  result_.header = file_.header();
+}
+
+bool Replayer::run(std::uint64_t ticks) {
+  const config::FilesGiven given(files_);
+  const auto until = result_.ticks + std::min(ticks, UINT64_MAX - result_.ticks);
+  while (!over_ && result_.ticks < until) {
+    const auto item = file_.next();
+    if (std::holds_alternative<RecordingFile::End>(item)) {
+      over_ = true;
+      result_.damage = file_.damage();
+    } else {
+      take(item);
+    }
+  }
+  return !over_;
+}
+
+void Replayer::take(const RecordingFile::Item& item) {
+  if (const auto* input = std::get_if<const TimedInput*>(&item)) take(**input);
+  if (const auto* sample = std::get_if<const protocol::PartSample*>(&item))
+    samples_[(*sample)->part] = **sample;
+  if (const auto* tick = std::get_if<const Tick*>(&item)) compare(**tick);
+  if (const auto* state = std::get_if<const State*>(&item)) take(**state);
+}
+
+void Replayer::take(const TimedInput& input) {
+  begun_ = true;
+  if (input.tick != world_.tick_count() || input.era != world_.era())
+    return differ("an input that was taken at tick " + std::to_string(input.tick) + " of era " +
+                  std::to_string(input.era));
+  if (const auto reason = cycle::apply(world_, input.input); !reason.empty())
+    return differ("an input is refused that was taken: " + reason);
+  ++result_.inputs;
+}
+
+// A recording that begins with one begins there; later ones are compared, as ticks are.
+void Replayer::take(const State& state) {
+  if (begun_) {
+    if (world::hash_bytes(state.state) != world_.state_hash()) differ("the whole state is another one");
+    return;
+  }
+  begun_ = true;
+  if (const auto reason = world_.restore(state); !reason.empty())
+    differ("the state that it begins with cannot be restored: " + reason);
+}
+
+void Replayer::compare(const Tick& tick) {
+  begun_ = true;
+  if (world_.frozen()) return differ("the recorded world went on after it froze");
+  world_.tick();
+  result_.last_hash = world_.state_hash();
+  result_.difference.recorded_hash = tick.state_hash;
+  if (tick.tick != world_.tick_count() || tick.era != world_.era())
+    return differ("the recorded tick is number " + std::to_string(tick.tick) + " of era " +
+                  std::to_string(tick.era));
+  if (tick.fault != world_.fault())
+    return differ("the recorded world says '" + std::string(tick.fault) + "', this one '" + world_.fault() +
+                  "'");
+  if (tick.state_hash == kNoHash) {
+    compare_ports();
+    if (!result_.difference.ports.empty()) return differ("ports are others");
+  } else if (tick.state_hash != result_.last_hash) {
+    compare_ports();
+    return differ("the state is another one");
+  }
+  ++result_.ticks;
+}
+
+void Replayer::differ(const std::string& what) {
+  over_ = true;
+  result_.equal = false;
+  auto& difference = result_.difference;
+  difference.tick = world_.tick_count();
+  difference.era = world_.era();
+  difference.sim_time_ns = world_.sim_time_ns();
+  difference.replayed_hash = world_.state_hash();
+  difference.what = what;
+}
+
+void Replayer::compare_ports() {
+  for (const auto& bound : std::as_const(world_).parts()) {
+    const auto& description = bound.part->description();
+    const auto sample = samples_.find(description.name);
+    if (sample == samples_.end() || sample->second.tick != world_.tick_count()) continue;
+    compare_ports(description.name, description.controller_inputs, sample->second.controller_inputs,
+                  bound.controller_inputs);
+    compare_ports(description.name, description.sensor_outputs, sample->second.sensor_outputs,
+                  bound.sensor_outputs);
+  }
+}
+
+void Replayer::compare_ports(const std::string& part, const std::vector<protocol::Port>& ports,
+                             const std::vector<double>& recorded, const std::vector<double>& replayed) {
+  auto& list = result_.difference.ports;
+  for (std::size_t i = 0; i < ports.size() && i < recorded.size() && i < replayed.size(); ++i)
+    if (!same_bits(recorded[i], replayed[i]) && list.size() < Difference::kMaxPorts)
+      list.push_back({part, ports[i].name, recorded[i], replayed[i]});
+}
+
+}  // namespace visum::recording

@@ -1,0 +1,54 @@
+// A recording gone through again, some ticks at a time: the inputs between the same ticks, the hash compared
+// after each. Any one thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "server/recording/recording_file.h"
+#include "server/recording/replay.h"
+
+namespace visum::recording {
+
+// What may be changed of the scene that does not belong to the world: its clock.
+using Adjust = std::function<void(scene::Scene&)>;
+
+// A fresh world as the header says, made of `files` alone.
+std::unique_ptr<cycle::Simulation> make_world(const Header& header, const config::Files& files,
+                                              const PluginFolders& plugins, const Adjust& adjust);
+
+class Replayer {
+ public:
+  // Throws what replay() throws.
+  Replayer(const std::filesystem::path& file, const PluginFolders& plugins, const Adjust& adjust = {});
+
+  // Goes on for so many ticks at most; false: it is over, at the file's end or where it differs.
+  bool run(std::uint64_t ticks);
+  const Replay& result() const { return result_; }
+  std::unique_ptr<cycle::Simulation> take_world() { return std::move(kept_); }
+
+ private:
+  void take(const RecordingFile::Item& item);
+  void take(const TimedInput& input);
+  void take(const State& state);
+  void compare(const Tick& tick);
+  void differ(const std::string& what);
+  void compare_ports();
+  void compare_ports(const std::string& part, const std::vector<protocol::Port>& ports,
+                     const std::vector<double>& recorded, const std::vector<double>& replayed);
+
+  RecordingFile file_;
+  const config::Files files_;  // the world is made of these, not of what lies on the disk today
+  std::unique_ptr<cycle::Simulation> kept_;
+  cycle::Simulation& world_;
+  std::map<std::string, protocol::PartSample> samples_;
+  Replay result_;
+  bool begun_ = false;  // something was taken
+  bool over_ = false;
+};
+
+}  // namespace visum::recording

@@ -1,0 +1,158 @@
+// A recording on the page's side of the daemon: what its clients see, how they move in it, what they may not
+// do.
+#include "server/gateway/playback.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "server/recording/recorder.h"
+#include "tests/gateway/running_daemon.h"
+#include "tests/support/temp_files.h"
+
+namespace visum::gateway {
+namespace {
+
+using protocol::ErrorCode;
+
+class PlaybackTest : public testing::Test {
+ protected:
+  PlaybackTest() {
+    record();
+    playback_ = std::make_unique<Playback>(file(), recording::PluginFolders{});
+    DaemonOptions options;
+    options.port = 0;
+    options.playback = playback_.get();
+    daemon_ = std::make_unique<Daemon>(playback_->world(), options);
+    thread_ = std::thread([this] { daemon_->run(); });
+    client_.emplace("127.0.0.1", daemon_->port(),
+                    protocol::Hello{1, 1, "viewer", protocol::Role::kAdmin, {}});
+  }
+  ~PlaybackTest() override {
+    daemon_->stop();
+    thread_.join();
+  }
+
+  std::filesystem::path file() const { return files_.folder() / "run.mcap"; }
+  protocol::Connection& client() { return *client_; }
+  void seek(std::int64_t position) {
+    client().request_as<protocol::Ok>(protocol::SetParameter{"recording", "Position", position});
+  }
+  protocol::ServerStatus status() { return client().request_as<protocol::ServerStatus>(protocol::Status{}); }
+  std::string report() {
+    const auto board =
+        client().request_as<protocol::BlackboardData>(protocol::ReadBlackboard{"recording", "Report", 0, 0});
+    return {reinterpret_cast<const char*>(board.data.data()), board.data.size()};
+  }
+  // Asks until the status is as it should be; time is the recording's, so that this comes or hangs.
+  template <typename Condition>
+  protocol::ServerStatus status_once(const Condition& condition) {
+    auto now = status();
+    while (!condition(now)) now = status();
+    return now;
+  }
+
+  std::vector<std::uint64_t> hashes_;  // by position
+  std::vector<std::vector<double>> angles_;
+
+ private:
+  void record() {
+    config::FilesNoted noted;
+    auto scene = scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/two_link.yaml");
+    cycle::Simulation world(std::move(scene));
+    recording::Recorder recorder(world, {std::move(noted.files), ""}, file());
+    note(world);
+    world.write_inputs(0, 0, std::vector{0.7, -0.3});
+    for (int i = 0; i < 1500; ++i) {
+      if (i == 1200) world.reset();
+      world.tick();
+      note(world);
+    }
+  }
+  void note(const cycle::Simulation& world) {
+    hashes_.push_back(world.state_hash());
+    angles_.push_back(world.parts()[0].sensor_outputs);
+  }
+
+  test::TempFiles files_;
+  std::unique_ptr<Playback> playback_;
+  std::unique_ptr<Daemon> daemon_;
+  std::thread thread_;
+  std::optional<protocol::Connection> client_;
+};
+
+TEST_F(PlaybackTest, StandsAtItsBeginningUntilItIsPlayed) {
+  const auto now = status();
+  EXPECT_TRUE(now.paused);
+  EXPECT_EQ(now.tick, 0);
+  EXPECT_EQ(now.state_hash, hashes_[0]);
+}
+
+TEST_F(PlaybackTest, JumpsToAnyTickAndShowsItsPorts) {
+  auto era = status().era;
+  for (const std::int64_t position : {700, 1100, 20, 1500, 1199}) {
+    SCOPED_TRACE(position);
+    seek(position);
+    const auto now = status();
+    const auto at = static_cast<std::size_t>(position);
+    EXPECT_EQ(now.tick, position > 1200 ? position - 1200 : position);
+    EXPECT_EQ(now.state_hash, hashes_[at]);
+    EXPECT_GT(now.era, era) << "for a client, the clock goes back only in a new era";
+    era = now.era;
+    const auto sample = client().request_as<protocol::PartSample>(protocol::Read{"robot"});
+    EXPECT_EQ(sample.sensor_outputs, angles_[at]);
+    const auto steering = client().request_as<protocol::PartSample>(protocol::Read{"recording"});
+    EXPECT_EQ(steering.sensor_outputs, std::vector{static_cast<double>(position)});
+  }
+}
+
+TEST_F(PlaybackTest, PlaysAtAnySpeedAndStandsAtItsEnd) {
+  client().request_as<protocol::Ok>(protocol::SetSpeed{100.0});
+  client().request_as<protocol::Ok>(protocol::Resume{});
+  const auto end = status_once([](const auto& now) { return now.paused && now.tick == 300; });
+  EXPECT_EQ(end.state_hash, hashes_[1500]);
+  seek(10);
+  EXPECT_EQ(status().tick, 10);
+  client().request_as<protocol::Advanced>(protocol::Step{5});
+  EXPECT_EQ(status().state_hash, hashes_[15]);
+}
+
+TEST_F(PlaybackTest, ComparesAllOfItWhileItStands) {
+  auto found = report();
+  while (found.find("\"compared\":1500") == std::string::npos) found = report();
+  EXPECT_NE(found.find("\"equal\":true"), std::string::npos) << found;
+  EXPECT_NE(found.find("\"ticks\":1500"), std::string::npos) << found;
+}
+
+TEST_F(PlaybackTest, NothingInItCanBeChanged) {
+  const std::vector<protocol::Request> changes{
+      protocol::AcquireLease{"robot", 0, false},
+      protocol::Write{"robot", 0, {0.1}, 0},
+      protocol::SetParameter{"robot", "Emergency Stop", true},
+      protocol::Reset{},
+      protocol::TakeSnapshot{},
+      protocol::RestoreSnapshot{1},
+      protocol::PushBody{"robot/fore", {1, 0, 0}, {}, {}, 1'000'000},
+      protocol::AddBody{"{name: a, mass: 1}"},
+      protocol::RemoveBody{"floor"},
+      protocol::InjectFault{"robot", "part_silent", {}, 0},
+      protocol::Join{},
+      protocol::Advance{1}};
+  seek(500);
+  for (const auto& change : changes) {
+    const auto refusal = refusal_of([&] { client().request(change); });
+    EXPECT_EQ(refusal.code(), ErrorCode::kWrongState);
+    EXPECT_NE(std::string(refusal.what()).find("this is a recording"), std::string::npos) << refusal.what();
+  }
+  EXPECT_EQ(status().state_hash, hashes_[500]);
+}
+
+TEST_F(PlaybackTest, APositionThatIsNotInItIsRefused) {
+  for (const std::int64_t position : {std::int64_t{-1}, std::int64_t{1501}, INT64_MAX})
+    EXPECT_EQ(refusal_of([&] { seek(position); }).code(), ErrorCode::kBadValue);
+  const protocol::SetParameter text{"recording", "Position", std::string("5")};
+  EXPECT_EQ(refusal_of([&] { client().request(text); }).code(), ErrorCode::kBadValue);
+}
+
+}  // namespace
+}  // namespace visum::gateway

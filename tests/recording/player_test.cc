@@ -1,0 +1,190 @@
+// A recording to look at: any tick of it, with the bits that it had, by the states in the file and without
+// them.
+#include "server/recording/player.h"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+
+#include "server/recording/replay.h"
+#include "tests/recording/forge.h"
+#include "tests/recording/recorded_world.h"
+
+namespace visum::recording {
+namespace {
+
+constexpr const char* kBall =
+    "{name: ball, mass: 0.5, pose: {xyz: [0.6, 0.5, 1.0]}, shapes: [{sphere: 0.05}]}";
+
+// What a world was after each of its ticks.
+struct Moment {
+  std::int64_t tick;
+  std::uint64_t era, hash;
+  std::vector<double> outputs;
+};
+
+class Life {
+ public:
+  explicit Life(const std::string& scene = "two_link.yaml", const std::string& engine = {})
+      : world_(scene, engine) {
+    note();
+  }
+  RecordedWorld& world() { return world_; }
+  void run(int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      world_.run(1);
+      note();
+    }
+  }
+  std::filesystem::path finish() { return world_.finish(); }
+  std::vector<Moment> moments;  // by position
+
+ private:
+  void note() {
+    moments.push_back({world_->tick_count(), world_->era(), world_->state_hash(),
+                       std::as_const(*world_).parts()[0].sensor_outputs});
+  }
+  RecordedWorld world_;
+};
+
+// Over two seconds, with all that makes going back hard: bodies that come and go, a snapshot that is restored
+// in another second than it was taken, a reset.
+void live(Life& life) {
+  auto& world = life.world();
+  world->write_inputs(0, 0, std::vector{0.7, -0.3});
+  life.run(700);
+  world->add_body(kBall);
+  life.run(200);
+  const auto snapshot = world->take_snapshot();
+  world->push(
+      {{world->model().find_body("ball"), {1.0, 0.5, 0.0}, {0.0, 0.0, 0.1}}, world->tick_count() + 150});
+  life.run(400);
+  ASSERT_TRUE(world->restore_snapshot(snapshot));
+  world->write_inputs(0, 1, std::vector{0.9});
+  life.run(800);
+  ASSERT_EQ(world->remove_body("ball"), "");
+  life.run(100);
+  world->reset();
+  life.run(300);
+}
+
+constexpr std::uint64_t kSomewhere[] = {2500, 0,   1300, 1000, 999,  1001, 2000,
+                                        699,  701, 1301, 2499, 2201, 1,    2100};
+
+void expect_moment(const Player& player, const Moment& moment) {
+  EXPECT_EQ(player.world().tick_count(), moment.tick);
+  EXPECT_EQ(player.world().era(), moment.era);
+  EXPECT_EQ(player.world().state_hash(), moment.hash);
+}
+
+class PlayerOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(PlayerOf, GoesToAnyTickWithTheBitsThatItHad) {
+  Life life("two_link.yaml", GetParam());
+  live(life);
+  Player player(life.finish(), {});
+  ASSERT_EQ(player.ticks(), 2500u);
+  EXPECT_EQ(player.damage(), "");
+  for (const auto position : kSomewhere) {
+    SCOPED_TRACE(position);
+    player.seek(position);
+    EXPECT_EQ(player.position(), position);
+    expect_moment(player, life.moments[position]);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Engines, PlayerOf, testing::Values("impulse", "ode"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST(Player, GoesOnToTheEndAndNoFurther) {
+  Life life;
+  life.run(1100);
+  Player player(life.finish(), {});
+  player.seek(1090);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(player.advance());
+  EXPECT_FALSE(player.advance());
+  EXPECT_EQ(player.position(), 1100u);
+  expect_moment(player, life.moments[1100]);
+  player.seek(99'999);
+  EXPECT_EQ(player.position(), 1100u);
+}
+
+TEST(Player, GoesThroughAFileWithoutStatesFromItsBeginning) {
+  Life life;
+  live(life);
+  const auto file = life.world().files().folder() / "old.mcap";
+  forge(
+      life.finish(), file, "", 0, [](auto&) {}, [](std::string_view topic) { return topic != kStateTopic; });
+  Player player(file, {});
+  for (const std::uint64_t position : {1300u, 701u, 2500u, 0u}) {
+    player.seek(position);
+    expect_moment(player, life.moments[position]);
+  }
+}
+
+TEST(Player, ShowsPortsAsTheyWereRecordedWhereTheWorldGoesAnotherWay) {
+  Life life;
+  life.world()->write_inputs(0, 0, std::vector{0.7, -0.3});
+  life.run(1200);
+  const auto forged = life.world().files().folder() / "forged.mcap";
+  InputMessage message;  // what was asked for is another value than what the file says was done with it
+  const auto other = [&](std::vector<std::byte>& bytes) {
+    message.decode(bytes);
+    bytes.clear();
+    encode(TimedInput{0, 1, WriteInputs{"robot", 0, std::vector{0.1, 0.1}}}, bytes);
+  };
+  forge(life.finish(), forged, kInputTopic, 0, other);
+  Player player(forged, {});
+  player.seek(500);
+  EXPECT_NE(player.world().state_hash(), life.moments[500].hash);
+  ASSERT_NE(player.sample("robot"), nullptr);
+  EXPECT_EQ(player.sample("robot")->sensor_outputs, life.moments[500].outputs);
+  player.seek(1100);
+  EXPECT_EQ(player.world().state_hash(), life.moments[1100].hash) << "the state in the file has put it right";
+  EXPECT_FALSE(replay(forged).equal);
+}
+
+// A state is believed no more than an input: it is restored whole, or not at all.
+TEST(Player, AStateThatIsNoneIsPassedOver) {
+  Life life;
+  life.run(1200);
+  const auto recorded = life.finish();
+  State state;
+  const auto spoilt = [&](const std::function<void(State&)>& spoil) {
+    return [&, spoil](std::vector<std::byte>& bytes) {
+      ASSERT_TRUE(decode(bytes, state));
+      spoil(state);
+      bytes.clear();
+      encode(state, bytes);
+    };
+  };
+  const std::vector<std::function<void(State&)>> ways{
+      [](State& s) { s.state.resize(s.state.size() / 2); },
+      [](State& s) { s.state.clear(); },
+      [](State& s) { std::fill_n(s.state.begin() + 8, 8, std::byte{0xff}); },    // the number of bodies
+      [](State& s) { std::fill_n(s.state.begin() + 16, 64, std::byte{0xff}); },  // where they are
+      [](State& s) {
+        s.snapshots.push_back({1, {std::byte{1}}});
+      },
+      [](State& s) {
+        s.edits.push_back({false, "nobody"});
+      },
+      [](State& s) {
+        s.edits.push_back({true, "{name: ["});
+      },
+  };
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    SCOPED_TRACE(i);
+    const auto file = life.world().files().folder() / "spoilt.mcap";
+    forge(recorded, file, kStateTopic, 0, spoilt(ways[i]));
+    Player player(file, {});
+    player.seek(1150);
+    EXPECT_EQ(player.position(), 1150u);
+    EXPECT_FALSE(player.world().frozen());
+    player.seek(10);
+    expect_moment(player, life.moments[10]);
+  }
+}
+
+}  // namespace
+}  // namespace visum::recording
