@@ -18,7 +18,11 @@ Scribe::Overflow overflow_of(scene::ClockKind clock) {
 Recorder::Recorder(cycle::Simulation& simulation, const Origin& origin, const std::filesystem::path& file)
     : simulation_(simulation),
       scribe_(std::make_unique<Scribe>(file, overflow_of(simulation.scene().clock))) {
-  channels_ = write_beginning(scribe_->writer(), simulation_, origin);
+  try {
+    channels_ = write_beginning(scribe_->writer(), simulation_, origin);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error("the recording '" + file.string() + "' cannot be written: " + error.what());
+  }
   scribe_->start();
   simulation_.set_witness(this);
 }

@@ -18,6 +18,7 @@ from __future__ import annotations
 import argparse
 import multiprocessing
 import os
+import resource
 import selectors
 import signal
 import socket
@@ -34,6 +35,7 @@ from programs import SOURCE, Daemon, NotHere, await_that, expect, processes
 STOPPED_KIB = 256  # of memory for each reader that stands still
 FLOOD_MIB = 64  # of memory for all of a flood
 MOST_IDLE = 8000
+SPARE_DESCRIPTORS = 100
 MOST_SESSIONS = 512  # of the protocol (protocol/limits.h)
 GROUPS = 4
 
@@ -161,6 +163,7 @@ def open_and_stay(port: int, most: int, count: "multiprocessing.Value[int]") -> 
 def flood(options: argparse.Namespace, _: Path) -> str:
     import visum
 
+    silent = min(MOST_IDLE, resource.getrlimit(resource.RLIMIT_NOFILE)[0] - SPARE_DESCRIPTORS)
     with Daemon(options.bin, "--clock", "realtime", "--run") as daemon:
         counts = [multiprocessing.Value("q") for _ in range(3)]
         with visum.Client(daemon.address, name="good") as good:
@@ -170,8 +173,8 @@ def flood(options: argparse.Namespace, _: Path) -> str:
             good.join()
             steps, most = 0, 0
             with ExitStack() as floods:
-                floods.enter_context(processes((open_and_stay, (daemon.port, MOST_IDLE, counts[2]))))
-                await_that(lambda: counts[2].value == MOST_IDLE, "all are open")
+                floods.enter_context(processes((open_and_stay, (daemon.port, silent, counts[2]))))
+                await_that(lambda: counts[2].value == silent, "all are open")
                 began = time.monotonic()
                 while time.monotonic() < began + options.seconds:
                     # Half of the time the silent ones are alone: a flood would push them out of the kernel's queue.
@@ -208,6 +211,8 @@ def main() -> int:
     parser.add_argument("trial", nargs="+", help=", ".join(TRIALS))
     options = parser.parse_args()
     programs.use_client_of(options.bin)
+    most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(most, MOST_IDLE + SPARE_DESCRIPTORS), most))
     return programs.run_all(TRIALS, options.trial, options)
 
 

@@ -59,12 +59,16 @@ def answer_of(controller: Callable[..., None], *words: object, token: Path | Non
     process.start()
     assert process.pid
     started(process.pid)
-    while True:
-        ended = process.exitcode is not None
-        try:
-            return answers.get(timeout=1.0)
-        except queue.Empty:
-            expect(not ended, f"the controller ended with {process.exitcode}")
+    try:
+        while True:
+            ended = process.exitcode is not None
+            try:
+                return answers.get(timeout=1.0)
+            except queue.Empty:
+                expect(not ended, f"the controller ended with {process.exitcode}")
+    finally:
+        process.kill()  # it may have been stopped once more
+        process.join()
 
 
 def run(options: argparse.Namespace, scene: str, engine: str, burden: str, seed: int) -> Answer:

@@ -16,7 +16,6 @@ import os
 import resource
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -159,7 +158,10 @@ def disk(options: argparse.Namespace, folder: Path) -> str:
     done = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={DISK_MIB}m", "tmpfs", small], capture_output=True, text=True)
     if done.returncode != 0:
         raise NotHere(f"no mount: {done.stderr.strip()}")
-    return fill(options, folder, small / "run.mcap", (), f"{DISK_MIB} MiB of disk")
+    try:
+        return fill(options, folder, small / "run.mcap", (), f"{DISK_MIB} MiB of disk")
+    finally:
+        subprocess.run(["umount", small], check=True)
 
 
 def file_size(options: argparse.Namespace, folder: Path) -> str:

@@ -1,5 +1,5 @@
 // Runs storms over the session layer, seed after seed, and tells the first that breaks a promise, with the
-// command line that runs it alone.
+// command line that runs it alone. In each fourth the servers record on a disk that fills.
 //   session_storm [--seed N] [--seeds COUNT] [--seconds S] [--duration-ms D]
 #include <spdlog/spdlog.h>
 
@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "tests/gateway/storm/full_disk.h"
 #include "tests/gateway/storm/storm.h"
 
 int main(int argc, char** argv) {
@@ -22,13 +23,15 @@ int main(int argc, char** argv) {
   app.add_option("--duration-ms", duration_ms, "of each storm, simulated");
   CLI11_PARSE(app, argc, argv);
   spdlog::set_level(spdlog::level::off);
+  const visum::storm::FullDisk disk;
   const auto began = Clock::now();
   const auto passed = [&] { return std::chrono::duration<double>(Clock::now() - began).count(); };
   visum::storm::Oracle::Counts sum;
   std::uint64_t done = 0, servers = 0;
   std::int64_t ticks = 0;
   for (; done < seeds && (done == 0 || passed() < seconds); ++done, ++seed) {
-    const auto outcome = visum::storm::run_storm(seed, duration_ms);
+    const bool records = seed % 4 == 0;
+    const auto outcome = visum::storm::run_storm(seed, duration_ms, records ? disk.file() : "");
     if (!outcome.broken.empty()) {
       std::printf("seed %llu: %s\n  %s --seed %llu --seeds 1 --duration-ms %lld\n", (unsigned long long)seed,
                   outcome.broken.c_str(), argv[0], (unsigned long long)seed, (long long)duration_ms);

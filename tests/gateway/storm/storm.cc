@@ -1,6 +1,7 @@
 #include "tests/gateway/storm/storm.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -9,6 +10,7 @@
 
 #include "server/gateway/gateway.h"
 #include "server/gateway/tick_side.h"
+#include "server/recording/recorder.h"
 #include "server/scene/scene.h"
 #include "tests/gateway/storm/client.h"
 #include "tests/gateway/storm/wired_session.h"
@@ -32,10 +34,21 @@ scene::Scene scene_with(ClockKind clock) {
   return scene;
 }
 
+struct Witnesses final : cycle::Witness {
+  Witnesses(cycle::Witness* first, cycle::Witness* second) : all{first, second} {}
+  void took(const recording::TimedInput& input) override {
+    for (auto* one : all) one->took(input);
+  }
+  void ticked() override {
+    for (auto* one : all) one->ticked();
+  }
+  std::array<cycle::Witness*, 2> all;
+};
+
 // One daemon, from its start to its end or crash.
 class Server {
  public:
-  Server(Dice& dice, ClockKind clock, std::int64_t now_ms)
+  Server(Dice& dice, ClockKind clock, std::int64_t now_ms, const std::filesystem::path& record)
       : dice_(dice),
         simulation_(scene_with(clock)),
         threaded_(clock == ClockKind::kRealtime),
@@ -46,6 +59,11 @@ class Server {
         oracle_(gateway_, simulation_),
         born_ms_(now_ms) {
     gateway_.use_clock([this] { return gateway::Member::Clock::time_point(context_.now); });
+    if (!record.empty()) {
+      recorder_.emplace(simulation_, recording::Origin{}, record);
+      both_.emplace(&oracle_, &*recorder_);
+      simulation_.set_witness(&*both_);
+    }
     publish();
   }
 
@@ -145,6 +163,8 @@ class Server {
 
   Dice& dice_;
   cycle::Simulation simulation_;
+  std::optional<recording::Recorder> recorder_;
+  std::optional<Witnesses> both_;  // the oracle and the recorder
   const bool threaded_;
   gateway::Mailbox mailbox_;
   gateway::TickSide tick_side_;
@@ -169,7 +189,7 @@ void add(Oracle::Counts& sum, const Oracle::Counts& more) {
 
 }  // namespace
 
-Outcome run_storm(std::uint64_t seed, std::int64_t duration_ms) {
+Outcome run_storm(std::uint64_t seed, std::int64_t duration_ms, const std::filesystem::path& record) {
   Dice dice(seed);
   Outcome outcome;
   const auto clock = static_cast<ClockKind>(dice.below(scene::kClockNames.size()));
@@ -184,7 +204,7 @@ Outcome run_storm(std::uint64_t seed, std::int64_t duration_ms) {
     add(outcome.counts, oracle.counts());
   };
   const auto start = [&](std::int64_t now_ms) {
-    server.emplace(dice, clock, now_ms);
+    server.emplace(dice, clock, now_ms, record);
     ++outcome.servers;
   };
   start(0);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
 #include "tests/gateway/storm/oracle.h"
@@ -18,6 +19,7 @@ struct Outcome {
   Oracle::Counts counts;
 };
 
-Outcome run_storm(std::uint64_t seed, std::int64_t duration_ms);
+// `record`: each server writes what happens into this file; empty: it does not.
+Outcome run_storm(std::uint64_t seed, std::int64_t duration_ms, const std::filesystem::path& record = {});
 
 }  // namespace visum::storm

@@ -1,6 +1,7 @@
 // A few storms, each twice; session_storm runs more of them, and single ones.
 #include <gtest/gtest.h>
 
+#include "tests/gateway/storm/full_disk.h"
 #include "tests/gateway/storm/storm.h"
 
 namespace visum::storm {
@@ -31,6 +32,17 @@ TEST(Storm, IsOneWithWritesLossesAndRefusals) {
   EXPECT_GT(all.counts.taken, 100u);
   EXPECT_GT(all.counts.losses, 20u);
   EXPECT_GT(all.counts.refused, 100u);
+}
+
+TEST(Storm, ADiskThatFillsIsNoConcernOfTheSessions) {
+  const FullDisk disk;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const auto without = run_storm(seed, 3000);
+    const auto full = run_storm(seed, 3000, disk.file());
+    EXPECT_TRUE(disk.is_full()) << "seed " << seed;
+    EXPECT_EQ(full.broken, "") << "seed " << seed;
+    EXPECT_EQ(full.digest, without.digest) << "seed " << seed;
+  }
 }
 
 }  // namespace
