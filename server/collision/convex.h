@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -13,10 +14,18 @@ namespace visum::collision {
 
 inline constexpr std::size_t kMaxPolygon = 64;
 
-// A few points without allocation.
+// A few points without allocation. A copy is of those that there are.
 struct Polygon {
   std::array<Eigen::Vector3d, kMaxPolygon> points;
   std::size_t count = 0;
+
+  Polygon() = default;
+  Polygon(const Polygon& other) { *this = other; }
+  Polygon& operator=(const Polygon& other) {
+    count = other.count;
+    std::copy_n(other.points.begin(), count, points.begin());
+    return *this;
+  }
 
   void add(const Eigen::Vector3d& point) {
     if (count < kMaxPolygon) points[count++] = point;

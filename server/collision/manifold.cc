@@ -11,6 +11,9 @@ namespace visum::collision {
 namespace {
 
 constexpr double kAlignedCosine = 1.0 - 1e-9;  // the direction is the face's own normal, up to rounding
+// What stands over a face's edge by so much counts as over the face. Where two edges lie on each other, as in
+// a pile of equal boxes, their crossing would be anywhere along them, and somewhere else in each tick.
+constexpr double kEdgeSlackM = 1e-6;
 constexpr double kSamePointSquaredM = 1e-14;
 
 Feature placed(const Placed& side, Feature feature) {
@@ -23,12 +26,13 @@ Feature placed(const Placed& side, Feature feature) {
 // The part of a polygon (or segment, or point) on the inner side of a plane. Sutherland-Hodgman.
 void clip(const Polygon& in, const Eigen::Vector3d& outward, const Eigen::Vector3d& on_plane, Polygon& out) {
   out.count = 0;
+  const double limit = outward.dot(on_plane) + kEdgeSlackM;
   const std::size_t edges = in.count > 2 ? in.count : in.count - (in.count > 1 ? 1 : 0);
-  if (in.count <= 2 && in.count > 0 && outward.dot(in.points[0] - on_plane) <= 0.0) out.add(in.points[0]);
+  if (in.count <= 2 && in.count > 0 && outward.dot(in.points[0]) <= limit) out.add(in.points[0]);
   for (std::size_t i = 0; in.count > 1 && i < edges; ++i) {
     const Eigen::Vector3d& from = in.points[i];
     const Eigen::Vector3d& to = in.points[(i + 1) % in.count];
-    const double d_from = outward.dot(from - on_plane), d_to = outward.dot(to - on_plane);
+    const double d_from = outward.dot(from) - limit, d_to = outward.dot(to) - limit;
     if ((d_from > 0.0) != (d_to > 0.0)) out.add(from + (to - from) * (d_from / (d_from - d_to)));
     if (d_to <= 0.0) out.add(to);
   }
@@ -36,16 +40,18 @@ void clip(const Polygon& in, const Eigen::Vector3d& outward, const Eigen::Vector
 
 // The part of the incident feature that stands over the reference face.
 Polygon clip_to_face(const Polygon& incident, const Feature& reference) {
-  Polygon result = incident, next;
+  Polygon both[2] = {incident, {}};
+  std::size_t now = 0;
   const Polygon& face = reference.polygon;
-  for (std::size_t i = 0; i < face.count && result.count > 0; ++i) {
+  for (std::size_t i = 0; i < face.count && both[now].count > 0; ++i) {
     const Eigen::Vector3d& from = face.points[i];
     const Eigen::Vector3d side = (face.points[(i + 1) % face.count] - from).cross(reference.normal);
-    if (side.squaredNorm() == 0.0) continue;
-    clip(result, side, from, next);
-    std::swap(result, next);
+    const double length = side.norm();
+    if (length == 0.0) continue;
+    clip(both[now], side / length, from, both[1 - now]);
+    now = 1 - now;
   }
-  return result;
+  return both[now];
 }
 
 // Points of the incident feature below the reference face. `toward` is the reference face's outward normal.

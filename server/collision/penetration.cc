@@ -2,17 +2,15 @@
 
 #include <limits>
 
+#include "server/collision/boxes.h"
 #include "server/collision/gjk.h"
 
 namespace visum::collision {
 namespace {
 
 constexpr std::size_t kMaxSatDirections = 12;  // of faces, and of edges: 24 + 144 axes at most
-// A face is preferred to a pair of edges unless these are better by this much: a contact of faces does not
-// flicker.
 constexpr double kFaceBonus = 0.95;
 constexpr double kFaceSlackM = 1e-6;
-constexpr double kParallelSquared = 1e-8;  // of the sine of two edges that give no axis
 
 bool has_few_axes(const Convex& convex) {
   return convex.family == Family::kPolytope && convex.polytope.normals.size() <= kMaxSatDirections &&
@@ -48,7 +46,7 @@ Direction along_separating_axes(const Placed& a, const Placed& b) {
       if (axis.squaredNorm() > kParallelSquared && !edge.take(a, b, axis.normalized())) return {};
     }
   }
-  const Least& best = edge.depth < kFaceBonus * face.depth - kFaceSlackM ? edge : face;
+  const Least& best = is_better(edge.depth, face.depth) ? edge : face;
   return {false, best.normal_W, best.depth};
 }
 
@@ -86,11 +84,16 @@ Direction prefer_features(const Placed& a, const Placed& b, const Direction& fou
 
 }  // namespace
 
+bool is_better(double edge_depth, double face_depth) {
+  return edge_depth < kFaceBonus * face_depth - kFaceSlackM;
+}
+
 double overlap_along(const Placed& a, const Placed& b, const Eigen::Vector3d& direction_W) {
   return direction_W.dot(b.farthest(direction_W) - a.farthest(-direction_W));
 }
 
 Direction find_direction(const Placed& a, const Placed& b, GjkSolver& solver) {
+  if (is_box(*a.convex) && is_box(*b.convex)) return find_direction_of_boxes(a, b);
   if (has_few_axes(*a.convex) && has_few_axes(*b.convex)) return along_separating_axes(a, b);
   auto normal = solver.separating_direction(a, b);
   if (!normal) normal = along_frames(a, b);

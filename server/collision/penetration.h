@@ -37,6 +37,11 @@ struct Direction {
   double depth = 0.0;        // overlap_along(normal_W)
 };
 
+inline constexpr double kParallelSquared = 1e-8;  // of the sine of two edges that give no axis
+// Whether a pair of edges is preferred to a face: only if it is better by some margin, so that a contact of
+// faces does not flicker.
+bool is_better(double edge_depth, double face_depth);
+
 class GjkSolver;
 Direction find_direction(const Placed& a, const Placed& b, GjkSolver& solver);
 

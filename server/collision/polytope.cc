@@ -55,6 +55,7 @@ void index_polytope(Polytope& polytope) {
 
 Polytope make_box(const Eigen::Vector3d& lengths) {
   Polytope box;
+  box.box = 0.5 * lengths;
   for (int i = 0; i < 8; ++i)
     box.vertices.push_back(
         0.5 * lengths.cwiseProduct(Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1)));

@@ -22,6 +22,7 @@ struct Polytope {
   std::vector<Eigen::Vector3d> normals;              // directions of faces, distinct up to sign
   std::vector<Eigen::Vector3d> edges;                // directions of edges, distinct up to sign
   std::vector<std::vector<std::uint32_t>> faces_of;  // by vertex
+  Eigen::Vector3d box = Eigen::Vector3d::Zero();     // of a box about its frame: half its lengths
 
   std::span<const std::uint32_t> corners_of(const Face& face) const {
     return std::span(corners).subspan(face.first, face.count);

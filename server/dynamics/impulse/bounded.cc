@@ -229,13 +229,21 @@ void Bounded::aim() {
   }
 }
 
-double Bounded::solve() {
-  aim();
+// What the look-ahead has changed the end of the step has to answer: were that left, as little as it is, the
+// next look-ahead would have to change it back.
+double Bounded::solve_rows() {
   load_velocities();
   for (std::size_t k = 0; k < rows_.blocks.size(); ++k) before_[k] = rows_.blocks[k].applied;
-  const double missed = rows_.solve(kMostSweeps, kEnough, moment_ == kHit ? 0.0 : kShare);
+  const double share = moment_ == kHit ? 0.0 : kShare;
+  const double missed = rows_.solve(kMostSweeps, kEnough, share, moment_ != kAfter || rests_);
+  if (moment_ == kAhead) rests_ = rests_ && rows_.rests();
   store_velocities();
   return missed;
+}
+
+double Bounded::solve() {
+  aim();
+  return solve_rows();
 }
 
 void Bounded::restore_by_poisson() {
@@ -245,10 +253,7 @@ void Bounded::restore_by_poisson() {
     const Touch& touch = plant_.touches[owners_[k].index];
     block.low = (1.0 + touch.restitution) * block.lambda[0];
   }
-  load_velocities();
-  for (std::size_t k = 0; k < rows_.blocks.size(); ++k) before_[k] = rows_.blocks[k].applied;
-  rows_.solve(kMostSweeps, kEnough, moment_ == kHit ? 0.0 : kShare);
-  store_velocities();
+  solve_rows();
 }
 
 void Bounded::report() {

@@ -75,6 +75,7 @@ class Bounded {
   void aim_damping(RowBlock& block, const Axis& axis) const;
   void aim_stop(RowBlock& block, const Axis& axis, std::size_t side) const;
   void aim_spring(RowBlock& block, const Spring& spring) const;
+  double solve_rows();
   void load_velocities();
   void store_velocities();
   double velocity(std::size_t mechanism, const MechanismRow& row) const;
@@ -86,6 +87,7 @@ class Bounded {
   std::vector<std::size_t> slot_;  // by body that stands free: its offset in the velocities
   std::vector<std::size_t> slotted_;
   std::vector<std::array<double, 3>> before_;  // by block: lambda before solve()
+  bool rests_ = false;                         // the look-ahead had nothing to solve
   Moment moment_ = kAhead;
   double h_ = 0.0;
 };

@@ -30,6 +30,7 @@ void Bounded::reset(Moment moment, double h) {
 
 void Bounded::build(Moment moment, double h) {
   reset(moment, h);
+  if (moment == kAhead) rests_ = true;
   for (std::size_t i = 0; i < plant_.touches.size(); ++i) add_touch(i);
   for (std::size_t i = 0; i < plant_.axes.size(); ++i) add_axis(i);
   if (moment == kAhead)
@@ -164,6 +165,10 @@ void Bounded::connect_free(RowBlock& block, const Reach& reach) {
   if (slot_[body] == kNone) {
     slot_[body] = 6 * slotted_.size();
     slotted_.push_back(body);
+    FreeBody& free = rows_.bodies.emplace_back();
+    free.mass = plant_.bodies.constants[body].mass;
+    const Matrix3d& inertia = plant_.bodies.inertia[body];
+    std::copy(inertia.data(), inertia.data() + 9, free.inertia.begin());
   }
   RowEnd& end = block.ends[block.end_count++];
   end.offset = slot_[body];

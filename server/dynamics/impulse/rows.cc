@@ -28,6 +28,15 @@ double dot(const std::array<double, 6>& a, const double* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
 }
 
+double stiffness_of(const RowBlock& block) {
+  return block.K[0][0] + block.compliance + block.softness[0];
+}
+
+// Where nothing can move a contact, none of its impulses is defined.
+bool has_tangents(const RowBlock& block) {
+  return block.kind != RowBlock::Kind::kBounded && stiffness_of(block) > kRigid * block.free_response;
+}
+
 void move_centre(RowBlock& block) {
   block.centre = block.lambda;
   if (block.gives) block.centre[0] = block.rest;
@@ -39,6 +48,7 @@ void Rows::clear() {
   largest_ = 0.0;
   blocks.clear();
   velocities.clear();
+  bodies.clear();
   responses.clear();
 }
 
@@ -48,7 +58,7 @@ void Rows::prepare() {
     for (std::size_t e = 0; e < block.end_count; ++e) {
       const RowEnd& end = block.ends[e];
       for (std::size_t i = 0; i < block.dim; ++i)
-        for (std::size_t j = 0; j < block.dim; ++j)
+        for (std::size_t j = i; j < block.dim; ++j)
           block.K[i][j] += end.free ? dot(end.J[i], end.MJ[j].data())
                                     : responses[end.response + (end.first + i) * end.size + end.first + j];
     }
@@ -100,31 +110,21 @@ double Rows::error(const RowBlock& block, std::size_t row) const {
   return row == 0 ? error - block.compliance * block.lambda[0] : error;
 }
 
-double Rows::relax_bounded(RowBlock& block) {
-  const double stiffness = block.K[0][0] + block.compliance + block.softness[0];
-  if (!(stiffness > 0.0)) return 0.0;
-  const double next = std::clamp(block.lambda[0] + error(block, 0) / stiffness, block.low, block.high);
-  const double by = next - block.lambda[0];
-  change(block, {by, 0.0, 0.0});
-  return std::abs(by) * stiffness;
-}
-
-double Rows::relax_contact(RowBlock& block) {
-  const double stiffness = block.K[0][0] + block.compliance + block.softness[0];
+// The change that brings the row to its equation, or to its bound; none where nothing can move it.
+double Rows::normal_step(const RowBlock& block) const {
+  const double stiffness = stiffness_of(block);
   if (!(stiffness > kRigid * block.free_response)) return 0.0;
-  const double normal = std::max(block.low, block.lambda[0] + error(block, 0) / stiffness);
-  const double by = normal - block.lambda[0];
-  change(block, {by, 0.0, 0.0});
-  return std::max(std::abs(by) * stiffness, relax_tangents(block, std::max(0.0, normal + block.base[0])));
-}
-
-double Rows::relax_twist(RowBlock& block) {
-  const double stiffness = block.K[0][0] + block.softness[0];
-  if (!(stiffness > kRigid * block.free_response)) return 0.0;
-  const double most = block.torsion * pressure(block), start = block.lambda[0] + block.base[0];
-  const double by = std::clamp(start + error(block, 0) / stiffness, -most, most) - start;
-  change(block, {by, 0.0, 0.0});
-  return std::max(std::abs(by) * stiffness, relax_tangents(block, pressure(block)));
+  const double now = block.lambda[0], next = now + error(block, 0) / stiffness;
+  switch (block.kind) {
+    case RowBlock::Kind::kContact:
+      return std::max(block.low, next) - now;
+    case RowBlock::Kind::kTwist: {
+      const double most = block.torsion * pressure(block), start = now + block.base[0];
+      return std::clamp(next + block.base[0], -most, most) - start;
+    }
+    default:
+      return std::clamp(next, block.low, block.high) - now;
+  }
 }
 
 double Rows::pressure(const RowBlock& block) const {
@@ -132,29 +132,39 @@ double Rows::pressure(const RowBlock& block) const {
   return std::max(0.0, contact.lambda[0] + contact.base[0]);
 }
 
-double Rows::relax_tangents(RowBlock& block, double pressing) {
+Tangential Rows::tangents_step(const RowBlock& block) const {
   const double e1 = error(block, 1), e2 = error(block, 2);
   const Tangential start{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
-  const double radius = block.friction * pressing;
+  const double radius = block.friction * pressure(block);
   const auto& inverse = block.inverse_tangential;
   Tangential held{start[0] + inverse[0] * e1 + inverse[1] * e2, start[1] + inverse[1] * e1 + inverse[2] * e2};
   // Where it slides, friction is to lie along the sliding: a step of one size for both directions.
   if (!is_within_disc(held, radius))
     held = within_disc({start[0] + block.sliding_step * e1, start[1] + block.sliding_step * e2}, radius);
-  const double by1 = held[0] - start[0], by2 = held[1] - start[1];
-  change(block, {0.0, by1, by2});
-  return std::max(std::abs(by1) * block.K[1][1], std::abs(by2) * block.K[2][2]);
+  return {held[0] - start[0], held[1] - start[1]};
 }
 
+// Returns by how much the velocities were not as the block's rows ask.
 double Rows::relax(RowBlock& block) {
-  switch (block.kind) {
-    case RowBlock::Kind::kContact:
-      return relax_contact(block);
-    case RowBlock::Kind::kTwist:
-      return relax_twist(block);
-    default:
-      return relax_bounded(block);
+  const double by = normal_step(block);
+  change(block, {by, 0.0, 0.0});
+  const double normal = std::abs(by) * stiffness_of(block);
+  if (!has_tangents(block)) return normal;
+  const Tangential along = tangents_step(block);
+  change(block, {0.0, along[0], along[1]});
+  return std::max({normal, std::abs(along[0]) * block.K[1][1], std::abs(along[1]) * block.K[2][2]});
+}
+
+// As a sweep finds it, but that its blocks move nothing on the way.
+double Rows::largest_miss() const {
+  double largest = 0.0;
+  for (const RowBlock& block : blocks) {
+    largest = std::max(largest, std::abs(normal_step(block)) * stiffness_of(block));
+    if (!has_tangents(block)) continue;
+    const Tangential along = tangents_step(block);
+    largest = std::max({largest, std::abs(along[0]) * block.K[1][1], std::abs(along[1]) * block.K[2][2]});
   }
+  return largest;
 }
 
 double Rows::sweep(bool forwards) {
@@ -174,13 +184,24 @@ void Rows::start() {
   }
 }
 
-double Rows::solve(int most_sweeps, double least, double share) {
-  start();
-  for (RowBlock& block : blocks) move_centre(block);
-  const double first = sweep(true);
+double Rows::largest_change() const {
+  double largest = 0.0;
   for (const RowBlock& block : blocks)
     for (std::size_t i = 0; i < block.dim; ++i)
-      largest_ = std::max(largest_, block.K[i][i] * std::abs(block.lambda[i]));
+      largest = std::max(largest, block.K[i][i] * std::abs(block.lambda[i]));
+  return largest;
+}
+
+double Rows::solve(int most_sweeps, double least, double share, bool may_rest) {
+  start();
+  for (RowBlock& block : blocks) move_centre(block);
+  const double missed = largest_miss();
+  largest_ = std::max(largest_, largest_change());
+  // At rest the impulses that it starts from are the answer.
+  rests_ = may_rest && missed <= std::max(least, share * largest_);
+  if (rests_) return missed;
+  sweep(true);
+  largest_ = std::max(largest_, largest_change());
   const double enough = std::max(least, share * largest_);
   for (int point = 0; point < kMostPoints; ++point) {
     if (settle(enough) > enough) {
@@ -194,16 +215,17 @@ double Rows::solve(int most_sweeps, double least, double share) {
     if (left <= enough) break;
     for (RowBlock& block : blocks) move_centre(block);
   }
-  return first;
+  return missed;
 }
 
-// Returns the last sweep's largest change.
+// After a sweep, which has found out what is at its bounds. Returns how much is missing at the end.
 double Rows::settle(double enough) {
   double largest = 0.0;
   for (int round = 0; round < kMostRounds; ++round) {
+    const bool solved = solve_active(enough);
+    if (largest = largest_miss(); largest <= enough || !solved) return largest;
     for (const bool forwards : {true, false})
       if (largest = sweep(forwards); largest <= enough) return largest;
-    if (!solve_active(enough)) break;
   }
   return largest;
 }

@@ -7,9 +7,12 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
+#include "server/dynamics/impulse/body_factor.h"
 #include "server/dynamics/impulse/envelope_lu.h"
+#include "server/dynamics/impulse/friction_cone.h"
 
 namespace visum::dynamics::impulse {
 
@@ -19,13 +22,14 @@ inline constexpr double kRigid = 1e-9;
 
 // One end of a row's block. `sign`s are in J.
 struct RowEnd {
+  RowEnd() {}  // J and MJ are not set: most of what a block weighs
+
   std::size_t offset = 0;  // of the body's or mechanism's velocities
   bool free = true;
-  std::array<std::array<double, 6>, 3> J{},
-      MJ{};                         // free body: directions, and what an impulse along them does
-  std::size_t mechanism = 0;        // mechanism: its number
-  std::size_t first = 0, size = 0;  // mechanism: the first of its rows, and how many it has
-  std::size_t response = 0;         // of W in Rows::responses
+  std::array<std::array<double, 6>, 3> J, MJ;  // free body: directions, and what an impulse along them does
+  std::size_t mechanism = 0;                   // mechanism: its number
+  std::size_t first = 0, size = 0;             // mechanism: the first of its rows, and how many it has
+  std::size_t response = 0;                    // of W in Rows::responses
 };
 
 struct RowBlock {
@@ -52,7 +56,7 @@ struct RowBlock {
       0.0;  // contact: of its bodies, were they not jointed: what a response is measured by
 
   // Made by Rows::prepare().
-  std::array<std::array<double, 3>, 3> K{};    // response to itself
+  std::array<std::array<double, 3>, 3> K{};    // response to itself; the upper half
   std::array<double, 3> inverse_tangential{};  // of K's tangential part: 11, 12, 22
   double sliding_step = 0.0;                   // 1 over its larger eigenvalue
   std::array<double, 3> softness{};            // of the proximal point, rows.cc
@@ -66,12 +70,15 @@ class Rows {
 
   std::vector<RowBlock> blocks;
   std::vector<double> velocities;
+  std::vector<FreeBody> bodies;   // the free ones, in their order in the velocities
   std::vector<double> responses;  // W of each mechanism that has rows, one after the other
 
   void prepare();
   // Finds the impulses, but for `least`, m/s or rad/s, or the share of the largest change since clear();
   // velocities and `applied` follow. Returns by how much the rows were not as they ask to be before.
-  double solve(int most_sweeps, double least, double share);
+  // May rest: if that little is missing already, nothing is done.
+  double solve(int most_sweeps, double least, double share, bool may_rest);
+  bool rests() const { return rests_; }  // nothing was to be done in the last solve()
 
  private:
   // A row that is solved for; the normal of what slides carries its friction along.
@@ -85,12 +92,12 @@ class Rows {
   double settle(double enough);
   double error(const RowBlock& block, std::size_t row) const;
   double relax(RowBlock& block);
-  double relax_contact(RowBlock& block);
-  double relax_twist(RowBlock& block);
-  double relax_tangents(RowBlock& block, double pressing);
+  double normal_step(const RowBlock& block) const;
+  Tangential tangents_step(const RowBlock& block) const;
+  double largest_miss() const;
+  double largest_change() const;
   // The contact's normal impulse so far; of a twist that of its contact.
   double pressure(const RowBlock& block) const;
-  double relax_bounded(RowBlock& block);
   double velocity(const RowBlock& block, std::size_t row) const;
   void change(RowBlock& block, const std::array<double, 3>& by);
   void start();
@@ -103,6 +110,15 @@ class Rows {
   void add_twist(std::size_t index);
   void find_active();
   bool factor_active();
+  bool factor_rows();
+  bool factor_bodies();
+  bool bodies_alone() const;
+  std::span<const Row> rows_of_block(std::size_t i) const;
+  void add_to_bodies(std::span<const Row> rows);
+  BodyFactor::Vector6 push(const Row& row, const RowEnd& end) const;
+  double softness(const Row& row) const;
+  void solve_factored();
+  void solve_bodies();
   double find_missing();
   std::array<double, 3> within_bounds(const RowBlock& block, const std::array<double, 3>& lambda) const;
   bool step_active();
@@ -110,9 +126,13 @@ class Rows {
   static constexpr std::size_t kNoBlock = static_cast<std::size_t>(-1);
   std::vector<Row> active_;
   EnvelopeLu factor_;
+  BodyFactor body_factor_;
+  std::vector<double> body_steps_;
+  bool by_bodies_ = false;  // which of the two factors holds
   std::vector<double> missing_;
   std::vector<std::array<double, 3>> steps_;  // by block
-  double largest_ = 0.0;                      // change that a solution began with since clear()
+  bool rests_ = false;
+  double largest_ = 0.0;  // change that a solution began with since clear()
   std::vector<double> last_lambda_, last_velocities_, direction_lambda_, direction_velocities_;
 };
 

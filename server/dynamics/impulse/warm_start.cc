@@ -54,7 +54,9 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
   for (std::size_t i = 0; i < plant.touches.size(); ++i) {
     const Touch& touch = plant.touches[i];
     const collision::Contact& contact = contacts[touch.contact];
-    const Vector3d impulse = touch.asleep ? touch.kept_impulse : touch.frame * touch.impulse[kAhead];
+    const Vector3d impulse = touch.asleep
+                                 ? touch.kept_impulse
+                                 : touch.frame * (0.5 * (touch.impulse[kAhead] + touch.impulse[kAfter]));
     const Record record{contact.shape_a.value,
                         contact.shape_b.value,
                         contact.feature,

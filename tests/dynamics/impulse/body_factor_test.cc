@@ -1,0 +1,130 @@
+// Rows that hold free bodies, solved for the bodies: the impulses are those of the rows' own system.
+#include "server/dynamics/impulse/body_factor.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <random>
+
+namespace visum::dynamics::impulse {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// A chain of bodies, two rows between each and the next, one more over a body between, and one to the ground.
+struct Rows {
+  std::vector<FreeBody> bodies;
+  std::vector<std::array<std::size_t, 2>> ends;
+  MatrixXd J, P, M;  // a row for each row; pushes; mass
+  VectorXd softness, missing;
+};
+
+Rows make_rows(std::size_t count, double drag) {
+  std::mt19937 generator(7);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  Rows rows;
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    for (int twice = 0; twice < 2; ++twice) rows.ends.push_back({i, i + 1});
+    if (i + 2 < count) rows.ends.push_back({i, i + 2});
+  }
+  rows.ends.push_back({0, 0});
+  const auto m = static_cast<Eigen::Index>(rows.ends.size()), n = static_cast<Eigen::Index>(6 * count);
+  rows.J = rows.P = MatrixXd::Zero(m, n);
+  rows.M = MatrixXd::Zero(n, n);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double mass = 1.0 + 10.0 * static_cast<double>(i % 3);
+    rows.bodies.push_back({mass, {2.0, 0.3, 0.1, 0.3, 3.0, 0.2, 0.1, 0.2, 4.0}});
+    const auto at = static_cast<Eigen::Index>(6 * i);
+    rows.M.block<3, 3>(at, at) = Eigen::Map<const Eigen::Matrix3d>(rows.bodies[i].inertia.data());
+    rows.M.block<3, 3>(at + 3, at + 3).diagonal().setConstant(mass);
+  }
+  for (Eigen::Index r = 0; r < m; ++r) {
+    for (const std::size_t body : rows.ends[static_cast<std::size_t>(r)]) {
+      for (Eigen::Index k = 0; k < 6; ++k) {
+        const Eigen::Index column = static_cast<Eigen::Index>(6 * body) + k;
+        rows.J(r, column) = uniform(generator);
+        rows.P(r, column) = rows.J(r, column) + drag * uniform(generator);
+      }
+    }
+  }
+  rows.softness = VectorXd::Constant(m, 1e-4);
+  rows.missing = VectorXd::NullaryExpr(m, [&] { return uniform(generator); });
+  return rows;
+}
+
+std::vector<std::size_t> bodies_of(const Rows& rows, Eigen::Index r) {
+  const auto [a, b] = rows.ends[static_cast<std::size_t>(r)];
+  return a == b ? std::vector{a} : std::vector{a, b};
+}
+
+BodyFactor::Vector6 part(const MatrixXd& of, Eigen::Index row, std::size_t body) {
+  BodyFactor::Vector6 result;
+  for (std::size_t k = 0; k < 6; ++k) result[k] = of(row, static_cast<Eigen::Index>(6 * body + k));
+  return result;
+}
+
+VectorXd change_by_bodies(const Rows& rows, bool symmetric) {
+  BodyFactor factor;
+  factor.start(rows.bodies, symmetric);
+  for (const auto& [a, b] : rows.ends) factor.connect(a, b);
+  EXPECT_TRUE(factor.place(100'000));
+  for (Eigen::Index r = 0; r < rows.J.rows(); ++r) {
+    for (const std::size_t a : bodies_of(rows, r)) {
+      BodyFactor::Vector6 push = part(rows.P, r, a);
+      for (double& entry : push) entry /= rows.softness[r];
+      for (const std::size_t b : bodies_of(rows, r)) {
+        const BodyFactor::Vector6 measure = part(rows.J, r, b);
+        factor.add(a, {&push, 1}, b, {&measure, 1});
+      }
+    }
+  }
+  EXPECT_TRUE(factor.factor());
+  const VectorXd pushed = rows.P.transpose() * rows.missing.cwiseQuotient(rows.softness);
+  std::vector<double> change(pushed.data(), pushed.data() + pushed.size());
+  factor.solve(change);
+  return Eigen::Map<const VectorXd>(change.data(), pushed.size());
+}
+
+// (J M^-1 P^T + S) l = r, then dv = M^-1 P^T l.
+VectorXd change_by_rows(const Rows& rows) {
+  const MatrixXd pushed = rows.M.inverse() * rows.P.transpose();
+  MatrixXd response = rows.J * pushed;
+  response.diagonal() += rows.softness;
+  return pushed * response.fullPivLu().solve(rows.missing);
+}
+
+TEST(BodyFactor, ChangesVelocitiesAsTheRowsOwnSystemDoes) {
+  const Rows rows = make_rows(6, 0.0);
+  const VectorXd expected = change_by_rows(rows);
+  EXPECT_LT((change_by_bodies(rows, true) - expected).norm(), 1e-9 * expected.norm());
+  EXPECT_LT((change_by_bodies(rows, false) - expected).norm(), 1e-9 * expected.norm());
+}
+
+TEST(BodyFactor, KnowsFrictionThatIsDraggedAlong) {
+  const Rows rows = make_rows(6, 0.05);
+  const VectorXd expected = change_by_rows(rows);
+  EXPECT_LT((change_by_bodies(rows, false) - expected).norm(), 1e-9 * expected.norm());
+}
+
+TEST(BodyFactor, RefusesMoreEntriesThanItMayHave) {
+  const Rows rows = make_rows(6, 0.0);
+  BodyFactor factor;
+  factor.start(rows.bodies, true);
+  for (const auto& [a, b] : rows.ends) factor.connect(a, b);
+  EXPECT_FALSE(factor.place(36 * 14));
+  EXPECT_TRUE(factor.place(36 * 15));  // 1 + 2 + four times 3
+}
+
+TEST(BodyFactor, SaysWhereAPivotIsNotPositive) {
+  const std::vector<FreeBody> bodies{{1.0, {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}}};
+  const BodyFactor::Vector6 push{0.0, 0.0, 0.0, -2.0, 0.0, 0.0}, measure{0.0, 0.0, 0.0, 1.0, 0.0, 0.0};
+  BodyFactor factor;
+  factor.start(bodies, false);
+  ASSERT_TRUE(factor.place(36));
+  factor.add(0, {&push, 1}, 0, {&measure, 1});
+  EXPECT_FALSE(factor.factor());
+}
+
+}  // namespace
+}  // namespace visum::dynamics::impulse
