@@ -126,6 +126,12 @@ void Bodies::look_ahead(std::size_t i, double h, const Vector3d& gravity) {
   R1[i] = q1[i].toRotationMatrix();
 }
 
+void Bodies::nudge(std::size_t i, const Vector3d& shift, const Vector3d& turn) {
+  x1[i] += shift;
+  q1[i] = renormalised(Quaterniond(1.0, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z()) * q1[i]);
+  R1[i] = q1[i].toRotationMatrix();
+}
+
 // What is kept from step to step is the link's orientation, so that a restored state goes on with the same
 // bits: P's is made from it here as load() does.
 void Bodies::commit(std::size_t i, double h, const Vector3d& gravity) {

@@ -48,6 +48,8 @@ class Bodies {
 
   // Where free flight over h leads from the state at t.
   void look_ahead(std::size_t i, double h, const Vector3d& gravity);
+  // Where it leads is moved on by a little, rad and m, to first order.
+  void nudge(std::size_t i, const Vector3d& shift, const Vector3d& turn);
   // The state becomes that of the last look-ahead; angular momentum is kept.
   void commit(std::size_t i, double h, const Vector3d& gravity);
 

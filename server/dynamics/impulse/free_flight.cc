@@ -7,11 +7,6 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// q is a product of unit quaternions: one step of Newton's square root brings it back to unit length.
-Quaterniond renormalised(const Quaterniond& q) {
-  return Quaterniond(q.coeffs() * (1.5 - 0.5 * q.squaredNorm()));
-}
-
 Quaterniond about(int axis, const world::SinCos& half) {
   Quaterniond result(half.cos, 0.0, 0.0, 0.0);
   result.vec()[axis] = half.sin;

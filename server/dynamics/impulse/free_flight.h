@@ -22,4 +22,9 @@ Quaterniond fly(const BodyConstants& body, const Quaterniond& q, const Matrix3d&
 // exp(u): the rotation by |u| about u, in W.
 Quaterniond rotation(const Vector3d& u);
 
+// q is a product of unit quaternions: one step of Newton's square root brings it back to unit length.
+inline Quaterniond renormalised(const Quaterniond& q) {
+  return Quaterniond(q.coeffs() * (1.5 - 0.5 * q.squaredNorm()));
+}
+
 }  // namespace visum::dynamics::impulse

@@ -60,6 +60,10 @@ Mechanism::Mechanism(const world::WorldModel& model, const Bodies& bodies, std::
   for (std::size_t i = 0; i < nodes.size(); ++i)
     node_by_body_.emplace_back(nodes[i].body, static_cast<int>(i));
   std::sort(node_by_body_.begin(), node_by_body_.end());
+  foreseen_.resize(nodes.size());
+  foreseen_axis_.resize(nodes.size());
+  unpushed_v_.resize(nodes.size());
+  unpushed_w_.resize(nodes.size());
   tree_.assign(std::move(nodes));
   find_loop_neighbours();
 }

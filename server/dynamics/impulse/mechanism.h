@@ -5,6 +5,7 @@
 #include <span>
 
 #include "server/dynamics/impulse/loop_factor.h"
+#include "server/dynamics/impulse/prediction.h"
 #include "server/dynamics/impulse/tree.h"
 
 namespace visum::dynamics::impulse {
@@ -58,6 +59,29 @@ class Mechanism {
   double rate(const Line& line) const;  // in the answer
   void apply(Bodies& bodies) const;     // the answer to the bodies' velocities
 
+  // What the joints will have to give at t (predicting.cc). Only where asked for, and of mechanisms without
+  // loops.
+  void start_predicting();
+  bool predicts() const { return !prediction_.empty(); }
+  Prediction& prediction() { return prediction_; }
+  const Prediction& prediction() const { return prediction_; }
+  // Foresees it, nothing along free directions; false where too little is known.
+  bool predict();
+  // On a node's one axis, what its free direction would go on to get, and what it is to get, N·m·s or N·s.
+  double predicted_axis(std::size_t node) const { return foreseen_axis_[node]; }
+  void push_predicted_axis(std::size_t node, double impulse) { add_along(node, 0, impulse); }
+  void give_predicted(Bodies& bodies);
+  void take_back(Bodies& bodies) const;  // to the bit
+  // Counts the answer to what has been asked among what the joints give in this step, at its start or its
+  // end.
+  void note_ahead(const Bodies& bodies);
+  void note_after(const Bodies& bodies);
+  // The largest change of velocity in the answer, m/s or rad/s, and the fastest turn.
+  double largest_answer() const;
+  double largest_turn(const Bodies& bodies) const;
+  // The look-ahead over h follows the answer, to first order.
+  void nudge(Bodies& bodies, double h) const;
+
  private:
   struct LoopRow {
     Line line;
@@ -75,6 +99,8 @@ class Mechanism {
   std::array<int, 2> parts(const JointSpec& loop) const;
   double rate_of_parts(const Line& line, const std::array<int, 2>& parts) const;
   double note_gap(const Gap& gap, const JointSpec& joint, double largest);
+  void find_given(const Bodies& bodies);
+  void add_along(std::size_t i, std::size_t k, double impulse);
 
   Tree tree_;
   std::vector<std::pair<int, int>> node_by_body_;  // body, node: sorted
@@ -92,6 +118,10 @@ class Mechanism {
   LoopFactor loop_factor_;
   std::vector<double> loop_errors_;
   const JointSpec* worst_ = nullptr;
+  Prediction prediction_;
+  std::vector<JointImpulse> foreseen_;  // by node
+  std::vector<double> foreseen_axis_;
+  std::vector<Vector3d> unpushed_v_, unpushed_w_;
 
   // What poses and factors were made of.
   bool placed_ = false, factored_ = false;

@@ -7,9 +7,12 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr int kMostPasses = 40;       // of Newton, each closes the joints to second order
-constexpr int kMostBoxings = 12;      // repetitions because laws reached their limit
-constexpr double kPushed = 1.0;       // m, rad: where drives have pushed, the gap is not yet known
+constexpr int kMostPasses = 40;     // of Newton, each closes the joints to second order
+constexpr int kMostBoxings = 12;    // repetitions because laws reached their limit
+constexpr double kPushed = 1.0;     // m, rad: where drives have pushed, the gap is not yet known
+constexpr double kLawShare = 1e-3;  // of D_max, that a drive's law may miss over a step without a solution
+constexpr double kUntouched = 0.1;  // of D_max: a gap of what was foreseen, below which nothing is solved for
+constexpr double kFar = 1e-3;       // m, rad: a gap of what was foreseen, beyond which it is of no use
 constexpr double kStandstill = 1e-9;  // m, rad: a gap below, which no longer shrinks, is rounding
 
 // What suits the error of a step at 1 ms; of the iteration, what it reaches.
@@ -120,6 +123,7 @@ bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::Worl
   commit(h);
   correct_velocities(h, wrenches, state);
   count_impulses();
+  note_joints();
   carry_touches(plant_, h);
   return true;
 }
@@ -129,6 +133,7 @@ bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::W
   for (int i = 0; i < kMostBoxings; ++i) {
     if (i > 0) restore_velocities();
     reset_impulses(plant_);
+    for (Mechanism& mechanism : plant_.mechanisms) mechanism.prediction().begin(h);
     push(h, wrenches);
     factor(h, state);
     measure_springs(plant_, state);
@@ -157,37 +162,98 @@ void Stepper::fly(std::size_t m, double h) {
     plant_.bodies.look_ahead(static_cast<std::size_t>(mechanism.body(i)), h, plant_.model.gravity);
 }
 
-// One pass of Newton over a mechanism's joints, the first with what drives give. Returns the gap that it
-// found; below D_max nothing is done.
-double Stepper::close(std::size_t m, double h, const world::WorldState& state, int pass) {
+// What the joints and their drives gave in the last steps goes on; false where that is not known.
+bool Stepper::predict(std::size_t m, double h) {
+  Mechanism& mechanism = plant_.mechanisms[m];
+  if (!mechanism.predict()) return false;
+  for (Axis& axis : plant_.axes_of(m)) {
+    const auto node = static_cast<std::size_t>(axis.node);
+    const double forward = 0.5 * h * axis.feedforward;
+    const double impulse = is_in_tree(axis) ? mechanism.predicted_axis(node) : forward;
+    if (is_in_tree(axis)) take_law_impulse(axis, kAhead, impulse - forward);
+    if (impulse != 0.0) mechanism.push_predicted_axis(node, impulse);
+  }
+  mechanism.give_predicted(plant_.bodies);
+  return true;
+}
+
+void Stepper::take_back(std::size_t m, double h) {
+  Mechanism& mechanism = plant_.mechanisms[m];
+  mechanism.take_back(plant_.bodies);
+  mechanism.prediction().begin(h);
+  for (Axis& axis : plant_.axes_of(m)) axis.law[kAhead] = axis.damped[kAhead] = 0.0;
+}
+
+// The gap that a look-ahead finds, asked of the tree.
+double Stepper::find_gap(std::size_t m, double h, const world::WorldState& state, double law_share) {
   Mechanism& mechanism = plant_.mechanisms[m];
   fly(m, h);
   measure_ahead(plant_, m, h);
   mechanism.clear();
   const double gap = mechanism.ask_gaps(plant_.bodies, state, h);
-  const double missing = h * ask_axes(plant_, m, kAhead, h);
-  double largest = missing > gap || std::isnan(missing) ? missing : gap;
-  if (pass == 0 && push_feedforward(m, h)) largest = std::max(largest, kPushed);
-  if (largest <= d_max_) return largest;
+  const double missing = h * ask_axes(plant_, m, kAhead, h) / law_share;
+  return missing > gap || std::isnan(missing) ? missing : gap;
+}
+
+void Stepper::give_answer(std::size_t m, Moment moment) {
+  Mechanism& mechanism = plant_.mechanisms[m];
   mechanism.solve();
   mechanism.apply(plant_.bodies);
-  take_axis_impulses(plant_, m, kAhead);
+  if (moment == kAhead)
+    mechanism.note_ahead(plant_.bodies);
+  else
+    mechanism.note_after(plant_.bodies);
+  take_axis_impulses(plant_, m, moment);
+}
+
+// One pass of Newton over a mechanism's joints, the first with what drives give. Returns the gap that it
+// found; below D_max nothing is done.
+double Stepper::close(std::size_t m, double h, const world::WorldState& state, int pass) {
+  double largest = find_gap(m, h, state, 1.0);
+  if (pass == 0 && push_feedforward(m, h)) largest = std::max(largest, kPushed);
+  if (!(largest <= d_max_)) give_answer(m, kAhead);
   return largest;
 }
 
-bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& state) {
-  if (corrector_) return correct_alone(m, h, state);
+// Newton's passes. False where the joints do not close.
+bool Stepper::close_by_newton(std::size_t m, double h, const world::WorldState& state, bool foreseen) {
   double last = 0.0;
-  for (int pass = 0; pass < kMostPasses; ++pass) {
+  for (int pass = foreseen ? 1 : 0; pass < kMostPasses; ++pass) {
     const double gap = close(m, h, state, pass);
     if (gap <= d_max_) return true;
-    if (!std::isfinite(gap)) break;
+    if (!std::isfinite(gap)) return false;
     if (pass > 2 && gap <= kStandstill && gap > 0.5 * last) {
       fly(m, h);
       return true;
     }
     last = gap;
   }
+  return false;
+}
+
+// What was foreseen, and what it has missed. Where the answer changes the look-ahead by little, that is
+// changed to first order: the rest is below the product of that change and what a body turns in a step, twice
+// over for the turned levers of both bodies. False where nothing of it is of use.
+bool Stepper::close_foreseen(std::size_t m, double h, const world::WorldState& state) {
+  const double gap = find_gap(m, h, state, kLawShare);
+  if (gap <= kUntouched * d_max_) return true;
+  if (!(gap <= kFar)) return false;
+  give_answer(m, kAhead);
+  const Mechanism& mechanism = plant_.mechanisms[m];
+  const double left = 4.0 * h * h * mechanism.largest_answer() * mechanism.largest_turn(plant_.bodies);
+  if (!(std::abs(left) <= d_max_)) return close_by_newton(m, h, state, true);
+  mechanism.nudge(plant_.bodies, h);
+  return true;
+}
+
+// From what is foreseen; from nothing where that is not known, or leads nowhere.
+bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& state) {
+  if (corrector_) return correct_alone(m, h, state);
+  if (predict(m, h)) {
+    if (close_foreseen(m, h, state)) return true;
+    take_back(m, h);
+  }
+  if (close_by_newton(m, h, state, false)) return true;
   broken_ = worst_joint(m);
   return false;
 }
@@ -266,9 +332,7 @@ void Stepper::match_velocities(std::size_t m, double h) {
   mechanism.ask_velocities(plant_.bodies);
   ask_axes(plant_, m, kAfter, h);
   push_feedforward(m, h);
-  mechanism.solve();
-  mechanism.apply(plant_.bodies);
-  take_axis_impulses(plant_, m, kAfter);
+  give_answer(m, kAfter);
 }
 
 void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
@@ -292,6 +356,19 @@ void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, con
     }
     if (!box_saturated(plant_, kAfter, h)) return;
     for (Axis& axis : plant_.axes) axis.law[kAfter] = axis.damped[kAfter] = 0.0;
+  }
+}
+
+// What has bounds may do something else in the next step: nothing is foreseen of the joints that it pushes.
+void Stepper::note_joints() {
+  if (corrector_) return;
+  for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
+    Mechanism& mechanism = plant_.mechanisms[m];
+    if (!mechanism.predicts() || plant_.mechanism_asleep[m]) continue;
+    if (bounded_.binds(m))
+      mechanism.prediction().forget();
+    else
+      mechanism.prediction().end();
   }
 }
 

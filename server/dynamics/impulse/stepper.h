@@ -31,7 +31,13 @@ class Stepper {
   void hit(double h);
   bool foresee(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
   bool look_ahead(double h, const world::WorldState& state);
+  bool predict(std::size_t mechanism, double h);
+  void take_back(std::size_t mechanism, double h);
+  double find_gap(std::size_t mechanism, double h, const world::WorldState& state, double law_share);
+  void give_answer(std::size_t mechanism, Moment moment);
+  bool close_foreseen(std::size_t mechanism, double h, const world::WorldState& state);
   double close(std::size_t mechanism, double h, const world::WorldState& state, int pass);
+  bool close_by_newton(std::size_t mechanism, double h, const world::WorldState& state, bool foreseen);
   double correct(std::size_t mechanism, double h, const world::WorldState& state, int sweep);
   bool close_alone(std::size_t mechanism, double h, const world::WorldState& state);
   bool correct_alone(std::size_t mechanism, double h, const world::WorldState& state);
@@ -40,6 +46,7 @@ class Stepper {
   void fly(std::size_t mechanism, double h);
   void commit(double h);
   void correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
+  void note_joints();
   void count_impulses();
 
   Plant& plant_;

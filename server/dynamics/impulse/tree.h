@@ -66,6 +66,11 @@ class Tree {
   // What an implicit drive has given in this solution, N·m·s.
   double axis_impulse(std::size_t i) const;
 
+  const Vector3d& c(std::size_t i) const { return factors_[i].c; }
+  const Vector3d& r(std::size_t i) const { return factors_[i].r; }
+  const Vector3d& pushed_angular(std::size_t i) const { return asked_[i].angular; }
+  const Vector3d& pushed_linear(std::size_t i) const { return asked_[i].linear; }
+
  private:
   struct Factor {
     Vector3d r, c;

@@ -1,5 +1,6 @@
 #include "server/dynamics/impulse/warm_start.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace visum::dynamics::impulse {
@@ -25,10 +26,30 @@ Record record_at(std::span<const std::byte> bytes, std::size_t i) {
   return record;
 }
 
+// Returns what is left.
+std::span<const std::byte> read_predictions(std::span<const std::byte> bytes, Plant& plant) {
+  for (Mechanism& mechanism : plant.mechanisms) {
+    const std::size_t size = std::min(mechanism.prediction().bytes(), bytes.size());
+    mechanism.prediction().read(bytes.first(size));
+    bytes = bytes.subspan(size);
+  }
+  return bytes;
+}
+
+std::span<std::byte> write_predictions(const Plant& plant, std::span<std::byte> bytes) {
+  for (const Mechanism& mechanism : plant.mechanisms) {
+    const std::size_t size = mechanism.prediction().bytes();
+    mechanism.prediction().write(bytes.first(size));
+    bytes = bytes.subspan(size);
+  }
+  return bytes;
+}
+
 }  // namespace
 
 void read_warm_start(std::span<const std::byte> bytes, std::span<const collision::Contact> contacts,
                      Plant& plant) {
+  bytes = read_predictions(bytes, plant);
   if (bytes.size() % sizeof(Record) != 0) return;
   const std::size_t count = bytes.size() / sizeof(Record);
   std::size_t i = 0;
@@ -46,11 +67,14 @@ void read_warm_start(std::span<const std::byte> bytes, std::span<const collision
 }
 
 std::size_t warm_start_bytes(const Plant& plant) {
-  return plant.touches.size() * sizeof(Record);
+  std::size_t size = plant.touches.size() * sizeof(Record);
+  for (const Mechanism& mechanism : plant.mechanisms) size += mechanism.prediction().bytes();
+  return size;
 }
 
 void write_warm_start(const Plant& plant, std::span<const collision::Contact> contacts,
                       std::vector<std::byte>& bytes) {
+  const std::span<std::byte> records = write_predictions(plant, bytes);
   for (std::size_t i = 0; i < plant.touches.size(); ++i) {
     const Touch& touch = plant.touches[i];
     const collision::Contact& contact = contacts[touch.contact];
@@ -62,7 +86,7 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
                         contact.feature,
                         0,
                         {impulse.x(), impulse.y(), impulse.z()}};
-    std::memcpy(bytes.data() + i * sizeof(Record), &record, sizeof(Record));
+    std::memcpy(records.data() + i * sizeof(Record), &record, sizeof(Record));
   }
 }
 

@@ -1,8 +1,9 @@
-// The contacts' impulses of the last tick, from which the next one's solution starts: an engine's own part of
-// the world's state, so that a restored world goes on with the same bits.
+// The joints' and contacts' impulses of the last ticks, from which the next one's solution starts: an
+// engine's own part of the world's state, so that a restored world goes on with the same bits.
 //
-// Format: one record for each contact, in their order: shape_a, shape_b, feature, zero (32 bits each),
-// impulse in W (3 doubles). Native endianness, as the rest of a snapshot. What sleeps keeps its record.
+// Format: for each mechanism that predicts, what its prediction writes (prediction.h); then one record for
+// each contact, in their order: shape_a, shape_b, feature, zero (32 bits each), impulse in W (3 doubles).
+// Native endianness, as the rest of a snapshot. What sleeps keeps its record.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +13,8 @@
 
 namespace visum::dynamics::impulse {
 
-// Into the touches' impulses. Records of contacts that are gone, and bytes of another engine, count for
-// nothing.
+// Into the mechanisms' predictions and the touches' impulses. Records of contacts that are gone, and bytes of
+// another engine, count for nothing.
 void read_warm_start(std::span<const std::byte> bytes, std::span<const collision::Contact> contacts,
                      Plant& plant);
 std::size_t warm_start_bytes(const Plant& plant);
