@@ -1,5 +1,6 @@
 #include "server/recording/recorder.h"
 
+#include <stdexcept>
 #include <utility>
 
 #include "server/recording/scribe.h"
