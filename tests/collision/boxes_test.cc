@@ -63,8 +63,9 @@ TEST(Boxes, OfOneSizeOnEachOtherTouchInTheirFourCorners) {
   }
 }
 
-// From tick to tick rounding must not choose between the two faces: their corners are not the same.
-TEST(Boxes, OfOneSizeKeepTheCornersOfTheFirstWhereverRoundingLeads) {
+// From tick to tick rounding must not choose between the two faces: neither their corners nor their normals
+// are the same.
+TEST(Boxes, OfOneSizeKeepTheCornersAndTheNormalOfTheFirst) {
   const ShapeSpec box{kBox, {0.2, 0.2, 0.2}};
   const Eigen::Vector3d sideways(3e-7, -2e-7, 0.0);
   for (const double tilt : {-1e-9, -1e-12, 0.0, 1e-12, 1e-9}) {
@@ -74,7 +75,9 @@ TEST(Boxes, OfOneSizeKeepTheCornersOfTheFirstWhereverRoundingLeads) {
     ASSERT_EQ(contacts.size(), 4u) << tilt;
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (const Contact& contact : contacts) middle += 0.25 * contact.p_W;
-    EXPECT_LT((middle - Eigen::Vector3d(0.0, 0.0, 0.1 - 5e-7)).norm(), 1e-8) << tilt;
+    EXPECT_LT((middle - sideways - Eigen::Vector3d(0.0, 0.0, 0.1 - 5e-7)).norm(), 1e-9) << tilt;
+    for (const Contact& contact : contacts) EXPECT_EQ(contact.normal_W, contacts[0].normal_W) << tilt;
+    EXPECT_LT((contacts[0].normal_W - above.q * Eigen::Vector3d::UnitZ()).norm(), 1e-15) << tilt;
   }
 }
 

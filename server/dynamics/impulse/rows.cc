@@ -4,11 +4,12 @@
 // nearest to the last tick's; at rest the softness is no error at all. A box between two jaws that both stand
 // fast has no room by a rounding: normals of contacts give way a little more, as a spring, and settle.
 //
-// Each point by sweeps of projected Gauss-Seidel, which find out the rows that are at their bounds, and the
-// others at once (rows_active.cc); where that does not end, by sweeps sped up by nonlinear conjugate
-// gradients: Silcowitz-Hansen, Niebe, Erleben, A nonsmooth nonlinear conjugate gradient method for
-// interactive contact force problems, Visual Computer 26 (2010). A sweep there and back counts as one
-// gradient.
+// What is at rest is not solved: where the impulses that it starts from leave next to nothing missing, they
+// are the answer. Else each point by a sweep of projected Gauss-Seidel, which finds out the rows that are at
+// their bounds, and the others at once (rows_active.cc); where that does not end, by sweeps sped up by
+// nonlinear conjugate gradients: Silcowitz-Hansen, Niebe, Erleben, A nonsmooth nonlinear conjugate gradient
+// method for interactive contact force problems, Visual Computer 26 (2010). A sweep there and back counts as
+// one gradient.
 #include "server/dynamics/impulse/rows.h"
 
 #include <algorithm>
@@ -19,8 +20,9 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kSoftness = 1e-6;  // share of a row's response to itself
-constexpr double kGive = 1e-5;      // likewise, of a contact's normal
+constexpr double kSoftness = 1e-6;   // share of a row's response to itself
+constexpr double kGive = 1e-5;       // likewise, of a contact's normal
+constexpr double kRestShare = 1e-3;  // of what may be left: what is left at rest stays
 constexpr int kMostPoints = 4;
 constexpr int kMostRounds = 8;  // of sweeps and a solution of what they leave within its bounds
 
@@ -198,7 +200,7 @@ double Rows::solve(int most_sweeps, double least, double share, bool may_rest) {
   const double missed = largest_miss();
   largest_ = std::max(largest_, largest_change());
   // At rest the impulses that it starts from are the answer.
-  rests_ = may_rest && missed <= std::max(least, share * largest_);
+  rests_ = may_rest && missed <= std::max(least, kRestShare * share * largest_);
   if (rests_) return missed;
   sweep(true);
   largest_ = std::max(largest_, largest_change());

@@ -111,17 +111,19 @@ class Rows {
   void find_active();
   bool factor_active();
   bool factor_rows();
-  bool factor_bodies();
-  bool bodies_alone() const;
-  std::span<const Row> rows_of_block(std::size_t i) const;
-  void add_to_bodies(std::span<const Row> rows);
-  BodyFactor::Vector6 push(const Row& row, const RowEnd& end) const;
-  double softness(const Row& row) const;
   void solve_factored();
-  void solve_bodies();
   double find_missing();
   std::array<double, 3> within_bounds(const RowBlock& block, const std::array<double, 3>& lambda) const;
   bool step_active();
+
+  // rows_bodies.cc
+  double softness(const Row& row) const;
+  bool bodies_alone() const;
+  BodyFactor::Vector6 push(const Row& row, const RowEnd& end) const;
+  std::span<const Row> rows_of_block(std::size_t i) const;
+  void add_to_bodies(std::span<const Row> rows);
+  bool factor_bodies(std::size_t most_entries);
+  void solve_bodies();
 
   static constexpr std::size_t kNoBlock = static_cast<std::size_t>(-1);
   std::vector<Row> active_;

@@ -4,6 +4,7 @@
 //
 // Symbols: A response of the rows that are free to each other, S softness and compliance, r what they miss.
 //   (A + S) dl = r, as far as the first bound
+// Where the rows hold free bodies only, through the bodies (body_factor.h), else as it stands.
 #include <algorithm>
 #include <cmath>
 
@@ -103,23 +104,9 @@ void Rows::find_active() {
   }
 }
 
-double Rows::softness(const Row& row) const {
-  const RowBlock& block = blocks[row.block];
-  return block.softness[row.row] + (row.row == 0 ? block.compliance : 0.0);
-}
-
-bool Rows::bodies_alone() const {
-  return std::all_of(active_.begin(), active_.end(), [this](const Row& row) {
-    const RowBlock& block = blocks[row.block];
-    return std::all_of(block.ends.begin(), block.ends.begin() + static_cast<std::ptrdiff_t>(block.end_count),
-                       [](const RowEnd& end) { return end.free; }) &&
-           softness(row) > 0.0;
-  });
-}
-
 bool Rows::factor_active() {
   by_bodies_ = bodies_alone();
-  return by_bodies_ ? factor_bodies() : factor_rows();
+  return by_bodies_ ? factor_bodies(kMostEntries) : factor_rows();
 }
 
 void Rows::solve_factored() {
@@ -127,76 +114,6 @@ void Rows::solve_factored() {
     solve_bodies();
   else
     factor_.solve(missing_);
-}
-
-// An impulse on the row, with the friction that it drags along.
-BodyFactor::Vector6 Rows::push(const Row& row, const RowEnd& end) const {
-  BodyFactor::Vector6 push = end.J[row.row];
-  for (std::size_t i = 0; i < 2; ++i)
-    if (row.drag[i] != 0.0)
-      for (std::size_t k = 0; k < 6; ++k) push[k] += row.drag[i] * end.J[i + 1][k];
-  return push;
-}
-
-// The active rows from `i` on that are of one block.
-std::span<const Rows::Row> Rows::rows_of_block(std::size_t i) const {
-  std::size_t end = i + 1;
-  while (end < active_.size() && active_[end].block == active_[i].block) ++end;
-  return std::span(active_).subspan(i, end - i);
-}
-
-void Rows::add_to_bodies(std::span<const Row> rows) {
-  const RowBlock& block = blocks[rows[0].block];
-  std::array<std::array<BodyFactor::Vector6, 3>, 2> pushed, measured;
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    const double grip = 1.0 / softness(rows[r]);
-    for (std::size_t e = 0; e < block.end_count; ++e) {
-      measured[e][r] = block.ends[e].J[rows[r].row];
-      pushed[e][r] = push(rows[r], block.ends[e]);
-      for (double& entry : pushed[e][r]) entry *= grip;
-    }
-  }
-  for (std::size_t a = 0; a < block.end_count; ++a)
-    for (std::size_t b = 0; b < block.end_count; ++b)
-      body_factor_.add(block.ends[a].offset / 6, std::span(pushed[a]).first(rows.size()),
-                       block.ends[b].offset / 6, std::span(measured[b]).first(rows.size()));
-}
-
-bool Rows::factor_bodies() {
-  const bool symmetric = std::none_of(active_.begin(), active_.end(), [](const Row& row) {
-    return row.drag[0] != 0.0 || row.drag[1] != 0.0;
-  });
-  body_factor_.start(bodies, symmetric);
-  for (const Row& row : active_)
-    if (const RowBlock& block = blocks[row.block]; block.end_count == 2)
-      body_factor_.connect(block.ends[0].offset / 6, block.ends[1].offset / 6);
-  if (!body_factor_.place(kMostEntries)) return false;
-  for (std::size_t i = 0; i < active_.size();) {
-    const std::span<const Row> rows = rows_of_block(i);
-    add_to_bodies(rows);
-    i += rows.size();
-  }
-  return body_factor_.factor();
-}
-
-void Rows::solve_bodies() {
-  body_steps_.assign(6 * bodies.size(), 0.0);
-  for (std::size_t i = 0; i < active_.size(); ++i) {
-    const RowBlock& block = blocks[active_[i].block];
-    const double impulse = missing_[i] / softness(active_[i]);
-    for (std::size_t e = 0; e < block.end_count; ++e) {
-      const BodyFactor::Vector6 pushed = push(active_[i], block.ends[e]);
-      for (std::size_t k = 0; k < 6; ++k) body_steps_[block.ends[e].offset + k] += impulse * pushed[k];
-    }
-  }
-  body_factor_.solve(body_steps_);
-  for (std::size_t i = 0; i < active_.size(); ++i) {
-    const RowBlock& block = blocks[active_[i].block];
-    double left = missing_[i];
-    for (std::size_t e = 0; e < block.end_count; ++e)
-      left -= dot(block.ends[e].J[active_[i].row], &body_steps_[block.ends[e].offset]);
-    missing_[i] = left / softness(active_[i]);
-  }
 }
 
 bool Rows::factor_rows() {

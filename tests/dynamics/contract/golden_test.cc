@@ -9,9 +9,9 @@ namespace visum::dynamics::testing {
 namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
-    {"OdeWorld", 0x48ea4d57940ab1bdull},       {"OdeQuick", 0xffe2b715e5c34bb6ull},
-    {"Impulse", 0xe9b75721f092fa27ull},        {"ImpulseOrder4", 0x1c519bbd61288c15ull},
-    {"ImpulseIterate", 0x3fba3699a9373e6eull},
+    {"OdeWorld", 0x5a5eefac70e12737ull},       {"OdeQuick", 0x714789e3752eab71ull},
+    {"Impulse", 0x798b56c994692dd2ull},        {"ImpulseOrder4", 0xd589b691b35c2f1bull},
+    {"ImpulseIterate", 0x2fdafc2739dbc371ull},
 };
 
 class Golden : public Contract {};
