@@ -99,6 +99,8 @@ class TreeBuilder : public YAML::EventHandler {
 
   void open_entry(const YAML::Mark& mark, const std::string& key, bool plain) {
     if (plain && key == "<<") fail(mark, "merge keys ('<<') are not supported, write the values out");
+    if (key.size() > kMaxKeyBytes)
+      fail(mark, "a key has more than " + std::to_string(kMaxKeyBytes) + " bytes");
     Frame& frame = frames_.back();
     if (frame.value.entries.size() == kMaxKeysPerMap)
       fail(mark, "more than " + std::to_string(kMaxKeysPerMap) + " keys in one map");

@@ -37,6 +37,8 @@ struct Document {
 };
 
 inline constexpr std::size_t kMaxKeysPerMap = 10'000;  // look-ups are linear
+// YAML finds the colon behind a key within 1024 bytes only; one in quotes may take four for each.
+inline constexpr std::size_t kMaxKeyBytes = 250;
 inline constexpr std::size_t kMaxLineBytes = 1u << 20;
 
 // Paths of values: "bodies" + "mass" -> "bodies.mass", "bodies" + 2 -> "bodies[2]".

@@ -166,6 +166,9 @@ TEST(Config, CapsDepthNodesKeysAndLines) {
   std::string keys;
   for (int i = 0; i < 10'001; ++i) keys += "k" + std::to_string(i) + ": 1\n";
   EXPECT_EQ(parse_error(keys), "t.yaml:10001: more than 10000 keys in one map");
+  const std::string key(251, 'k');
+  EXPECT_EQ(parse_error(key + ": 1"), "t.yaml:1: a key has more than 250 bytes");
+  EXPECT_EQ(parse_error("? " + key + "\n: 1"), "t.yaml:1: a key has more than 250 bytes");
   EXPECT_EQ(parse_error("a: " + std::string(1u << 20, 'x')), "t.yaml:1: a line has more than 1048576 bytes");
 }
 
