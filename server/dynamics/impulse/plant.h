@@ -129,6 +129,10 @@ void push_by_springs(Plant& plant, const world::WorldState& state);  // what the
 
 // Which contacts and stops are hit hard enough to bounce; true if any.
 bool find_hits(Plant& plant, double h);
+// At t+h the two bodies of a contact have slid past each other. Pushed each at a point of its own they would
+// win angular momentum: they meet at the point of that which turns more, as a ball that rolls keeps its
+// lever.
+void meet_touches(Plant& plant);
 // Contacts move on with the bodies that they are of.
 void carry_touches(Plant& plant, double h);
 double normal_speed(const Plant& plant, const Touch& touch);

@@ -273,6 +273,7 @@ void Stepper::match_velocities(std::size_t m, double h) {
 
 void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
   save_velocities();
+  meet_touches(plant_);
   for (Touch& touch : plant_.touches) {
     touch.impulse[kAfter] = touch.impulse[kAhead];
     touch.twist[kAfter] = touch.twist[kAhead];

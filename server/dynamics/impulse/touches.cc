@@ -72,6 +72,19 @@ bool find_hits(Plant& plant, double h) {
   return any;
 }
 
+void meet_touches(Plant& plant) {
+  const Bodies& bodies = plant.bodies;
+  for (Touch& touch : plant.touches) {
+    if (touch.asleep || touch.a < 0 || touch.b < 0) continue;
+    const auto a = static_cast<std::size_t>(touch.a), b = static_cast<std::size_t>(touch.b);
+    const Vector3d apart = bodies.x[b] + touch.rb - bodies.x[a] - touch.ra;
+    if (bodies.w[a].squaredNorm() < bodies.w[b].squaredNorm())
+      touch.ra += apart;
+    else
+      touch.rb -= apart;
+  }
+}
+
 void carry_touches(Plant& plant, double h) {
   for (Touch& touch : plant.touches) {
     if (touch.asleep) continue;

@@ -35,6 +35,8 @@ std::vector<Case> chain_cases();
 std::vector<Case> loop_cases();
 std::vector<Case> sliding_cases();
 std::vector<Case> bounce_cases();
+std::vector<Case> crowd_cases();
+std::vector<Case> legged_cases();
 std::vector<Case> grasp_cases();
 std::vector<Case> servo_cases();
 std::vector<Case> anytime_cases();

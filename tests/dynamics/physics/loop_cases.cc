@@ -1,6 +1,7 @@
 // L: closed loops.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tests/dynamics/physics/andrews.h"
 #include "tests/dynamics/physics/case.h"
@@ -66,6 +67,19 @@ std::vector<double> fold_bricard(const world::EngineSetting& engine) {
   return {drift, gap, kinetic_j > 1.0 ? 0.0 : 1.0};
 }
 
+std::vector<double> govern(const world::EngineSetting& engine) {
+  Lab lab(governor(engine, 1e-3));
+  double angle = 0.0, slide_m = 0.0, gap = 0.0, before = 0.0;
+  for (const GovernorAt& pose : governor_poses()) {
+    watch(lab, pose.time_s - before, [&] { gap = std::max(gap, max_gap(lab.model, lab.state)); });
+    before = pose.time_s;
+    for (const char* hinge : {"left_hinge", "right_hinge"})
+      angle = std::max(angle, std::abs(lab.joint(hinge).position + std::numbers::pi / 6.0 - pose.angle));
+    slide_m = std::max(slide_m, std::abs(-lab.body("slider").p_WC.z() - pose.slide_m));
+  }
+  return {angle, slide_m, gap};
+}
+
 }  // namespace
 
 std::vector<Case> loop_cases() {
@@ -92,6 +106,11 @@ std::vector<Case> loop_cases() {
        "IFToMM A04; closed form: E constant, gap 0, and it moves",
        {{"energy", 1e-4}, {"gap_m", 1e-6}, {"stuck", 0.0}},
        fold_bricard},
+      {"L4",
+       "GovernorGoverns",
+       "IFToMM A05; its three equations of motion integrated to 1e-15",
+       {{"angle_rad", 1e-3}, {"slide_m", 1e-3}, {"gap_m", 1e-8}},
+       govern},
   };
 }
 

@@ -1,4 +1,5 @@
-// Mechanisms with closed loops, from the library of benchmarks of multibody dynamics of IFToMM (A02, A04).
+// Mechanisms with closed loops, from the library of benchmarks of multibody dynamics of IFToMM (A02, A04,
+// A05).
 #pragma once
 
 #include "server/world/world_model.h"
@@ -17,5 +18,19 @@ const std::vector<TipAt>& four_bars_tips();               // of B0, for two loop
 // IFToMM A04: Bricard's mechanism: five rods of 1 m and 1 kg, 0.1 m square, six hinges whose axes are
 // perpendicular in turn. By count it cannot move; it can.
 world::WorldModel bricard(const world::EngineSetting& engine, double tick_s);
+
+// IFToMM A05: the flyball governor, turning at 2π rad/s: two rods of 1 m, 0.01 m square, with balls of 5 kg
+// at their ends, hinged 30° off a shaft's upper end; a cube of 0.1 m slides on the shaft, held at the rods'
+// middles by couplers that are stiff springs with dampers (8e5 N/m, 4e4 N s/m, 0.5 m): 5e4 times faster than
+// the governor swings. Shaft, rods and cube of 3000 kg/m³. With a the rods' angle, z the cube's way down, l
+// the couplers' length, F = K (l - 0.5 m) + C l' their pull and I(a) the inertia about the shaft:
+//   I φ' constant,  2 J a'' = I'(a) φ'²/2 - dV/da - 2 F dl/da,  m z'' = m g - 2 F dl/dz
+world::WorldModel governor(const world::EngineSetting& engine, double tick_s);
+struct GovernorAt {
+  double time_s;
+  double angle;    // a, rad; both rods start at π/6, where the joint "left_hinge" is 0
+  double slide_m;  // z
+};
+const std::vector<GovernorAt>& governor_poses();
 
 }  // namespace visum::physics
