@@ -55,8 +55,12 @@ void FlightRecorder::took(const TimedInput& input) {
 
 void FlightRecorder::ticked() {
   if (!now_.in_use) return;
-  now_.ticks.push_back(
-      {simulation_.tick_count(), simulation_.era(), simulation_.sim_time_ns(), simulation_.state_hash(), {}});
+  const bool hashed = simulation_.frozen() || now_.ticks.size() % kHashEvery == 0;
+  now_.ticks.push_back({simulation_.tick_count(),
+                        simulation_.era(),
+                        simulation_.sim_time_ns(),
+                        hashed ? simulation_.state_hash() : kNoHash,
+                        {}});
   for (const auto& bound : std::as_const(simulation_).parts()) {
     now_.ports.insert(now_.ports.end(), bound.controller_inputs.begin(), bound.controller_inputs.end());
     now_.ports.insert(now_.ports.end(), bound.sensor_outputs.begin(), bound.sensor_outputs.end());

@@ -30,6 +30,7 @@ void into(Kind&& kind, Bytes bytes) {
 
 void into_the_messages(Bytes bytes) {
   into(Header{}, bytes);
+  into(State{}, bytes);
   into(visum::protocol::PartDescription{}, bytes);
   visum::protocol::PartSample sample;
   decode(bytes, sample);

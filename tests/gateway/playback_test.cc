@@ -125,19 +125,18 @@ TEST_F(PlaybackTest, ComparesAllOfItWhileItStands) {
 }
 
 TEST_F(PlaybackTest, NothingInItCanBeChanged) {
-  const std::vector<protocol::Request> changes{
-      protocol::AcquireLease{"robot", 0, false},
-      protocol::Write{"robot", 0, {0.1}, 0},
-      protocol::SetParameter{"robot", "Emergency Stop", true},
-      protocol::Reset{},
-      protocol::TakeSnapshot{},
-      protocol::RestoreSnapshot{1},
-      protocol::PushBody{"robot/fore", {1, 0, 0}, {}, {}, 1'000'000},
-      protocol::AddBody{"{name: a, mass: 1}"},
-      protocol::RemoveBody{"floor"},
-      protocol::InjectFault{"robot", "part_silent", {}, 0},
-      protocol::Join{},
-      protocol::Advance{1}};
+  const std::vector<protocol::Request> changes{protocol::AcquireLease{"robot", 0, false},
+                                               protocol::Write{"robot", 0, {0.1}, 0},
+                                               protocol::SetParameter{"robot", "Emergency Stop", true},
+                                               protocol::Reset{},
+                                               protocol::TakeSnapshot{},
+                                               protocol::RestoreSnapshot{1},
+                                               protocol::PushBody{"robot/fore", {1, 0, 0}, {}, {}, 1'000'000},
+                                               protocol::AddBody{"{name: a, mass: 1}"},
+                                               protocol::RemoveBody{"floor"},
+                                               protocol::InjectFault{"robot", "part_silent", {}, 0},
+                                               protocol::Join{},
+                                               protocol::Advance{1}};
   seek(500);
   for (const auto& change : changes) {
     const auto refusal = refusal_of([&] { client().request(change); });

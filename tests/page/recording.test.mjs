@@ -1,7 +1,7 @@
 // A recording on the page: where its slider is, what was recorded there is shown; the first difference is told, and
 // nothing can be changed.
 import assert from "node:assert/strict";
-import { mkdtempSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { forge } from "./forge.mjs";
@@ -79,6 +79,24 @@ pageTest("a recording is moved through by its slider", async (page, claim) => {
     }
     assert.ok(seen[0] > kTarget - 0.02, `at the end ${seen[0]}`);
     assert.ok(Math.abs(seen[1]) < 0.01, `at the beginning ${seen[1]}`);
+  });
+
+  await claim("a plot shows what was before that, tick by tick", async () => {
+    const lines = async () => {
+      const [download] = await Promise.all([page.waitForEvent("download"), button(page, "Export as CSV").click()]);
+      return readFileSync(await download.path(), "utf8").trim().split("\n").slice(1).map((line) => line.split(",").map(Number));
+    };
+    await button(page, "Plot Actual Angle 1").click();
+    for (const position of [ticks, 1500]) {
+      const filled = page.waitForResponse((response) => response.url().includes(`/recording/ports/0/${position}/`));
+      await dragTo(page, position);
+      await (await filled).finished();
+      const angle = await page.evaluate(() => visum.read("arm", "Actual Angle 1"));
+      let rows = await lines();
+      while (rows.length !== Math.min(position, 10_000)) rows = await lines(); // what came is in the plot a moment later
+      assert.deepEqual(rows.map(([time]) => Math.round(1000 * time)), rows.map((_, i) => position - rows.length + 1 + i));
+      assert.ok(Math.abs(rows.at(-1)[1] - angle) < 1e-6, `${rows.at(-1)} and ${angle}`);
+    }
   });
 
   await claim("it plays to its end, and begins anew", async () => {

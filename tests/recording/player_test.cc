@@ -96,6 +96,48 @@ TEST_P(PlayerOf, GoesToAnyTickWithTheBitsThatItHad) {
 INSTANTIATE_TEST_SUITE_P(Engines, PlayerOf, testing::Values("impulse", "ode"),
                          [](const auto& info) { return std::string(info.param); });
 
+class PlayerOfScene : public testing::TestWithParam<const char*> {};
+
+// Everything that a world remembers is in its state: a fresh one goes on from there as the recorded one did.
+TEST_P(PlayerOfScene, GoesOnFromAStateWithTheSameBits) {
+  Life life(GetParam());
+  life.run(1050);
+  Player player(life.finish(), {});
+  player.seek(1000);
+  expect_moment(player, life.moments[1000]);
+  player.seek(1050);
+  expect_moment(player, life.moments[1050]);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, PlayerOfScene,
+    testing::Values("amtec_arm.yaml", "cart.yaml", "crawler.yaml", "explorer.yaml", "explorer_ray.yaml",
+                    "sensors.yaml", "two_link.yaml"),
+    [](const auto& info) {
+      return std::string(std::string_view(info.param).substr(0, std::string_view(info.param).find('.')));
+    });
+
+// What breaks on purpose, and what is under way on a network that is late, goes on from a state, too.
+TEST(Player, GoesOnWithFaultsAndMessagesUnderWay) {
+  Life life("amtec_arm.yaml");
+  const auto inject = [&](const char* kind, const hwparts::NamedNumbers& numbers) {
+    std::string why;
+    const auto fault = hwparts::make_fault(kind, numbers, why);
+    ASSERT_TRUE(fault) << why;
+    ASSERT_TRUE(life.world()->inject({0, *fault, 0}));
+  };
+  inject("encoder_noise", {{"joint", 2}, {"deviation", 1e-3}});
+  inject("network_delay", {{"ms", 7}, {"jitter_ms", 9}});
+  for (int i = 0; i < 525; ++i) {
+    life.world()->write_inputs(0, 0, std::vector{0.001 * i});
+    life.run(2);
+  }
+  Player player(life.finish(), {});
+  player.seek(1000);
+  player.seek(1050);
+  expect_moment(player, life.moments[1050]);
+}
+
 TEST(Player, GoesOnToTheEndAndNoFurther) {
   Life life;
   life.run(1100);

@@ -19,6 +19,30 @@ const TimedInput& through(const Input& input, InputMessage& message) {
   return message.input;
 }
 
+TEST(Records, StatesComeBackAsTheyWere) {
+  const auto some = bytes_of("12345678");
+  const State state{77,
+                    3,
+                    9,
+                    5,
+                    {some.begin(), some.end()},
+                    {{4, {some.begin(), some.end()}}},
+                    {{true, "{}"}, {false, "x"}}};
+  std::vector<std::byte> bytes;
+  encode(state, bytes);
+  State back;
+  ASSERT_TRUE(decode(bytes, back));
+  EXPECT_EQ(back.tick, 77);
+  EXPECT_EQ(back.era, 3u);
+  EXPECT_EQ(back.revision, 9u);
+  EXPECT_EQ(back.next_snapshot, 5u);
+  EXPECT_EQ(back.state, state.state);
+  ASSERT_EQ(back.snapshots.size(), 1u);
+  EXPECT_EQ(back.snapshots[0].number, 4u);
+  EXPECT_EQ(back.snapshots[0].state, state.state);
+  EXPECT_EQ(back.edits, state.edits);
+}
+
 TEST(Records, InputsComeBackAsTheyWere) {
   InputMessage message;
   const std::vector values{0.1, -0.0, 1e-310};
