@@ -10,8 +10,8 @@ namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x48ea4d57940ab1bdull},       {"OdeQuick", 0xffe2b715e5c34bb6ull},
-    {"Impulse", 0xe9b75721f092fa27ull},        {"ImpulseOrder4", 0x1c519bbd61288c15ull},
-    {"ImpulseIterate", 0x3fba3699a9373e6eull},
+    {"Impulse", 0x98e5b1a03cfe2092ull},        {"ImpulseOrder4", 0x1bafacaabb13bb4dull},
+    {"ImpulseIterate", 0x28c100fde5641c83ull},
 };
 
 class Golden : public Contract {};
