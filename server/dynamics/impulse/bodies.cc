@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <cstring>
 
 #include "server/dynamics/impulse/free_flight.h"
 
@@ -36,18 +37,22 @@ void find_principal_axes(const Matrix3d& inertia, BodyConstants& body) {
   body.q_BP = Quaterniond(axes).normalized();
 }
 
-// R diag(moments) R^T; of a top m E + (n - m) a a^T with its axis a.
+// m E + (n - m) a a^T: of a top with its axis a.
+Matrix3d turned_top(double along, double across, const Vector3d& a) {
+  const Vector3d s = (along - across) * a;
+  const double xy = s.x() * a.y(), yz = s.y() * a.z(), zx = s.z() * a.x();
+  Matrix3d result;
+  result << s.x() * a.x() + across, xy, zx, xy, s.y() * a.y() + across, yz, zx, yz, s.z() * a.z() + across;
+  return result;
+}
+
+// R diag(moments) R^T.
 Matrix3d turned(const BodyConstants& body, const Vector3d& moments, const Matrix3d& R) {
   switch (body.symmetry) {
     case Symmetry::kBall:
       return moments.asDiagonal();
-    case Symmetry::kTop: {
-      const double across = moments[(body.axis + 1) % 3];
-      const Vector3d a = R.col(body.axis);
-      Matrix3d result = ((moments[body.axis] - across) * a) * a.transpose();
-      result.diagonal().array() += across;
-      return result;
-    }
+    case Symmetry::kTop:
+      return turned_top(moments[body.axis], moments[(body.axis + 1) % 3], R.col(body.axis));
     case Symmetry::kNone:
       break;
   }
@@ -72,6 +77,7 @@ Bodies::Bodies(const world::WorldModel& model, std::int32_t engine_index)
     constants.push_back(body);
   }
   const std::size_t n = constants.size();
+  is_oriented_.assign(n, 0);
   for (auto* list : {&x, &v, &w, &x1}) list->assign(n, Vector3d::Zero());
   for (auto* list : {&q, &q_WB, &q1}) list->assign(n, Quaterniond::Identity());
   for (auto* list : {&R, &R1, &inertia, &inverse_inertia}) list->assign(n, Matrix3d::Identity());
@@ -95,8 +101,12 @@ void Bodies::load(const world::WorldState& state) {
     x[i] = from.p_WC;
     v[i] = from.v_WC;
     w[i] = from.w_WB;
+    if (is_oriented_[i] &&
+        std::memcmp(q_WB[i].coeffs().data(), from.q_WB.coeffs().data(), 4 * sizeof(double)) == 0)
+      continue;
     q_WB[i] = from.q_WB;
     orient(i);
+    is_oriented_[i] = true;
   }
 }
 

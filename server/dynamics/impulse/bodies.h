@@ -67,7 +67,8 @@ class Bodies {
   void orient(std::size_t i);  // q, R and inertia from q_WB
   void turn_inertia(std::size_t i);
 
-  std::vector<int> numbers_;  // by BodyId
+  std::vector<int> numbers_;       // by BodyId
+  std::vector<char> is_oriented_;  // what is made from q_WB is made
 };
 
 }  // namespace visum::dynamics::impulse

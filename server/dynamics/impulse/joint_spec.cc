@@ -21,6 +21,7 @@ namespace {
 using world::JointKind;
 
 constexpr double kTurn = 6.28318530717958647693;
+const Matrix3d kStill = Matrix3d::Identity();  // the axes of what stands still
 
 JointPose pose_of(const JointSpec& joint, const std::vector<Vector3d>& x, const std::vector<Matrix3d>& R,
                   double position) {
@@ -28,15 +29,15 @@ JointPose pose_of(const JointSpec& joint, const std::vector<Vector3d>& x, const 
   const auto b = static_cast<std::size_t>(joint.b);
   if (joint.a >= 0) {
     const auto a = static_cast<std::size_t>(joint.a);
-    pose.Ra = R[a];
+    pose.Ra = &R[a];
     pose.pa = x[a] + R[a] * joint.point_a;
     pose.a = R[a] * joint.axis_a;
   } else {
-    pose.Ra = Matrix3d::Identity();
+    pose.Ra = &kStill;
     pose.pa = joint.point_a;
     pose.a = joint.axis_a;
   }
-  pose.Rb = R[b];
+  pose.Rb = &R[b];
   pose.pb = x[b] + R[b] * joint.point_b;
   pose.b = R[b] * joint.axis_b;
   if (joint.kind == JointKind::kScrew) pose.angle = joint_angle(joint, pose, position);
@@ -167,7 +168,7 @@ JointPose pose_ahead(const JointSpec& joint, const Bodies& bodies, double positi
 
 double joint_angle(const JointSpec& joint, const JointPose& pose, double near) {
   const Across a = across(joint.frame_a.transpose() * joint.axis_a);
-  const Vector3d u = pose.Ra * (joint.frame_a * a.first), w = pose.Rb * (joint.frame_b * a.first);
+  const Vector3d u = *pose.Ra * (joint.frame_a * a.first), w = *pose.Rb * (joint.frame_b * a.first);
   const double angle = world::arc_tangent(pose.a.dot(u.cross(w)), u.dot(w));
   return angle + kTurn * std::round((near - angle) / kTurn);
 }

@@ -76,12 +76,18 @@ std::size_t Prediction::bytes() const {
   return empty() ? 0 : sizeof(Header) + past_.size() * sizeof(Past);
 }
 
+// As before the first step: what write() says after it is the same whatever was there before.
+void Prediction::clear() {
+  std::fill(past_.begin(), past_.end(), Past{});
+  lengths_ = {};
+  newest_ = count_ = 0;
+}
+
 void Prediction::read(std::span<const std::byte> from) {
-  count_ = 0;
-  if (empty() || from.size() != bytes()) return;
-  Header header;
-  std::memcpy(&header, from.data(), sizeof(header));
-  if (header.mark != kMark || header.newest > 1 || header.count > kKnown) return;
+  if (empty()) return;
+  Header header{};
+  if (from.size() == bytes()) std::memcpy(&header, from.data(), sizeof(header));
+  if (header.mark != kMark || header.newest > 1 || header.count > kKnown) return clear();
   lengths_ = {header.lengths[0], header.lengths[1]};
   newest_ = header.newest;
   count_ = header.count;

@@ -64,6 +64,7 @@ class Prediction {
   const Past& last(std::size_t i) const { return past_[newest_ * ahead_.size() + i]; }
   const Past& before(std::size_t i) const { return past_[(1 - newest_) * ahead_.size() + i]; }
   JointImpulse line(std::size_t i) const;
+  void clear();
 
   std::vector<JointImpulse> ahead_, after_;
   std::vector<Past> past_;              // of two steps, by joint

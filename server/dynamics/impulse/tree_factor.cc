@@ -7,9 +7,13 @@ namespace visum::dynamics::impulse {
 namespace {
 
 // [u]x M and [u]x as matrices.
-Matrix3d cross(const Vector3d& u, const Matrix3d& m) {
+inline Matrix3d cross(const Vector3d& u, const Matrix3d& m) {
   Matrix3d result;
-  for (int i = 0; i < 3; ++i) result.col(i) = u.cross(m.col(i));
+  for (int i = 0; i < 3; ++i) {
+    result(0, i) = u.y() * m(2, i) - u.z() * m(1, i);
+    result(1, i) = u.z() * m(0, i) - u.x() * m(2, i);
+    result(2, i) = u.x() * m(1, i) - u.y() * m(0, i);
+  }
   return result;
 }
 

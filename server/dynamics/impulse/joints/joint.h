@@ -32,8 +32,9 @@ struct JointSpec {
 struct JointPose {
   Vector3d pa, pb;  // P_A, P
   Vector3d a, b;    // the axis, as A and as B carry it
-  Matrix3d Ra;      // the bodies' P axes in W
-  Matrix3d Rb;
+  // The bodies' P axes in W: theirs, good until they move.
+  const Matrix3d* Ra = nullptr;
+  const Matrix3d* Rb = nullptr;
   double angle = 0.0;  // screw: unwrapped; curve: the parameter
 };
 

@@ -10,7 +10,7 @@
 namespace visum::dynamics::impulse::point_on_curve {
 
 inline Vector3d tangent(const JointSpec& joint, const JointPose& pose) {
-  return (pose.Ra * (joint.frame_a * joint.model->curve_J.at(pose.angle).tangent)).normalized();
+  return (*pose.Ra * (joint.frame_a * joint.model->curve_J.at(pose.angle).tangent)).normalized();
 }
 
 inline Held held(const JointSpec& joint, const JointPose& pose) {
@@ -20,14 +20,14 @@ inline Held held(const JointSpec& joint, const JointPose& pose) {
 }
 
 inline Gap gap(const JointSpec& joint, const JointPose& pose) {
-  const Vector3d foot = pose.pa + pose.Ra * (joint.frame_a * joint.model->curve_J.at(pose.angle).p);
+  const Vector3d foot = pose.pa + *pose.Ra * (joint.frame_a * joint.model->curve_J.at(pose.angle).p);
   return {Vector3d::Zero(), without(tangent(joint, pose), foot - pose.pb)};
 }
 
 // The parameter of the curve's place that is nearest to P.
 inline double parameter(const JointSpec& joint, const JointPose& pose, double near) {
-  return joint.model->curve_J.nearest(joint.frame_a.transpose() * (pose.Ra.transpose() * (pose.pb - pose.pa)),
-                                      near);
+  return joint.model->curve_J.nearest(
+      joint.frame_a.transpose() * (pose.Ra->transpose() * (pose.pb - pose.pa)), near);
 }
 
 }  // namespace visum::dynamics::impulse::point_on_curve

@@ -12,7 +12,7 @@
 namespace visum::dynamics::impulse::universal {
 
 inline Vector3d second_axis(const JointSpec& joint, const JointPose& pose) {
-  return pose.Rb * joint.axis2_b;
+  return *pose.Rb * joint.axis2_b;
 }
 
 inline Held held(const JointSpec& joint, const JointPose& pose) {

@@ -1,0 +1,115 @@
+#include "server/dynamics/impulse/prediction.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/dynamics/lab.h"
+#include "tests/dynamics/physics/engine_rows.h"
+#include "tests/dynamics/physics/serial_models.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+// A reaction F(t) = 2 + 3 t: what it gives in a step, and what closes a gap (prediction.h).
+double given(double t, double h) {
+  return h * (2.0 + 3.0 * (t + 0.5 * h));
+}
+double closing(double t, double h) {
+  return h * ((2.0 + 3.0 * t) / 2.0 + 3.0 * h / 6.0);
+}
+
+JointImpulse along_x(double size) {
+  return {{size, 0.0, 0.0}, {0.0, -size, 0.0}};
+}
+
+void take_step(Prediction& prediction, double t, double h) {
+  prediction.begin(h);
+  prediction.add_ahead(0, along_x(closing(t, h)));
+  prediction.add_after(0, along_x(given(t, h) - closing(t, h)));
+  prediction.end();
+}
+
+TEST(Prediction, ForeseesALinearReactionWhateverTheStepsLengths) {
+  Prediction prediction(1);
+  double t = 0.0;
+  for (const double h : {0.01, 0.03, -0.02, 0.015, 0.01}) {
+    take_step(prediction, t, h);
+    t += h;
+  }
+  prediction.begin(0.02);
+  ASSERT_TRUE(prediction.is_ready());
+  const JointImpulse foreseen = prediction.at(0);
+  EXPECT_NEAR(foreseen.w.x(), closing(t, 0.02), 1e-8);
+  EXPECT_NEAR(foreseen.v.y(), -closing(t, 0.02), 1e-8);
+}
+
+TEST(Prediction, KnowsNothingBeforeTwoStepsAndAfterForgetting) {
+  Prediction prediction(1);
+  prediction.begin(0.01);
+  EXPECT_FALSE(prediction.is_ready());
+  take_step(prediction, 0.0, 0.01);
+  take_step(prediction, 0.01, 0.01);
+  prediction.begin(0.01);
+  EXPECT_TRUE(prediction.is_ready());
+  prediction.forget();
+  prediction.begin(0.01);
+  EXPECT_FALSE(prediction.is_ready());
+}
+
+TEST(Prediction, BytesOfAnotherKindCountForNothing) {
+  Prediction prediction(1);
+  for (int i = 0; i < 4; ++i) take_step(prediction, 0.01 * i, 0.01);
+  std::vector<std::byte> bytes(prediction.bytes());
+  prediction.write(bytes);
+  Prediction other(1);
+  other.read(bytes);
+  other.begin(0.01);
+  EXPECT_TRUE(other.is_ready());
+  for (const std::vector<std::byte>& wrong :
+       {std::vector<std::byte>(bytes.size()), std::vector<std::byte>(bytes.size() - 1), {}}) {
+    other.read(wrong);
+    other.begin(0.01);
+    EXPECT_FALSE(other.is_ready());
+  }
+}
+
+class PredictedArm : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Orders, PredictedArm,
+                         ::testing::Values("impulse", "impulse-order4", "impulse-order6"),
+                         [](const auto& row) {
+                           std::string name = row.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+// Nothing but its joints hold it: every step is foreseen. Back by seven ticks at each tick, and forward
+// again.
+TEST_P(PredictedArm, GoesOnWithTheSameBitsFromARestoredState) {
+  const auto setting = physics::engine_row(GetParam()).setting;
+  dynamics::testing::Lab straight(physics::arm7(setting, 1e-3)), rolled(physics::arm7(setting, 1e-3));
+  std::vector<world::WorldState> history;
+  for (int i = 0; i < 100; ++i) {
+    history.push_back(rolled.state);
+    rolled.run_ticks(1);
+    straight.run_ticks(1);
+    if (history.size() < 7) continue;
+    rolled.state = history[history.size() - 7];
+    rolled.run_ticks(7);
+    ASSERT_EQ(straight.hash(), rolled.hash()) << "tick " << i;
+  }
+}
+
+// What was kept is of another motion: it costs a solution more, and nothing else.
+TEST_P(PredictedArm, StaysTogetherWhenItIsThrownElsewhere) {
+  const auto setting = physics::engine_row(GetParam()).setting;
+  dynamics::testing::Lab lab(physics::arm7(setting, 1e-3)), other(physics::arm7(setting, 1e-3));
+  lab.run_ticks(400);
+  other.state.engines = lab.state.engines;
+  dynamics::testing::Lab fresh(physics::arm7(setting, 1e-3));
+  other.run_ticks(100);
+  fresh.run_ticks(100);
+  for (std::size_t i = 0; i < fresh.state.bodies.size(); ++i)
+    EXPECT_LT((other.state.bodies[i].p_WC - fresh.state.bodies[i].p_WC).norm(), 1e-8);
+}
+
+}  // namespace
+}  // namespace visum::dynamics::impulse
