@@ -1,7 +1,7 @@
 // The contacts' impulses of the last tick, from which the next one's solution starts: an engine's own part of
-// the world's state, so that a restored world goes on with the same bits. Of free bodies the mean of those of the
-// look-ahead and of the end of the step: what the one gave too much, to move a contact to its place, the other took
-// back.
+// the world's state, so that a restored world goes on with the same bits. Of free bodies the mean of those of
+// the look-ahead and of the end of the step: what the one gave too much, to move a contact to its place, the
+// other took back.
 //
 // Format: one record for each contact, in their order: shape_a, shape_b, feature, zero (32 bits each),
 // impulse in W (3 doubles). Native endianness, as the rest of a snapshot. What sleeps keeps its record.
