@@ -194,15 +194,20 @@ double Rows::largest_change() const {
   return largest;
 }
 
+// Whether next to nothing is missing with the impulses that it starts from. Where mechanisms take part a
+// sweep costs no more than to look.
+bool Rows::is_at_rest(double least, double share) {
+  if (!responses.empty()) return false;
+  largest_ = std::max(largest_, largest_change());
+  return largest_miss() <= std::max(least, kRestShare * share * largest_);
+}
+
 double Rows::solve(int most_sweeps, double least, double share, bool may_rest) {
   start();
   for (RowBlock& block : blocks) move_centre(block);
-  const double missed = largest_miss();
-  largest_ = std::max(largest_, largest_change());
-  // At rest the impulses that it starts from are the answer.
-  rests_ = may_rest && missed <= std::max(least, kRestShare * share * largest_);
-  if (rests_) return missed;
-  sweep(true);
+  rests_ = may_rest && is_at_rest(least, share);
+  if (rests_) return 0.0;
+  const double missed = sweep(true);
   largest_ = std::max(largest_, largest_change());
   const double enough = std::max(least, share * largest_);
   for (int point = 0; point < kMostPoints; ++point) {
@@ -220,14 +225,16 @@ double Rows::solve(int most_sweeps, double least, double share, bool may_rest) {
   return missed;
 }
 
-// After a sweep, which has found out what is at its bounds. Returns how much is missing at the end.
+// After a sweep, which has found out what is at its bounds. Where mechanisms take part more sweeps come
+// first: to solve at once is dear there. Returns how much is missing at the end.
 double Rows::settle(double enough) {
   double largest = 0.0;
   for (int round = 0; round < kMostRounds; ++round) {
+    if (round > 0 || !responses.empty())
+      for (const bool forwards : {true, false})
+        if (largest = sweep(forwards); largest <= enough) return largest;
     const bool solved = solve_active(enough);
     if (largest = largest_miss(); largest <= enough || !solved) return largest;
-    for (const bool forwards : {true, false})
-      if (largest = sweep(forwards); largest <= enough) return largest;
   }
   return largest;
 }

@@ -94,6 +94,7 @@ class Rows {
   double relax(RowBlock& block);
   double normal_step(const RowBlock& block) const;
   Tangential tangents_step(const RowBlock& block) const;
+  bool is_at_rest(double least, double share);
   double largest_miss() const;
   double largest_change() const;
   // The contact's normal impulse so far; of a twist that of its contact.

@@ -193,7 +193,7 @@ bool Rows::solve_active(double enough) {
     }
     bool free = true;
     for (int pass = 0; pass < kMostRefinements && free; ++pass) {
-      if (find_missing() <= enough && step + pass > 0) return true;
+      if (find_missing() <= enough && (step + pass > 0 || !by_bodies_)) return true;
       solve_factored();
       free = step_active();
     }

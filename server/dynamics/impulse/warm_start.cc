@@ -45,6 +45,16 @@ std::span<std::byte> write_predictions(const Plant& plant, std::span<std::byte> 
   return bytes;
 }
 
+bool is_jointed(const Plant& plant, int body) {
+  return body >= 0 && plant.places[static_cast<std::size_t>(body)].mechanism >= 0;
+}
+
+// Where joints take part, drives start from what they gave for the look-ahead, and so do contacts.
+Vector3d to_start_from(const Plant& plant, const Touch& touch) {
+  if (is_jointed(plant, touch.a) || is_jointed(plant, touch.b)) return touch.impulse[kAhead];
+  return 0.5 * (touch.impulse[kAhead] + touch.impulse[kAfter]);
+}
+
 }  // namespace
 
 void read_warm_start(std::span<const std::byte> bytes, std::span<const collision::Contact> contacts,
@@ -78,9 +88,7 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
   for (std::size_t i = 0; i < plant.touches.size(); ++i) {
     const Touch& touch = plant.touches[i];
     const collision::Contact& contact = contacts[touch.contact];
-    const Vector3d impulse = touch.asleep
-                                 ? touch.kept_impulse
-                                 : touch.frame * (0.5 * (touch.impulse[kAhead] + touch.impulse[kAfter]));
+    const Vector3d impulse = touch.asleep ? touch.kept_impulse : touch.frame * to_start_from(plant, touch);
     const Record record{contact.shape_a.value,
                         contact.shape_b.value,
                         contact.feature,

@@ -1,7 +1,7 @@
-// The joints' and contacts' impulses of the last ticks, from which the next one's solution starts: an engine's
-// own part of the world's state, so that a restored world goes on with the same bits. A contact's are the mean
-// of those of the look-ahead and of the end of the step: what the one gave too much, to move a contact to its
-// place, the other took back.
+// The joints' and contacts' impulses of the last ticks, from which the next one's solution starts: an
+// engine's own part of the world's state, so that a restored world goes on with the same bits. A contact's of
+// free bodies are the mean of those of the look-ahead and of the end of the step: what the one gave too much,
+// to move a contact to its place, the other took back.
 //
 // Format: for each mechanism that predicts, what its prediction writes (prediction.h); then one record for
 // each contact, in their order: shape_a, shape_b, feature, zero (32 bits each), impulse in W (3 doubles).
