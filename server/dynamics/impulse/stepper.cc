@@ -1,19 +1,12 @@
 #include "server/dynamics/impulse/stepper.h"
 
-#include <cmath>
-
 #include "server/world/joint_kinds.h"
 
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr int kMostPasses = 40;     // of Newton, each closes the joints to second order
-constexpr int kMostBoxings = 12;    // repetitions because laws reached their limit
-constexpr double kPushed = 1.0;     // m, rad: where drives have pushed, the gap is not yet known
-constexpr double kLawShare = 1e-3;  // of D_max, that a drive's law may miss over a step without a solution
-constexpr double kUntouched = 0.1;  // of D_max: a gap of what was foreseen, below which nothing is solved for
-constexpr double kFar = 1e-3;       // m, rad: a gap of what was foreseen, beyond which it is of no use
-constexpr double kStandstill = 1e-9;  // m, rad: a gap below, which no longer shrinks, is rounding
+constexpr int kMostPasses = 40;   // of Newton, each closes the joints to second order
+constexpr int kMostBoxings = 12;  // repetitions because laws reached their limit
 
 // What suits the error of a step at 1 ms; of the iteration, what it reaches.
 double default_d_max(const world::EngineSetting& setting) {
@@ -153,166 +146,6 @@ void Stepper::hit(double h) {
   bounded_.report();
   for (Axis& axis : plant_.axes)
     if (!plant_.mechanism_asleep[axis.mechanism]) axis.rate = plant_.rate(axis);
-}
-
-void Stepper::fly(std::size_t m, double h) {
-  if (corrector_) return corrector_->look_ahead(m, h);
-  const Mechanism& mechanism = plant_.mechanisms[m];
-  for (std::size_t i = 0; i < mechanism.size(); ++i)
-    plant_.bodies.look_ahead(static_cast<std::size_t>(mechanism.body(i)), h, plant_.model.gravity);
-}
-
-// What the joints and their drives gave in the last steps goes on; false where that is not known.
-bool Stepper::predict(std::size_t m, double h) {
-  Mechanism& mechanism = plant_.mechanisms[m];
-  if (!mechanism.predict()) return false;
-  for (Axis& axis : plant_.axes_of(m)) {
-    const auto node = static_cast<std::size_t>(axis.node);
-    const double forward = 0.5 * h * axis.feedforward;
-    const double impulse = is_in_tree(axis) ? mechanism.predicted_axis(node) : forward;
-    if (is_in_tree(axis)) take_law_impulse(axis, kAhead, impulse - forward);
-    if (impulse != 0.0) mechanism.push_predicted_axis(node, impulse);
-  }
-  mechanism.give_predicted(plant_.bodies);
-  return true;
-}
-
-void Stepper::take_back(std::size_t m, double h) {
-  Mechanism& mechanism = plant_.mechanisms[m];
-  mechanism.take_back(plant_.bodies);
-  mechanism.prediction().begin(h);
-  for (Axis& axis : plant_.axes_of(m)) axis.law[kAhead] = axis.damped[kAhead] = 0.0;
-}
-
-// The gap that a look-ahead finds, asked of the tree.
-double Stepper::find_gap(std::size_t m, double h, const world::WorldState& state, double law_share) {
-  Mechanism& mechanism = plant_.mechanisms[m];
-  fly(m, h);
-  measure_ahead(plant_, m, h);
-  mechanism.clear();
-  const double gap = mechanism.ask_gaps(plant_.bodies, state, h);
-  const double missing = h * ask_axes(plant_, m, kAhead, h) / law_share;
-  return missing > gap || std::isnan(missing) ? missing : gap;
-}
-
-void Stepper::give_answer(std::size_t m, Moment moment) {
-  Mechanism& mechanism = plant_.mechanisms[m];
-  mechanism.solve();
-  mechanism.apply(plant_.bodies);
-  if (moment == kAhead)
-    mechanism.note_ahead(plant_.bodies);
-  else
-    mechanism.note_after(plant_.bodies);
-  take_axis_impulses(plant_, m, moment);
-}
-
-// One pass of Newton over a mechanism's joints, the first with what drives give. Returns the gap that it
-// found; below D_max nothing is done.
-double Stepper::close(std::size_t m, double h, const world::WorldState& state, int pass) {
-  double largest = find_gap(m, h, state, 1.0);
-  if (pass == 0 && push_feedforward(m, h)) largest = std::max(largest, kPushed);
-  if (!(largest <= d_max_)) give_answer(m, kAhead);
-  return largest;
-}
-
-// Newton's passes. False where the joints do not close.
-bool Stepper::close_by_newton(std::size_t m, double h, const world::WorldState& state, bool foreseen) {
-  double last = 0.0;
-  for (int pass = foreseen ? 1 : 0; pass < kMostPasses; ++pass) {
-    const double gap = close(m, h, state, pass);
-    if (gap <= d_max_) return true;
-    if (!std::isfinite(gap)) return false;
-    if (pass > 2 && gap <= kStandstill && gap > 0.5 * last) {
-      fly(m, h);
-      return true;
-    }
-    last = gap;
-  }
-  return false;
-}
-
-// What was foreseen, and what it has missed. Where the answer changes the look-ahead by little, that is
-// changed to first order: the rest is below the product of that change and what a body turns in a step, twice
-// over for the turned levers of both bodies. False where nothing of it is of use.
-bool Stepper::close_foreseen(std::size_t m, double h, const world::WorldState& state) {
-  const double gap = find_gap(m, h, state, kLawShare);
-  if (gap <= kUntouched * d_max_) return true;
-  if (!(gap <= kFar)) return false;
-  give_answer(m, kAhead);
-  const Mechanism& mechanism = plant_.mechanisms[m];
-  const double left = 4.0 * h * h * mechanism.largest_answer() * mechanism.largest_turn(plant_.bodies);
-  if (!(std::abs(left) <= d_max_)) return close_by_newton(m, h, state, true);
-  mechanism.nudge(plant_.bodies, h);
-  return true;
-}
-
-// From what is foreseen; from nothing where that is not known, or leads nowhere.
-bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& state) {
-  if (corrector_) return correct_alone(m, h, state);
-  if (predict(m, h)) {
-    if (close_foreseen(m, h, state)) return true;
-    take_back(m, h);
-  }
-  if (close_by_newton(m, h, state, false)) return true;
-  broken_ = worst_joint(m);
-  return false;
-}
-
-// One correction of each joint; what has bounds is told where that leads.
-double Stepper::correct(std::size_t m, double h, const world::WorldState& state, int sweep) {
-  const double gap = corrector_->sweep_gaps(m, h, d_max_, state, sweep);
-  if (bounded_.binds(m)) {
-    fly(m, h);
-    measure_ahead(plant_, m, h);
-  }
-  return gap;
-}
-
-// What is left when the budget is spent is left to the next step.
-bool Stepper::correct_alone(std::size_t m, double h, const world::WorldState& state) {
-  corrector_->forget_look_ahead(m);
-  double gap = 2.0 * d_max_;
-  for (int sweep = 0; sweep < most_passes_ && gap > d_max_; ++sweep) gap = correct(m, h, state, sweep);
-  fly(m, h);
-  broken_ = worst_joint(m);
-  return std::isfinite(gap);
-}
-
-// Mechanisms that share contacts, or have bounds of their own.
-bool Stepper::close_together(double h, const world::WorldState& state) {
-  for (int pass = 0; pass < most_passes_; ++pass) {
-    double largest = 0.0;
-    for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
-      if (!bounded_.binds(m)) continue;
-      if (corrector_) corrector_->forget_look_ahead(m);
-      const double gap = corrector_ ? correct(m, h, state, pass) : close(m, h, state, pass);
-      if (!(gap <= largest)) {
-        largest = gap;
-        broken_ = worst_joint(m);
-      }
-    }
-    if (!std::isfinite(largest)) return false;
-    const double moved = h * bounded_.solve();
-    if (!std::isfinite(moved)) return false;
-    if (largest <= d_max_ && moved <= d_max_) break;
-    if (!corrector_ && pass + 1 == kMostPasses && largest > std::sqrt(d_max_)) return false;
-  }
-  for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
-    if (!bounded_.binds(m)) continue;
-    if (corrector_) corrector_->forget_look_ahead(m);
-    fly(m, h);
-  }
-  return true;
-}
-
-bool Stepper::look_ahead(double h, const world::WorldState& state) {
-  for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
-    if (!plant_.mechanism_asleep[m] && !bounded_.binds(m) && !close_alone(m, h, state)) return false;
-  if (!bounded_.empty() && !close_together(h, state)) return false;
-  for (std::size_t i = 0; i < plant_.bodies.size(); ++i)
-    if (plant_.places[i].mechanism < 0 && !plant_.asleep[i])
-      plant_.bodies.look_ahead(i, h, plant_.model.gravity);
-  return true;
 }
 
 void Stepper::commit(double h) {
