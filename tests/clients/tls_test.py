@@ -72,6 +72,20 @@ class Tls(WithCertificates):
         self.assertEqual(wrong.returncode, 2)
         self.assertIn("boss.key: holds no private key of the certificate in", wrong.stderr)
 
+    def test_a_mirror_shows_its_certificate_to_both_arms(self):
+        def mirror(*options, **more):
+            words = (BIN / "visum-mirror", "--primary", one.connect, "--shadow", other.connect, "--port", 0, "--http", "off", *options)
+            return subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=60, **more)
+        with Daemon(*self.files("server")) as one, Daemon(*self.files("server")) as other:
+            arm_files = [word.replace("--tls", "--arm-tls") if isinstance(word, str) else word for word in self.files("boss")]
+            done = mirror("--iterations", 20, *arm_files)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            done = mirror("--iterations", 20, env={**os.environ, **self.environment("boss")})
+            self.assertEqual(done.returncode, 0, done.stderr)
+            refused = mirror()
+            self.assertEqual(refused.returncode, 2)
+            self.assertIn("this server speaks TLS only", refused.stderr)
+
     def test_runs_have_a_daemon_of_their_own_whatever_the_environment_says(self):
         scenario = self.folder / "scenario.yaml"
         scenario.write_text(f"visum_scenario: 1\nname: n\nscene: {ARM}\nuntil: {{at_s: 0.05}}\n")
