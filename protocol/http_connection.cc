@@ -1,5 +1,7 @@
 #include "protocol/http_connection.h"
 
+#include <spdlog/spdlog.h>
+
 #include <array>
 #include <boost/asio/buffer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -26,6 +28,10 @@ using HttpRequest = http::request<http::empty_body>;
 
 constexpr std::uint32_t kMaxHeadBytes = 8u << 10;
 constexpr std::chrono::milliseconds kIdle{15'000};  // from an answer to the next whole request
+constexpr std::chrono::milliseconds kLinger{500};   // for the peer to read why it is refused
+constexpr std::size_t kMaxDiscarded = 1u << 20;
+constexpr char kPlainText[] =
+    "this server speaks TLS only: ask for https://, and show a certificate of its authority\n";
 
 std::string text_of(beast::string_view text) {
   return {text.data(), text.size()};
@@ -99,27 +105,29 @@ std::string head_text(const WebReply& reply, std::size_t length, bool keep_alive
 }  // namespace
 
 struct HttpConnection::Impl {
-  Impl(Listener::Socket the_socket, const HttpRules& the_rules, WebPages& the_pages,
+  Impl(Listener::Socket the_socket, const TlsContext* tls, const HttpRules& the_rules, WebPages& the_pages,
        SessionContext& the_context, HttpOwner& the_owner)
-      : socket(std::move(the_socket)),
+      : stream(std::move(the_socket), tls),
         rules(the_rules),
         pages(the_pages),
         context(the_context),
         owner(the_owner),
         since(context.now) {
-    set_socket_options(socket);
+    set_socket_options(stream.socket());
   }
 
   void read();
   void on_read(const error_code& error);
+  void tls_failed();
   void answer(const HttpRequest& request);
   void hand_on();
   void send(WebReply answer_to_send, bool keep, bool with_body);
   void write();
-  void close();
+  void linger();
+  void discard();
   bool is_late() const;
 
-  Listener::Socket socket;
+  WebStream stream;
   const HttpRules& rules;
   WebPages& pages;
   SessionContext& context;
@@ -132,6 +140,8 @@ struct HttpConnection::Impl {
   bool keep_alive = false;
   bool writing = false;
   bool was_answered = false;
+  bool lingering = false;  // all is written, our side is shut, the rest of the input is thrown away
+  std::size_t discarded = 0;
   ServedTime since;  // when the present wait for the peer began, or made progress
   int operations = 0;
 };
@@ -141,15 +151,16 @@ void HttpConnection::Impl::read() {
   parser->header_limit(kMaxHeadBytes);
   since = context.now;
   ++operations;
-  http::async_read_header(socket, buffer, *parser, [this](const error_code& error, std::size_t) {
+  http::async_read_header(stream, buffer, *parser, [this](const error_code& error, std::size_t) {
     --operations;
     on_read(error);
   });
 }
 
 void HttpConnection::Impl::on_read(const error_code& error) {
-  if (!socket.is_open()) return;
-  if (error == http::error::end_of_stream || error == asio::error::eof) return close();
+  if (!stream.is_open()) return;
+  if (stream.spoke_plain_text() || !stream.failure().empty()) return tls_failed();
+  if (error == http::error::end_of_stream || error == asio::error::eof) return stream.close();
   if (error.category() == http::make_error_code(http::error::bad_method).category()) {
     context.refused.fetch_add(1, std::memory_order_relaxed);
     const int status =
@@ -157,12 +168,22 @@ void HttpConnection::Impl::on_read(const error_code& error) {
     return send({status, "text/plain; charset=utf-8", "this is no request: " + error.message() + "\n"}, false,
                 true);
   }
-  if (error) return close();
+  if (error) return stream.close();
   answer(parser->get());
 }
 
+void HttpConnection::Impl::tls_failed() {
+  error_code gone;
+  const auto peer = to_text(stream.socket().remote_endpoint(gone));
+  const bool plain = stream.spoke_plain_text();
+  spdlog::warn("{} is refused: {}", peer, plain ? "plain HTTP, where https is spoken" : stream.failure());
+  context.refused.fetch_add(1, std::memory_order_relaxed);
+  if (!plain) return linger();
+  send({400, "text/plain; charset=utf-8", kPlainText}, false, true);
+}
+
 void HttpConnection::Impl::answer(const HttpRequest& request) {
-  const HttpHead asked = head_of(request, socket);
+  const HttpHead asked = head_of(request, stream.socket());
   HttpVerdict verdict = rules.judge(asked);
   if (verdict.status == 101 && buffer.size() > 0)
     verdict = {400, "nothing may follow before the handshake is answered"};
@@ -173,12 +194,12 @@ void HttpConnection::Impl::answer(const HttpRequest& request) {
     return send({verdict.status, "text/plain; charset=utf-8", verdict.reason + "\n"}, false, with_body);
   }
   send(pages.get({path_of(asked.target), takes_gzip(request), text_of(request[http::field::if_none_match]),
-                  bearer_of(request)}),
+                  bearer_of(request), stream.identity()}),
        request.keep_alive(), with_body);
 }
 
 void HttpConnection::Impl::hand_on() {
-  owner.upgraded(UpgradePointer(new Upgrade{std::move(socket), parser->release()}));
+  owner.upgraded(UpgradePointer(new Upgrade{std::move(stream), parser->release()}));
 }
 
 void HttpConnection::Impl::send(WebReply answer_to_send, bool keep, bool with_body) {
@@ -195,10 +216,10 @@ void HttpConnection::Impl::send(WebReply answer_to_send, bool keep, bool with_bo
 // Piece by piece, so that a peer that stops reading is told from a large answer.
 void HttpConnection::Impl::write() {
   ++operations;
-  socket.async_write_some(unsent, [this](const error_code& error, std::size_t bytes) {
+  stream.async_write_some(unsent, [this](const error_code& error, std::size_t bytes) {
     --operations;
-    if (!socket.is_open()) return;
-    if (error) return close();
+    if (!stream.is_open()) return;
+    if (error) return stream.close();
     since = context.now;
     for (auto& piece : unsent) {
       const std::size_t of_piece = std::min(bytes, piece.size());
@@ -208,28 +229,44 @@ void HttpConnection::Impl::write() {
     if (unsent[0].size() + unsent[1].size() > 0) return write();
     writing = false;
     was_answered = true;
-    if (keep_alive) return read();
-    error_code ignored;
-    socket.shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
-    close();
+    keep_alive ? read() : linger();
   });
 }
 
-void HttpConnection::Impl::close() {
+// Closing with unread input would reset the connection, and the reset may overtake what was sent last.
+void HttpConnection::Impl::linger() {
+  stream.finish();
   error_code ignored;
-  socket.close(ignored);
+  stream.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+  lingering = true;
+  since = context.now;
+  discard();
+}
+
+void HttpConnection::Impl::discard() {
+  ++operations;
+  buffer.clear();
+  stream.socket().async_read_some(buffer.prepare(kMaxHeadBytes),
+                                  [this](const error_code& error, std::size_t bytes) {
+                                    --operations;
+                                    discarded += bytes;
+                                    if (!stream.is_open()) return;
+                                    if (error || discarded > kMaxDiscarded) return stream.close();
+                                    discard();
+                                  });
 }
 
 bool HttpConnection::Impl::is_late() const {
   const auto& limits = context.limits;
   // The first request has to be there soon, as a hello has to; a further one may take its time.
+  if (lingering) return context.now - since > kLinger + context.step;
   const auto deadline = writing ? limits.stall_deadline : was_answered ? kIdle : limits.hello_deadline;
   return context.now - since > deadline + context.step;
 }
 
-HttpConnection::HttpConnection(Listener::Socket socket, const HttpRules& rules, WebPages& pages,
-                               SessionContext& context, HttpOwner& owner)
-    : impl_(std::make_unique<Impl>(std::move(socket), rules, pages, context, owner)) {}
+HttpConnection::HttpConnection(Listener::Socket socket, const TlsContext* tls, const HttpRules& rules,
+                               WebPages& pages, SessionContext& context, HttpOwner& owner)
+    : impl_(std::make_unique<Impl>(std::move(socket), tls, rules, pages, context, owner)) {}
 
 HttpConnection::~HttpConnection() = default;
 
@@ -238,15 +275,15 @@ void HttpConnection::start() {
 }
 
 void HttpConnection::sweep() {
-  if (impl_->socket.is_open() && impl_->is_late()) impl_->close();
+  if (impl_->stream.is_open() && impl_->is_late()) impl_->stream.close();
 }
 
 void HttpConnection::close() {
-  impl_->close();
+  impl_->stream.close();
 }
 
 bool HttpConnection::finished() const {
-  return !impl_->socket.is_open() && impl_->operations == 0;
+  return !impl_->stream.is_open() && impl_->operations == 0;
 }
 
 void UpgradeDeleter::operator()(Upgrade* upgrade) const {

@@ -10,8 +10,9 @@ namespace visum::protocol {
 
 class HttpConnection {
  public:
-  HttpConnection(Listener::Socket socket, const HttpRules& rules, WebPages& pages, SessionContext& context,
-                 HttpOwner& owner);
+  // `tls`: null for plain text.
+  HttpConnection(Listener::Socket socket, const TlsContext* tls, const HttpRules& rules, WebPages& pages,
+                 SessionContext& context, HttpOwner& owner);
   ~HttpConnection();
 
   void start();

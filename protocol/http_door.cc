@@ -14,8 +14,8 @@ constexpr std::size_t kMaxConnections = 64;  // a browser opens at most six, and
 }  // namespace
 
 HttpDoor::HttpDoor(boost::asio::io_context& io, const std::string& address, WebOptions options,
-                   SessionContext& context, HttpOwner& owner)
-    : options_(std::move(options)), context_(context), owner_(owner) {
+                   const TlsContext* tls, SessionContext& context, HttpOwner& owner)
+    : options_(std::move(options)), tls_(tls), context_(context), owner_(owner) {
   const auto listen = [&](std::uint16_t port) {
     return std::make_unique<Listener>(
         io, address, port, context.limits.accepts_per_second,
@@ -27,7 +27,7 @@ HttpDoor::HttpDoor(boost::asio::io_context& io, const std::string& address, WebO
     if (!options_.any_if_taken) throw;
     listener_ = listen(0);
   }
-  rules_ = std::make_unique<HttpRules>(listener_->port(), options_.hosts);
+  rules_ = std::make_unique<HttpRules>(listener_->port(), options_.hosts, tls_ != nullptr);
 }
 
 HttpDoor::~HttpDoor() = default;
@@ -40,7 +40,7 @@ void HttpDoor::admit(Listener::Socket socket, const boost::asio::ip::tcp::endpoi
     return;
   }
   auto& connection = connections_.emplace_back(
-      std::make_unique<HttpConnection>(std::move(socket), *rules_, *options_.pages, context_, owner_));
+      std::make_unique<HttpConnection>(std::move(socket), tls_, *rules_, *options_.pages, context_, owner_));
   connection->start();
   owner_.http_connected();
 }

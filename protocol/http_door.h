@@ -10,6 +10,7 @@
 #include "protocol/http_rules.h"
 #include "protocol/listener.h"
 #include "protocol/session_core.h"
+#include "protocol/tls.h"
 
 namespace visum::protocol {
 
@@ -29,7 +30,8 @@ class HttpOwner {
 
 class HttpDoor {
  public:
-  HttpDoor(boost::asio::io_context& io, const std::string& address, WebOptions options,
+  // `tls`: null for plain text; it must outlive the door.
+  HttpDoor(boost::asio::io_context& io, const std::string& address, WebOptions options, const TlsContext* tls,
            SessionContext& context, HttpOwner& owner);
   ~HttpDoor();
 
@@ -45,6 +47,7 @@ class HttpDoor {
   void forget_finished();
 
   const WebOptions options_;
+  const TlsContext* const tls_;
   SessionContext& context_;
   HttpOwner& owner_;
   std::unique_ptr<Listener> listener_;

@@ -26,8 +26,11 @@ HttpVerdict judge_session(const HttpHead& head) {
 
 }  // namespace
 
-HttpRules::HttpRules(std::uint16_t port, std::vector<std::string> hosts)
-    : port_suffix_(":" + std::to_string(port)), hosts_(std::move(hosts)) {
+HttpRules::HttpRules(std::uint16_t port, std::vector<std::string> hosts, bool https)
+    : scheme_(https ? "https://" : "http://"),
+      port_suffix_(":" + std::to_string(port)),
+      default_suffix_(https ? ":443" : ":80"),
+      hosts_(std::move(hosts)) {
   // A name without a port means ours; a bracket ends an IPv6 address, the colons in it begin no port.
   for (std::string& host : hosts_)
     if (host.find(':', host.rfind(']') == std::string::npos ? 0 : host.rfind(']')) == std::string::npos)
@@ -37,14 +40,14 @@ HttpRules::HttpRules(std::uint16_t port, std::vector<std::string> hosts)
 bool HttpRules::knows_host(const std::string& host, const std::string& local_address) const {
   for (const std::string& name : {std::string("localhost"), std::string("127.0.0.1"), std::string("[::1]"),
                                   in_host_form(local_address)})
-    if (host == name + port_suffix_ || (port_suffix_ == ":80" && host == name)) return true;
+    if (host == name + port_suffix_ || (port_suffix_ == default_suffix_ && host == name)) return true;
   return contains(hosts_, host);
 }
 
 HttpVerdict HttpRules::judge(const HttpHead& head) const {
   if (head.hosts.size() != 1 || !knows_host(head.hosts[0], head.local_address))
     return {421, "this host is not served here"};
-  if (head.origins.size() > 1 || (head.origins.size() == 1 && head.origins[0] != "http://" + head.hosts[0]))
+  if (head.origins.size() > 1 || (head.origins.size() == 1 && head.origins[0] != scheme_ + head.hosts[0]))
     return {403, "requests from other origins are not served"};
   if (head.has_body) return {413, "requests with a body are not served"};
   const std::string path = path_of(head.target);

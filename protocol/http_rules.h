@@ -30,14 +30,17 @@ struct HttpVerdict {
 
 class HttpRules {
  public:
-  HttpRules(std::uint16_t port, std::vector<std::string> hosts);
+  // `https`: the port speaks TLS.
+  HttpRules(std::uint16_t port, std::vector<std::string> hosts, bool https = false);
 
   HttpVerdict judge(const HttpHead& head) const;
 
  private:
   bool knows_host(const std::string& host, const std::string& local_address) const;
 
-  const std::string port_suffix_;  // ":8080"
+  const std::string scheme_;          // "http://"
+  const std::string port_suffix_;     // ":8080"
+  const std::string default_suffix_;  // the one that browsers leave out
   std::vector<std::string> hosts_;
 };
 

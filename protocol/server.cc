@@ -121,8 +121,7 @@ Server::Impl::Impl(const ListenOptions& options, SessionHandler& handler)
       signal_fd_(io_, make_eventfd()) {
   context_.step = sweep_period_;
   if (options_.web.pages)
-    http_ =
-        std::make_unique<HttpDoor>(io_, tls_ ? "127.0.0.1" : options_.address, options_.web, context_, *this);
+    http_ = std::make_unique<HttpDoor>(io_, options_.address, options_.web, tls_.get(), context_, *this);
   await_signal();
 }
 

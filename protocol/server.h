@@ -64,7 +64,7 @@ struct ListenOptions {
   std::uint16_t port = kDefaultPort;  // 0: any free one
   Limits limits;
   WebOptions web;  // sessions over WebSocket, and pages, on a port of their own
-  TlsFiles tls;    // none: plain text. HTTP is plain text always, and then for this machine alone
+  TlsFiles tls;    // none: plain text; else TLS on both ports
 };
 
 class Server {

@@ -14,6 +14,7 @@ struct WebRequest {
   bool takes_gzip = false;    // Accept-Encoding
   std::string if_none_match;  // an entity tag, or empty
   std::string bearer;         // the token of "Authorization: Bearer ...", or empty
+  std::string identity;       // the name in the certificate that the client showed, or empty
 };
 
 struct WebReply {

@@ -32,7 +32,7 @@ class WebSession final : public WireSession {
   WebSession(SessionContext& context, SessionOwner& owner, std::uint64_t id,
              const asio::ip::tcp::endpoint& peer, UpgradePointer upgrade)
       : WireSession(context, owner, id, peer),
-        stream_(std::move(upgrade->socket)),
+        stream_(std::move(upgrade->stream)),
         request_(std::move(upgrade->request)) {
     set_socket_options(socket());
     stream_.binary(true);
@@ -48,6 +48,8 @@ class WebSession final : public WireSession {
     }));
   }
 
+  std::string identity() const override { return stream_.next_layer().identity(); }
+
   void start() override;
   void sweep() override;
   void let_go() override {
@@ -55,8 +57,8 @@ class WebSession final : public WireSession {
   }
 
  private:
-  Socket& socket() override { return stream_.next_layer(); }
-  const Socket& socket() const override { return stream_.next_layer(); }
+  Socket& socket() override { return stream_.next_layer().socket(); }
+  const Socket& socket() const override { return stream_.next_layer().socket(); }
   void read() override;
   void flush() override;
 
@@ -66,7 +68,7 @@ class WebSession final : public WireSession {
   void written_out();
   void begin_closing();
 
-  websocket::stream<Socket> stream_;
+  websocket::stream<WebStream> stream_;
   http::request<http::empty_body> request_;
   bool accepted_ = false;  // the handshake is answered
   bool reading_ = false;
@@ -196,7 +198,7 @@ std::unique_ptr<WireSession> make_web_session(SessionContext& context, SessionOw
 
 bool peer_of(const Upgrade& upgrade, asio::ip::tcp::endpoint& peer) {
   error_code error;
-  peer = upgrade.socket.remote_endpoint(error);
+  peer = upgrade.stream.socket().remote_endpoint(error);
   return !error;
 }
 

@@ -24,6 +24,7 @@ struct Options {
   std::string primary, shadow;
   std::string part = "arm";
   std::string arm_token_file;
+  protocol::TlsFiles arm_tls;
   double speedup = 1.0;
   gateway::Talk talk;
   gateway::HttpWords http;
@@ -54,7 +55,8 @@ std::string read_token(const std::string& file) {
 }
 
 int run(Options options) {
-  gateway::Mirror mirror({options.primary, options.shadow}, options.part, read_token(options.arm_token_file));
+  gateway::Mirror mirror({options.primary, options.shadow}, options.part,
+                         {read_token(options.arm_token_file), options.arm_tls});
   mirror.bounds() = options.bounds;
   cycle::Simulation simulation(scene_of(mirror, options),
                                [&](const std::string& kind, const hwparts::PartContext& context) {
@@ -86,6 +88,13 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--part", options.part, "the part, of that name on both servers")->capture_default_str();
   app.add_option("--arm-token-file", options.arm_token_file,
                  "the token for both servers, where they want one");
+  const auto add_tls = [&](const char* name, std::string& file, const char* help, const char* variable) {
+    app.add_option(name, file, help)->type_name("FILE")->envname(variable);
+  };
+  add_tls("--arm-tls-ca", options.arm_tls.authority, "TLS to both: who signed their certificates (PEM)",
+          "VISUM_TLS_CA");
+  add_tls("--arm-tls-cert", options.arm_tls.certificate, "TLS to both: our certificate", "VISUM_TLS_CERT");
+  add_tls("--arm-tls-key", options.arm_tls.key, "TLS to both: its private key", "VISUM_TLS_KEY");
   app.add_option("--angle-limit", options.bounds.angle_limit_rad,
                  "rad of divergence that halt both; 0: none do")
       ->capture_default_str()

@@ -20,8 +20,8 @@ std::string check_http(const std::string& text) {
 // All three, or none: to speak TLS to clients that are not known would be half of it.
 void declare_tls(CLI::App& app, protocol::TlsFiles& tls) {
   auto* certificate = app.add_option("--tls-cert", tls.certificate,
-                                     "speak TLS 1.3 only, with this certificate (PEM); HTTP then is for this "
-                                     "machine alone");
+                                     "speak TLS 1.3 only, with this certificate (PEM), HTTP's port, too: "
+                                     "https, wss");
   auto* key = app.add_option("--tls-key", tls.key, "its private key, ours alone to read");
   auto* authority =
       app.add_option("--tls-ca", tls.authority, "who must have signed the certificates of clients");

@@ -97,8 +97,8 @@ class Gateway : public protocol::SessionHandler {
   bool follow_buses(std::int64_t tick);
   // What is counted and measured, for /metrics; `refused_connections` is the server's.
   Metrics metrics();
-  bool lets_in(const std::string& token, protocol::Role role) const {
-    return tokens_.grant(token, {}, role) != protocol::Role::kUnspecified;
+  bool lets_in(const std::string& token, const std::string& identity, protocol::Role role) const {
+    return tokens_.grant(token, identity, role) != protocol::Role::kUnspecified;
   }
   // The next serve() tells everybody that the server ends. Any thread.
   void end() { ending_ = true; }

@@ -72,13 +72,20 @@ std::string page_host(const std::string& address) {
   return address.find(':') == std::string::npos ? address : "[" + address + "]";
 }
 
-void print_ready(const Daemon& daemon, const cycle::Simulation& simulation) {
+std::string page_url(const DaemonOptions& options, std::uint16_t port) {
+  return (options.tls.given() ? "https://" : "http://") + page_host(options.address) + ":" +
+         std::to_string(port) + "/";
+}
+
+void print_ready(const Daemon& daemon, const cycle::Simulation& simulation, const DaemonOptions& options) {
   const auto http = daemon.http_port();
   std::string parts;
   for (const auto& bound : simulation.parts())
     parts += (parts.empty() ? "" : ",") + gateway::quoted(bound.part->description().name);
   std::cout << "{\"ready\":true,\"port\":" << daemon.port()
-            << (http == 0 ? "" : ",\"http\":" + std::to_string(http))
+            << (http == 0 ? ""
+                          : ",\"http\":" + std::to_string(http) +
+                                ",\"page\":" + gateway::quoted(page_url(options, http)))
             << ",\"scene\":" << gateway::quoted(simulation.scene().name) << ",\"parts\":[" << parts
             << "],\"buses\":" << buses_as_json(daemon.buses()) << "}" << std::endl;
 }
@@ -89,7 +96,7 @@ void log_ready(const Daemon& daemon, const cycle::Simulation& simulation, const 
   if (const auto http = daemon.http_port(); http != 0) {
     if (options.http.port != 0 && http != options.http.port)
       spdlog::warn("port {} is taken; the page is at {}", options.http.port, http);
-    spdlog::info("the page: http://{}:{}/", page_host(options.address), http);
+    spdlog::info("the page: {}", page_url(options, http));
   }
   for (const auto& [part, names] : daemon.buses())
     for (const auto& name : names) spdlog::info("{}: bus {}", part, name);
@@ -139,7 +146,7 @@ int run_until_signal(Daemon& daemon, const cycle::Simulation& simulation, const 
   running_daemon = &daemon;
   catch_signals();
   if (json)
-    print_ready(daemon, simulation);
+    print_ready(daemon, simulation, options);
   else
     log_ready(daemon, simulation, options);
   notify_manager();

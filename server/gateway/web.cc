@@ -58,9 +58,10 @@ WebReply Web::health() const {
 // Tells what Status tells, and to the same people.
 WebReply Web::metrics(const protocol::WebRequest& request) const {
   WebReply reply;
-  if (!gateway_.lets_in(request.bearer, protocol::Role::kObserver)) {
+  if (!gateway_.lets_in(request.bearer, request.identity, protocol::Role::kObserver)) {
     reply.status = 401;
-    reply.text = "this needs the header Authorization: Bearer TOKEN\n";
+    reply.text =
+        "this needs the header Authorization: Bearer TOKEN, or a certificate whose name has a role\n";
     return reply;
   }
   auto metrics = gateway_.metrics();

@@ -1,49 +1,13 @@
 """TLS with the real programs, and OpenSSL's own client: who gets in, and what the others are told."""
 import os
-import pathlib
 import subprocess
-import tempfile
 import unittest
 
+from certificates import WithCertificates
 from programs import ARM, BIN, Daemon, visum
 
 
-class Tls(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.kept = tempfile.TemporaryDirectory(prefix="visum_tls_test_")
-        cls.folder = pathlib.Path(cls.kept.name)
-        cls.openssl("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", 2,
-                    "-subj", "/CN=authority", "-keyout", "ca.key", "-out", "ca.pem")
-        for name in ("server", "boss", "camera"):
-            cls.sign(name)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.kept.cleanup()
-
-    @classmethod
-    def openssl(cls, *words, **more):
-        done = subprocess.run(["openssl", *map(str, words)], cwd=cls.folder, capture_output=True, text=True, timeout=60, **more)
-        if done.returncode != 0:
-            raise AssertionError(f"openssl {words}: {done.stderr}")
-        return done
-
-    @classmethod
-    def sign(cls, name):
-        cls.openssl("req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-subj", f"/CN={name}",
-                    "-keyout", f"{name}.key", "-out", f"{name}.csr")
-        (cls.folder / "names").write_text("subjectAltName=DNS:localhost,IP:127.0.0.1\n")
-        cls.openssl("x509", "-req", "-in", f"{name}.csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial", "-days", 2,
-                    "-extfile", "names", "-out", f"{name}.pem")
-
-    def files(self, name):
-        return ("--tls-ca", self.folder / "ca.pem", "--tls-cert", self.folder / f"{name}.pem", "--tls-key",
-                self.folder / f"{name}.key")
-
-    def environment(self, name):
-        return {f"VISUM_TLS_{what}": str(file) for what, file in zip(("CA", "CERT", "KEY"), self.files(name)[1::2])}
-
+class Tls(WithCertificates):
     def daemon(self, *options):
         return Daemon("--clock", "lockstep", *self.files("server"), *options)
 
@@ -107,6 +71,20 @@ class Tls(unittest.TestCase):
         wrong = start("--tls-cert", cert, "--tls-key", self.folder / "boss.key", "--tls-ca", self.folder / "ca.pem")
         self.assertEqual(wrong.returncode, 2)
         self.assertIn("boss.key: holds no private key of the certificate in", wrong.stderr)
+
+    def test_a_mirror_shows_its_certificate_to_both_arms(self):
+        def mirror(*options, **more):
+            words = (BIN / "visum-mirror", "--primary", one.connect, "--shadow", other.connect, "--port", 0, "--http", "off", *options)
+            return subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=60, **more)
+        with Daemon(*self.files("server")) as one, Daemon(*self.files("server")) as other:
+            arm_files = [word.replace("--tls", "--arm-tls") if isinstance(word, str) else word for word in self.files("boss")]
+            done = mirror("--iterations", 20, *arm_files)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            done = mirror("--iterations", 20, env={**os.environ, **self.environment("boss")})
+            self.assertEqual(done.returncode, 0, done.stderr)
+            refused = mirror()
+            self.assertEqual(refused.returncode, 2)
+            self.assertIn("this server speaks TLS only", refused.stderr)
 
     def test_runs_have_a_daemon_of_their_own_whatever_the_environment_says(self):
         scenario = self.folder / "scenario.yaml"

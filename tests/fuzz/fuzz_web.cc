@@ -56,7 +56,7 @@ class Line final : HttpOwner, SessionOwner {
     tcp::socket socket(io_);
     socket.assign(tcp::v4(), ends[0]);
     browser_ = ends[1];
-    connection_.emplace(std::move(socket), rules_, pages_, context_, static_cast<HttpOwner&>(*this));
+    connection_.emplace(std::move(socket), nullptr, rules_, pages_, context_, static_cast<HttpOwner&>(*this));
     connection_->start();
     turn();
   }

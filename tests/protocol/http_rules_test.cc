@@ -89,6 +89,20 @@ TEST(HttpRules, PagesOfOtherOriginsAreRefused) {
   }
 }
 
+TEST(HttpRules, OverTlsTheOriginIsHttpsAndBrowsersLeavePort443Out) {
+  const auto status = [](std::uint16_t port, const std::string& host, const std::string& origin) {
+    HttpHead head = session_handshake();
+    head.hosts = {host};
+    head.origins = {origin};
+    return HttpRules(port, {"visum.lab"}, true).judge(head).status;
+  };
+  EXPECT_EQ(status(8080, "localhost:8080", "https://localhost:8080"), 101);
+  EXPECT_EQ(status(8080, "localhost:8080", "http://localhost:8080"), 403);
+  EXPECT_EQ(status(8080, "visum.lab:8080", "https://visum.lab:8080"), 101);
+  EXPECT_EQ(status(443, "localhost", "https://localhost"), 101);
+  EXPECT_EQ(status(80, "localhost", "https://localhost"), 421);
+}
+
 TEST(HttpRules, OnlyReadingMethodsAreServed) {
   HttpHead head = plain_get();
   head.method = "HEAD";

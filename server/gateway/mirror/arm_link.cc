@@ -20,19 +20,20 @@ bool is_counter(const protocol::Port& port) {
   return port.unit.empty() && port.maximum > kManyCounts;
 }
 
-ArmLink::ArmLink(std::string address, std::string part, std::string token)
-    : address_(std::move(address)), part_(std::move(part)), token_(std::move(token)) {
+ArmLink::ArmLink(std::string address, std::string part, Entry entry)
+    : address_(std::move(address)), part_(std::move(part)), entry_(std::move(entry)) {
   try {
-    adopt(find(address_, part_, token_));
+    adopt(find(address_, part_, entry_));
   } catch (const std::exception& error) {
     throw std::runtime_error(address_ + ": " + error.what());
   }
   ahead_.assign(description_.controller_inputs.size(), 0.0);
 }
 
-ArmLink::Found ArmLink::find(const std::string& address, const std::string& part, const std::string& token) {
+ArmLink::Found ArmLink::find(const std::string& address, const std::string& part, const Entry& entry) {
   const auto [host, port] = protocol::parse_address(address);
-  Connection link(host, port, {1, 1, "visum-mirror", protocol::Role::kController, token}, kConnect);
+  Connection link(host, port, {1, 1, "visum-mirror", protocol::Role::kController, entry.token}, kConnect,
+                  entry.tls);
   auto description =
       link.request_as<protocol::PartDescriptionReply>(protocol::DescribePart{part}).description;
   link.request(protocol::AcquireLease{part});
@@ -90,9 +91,9 @@ bool ArmLink::look_again() {
     if (Clock::now() - tried_ < kLookAgain) return false;
     tried_ = Clock::now();
     search_ = std::async(std::launch::async, [left = std::exchange(left_, std::nullopt), address = address_,
-                                              part = part_, token = token_]() mutable {
+                                              part = part_, entry = entry_]() mutable {
       left.reset();  // first gives its lease back
-      return find(address, part, token);
+      return find(address, part, entry);
     });
   }
   if (search_.wait_for(0s) != std::future_status::ready) return false;

@@ -12,14 +12,15 @@
 #include <vector>
 
 #include "protocol/client.h"
+#include "server/gateway/mirror/entry.h"
 
 namespace visum::gateway {
 
 class ArmLink {
  public:
-  // Connects, takes the part's lease and a first sample. `token`: where the server wants one. Throws
+  // Connects, takes the part's lease and a first sample. Throws
   // std::runtime_error that names the address.
-  ArmLink(std::string address, std::string part, std::string token);
+  ArmLink(std::string address, std::string part, Entry entry);
 
   const std::string& address() const { return address_; }
   const protocol::PartDescription& description() const { return description_; }
@@ -59,14 +60,15 @@ class ArmLink {
     protocol::PartDescription description;
     protocol::PartSample sample;
   };
-  static Found find(const std::string& address, const std::string& part, const std::string& token);
+  static Found find(const std::string& address, const std::string& part, const Entry& entry);
   void adopt(Found found);
   void lose(const std::string& why);
   bool look_again();
   double as_the_arm_counts(std::size_t port, double value, double initial) const;
   void send(std::vector<double> values);
 
-  std::string address_, part_, token_;
+  std::string address_, part_;
+  Entry entry_;
   std::optional<protocol::Connection> connection_;
   protocol::PartDescription description_;
   bool simulated_ = true;

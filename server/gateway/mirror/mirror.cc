@@ -40,9 +40,8 @@ void check_ports(const std::vector<Port>& a, const std::vector<Port>& b) {
 
 }  // namespace
 
-Mirror::Mirror(const std::array<std::string, kArms>& addresses, const std::string& part,
-               const std::string& token)
-    : arms_{ArmLink(addresses[0], part, token), ArmLink(addresses[1], part, token)},
+Mirror::Mirror(const std::array<std::string, kArms>& addresses, const std::string& part, const Entry& entry)
+    : arms_{ArmLink(addresses[0], part, entry), ArmLink(addresses[1], part, entry)},
       description_(arms_[0].description()) {
   check_alike();
   halt_ = need(description_.controller_inputs, "Halt");
@@ -59,12 +58,12 @@ Mirror::Mirror(const std::array<std::string, kArms>& addresses, const std::strin
   const auto board = arms_[0].read_blackboard("Identity");
   identity_.assign(reinterpret_cast<const char*>(board.data()), board.size());
   compare();
-  find_world(token);
+  find_world(entry);
 }
 
-void Mirror::find_world(const std::string& token) {
+void Mirror::find_world(const Entry& entry) {
   for (std::size_t i = 0; i < kArms && !world_of_; ++i) {
-    world_.emplace(arms_[i].address(), token);
+    world_.emplace(arms_[i].address(), entry);
     if (world_->has_world()) world_of_ = i;
   }
   if (!world_of_) world_.reset();

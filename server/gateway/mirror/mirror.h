@@ -31,7 +31,7 @@ class Mirror {
   static constexpr std::size_t kArms = 2;
 
   // Throws std::runtime_error: an arm cannot be had, or the two have not the same ports.
-  Mirror(const std::array<std::string, kArms>& addresses, const std::string& part, const std::string& token);
+  Mirror(const std::array<std::string, kArms>& addresses, const std::string& part, const Entry& entry);
 
   // What the mirrored part is described as: the primary's at start.
   const protocol::PartDescription& description() const { return description_; }
@@ -71,7 +71,7 @@ class Mirror {
   void check_alike() const;
   void compare();
   void hear_refusals();
-  void find_world(const std::string& token);
+  void find_world(const Entry& entry);
   void raise(const std::string& why);
   std::vector<double> commanded() const;  // with the mirror's own halts
   void send();

@@ -56,18 +56,19 @@ collision::Contact to_contact(const protocol::ContactSample& sample) {
 
 }  // namespace
 
-WorldLink::WorldLink(std::string address, std::string token)
-    : address_(std::move(address)), token_(std::move(token)) {
+WorldLink::WorldLink(std::string address, Entry entry)
+    : address_(std::move(address)), entry_(std::move(entry)) {
   try {
-    adopt(find(address_, token_));
+    adopt(find(address_, entry_));
   } catch (const std::exception& error) {
     throw std::runtime_error(address_ + ": " + error.what());
   }
 }
 
-WorldLink::Found WorldLink::find(const std::string& address, const std::string& token) {
+WorldLink::Found WorldLink::find(const std::string& address, const Entry& entry) {
   const auto [host, port] = protocol::parse_address(address);
-  Connection link(host, port, {1, 1, "visum-mirror", protocol::Role::kObserver, token}, kConnect);
+  Connection link(host, port, {1, 1, "visum-mirror", protocol::Role::kObserver, entry.token}, kConnect,
+                  entry.tls);
   auto view = std::make_shared<WorldView>();
   view->description = link.request_as<protocol::WorldDescription>(protocol::DescribeWorld{});
   const auto& world = view->description;
@@ -114,7 +115,7 @@ void WorldLink::look_again() {
     if (Clock::now() - tried_ < kLookAgain) return;
     tried_ = Clock::now();
     search_ =
-        std::async(std::launch::async, [address = address_, token = token_] { return find(address, token); });
+        std::async(std::launch::async, [address = address_, entry = entry_] { return find(address, entry); });
   }
   if (search_.wait_for(0s) != std::future_status::ready) return;
   try {

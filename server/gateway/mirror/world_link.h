@@ -12,6 +12,7 @@
 #include <string>
 
 #include "protocol/client.h"
+#include "server/gateway/mirror/entry.h"
 #include "server/gateway/published.h"
 
 namespace visum::gateway {
@@ -19,7 +20,7 @@ namespace visum::gateway {
 class WorldLink {
  public:
   // Waits for the first answer. Throws std::runtime_error that names the address.
-  WorldLink(std::string address, std::string token);
+  WorldLink(std::string address, Entry entry);
 
   // False: behind that server is something real, or a world without bodies.
   bool has_world() const { return view_ != nullptr; }
@@ -37,12 +38,13 @@ class WorldLink {
     std::shared_ptr<const WorldView> view;  // none: there is no world
     protocol::WorldSample sample;
   };
-  static Found find(const std::string& address, const std::string& token);
+  static Found find(const std::string& address, const Entry& entry);
   void adopt(Found found);
   void look_again();
   void take(const protocol::Reply& reply);
 
-  std::string address_, token_;
+  std::string address_;
+  Entry entry_;
   std::optional<protocol::Connection> connection_;
   std::shared_ptr<const WorldView> view_;
   protocol::WorldSample sample_;
