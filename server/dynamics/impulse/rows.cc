@@ -226,14 +226,17 @@ double Rows::solve(int most_sweeps, double least, double share, bool may_rest) {
 }
 
 // After a sweep, which has found out what is at its bounds. Where mechanisms take part more sweeps come
-// first: to solve at once is dear there. Returns how much is missing at the end.
+// before a solution at once, which is dear there, and after it: what they smooth is not left to the next
+// look-ahead. Returns how much is missing at the end.
 double Rows::settle(double enough) {
+  const bool alone = responses.empty();
   double largest = 0.0;
   for (int round = 0; round < kMostRounds; ++round) {
-    if (round > 0 || !responses.empty())
+    if (round > 0 || !alone)
       for (const bool forwards : {true, false})
         if (largest = sweep(forwards); largest <= enough) return largest;
     const bool solved = solve_active(enough);
+    if (solved && !alone) continue;
     if (largest = largest_miss(); largest <= enough || !solved) return largest;
   }
   return largest;
