@@ -102,15 +102,9 @@ world::WorldModel floating_chain(const world::EngineSetting& engine) {
 
 std::vector<double> keep_momentum(const world::EngineSetting& engine) {
   Lab lab(floating_chain(engine));
-  const Vector3d momentum = momentum_of(lab.model, lab.state),
-                 angular = angular_momentum_of(lab.model, lab.state);
-  double change = 0.0, angular_change = 0.0;
-  watch(lab, 2.0, [&] {
-    change = std::max(change, (momentum_of(lab.model, lab.state) - momentum).norm() / momentum.norm());
-    angular_change = std::max(angular_change,
-                              (angular_momentum_of(lab.model, lab.state) - angular).norm() / angular.norm());
-  });
-  return {change, angular_change};
+  MomentumDrift drift(lab.model, lab.state);
+  watch(lab, 2.0, [&] { drift.look(lab.model, lab.state); });
+  return {drift.linear, drift.angular};
 }
 
 }  // namespace

@@ -98,6 +98,15 @@ Vector3d angular_momentum_of(const world::WorldModel& model, const world::WorldS
   return momentum;
 }
 
+MomentumDrift::MomentumDrift(const world::WorldModel& model, const world::WorldState& state)
+    : start(momentum_of(model, state)), angular_start(angular_momentum_of(model, state)) {}
+
+void MomentumDrift::look(const world::WorldModel& model, const world::WorldState& state) {
+  linear = std::max(linear, (momentum_of(model, state) - start).norm() / start.norm());
+  angular =
+      std::max(angular, (angular_momentum_of(model, state) - angular_start).norm() / angular_start.norm());
+}
+
 double max_gap(const world::WorldModel& model, const world::WorldState& state) {
   double largest = 0.0;
   for (std::size_t i = 0; i < model.joints.size(); ++i) {

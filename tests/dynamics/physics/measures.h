@@ -19,6 +19,14 @@ double energy_scale(const world::WorldModel& model);
 Eigen::Vector3d momentum_of(const world::WorldModel& model, const world::WorldState& state);
 // About W's origin.
 Eigen::Vector3d angular_momentum_of(const world::WorldModel& model, const world::WorldState& state);
+// The largest changes of both since the beginning, relative.
+struct MomentumDrift {
+  MomentumDrift(const world::WorldModel& model, const world::WorldState& state);
+  void look(const world::WorldModel& model, const world::WorldState& state);
+
+  const Eigen::Vector3d start, angular_start;
+  double linear = 0.0, angular = 0.0;
+};
 // R J Rᵀ ω, about the body's own centre of mass.
 Eigen::Vector3d spin_of(const world::Body& body, const world::BodyState& state);
 
