@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <netdb.h>
 #include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -18,6 +17,7 @@
 
 #include "protocol/client.h"
 #include "protocol/codec.h"
+#include "protocol/socket_options.h"
 
 namespace visum::protocol {
 namespace {
@@ -28,6 +28,9 @@ using std::chrono::steady_clock;
 constexpr milliseconds kFarewell{250};
 constexpr std::size_t kCipheredBytes = 16u << 10;  // about a record of TLS
 constexpr const char* kClosed = "the server closed the connection";
+// What is sent to connect is repeated by the kernel after 1, 3, 7 s: who begins anew each second is there
+// sooner once a wire that was cut is back.
+constexpr std::chrono::seconds kAttempt{1};
 // A receive with more time than this sleeps in recv() itself, in slices of this: one system call instead of
 // two.
 constexpr std::chrono::seconds kSlice{1};
@@ -67,17 +70,9 @@ AddressList resolve(const std::string& host, std::uint16_t port) {
   return {list, ::freeaddrinfo};
 }
 
-void set_option(int fd, int level, int name, int value) {
-  ::setsockopt(fd, level, name, &value, sizeof value);
-}
-
 // Waiting for the world has no time limit, so a server whose machine is gone must be noticed by the kernel.
 void set_options(int fd) {
-  set_option(fd, IPPROTO_TCP, TCP_NODELAY, 1);
-  set_option(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
-  set_option(fd, IPPROTO_TCP, TCP_KEEPIDLE, 1);
-  set_option(fd, IPPROTO_TCP, TCP_KEEPINTVL, 1);
-  set_option(fd, IPPROTO_TCP, TCP_KEEPCNT, 3);
+  set_tcp_options(fd);
   const timeval slice{kSlice.count(), 0};
   ::setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &slice, sizeof slice);
   ::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) & ~O_NONBLOCK);
@@ -139,22 +134,30 @@ ClientSocket::ClientSocket(const std::string& host, std::uint16_t port, const Tl
 
 void ClientSocket::connect(const std::string& host, std::uint16_t port, Deadline deadline) {
   const AddressList addresses = resolve(host, port);
+  int error = 0;
+  do {
+    error = connect_to_any(addresses.get(), deadline);
+  } while (error == ETIMEDOUT && steady_clock::now() < deadline);
+  if (error != 0) fail_to_connect(place(host, port), error);
+  set_options(fd_);
+}
+
+int ClientSocket::connect_to_any(const addrinfo* addresses, Deadline deadline) {
   int error = EADDRNOTAVAIL;
-  for (const addrinfo* address = addresses.get(); address; address = address->ai_next) {
+  for (const addrinfo* address = addresses; address; address = address->ai_next) {
     const int fd = ::socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (fd < 0) {
       error = errno;
       continue;
     }
-    error = connect_within(fd, *address, deadline);
+    error = connect_within(fd, *address, std::min(deadline, steady_clock::now() + kAttempt));
     if (error == 0) {
       fd_ = fd;
-      set_options(fd_);
-      return;
+      return 0;
     }
     ::close(fd);
   }
-  fail_to_connect(place(host, port), error);
+  return error;
 }
 
 ClientSocket::~ClientSocket() {

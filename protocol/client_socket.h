@@ -13,6 +13,8 @@
 
 #include "protocol/tls.h"
 
+struct addrinfo;
+
 namespace visum::protocol {
 
 using Deadline = std::chrono::steady_clock::time_point;
@@ -46,6 +48,7 @@ class ClientSocket {
 
  private:
   void connect(const std::string& host, std::uint16_t port, Deadline deadline);
+  int connect_to_any(const addrinfo* addresses, Deadline deadline);  // once each; 0, or errno
   void shake_hands(const std::string& host, const TlsFiles& files, Deadline deadline);
   std::size_t send_raw(std::span<const std::byte> bytes);
   bool send_pending();

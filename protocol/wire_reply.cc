@@ -81,18 +81,18 @@ struct PutReply {
     w.set_era(m.era);
     w.set_tick(m.tick);
   }
-  void operator()(const ServerStatus& m) const { put(m, *to.mutable_status()); }
-  void operator()(const PartDescriptionReply& m) const { put(m, *to.mutable_part_description()); }
-  void operator()(const ParameterList& m) const { put(m, *to.mutable_parameters()); }
-  void operator()(const WorldDescription& m) const { put(m, *to.mutable_world_description()); }
-  void operator()(const WorldSample& m) const { put(m, *to.mutable_world_sample()); }
+  void operator()(const ServerStatus& m) const { wire::put(m, *to.mutable_status()); }
+  void operator()(const PartDescriptionReply& m) const { wire::put(m, *to.mutable_part_description()); }
+  void operator()(const ParameterList& m) const { wire::put(m, *to.mutable_parameters()); }
+  void operator()(const WorldDescription& m) const { wire::put(m, *to.mutable_world_description()); }
+  void operator()(const WorldSample& m) const { wire::put(m, *to.mutable_world_sample()); }
   void operator()(const TextureData& m) const {
     auto& w = *to.mutable_texture();
     w.set_content_type(m.content_type);
     w.set_data(bytes_of(m.data));
   }
-  void operator()(const MeshData& m) const { put(m, *to.mutable_mesh()); }
-  void operator()(const FaultList& m) const { put(m, *to.mutable_faults()); }
+  void operator()(const MeshData& m) const { wire::put(m, *to.mutable_mesh()); }
+  void operator()(const FaultList& m) const { wire::put(m, *to.mutable_faults()); }
 };
 
 bool take(const v1::Error& from, Error& to, std::string& why) {

@@ -66,7 +66,7 @@ struct PutRequest {
     auto& w = *to.mutable_set_parameter();
     w.set_part(m.part);
     w.set_name(m.name);
-    put(m.value, *w.mutable_value());
+    wire::put(m.value, *w.mutable_value());
   }
   void operator()(const ReadBlackboard& m) const {
     auto& w = *to.mutable_read_blackboard();
@@ -125,7 +125,7 @@ struct PutRequest {
   void operator()(const AddBody& m) const { to.mutable_add_body()->set_yaml(m.yaml); }
   void operator()(const RemoveBody& m) const { to.mutable_remove_body()->set_body(m.body); }
   void operator()(const Shutdown&) const { to.mutable_shutdown(); }
-  void operator()(const InjectFault& m) const { put(m, *to.mutable_inject_fault()); }
+  void operator()(const InjectFault& m) const { wire::put(m, *to.mutable_inject_fault()); }
   void operator()(const ClearFault& m) const {
     auto& w = *to.mutable_clear_fault();
     w.set_part(m.part);

@@ -1,11 +1,10 @@
 #include "protocol/wire_session.h"
 
-#include <netinet/in.h>
-#include <netinet/tcp.h>
-
 #include <boost/asio/post.hpp>
 #include <sstream>
 #include <utility>
+
+#include "protocol/socket_options.h"
 
 namespace visum::protocol {
 namespace {
@@ -13,25 +12,12 @@ namespace {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
-void set_option(int socket, int level, int name, int value) {
-  ::setsockopt(socket, level, name, &value,
-               sizeof value);  // an option that is refused leaves the kernel's default
-}
-
 }  // namespace
 
-// A peer that vanished without a word is found by the kernel: idle within 4 s by probes, while sending by the
-// timeout.
 void set_socket_options(asio::ip::tcp::socket& socket) {
   error_code ignored;  // a socket that fails here fails again, and is seen, at the first read
   socket.non_blocking(true, ignored);
-  const int handle = socket.native_handle();
-  set_option(handle, IPPROTO_TCP, TCP_NODELAY, 1);
-  set_option(handle, SOL_SOCKET, SO_KEEPALIVE, 1);
-  set_option(handle, IPPROTO_TCP, TCP_KEEPIDLE, 1);
-  set_option(handle, IPPROTO_TCP, TCP_KEEPINTVL, 1);
-  set_option(handle, IPPROTO_TCP, TCP_KEEPCNT, 3);
-  set_option(handle, IPPROTO_TCP, TCP_USER_TIMEOUT, 4000);
+  set_tcp_options(socket.native_handle());
 }
 
 std::string to_text(const asio::ip::tcp::endpoint& endpoint) {

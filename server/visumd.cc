@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <limits>
@@ -78,41 +79,43 @@ scene::Scene load(const Options& options) {
   return scene;
 }
 
-std::unique_ptr<cycle::Simulation> make_simulation(const Options& options) {
-  if (options.rewound.empty()) return std::make_unique<cycle::Simulation>(load(options));
-  return recording::rewind(
-      options.rewound, options.at_s, [&](scene::Scene& scene) { set_clock(options, scene); },
-      plugin::plugin_folders(options.plugins.folders));
+// What the daemon runs, of a scene or of a recording.
+recording::Rewound make_world(const Options& options) {
+  if (!options.rewound.empty()) {
+    std::error_code not_there;
+    if (std::filesystem::equivalent(options.rewound, options.record, not_there))
+      throw std::runtime_error("--record " + options.record + " is the recording to go on from");
+    return recording::rewind(
+        options.rewound, options.at_s, [&](scene::Scene& scene) { set_clock(options, scene); },
+        plugin::plugin_folders(options.plugins.folders));
+  }
+  config::FilesNoted noted;
+  auto world = std::make_unique<cycle::Simulation>(load(options));
+  return {std::move(world), {std::move(noted.files), options.of_scene.engine, options.of_scene.parameters}};
 }
 
-recording::Origin origin_of(const Options& options, config::Files files) {
-  return {std::move(files), options.of_scene.engine, options.of_scene.parameters};
-}
-
-// What is written down of the world while it runs, where that is wanted.
-struct Recording {
-  Recording(const Options& options, cycle::Simulation& simulation, config::Files files)
-      : recorder(simulation, origin_of(options, std::move(files)), options.record), sink(recorder) {}
-  recording::Recorder recorder;
-  recording::LogSink sink;
+// What is written down of the world while it runs: all of it, or its last ticks if it freezes, or nothing.
+struct Logbook {
+  Logbook(cycle::Simulation& simulation, recording::Origin origin, const Options& options) {
+    if (!options.record.empty()) {
+      recorder.emplace(simulation, origin, options.record);
+      sink.emplace(*recorder);
+    } else if (options.dump != "off") {
+      flight.emplace(simulation, std::move(origin), options.dump);
+    }
+  }
+  std::optional<recording::Recorder> recorder;
+  std::optional<recording::LogSink> sink;
+  std::optional<recording::FlightRecorder> flight;
 };
 
 int run(Options options) {
   const gateway::NodeWatch watch(options.plugins.node_timeout());
   options.of_daemon.node_watch = &watch;
-  std::optional<config::FilesNoted> noted;
-  const bool dumps = options.record.empty() && options.rewound.empty() && options.dump != "off";
-  if (dumps || !options.record.empty()) noted.emplace();
-  const auto made = make_simulation(options);
-  auto& simulation = *made;
-  std::optional<Recording> recording;
-  std::optional<recording::FlightRecorder> flight;
-  if (dumps)
-    flight.emplace(simulation, origin_of(options, std::move(noted->files)), options.dump);
-  else if (noted)
-    recording.emplace(options, simulation, std::move(noted->files));
-  if (flight) options.of_daemon.flight = &*flight;
-  noted.reset();
+  auto [world, origin] = make_world(options);
+  auto& simulation = *world;
+  const Logbook logbook(simulation, std::move(origin), options);
+  if (logbook.flight) options.of_daemon.flight = &*logbook.flight;
   for (const auto& bus : options.buses)
     options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
   options.of_daemon.http = options.http.settled(options.of_daemon);
@@ -128,12 +131,6 @@ int run(Options options) {
 
 // What the world is made of: a scene, or a recording of one, which fixes engine and seed.
 void declare_world(CLI::App& app, Options& options, std::string_view verb) {
-  if (verb == "rewind") {
-    app.add_option("recording", options.rewound, "the run to go on from")->required()->type_name("FILE.mcap");
-    app.add_option("--at", options.at_s, "simulated seconds from its beginning; default: its end")
-        ->check(CLI::NonNegativeNumber);
-    return;
-  }
   if (verb == "record")
     app.add_option("recording", options.record, kRecordHelp)->required()->type_name("FILE.mcap");
   else
@@ -143,6 +140,12 @@ void declare_world(CLI::App& app, Options& options, std::string_view verb) {
          "where the last thousand ticks go if the world freezes and --record is not given; or off. Default: "
          "$STATE_DIRECTORY, or the working directory")
       ->type_name("FOLDER|off");
+  if (verb == "rewind") {
+    app.add_option("recording", options.rewound, "the run to go on from")->required()->type_name("FILE.mcap");
+    app.add_option("--at", options.at_s, "simulated seconds from its beginning; default: its end")
+        ->check(CLI::NonNegativeNumber);
+    return;
+  }
   app.add_option("scene", options.scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
   app.add_option("--seed", options.seed, "of the world's random numbers, instead of the scene's")
       ->check(CLI::NonNegativeNumber);
@@ -248,14 +251,17 @@ int replay(int argc, char** argv) {
   gateway::declare_plugins(app, plugins);
   gateway::declare_node_timeout(app, plugins);
   app.add_flag("--json", talk.json, "print one line of JSON");
-  app.add_flag("--view", view, "show it on the page, with a slider for its time, and compare meanwhile");
-  app.add_option("--port", of_daemon.port, "with --view: TCP port for clients; 0: any free one")
-      ->capture_default_str();
-  gateway::declare_http(app, of_daemon, http);
+  auto* shown =
+      app.add_flag("--view", view, "show it on the page, with a slider for its time, and compare meanwhile");
+  auto* of_view = app.add_option_group("With --view");
+  gateway::declare_doors(*of_view, of_daemon);
+  gateway::declare_http(*of_view, of_daemon, http);
+  for (auto* option : of_view->get_options()) option->needs(shown);
   app.footer(
       "Examples:\n"
       "  visum replay run.mcap\n"
       "  visum replay run.mcap --view      and open the address that it prints\n"
+      "  visum replay run.mcap --view --listen 0.0.0.0 --token-file tokens     for others, too\n"
       "Exit codes: 0 the same bits in every tick, 1 the same as far as the file can be read, 2 no recording, "
       "3 "
       "the\nscene in it is wrong, 5 the first tick that differs is shown.");

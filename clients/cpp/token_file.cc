@@ -7,29 +7,28 @@
 namespace visum {
 namespace {
 
-using protocol::Role;
-
-Role role_named(const std::string& word) {
-  for (const Role role : {Role::kObserver, Role::kController, Role::kAdmin}) {
+protocol::Role role_named(const std::string& word) {
+  for (const protocol::Role role :
+       {protocol::Role::kObserver, protocol::Role::kController, protocol::Role::kAdmin}) {
     if (word == protocol::to_string(role)) return role;
   }
-  return Role::kUnspecified;
+  return protocol::Role::kUnspecified;
 }
 
 // Whether a token that gives `offered` serves somebody who wants `wanted` better than one that gives `best`.
-bool is_better(Role offered, Role best, Role wanted) {
+bool is_better(protocol::Role offered, protocol::Role best, protocol::Role wanted) {
   if (best < wanted) return offered > best;
   return offered >= wanted && offered < best;
 }
 
 }  // namespace
 
-std::string read_token_file(const std::string& file, Role role) {
+std::string read_token_file(const std::string& file, protocol::Role role) {
   if (file.empty()) return {};
   std::ifstream in(file);
   if (!in) throw std::runtime_error(file + ": the token file cannot be read");
   std::string best;
-  Role best_role = Role::kUnspecified;
+  protocol::Role best_role = protocol::Role::kUnspecified;
   for (std::string line; std::getline(in, line);) {
     std::istringstream words(line.substr(0, line.find('#')));
     std::string first, second;

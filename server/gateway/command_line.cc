@@ -46,7 +46,7 @@ void declare_plugins(CLI::App& app, PluginWords& words) {
       ->check(CLI::ExistingDirectory);
 }
 
-void declare_common(CLI::App& app, DaemonOptions& daemon, Talk& talk) {
+void declare_doors(CLI::App& app, DaemonOptions& daemon) {
   app.add_option("--listen", daemon.address, "address to listen on; beyond loopback with --token-file only")
       ->capture_default_str();
   app.add_option("--port", daemon.port, "TCP port; 0: any free one")->capture_default_str();
@@ -54,6 +54,10 @@ void declare_common(CLI::App& app, DaemonOptions& daemon, Talk& talk) {
       "--token-file", daemon.token_file,
       "lines of \"ROLE TOKEN\" or \"ROLE CN=NAME\"; clients then need a token, or such a certificate");
   declare_tls(app, daemon.tls);
+}
+
+void declare_common(CLI::App& app, DaemonOptions& daemon, Talk& talk) {
+  declare_doors(app, daemon);
   app.add_option("--iterations", daemon.iterations, "end after so many ticks")->check(CLI::NonNegativeNumber);
   app.add_flag("--json", talk.json, "print one line of JSON when ready");
   app.add_option("-v", talk.verbosity, "0 errors, 1 warnings, 2 news, 3 details")->check(CLI::Range(0, 3));

@@ -31,7 +31,9 @@ struct PluginWords {
 void declare_plugins(CLI::App& app, PluginWords& words);
 void declare_node_timeout(CLI::App& app, PluginWords& words);
 
-// --listen, --port, --token-file, --iterations, --json and -v.
+// --listen, --port, --token-file and --tls-...: where it can be reached, and by whom.
+void declare_doors(CLI::App& app, DaemonOptions& daemon);
+// Those, --iterations, --json and -v.
 void declare_common(CLI::App& app, DaemonOptions& daemon, Talk& talk);
 
 // The port of the page, /metrics and /healthz, as a user said it.

@@ -4,6 +4,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <exception>
 #include <optional>
 #include <stdexcept>
 #include <thread>
@@ -173,6 +174,7 @@ struct Daemon::Impl {
   }
 
   void run_realtime();
+  void tick_in_real_time();
   void run_inline();
   bool may_tick_inline();
   bool await_due();
@@ -230,10 +232,25 @@ void Daemon::run() {
     impl_->run_inline();
 }
 
-// The tick's thread. The sessions' thread is only ever notified, never waited for.
+// The tick's thread. The sessions' thread is only ever notified, never waited for; and told of the end, also
+// where that is an exception.
 void Daemon::Impl::run_realtime() {
   prctl(PR_SET_TIMERSLACK, 1UL);
   std::thread sessions([this] { server.run(); });
+  std::exception_ptr failure;
+  try {
+    tick_in_real_time();
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  gateway.end();
+  server.notify();
+  server.stop();
+  sessions.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+void Daemon::Impl::tick_in_real_time() {
   auto& pacer = tick_side.pacer();
   bool was_running = false;
   while (!ended()) {
@@ -257,10 +274,6 @@ void Daemon::Impl::run_realtime() {
     do_tick();
     publish(has_something_to_send() || version_before != tick_side.version());
   }
-  gateway.end();
-  server.notify();
-  server.stop();
-  sessions.join();
 }
 
 bool Daemon::Impl::may_tick_inline() {

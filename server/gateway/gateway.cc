@@ -140,6 +140,7 @@ void Gateway::serve() {
   tell_notices();
   answer_advances(now);
   work_off_backlogs();
+  send_late_writes();
   send_samples(now);
   if (ending_.exchange(false)) broadcast({"shutdown", "the server ends", {}, now.era, now.tick});
   note_due();
@@ -148,6 +149,7 @@ void Gateway::serve() {
 void Gateway::note_due() {
   auto due = std::numeric_limits<std::int64_t>::max();
   if (const auto answer = members_.next_answer()) due = *answer;
+  if (!late_.empty()) due = std::min(due, now_->tick + 1);
   for (const auto& [id, client] : clients_) {
     if (client.step_until) due = std::min(due, *client.step_until);
     for (const auto& subscription : client.subscriptions) due = std::min(due, subscription.next_tick);
@@ -164,8 +166,11 @@ void Gateway::follow_eras(const Published& now) {
   if (now.era == era_) return;
   era_ = now.era;
   members_.rebase(now.tick);
-  for (std::size_t part = 0; part < latched_.size(); ++part)
+  for (std::uint32_t part = 0; part < latched_.size(); ++part) {
+    send_late_writes(part);  // as all that was written before, into the new era
+    late_.drop(part);
     latched_[part] = now.parts[part].controller_inputs;
+  }
   for (auto& [id, client] : clients_) {
     client.peaks_from = now.tick;
     if (client.step_until) client.step_until = now.tick;
@@ -227,6 +232,8 @@ void Gateway::stop_part(std::uint32_t part) {
 }
 
 void Gateway::lose_lease(std::uint32_t part, const std::string& why) {
+  send_late_writes(part);
+  late_.drop(part);
   stop_part(part);
   leases_.free(part);
   ++lease_losses_;
@@ -244,15 +251,22 @@ std::uint64_t Gateway::order_of(const Call& call) {
   return hash;
 }
 
+bool Gateway::has_sent_enough(Client& client) const {
+  if (client.counted_tick != now_->tick) client.inputs_at_tick = 0;
+  client.counted_tick = now_->tick;
+  return client.inputs_at_tick >= kMaxInputsPerTick && world_.clock == scene::ClockKind::kRealtime;
+}
+
 Input* Gateway::input_or_fail(const Call& call) {
-  auto& client = call.client;
-  const auto tick = now_->tick;
-  if (client.counted_tick != tick) client.inputs_at_tick = 0;
-  client.counted_tick = tick;
-  if (++client.inputs_at_tick > kMaxInputsPerTick && world_.clock == scene::ClockKind::kRealtime) {
+  if (has_sent_enough(call.client)) {
     call.fail(ErrorCode::kBusy, "more than " + std::to_string(kMaxInputsPerTick) + " inputs within one tick");
     return nullptr;
   }
+  ++call.client.inputs_at_tick;
+  return blank_input_or_fail(call);
+}
+
+Input* Gateway::blank_input_or_fail(const Call& call) {
   auto* input = mailbox_.blank_input();
   if (!input) call.fail(ErrorCode::kBusy, "too many inputs wait for the next tick");
   return input;

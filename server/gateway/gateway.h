@@ -19,6 +19,7 @@
 #include "server/cycle/pacer.h"
 #include "server/gateway/access.h"
 #include "server/gateway/bus/cycle_gate.h"
+#include "server/gateway/late_writes.h"
 #include "server/gateway/leases.h"
 #include "server/gateway/mailbox.h"
 #include "server/gateway/members.h"
@@ -123,7 +124,7 @@ class Gateway : public protocol::SessionHandler {
     std::deque<std::pair<std::uint64_t, protocol::Request>> backlog;
   };
   static constexpr std::uint32_t kWorldStream = 0xFFFFFFFF;
-  static constexpr int kMaxInputsPerTick = 8;
+  static constexpr int kMaxInputsPerTick = 8;  // of a session, in realtime
   static constexpr std::size_t kMaxBacklog = 64;
 
   // A request in hand: how to answer it.
@@ -185,7 +186,13 @@ class Gateway : public protocol::SessionHandler {
   bool blackboard_or_fail(const Call& call, std::uint32_t part, const std::string& name, bool to_write) const;
   bool lease_or_fail(const Call& call, std::uint32_t part) const;
   std::optional<std::string> why_not(std::uint32_t part, const hwparts::Fault& fault) const;
+  // As many as a tick takes of one session.
+  bool has_sent_enough(Client& client) const;
   Input* input_or_fail(const Call& call);
+  Input* blank_input_or_fail(const Call& call);
+  void send_write(std::uint32_t part, std::uint32_t first_port, std::uint32_t end_port, Input* input);
+  void send_late_writes();  // as many as the next tick takes
+  void send_late_writes(std::uint32_t part);
   static std::uint64_t order_of(const Call& call);  // among inputs that need no lease
   // grade L1 (gates.cc)
   std::string fault_of_gate(const protocol::Gate& gate) const;
@@ -234,6 +241,7 @@ class Gateway : public protocol::SessionHandler {
   Members members_;
   std::map<std::uint64_t, Client> clients_;   // by session
   std::vector<std::vector<double>> latched_;  // by part: controller inputs as last accepted
+  LateWrites late_;
   std::vector<protocol::PartBus> buses_;
   BusDoor bus_door_{[](const auto&) {}, [] { return std::uint64_t{0}; },     [](auto&) {}, [](auto, auto) {},
                     [](auto) {},        [](auto) { return std::int64_t{0}; }};

@@ -97,6 +97,8 @@ void Gateway::handle(const Call& call, const protocol::AcquireLease& request) {
                  call.session.peer(), request.part, lease.owner);
     lose_lease(*part, "taken by '" + call.session.client_name() + "'");
   }
+  if (leases_.held_by(*part, call.session.id())) send_late_writes(*part);
+  late_.drop(*part);
   const auto epoch = leases_.grant(*part, call.session.id(), call.session.client_name());
   input->kind = Input::Kind::kLeaseGranted;
   input->part = *part;
@@ -109,8 +111,10 @@ void Gateway::handle(const Call& call, const protocol::AcquireLease& request) {
 void Gateway::handle(const Call& call, const protocol::ReleaseLease& request) {
   const auto part = part_or_fail(call, request.part);
   if (!part || !lease_or_fail(call, *part)) return;
-  auto* input = input_or_fail(call);
+  // However much was sent: there are no more releases than grants.
+  auto* input = blank_input_or_fail(call);
   if (!input) return;
+  send_late_writes(*part);
   input->kind = Input::Kind::kLeaseReleased;
   input->part = *part;
   input->epoch = leases_.of(*part).epoch;
@@ -148,16 +152,49 @@ void Gateway::handle(const Call& call, const protocol::Write& request) {
     return call.fail(ErrorCode::kStale, "sequence " + std::to_string(request.sequence) +
                                             " is not newer than " +
                                             std::to_string(leases_.of(*part).sequence));
-  auto* input = input_or_fail(call);
-  if (!input) return;
-  input->kind = Input::Kind::kWrite;
-  input->part = *part;
-  input->epoch = leases_.of(*part).epoch;
-  input->first_port = request.first_port;
-  input->values.assign(request.values.begin(), request.values.end());
-  mailbox_.send(input);
-  std::ranges::copy(request.values, latched_[*part].begin() + request.first_port);
+  const auto latch = [&] { std::ranges::copy(request.values, latched_[*part].begin() + request.first_port); };
+  if (has_sent_enough(call.client)) {
+    late_.add(*part, request.first_port, request.values.size());
+    latch();
+  } else {
+    send_late_writes(*part);  // in their order
+    auto* input = input_or_fail(call);
+    if (!input) return;
+    latch();
+    send_write(*part, request.first_port,
+               static_cast<std::uint32_t>(request.first_port + request.values.size()), input);
+  }
   call.reply(protocol::Ok{});
+}
+
+// The values that are latched for these ports.
+void Gateway::send_write(std::uint32_t part, std::uint32_t first_port, std::uint32_t end_port, Input* input) {
+  input->kind = Input::Kind::kWrite;
+  input->part = part;
+  input->epoch = leases_.of(part).epoch;
+  input->first_port = first_port;
+  input->values.assign(latched_[part].begin() + first_port, latched_[part].begin() + end_port);
+  mailbox_.send(input);
+}
+
+void Gateway::send_late_writes() {
+  for (std::uint32_t part = 0; part < world_.parts.size(); ++part) {
+    if (!late_.has(part)) continue;
+    const auto owner = clients_.find(leases_.of(part).session);
+    if (owner == clients_.end())
+      late_.drop(part);
+    else if (!has_sent_enough(owner->second))
+      send_late_writes(part);
+  }
+}
+
+void Gateway::send_late_writes(std::uint32_t part) {
+  while (late_.has(part)) {
+    auto* input = mailbox_.blank_input();
+    if (!input) return;
+    const auto [first_port, end_port] = late_.take_run(part);
+    send_write(part, first_port, end_port, input);
+  }
 }
 
 void Gateway::handle(const Call& call, const protocol::Read& request) {

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <exception>
 #include <iostream>
+#include <new>
 #include <system_error>
 
 #include "protocol/config/config.h"
@@ -134,6 +135,9 @@ int exit_code_of(const std::function<int()>& run) {
     return kConfigWrong;
   } catch (const std::system_error& error) {
     spdlog::error("{}", is_no_thread(error) ? kNoThread : error.what());
+    return kUsage;
+  } catch (const std::bad_alloc&) {
+    spdlog::error("there is no more memory: its limit (ulimit -v, or the container's) is reached");
     return kUsage;
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());

@@ -91,7 +91,7 @@ TEST(Coverage, AsAQuantityOfAScenario) {
   EXPECT_EQ(quantity.measure(quantity, now), 8.0 / 16) << "it remembers";
 }
 
-std::string error_of(const std::string& yaml) {
+std::string cover_error(const std::string& yaml) {
   try {
     auto catalogue = small_catalogue();
     catalogue.world.bodies[1].fixed = true;
@@ -105,15 +105,15 @@ std::string error_of(const std::string& yaml) {
 }
 
 TEST(Coverage, RefusesAFloorThatIsNone) {
-  EXPECT_EQ(error_of("{body: box, within: 1, from: [0, 0], to: [0, 4]}"),
+  EXPECT_EQ(cover_error("{body: box, within: 1, from: [0, 0], to: [0, 4]}"),
             "test:1: to: must be greater than 'from' in x and y");
-  EXPECT_EQ(error_of("{body: box, within: 1, from: [0, 0], to: [1000, 1000]}"),
+  EXPECT_EQ(cover_error("{body: box, within: 1, from: [0, 0], to: [1000, 1000]}"),
             "test:1: the floor has more than 250000 cells");
-  EXPECT_EQ(error_of("{body: box, within: 0, from: [0, 0], to: [1, 1]}"),
+  EXPECT_EQ(cover_error("{body: box, within: 0, from: [0, 0], to: [1, 1]}"),
             "test:1: within: must be between 0.001 and 10000, is 0");
-  EXPECT_EQ(error_of("{body: bax, within: 1, from: [0, 0], to: [1, 1]}").substr(0, 8), "test:1: ");
+  EXPECT_EQ(cover_error("{body: bax, within: 1, from: [0, 0], to: [1, 1]}").substr(0, 8), "test:1: ");
   EXPECT_EQ(
-      error_of("{body: box, within: 1, from: [0, 0], to: [1, 1]}"),
+      cover_error("{body: box, within: 1, from: [0, 0], to: [1, 1]}"),
       "test:1: the floor below 'table', which has a mesh, cannot be told; of boxes, spheres, cylinders, "
       "capsules and planes it can");
 }

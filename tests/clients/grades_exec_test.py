@@ -13,7 +13,7 @@ from lockstep_exec_test import SHIM, STEPS, WAITS, run
 from programs import ARM, BIN, DEADLINE_S, Daemon, children_of, visum
 
 PERIOD_MS = 20  # of the steps of WAITS
-PATIENCE_S = 60
+PATIENCE_S = 240
 PACES = (0.1, 1, 20, None)  # times real time; None: flat out
 GATE = ["--gate", "bus:arm", "--period", PERIOD_MS]
 
@@ -274,7 +274,7 @@ class Debugger(InStep):
     """Grade L3: who is stopped freezes the other, and the trajectory is the same to the bit."""
 
     COMMAND = [WAITS, "usleep"]
-    STEPS = 60
+    STEPS = 600  # time enough to disturb it in the middle
 
     def run_disturbed(self, disturb):
         process = self.start("--lockstep", "--", *self.COMMAND, self.tty, self.STEPS)

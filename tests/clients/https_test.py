@@ -11,7 +11,7 @@ import sys
 import unittest
 
 from certificates import WithCertificates
-from programs import BIN, DEADLINE_S, Daemon
+from programs import ARM, BIN, DEADLINE_S, Daemon, visum
 
 sys.path.insert(0, str(BIN.parent / "python"))
 from visum import visum_pb2 as pb  # noqa: E402
@@ -80,6 +80,13 @@ class Session:
         return self.ask(1, hello=pb.Hello(min_version=1, max_version=1, client_name="page", role=role, token=token.encode()))
 
 
+class Viewer(Daemon):
+    """A recording on the page."""
+
+    def __init__(self, file, *options):
+        self.command = [str(BIN / "visum"), "replay", str(file), "--view", "--json", *map(str, options)]
+
+
 class Https(WithCertificates):
     @classmethod
     def setUpClass(cls):
@@ -87,11 +94,14 @@ class Https(WithCertificates):
         cls.sign("old", days=-1)
         cls.sign_itself("boss", "other")
 
-    def daemon(self, *options):
+    def doors(self):
         tokens = self.folder / "tokens"
         tokens.write_text("admin CN=boss\nobserver CN=camera\ncontroller tokens-work-too-01\n")
         tokens.chmod(0o600)
-        return Daemon("--clock", "lockstep", "--http", "0", *self.files("server"), "--token-file", tokens, *options)
+        return ("--http", "0", *self.files("server"), "--token-file", tokens)
+
+    def daemon(self, *options):
+        return Daemon("--clock", "lockstep", *self.doors(), *options)
 
     def context(self, name=None):
         context = ssl.create_default_context(cafile=self.folder / "ca.pem")
@@ -161,6 +171,21 @@ class Https(WithCertificates):
             session.send(struct.pack(">H", 1000), opcode=8)
             self.assertEqual(session.message(), (8, struct.pack(">H", 1000)))
             self.assertEqual(session.stream.recv(1), b"", "ended in good order: else this raises")
+
+    def test_a_recording_is_shown_by_the_same_rules(self):
+        file = self.folder / "run.mcap"
+        visum("record", file, ARM, "--clock", "free", "--run", "--iterations", 20, "--port", 0, "--http", "off")
+        refused = visum("replay", file, "--view", "--listen", "0.0.0.0", expect=2)
+        self.assertIn("--listen 0.0.0.0 is open to others than this machine: that needs --token-file", refused.stderr)
+        self.assertIn("--listen requires --view", visum("replay", file, "--listen", "127.0.0.1", expect=2).stderr)
+        with Viewer(file, "--listen", "0.0.0.0", *self.doors()) as viewer:
+            self.assertEqual(viewer.ready["page"], f"https://localhost:{viewer.ready['http']}/")
+            self.assertEqual(self.get(viewer, "/healthz", "boss"), (200, b"ok\n"))
+            self.assertEqual(self.get(viewer, "/metrics", "server")[0], 401, "it has no role")
+            boss = self.session(viewer, "boss")
+            self.assertEqual(boss.hello(ADMIN).welcome.role, ADMIN)
+            parameters = boss.ask(2, get_parameters=pb.GetParameters(part="recording")).parameters.parameters
+            self.assertEqual([(p.name, p.maximum) for p in parameters], [("Position", 20)])
 
     def test_pages_of_other_origins_get_no_session(self):
         with self.daemon() as daemon:

@@ -152,6 +152,53 @@ TEST(Writes, AreAllOrNothing) {
   EXPECT_EQ(client.request_as<PartSample>(Read{"arm"}).controller_inputs, before);
 }
 
+// A wire that was held up delivers them at once.
+TEST(Writes, ManyAtOnceAreAllAcceptedAndTheLastOfEachPortComesIntoForce) {
+  RunningDaemon daemon(scene::ClockKind::kRealtime);
+  auto admin = daemon.connect("admin", Role::kAdmin), client = daemon.connect("writer");
+  client.request(AcquireLease{"arm", 0, false});
+  admin.request(Pause{});
+  constexpr std::uint64_t kMany = 500;
+  std::vector<std::uint64_t> ids;
+  for (std::uint64_t i = 1; i <= kMany; ++i) {
+    // Joints 1 and 3, and joint 2 once.
+    const std::uint32_t port = i % 2 == 0 ? 0 : i == 1 ? 1 : 2;
+    ids.push_back(client.send(Write{"arm", port, {1e-4 * static_cast<double>(i)}, i}));
+  }
+  for (const auto id : ids) EXPECT_NO_THROW(client.wait(id));
+  EXPECT_EQ(refusal_of([&] { client.request(Write{"arm", 0, {0.0}, kMany}); }).code(), ErrorCode::kStale);
+  admin.request(Step{2});
+  const auto inputs = client.request_as<PartSample>(Read{"arm"}).controller_inputs;
+  EXPECT_EQ(inputs[0], 1e-4 * kMany);
+  EXPECT_EQ(inputs[1], 1e-4);
+  EXPECT_EQ(inputs[2], 1e-4 * (kMany - 1));
+  EXPECT_EQ(admin.request_as<ServerStatus>(Status{}).refused, 1u);
+}
+
+TEST(Writes, OfManyAtOnceTheLastHoldsAfterTheRelease) {
+  RunningDaemon daemon(scene::ClockKind::kRealtime);
+  auto admin = daemon.connect("admin", Role::kAdmin), client = daemon.connect("writer");
+  client.request(AcquireLease{"arm", 0, false});
+  admin.request(Pause{});
+  for (int i = 1; i <= 20; ++i) client.request(Write{"arm", 0, {0.01 * i}, 0});
+  client.request(ReleaseLease{"arm"});
+  admin.request(Step{1});
+  EXPECT_EQ(admin.request_as<PartSample>(Read{"arm"}).controller_inputs[0], 0.01 * 20);
+}
+
+// What one controller sent too much of does not come between the next one's commands.
+TEST(Writes, OfManyAtOnceNoneIsLeftToTheNextHolder) {
+  RunningDaemon daemon(scene::ClockKind::kRealtime);
+  auto admin = daemon.connect("admin", Role::kAdmin), client = daemon.connect("writer");
+  client.request(AcquireLease{"arm", 0, false});
+  admin.request(Pause{});
+  for (int i = 1; i <= 20; ++i) client.request(Write{"arm", 0, {0.01 * i}, 0});
+  admin.request(AcquireLease{"arm", 0, true});
+  admin.request(Write{"arm", 0, {0.5}, 0});
+  admin.request(Step{3});
+  EXPECT_EQ(admin.request_as<PartSample>(Read{"arm"}).controller_inputs[0], 0.5);
+}
+
 TEST(Writes, AnOlderSequenceIsStale) {
   RunningDaemon daemon(scene::ClockKind::kLockstep);
   auto client = daemon.connect("writer");

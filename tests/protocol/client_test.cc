@@ -3,6 +3,8 @@
 
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -70,6 +72,19 @@ class Client : public ::testing::Test {
   std::int64_t samples = 1;
   std::uint64_t advance_id = 0;
 };
+
+// Probes find a silent peer only while nothing waits to be acknowledged; from then on, the time without that.
+TEST_F(Client, AsksTheKernelToNoticeAServerThatVanishedWhileItIsSpokenTo) {
+  const auto connection = connect();
+  const auto option = [&](int level, int name) {
+    int value = 0;
+    socklen_t size = sizeof value;
+    EXPECT_EQ(::getsockopt(connection.native_handle(), level, name, &value, &size), 0);
+    return value;
+  };
+  EXPECT_EQ(option(SOL_SOCKET, SO_KEEPALIVE), 1);
+  EXPECT_EQ(option(IPPROTO_TCP, TCP_USER_TIMEOUT), 4000);
+}
 
 TEST_F(Client, IsWelcomed) {
   Connection connection = connect();

@@ -16,7 +16,7 @@ using testing::make_vectors;
 using testing::Vector;
 using Bytes = std::vector<std::byte>;
 
-constexpr int kDepth = Limits{}.max_depth;
+constexpr int kMostDepth = Limits{}.max_depth;
 
 std::span<const std::byte> payload_of(const Vector& vector) {
   return std::span(vector.frame).subspan(kHeaderBytes);
@@ -28,7 +28,7 @@ bool survives(const std::string& message, std::span<const std::byte> payload, By
   std::string why;
   frame.clear();
   if (message == "ClientMessage") {
-    if (const auto request = decode_request(payload, kDepth, why))
+    if (const auto request = decode_request(payload, kMostDepth, why))
       return encode_request(request->id, request->request, frame), true;
   } else if (const auto reply = decode_reply(payload, why)) {
     return encode_reply(reply->reply_to, reply->reply, frame), true;

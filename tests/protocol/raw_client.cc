@@ -10,13 +10,10 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "tests/protocol/checked.h"
+
 namespace visum::testing {
 namespace {
-
-int checked(int result, const char* what) {
-  if (result < 0) throw std::system_error(errno, std::generic_category(), what);
-  return result;
-}
 
 void connect_to(int fd, const std::string& address, std::uint16_t port) {
   sockaddr_in v4{AF_INET, htons(port), {}, {}};

@@ -50,7 +50,8 @@ void enter_namespace() {
   write_proc("/proc/self/gid_map", gid + " " + gid + " 1");
 }
 
-void bind(const std::string& source, const std::string& target, unsigned long flags = 0) {
+// Not "bind": std::bind would be the better match for some arguments.
+void bind_mount(const std::string& source, const std::string& target, unsigned long flags = 0) {
   if (::mount(source.c_str(), target.c_str(), nullptr, MS_BIND | flags, nullptr) != 0)
     fail("cannot put " + source + " to " + target);
 }
@@ -71,7 +72,7 @@ void copy_entry(const fs::directory_entry& entry, const std::string& from) {
     fs::create_directory(target);
   else
     make_empty(target);
-  bind(source, target, MS_REC);
+  bind_mount(source, target, MS_REC);
 }
 
 // /dev as a folder of ours in which new names can be made; everything in it is what it was.
@@ -106,7 +107,7 @@ void place_devices(const std::vector<Placement>& placements) {
       copied = true;
       make_empty(device);
     }
-    bind(source, device);
+    bind_mount(source, device);
   }
 }
 

@@ -21,7 +21,7 @@ constexpr std::int64_t kWatch_ns = 10'000'000;  // who runs is looked after that
 constexpr std::int64_t kSoon_ns = 50'000;       // somebody is about to be gone, or awake
 constexpr std::int64_t kMostTicks = 1000;       // at once: then we look who woke up by himself
 
-constexpr std::chrono::seconds kFarewell{5};  // for the world, once the program has ended
+constexpr std::chrono::seconds kLastWords{5};  // for the world, once the program has ended
 
 bool is_ready(const Slot& slot, std::int64_t now_ns) {
   const auto state = slot.state.load();
@@ -81,7 +81,7 @@ void Keeper::check_end() {
 
 bool Keeper::is_patient() {
   check_end();
-  return !ended_ || Clock::now() < ended_at_ + kFarewell;
+  return !ended_ || Clock::now() < ended_at_ + kLastWords;
 }
 
 // `soon`: nobody runs, but somebody is about to go or to wake up. First nobody may run at all; only then can
@@ -268,7 +268,7 @@ void Keeper::kill_all() {
   for (const auto process : processes)
     if (process != program_ || !ended_) ::kill(process, SIGKILL);
   if (!ended_) ::waitpid(program_, nullptr, 0);
-  const auto give_up = Clock::now() + kFarewell;
+  const auto give_up = Clock::now() + kLastWords;
   for (const auto process : processes)
     while (process != program_ && !threads_.state(process, process).gone() && Clock::now() < give_up)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -18,8 +18,8 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kRound{100};
-constexpr milliseconds kFarewell{15'000};  // a run ends its controllers and its daemon first
-constexpr double kNoLimit_s = 1e7;         // each run has its own
+constexpr milliseconds kFarewellOfRun{15'000};  // a run ends its controllers and its daemon first
+constexpr double kNoLimit_s = 1e7;              // each run has its own
 
 // "007" of 120, so that names sort as numbers do.
 std::string padded(std::size_t run, std::size_t runs) {
@@ -107,7 +107,7 @@ class Crew {
 
   void end_all() {
     for (const Job& job : jobs_) job.process->signal(SIGINT);
-    for (const Job& job : jobs_) job.process->stop(kFarewell);
+    for (const Job& job : jobs_) job.process->stop(kFarewellOfRun);
   }
 
   const ManyOptions& options_;

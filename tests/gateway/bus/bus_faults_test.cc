@@ -12,8 +12,6 @@ namespace {
 using powercube::Telegram;
 using Kind = Telegram::Kind;
 
-const Telegram kGetVersion{Kind::kGet, 3, {0x0A, 0x1D}};
-const Telegram kVersion{Kind::kAnswer, 3, {0x0A, 0x1D, 0x34, 0x46}};
 const Telegram kGetAddress{Kind::kGet, 4, {0x0A, 0x20}};
 const Telegram kAddress{Kind::kAnswer, 4, {0x0A, 0x20, 4}};
 

@@ -19,6 +19,10 @@
 
 namespace visum::gateway {
 
+// Module 3 is asked for its version, and says it.
+inline const powercube::Telegram kGetVersion{powercube::Telegram::Kind::kGet, 3, {0x0A, 0x1D}};
+inline const powercube::Telegram kVersion{powercube::Telegram::Kind::kAnswer, 3, {0x0A, 0x1D, 0x34, 0x46}};
+
 class BusLine {
  public:
   static BusLine tty(const std::filesystem::path& path) {

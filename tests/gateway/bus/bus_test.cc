@@ -14,9 +14,6 @@ using powercube::Message;
 using powercube::Telegram;
 using Kind = Telegram::Kind;
 
-const Telegram kGetVersion{Kind::kGet, 3, {0x0A, 0x1D}};
-const Telegram kVersion{Kind::kAnswer, 3, {0x0A, 0x1D, 0x34, 0x46}};
-
 DaemonOptions with(const std::vector<BusAddress>& buses) {
   DaemonOptions options;
   options.buses = buses;

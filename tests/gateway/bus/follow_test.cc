@@ -15,9 +15,6 @@ using protocol::Advance;
 using protocol::Advanced;
 using protocol::Join;
 
-const Telegram kGetVersion{Telegram::Kind::kGet, 3, {0x0A, 0x1D}};
-const Telegram kVersion{Telegram::Kind::kAnswer, 3, {0x0A, 0x1D, 0x34, 0x46}};
-
 DaemonOptions with(const BusAddress& bus) {
   DaemonOptions options;
   options.buses = {bus};

@@ -20,7 +20,7 @@ using protocol::Status;
 Telegram get(std::uint8_t module, std::uint8_t parameter) {
   return {Telegram::Kind::kGet, module, {0x0A, parameter}};
 }
-constexpr std::uint8_t kState = 0x27, kVersion = 0x1D;
+constexpr std::uint8_t kStateId = 0x27, kVersionId = 0x1D;
 
 BusItem item(const Telegram& telegram) {
   BusItem item;
@@ -30,11 +30,11 @@ BusItem item(const Telegram& telegram) {
 
 TEST(CycleGate, AskingTheSameAgainEndsACycle) {
   CycleGate gate({10, 0, {}}, 0);
-  for (std::uint8_t module = 1; module <= 3; ++module) gate.ask(item(get(module, kState)));
-  gate.ask(item(get(1, kVersion)));
+  for (std::uint8_t module = 1; module <= 3; ++module) gate.ask(item(get(module, kStateId)));
+  gate.ask(item(get(1, kVersionId)));
   for (int i = 0; i < 4; ++i) EXPECT_TRUE(gate.next(0)) << i;
   for (int cycle = 0; cycle < 3; ++cycle) {
-    for (std::uint8_t module = 1; module <= 3; ++module) gate.ask(item(get(module, kState)));
+    for (std::uint8_t module = 1; module <= 3; ++module) gate.ask(item(get(module, kStateId)));
     EXPECT_FALSE(gate.next(10 * cycle)) << "the period comes first";
     EXPECT_EQ(gate.granted_tick(), 10 * (cycle + 1));
     EXPECT_FALSE(gate.next(10 * cycle + 9));
@@ -45,14 +45,14 @@ TEST(CycleGate, AskingTheSameAgainEndsACycle) {
 }
 
 TEST(CycleGate, ANamedFrameIsObeyedAndItsAnswerWaits) {
-  CycleGate gate({20, 2, {0x0A, kState}}, 100);
-  gate.ask(item(get(1, kState)));
-  gate.ask(item(get(1, kState)));
-  gate.ask(item(get(2, kState)));
-  gate.ask(item(get(1, kState)));
+  CycleGate gate({20, 2, {0x0A, kStateId}}, 100);
+  gate.ask(item(get(1, kStateId)));
+  gate.ask(item(get(1, kStateId)));
+  gate.ask(item(get(2, kStateId)));
+  gate.ask(item(get(1, kStateId)));
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(gate.next(100)) << i;
   EXPECT_EQ(gate.granted_tick(), 120);
-  gate.hold({item(get(2, kState)), 0});
+  gate.hold({item(get(2, kStateId)), 0});
   EXPECT_FALSE(gate.next(119)) << "what comes meanwhile waits";
   EXPECT_TRUE(gate.released(119).empty());
   EXPECT_EQ(gate.released(120).size(), 1u);
@@ -85,7 +85,7 @@ TEST_F(Gates, LetTheWorldRunByAPeriodForEachCycle) {
   auto line = this->line();
   for (int cycle = 0; cycle < 20; ++cycle)
     for (std::uint8_t module = 1; module <= 8; ++module) {
-      EXPECT_EQ(line.ask(get(module, kState)).module, module);
+      EXPECT_EQ(line.ask(get(module, kStateId)).module, module);
       EXPECT_EQ(tick_of(client), 20 * cycle) << "the answer is there when its step is done";
     }
   const auto status = client.request_as<ServerStatus>(Status{});
@@ -95,14 +95,14 @@ TEST_F(Gates, LetTheWorldRunByAPeriodForEachCycle) {
 
 TEST_F(Gates, OfANamedFrameHoldItsAnswer) {
   RunningDaemon daemon(scene::ClockKind::kLockstep, with_bus());
-  auto client = keeper(
-      daemon, {0, 1, OnTimeout::kHold, Gate{"arm", "", 5'000'000, 3, {std::byte{0x0A}, std::byte{kState}}}});
+  auto client = keeper(daemon, {0, 1, OnTimeout::kHold,
+                                Gate{"arm", "", 5'000'000, 3, {std::byte{0x0A}, std::byte{kStateId}}}});
   auto line = this->line();
   for (int cycle = 0; cycle < 20; ++cycle) {
-    line.ask(get(1, kState));
-    line.ask(get(1, kState));
+    line.ask(get(1, kStateId));
+    line.ask(get(1, kStateId));
     EXPECT_EQ(tick_of(client), 5 * cycle);
-    line.ask(get(3, kState));
+    line.ask(get(3, kStateId));
     EXPECT_EQ(tick_of(client), 5 * (cycle + 1));
   }
 }
@@ -113,10 +113,10 @@ TEST_F(Gates, GiveALineItsTime) {
   RunningDaemon daemon(scene::ClockKind::kLockstep, with_bus(slow));
   auto client = keeper(daemon, {0, 1, OnTimeout::kHold, Gate{"arm", "", 10'000'000}});
   auto line = this->line();
-  line.ask(get(1, kState));
+  line.ask(get(1, kStateId));
   const auto first = tick_of(client);
   EXPECT_GE(first, 3);
-  line.ask(get(1, kState));
+  line.ask(get(1, kStateId));
   EXPECT_EQ(tick_of(client), 2 * first + 10);
 }
 
@@ -127,8 +127,8 @@ TEST_F(Gates, ThatCloseServeWhatWaits) {
   std::optional<protocol::Connection> client =
       keeper(daemon, {0, 1, OnTimeout::kHold, Gate{"arm", "", 20'000'000}});
   auto line = this->line();
-  line.ask(get(1, kState));
-  line.send(get(1, kState));
+  line.ask(get(1, kStateId));
+  line.send(get(1, kStateId));
   EXPECT_EQ(line.read_once(50), "") << "its period is not over";
   client.reset();
   EXPECT_NE(line.read_to('\x03'), "");
@@ -140,10 +140,10 @@ TEST_F(Gates, AResetHoldsNobody) {
   auto admin = daemon.connect("admin", protocol::Role::kAdmin);
   auto client = keeper(daemon, {0, 1, OnTimeout::kHold, Gate{"arm", "", 20'000'000}});
   auto line = this->line();
-  for (int i = 0; i < 5; ++i) line.ask(get(1, kState));
+  for (int i = 0; i < 5; ++i) line.ask(get(1, kStateId));
   admin.request(protocol::Reset{});
   EXPECT_EQ(tick_of(admin), 0);
-  for (int i = 0; i < 2; ++i) line.ask(get(2, kState));
+  for (int i = 0; i < 2; ++i) line.ask(get(2, kStateId));
   EXPECT_EQ(tick_of(admin), 20);
 }
 
@@ -152,9 +152,9 @@ TEST_F(Gates, APausedWorldHoldsTheAnswer) {
   auto admin = daemon.connect("admin", protocol::Role::kAdmin);
   auto client = keeper(daemon, {0, 1, OnTimeout::kHold, Gate{"arm", "", 20'000'000}});
   auto line = this->line();
-  line.ask(get(1, kState));
+  line.ask(get(1, kStateId));
   admin.request(protocol::Pause{});
-  line.send(get(1, kState));
+  line.send(get(1, kStateId));
   EXPECT_EQ(line.read_once(50), "");
   EXPECT_EQ(tick_of(admin), 0);
   admin.request(protocol::Resume{});

@@ -157,18 +157,34 @@ std::optional<Oracle::Step> Oracle::next_step(PartModel& part) {
 
 void Oracle::took_write(PartModel& part, const recording::WriteInputs& write) {
   ++counts_.taken;
-  while (const auto next = next_step(part)) {
-    const auto& step = *next;
-    if (step.kind == Step::Kind::kLoss) expect(false, "a loss reaches the world before what comes after it");
-    if (step.kind != Step::Kind::kWrite) continue;
-    const bool same = step.first_port == write.first_port && std::ranges::equal(step.values, write.values);
-    if (!same && step.epoch <= part.lost_there) continue;  // it came too late to be done
-    expect(same, "what is accepted is done once, in order");
-    expect(step.epoch > part.lost_there, "nothing of a lost lease reaches the world");
-    part.must_stand_from = -1;
-    return;
+  std::map<std::uint32_t, double> wanted;
+  for (std::size_t i = 0; i < write.values.size(); ++i)
+    wanted[write.first_port + static_cast<std::uint32_t>(i)] = write.values[i];
+  const auto is_all_there = [&] { return std::ranges::includes(part.to_come, wanted); };
+  while (!is_all_there()) {
+    const auto step = next_step(part);
+    if (!step) return expect(false, "what is done was accepted, and is done once, in order");
+    if (step->kind == Step::Kind::kLoss) expect(false, "a loss reaches the world before what comes after it");
+    if (step->kind != Step::Kind::kWrite || step->epoch <= part.lost_there) continue;  // too late to be done
+    for (std::size_t i = 0; i < step->values.size(); ++i)
+      part.to_come[step->first_port + static_cast<std::uint32_t>(i)] = step->values[i];
   }
-  expect(false, "nothing is done that was not accepted");
+  for (const auto& [port, value] : wanted) {
+    part.to_come.erase(port);
+    part.in_force[port] = value;
+  }
+  part.must_stand_from = -1;
+}
+
+bool Oracle::is_in_force(const PartModel& part, std::uint32_t port, double value) {
+  const auto found = part.in_force.find(port);
+  return found != part.in_force.end() && found->second == value;
+}
+
+bool Oracle::is_in_force(const PartModel& part, const Step& write) {
+  for (std::size_t i = 0; i < write.values.size(); ++i)
+    if (!is_in_force(part, write.first_port + static_cast<std::uint32_t>(i), write.values[i])) return false;
+  return true;
 }
 
 void Oracle::took_loss(PartModel& part) {
@@ -177,12 +193,18 @@ void Oracle::took_loss(PartModel& part) {
   while (const auto next = next_step(part)) {
     const auto& step = *next;
     if (step.kind == Step::Kind::kLoss) {
+      for (const auto& [port, value] : part.to_come)
+        expect(step.epoch <= part.lost_there || is_in_force(part, port, value),
+               "all of a write is done before the loss of its lease");
+      part.to_come.clear();
       part.lost_there = std::max(part.lost_there, step.epoch);
       return;
     }
     if (step.kind == Step::Kind::kWrite)
-      expect(step.epoch <= part.lost_there, "a write is done before the loss of its lease");
+      expect(step.epoch <= part.lost_there || is_in_force(part, step),
+             "a write is done before the loss of its lease");
   }
+  part.to_come.clear();
   part.lost_there = part.newest_there;  // a deadline was missed
 }
 
@@ -208,8 +230,8 @@ void Oracle::settled() {
   for (const auto& part : parts_) {
     expect(part.owner == 0, "nobody owns anything when all are gone");
     for (const auto& step : part.under_way)
-      expect(step.kind != Step::Kind::kLoss &&
-                 (step.kind != Step::Kind::kWrite || step.epoch <= part.lost_there),
+      expect(step.kind != Step::Kind::kLoss && (step.kind != Step::Kind::kWrite ||
+                                                step.epoch <= part.lost_there || is_in_force(part, step)),
              "what was accepted was done");
   }
 }

@@ -2,8 +2,8 @@
 // and compares what was promised with what was done.
 //
 //   - a part has one owner at a time, and only his writes are accepted;
-//   - a write that is accepted reaches the world once, in order, or not at all where its lease was lost
-//   before;
+//   - a write that is accepted reaches the world once, in order, maybe together with those behind it (of each
+//   port the latest value), or not at all where its lease was lost before;
 //   - nothing of a lease that was lost moves the part afterwards, and the part stands soon after the loss;
 //   - each request has one answer, unless its session ended;
 //   - nothing is an internal error.
@@ -60,10 +60,12 @@ class Oracle final : public protocol::SessionHandler, public cycle::Witness {
     std::uint64_t owner = 0;  // session; 0: nobody
     std::uint64_t epoch = 0;
     std::deque<Step> under_way;
-    std::size_t delivered = 0;          // of those
-    std::uint64_t newest_there = 0;     // epoch: of the newest grant that the tick's side knows
-    std::uint64_t lost_there = 0;       // epoch: this one and those before are lost for the world
-    std::int64_t must_stand_from = -1;  // tick; -1: it may move
+    std::map<std::uint32_t, double> to_come;   // by port: of writes that came together, what the world lacks
+    std::map<std::uint32_t, double> in_force;  // by port: what was written last
+    std::size_t delivered = 0;                 // of those
+    std::uint64_t newest_there = 0;            // epoch: of the newest grant that the tick's side knows
+    std::uint64_t lost_there = 0;              // epoch: this one and those before are lost for the world
+    std::int64_t must_stand_from = -1;         // tick; -1: it may move
   };
 
   std::size_t part_of(std::string_view name) const;
@@ -72,6 +74,9 @@ class Oracle final : public protocol::SessionHandler, public cycle::Witness {
   static std::optional<Step> next_step(PartModel& part);
   void took_write(PartModel& part, const recording::WriteInputs& write);
   void took_loss(PartModel& part);
+  // The world has this value, by another write maybe.
+  static bool is_in_force(const PartModel& part, std::uint32_t port, double value);
+  static bool is_in_force(const PartModel& part, const Step& write);
   void note(std::uint64_t number);
 
   protocol::SessionHandler& judged_;
