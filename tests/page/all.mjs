@@ -7,3 +7,4 @@ import "./mirror.test.mjs";
 import "./stereo.test.mjs";
 import "./recording.test.mjs";
 import "./browse.test.mjs";
+import "./https.test.mjs";

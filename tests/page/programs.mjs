@@ -20,13 +20,15 @@ export class Daemon {
   // `options`: of visumd; a scene first, where it is not the arm's; "--hold" where time is to stand at first.
   static async start(...options) {
     const daemon = new Daemon();
+    await daemon.serve(...options);
+    return daemon;
+  }
+  async serve(...options) {
     const scene = options[0]?.endsWith(".yaml") ? options.shift() : join(source, "models/scenes/amtec_arm.yaml");
     const own = ["--json", "-v", "0", "--iterations", kMostTicks];
     if (!options.includes("--hold")) own.push("--run");
     if (!options.includes("--port")) own.push("--port", "0");
-    const words = [scene, ...own, ...options.filter((word) => word !== "--hold")];
-    await daemon.spawn("visumd", words);
-    return daemon;
+    await this.spawn("visumd", [scene, ...own, ...options.filter((word) => word !== "--hold")]);
   }
   // Any server program; done when it is ready.
   async spawn(program, words) {
@@ -34,10 +36,10 @@ export class Daemon {
     const died = once(this.process, "exit").then(([code]) => Promise.reject(new Error(`${program} ended with ${code} before it was ready`)));
     const [line] = await Promise.race([once(createInterface({ input: this.process.stdout }), "line"), died]);
     died.catch(() => undefined); // later, it may end
-    Object.assign(this, JSON.parse(line)); // port, http, ...
+    Object.assign(this, JSON.parse(line)); // port, http, page, ...
   }
   get url() {
-    return `http://127.0.0.1:${this.http}/`;
+    return this.page;
   }
   async stop() {
     if (this.process.exitCode !== null) return;

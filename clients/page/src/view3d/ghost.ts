@@ -7,7 +7,7 @@ import type { World } from "../model/world";
 import { h, setText } from "../ui/dom";
 import { isDrawn } from "./bodies";
 import { divergencePorts, ghostBodies, ghostPose, type GhostBody } from "./ghost_pose";
-import type { Viewer } from "./viewer";
+import { kInvisible, type Viewer } from "./viewer";
 
 const kColor = new Color(0x009e73);
 const kOpacity = 0.45;
@@ -21,6 +21,7 @@ export class Ghost {
   private bodies: GhostBody[] = [];
   private ports: number[] = []; // by joint: the output that tells how far it is apart
   private part: Part | null = null;
+  private placed: number[] = []; // what it was drawn by
   private on = true;
   private stop: () => void = () => undefined;
 
@@ -52,7 +53,7 @@ export class Ghost {
     this.groups = description.bodies.map(() => new Group());
     for (const { body } of this.bodies) this.addShapes(body);
     for (const group of this.groups) this.root.add(group);
-    this.stop = this.part.sampled.on(() => this.viewer.redraw());
+    this.stop = this.part.sampled.on(() => this.moved() && this.viewer.redraw());
   }
 
   private addShapes(body: number): void {
@@ -77,6 +78,7 @@ export class Ghost {
   private place(): void {
     const joints = this.world.description.value?.joints ?? [];
     const shown = this.viewer.bodies.groups;
+    this.placed = this.state();
     const side = this.side();
     this.root.visible = this.on && side !== 0 && this.bodies.length > 0;
     this.tell(side);
@@ -90,6 +92,16 @@ export class Ghost {
       group.matrix.copy(ghostPose(joints[joint]!, apart, parentGhost, parentShown, shown[body]!.matrixWorld));
       group.updateMatrixWorld(true);
     }
+  }
+
+  private state(): number[] {
+    return [this.side(), ...this.ports.map((port) => this.value(port))];
+  }
+
+  // An arm that its drives hold trembles: what is not seen needs no new picture.
+  private moved(): boolean {
+    const now = this.state();
+    return now.length !== this.placed.length || now.some((value, i) => !(Math.abs(value - this.placed[i]!) <= kInvisible));
   }
 
   // The ports tell how far the shadow is from the primary: +1 where the world is the primary's, -1 where it is the shadow's;

@@ -10,7 +10,7 @@ import { Resolution } from "./resolution";
 import { drawStereo, picturesOf, type Picture, type StereoSettings } from "./stereo";
 
 const kMostPixelRatio = 2;
-const kInvisible = 1e-5; // m, or of a quaternion: a body held by its drives trembles less, and needs no new picture
+export const kInvisible = 1e-5; // m, rad, or of a quaternion: a body held by its drives trembles less, and needs no new picture
 
 export class Viewer {
   readonly canvas: HTMLCanvasElement;
