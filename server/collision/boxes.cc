@@ -6,7 +6,7 @@ namespace visum::collision {
 namespace {
 
 // Less is no overlap: rounding would let some corners of a face touch and others not.
-constexpr double kRoundingM = 1e-12;
+constexpr double kTouchM = 1e-12;
 // A face of a is preferred to one of b that is better by less: where two faces lie on each other, rounding
 // would choose another one in each tick, with corners of the other box.
 constexpr double kTieM = 1e-8;
@@ -39,7 +39,7 @@ struct TwoBoxes {
 
   // False where it parts them.
   static bool take(Axis& best, const Axis& axis, double margin = 0.0) {
-    if (axis.depth <= kRoundingM) return false;
+    if (axis.depth <= kTouchM) return false;
     if (axis.depth < best.depth - margin) best = axis;
     return true;
   }

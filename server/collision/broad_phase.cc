@@ -8,17 +8,17 @@ namespace {
 Eigen::Index widest_axis(const std::vector<PreparedShape>& shapes, const std::vector<std::uint32_t>& boxed) {
   Eigen::AlignedBox3d centers;
   for (const std::uint32_t i : boxed) {
-    if (!shapes[i].box_W.isEmpty()) centers.extend(shapes[i].box_W.center());
+    if (!shapes[i].near_W.isEmpty()) centers.extend(shapes[i].near_W.center());
   }
   Eigen::Index axis = 0;
   if (!centers.isEmpty()) centers.sizes().maxCoeff(&axis);
   return axis;
 }
 
-bool reaches_below(const PreparedShape& shape, const PreparedShape& plane) {
+double height_above(const PreparedShape& plane, const Eigen::AlignedBox3d& box_W) {
   const Eigen::Vector3d normal = plane.placed.R.col(2);
-  const double half = normal.cwiseAbs().dot(0.5 * shape.box_W.sizes());
-  return normal.dot(shape.box_W.center() - plane.placed.p) < half;
+  const double half = normal.cwiseAbs().dot(0.5 * box_W.sizes());
+  return normal.dot(box_W.center() - plane.placed.p) - half;
 }
 
 }  // namespace
@@ -47,15 +47,15 @@ void BroadPhase::sweep(const std::vector<PreparedShape>& shapes) {
   const Eigen::Index axis = widest_axis(shapes, boxed_);
   // boxed_ stays nearly sorted from tick to tick; the pairs found do not depend on its order.
   std::sort(boxed_.begin(), boxed_.end(), [&](std::uint32_t i, std::uint32_t j) {
-    const double low_i = shapes[i].box_W.min()[axis], low_j = shapes[j].box_W.min()[axis];
+    const double low_i = shapes[i].near_W.min()[axis], low_j = shapes[j].near_W.min()[axis];
     return low_i < low_j || (low_i == low_j && i < j);
   });
   for (std::size_t i = 0; i < boxed_.size(); ++i) {
     const PreparedShape& a = shapes[boxed_[i]];
     for (std::size_t j = i + 1; j < boxed_.size(); ++j) {
       const PreparedShape& b = shapes[boxed_[j]];
-      if (b.box_W.min()[axis] > a.box_W.max()[axis]) break;
-      if (a.box_W.intersects(b.box_W) && may_collide(a, b))
+      if (b.near_W.min()[axis] > a.near_W.max()[axis]) break;
+      if (a.near_W.intersects(b.near_W) && may_collide(a, b))
         pairs_.push_back(std::minmax(boxed_[i], boxed_[j]));
     }
   }
@@ -65,10 +65,17 @@ void BroadPhase::meet_planes(const std::vector<PreparedShape>& shapes) {
   for (const std::uint32_t p : planes_) {
     if (!shapes[p].placed.R.allFinite() || !shapes[p].placed.p.allFinite()) continue;
     for (const std::uint32_t i : boxed_) {
-      if (shapes[i].box_W.isEmpty() || !may_collide(shapes[i], shapes[p])) continue;
-      if (reaches_below(shapes[i], shapes[p])) pairs_.push_back(std::minmax(i, p));
+      if (shapes[i].near_W.isEmpty() || !may_collide(shapes[i], shapes[p])) continue;
+      if (height_above(shapes[p], shapes[i].near_W) < 0.0) pairs_.push_back(std::minmax(i, p));
     }
   }
+}
+
+double gap_of_boxes(const PreparedShape& a, const PreparedShape& b) {
+  if (a.kind == world::ShapeKind::kPlane) return height_above(a, b.box_W);
+  if (b.kind == world::ShapeKind::kPlane) return height_above(b, a.box_W);
+  const Eigen::Vector3d after = a.box_W.min() - b.box_W.max(), before = b.box_W.min() - a.box_W.max();
+  return after.cwiseMax(before).maxCoeff();
 }
 
 std::vector<BodyPair> pairs_that_never_collide(const world::WorldModel& model) {

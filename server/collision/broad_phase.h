@@ -1,7 +1,7 @@
-// Which shapes may touch: a sweep over their boxes, sorted along the axis on which they spread most. Planes
-// meet every shape whose box reaches below them. FCL's dynamic tree was tried: for boxes piled on a plane it
-// takes as long with 900 and 10,000 shapes (0.16 ms, 4.8 ms), twice as long with 100, four times as long for
-// an arm of 26 (2 us to 0.5).
+// Which shapes are near: a sweep over their widened boxes (near_W), sorted along the axis on which they
+// spread most. Planes meet every shape whose widened box reaches below them. FCL's dynamic tree was tried:
+// for boxes piled on a plane it takes as long with 900 and 10,000 shapes (0.16 ms, 4.8 ms), twice as long
+// with 100, four times as long for an arm of 26 (2 us to 0.5).
 #pragma once
 
 #include <cstdint>
@@ -33,6 +33,10 @@ class BroadPhase {
   std::vector<std::uint32_t> planes_, boxed_;
   std::vector<IndexPair> pairs_;
 };
+
+// How far apart the boxes of two shapes are along the best of the world's axes; of a plane, how far above it
+// the other one's is. Below 0, and for two boxes at 0, they may touch.
+double gap_of_boxes(const PreparedShape& a, const PreparedShape& b);
 
 // no_collision and the pairs that joints connect, sorted.
 std::vector<BodyPair> pairs_that_never_collide(const world::WorldModel& model);

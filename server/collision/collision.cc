@@ -6,17 +6,57 @@
 #include "server/collision/broad_phase.h"
 #include "server/collision/narrow_phase.h"
 #include "server/collision/shapes.h"
+#include "server/collision/travel.h"
 
 namespace visum::collision {
 
+namespace {
+
+constexpr double kRoundingM = 1e-6;  // more than what gaps and paths are wrong by
+
+}  // namespace
+
 struct CollisionStage::Impl {
   explicit Impl(const world::WorldModel& world_model)
-      : model(world_model), shapes(prepare_shapes(model)), broad(shapes, pairs_that_never_collide(model)) {}
+      : model(world_model),
+        shapes(prepare_shapes(model)),
+        placed_in(shapes.size(), 0),
+        broad(shapes, pairs_that_never_collide(model)),
+        travel(shapes, model) {}
+
+  // Two shapes that may touch before what is near is found again, and the path up to which they do not.
+  struct Near {
+    std::uint32_t first, second;
+    double apart_until = 0.0;
+  };
+
+  const PreparedShape& placed(std::size_t i, const world::WorldState& state) {
+    if (placed_in[i] != call) place(shapes[i], model, state);
+    placed_in[i] = call;
+    return shapes[i];
+  }
+
+  void find_near(const world::WorldState& state) {
+    travel.restart();
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      const double margin = travel.margin(placed(i, state).body) + kRoundingM;
+      shapes[i].near_W = shapes[i].box_W;
+      if (shapes[i].box_W.isEmpty()) continue;
+      shapes[i].near_W.min().array() -= margin;
+      shapes[i].near_W.max().array() += margin;
+    }
+    near.clear();
+    for (const auto& [i, j] : broad.find(shapes)) near.push_back({i, j});
+  }
 
   const world::WorldModel& model;
   std::vector<PreparedShape> shapes;
+  std::vector<std::uint64_t> placed_in;  // by shape: the call
+  std::uint64_t call = 0;
   BroadPhase broad;
   NarrowPhase narrow;
+  Travel travel;
+  std::vector<Near> near;
 };
 
 namespace {
@@ -44,11 +84,19 @@ CollisionStage::~CollisionStage() = default;
 
 void CollisionStage::find(const world::WorldState& state, std::vector<Contact>& contacts) {
   contacts.clear();
-  for (PreparedShape& shape : impl_->shapes) place(shape, impl_->model, state);
-  for (const auto& [i, j] : impl_->broad.find(impl_->shapes)) {
-    const PreparedShape& a = impl_->shapes[i];
-    const PreparedShape& b = impl_->shapes[j];
-    const std::vector<Point>& points = impl_->narrow.find(a, b);
+  Impl& of = *impl_;
+  ++of.call;
+  of.travel.follow(state);
+  if (!of.travel.is_within_margins()) of.find_near(state);
+  for (Impl::Near& near : of.near) {
+    const double path = of.travel.of(of.shapes[near.first].body) + of.travel.of(of.shapes[near.second].body);
+    if (path < near.apart_until) continue;
+    const PreparedShape& a = of.placed(near.first, state);
+    const PreparedShape& b = of.placed(near.second, state);
+    const double gap = gap_of_boxes(a, b);
+    near.apart_until = path + gap - kRoundingM;
+    if (gap > 0.0) continue;
+    const std::vector<Point>& points = of.narrow.find(a, b);
     for (std::size_t k = 0; k < points.size(); ++k) {
       if (contacts.size() == kMaxContacts) return;
       contacts.push_back(make_contact(a, b, points[k], k));

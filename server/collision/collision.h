@@ -35,8 +35,8 @@ class CollisionStage {
   CollisionStage(const CollisionStage&) = delete;
   CollisionStage& operator=(const CollisionStage&) = delete;
 
-  // Replaces `contacts`, sorted by (shape_a, shape_b, feature). A function of the bodies' poses alone: no
-  // memory of earlier calls, so that a restored world collides with the same bits.
+  // Replaces `contacts`, sorted by (shape_a, shape_b, feature). A function of the bodies' poses alone, for a
+  // restored world to collide with the same bits: earlier calls only tell which pairs cannot have met.
   void find(const world::WorldState& state, std::vector<Contact>& contacts);
 
  private:

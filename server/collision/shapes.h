@@ -28,6 +28,8 @@ struct PreparedShape {
   // By place():
   Placed placed;              // for planes and meshes: the frame only
   Eigen::AlignedBox3d box_W;  // empty where the pose is not finite; a plane's is not used
+  // By the stage, when it finds what is near: box_W and how far its body may go until that is done again.
+  Eigen::AlignedBox3d near_W;
 };
 
 // Only the shapes that collide. Throws std::runtime_error for a hull without volume.

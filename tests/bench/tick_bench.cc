@@ -12,9 +12,12 @@
 namespace visum::bench {
 namespace {
 
-cycle::Simulation arm(const std::string& step) {
+cycle::Simulation arm(const std::string& name, const std::string& step = "world") {
   auto scene = scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml");
-  for (auto& engine : scene.world.engines) engine.step = step;
+  for (auto& engine : scene.world.engines) {
+    engine.name = name;
+    engine.step = step;
+  }
   return cycle::Simulation(std::move(scene));
 }
 
@@ -27,8 +30,8 @@ void command(cycle::Simulation& simulation, const std::vector<double>& middle) {
   simulation.write_inputs(0, 0, angles);
 }
 
-void tick(benchmark::State& state, const std::string& step) {
-  auto simulation = arm(step);
+void tick(benchmark::State& state, const std::string& engine, const std::string& step) {
+  auto simulation = arm(engine, step);
   const auto middle = simulation.parts()[0].controller_inputs;
   for (int i = 0; i < 2000; ++i) {
     command(simulation, middle);
@@ -52,24 +55,28 @@ void tick(benchmark::State& state, const std::string& step) {
   state.counters["sim_per_wall"] =
       benchmark::Counter(static_cast<double>(state.iterations()) * 1e-3, benchmark::Counter::kIsRate);
 }
-BENCHMARK_CAPTURE(tick, arm / ode, std::string("world"))
+BENCHMARK_CAPTURE(tick, arm / impulse, std::string("impulse"), std::string("world"))
+    ->Name("Tick/arm/impulse")
+    ->Unit(benchmark::kMicrosecond)
+    ->MinTime(3.0);
+BENCHMARK_CAPTURE(tick, arm / ode, std::string("ode"), std::string("world"))
     ->Name("Tick/arm/ode")
     ->Unit(benchmark::kMicrosecond)
     ->MinTime(3.0);
-BENCHMARK_CAPTURE(tick, arm / ode - quick, std::string("quick"))
+BENCHMARK_CAPTURE(tick, arm / ode - quick, std::string("ode"), std::string("quick"))
     ->Name("Tick/arm/ode-quick")
     ->Unit(benchmark::kMicrosecond)
     ->MinTime(3.0);
 
 void snapshot(benchmark::State& state) {
-  auto simulation = arm("world");
+  auto simulation = arm("ode");
   simulation.tick();
   for (auto _ : state) benchmark::DoNotOptimize(simulation.take_snapshot());
 }
 BENCHMARK(snapshot)->Name("Snapshot/arm")->Unit(benchmark::kMicrosecond);
 
 void hash(benchmark::State& state) {
-  auto simulation = arm("world");
+  auto simulation = arm("ode");
   simulation.tick();
   for (auto _ : state) benchmark::DoNotOptimize(simulation.state_hash());
 }

@@ -12,14 +12,14 @@ namespace visum::collision::testing {
 namespace {
 
 using enum ShapeKind;
-const ShapeSpec kUnitBox{kBox, {1, 1, 1}};
+const ShapeSpec kCube{kBox, {1, 1, 1}};
 
 // A heap of all kinds, thrown together with a seed.
 SceneBuilder make_heap(unsigned seed, int count) {
   SceneBuilder scene;
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> place(-1.5, 1.5), angle(-3.0, 3.0);
-  const std::vector<ShapeSpec> kinds{kUnitBox,
+  const std::vector<ShapeSpec> kinds{kCube,
                                      {kSphere, {0.5}},
                                      {kCylinder, {0.4, 1.0}},
                                      {kCapsule, {0.3, 0.8}},
@@ -77,7 +77,7 @@ double deepest(const std::vector<Contact>& contacts) {
 // rim, it takes a few.
 TEST(CollisionStage, PushingAlongTheNormalSeparatesTwoConvexShapes) {
   const std::vector<ShapeSpec> kinds{
-      kUnitBox, {kSphere, {0.5}}, {kCylinder, {0.4, 1.0}}, {kCapsule, {0.3, 0.8}}, {kConvex, {1, 0.7, 0.5}}};
+      kCube, {kSphere, {0.5}}, {kCylinder, {0.4, 1.0}}, {kCapsule, {0.3, 0.8}}, {kConvex, {1, 0.7, 0.5}}};
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place(-0.8, 0.8), angle(-3.0, 3.0);
   int touching = 0, more_than_once = 0;
@@ -133,6 +133,35 @@ TEST(CollisionStage, IsAFunctionOfThePosesAlone) {
   EXPECT_TRUE(same_bits(first, contacts_of(scene.model))) << "a fresh stage finds the same";
 }
 
+// From creeping to leaping, turning and coming back: what a stage keeps of earlier calls saves work and
+// changes nothing.
+TEST(CollisionStage, FindsOnItsWayWhatAFreshStageFinds) {
+  std::size_t touching = 0;
+  for (const double speed : {1e-5, 1e-3, 2e-2, 0.3}) {
+    const SceneBuilder scene = make_heap(11, 18);
+    world::WorldState state = initial_state(scene.model);
+    CollisionStage stage(scene.model);
+    std::mt19937 random(static_cast<unsigned>(1e5 * speed));
+    std::uniform_real_distribution<double> away(-1.0, 1.0);
+    for (int i = 0; i < 60; ++i) {
+      for (std::size_t k = 1; k < state.bodies.size(); ++k) {
+        world::BodyState& body = state.bodies[k];
+        if ((k + static_cast<std::size_t>(i)) % 5 == 0) continue;  // stands for a while
+        body.p_WC += speed * (Eigen::Vector3d(away(random), away(random), away(random)) - 0.2 * body.p_WC);
+        const Eigen::Quaterniond turn(1.0, speed * away(random), speed * away(random), speed * away(random));
+        body.q_WB = (turn * body.q_WB).normalized();
+      }
+      CollisionStage fresh(scene.model);
+      std::vector<Contact> on_its_way, anew;
+      stage.find(state, on_its_way);
+      fresh.find(state, anew);
+      ASSERT_TRUE(same_bits(on_its_way, anew)) << "speed " << speed << ", call " << i;
+      touching += anew.size();
+    }
+  }
+  EXPECT_GT(touching, 1000u);
+}
+
 TEST(CollisionStage, VelocitiesDoNotMatter) {
   const SceneBuilder scene = make_heap(8, 12);
   world::WorldState state = initial_state(scene.model);
@@ -146,15 +175,15 @@ TEST(CollisionStage, VelocitiesDoNotMatter) {
 TEST(CollisionStage, FixedBodiesNeverCollideWithEachOther) {
   SceneBuilder scene;
   scene.add({kPlane, {}}, {});
-  scene.add_fixed(kUnitBox, {});
-  scene.add_fixed(kUnitBox, at(0.5, 0, 0));
+  scene.add_fixed(kCube, {});
+  scene.add_fixed(kCube, at(0.5, 0, 0));
   EXPECT_TRUE(contacts_of(scene.model).empty());
 }
 
 TEST(CollisionStage, PairsNamedInNoCollisionNeverCollide) {
   SceneBuilder scene;
-  scene.add(kUnitBox, {});
-  scene.add(kUnitBox, at(0.5, 0, 0));
+  scene.add(kCube, {});
+  scene.add(kCube, at(0.5, 0, 0));
   EXPECT_FALSE(contacts_of(scene.model).empty());
   scene.model.no_collision = {{{0}, {1}}};
   EXPECT_TRUE(contacts_of(scene.model).empty());
@@ -162,8 +191,8 @@ TEST(CollisionStage, PairsNamedInNoCollisionNeverCollide) {
 
 TEST(CollisionStage, BodiesOfOneJointNeverCollide) {
   SceneBuilder scene;
-  scene.add(kUnitBox, {});
-  scene.add(kUnitBox, at(0.5, 0, 0));
+  scene.add(kCube, {});
+  scene.add(kCube, at(0.5, 0, 0));
   world::Joint joint;
   joint.name = "joint";
   joint.parent = {1};
@@ -174,23 +203,23 @@ TEST(CollisionStage, BodiesOfOneJointNeverCollide) {
 
 TEST(CollisionStage, ShapesOnlyToBeLookedAtDoNotCollide) {
   SceneBuilder scene;
-  scene.add(kUnitBox, {});
-  scene.add(kUnitBox, at(0.5, 0, 0));
+  scene.add(kCube, {});
+  scene.add(kCube, at(0.5, 0, 0));
   scene.model.shapes[1].collides = false;
   EXPECT_TRUE(contacts_of(scene.model).empty());
 }
 
 TEST(CollisionStage, ShapesOfOneBodyDoNotCollide) {
   SceneBuilder scene;
-  scene.add(kUnitBox, {});
+  scene.add(kCube, {});
   scene.model.shapes.push_back(scene.model.shapes[0]);
   EXPECT_TRUE(contacts_of(scene.model).empty());
 }
 
 TEST(CollisionStage, FrictionIsTheGeometricMeanAndRestitutionTheLarger) {
   SceneBuilder scene;
-  scene.add(kUnitBox, {});
-  scene.add(kUnitBox, at(0, 0, 0.99));
+  scene.add(kCube, {});
+  scene.add(kCube, at(0, 0, 0.99));
   scene.model.surfaces = {{"rough", 0.9, 0.1}, {"smooth", 0.4, 0.3}};
   scene.model.shapes[1].surface = {1};
   const auto contacts = contacts_of(scene.model);
@@ -201,8 +230,8 @@ TEST(CollisionStage, FrictionIsTheGeometricMeanAndRestitutionTheLarger) {
 
 TEST(CollisionStage, AShapesOwnPoseCounts) {
   SceneBuilder scene;
-  scene.add(kUnitBox, {});
-  scene.add(kUnitBox, at(5, 0, 0));
+  scene.add(kCube, {});
+  scene.add(kCube, at(5, 0, 0));
   EXPECT_TRUE(contacts_of(scene.model).empty());
   scene.model.shapes[1].X_BS.p.x() = -4.01;
   ASSERT_FALSE(contacts_of(scene.model).empty());
@@ -212,11 +241,11 @@ TEST(CollisionStage, AShapesOwnPoseCounts) {
 TEST(CollisionStage, ABodyWhoseStateIsNotFiniteMeetsNothingAndOthersGoOn) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    for (const ShapeSpec& kind : {kUnitBox, ShapeSpec{kCylinder, {0.5, 1}}, ShapeSpec{kMesh, {1, 1, 1}}}) {
+    for (const ShapeSpec& kind : {kCube, ShapeSpec{kCylinder, {0.5, 1}}, ShapeSpec{kMesh, {1, 1, 1}}}) {
       SceneBuilder scene;
       scene.add({kPlane, {}}, {});
       scene.add(kind, at(0, 0, 0.4));
-      scene.add(kUnitBox, at(3, 0, 0.4));
+      scene.add(kCube, at(3, 0, 0.4));
       CollisionStage stage(scene.model);
       world::WorldState state = initial_state(scene.model);
       state.bodies[1].p_WC.y() = bad;
@@ -236,7 +265,7 @@ TEST(CollisionStage, ABodyWhoseStateIsNotFiniteMeetsNothingAndOthersGoOn) {
 
 TEST(CollisionStage, NoMoreThanTheCapIsEverFound) {
   SceneBuilder scene;
-  for (int i = 0; i < 150; ++i) scene.add(kUnitBox, at(1e-3 * i, 2e-3 * i, 0));
+  for (int i = 0; i < 150; ++i) scene.add(kCube, at(1e-3 * i, 2e-3 * i, 0));
   EXPECT_EQ(contacts_of(scene.model).size(), kMaxContacts);
 }
 

@@ -7,6 +7,8 @@
 //   at t            half of it, with q'+ foreseen as 2 q~ - q':  q~ + k (L1 + L0/2) = (v* + q')/2,
 //                   |L1| <= h most/2
 //   at t+h          what is missing:  q'+ + k (L0 + L1 + L2) = v*,  |L0 + L1 + L2| <= h most
+//   at the limit    L1 = s h most/2 and L0 + L1 + L2 = s h most, s = -1 or 1, as long as s times what is then
+//                   missing is not below 0: a backlash that is crossed, a motor that gives all that it can
 // A rotor geared to the joint is such a law with k = 1/J and v* its own speed (hwparts/drive/gear.h): that q~
 // is taken from the look-ahead lets the rotor feel how the axis' speed changes in free flight. Damping d: the
 // law with v* = 0, c = 1/d, no limit. Dry friction: v* = 0, c = 0, most = friction.
@@ -20,13 +22,23 @@ namespace visum::dynamics::impulse {
 namespace {
 
 constexpr double kAtLimit = 1.0 - 1e-9;  // share of the limit from which on a law starts as a row
-constexpr double kMoves = 1e-9;          // rad/s, m/s: faster, dry friction starts as a row
+constexpr double kMoves = 1e-9;          // rad/s, m/s: faster, dry friction starts at its limit
+constexpr double kPassed = 1e-12;        // share of the limit, that is rounding
 
 bool says_nothing(const hwparts::JointDrive& drive) {
   return drive.max_effort == 0.0 && drive.feedforward == 0.0;
 }
 
-void take_law(Axis& axis, const hwparts::JointDrive& drive, double last_effort) {
+// Where joints are solved for one after the other, and for a joint that closes a loop, what is at its limit
+// is a row.
+void take_limit(Axis& axis, bool as_row, bool driven) {
+  double side = std::abs(axis.expected) >= kAtLimit * axis.most ? axis.expected : 0.0;
+  if (!driven && std::abs(axis.rate) > kMoves) side = -axis.rate;
+  axis.boxed = axis.acts && (axis.loop >= 0 || (as_row && side != 0.0));
+  axis.at_limit = axis.acts && !axis.boxed ? (side > 0.0) - (side < 0.0) : 0;
+}
+
+void take_law(Axis& axis, const hwparts::JointDrive& drive, double last_effort, bool as_row) {
   const bool driven = !says_nothing(drive);
   axis.target = driven ? drive.target_velocity : 0.0;
   axis.compliance_s = driven ? drive.compliance : 0.0;
@@ -35,8 +47,7 @@ void take_law(Axis& axis, const hwparts::JointDrive& drive, double last_effort) 
   axis.damping = driven ? 0.0 : axis.model->damping;
   axis.acts = axis.most > 0.0;
   axis.expected = std::clamp(last_effort - axis.feedforward, -axis.most, axis.most);
-  axis.boxed = axis.acts && (axis.loop >= 0 || std::abs(axis.expected) >= kAtLimit * axis.most);
-  if (!driven && std::abs(axis.rate) > kMoves) axis.boxed = axis.acts;
+  take_limit(axis, as_row, driven);
 }
 
 double position(const JointSpec& joint, const JointPose& pose, double near) {
@@ -44,10 +55,43 @@ double position(const JointSpec& joint, const JointPose& pose, double near) {
 }
 
 bool law_in_tree(const Axis& axis) {
-  return axis.acts && !axis.boxed;
+  return axis.acts && !axis.boxed && axis.at_limit == 0;
 }
 bool damping_in_tree(const Axis& axis) {
   return axis.damping > 0.0 && !law_in_tree(axis) && axis.node >= 0;
+}
+
+// Of a law that wants `target`, has given `done`, and gives way by k for each N·m·s.
+double missing(const Plant& plant, const Axis& axis, Moment moment, double target, double k,
+               const std::array<double, kMoments>& done) {
+  if (moment == kAhead)
+    return 0.5 * (target + axis.rate) - axis.mean_rate - k * (done[kAhead] + 0.5 * done[kHit]);
+  return target - plant.rate(axis) - k * (done[kHit] + done[kAhead] + done[kAfter]);
+}
+
+double missing_of_law(const Plant& plant, const Axis& axis, Moment moment, double h) {
+  return missing(plant, axis, moment, axis.target, axis.compliance_s / h, axis.law);
+}
+
+// What the law gives at this moment where it is at its limit.
+double limit_impulse(const Axis& axis, Moment moment, double h) {
+  if (axis.at_limit == 0) return 0.0;
+  const double most = axis.at_limit * h * axis.most;
+  return moment == kAhead ? 0.5 * most : most - axis.law[kHit] - axis.law[kAhead];
+}
+
+// The limit that the law has passed, -1 or 1; 0: none.
+int passed_limit(const Axis& axis, Moment moment, double h) {
+  const double given =
+      moment == kAhead ? axis.law[kAhead] : axis.law[kHit] + axis.law[kAhead] + axis.law[kAfter];
+  const double most = (moment == kAhead ? 0.5 : 1.0) * h * axis.most * (1.0 + kPassed);
+  return (given > most) - (given < -most);
+}
+
+// Whether the law takes part as it does.
+bool suits(const Plant& plant, const Axis& axis, Moment moment, double h) {
+  if (axis.at_limit != 0) return axis.at_limit * missing_of_law(plant, axis, moment, h) >= 0.0;
+  return !law_in_tree(axis) || passed_limit(axis, moment, h) == 0;
 }
 
 }  // namespace
@@ -61,12 +105,12 @@ double law_compliance(const Axis& axis, double h) {
 }
 
 double missing_rate(const Plant& plant, const Axis& axis, Moment moment, double h) {
-  const bool law = law_in_tree(axis);
-  const auto& done = law ? axis.law : axis.damped;
-  const double target = law ? axis.target : 0.0, k = law_compliance(axis, h);
-  if (moment == kAhead)
-    return 0.5 * (target + axis.rate) - axis.mean_rate - k * (done[kAhead] + 0.5 * done[kHit]);
-  return target - plant.rate(axis) - k * (done[kHit] + done[kAhead] + done[kAfter]);
+  if (damping_in_tree(axis)) return missing(plant, axis, moment, 0.0, law_compliance(axis, h), axis.damped);
+  return missing_of_law(plant, axis, moment, h);
+}
+
+double known_impulse(const Axis& axis, Moment moment, double h) {
+  return 0.5 * h * axis.feedforward + limit_impulse(axis, moment, h);
 }
 
 void take_law_impulse(Axis& axis, Moment moment, double impulse) {
@@ -79,7 +123,7 @@ void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, con
     axis.start = joint.position;
     axis.rate = joint.velocity;
     axis.total = 0.0;
-    take_law(axis, drives[axis.joint.index()], joint.effort);
+    take_law(axis, drives[axis.joint.index()], joint.effort, plant.setting.solver == "iterate");
   }
 }
 
@@ -139,15 +183,15 @@ void reset_impulses(Plant& plant) {
   }
 }
 
-bool box_saturated(Plant& plant, Moment moment, double h) {
+bool change_laws(Plant& plant, Moment moment, double h, bool as_rows) {
   bool any = false;
   for (Axis& axis : plant.axes) {
-    if (!law_in_tree(axis)) continue;
-    const double given =
-        moment == kAhead ? axis.law[kAhead] : axis.law[kHit] + axis.law[kAhead] + axis.law[kAfter];
-    const double most = moment == kAhead ? 0.5 * h * axis.most : h * axis.most;
-    if (std::abs(given) <= most * (1.0 + 1e-12)) continue;
-    axis.boxed = any = true;
+    if (plant.mechanism_asleep[axis.mechanism]) continue;
+    if (axis.at_limit != 0) axis.law[moment] = limit_impulse(axis, moment, h);
+    if (suits(plant, axis, moment, h)) continue;
+    axis.at_limit = axis.at_limit != 0 || as_rows ? 0 : passed_limit(axis, moment, h);
+    axis.boxed = as_rows;
+    any = true;
   }
   return any;
 }

@@ -97,7 +97,8 @@ void Bounded::add_axis(std::size_t index) {
   if (axis.loop >= 0 && axis.damping > 0.0 && moment_ != kHit)
     connect_axis(add_block({Of::kDamping, index}, 1), axis);
   if (!axis.model->limited) return;
-  for (const std::size_t side : {0u, 1u}) add_stop(index, side);
+  for (const std::size_t side : {0u, 1u})
+    if (room(axis, side) <= 2.0 * h_ * std::abs(axis.rate) + kStopReach) add_stop(index, side);
 }
 
 void Bounded::add_law(std::size_t index) {
@@ -111,7 +112,6 @@ void Bounded::add_law(std::size_t index) {
 void Bounded::add_stop(std::size_t index, std::size_t side) {
   const Axis& axis = plant_.axes[index];
   const double sign = side == 0 ? -1.0 : 1.0;
-  if (room(axis, side) > 2.0 * h_ * std::abs(axis.rate) + kStopReach) return;
   if (moment_ == kHit && !axis.hits[side]) return;
   if (moment_ == kAfter && axis.stopped[side][kAhead] == 0.0 && room(axis, side) > h_ * sign * axis.mean_rate)
     return;

@@ -22,6 +22,19 @@ int representative(std::vector<int>& leader, int i) {
   return i;
 }
 
+bool are_same(const std::vector<TreeAxis>& now, const std::vector<TreeAxis>& then) {
+  return std::equal(now.begin(), now.end(), then.begin(), then.end(),
+                    [](const TreeAxis& a, const TreeAxis& b) {
+                      return a.implicit == b.implicit && a.compliance == b.compliance;
+                    });
+}
+
+// Whether the joint's pose follows from where its bodies are, and from nothing that the world's state counts
+// on (turns, a place along a curve).
+bool is_of_bodies_alone(const JointSpec& joint) {
+  return joint.kind != world::JointKind::kScrew && joint.kind != world::JointKind::kPointOnCurve;
+}
+
 }  // namespace
 
 Mechanism::Mechanism(const world::WorldModel& model, const Bodies& bodies, std::vector<int> body_numbers,
@@ -73,18 +86,11 @@ int Mechanism::node_of(int body) const {
   return found != node_by_body_.end() && found->first == body ? found->second : -1;
 }
 
-const JointSpec* Mechanism::carrying(std::size_t node) const {
-  return tree_.node(node).joint < 0 ? nullptr : &specs_[node];
-}
-
 bool Mechanism::is_placed(const Bodies& bodies) const {
   if (!placed_) return false;
   for (std::size_t i = 0; i < size(); ++i) {
     const auto body = static_cast<std::size_t>(tree_.node(i).body);
-    const TreeAxis &now = axes[i], &then = placed_axes_[i];
-    if (bodies.x[body] != placed_x_[i] || bodies.q[body].coeffs() != placed_q_[i] ||
-        now.implicit != then.implicit || now.compliance != then.compliance)
-      return false;
+    if (bodies.x[body] != placed_x_[i] || bodies.q[body].coeffs() != placed_q_[i]) return false;
   }
   return true;
 }
@@ -101,13 +107,15 @@ void Mechanism::remember(const Bodies& bodies) {
 }
 
 bool Mechanism::place(const Bodies& bodies, const world::WorldState& state) {
-  if (is_placed(bodies)) return false;
+  const bool stands = is_placed(bodies);
+  if (stands && are_same(axes, placed_axes_)) return false;
   for (std::size_t i = 0; i < size(); ++i) {
-    if (carrying(i) == nullptr) continue;
+    if (carrying(i) == nullptr || (stands && is_of_bodies_alone(specs_[i]))) continue;
     poses_[i] = pose_now(specs_[i], bodies, state.joints[specs_[i].id.index()].position);
     motions_[i] = motion_directions(specs_[i], poses_[i]);
   }
   for (std::size_t i = 0; i < loops_.size(); ++i) {
+    if (stands && is_of_bodies_alone(loops_[i])) continue;
     loop_poses_[i] = pose_now(loops_[i], bodies, state.joints[loops_[i].id.index()].position);
     loop_held_[i] = held_directions(loops_[i], loop_poses_[i]);
   }

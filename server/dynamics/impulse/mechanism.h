@@ -28,7 +28,9 @@ class Mechanism {
   std::size_t loop_count() const { return loops_.size(); }
   int body(std::size_t node) const { return tree_.node(node).body; }
   int node_of(int body) const;
-  const JointSpec* carrying(std::size_t node) const;  // null: a free root
+  const JointSpec* carrying(std::size_t node) const {  // null: a free root
+    return tree_.node(node).joint < 0 ? nullptr : &specs_[node];
+  }
   const JointSpec& loop(std::size_t i) const { return loops_[i]; }
   const JointPose& pose(std::size_t node) const { return poses_[node]; }
   const JointPose& loop_pose(std::size_t i) const { return loop_poses_[i]; }

@@ -24,7 +24,10 @@ struct Axis {
   double target = 0.0, compliance_s = 0.0, most = 0.0;  // rad/s, (rad/s)/(N·m), N·m
   double feedforward = 0.0;
   double damping = 0.0;
-  bool boxed = false;     // the law may be at its limit: a row; else it is part of the tree
+  // How the law takes part: as long as it is within its limit in the tree; at the limit as an impulse that is
+  // known (-1, +1: its sign), where that is seen to go on; as a row where neither does.
+  int at_limit = 0;
+  bool boxed = false;
   double expected = 0.0;  // N·m, what the law gave in the last tick: where a row starts
 
   double start = 0.0, rate = 0.0;                // position and velocity at t
@@ -106,11 +109,13 @@ void measure_ahead(const Plant& plant, Axis& axis, double h);
 void measure_ahead(Plant& plant, std::size_t mechanism, double h);
 
 // A law that is not at its limit takes part where joints are solved for: its axis gives way by k for each
-// N·m·s, and misses a rate. Its impulses are counted by moment.
+// N·m·s, and misses a rate. Its impulses are counted by moment. A law at its limit gives known_impulse(),
+// with what is given beside the law.
 bool is_in_tree(const Axis& axis);
 double law_compliance(const Axis& axis, double h);
 double missing_rate(const Plant& plant, const Axis& axis, Moment moment, double h);
 void take_law_impulse(Axis& axis, Moment moment, double impulse);
+double known_impulse(const Axis& axis, Moment moment, double h);
 
 // Puts those laws into the mechanisms' trees.
 void set_tree_axes(Plant& plant, double h);
@@ -119,8 +124,10 @@ double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h);
 void take_axis_impulses(Plant& plant, std::size_t mechanism, Moment moment);
 // Forgets the impulses of a step that starts (again).
 void reset_impulses(Plant& plant);
-// Makes rows of the laws that have passed their limit; true if there are new ones.
-bool box_saturated(Plant& plant, Moment moment, double h);
+// Counts what laws at their limit give. Where a law has passed its limit, or its limit is more than it asks
+// for, it takes part otherwise from now on: true, the moment is to be solved again. `as_rows`: what changes
+// is a row, which finds out itself.
+bool change_laws(Plant& plant, Moment moment, double h, bool as_rows);
 
 bool is_asleep(const Plant& plant, const Spring& spring);
 // Where the springs are at t, and what they pull on.

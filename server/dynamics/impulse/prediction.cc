@@ -31,7 +31,8 @@ JointImpulse sum(double a, const JointImpulse& x, double b, const JointImpulse& 
 
 }  // namespace
 
-Prediction::Prediction(std::size_t joints) : ahead_(joints), after_(joints), past_(2 * joints) {}
+Prediction::Prediction(std::size_t joints)
+    : ahead_(joints), after_(joints), line_(joints), past_(2 * joints) {}
 
 // The line F(s) = f + g s, with the means f - g h1/2 over step 1 and f - g (h1 + h2/2) over step 2, gives
 // lambda = h (f/2 + g h/6).
@@ -48,14 +49,12 @@ void Prediction::begin(double h) {
   missed_weights_ = {(1.0 + on) * (h / h1) * (h / h1), -on * (h / h2) * (h / h2)};
   if (count_ < kKnown) missed_weights_ = {count_ > kLine ? (h / h1) * (h / h1) : 0.0, 0.0};
   ready_ = std::isfinite(slope + on);
-}
-
-JointImpulse Prediction::line(std::size_t i) const {
-  return sum(given_weights_[0], wide(last(i).given), given_weights_[1], wide(before(i).given));
+  for (std::size_t i = 0; i < line_.size(); ++i)
+    line_[i] = sum(given_weights_[0], wide(last(i).given), given_weights_[1], wide(before(i).given));
 }
 
 JointImpulse Prediction::at(std::size_t i) const {
-  JointImpulse impulse = line(i);
+  JointImpulse impulse = line_[i];
   add(impulse, sum(missed_weights_[0], wide(last(i).missed), missed_weights_[1], wide(before(i).missed)));
   return impulse;
 }
@@ -63,7 +62,7 @@ JointImpulse Prediction::at(std::size_t i) const {
 void Prediction::end() {
   for (std::size_t i = 0; i < ahead_.size(); ++i) {
     Past past{};
-    if (ready_) past.missed = narrow(sum(1.0, ahead_[i], -1.0, line(i)));
+    if (ready_) past.missed = narrow(sum(1.0, ahead_[i], -1.0, line_[i]));
     past.given = narrow(sum(1.0, ahead_[i], 1.0, after_[i]));
     past_[(1 - newest_) * ahead_.size() + i] = past;
   }

@@ -63,10 +63,10 @@ class Prediction {
   }
   const Past& last(std::size_t i) const { return past_[newest_ * ahead_.size() + i]; }
   const Past& before(std::size_t i) const { return past_[(1 - newest_) * ahead_.size() + i]; }
-  JointImpulse line(std::size_t i) const;
   void clear();
 
   std::vector<JointImpulse> ahead_, after_;
+  std::vector<JointImpulse> line_;      // the first part of what is foreseen, of the step that began
   std::vector<Past> past_;              // of two steps, by joint
   std::array<double, 2> lengths_{};     // of those, s
   std::size_t newest_ = 0, count_ = 0;  // which of the two is the last one, how many steps are known

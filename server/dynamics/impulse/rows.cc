@@ -26,10 +26,6 @@ constexpr double kRestShare = 1e-3;  // of what may be left: what is left at res
 constexpr int kMostPoints = 4;
 constexpr int kMostRounds = 8;  // of sweeps and a solution of what they leave within its bounds
 
-double dot(const std::array<double, 6>& a, const double* b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
-}
-
 double stiffness_of(const RowBlock& block) {
   return block.K[0][0] + block.compliance + block.softness[0];
 }

@@ -32,6 +32,11 @@ struct RowEnd {
   std::size_t response = 0;                    // of W in Rows::responses
 };
 
+// Of a direction and a free body's velocities.
+inline double dot(const std::array<double, 6>& a, const double* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
+}
+
 struct RowBlock {
   enum class Kind { kContact, kTwist, kBounded };
   Kind kind = Kind::kBounded;
@@ -61,7 +66,8 @@ struct RowBlock {
   double sliding_step = 0.0;                   // 1 over its larger eigenvalue
   std::array<double, 3> softness{};            // of the proximal point, rows.cc
   std::array<double, 3> centre{};
-  bool drags = false;  // rows_active.cc: slides, its friction follows its normal
+  bool drags = false;     // rows_active.cc: slides, its friction follows its normal
+  bool at_bound = false;  // rows_active.cc: its tangents were led to their bound, and stay there
 };
 
 class Rows {
@@ -115,6 +121,8 @@ class Rows {
   void solve_factored();
   double find_missing();
   std::array<double, 3> within_bounds(const RowBlock& block, const std::array<double, 3>& lambda) const;
+  double share_within_bounds(const RowBlock& block, const std::array<double, 3>& step) const;
+  static void stop_at_bound(RowBlock& block, double step, std::array<double, 3>& next);
   bool step_active();
 
   // rows_bodies.cc
@@ -134,6 +142,7 @@ class Rows {
   bool by_bodies_ = false;  // which of the two factors holds
   std::vector<double> missing_;
   std::vector<std::array<double, 3>> steps_;  // by block
+  std::vector<double> shares_;                // of those, by block
   bool rests_ = false;
   double largest_ = 0.0;  // change that a solution began with since clear()
   std::vector<double> last_lambda_, last_velocities_, direction_lambda_, direction_velocities_;

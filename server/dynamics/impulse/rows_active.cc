@@ -7,6 +7,7 @@
 // Where the rows hold free bodies only, through the bodies (body_factor.h), else as it stands.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "server/dynamics/impulse/friction_cone.h"
 #include "server/dynamics/impulse/rows.h"
@@ -18,9 +19,25 @@ constexpr int kMostRefinements = 2;
 constexpr int kMostSteps = 8;                  // from bound to bound
 constexpr std::size_t kMostEntries = 400'000;  // of the factor: beyond, sweeps alone are quicker
 constexpr double kInside = 1.0 - 1e-9;         // share of the friction's radius up to which a contact sticks
+constexpr double kAtBound = 1e-9;              // share of a step, or of a radius, that is as good as none
+constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-double dot(const std::array<double, 6>& a, const double* b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
+// The largest a of 0..1 with low <= x + a dx <= high.
+double share_between(double x, double dx, double low, double high) {
+  if (x + dx > high) return std::max(0.0, (high - x) / dx);
+  if (x + dx < low) return std::max(0.0, (low - x) / dx);
+  return 1.0;
+}
+
+// The largest a of 0..1 with |t + a dt| <= r + a dr.
+double share_within_cone(const Tangential& t, const Tangential& dt, double r, double dr) {
+  const double A = dt[0] * dt[0] + dt[1] * dt[1] - dr * dr, B = t[0] * dt[0] + t[1] * dt[1] - r * dr;
+  const double C = t[0] * t[0] + t[1] * t[1] - r * r;
+  if (A + 2.0 * B + C <= 0.0 && r + dr >= 0.0) return 1.0;
+  if (C >= -kAtBound * r * r) return B > 0.0 ? 0.0 : 1.0;
+  // C < 0: one root of A a^2 + 2 B a + C on each side of 0, or both on that of A.
+  const double root = std::sqrt(std::max(0.0, B * B - A * C));
+  return std::min(1.0, B > 0.0 ? -C / (B + root) : (root - B) / A);
 }
 
 bool meet(const RowEnd& a, const RowEnd& b) {
@@ -64,8 +81,9 @@ void Rows::add_contact(std::size_t index) {
   if (block.K[0][0] <= kRigid * block.free_response || !(block.lambda[0] > block.low)) return;
   const double radius = block.friction * pressure(block);
   const Tangential held{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
-  const bool slides = radius == 0.0 || (!is_within_disc(held, kInside * radius) &&
-                                        held[0] * error(block, 1) + held[1] * error(block, 2) >= 0.0);
+  const bool slides = radius == 0.0 || block.at_bound ||
+                      (!is_within_disc(held, kInside * radius) &&
+                       held[0] * error(block, 1) + held[1] * error(block, 2) >= 0.0);
   Row normal{index, 0};
   block.drags = slides && radius > 0.0;
   if (block.drags) normal.drag = {block.friction * held[0] / radius, block.friction * held[1] / radius};
@@ -84,8 +102,9 @@ void Rows::add_twist(std::size_t index) {
   if (most > 0.0 && (std::abs(spun) < kInside * most || spun * error(block, 0) < 0.0))
     active_.push_back({index, 0});
   const Tangential held{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
-  if (radius == 0.0 || (!is_within_disc(held, kInside * radius) &&
-                        held[0] * error(block, 1) + held[1] * error(block, 2) >= 0.0))
+  if (radius == 0.0 || block.at_bound ||
+      (!is_within_disc(held, kInside * radius) &&
+       held[0] * error(block, 1) + held[1] * error(block, 2) >= 0.0))
     return;
   active_.push_back({index, 1});
   active_.push_back({index, 2});
@@ -162,7 +181,38 @@ std::array<double, 3> Rows::within_bounds(const RowBlock& block, const std::arra
   return {normal, held[0] - block.base[1], held[1] - block.base[2]};
 }
 
-// Moves by what missing_ holds, and back to the bounds. False where a bound was met.
+// Of the block's step, as much as its bounds allow. What slides follows its normal.
+double Rows::share_within_bounds(const RowBlock& block, const std::array<double, 3>& step) const {
+  const bool is_contact = block.kind == RowBlock::Kind::kContact;
+  double share = 1.0;
+  if (is_contact) {
+    share = share_between(block.lambda[0], step[0], block.low, kEndless);
+  } else if (block.kind == RowBlock::Kind::kBounded) {
+    share = share_between(block.lambda[0], step[0], block.low, block.high);
+  } else {
+    const double most = block.torsion * pressure(block);
+    share = share_between(block.lambda[0] + block.base[0], step[0], -most, most);
+  }
+  if (block.drags || (step[1] == 0.0 && step[2] == 0.0)) return share;
+  const Tangential held{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
+  return std::min(share, share_within_cone(held, {step[1], step[2]}, block.friction * pressure(block),
+                                           is_contact ? block.friction * step[0] : 0.0));
+}
+
+// A part of `step` has led it to a bound, but for rounding.
+void Rows::stop_at_bound(RowBlock& block, double step, std::array<double, 3>& next) {
+  if (block.kind == RowBlock::Kind::kTwist)
+    block.at_bound = true;
+  else if (next[0] <= block.low + kAtBound * std::abs(step))
+    next[0] = block.low;
+  else if (block.kind == RowBlock::Kind::kBounded)
+    next[0] = block.high;
+  else
+    block.at_bound = true;
+}
+
+// Moves by what missing_ holds, as far as the first bound; what meets it stays there. Impulses that hold each
+// other in balance do so no more when some of them are taken back. False where a bound was met.
 bool Rows::step_active() {
   steps_.assign(blocks.size(), {});
   for (std::size_t i = 0; i < active_.size(); ++i) {
@@ -170,19 +220,23 @@ bool Rows::step_active() {
     steps_[row.block][row.row] += missing_[i];
     for (std::size_t k = 0; k < 2; ++k) steps_[row.block][k + 1] += row.drag[k] * missing_[i];
   }
-  bool free = true;
+  shares_.resize(blocks.size());
+  double share = 1.0;
+  for (std::size_t k = 0; k < blocks.size(); ++k)
+    share = std::min(share, shares_[k] = share_within_bounds(blocks[k], steps_[k]));
   for (std::size_t k = 0; k < blocks.size(); ++k) {
     std::array<double, 3> next = blocks[k].lambda;
-    for (std::size_t i = 0; i < 3; ++i) next[i] += steps_[k][i];
+    for (std::size_t i = 0; i < 3; ++i) next[i] += share * steps_[k][i];
+    if (share < 1.0 && shares_[k] <= share + kAtBound) stop_at_bound(blocks[k], steps_[k][0], next);
     const std::array<double, 3> allowed = within_bounds(blocks[k], next);
     for (std::size_t i = 0; i < 3; ++i) steps_[k][i] = allowed[i] - blocks[k].lambda[i];
-    free = free && (blocks[k].drags || allowed == next);
-    change(blocks[k], steps_[k]);
   }
-  return free;
+  for (std::size_t k = 0; k < blocks.size(); ++k) change(blocks[k], steps_[k]);
+  return share == 1.0;
 }
 
 bool Rows::solve_active(double enough) {
+  for (RowBlock& block : blocks) block.at_bound = false;
   for (int step = 0; step < kMostSteps; ++step) {
     find_active();
     if (active_.empty()) return true;

@@ -6,12 +6,14 @@ namespace visum::dynamics::impulse {
 namespace {
 
 constexpr int kMostPasses = 40;   // of Newton, each closes the joints to second order
-constexpr int kMostBoxings = 12;  // repetitions because laws reached their limit
+constexpr int kMostChanges = 12;  // repetitions because laws reached their limit, or left it
+constexpr int kFreeChanges = 2;   // of those, before what changes becomes a row
 
-// What suits the error of a step at 1 ms; of the iteration, what it reaches.
-double default_d_max(const world::EngineSetting& setting) {
+// What suits the error of a step at 1 ms; of the iteration, what it reaches. Around a loop small gaps add up.
+double default_d_max(const world::EngineSetting& setting, bool in_loops) {
   if (setting.solver == "iterate") return 1e-6;
-  return setting.order == 2 ? 1e-9 : setting.order == 4 ? 1e-11 : 1e-13;
+  if (setting.order == 2) return in_loops ? 5e-11 : 1e-9;
+  return setting.order == 4 ? 1e-11 : 1e-13;
 }
 
 // At rest, what was given at t+h is half of the tick's.
@@ -32,7 +34,8 @@ void count(Touch& touch) {
 Stepper::Stepper(Plant& plant)
     : plant_(plant),
       bounded_(plant),
-      d_max_(plant.setting.d_max > 0.0 ? plant.setting.d_max : default_d_max(plant.setting)),
+      d_max_(plant.setting.d_max > 0.0 ? plant.setting.d_max : default_d_max(plant.setting, false)),
+      loop_d_max_(plant.setting.d_max > 0.0 ? plant.setting.d_max : default_d_max(plant.setting, true)),
       most_passes_(kMostPasses),
       saved_v_(plant.bodies.size()),
       saved_w_(plant.bodies.size()) {
@@ -58,7 +61,7 @@ void Stepper::push_axis(const Axis& axis, double impulse) {
 }
 
 // Half of what forces give in a step, at either end of it. What a drive gives beside its law would throw its
-// two bodies far off the joint, alone: where joints are solved for together, push_feedforward() hands it to
+// two bodies far off the joint, alone: where joints are solved for together, push_known() hands it to
 // all bodies of the tree at once.
 void Stepper::push(double h, std::span<const Wrench> wrenches) {
   Bodies& bodies = plant_.bodies;
@@ -74,11 +77,13 @@ void Stepper::push(double h, std::span<const Wrench> wrenches) {
       push_axis(axis, 0.5 * h * axis.feedforward);
 }
 
-bool Stepper::push_feedforward(std::size_t m, double h) {
+bool Stepper::push_known(std::size_t m, Moment moment, double h) {
   bool any = false;
   for (const Axis& axis : plant_.axes_of(m)) {
-    if (axis.feedforward == 0.0 || axis.node < 0) continue;
-    plant_.mechanisms[m].tree().push_axis(static_cast<std::size_t>(axis.node), 0.5 * h * axis.feedforward);
+    if (axis.node < 0) continue;
+    const double impulse = known_impulse(axis, moment, h);
+    if (impulse == 0.0) continue;
+    plant_.mechanisms[m].tree().push_axis(static_cast<std::size_t>(axis.node), impulse);
     any = true;
   }
   return any;
@@ -123,7 +128,7 @@ bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::Worl
 
 // Impulses at t. Again from the start where a law turns out to be at its limit.
 bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
-  for (int i = 0; i < kMostBoxings; ++i) {
+  for (int i = 0; i < kMostChanges; ++i) {
     if (i > 0) restore_velocities();
     reset_impulses(plant_);
     for (Mechanism& mechanism : plant_.mechanisms) mechanism.prediction().begin(h);
@@ -134,7 +139,7 @@ bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::W
     bounded_.build(kAhead, h);
     if (!look_ahead(h, state)) return false;
     bounded_.report();
-    if (!box_saturated(plant_, kAhead, h)) break;
+    if (!change_laws(plant_, kAhead, h, corrector_ || i >= kFreeChanges)) break;
   }
   return true;
 }
@@ -164,7 +169,7 @@ void Stepper::match_velocities(std::size_t m, double h) {
   mechanism.clear();
   mechanism.ask_velocities(plant_.bodies);
   ask_axes(plant_, m, kAfter, h);
-  push_feedforward(m, h);
+  push_known(m, kAfter, h);
   give_answer(m, kAfter);
 }
 
@@ -175,7 +180,7 @@ void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, con
     touch.impulse[kAfter] = touch.impulse[kAhead];
     touch.twist[kAfter] = touch.twist[kAhead];
   }
-  for (int i = 0; i < kMostBoxings; ++i) {
+  for (int i = 0; i < kMostChanges; ++i) {
     if (i > 0) restore_velocities();
     push(h, wrenches);
     if (i == 0) push_by_springs(plant_, state);
@@ -187,12 +192,12 @@ void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, con
       bounded_.solve();
       bounded_.report();
     }
-    if (!box_saturated(plant_, kAfter, h)) return;
+    if (!change_laws(plant_, kAfter, h, corrector_ || i >= kFreeChanges)) return;
     for (Axis& axis : plant_.axes) axis.law[kAfter] = axis.damped[kAfter] = 0.0;
   }
 }
 
-// What has bounds may do something else in the next step: nothing is foreseen of the joints that it pushes.
+// What has rows may do something else in the next step: nothing is foreseen of the joints that it pushes.
 void Stepper::note_joints() {
   if (corrector_) return;
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {

@@ -24,10 +24,13 @@ class Stepper {
  private:
   void push(double h, std::span<const Wrench> wrenches);
   void push_axis(const Axis& axis, double impulse);
-  bool push_feedforward(std::size_t mechanism, double h);
+  bool push_known(std::size_t mechanism, Moment moment, double h);
   void save_velocities();
   void restore_velocities();
   const JointSpec* worst_joint(std::size_t mechanism) const;
+  double d_max(std::size_t mechanism) const {
+    return plant_.mechanisms[mechanism].loop_count() > 0 ? loop_d_max_ : d_max_;
+  }
   void hit(double h);
   bool foresee(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
   bool look_ahead(double h, const world::WorldState& state);
@@ -52,7 +55,7 @@ class Stepper {
   Plant& plant_;
   Bounded bounded_;
   std::optional<Corrector> corrector_;  // solver: iterate
-  double d_max_;
+  double d_max_, loop_d_max_;           // of mechanisms without and with loops
   int most_passes_;
   const JointSpec* broken_ = nullptr;
   std::vector<Vector3d> saved_v_, saved_w_;

@@ -28,9 +28,9 @@ bool Stepper::predict(std::size_t m, double h) {
   if (!mechanism.predict()) return false;
   for (Axis& axis : plant_.axes_of(m)) {
     const auto node = static_cast<std::size_t>(axis.node);
-    const double forward = 0.5 * h * axis.feedforward;
-    const double impulse = is_in_tree(axis) ? mechanism.predicted_axis(node) : forward;
-    if (is_in_tree(axis)) take_law_impulse(axis, kAhead, impulse - forward);
+    const double known = known_impulse(axis, kAhead, h);
+    const double impulse = is_in_tree(axis) ? mechanism.predicted_axis(node) : known;
+    if (is_in_tree(axis)) take_law_impulse(axis, kAhead, impulse - known);
     if (impulse != 0.0) mechanism.push_predicted_axis(node, impulse);
   }
   mechanism.give_predicted(plant_.bodies);
@@ -70,8 +70,8 @@ void Stepper::give_answer(std::size_t m, Moment moment) {
 // found; below D_max nothing is done.
 double Stepper::close(std::size_t m, double h, const world::WorldState& state, int pass) {
   double largest = find_gap(m, h, state, 1.0);
-  if (pass == 0 && push_feedforward(m, h)) largest = std::max(largest, kPushed);
-  if (!(largest <= d_max_)) give_answer(m, kAhead);
+  if (pass == 0 && push_known(m, kAhead, h)) largest = std::max(largest, kPushed);
+  if (!(largest <= d_max(m))) give_answer(m, kAhead);
   return largest;
 }
 
@@ -80,7 +80,7 @@ bool Stepper::close_by_newton(std::size_t m, double h, const world::WorldState& 
   double last = 0.0;
   for (int pass = foreseen ? 1 : 0; pass < most_passes_; ++pass) {
     const double gap = close(m, h, state, pass);
-    if (gap <= d_max_) return true;
+    if (gap <= d_max(m)) return true;
     if (!std::isfinite(gap)) return false;
     if (pass > 2 && gap <= kStandstill && gap > 0.5 * last) {
       fly(m, h);
@@ -103,6 +103,8 @@ bool Stepper::close_foreseen(std::size_t m, double h, const world::WorldState& s
   const double left = 4.0 * h * h * mechanism.largest_answer() * mechanism.largest_turn(plant_.bodies);
   if (!(std::abs(left) <= d_max_)) return close_by_newton(m, h, state, true);
   mechanism.nudge(plant_.bodies, h);
+  for (Axis& axis : plant_.axes_of(m))
+    axis.mean_rate += mechanism.tree().axis_rate(static_cast<std::size_t>(axis.node));
   return true;
 }
 
@@ -142,10 +144,12 @@ bool Stepper::correct_alone(std::size_t m, double h, const world::WorldState& st
 bool Stepper::close_together(double h, const world::WorldState& state) {
   for (int pass = 0; pass < most_passes_; ++pass) {
     double largest = 0.0;
+    bool closed = true;
     for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
       if (!bounded_.binds(m)) continue;
       if (corrector_) corrector_->forget_look_ahead(m);
       const double gap = corrector_ ? correct(m, h, state, pass) : close(m, h, state, pass);
+      closed = closed && gap <= d_max(m);
       if (!(gap <= largest)) {
         largest = gap;
         broken_ = worst_joint(m);
@@ -154,7 +158,7 @@ bool Stepper::close_together(double h, const world::WorldState& state) {
     if (!std::isfinite(largest)) return false;
     const double moved = h * bounded_.solve();
     if (!std::isfinite(moved)) return false;
-    if (largest <= d_max_ && moved <= d_max_) break;
+    if (closed && moved <= d_max_) break;
     if (!corrector_ && pass + 1 == most_passes_ && largest > std::sqrt(d_max_)) return false;
   }
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {

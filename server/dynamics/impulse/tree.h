@@ -61,7 +61,7 @@ class Tree {
 
   // The answer, by node: changes of velocity of the centre of mass, and of the axis.
   const Vector3d& dw(std::size_t i) const { return answer_[i].w; }
-  Vector3d dv(std::size_t i) const { return answer_[i].v + answer_[i].w.cross(factors_[i].c); }
+  const Vector3d& dv(std::size_t i) const { return answer_[i].dv; }
   double axis_rate(std::size_t i) const { return answer_[i].rate; }
   // What an implicit drive has given in this solution, N·m·s.
   double axis_impulse(std::size_t i) const;
@@ -89,6 +89,7 @@ class Tree {
   };
   struct Answer {
     Vector3d w, v;  // at P
+    Vector3d dv;    // of the centre of mass
     double rate = 0.0, axis_load = 0.0;
   };
 
@@ -99,6 +100,7 @@ class Tree {
   void load_up(std::size_t i);
   void spread_down(std::size_t i);
   void spread_root(std::size_t i);
+  void spread_joint(std::size_t i);
 
   std::vector<TreeNode> nodes_;
   std::vector<int> part_of_;

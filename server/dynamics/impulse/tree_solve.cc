@@ -69,9 +69,17 @@ void Tree::spread_root(std::size_t i) {
   answer_[i].v = velocity.tail<3>();
 }
 
-// q' = t - D^-1 U^T (w1, v1),  (w1, v1) the velocity of P before the axes move.
 void Tree::spread_down(std::size_t i) {
-  if (root_of_[i] >= 0) return spread_root(i);
+  if (root_of_[i] >= 0)
+    spread_root(i);
+  else
+    spread_joint(i);
+  Answer& answer = answer_[i];
+  answer.dv = answer.v + answer.w.cross(factors_[i].c);
+}
+
+// q' = t - D^-1 U^T (w1, v1),  (w1, v1) the velocity of P before the axes move.
+void Tree::spread_joint(std::size_t i) {
   const Factor& f = factors_[i];
   Answer& answer = answer_[i];
   answer.w = asked_[i].beta;

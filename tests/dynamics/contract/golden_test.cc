@@ -10,8 +10,8 @@ namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x5a5eefac70e12737ull},       {"OdeQuick", 0x714789e3752eab71ull},
-    {"Impulse", 0x250c7fa1ce17708aull},        {"ImpulseOrder4", 0x8a0239ba1041eb7bull},
-    {"ImpulseIterate", 0x2bdde77f3b5a1255ull},
+    {"Impulse", 0xb109f0b54f76dfe9ull},        {"ImpulseOrder4", 0x6f0365b6cdb63f8bull},
+    {"ImpulseIterate", 0xa6aab920f10dde5dull},
 };
 
 class Golden : public Contract {};

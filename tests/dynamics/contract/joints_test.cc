@@ -6,7 +6,6 @@ namespace visum::dynamics::testing {
 namespace {
 
 using world::JointKind;
-constexpr double kPi = std::numbers::pi;
 
 class Joints : public Contract {
  protected:
@@ -42,15 +41,16 @@ TEST_P(Joints, AStopBeyondOneTurnHoldsToo) {
       auto b = builder();
       world::Joint& joint = add_single(b, JointKind::kHinge);
       joint.limited = true;
-      joint.lower = -stop * kPi / 180.0;
-      joint.upper = stop * kPi / 180.0;
+      joint.lower = -stop * std::numbers::pi / 180.0;
+      joint.upper = stop * std::numbers::pi / 180.0;
       Lab lab(b.model);
       lab.drive("joint") = {side * 8.0, 1e-3, 20.0, 0.0};
       lab.run(3.0);
-      EXPECT_NEAR(lab.joint("joint").position, side * stop * kPi / 180.0, 1e-2) << stop;
+      EXPECT_NEAR(lab.joint("joint").position, side * stop * std::numbers::pi / 180.0, 1e-2) << stop;
       lab.drive("joint") = {-side * 8.0, 1e-3, 20.0, 0.0};
       lab.run(0.2);
-      EXPECT_LT(side * lab.joint("joint").position, stop * kPi / 180.0 - 0.5) << "it sticks to its stop";
+      EXPECT_LT(side * lab.joint("joint").position, stop * std::numbers::pi / 180.0 - 0.5)
+          << "it sticks to its stop";
     }
   }
 }
@@ -59,13 +59,13 @@ TEST_P(Joints, AStateRestoredAwayFromAStopForgetsIt) {
   auto b = builder();
   world::Joint& joint = add_single(b, JointKind::kHinge);
   joint.limited = true;
-  joint.lower = -2.0 * kPi;
-  joint.upper = 2.0 * kPi;
+  joint.lower = -2.0 * std::numbers::pi;
+  joint.upper = 2.0 * std::numbers::pi;
   Lab lab(b.model);
   const world::WorldState start = lab.state;
   lab.drive("joint").feedforward = 5.0;
   lab.run(2.0);
-  EXPECT_NEAR(lab.joint("joint").position, 2.0 * kPi, 1e-3);
+  EXPECT_NEAR(lab.joint("joint").position, 2.0 * std::numbers::pi, 1e-3);
   lab.state = start;
   lab.drive("joint") = {1.0, 0.0, 100.0, 0.0};
   lab.run_ticks(100);
@@ -178,7 +178,7 @@ TEST_P(Joints, AFixedJointToTheWorldHangsInTheAir) {
 
 TEST_P(Joints, APendulumKeepsItsEnergyAndItsHinge) {
   auto b = builder();
-  const BodyId rod = b.add_box("rod", {0.02, 0.02, 1.0}, 1.0, at(0.5, 0, 0, kPi / 2, {0, 1, 0}));
+  const BodyId rod = b.add_box("rod", {0.02, 0.02, 1.0}, 1.0, at(0.5, 0, 0, std::numbers::pi / 2, {0, 1, 0}));
   b.add_joint("hinge", JointKind::kHinge, {}, rod, {0, 0, 0}, {0, 1, 0});
   Lab lab(b.model);
   const double scale = 9.81 * 0.5;
@@ -198,13 +198,14 @@ TEST_P(Joints, AnInitialPositionIsCarriedOutByTheWholeSubtree) {
   auto b = builder();
   const BodyId first = b.add_box("first", {1.0, 0.1, 0.1}, 1.0, at(0.5, 0, 0));
   const BodyId second = b.add_box("second", {1.0, 0.1, 0.1}, 1.0, at(1.5, 0, 0));
-  b.add_joint("one", JointKind::kHinge, {}, first, {0, 0, 0}, {0, 0, 1}).initial_position = kPi / 2;
+  b.add_joint("one", JointKind::kHinge, {}, first, {0, 0, 0}, {0, 0, 1}).initial_position =
+      std::numbers::pi / 2;
   b.add_joint("two", JointKind::kHinge, first, second, {1, 0, 0}, {0, 0, 1});
   b.model.gravity.setZero();
   Lab lab(b.model);
   EXPECT_LT((lab.body("second").p_WC - Eigen::Vector3d(0, 1.5, 0)).norm(), 1e-12);
   lab.run_ticks(10);
-  EXPECT_NEAR(lab.joint("one").position, kPi / 2, 1e-9);
+  EXPECT_NEAR(lab.joint("one").position, std::numbers::pi / 2, 1e-9);
   EXPECT_LT((lab.body("second").p_WC - Eigen::Vector3d(0, 1.5, 0)).norm(), 1e-9)
       << "the engine sees no error in it";
 }

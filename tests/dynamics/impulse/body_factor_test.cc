@@ -13,17 +13,17 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // A chain of bodies, two rows between each and the next, one more over a body between, and one to the ground.
-struct Rows {
+struct Lines {
   std::vector<FreeBody> bodies;
   std::vector<std::array<std::size_t, 2>> ends;
   MatrixXd J, P, M;  // a row for each row; pushes; mass
   VectorXd softness, missing;
 };
 
-Rows make_rows(std::size_t count, double drag) {
+Lines make_rows(std::size_t count, double drag) {
   std::mt19937 generator(7);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  Rows rows;
+  Lines rows;
   for (std::size_t i = 0; i + 1 < count; ++i) {
     for (int twice = 0; twice < 2; ++twice) rows.ends.push_back({i, i + 1});
     if (i + 2 < count) rows.ends.push_back({i, i + 2});
@@ -53,7 +53,7 @@ Rows make_rows(std::size_t count, double drag) {
   return rows;
 }
 
-std::vector<std::size_t> bodies_of(const Rows& rows, Eigen::Index r) {
+std::vector<std::size_t> bodies_of(const Lines& rows, Eigen::Index r) {
   const auto [a, b] = rows.ends[static_cast<std::size_t>(r)];
   return a == b ? std::vector{a} : std::vector{a, b};
 }
@@ -64,7 +64,7 @@ BodyFactor::Vector6 part(const MatrixXd& of, Eigen::Index row, std::size_t body)
   return result;
 }
 
-VectorXd change_by_bodies(const Rows& rows, bool symmetric) {
+VectorXd change_by_bodies(const Lines& rows, bool symmetric) {
   BodyFactor factor;
   factor.start(rows.bodies, symmetric);
   for (const auto& [a, b] : rows.ends) factor.connect(a, b);
@@ -87,7 +87,7 @@ VectorXd change_by_bodies(const Rows& rows, bool symmetric) {
 }
 
 // (J M^-1 P^T + S) l = r, then dv = M^-1 P^T l.
-VectorXd change_by_rows(const Rows& rows) {
+VectorXd change_by_rows(const Lines& rows) {
   const MatrixXd pushed = rows.M.inverse() * rows.P.transpose();
   MatrixXd response = rows.J * pushed;
   response.diagonal() += rows.softness;
@@ -95,20 +95,20 @@ VectorXd change_by_rows(const Rows& rows) {
 }
 
 TEST(BodyFactor, ChangesVelocitiesAsTheRowsOwnSystemDoes) {
-  const Rows rows = make_rows(6, 0.0);
+  const Lines rows = make_rows(6, 0.0);
   const VectorXd expected = change_by_rows(rows);
   EXPECT_LT((change_by_bodies(rows, true) - expected).norm(), 1e-8 * expected.norm());
   EXPECT_LT((change_by_bodies(rows, false) - expected).norm(), 1e-8 * expected.norm());
 }
 
 TEST(BodyFactor, KnowsFrictionThatIsDraggedAlong) {
-  const Rows rows = make_rows(6, 0.05);
+  const Lines rows = make_rows(6, 0.05);
   const VectorXd expected = change_by_rows(rows);
   EXPECT_LT((change_by_bodies(rows, false) - expected).norm(), 1e-8 * expected.norm());
 }
 
 TEST(BodyFactor, RefusesMoreEntriesThanItMayHave) {
-  const Rows rows = make_rows(6, 0.0);
+  const Lines rows = make_rows(6, 0.0);
   BodyFactor factor;
   factor.start(rows.bodies, true);
   for (const auto& [a, b] : rows.ends) factor.connect(a, b);

@@ -10,7 +10,7 @@ namespace {
 using dynamics::testing::at;
 using dynamics::testing::ModelBuilder;
 
-constexpr double kG = 9.81, kRadius = 0.1, kHeight = 1.0;
+constexpr double kRadius = 0.1, kHeight = 1.0;
 
 // A ball over the plane, let go at a height of 1 m.
 Lab falling_ball(const world::EngineSetting& engine, double restitution) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,9 @@
 namespace visum::physics {
 
 using dynamics::testing::Lab;
+
+inline constexpr double kG = 9.81;                           // m/s^2
+inline constexpr double kDegree = std::numbers::pi / 180.0;  // rad
 
 struct Figure {
   const char* name;  // with its unit: "tip_1s_m"

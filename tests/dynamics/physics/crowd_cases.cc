@@ -14,7 +14,7 @@ using dynamics::testing::at;
 using dynamics::testing::ModelBuilder;
 using Eigen::Vector3d;
 
-constexpr double kG = 9.81, kRadius = 0.1;
+constexpr double kMarble = 0.1;
 
 // SimBenchmark's "666": 6 x 6 x 6 balls of 10 kg, 1 cm between them, the lowest `height` over the plane.
 world::WorldModel cube_of_balls(const world::EngineSetting& engine, double height, double restitution) {
@@ -25,7 +25,7 @@ world::WorldModel cube_of_balls(const world::EngineSetting& engine, double heigh
   for (int z = 0; z < 6; ++z)
     for (int y = 0; y < 6; ++y)
       for (int x = 0; x < 6; ++x)
-        b.add_sphere("ball_" + std::to_string(36 * z + 6 * y + x), kRadius, 10.0,
+        b.add_sphere("ball_" + std::to_string(36 * z + 6 * y + x), kMarble, 10.0,
                      at(kPitch * x, kPitch * y, height + kPitch * z), surface);
   return b.model;
 }
@@ -38,7 +38,7 @@ double deepest(const std::vector<collision::Contact>& contacts) {
 
 // A millimetre and centimetres down, one on the other: they may lie closely, not in one another.
 std::vector<double> fall_on_one_another(const world::EngineSetting& engine) {
-  Lab lab(cube_of_balls(engine, kRadius + 1e-3, 0.0));
+  Lab lab(cube_of_balls(engine, kMarble + 1e-3, 0.0));
   const double energy = energy_of(lab.model, lab.state);
   double depth = 0.0, gained = 0.0;
   watch(lab, 0.5, [&] {
@@ -49,7 +49,7 @@ std::vector<double> fall_on_one_another(const world::EngineSetting& engine) {
 }
 
 std::vector<double> bounce_through_one_another(const world::EngineSetting& engine) {
-  Lab lab(cube_of_balls(engine, kRadius + 1.001, 1.0));
+  Lab lab(cube_of_balls(engine, kMarble + 1.001, 1.0));
   const double energy = energy_of(lab.model, lab.state);
   double change = 0.0;
   watch(lab, 1.0,
@@ -66,8 +66,8 @@ world::WorldModel plate_with_balls(const world::EngineSetting& engine) {
   b.add_ground(under);
   b.add_box("plate", {2.5, 2.5, kThickness}, 10.0, at(0, 0, 0.5 * kThickness - kTouch), plate);
   for (int i = 0; i < 25; ++i)
-    b.add_sphere("ball_" + std::to_string(i), kRadius, 1.0,
-                 at(kPitch * (i % 5 - 2), kPitch * (i / 5 - 2), kThickness + kRadius - 2.0 * kTouch), plate);
+    b.add_sphere("ball_" + std::to_string(i), kMarble, 1.0,
+                 at(kPitch * (i % 5 - 2), kPitch * (i / 5 - 2), kThickness + kMarble - 2.0 * kTouch), plate);
   return b.model;
 }
 

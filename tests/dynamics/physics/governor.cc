@@ -15,7 +15,7 @@ using world::BodyId;
 
 constexpr double kDensity = 3000.0, kWidth = 0.01, kRodKg = kDensity * kWidth * kWidth, kBallKg = 5.0;
 constexpr double kMiddle = 0.5;  // m along a rod: where its coupler takes hold, and the couplers' length
-constexpr double kStiffness = 8e5, kDamping = 4e4;
+constexpr double kShaftStiffness = 8e5, kDamping = 4e4;
 constexpr double kSpin = 2.0 * std::numbers::pi;
 const Vector3d kUp = Vector3d::UnitZ();
 
@@ -41,7 +41,7 @@ void add_coupler(ModelBuilder& b, const std::string& name, BodyId slider, BodyId
   spring.parent = slider;
   spring.child = rod;
   spring.X_CJ.p = b.body(rod).X_WB.inverse() * p_W;
-  spring.stiffness = kStiffness;
+  spring.stiffness = kShaftStiffness;
   spring.damping = kDamping;
   spring.rest = kMiddle;
   b.model.joints.push_back(spring);

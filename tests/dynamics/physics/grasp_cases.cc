@@ -13,7 +13,7 @@ using dynamics::testing::at;
 using dynamics::testing::ModelBuilder;
 using Eigen::Vector3d;
 
-constexpr double kG = 9.81, kEdge = 0.1, kTall = 0.3;
+constexpr double kEdge = 0.1, kTall = 0.3;
 
 // `count` cubes of 1 kg in a row along x, a jaw at either end, on sliders; each jaw pushes with `squeeze_n`.
 struct Grasp {

@@ -17,8 +17,8 @@ using Eigen::Vector3d;
 using world::BodyId;
 using world::JointKind;
 
-constexpr double kStiffness = 40.0, kDamping = 1.0, kBend = 0.3;  // rad: knees outwards
-constexpr double kUpper = 0.25, kLower = 0.25, kFoot = 0.03;      // m
+constexpr double kLegStiffness = 40.0, kDamping = 1.0, kBend = 0.3;  // rad: knees outwards
+constexpr double kUpper = 0.25, kLower = 0.25, kFoot = 0.03;         // m
 
 BodyId add_limb(ModelBuilder& b, const std::string& name, double mass_kg, double length, double angle,
                 const Vector3d& top) {
@@ -61,7 +61,7 @@ ModelBuilder robot(const world::EngineSetting& engine) {
 void hold_pose(Lab& lab) {
   for (std::size_t i = 0; i < lab.model.joints.size(); ++i) {
     if (lab.model.joints[i].kind != JointKind::kHinge) continue;
-    const double wanted = -kStiffness / kDamping * lab.state.joints[i].position;
+    const double wanted = -kLegStiffness / kDamping * lab.state.joints[i].position;
     lab.drives[i] = {wanted, 1.0 / kDamping, 80.0, 0.0};
   }
 }

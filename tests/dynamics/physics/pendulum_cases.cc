@@ -12,7 +12,6 @@ namespace {
 
 using Eigen::Vector3d;
 constexpr double kGravity = 9.81;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::vector<double> swing_from_level(const world::EngineSetting& engine) {
   struct {

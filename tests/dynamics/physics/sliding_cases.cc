@@ -13,9 +13,6 @@ using dynamics::testing::at;
 using dynamics::testing::ModelBuilder;
 using Eigen::Vector3d;
 
-constexpr double kG = 9.81;
-constexpr double kDegree = std::numbers::pi / 180.0;
-
 // A flat box on the plane, gravity tilted instead of the plane.
 world::WorldModel box_on_slope(const world::EngineSetting& engine, double slope, double friction) {
   ModelBuilder b(engine);
