@@ -16,6 +16,7 @@ struct Origin {
   config::Files files;       // all that was read for it
   std::string engine;        // instead of the scene's; empty: none
   std::string parameters{};  // of the scene's file, as scene::Options has them
+  bool has_past = false;     // the world is not as the scene says: a recording of it begins with its state
 };
 
 // By their numbers in the file.

@@ -25,6 +25,7 @@ Recorder::Recorder(cycle::Simulation& simulation, const Origin& origin, const st
     throw std::runtime_error("the recording '" + file.string() + "' cannot be written: " + error.what());
   }
   scribe_->start();
+  if (origin.has_past) put_state();
   simulation_.set_witness(this);
 }
 
@@ -60,6 +61,10 @@ void Recorder::ticked() {
   encode(Tick{tick, simulation_.era(), time_ns, simulation_.state_hash(), simulation_.fault()}, bytes_);
   put(channels_.ticks);
   if (time_ns_ < next_state_ns_ || simulation_.frozen()) return;
+  put_state();
+}
+
+void Recorder::put_state() {
   next_state_ns_ = time_ns_ + kStatePeriod_ns;
   simulation_.keep(state_);
   bytes_.clear();

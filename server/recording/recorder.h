@@ -18,8 +18,8 @@ class Scribe;
 
 class Recorder : public cycle::Witness {
  public:
-  // From now on, which has to be before the first tick and the first input. Throws std::runtime_error where
-  // the file cannot be written.
+  // From now on, which has to be before the first tick and the first input, or `origin` says that the world
+  // has a past. Throws std::runtime_error where the file cannot be written.
   Recorder(cycle::Simulation& simulation, const Origin& origin, const std::filesystem::path& file);
   ~Recorder() override;  // finishes the file
 
@@ -29,6 +29,7 @@ class Recorder : public cycle::Witness {
 
  private:
   void put(std::uint16_t channel);  // what stands in bytes_
+  void put_state();
 
   cycle::Simulation& simulation_;
   const std::unique_ptr<Scribe> scribe_;

@@ -24,9 +24,8 @@ Replay replay(const std::filesystem::path& file, const PluginFolders& plugins) {
   return replayer.result();
 }
 
-std::unique_ptr<cycle::Simulation> rewind(const std::filesystem::path& file, double at_s,
-                                          const std::function<void(scene::Scene&)>& adjust,
-                                          const PluginFolders& plugins) {
+Rewound rewind(const std::filesystem::path& file, double at_s, const Adjust& adjust,
+               const PluginFolders& plugins) {
   Replayer replayer(file, plugins, adjust);
   replayer.run(ticks_of(at_s, replayer.result().header.tick_ns));
   const auto& result = replayer.result();

@@ -11,6 +11,7 @@
 
 #include "protocol/recording/records.h"
 #include "server/cycle/simulation.h"
+#include "server/recording/beginning.h"
 
 namespace visum::recording {
 
@@ -43,15 +44,23 @@ struct Replay {
 // Where plug-ins of the recorded scene may come from: a recording holds files, and no code.
 using PluginFolders = std::vector<std::filesystem::path>;
 
+// What may be changed of the scene that does not belong to the world: its clock.
+using Adjust = std::function<void(scene::Scene&)>;
+
 // Throws ConfigError where the file is no recording, or the scene in it is wrong.
 Replay replay(const std::filesystem::path& file, const PluginFolders& plugins = {});
+
+// A world to go on with, and what it is made of: the files in the recording, not those on the disk today.
+struct Rewound {
+  std::unique_ptr<cycle::Simulation> world;
+  Origin origin;
+};
 
 // The world of a recording as it was `at_s` simulated seconds after the beginning (over all eras), or at its
 // end where that is sooner: to go on from there with other inputs. `adjust` may change what does not belong
 // to the world: its clock. Throws what replay() throws, and std::runtime_error where the ticks up to there
 // differ.
-std::unique_ptr<cycle::Simulation> rewind(const std::filesystem::path& file, double at_s,
-                                          const std::function<void(scene::Scene&)>& adjust,
-                                          const PluginFolders& plugins = {});
+Rewound rewind(const std::filesystem::path& file, double at_s, const Adjust& adjust,
+               const PluginFolders& plugins = {});
 
 }  // namespace visum::recording

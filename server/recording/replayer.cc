@@ -34,6 +34,11 @@ Replayer::Replayer(const std::filesystem::path& file, const PluginFolders& plugi
   result_.header = file_.header();
 }
 
+Rewound Replayer::take_world() {
+  const auto& header = result_.header;
+  return {std::move(kept_), {std::move(files_), header.engine, header.parameters, true}};
+}
+
 bool Replayer::run(std::uint64_t ticks) {
   const config::FilesGiven given(files_);
   const auto until = result_.ticks + std::min(ticks, UINT64_MAX - result_.ticks);

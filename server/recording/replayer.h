@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -13,9 +12,6 @@
 #include "server/recording/replay.h"
 
 namespace visum::recording {
-
-// What may be changed of the scene that does not belong to the world: its clock.
-using Adjust = std::function<void(scene::Scene&)>;
 
 // A fresh world as the header says, made of `files` alone.
 std::unique_ptr<cycle::Simulation> make_world(const Header& header, const config::Files& files,
@@ -29,7 +25,8 @@ class Replayer {
   // Goes on for so many ticks at most; false: it is over, at the file's end or where it differs.
   bool run(std::uint64_t ticks);
   const Replay& result() const { return result_; }
-  std::unique_ptr<cycle::Simulation> take_world() { return std::move(kept_); }
+  // The world with what it was made of, to go on without the recording.
+  Rewound take_world();
 
  private:
   void take(const RecordingFile::Item& item);
@@ -42,7 +39,7 @@ class Replayer {
                      const std::vector<double>& recorded, const std::vector<double>& replayed);
 
   RecordingFile file_;
-  const config::Files files_;  // the world is made of these, not of what lies on the disk today
+  config::Files files_;  // the world is made of these, not of what lies on the disk today
   std::unique_ptr<cycle::Simulation> kept_;
   cycle::Simulation& world_;
   std::map<std::string, protocol::PartSample> samples_;

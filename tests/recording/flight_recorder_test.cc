@@ -116,6 +116,24 @@ TEST_F(Flight, AWorldThatLivesAgainCanFreezeAgain) {
   EXPECT_EQ(replay(first).ticks, 51u);
 }
 
+// What it is made of is taken from the recording, whatever lies on the disk by now.
+TEST_F(Flight, AWorldThatWasRewoundLeavesItsLastTicks) {
+  world().write_inputs(0, 0, std::vector{0.7, -0.3});
+  run(500);
+  explode();
+  auto [again, origin] = rewind(flight_->dump(), 0.4, {});
+  FlightRecorder second(*again, std::move(origin), files_.folder());
+  again->write_inputs(0, 0, std::vector{0.2});
+  for (int i = 0; i < 20; ++i) again->tick();
+  again->push({{again->model().find_body("robot/fore"), {1e12, 0, 0}, {0, 0, 0}}, again->tick_count() + 9});
+  for (int i = 0; i < 9; ++i) again->tick();
+  ASSERT_NE(second.dump(), "");
+  const auto result = replay(second.dump());
+  EXPECT_TRUE(result.equal) << result.difference.what;
+  EXPECT_EQ(result.ticks, 21u) << "from where it was put to where it froze";
+  EXPECT_EQ(result.last_hash, again->state_hash());
+}
+
 TEST_F(Flight, MemoryIsBoundedHoweverMuchIsWritten) {
   for (int i = 0; i < 5000; ++i) {
     for (int j = 0; j < 20; ++j) world().write_inputs(0, 0, std::vector{0.01, -0.3});

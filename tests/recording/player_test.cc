@@ -13,9 +13,6 @@
 namespace visum::recording {
 namespace {
 
-constexpr const char* kBall =
-    "{name: ball, mass: 0.5, pose: {xyz: [0.6, 0.5, 1.0]}, shapes: [{sphere: 0.05}]}";
-
 // What a world was after each of its ticks.
 struct Moment {
   std::int64_t tick;

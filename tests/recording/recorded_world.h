@@ -14,6 +14,9 @@
 
 namespace visum::recording {
 
+inline constexpr const char* kBall =
+    "{name: ball, mass: 0.5, pose: {xyz: [0.6, 0.5, 1.0]}, shapes: [{sphere: 0.05}]}";
+
 class RecordedWorld {
  public:
   explicit RecordedWorld(const std::string& scene = "two_link.yaml", const std::string& engine = {}) {

@@ -13,9 +13,6 @@
 namespace visum::recording {
 namespace {
 
-constexpr const char* kBall =
-    "{name: ball, mass: 0.5, pose: {xyz: [0.6, 0.5, 1.0]}, shapes: [{sphere: 0.05}]}";
-
 // Something of every kind, over two resets of the clock.
 void live(RecordedWorld& world) {
   world->write_inputs(0, 0, std::vector{0.7, -0.3});
@@ -252,7 +249,8 @@ TEST(Rewind, GoesOnFromAMomentWithTheSameBitsOrWithOtherInputs) {
   world.run(10);
   const auto at_60 = world->state_hash();
   const auto file = world.finish();
-  const auto again = rewind(file, 0.030, [](scene::Scene& scene) { scene.clock = scene::ClockKind::kFree; });
+  const auto again =
+      rewind(file, 0.030, [](scene::Scene& scene) { scene.clock = scene::ClockKind::kFree; }).world;
   EXPECT_EQ(again->tick_count(), 30);
   EXPECT_EQ(again->scene().clock, scene::ClockKind::kFree);
   EXPECT_EQ(again->state_hash(), at_30);
@@ -261,11 +259,32 @@ TEST(Rewind, GoesOnFromAMomentWithTheSameBitsOrWithOtherInputs) {
   for (int i = 0; i < 10; ++i) again->tick();
   EXPECT_EQ(again->state_hash(), at_60) << "the same input";
 
-  const auto other = rewind(file, 0.030, {});
+  const auto other = rewind(file, 0.030, {}).world;
   other->write_inputs(0, 0, std::vector{0.9});
   for (int i = 0; i < 30; ++i) other->tick();
   EXPECT_NE(other->state_hash(), at_60) << "another input";
-  EXPECT_EQ(rewind(file, std::numeric_limits<double>::infinity(), {})->tick_count(), 60) << "the end";
+  EXPECT_EQ(rewind(file, std::numeric_limits<double>::infinity(), {}).world->tick_count(), 60) << "the end";
+}
+
+// Of a world with a past: its state comes first, so that what was before is not asked for.
+TEST(Rewind, WhatComesAfterwardsCanBeRecordedAndGoneThroughAgain) {
+  RecordedWorld world;
+  world->write_inputs(0, 0, std::vector{0.7, -0.3});
+  world.run(30);
+  world->add_body("{name: ball, mass: 0.5, pose: {xyz: [0.6, 0.5, 1.0]}, shapes: [{sphere: 0.05}]}");
+  world->reset();
+  const auto first = world.finish();
+  const auto second = first.parent_path() / "second.mcap";
+  auto [again, origin] = rewind(first, std::numeric_limits<double>::infinity(), {});
+  {
+    Recorder recorder(*again, origin, second);
+    again->write_inputs(0, 0, std::vector{0.2});
+    for (int i = 0; i < 20; ++i) again->tick();
+  }
+  const auto result = replay(second);
+  EXPECT_TRUE(result.equal) << result.difference.what;
+  EXPECT_EQ(result.ticks, 20u);
+  EXPECT_EQ(result.last_hash, again->state_hash());
 }
 
 TEST(ExportCsv, WritesARowPerTickAndAColumnPerPort) {
