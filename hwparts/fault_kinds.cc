@@ -11,7 +11,7 @@ constexpr double kMostDrives = 64, kFar = 1e3, kMostEffort = 1e6;
 constexpr FaultNumber kJoint{"joint", "", 1.0, kMostDrives, {}};
 constexpr FaultNumber kShare{"share", "", 0.0, 1.0, 1.0};
 
-constexpr std::array<FaultInfo, 23> kKinds{{
+constexpr std::array<FaultInfo, 23> kFaultKinds{{
     {FaultKind::kEncoderStuck,
      "encoder_stuck",
      FaultTarget::kDrive,
@@ -157,19 +157,19 @@ const char* name_of(FaultTarget target) {
 }
 
 std::span<const FaultInfo> fault_kinds() {
-  return kKinds;
+  return kFaultKinds;
 }
 
 const FaultInfo& fault_info(FaultKind kind) {
-  return kKinds[static_cast<std::size_t>(kind)];
+  return kFaultKinds[static_cast<std::size_t>(kind)];
 }
 
 bool is_fault_kind(FaultKind kind) {
-  return static_cast<std::size_t>(kind) < std::size(kKinds);
+  return static_cast<std::size_t>(kind) < std::size(kFaultKinds);
 }
 
 const FaultInfo* find_fault_kind(std::string_view name) {
-  for (const auto& row : kKinds)
+  for (const auto& row : kFaultKinds)
     if (name == row.name) return &row;
   return nullptr;
 }

@@ -33,9 +33,14 @@ bool FaultSet::expire(std::int64_t tick) {
          }) != 0;
 }
 
+std::span<const ActiveFault> FaultSet::of(std::uint32_t part) const {
+  const auto first = std::ranges::lower_bound(active_, part, {}, &ActiveFault::part);
+  return {first, std::ranges::upper_bound(first, active_.end(), part, {}, &ActiveFault::part)};
+}
+
 const ActiveFault* FaultSet::find(std::uint32_t part, FaultKind kind) const {
-  for (const auto& one : active_)
-    if (one.part == part && one.fault.kind == kind) return &one;
+  for (const auto& one : of(part))
+    if (one.fault.kind == kind) return &one;
   return nullptr;
 }
 

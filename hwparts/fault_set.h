@@ -34,6 +34,7 @@ class FaultSet {
 
   // By part, then as they came.
   std::span<const ActiveFault> all() const { return active_; }
+  std::span<const ActiveFault> of(std::uint32_t part) const;
   const ActiveFault* find(std::uint32_t part, FaultKind kind) const;
 
   void save(StateWriter& to) const;

@@ -8,7 +8,7 @@
 namespace visum::hwparts {
 namespace {
 
-constexpr std::array<PartKind, 2> kKinds{{
+constexpr std::array<PartKind, 2> kPartKinds{{
     {"amtec_arm", "the 7-DOF PowerCube arm with its two-finger gripper", amtec_arm::make,
      amtec_arm::make_real},
     {"servo_group", "any joints of a robot, each with a drive", servo_group::make,
@@ -16,19 +16,19 @@ constexpr std::array<PartKind, 2> kKinds{{
 }};
 
 const PartKind& row_of(const std::string& kind, const PartContext& context) {
-  for (const auto& row : kKinds) {
+  for (const auto& row : kPartKinds) {
     if (kind == row.name) return row;
   }
   const auto place = context.config.find("kind").value_or(context.config);
   std::string known;
-  for (const auto& row : kKinds) known += (known.empty() ? "" : ", ") + std::string(row.name);
+  for (const auto& row : kPartKinds) known += (known.empty() ? "" : ", ") + std::string(row.name);
   place.fail("there is no kind of part '" + kind + "'; there are: " + known);
 }
 
 }  // namespace
 
 std::span<const PartKind> part_kinds() {
-  return kKinds;
+  return kPartKinds;
 }
 
 std::unique_ptr<Part> make_part(const std::string& kind, const PartContext& context) {

@@ -2,9 +2,9 @@
 // by field, so that padding never enters a hash. Native endianness: a snapshot stays on its machine.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <stdexcept>
 #include <type_traits>
@@ -58,7 +58,8 @@ class StateReader {
  private:
   void copy(void* to, std::size_t size) {
     if (size > bytes_.size()) throw std::out_of_range("the snapshot's state is shorter than the part's");
-    std::memcpy(to, bytes_.data(), size);
+    // Not memcpy: `to` may be null where there are no bytes.
+    std::copy_n(bytes_.begin(), size, static_cast<std::byte*>(to));
     bytes_ = bytes_.subspan(size);
   }
   std::span<const std::byte> bytes_;

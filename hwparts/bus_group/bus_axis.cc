@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "hwparts/bus_group/parameter_ids.h"
 #include "hwparts/drive/state_word.h"
 
 namespace visum::bus_group {
@@ -14,8 +15,6 @@ namespace bit = drive::state_bit;
 namespace command = powercube::command;
 using powercube::Message;
 
-constexpr std::uint8_t kSerialNumber = 0x1A, kState = 0x27, kPosition = 0x3C, kSpeed = 0x41, kCurrent = 0x4D,
-                       kTargetSpeed = 0x4F;
 constexpr std::uint8_t kRamp = 0x04, kVelocity = 0x07;
 // Position and state are read twice as often as speed and current.
 constexpr std::array<std::uint8_t, 6> kRound{kState, kPosition, kSpeed, kState, kPosition, kCurrent};

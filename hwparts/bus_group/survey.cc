@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "hwparts/bus_group/parameter_ids.h"
 #include "hwparts/drive/state_word.h"
 #include "hwparts/powercube/settings.h"
 
@@ -16,10 +17,6 @@ using powercube::Asker;
 using powercube::Message;
 namespace command = powercube::command;
 
-// Parameters, by m5api's numbers.
-constexpr std::uint8_t kDefConfig = 0x1B, kSerialNumber = 0x1A, kVersion = 0x1D, kState = 0x27,
-                       kConfig = 0x39, kPosition = 0x3C, kMaxDeltaPos = 0x40, kMinPos = 0x45, kMaxPos = 0x46,
-                       kMaxVel = 0x48, kMaxAcc = 0x4A, kMaxCur = 0x4C;
 constexpr double kSame = 1e-4;                     // relative, of limits read back as 32-bit floats
 constexpr std::int64_t kStranger_ns = 30'000'000;  // patience with ids that need not be there
 constexpr double kNearZero = 1e-6;                 // [u], absolute

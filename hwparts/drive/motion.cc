@@ -24,11 +24,6 @@ double cruise_speed(double distance, double u, double time, const MotionLimits& 
   return slower > 0.0 ? std::min(slower, limits.speed) : limits.speed;
 }
 
-RampPhase phase_of(double before, double after) {
-  if (std::abs(after) == std::abs(before)) return after == 0.0 ? RampPhase::kEnd : RampPhase::kSteady;
-  return std::abs(after) > std::abs(before) ? RampPhase::kAccelerating : RampPhase::kDecelerating;
-}
-
 // Evenly towards `target`, due in `remaining_s`.
 Setpoint run_evenly(const Setpoint& from, double target, double remaining_s, const MotionLimits& limits,
                     double tick_s) {

@@ -36,16 +36,16 @@ Profile plan(double distance, double u, double maximum_speed, double a) {
   return profile;
 }
 
-struct Motion {
+struct Waypoint {
   double way = 0.0;
   double speed = 0.0;
 };
 
 // Where the profile is after t seconds; t is less than its whole length.
-Motion sample(const Profile& profile, double u, double a, double t) {
+Waypoint sample(const Profile& profile, double u, double a, double t) {
   const double first = std::min(t, profile.first_s);
-  Motion motion{(u + 0.5 * profile.first_acceleration * first) * first,
-                u + profile.first_acceleration * first};
+  Waypoint motion{(u + 0.5 * profile.first_acceleration * first) * first,
+                  u + profile.first_acceleration * first};
   t -= first;
   if (t <= 0.0) return motion;
   const double cruise = std::min(t, profile.cruise_s);
@@ -55,13 +55,13 @@ Motion sample(const Profile& profile, double u, double a, double t) {
   return {motion.way + (profile.cruise - 0.5 * a * t) * t, std::max(0.0, profile.cruise - a * t)};
 }
 
+}  // namespace
+
 RampPhase phase_of(double before, double after) {
   if (after == 0.0 && before == 0.0) return RampPhase::kEnd;
   if (std::abs(after) == std::abs(before)) return RampPhase::kSteady;
   return std::abs(after) > std::abs(before) ? RampPhase::kAccelerating : RampPhase::kDecelerating;
 }
-
-}  // namespace
 
 Setpoint ramp_to(const Setpoint& from, double target, double maximum_speed, double acceleration,
                  double tick_s) {
@@ -72,7 +72,7 @@ Setpoint ramp_to(const Setpoint& from, double target, double maximum_speed, doub
   constexpr double kRounding = 1.0 + 1e-9;  // no extra tick for a rest of time that only rounding left
   if (profile.first_s + profile.cruise_s + profile.last_s <= tick_s * kRounding)
     return {target, 0.0, RampPhase::kEnd};
-  const Motion motion = sample(profile, u, acceleration, tick_s);
+  const Waypoint motion = sample(profile, u, acceleration, tick_s);
   const double speed = direction * motion.speed;
   return {from.position + direction * motion.way, speed, phase_of(from.speed, speed)};
 }

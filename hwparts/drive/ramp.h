@@ -20,6 +20,9 @@ struct Setpoint {
   RampPhase phase = RampPhase::kEnd;
 };
 
+// Of a tick in which the speed becomes `after`.
+RampPhase phase_of(double before, double after);
+
 // One tick towards `target`. maximum_speed >= 0 (0: stops where it can, and stands), acceleration > 0, tick_s
 // > 0.
 Setpoint ramp_to(const Setpoint& from, double target, double maximum_speed, double acceleration,

@@ -10,9 +10,9 @@
 namespace visum::plugged {
 namespace {
 
-class Context final : public plugin::PartContext {
+class ContextOfPart final : public plugin::PartContext {
  public:
-  explicit Context(const hwparts::PartContext& from)
+  explicit ContextOfPart(const hwparts::PartContext& from)
       : from_(from), settings_(from.config, {"name", "kind", "model", "joints"}) {
     for (const auto& joint : from.joints)
       joints_.push_back({joint.name, joint.prismatic, joint.lower, joint.upper, joint.initial_position});
@@ -44,7 +44,7 @@ void check(const plugin::JointDrive& drive) {
 
 class PluggedPart final : public hwparts::Part {
  public:
-  PluggedPart(const hwparts::PartContext& from, const char* kind, const Context& made,
+  PluggedPart(const hwparts::PartContext& from, const char* kind, const ContextOfPart& made,
               std::unique_ptr<plugin::Part> node)
       : node_(std::move(node)),
         keeper_("part '" + from.name + "'"),
@@ -123,7 +123,7 @@ class PluggedPart final : public hwparts::Part {
 }  // namespace
 
 std::unique_ptr<hwparts::Part> make_part(const plugin::PartKind& kind, const hwparts::PartContext& context) {
-  Context made(context);
+  ContextOfPart made(context);
   auto node = plugin::make_node(kind, made, context.config);
   made.refuse_others();
   return std::make_unique<PluggedPart>(context, kind.name, made, std::move(node));

@@ -8,9 +8,9 @@
 namespace visum::plugged {
 namespace {
 
-class Context final : public plugin::SensorContext {
+class ContextOfSensor final : public plugin::SensorContext {
  public:
-  explicit Context(const sensors::SensorContext& from)
+  explicit ContextOfSensor(const sensors::SensorContext& from)
       : from_(from),
         settings_(from.config, {"name", "kind", "body", "pose", "rate_hz", "latency_ms", "failure", "noise",
                                 "noise_share", "bias", "resolution"}) {}
@@ -51,7 +51,7 @@ void PluggedSensor::measure(const plugin::Truth& world) {
 
 std::unique_ptr<sensors::Sensor> make_sensor(const plugin::SensorKind& kind,
                                              const sensors::SensorContext& context) {
-  Context made(context);
+  ContextOfSensor made(context);
   auto node = plugin::make_node(kind, made, context.config);
   if (made.ports.empty()) context.config.fail(std::string(kind.name) + ": has no outputs");
   made.refuse_others();

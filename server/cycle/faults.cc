@@ -52,15 +52,13 @@ void Simulation::clear_faults(std::size_t part, std::optional<hwparts::FaultKind
                                     drive ? static_cast<std::uint32_t>(*drive) + 1 : 0});
 }
 
-// To each part its own; they stand side by side.
 void Simulation::hand_out_faults() {
-  const auto all = faults_.all();
   for (std::uint32_t part = 0; part < parts_.size(); ++part) {
-    const auto own = std::ranges::equal_range(all, part, {}, &hwparts::ActiveFault::part);
+    const auto own = faults_.of(part);
     auto& bound = parts_[part];
-    bound.part->suffer({own.begin(), own.end()});
+    bound.part->suffer(own);
     bound.silent = faults_.find(part, hwparts::FaultKind::kPartSilent) != nullptr;
-    bound.set_wire(Wire::quality_of({own.begin(), own.end()}, scene_.world.tick_ns), scene_.seed + part);
+    bound.set_wire(Wire::quality_of(own, scene_.world.tick_ns), scene_.seed + part);
   }
 }
 

@@ -17,8 +17,8 @@ inline bool is_in_range(double value, double low, double high) {
 }  // NaN: no
 
 inline bool is_placed(const Eigen::Vector3d& p) {
-  return p.allFinite() && p.cwiseAbs().maxCoeff() <= kMaxMagnitude;
-}
+  return (p.array().abs() <= kMaxMagnitude).all();
+}  // NaN: no
 
 inline bool is_unit(double norm) {
   return std::abs(norm - 1.0) <= kUnitTolerance;

@@ -14,7 +14,8 @@ namespace {
 using protocol::Parameter;
 using testing::HasSubstr;
 
-PartBench arm() {
+// All of its joints at 0.
+PartBench straight_arm() {
   return PartBench("amtec_arm", arm_context());
 }
 
@@ -26,7 +27,7 @@ Parameter find(const hwparts::Part& part, const std::string& name) {
 }
 
 TEST(Parameters, HaveUniqueNamesHelpAndAValueInsideTheirBounds) {
-  const auto bench = arm();
+  const auto bench = straight_arm();
   std::set<std::string> names;
   for (const auto& parameter : bench.part->parameters()) {
     EXPECT_TRUE(names.insert(parameter.name).second) << parameter.name;
@@ -39,7 +40,7 @@ TEST(Parameters, HaveUniqueNamesHelpAndAValueInsideTheirBounds) {
 }
 
 TEST(Parameters, EveryOneThatCanBeSetTakesItsBoundsOrItsPresentValueAndNothingBeyond) {
-  auto bench = arm();
+  auto bench = straight_arm();
   for (const auto& parameter : bench.part->parameters()) {
     EXPECT_EQ(bench.part->set_parameter(parameter.name, parameter.value).has_value(), parameter.read_only)
         << parameter.name;
@@ -54,18 +55,18 @@ TEST(Parameters, EveryOneThatCanBeSetTakesItsBoundsOrItsPresentValueAndNothingBe
 }
 
 TEST(Parameters, UnknownNamesAreRefusedByName) {
-  auto bench = arm();
+  auto bench = straight_arm();
   EXPECT_THAT(bench.part->set_parameter("Position Gain 9", 1.0).value_or(""), HasSubstr("Position Gain 9"));
 }
 
 TEST(Parameters, ReadingsCannotBeSet) {
-  auto bench = arm();
+  auto bench = straight_arm();
   EXPECT_THAT(bench.part->set_parameter("Winding Temperature 1", 20.0).value_or(""),
               HasSubstr("can only be read"));
 }
 
 TEST(Parameters, MaximumAccelerationActs) {
-  auto bench = arm();
+  auto bench = straight_arm();
   ASSERT_EQ(bench.part->set_parameter("Maximum Acceleration 1", 0.5), std::nullopt);
   bench.in("Desired Angle 1") = 1.0;
   bench.run(0.4);
@@ -73,7 +74,7 @@ TEST(Parameters, MaximumAccelerationActs) {
 }
 
 TEST(Parameters, FollowingErrorLimitActs) {
-  auto bench = arm();
+  auto bench = straight_arm();
   ASSERT_EQ(bench.part->set_parameter("Following Error Limit 1", 1e-4), std::nullopt);
   bench.in("Desired Angle 1") = 1.0;
   bench.run(0.5);
@@ -81,7 +82,7 @@ TEST(Parameters, FollowingErrorLimitActs) {
 }
 
 TEST(Parameters, SoftLimitsActAndMustHoldTheAxis) {
-  auto bench = arm();
+  auto bench = straight_arm();
   EXPECT_THAT(bench.part->set_parameter("Soft Limit Minimum 1", 0.5).value_or(""), HasSubstr("stands at"));
   EXPECT_THAT(bench.part->set_parameter("Soft Limit Maximum 1", -3.1).value_or(""),
               HasSubstr("below the maximum"));
@@ -93,7 +94,7 @@ TEST(Parameters, SoftLimitsActAndMustHoldTheAxis) {
 }
 
 TEST(Parameters, GainsAct) {
-  auto soft = arm(), stiff = arm();
+  auto soft = straight_arm(), stiff = straight_arm();
   ASSERT_EQ(soft.part->set_parameter("Position Gain 1", 1.0), std::nullopt);
   ASSERT_EQ(soft.part->set_parameter("Velocity Gain 1", 10.0), std::nullopt);
   ASSERT_EQ(soft.part->set_parameter("Velocity Integral Time 1", std::int64_t{0}), std::nullopt);
@@ -104,7 +105,7 @@ TEST(Parameters, GainsAct) {
 }
 
 TEST(Parameters, OnControllerLostTakesItsTwoWords) {
-  auto bench = arm();
+  auto bench = straight_arm();
   EXPECT_TRUE(bench.part->set_parameter("On Controller Lost", std::string("freeze")));
   ASSERT_EQ(bench.part->set_parameter("On Controller Lost", std::string("hold")), std::nullopt);
   EXPECT_EQ(std::get<std::string>(find(*bench.part, "On Controller Lost").value), "hold");
@@ -114,7 +115,7 @@ TEST(Parameters, OnControllerLostTakesItsTwoWords) {
 }
 
 TEST(Parameters, WindingTemperatureRisesUnderLoad) {
-  auto bench = arm();
+  auto bench = straight_arm();
   bench.plants[1].external = 100.0;
   bench.run(30.0);
   EXPECT_GT(std::get<double>(find(*bench.part, "Winding Temperature 2").value), 26.0);

@@ -8,6 +8,7 @@
 
 #include "hwparts/part.h"
 #include "tests/hwparts/plant.h"
+#include "tests/hwparts/rig.h"
 
 namespace visum::test {
 
@@ -38,5 +39,10 @@ class PartBench {
   std::vector<hwparts::JointSample> samples_;
   std::vector<hwparts::JointDrive> drives_;
 };
+
+// The arm, with further keys of the part.
+inline PartBench arm_bench(const std::string& more = "") {
+  return PartBench("amtec_arm", arm_context(0.001, 0.1, 0.017, more));
+}
 
 }  // namespace visum::test

@@ -14,14 +14,10 @@ namespace {
 using servo_group::PartState;
 using testing::HasSubstr;
 
-PartBench arm(const std::string& more = "") {
-  return PartBench("amtec_arm", arm_context(0.001, 0.1, 0.017, more));
-}
-
 #define EXPECT_STATE(bench, expected) EXPECT_EQ((bench).part_state(), static_cast<int>(PartState::expected))
 
 TEST(ControllerLost, StopsWithinTheBrakingDistanceAndLatchesTheFault) {
-  auto bench = arm();
+  auto bench = arm_bench();
   bench.set_angles(1.5);
   bench.run(1.5);
   std::vector<double> from, way;
@@ -46,7 +42,7 @@ TEST(ControllerLost, StopsWithinTheBrakingDistanceAndLatchesTheFault) {
 }
 
 TEST(ControllerLost, CommandsAreIgnoredUntilResetAndOldOnesAfterwardsToo) {
-  auto bench = arm();
+  auto bench = arm_bench();
   bench.set_angles(1.5);
   bench.run(1.0);
   bench.part->controller_lost();
@@ -71,7 +67,7 @@ TEST(ControllerLost, CommandsAreIgnoredUntilResetAndOldOnesAfterwardsToo) {
 }
 
 TEST(ControllerLost, HoldLeavesTheLastValuesInForce) {
-  auto bench = arm(", on_controller_lost: hold");
+  auto bench = arm_bench(", on_controller_lost: hold");
   bench.set_angles(0.8);
   bench.run(0.5);
   bench.part->controller_lost();
@@ -81,7 +77,7 @@ TEST(ControllerLost, HoldLeavesTheLastValuesInForce) {
 }
 
 TEST(Counters, ActWhenTheNumberChangesAndOnlyThen) {
-  auto bench = arm();
+  auto bench = arm_bench();
   bench.in("Halt") = 7.0;
   bench.run(0.01);
   EXPECT_STATE(bench, kHalted);
@@ -96,14 +92,14 @@ TEST(Counters, ActWhenTheNumberChangesAndOnlyThen) {
 }
 
 TEST(Counters, ACounterWrittenBeforeTheFirstTickActsInIt) {
-  auto bench = arm();
+  auto bench = arm_bench();
   bench.in("Halt") = 1.0;
   bench.tick();
   EXPECT_STATE(bench, kHalted);
 }
 
 TEST(Counters, HaltWinsOverResetAndHomeInTheSameTick) {
-  auto bench = arm();
+  auto bench = arm_bench();
   bench.bump("Reset");
   bench.bump("Home");
   bench.bump("Halt");
@@ -113,7 +109,7 @@ TEST(Counters, HaltWinsOverResetAndHomeInTheSameTick) {
 }
 
 TEST(Halt, StopsAllAndAfterResetTheArmStandsUntilCommandedAnew) {
-  auto bench = arm();
+  auto bench = arm_bench();
   bench.set_angles(1.0);
   bench.run(1.0);
   bench.bump("Halt");
@@ -130,7 +126,7 @@ TEST(Halt, StopsAllAndAfterResetTheArmStandsUntilCommandedAnew) {
 }
 
 TEST(Home, MovesAllDrivesHomeAndSaysSo) {
-  auto bench = arm();
+  auto bench = arm_bench();
   bench.bump("Home");
   bench.run(0.2);
   EXPECT_STATE(bench, kHoming);
@@ -143,7 +139,7 @@ TEST(Home, MovesAllDrivesHomeAndSaysSo) {
 }
 
 TEST(Home, AnUnhomedGroupFollowsNothingBeforeIt) {
-  auto bench = arm(", homed: false");
+  auto bench = arm_bench(", homed: false");
   EXPECT_STATE(bench, kNotHomed);
   EXPECT_EQ(bench.module(1), bit::kRampEnd);
   bench.set_angles(0.5);
@@ -159,7 +155,7 @@ TEST(Home, AnUnhomedGroupFollowsNothingBeforeIt) {
 }
 
 TEST(ExecutionEnable, ZeroMeansNoMotionAndNoFault) {
-  auto bench = arm(", execution_enable: false");
+  auto bench = arm_bench(", execution_enable: false");
   EXPECT_STATE(bench, kDisabled);
   EXPECT_EQ(bench.in("Execution Enable"), 0.0);
   bench.set_angles(0.5);
@@ -175,7 +171,7 @@ TEST(ExecutionEnable, ZeroMeansNoMotionAndNoFault) {
 }
 
 TEST(Fault, OfOneDriveStopsTheOthersWithoutAFaultOfTheirOwn) {
-  auto bench = arm();
+  auto bench = arm_bench();
   bench.set_angles(0.6);
   bench.in("Desired Angle 2") = -3.0;  // beyond its soft limit
   bench.in("Desired Angle 1") = 9.0;
@@ -197,7 +193,7 @@ TEST(Fault, OfOneDriveStopsTheOthersWithoutAFaultOfTheirOwn) {
 }
 
 TEST(Supply, OffAndOnAgainNeedsAReset) {
-  auto bench = arm();
+  auto bench = arm_bench();
   ASSERT_EQ(bench.part->set_parameter("Supply Voltage", 0.0), std::nullopt);
   bench.run(0.1);
   EXPECT_STATE(bench, kFault);

@@ -10,7 +10,7 @@
 namespace visum::test {
 namespace {
 
-PartBench arm() {
+PartBench slow_arm() {
   return PartBench("amtec_arm", arm_context(0.002, 0.1));
 }
 
@@ -48,11 +48,11 @@ class PartStateFuzz : public testing::TestWithParam<int> {};
 
 TEST_P(PartStateFuzz, RestoringAndGoingOnGivesTheSameBits) {
   const auto seed = static_cast<std::uint64_t>(GetParam());
-  auto first = arm();
+  auto first = slow_arm();
   wander(first, seed, 150);
   const auto snapshot = first.save();
 
-  auto second = arm();
+  auto second = slow_arm();
   wander(second, seed + 77, 60);  // somewhere else altogether
   second.load(snapshot);
   copy_world(first, second);
@@ -71,8 +71,8 @@ TEST_P(PartStateFuzz, RestoringAndGoingOnGivesTheSameBits) {
 INSTANTIATE_TEST_SUITE_P(Seeds, PartStateFuzz, testing::Range(1, 9));
 
 TEST(PartState, ResetGoesBackToTheStateAfterConstruction) {
-  const auto fresh = arm();
-  auto used = arm();
+  const auto fresh = slow_arm();
+  auto used = slow_arm();
   used.part->set_parameter("Position Gain 3", 5.0);
   used.part->set_parameter("On Controller Lost", std::string("hold"));
   wander(used, 5, 100);
@@ -81,14 +81,14 @@ TEST(PartState, ResetGoesBackToTheStateAfterConstruction) {
 }
 
 TEST(PartState, IsSavedInAFixedNumberOfBytes) {
-  auto bench = arm();
+  auto bench = slow_arm();
   const auto size = bench.save().size();
   wander(bench, 3, 50);
   EXPECT_EQ(bench.save().size(), size);
 }
 
 TEST(PartState, ShortBytesAreAnErrorAndNoCrash) {
-  auto bench = arm();
+  auto bench = slow_arm();
   auto bytes = bench.save();
   bytes.pop_back();
   EXPECT_THROW(bench.load(bytes), std::out_of_range);
@@ -128,7 +128,7 @@ TEST(DriveState, PoisonDoesNotOutliveALoad) {
 }
 
 TEST(PartState, PublishWithoutActOnlyReadsTheJoints) {
-  auto bench = arm();
+  auto bench = slow_arm();
   wander(bench, 4, 20);
   const auto before = bench.save();
   std::vector<hwparts::JointSample> samples;

@@ -52,13 +52,13 @@ TEST(PluggedEngine, MayReplaceTheSceneOwnByOption) {
   EXPECT_DOUBLE_EQ(simulation.state().bodies[0].p_WC.x(), 3e-3);
 }
 
-struct Misdeed {
+struct EngineMisdeed {
   const char* name;
   const char* does;
   const char* fault;
 };
 
-class FailingEngine : public testing::TestWithParam<Misdeed> {};
+class FailingEngine : public testing::TestWithParam<EngineMisdeed> {};
 
 TEST_P(FailingEngine, FreezesTheWorldWithAClearWordAndAResetRevivesIt) {
   cycle::Simulation simulation(scene_of(clumsy(GetParam().does)));
@@ -74,15 +74,15 @@ TEST_P(FailingEngine, FreezesTheWorldWithAClearWordAndAResetRevivesIt) {
 
 INSTANTIATE_TEST_SUITE_P(
     Misdeeds, FailingEngine,
-    testing::Values(Misdeed{"Throws", "throws", "slipped"},
-                    Misdeed{"LeavesNotANumber", "leaves not a number",
-                            "body 'stone' has a velocity that is not finite or beyond 1e6 m/s"},
-                    Misdeed{"LeavesNoRotation", "leaves no rotation",
-                            "body 'stone' has a quaternion that is not of unit length"},
-                    Misdeed{"LosesABody", "loses a body",
-                            "body 'stone' has a position that is not finite or beyond 1e6 m"},
-                    Misdeed{"TellsOfEndlessEffort", "tells of endless effort",
-                            "gives joint 'hinge' an effort that is no finite number"}),
+    testing::Values(EngineMisdeed{"Throws", "throws", "slipped"},
+                    EngineMisdeed{"LeavesNotANumber", "leaves not a number",
+                                  "body 'stone' has a velocity that is not finite or beyond 1e6 m/s"},
+                    EngineMisdeed{"LeavesNoRotation", "leaves no rotation",
+                                  "body 'stone' has a quaternion that is not of unit length"},
+                    EngineMisdeed{"LosesABody", "loses a body",
+                                  "body 'stone' has a position that is not finite or beyond 1e6 m"},
+                    EngineMisdeed{"TellsOfEndlessEffort", "tells of endless effort",
+                                  "gives joint 'hinge' an effort that is no finite number"}),
     [](const auto& info) { return info.param.name; });
 
 TEST(PluggedEngineScene, NamesThePlaceOfWhatIsWrong) {

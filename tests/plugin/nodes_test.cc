@@ -12,7 +12,7 @@ using test::output_of;
 using test::part_of;
 using test::run;
 
-scene::Scene scene_of(const std::string& yaml) {
+scene::Scene kinds_scene(const std::string& yaml) {
   return test::scene_of("plugins: [kinds]\n" + yaml);
 }
 
@@ -23,7 +23,7 @@ joints: [{name: hinge, type: hinge, child: rotor, axis: [1, 0, 0]}]
 )";
 
 TEST(PluggedSensor, MeasuresTheWorldAndIsDisturbedAsOthersAre) {
-  cycle::Simulation simulation(scene_of(R"(
+  cycle::Simulation simulation(kinds_scene(R"(
 bodies: [{name: ramp, fixed: true, pose: {rpy: [0.3, 0, 0]}}]
 sensors:
   - {name: fine, kind: tilt, body: ramp}
@@ -37,7 +37,7 @@ sensors:
 }
 
 TEST(PluggedSensor, CastsRaysPastTheBodyThatCarriesIt) {
-  cycle::Simulation simulation(scene_of(R"(
+  cycle::Simulation simulation(kinds_scene(R"(
 bodies:
   - {name: floor, fixed: true, shapes: [{plane: true}]}
   - {name: lamp, fixed: true, pose: {xyz: [0, 0, 1.5]}, shapes: [{sphere: 0.1}]}
@@ -48,7 +48,7 @@ sensors: [{name: height, kind: height, body: lamp}]
 }
 
 TEST(PluggedSensor, ThatThrowsIsOffAndTheWorldGoesOn) {
-  cycle::Simulation simulation(scene_of(R"(
+  cycle::Simulation simulation(kinds_scene(R"(
 bodies: [{name: ramp, fixed: true}]
 sensors: [{name: tilt, kind: tilt, body: ramp, throws: true}, {name: height, kind: height, rays: false}]
 )"));
@@ -62,7 +62,7 @@ sensors: [{name: tilt, kind: tilt, body: ramp, throws: true}, {name: height, kin
 }
 
 TEST(PluggedPart, DrivesItsJoints) {
-  cycle::Simulation simulation(scene_of(kRotor + "parts: [{name: motor, kind: motor, joints: [hinge]}]"));
+  cycle::Simulation simulation(kinds_scene(kRotor + "parts: [{name: motor, kind: motor, joints: [hinge]}]"));
   simulation.write_inputs(0, 0, std::vector{0.02});
   run(simulation, 1000);
   // 0.02 N·m on 0.02 kg·m² for a second: 1/2 rad, within half a tick's share.
@@ -72,7 +72,7 @@ TEST(PluggedPart, DrivesItsJoints) {
 
 TEST(PluggedPart, ThatAsksForNonsenseLetsGoOfItsJoints) {
   cycle::Simulation simulation(
-      scene_of(kRotor + "parts: [{name: motor, kind: motor, joints: [hinge], fails: act}]"));
+      kinds_scene(kRotor + "parts: [{name: motor, kind: motor, joints: [hinge], fails: act}]"));
   simulation.write_inputs(0, 0, std::vector{6.0});
   run(simulation, 100);
   EXPECT_EQ(*part_of(simulation, "motor").part->node_fault(), "drives a joint by what is no finite number");
@@ -83,7 +83,7 @@ TEST(PluggedPart, ThatAsksForNonsenseLetsGoOfItsJoints) {
 
 TEST(PluggedPart, KeepsItsOutputsWhereItPublishesNonsense) {
   cycle::Simulation simulation(
-      scene_of(kRotor + "parts: [{name: motor, kind: motor, joints: [hinge], fails: publish}]"));
+      kinds_scene(kRotor + "parts: [{name: motor, kind: motor, joints: [hinge], fails: publish}]"));
   run(simulation, 10);
   EXPECT_EQ(*part_of(simulation, "motor").part->node_fault(),
             "'Angle hinge' must be within -1000000.000000 and 1000000.000000, is 1000000000.000000");
@@ -91,7 +91,7 @@ TEST(PluggedPart, KeepsItsOutputsWhereItPublishesNonsense) {
 }
 
 TEST(PluggedPart, IsTakenBackAndResetAsOthersAre) {
-  cycle::Simulation simulation(scene_of(kRotor + "parts: [{name: motor, kind: motor, joints: [hinge]}]"));
+  cycle::Simulation simulation(kinds_scene(kRotor + "parts: [{name: motor, kind: motor, joints: [hinge]}]"));
   const auto first = simulation.state_hash();
   simulation.write_inputs(0, 0, std::vector{1.0});
   run(simulation, 30);

@@ -10,7 +10,7 @@ namespace {
 const std::string kSolid =
     "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>";
 
-std::string error(const std::string& text) {
+std::string urdf_error(const std::string& text) {
   return test::TempFiles().error_of([&] { read_robot_model("m.urdf", text); });
 }
 
@@ -23,13 +23,13 @@ std::string robot(const std::string& in_link, const std::string& joint_type, con
 
 const std::string kAxis = "<axis xyz='0 0 1'/>";
 
-struct Bad {
+struct BadModel {
   std::string text;
   std::string message;
 };
 
 TEST(BadUrdf, EachFaultNamesLineAndElement) {
-  const Bad kBad[] = {
+  const BadModel kBad[] = {
       {"", "m.urdf: not valid XML: the file is empty"},
       {"hello", "m.urdf:1: not valid XML: text stands outside of all elements"},
       {"<robot name='r'>\n<link", "m.urdf:2: not valid XML: an element is cut off or not well written"},
@@ -102,14 +102,14 @@ TEST(BadUrdf, EachFaultNamesLineAndElement) {
       {robot("", "fixed", "</joint><joint name='j' type='fixed'><parent link='b'/><child link='a'/>"),
        "m.urdf:5: joint 'j': there is already one of this name (line 4)"},
   };
-  for (const Bad& bad : kBad) EXPECT_EQ(error(bad.text), bad.message) << bad.text;
+  for (const BadModel& bad : kBad) EXPECT_EQ(urdf_error(bad.text), bad.message) << bad.text;
 }
 
 TEST(BadUrdf, DeepNestingAndEntitiesAreRefusedAtOnce) {
   std::string deep = "<robot name='r'>";
   for (int i = 0; i < 200'000; ++i) deep += "<a>";
-  EXPECT_EQ(error(deep), "m.urdf:1: XML elements are nested too deeply");
-  EXPECT_EQ(error(std::string("<robot\0>", 8)), "m.urdf: not valid XML: holds a zero byte");
+  EXPECT_EQ(urdf_error(deep), "m.urdf:1: XML elements are nested too deeply");
+  EXPECT_EQ(urdf_error(std::string("<robot\0>", 8)), "m.urdf: not valid XML: holds a zero byte");
 }
 
 TEST(BadUrdf, LinksAndElementsAreCounted) {
@@ -119,15 +119,15 @@ TEST(BadUrdf, LinksAndElementsAreCounted) {
     many += "<link name='" + name + "'/><joint name='" + name +
             "' type='fixed'><parent link='a'/><child link='" + name + "'/></joint>";
   }
-  EXPECT_EQ(error(many + "</robot>"), "m.urdf: has 251 links, at most 250 are read");
+  EXPECT_EQ(urdf_error(many + "</robot>"), "m.urdf: has 251 links, at most 250 are read");
   std::string large = "<robot name='r'><link name='a'>";
   for (int i = 0; i < 8000; ++i) large += "<visual/>";
-  EXPECT_EQ(error(large + "</link></robot>"), "m.urdf: has 8001 XML elements, at most 8000 are read");
+  EXPECT_EQ(urdf_error(large + "</link></robot>"), "m.urdf: has 8001 XML elements, at most 8000 are read");
 }
 
 TEST(BadSdf, EachFaultIsNamed) {
   const auto sdf = [](const std::string& inside) {
-    return error("<sdf version='1.7'>\n" + inside + "</sdf>");
+    return urdf_error("<sdf version='1.7'>\n" + inside + "</sdf>");
   };
   const auto model = [&](const std::string& inside) {
     return sdf("<model name='m'>\n" + inside + "</model>");
@@ -158,7 +158,7 @@ TEST(BadSdf, EachFaultIsNamed) {
             "capsule, plane "
             "and mesh are)");
   // What sdformat itself finds comes in its words, thrown or returned.
-  EXPECT_EQ(error("<sdf version='x'><model name='m'><link name='a'/></model></sdf>"),
+  EXPECT_EQ(urdf_error("<sdf version='x'><model name='m'><link name='a'/></model></sdf>"),
             "m.urdf: sdformat cannot read it: stoi");
   EXPECT_EQ(sdf("<model name='m'/>"), "m.urdf: A model must have at least one link.");
 }

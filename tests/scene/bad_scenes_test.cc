@@ -7,30 +7,31 @@
 namespace visum::scene {
 namespace {
 
-const std::string kData = (std::filesystem::path(VISUM_SOURCE_DIR) / "tests/scene/data").string();
+const std::string kDataFolder = VISUM_SOURCE_DIR "/tests/scene/data";
 
-std::string error(const std::string& yaml) {
+std::string scene_error(const std::string& yaml) {
   const test::TempFiles files;
   const auto file = files.write("s.yaml", yaml);
   return files.error_of([&] { load_scene(file); });
 }
 
-struct Bad {
+struct BadCase {
   std::string yaml;  // after "visum: 1\n"
   std::string message;
 };
 
-void expect_all(const std::vector<Bad>& table) {
-  for (const Bad& bad : table) EXPECT_EQ(error("visum: 1\n" + bad.yaml), "s.yaml:" + bad.message) << bad.yaml;
+void expect_all(const std::vector<BadCase>& table) {
+  for (const BadCase& bad : table)
+    EXPECT_EQ(scene_error("visum: 1\n" + bad.yaml), "s.yaml:" + bad.message) << bad.yaml;
 }
 
 TEST(BadScene, TheHeaderIsChecked) {
-  EXPECT_EQ(error(""), "s.yaml:1: must be a map, is empty");
-  EXPECT_EQ(error("[1, 2]"), "s.yaml:1: must be a map, is a list");
-  EXPECT_EQ(error("name: x"), "s.yaml:1: key 'visum' is missing");
-  EXPECT_EQ(error("visum: 2"),
+  EXPECT_EQ(scene_error(""), "s.yaml:1: must be a map, is empty");
+  EXPECT_EQ(scene_error("[1, 2]"), "s.yaml:1: must be a map, is a list");
+  EXPECT_EQ(scene_error("name: x"), "s.yaml:1: key 'visum' is missing");
+  EXPECT_EQ(scene_error("visum: 2"),
             "s.yaml:1: visum: this is version 2 of the format, only version 1 is known here");
-  EXPECT_EQ(error("visum: one"), "s.yaml:1: visum: must be a whole number, is 'one'");
+  EXPECT_EQ(scene_error("visum: one"), "s.yaml:1: visum: must be a whole number, is 'one'");
 }
 
 TEST(BadScene, SettingsAreChecked) {
@@ -148,8 +149,8 @@ TEST(BadScene, ShapesAreChecked) {
       {shape("mesh: gone.stl"), at + ".mesh: 'gone.stl': no such file"},
       {shape("mesh: 'http://x.org/a.stl'"),
        at + ".mesh: must be a file, is the address 'http://x.org/a.stl'"},
-      {shape("mesh: '" + kData + "/wedge.obj', scale: 0"), at + ".scale: must not be zero"},
-      {shape("convex: '" + kData + "/wedge.obj', scale: [1, 1, 1e-30]"),
+      {shape("mesh: '" + kDataFolder + "/wedge.obj', scale: 0"), at + ".scale: must not be zero"},
+      {shape("convex: '" + kDataFolder + "/wedge.obj', scale: [1, 1, 1e-30]"),
        at + ": shape 'convex_0' is a hull without volume"},
       {"bodies: [{name: a, mass: 1, shapes: [{plane: true}]}]",
        at + ": a plane is for bodies with 'fixed: true'"},
@@ -224,7 +225,7 @@ TEST(BadScene, JointsAreChecked) {
 }
 
 TEST(BadScene, ModelsAndPartsAreChecked) {
-  const std::string file = "file: '" + kData + "/robot.urdf'";
+  const std::string file = "file: '" + kDataFolder + "/robot.urdf'";
   const auto model = [&](const std::string& rest) {
     return "models: [{name: arm, " + file + ", " + rest + "}]";
   };
@@ -260,10 +261,10 @@ TEST(BadScene, AMovingLinkWithoutMassIsNamedInTheModelsFile) {
   EXPECT_EQ(test::TempFiles().error_of([] {
     const test::TempFiles files;
     const auto file = files.write(
-        "s.yaml", "visum: 1\nmodels: [{name: arm, fixed: false, file: '" + kData + "/robot.urdf'}]");
+        "s.yaml", "visum: 1\nmodels: [{name: arm, fixed: false, file: '" + kDataFolder + "/robot.urdf'}]");
     load_scene(file);
   }),
-            kData + "/robot.urdf:5: link 'base': moves but has no mass: give it an <inertial>");
+            kDataFolder + "/robot.urdf:5: link 'base': moves but has no mass: give it an <inertial>");
 }
 
 TEST(BadScene, IncludesAreFollowedWithCare) {

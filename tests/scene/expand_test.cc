@@ -73,7 +73,7 @@ Node expand(const std::string& yaml, const std::string& variables = "{}") {
   return expanded(load_text(yaml, "f.yaml"), by_name, budget);
 }
 
-std::string error(const std::string& yaml, const std::string& variables = "{}") {
+std::string expand_error(const std::string& yaml, const std::string& variables = "{}") {
   try {
     expand(yaml, variables);
   } catch (const ConfigError& fault) {
@@ -135,31 +135,33 @@ TEST(Expand, ErrorsKnowLineAndNumberOfWhatIsRepeated) {
 }
 
 TEST(Expand, RefusesWhatMakesNoSense) {
-  EXPECT_EQ(error("a: 1\nb: ${widht}", "{width: 1}"),
+  EXPECT_EQ(expand_error("a: 1\nb: ${widht}", "{width: 1}"),
             "f.yaml:2: b: there is no parameter 'widht'; did you mean 'width'?");
-  EXPECT_EQ(error("a: ${1 +}"), "f.yaml:1: a: '${1 +}': a number or a name is missing at its end");
-  EXPECT_EQ(error("a: ${1"), "f.yaml:1: a: '${1' has no '}'");
-  EXPECT_EQ(error("a: ${2 * word}", "{word: red}"), "f.yaml:1: a: 'word' is no number");
-  EXPECT_EQ(error("a: b${list}", "{list: []}"), "f.yaml:1: a: 'list' is no text, and text stands beside it");
-  EXPECT_EQ(error("'${a}': 1", "{a: 1}"), "f.yaml:1: a key cannot be computed");
-  EXPECT_THAT(error("- {repeat: many}"), HasSubstr("[0].repeat: must be a whole number, is 'many'"));
-  EXPECT_THAT(error("- {repeat: -1}"),
+  EXPECT_EQ(expand_error("a: ${1 +}"), "f.yaml:1: a: '${1 +}': a number or a name is missing at its end");
+  EXPECT_EQ(expand_error("a: ${1"), "f.yaml:1: a: '${1' has no '}'");
+  EXPECT_EQ(expand_error("a: ${2 * word}", "{word: red}"), "f.yaml:1: a: 'word' is no number");
+  EXPECT_EQ(expand_error("a: b${list}", "{list: []}"),
+            "f.yaml:1: a: 'list' is no text, and text stands beside it");
+  EXPECT_EQ(expand_error("'${a}': 1", "{a: 1}"), "f.yaml:1: a key cannot be computed");
+  EXPECT_THAT(expand_error("- {repeat: many}"), HasSubstr("[0].repeat: must be a whole number, is 'many'"));
+  EXPECT_THAT(expand_error("- {repeat: -1}"),
               HasSubstr("[0].repeat: must be a whole number between 0 and 10000, is -1"));
-  EXPECT_THAT(error("- {repeat: []}"),
+  EXPECT_THAT(expand_error("- {repeat: []}"),
               HasSubstr("[0].repeat: must be a number, or a map of 1 to 3 names to numbers"));
-  EXPECT_THAT(error("- {repeat: {pi: 3}}"),
+  EXPECT_THAT(expand_error("- {repeat: {pi: 3}}"),
               HasSubstr("[0].repeat: 'pi' is the name of a function or number"));
 }
 
 TEST(Expand, NothingGrowsWithoutBound) {
-  EXPECT_THAT(error("- {repeat: {i: 5000, j: 5000}}"),
+  EXPECT_THAT(expand_error("- {repeat: {i: 5000, j: 5000}}"),
               HasSubstr("must be at most 10000 in all, is 25000000"));
-  EXPECT_THAT(error("- repeat: 10000\n  a:\n  - {repeat: 10000}"), HasSubstr("more than 1000000 values"));
+  EXPECT_THAT(expand_error("- repeat: 10000\n  a:\n  - {repeat: 10000}"),
+              HasSubstr("more than 1000000 values"));
   std::string text = "x";
   for (int i = 0; i < 12; ++i) text += text;
-  EXPECT_EQ(
-      error("a: '${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}'", "{t: " + text + "}"),
-      "f.yaml:1: a: a computed text is too long");
+  EXPECT_EQ(expand_error("a: '${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}${t}'",
+                         "{t: " + text + "}"),
+            "f.yaml:1: a: a computed text is too long");
 }
 
 }  // namespace

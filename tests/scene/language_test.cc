@@ -36,7 +36,7 @@ Scene load(const std::string& yaml) {
   return load_scene(files.write("scene.yaml", "visum: 1\n" + yaml));
 }
 
-std::string error(const std::string& yaml) {
+std::string language_error(const std::string& yaml) {
   const test::TempFiles files;
   files.write("post.yaml", kPost);
   const auto file = files.write("scene.yaml", "visum: 1\n" + yaml);
@@ -170,35 +170,35 @@ TEST(SceneLanguage, EachMayHaveAnEngineOfItsOwn) {
 }
 
 TEST(SceneLanguage, ErrorsInIncludedFilesNameTheEntryThatLedThere) {
-  EXPECT_EQ(error("include:\n- {file: post.yaml, parameters: {name: a, height: tall}}"),
+  EXPECT_EQ(language_error("include:\n- {file: post.yaml, parameters: {name: a, height: tall}}"),
             "post.yaml:5: parameters.half: 'height' is no number (included from scene.yaml:3)");
   EXPECT_EQ(
-      error("include:\n- {file: post.yaml, parameters: {name: a, height: -1}}"),
+      language_error("include:\n- {file: post.yaml, parameters: {name: a, height: -1}}"),
       "post.yaml:13: bodies[0].shapes[0].box[2]: must be greater than 0 and at most 1e+06, is -1 (included "
       "from scene.yaml:3)");
 }
 
 TEST(SceneLanguage, ParametersAreChecked) {
-  EXPECT_EQ(error("include:\n- post.yaml"),
+  EXPECT_EQ(language_error("include:\n- post.yaml"),
             "scene.yaml:3: include[0]: parameter 'name' is missing, it has no default in post.yaml:3");
-  EXPECT_EQ(error("include:\n- {file: post.yaml, parameters: {nmae: a}}"),
+  EXPECT_EQ(language_error("include:\n- {file: post.yaml, parameters: {nmae: a}}"),
             "scene.yaml:3: include[0].parameters: unknown key 'nmae'; did you mean 'name'?");
-  EXPECT_EQ(error("include:\n- {file: post.yaml, parameters: {name: a, color: red}}"),
+  EXPECT_EQ(language_error("include:\n- {file: post.yaml, parameters: {name: a, color: red}}"),
             "scene.yaml:3: include[0].parameters.color: must be a list, as its default in post.yaml:6");
   EXPECT_EQ(
-      error("parameters: {name: }"),
+      language_error("parameters: {name: }"),
       "scene.yaml:2: parameters.name: has no value: this file is made to be included by another, which gives "
       "it one");
-  EXPECT_EQ(error("parameters: {1st: 1}"),
+  EXPECT_EQ(language_error("parameters: {1st: 1}"),
             "scene.yaml:2: parameters.1st: '1st' is no name: letters, digits and '_', no digit first");
 }
 
 TEST(SceneLanguage, FramesAreChecked) {
-  EXPECT_EQ(error("frames: [{name: dock}]\nbodies: [{name: a, fixed: true, pose: {in: dokc}}]"),
+  EXPECT_EQ(language_error("frames: [{name: dock}]\nbodies: [{name: a, fixed: true, pose: {in: dokc}}]"),
             "scene.yaml:3: bodies[0].pose.in: there is no frame called 'dokc'; did you mean 'dock'?");
-  EXPECT_EQ(error("frames: [{name: dock}, {name: dock}]"),
+  EXPECT_EQ(language_error("frames: [{name: dock}, {name: dock}]"),
             "scene.yaml:2: frames[1]: there is already a frame 'dock' (scene.yaml:2)");
-  EXPECT_THAT(error("bodies: [{name: a, fixed: true, shapes: [{sphere: 1, pose: {in: dock}}]}]"),
+  EXPECT_THAT(language_error("bodies: [{name: a, fixed: true, shapes: [{sphere: 1, pose: {in: dock}}]}]"),
               HasSubstr("shapes[0].pose.in: frames are for what is placed in the world"));
 }
 

@@ -13,7 +13,7 @@ Scene load(const test::TempFiles& files, const std::string& yaml) {
   return load_scene(files.write("s.yaml", "visum: 1\n" + yaml));
 }
 
-std::string error(const std::string& yaml) {
+std::string looks_error(const std::string& yaml) {
   const test::TempFiles files;
   files.write("a.png", kPng);
   files.write("a.txt", "no picture");
@@ -91,15 +91,16 @@ TEST(BadLooks, AreRefusedWithTheirPlace) {
       {"viewpoints: [{name: a, position: [1, 0, 0], target: [1, 0, 0]}]",
        "s.yaml:2: viewpoints[0]: looks from where it looks to"},
   };
-  for (const auto& [yaml, message] : table) EXPECT_EQ(error(yaml), message) << yaml;
+  for (const auto& [yaml, message] : table) EXPECT_EQ(looks_error(yaml), message) << yaml;
 }
 
 TEST(BadLooks, FilesThatAreNoPicturesOrPanelsAreRefused) {
-  EXPECT_NE(error("materials: {a: {texture: a.txt}}").find("is neither a PNG nor a JPEG picture"),
+  EXPECT_NE(looks_error("materials: {a: {texture: a.txt}}").find("is neither a PNG nor a JPEG picture"),
             std::string::npos);
-  EXPECT_NE(error("materials: {a: {texture: b.png}}").find("materials.a.texture: '"), std::string::npos);
-  EXPECT_NE(error("panels: [bad.json]").find("visum_panel: must be"), std::string::npos);
-  EXPECT_NE(error("panels: [none.json]").find("panels[0]: '"), std::string::npos);
+  EXPECT_NE(looks_error("materials: {a: {texture: b.png}}").find("materials.a.texture: '"),
+            std::string::npos);
+  EXPECT_NE(looks_error("panels: [bad.json]").find("visum_panel: must be"), std::string::npos);
+  EXPECT_NE(looks_error("panels: [none.json]").find("panels[0]: '"), std::string::npos);
 }
 
 }  // namespace

@@ -6,12 +6,12 @@
 #include <limits>
 
 #include "server/scene/inertia.h"
+#include "tests/scene/data_folder.h"
 #include "tests/support/temp_files.h"
 
 namespace visum::scene {
 namespace {
 
-const std::filesystem::path kData = std::filesystem::path(VISUM_SOURCE_DIR) / "tests/scene/data";
 const config::Place kAsker{"asker.yaml", 3, "shapes[0]"};
 
 using Corners = std::array<std::array<float, 3>, 3>;

@@ -6,6 +6,7 @@
 #include "protocol/config/read_file.h"
 #include "server/scene/mesh_path.h"
 #include "server/scene/scene.h"
+#include "tests/scene/data_folder.h"
 #include "tests/support/temp_files.h"
 
 namespace visum::scene {
@@ -15,8 +16,7 @@ using testing::DoubleNear;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const std::filesystem::path kData = std::filesystem::path(VISUM_SOURCE_DIR) / "tests/scene/data";
-const std::string kSolid =
+const std::string kOneKilogram =
     "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>";
 
 RobotModel read(const std::string& name) {
@@ -127,7 +127,7 @@ TEST(Urdf, MeshesAreFoundInPackagesAboveTheModel) {
 TEST(Urdf, SolidsWithTheSameNameAreKept) {
   const RobotModel model = read_robot_model(
       "m.urdf",
-      "<robot name='r'><link name='a'>" + kSolid +
+      "<robot name='r'><link name='a'>" + kOneKilogram +
           "<collision name='x'><geometry><box size='1 1 1'/></geometry></collision>"
           "<collision name='x'><geometry><box size='1 1 2'/></geometry></collision></link></robot>");
   ASSERT_EQ(model.links[0].shapes.size(), 2u);
@@ -136,8 +136,8 @@ TEST(Urdf, SolidsWithTheSameNameAreKept) {
 
 TEST(Urdf, ARootCalledWorldIsTheWorld) {
   RobotModel model =
-      read_robot_model("m.urdf", "<robot name='r'><link name='world'/><link name='a'>" + kSolid +
-                                     "</link><link name='b'>" + kSolid +
+      read_robot_model("m.urdf", "<robot name='r'><link name='world'/><link name='a'>" + kOneKilogram +
+                                     "</link><link name='b'>" + kOneKilogram +
                                      "</link><joint name='f' type='fixed'><parent link='world'/><child "
                                      "link='a'/><origin xyz='0 0 1'/></joint>"
                                      "<joint name='j' type='continuous'><parent link='a'/><child "
@@ -155,7 +155,7 @@ TEST(Urdf, AnglesAreReadAsTheStandardSays) {
   for (const double pitch : {0.3, 1.5707963267948966, -1.5707963267948966}) {
     const RobotModel model = read_robot_model(
         "m.urdf",
-        "<robot name='r'><link name='a'>" + kSolid + "</link><link name='b'>" + kSolid +
+        "<robot name='r'><link name='a'>" + kOneKilogram + "</link><link name='b'>" + kOneKilogram +
             "</link><joint name='j' type='continuous'><parent link='a'/><child link='b'/><origin rpy='0.4 " +
             std::to_string(pitch) + " 0.7'/><axis xyz='0 0 1'/></joint></robot>");
     const double p = std::stod(std::to_string(pitch));

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "server/world/world_state.h"
+#include "tests/scene/data_folder.h"
 #include "tests/support/temp_files.h"
 
 namespace visum::scene {
@@ -15,8 +16,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using world::JointKind;
 using world::ShapeKind;
-
-const std::filesystem::path kData = std::filesystem::path(VISUM_SOURCE_DIR) / "tests/scene/data";
 
 const Scene& complete() {
   static const Scene scene = load_scene(kData / "complete.yaml");

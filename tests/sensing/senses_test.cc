@@ -105,7 +105,7 @@ sensors: [{name: high, kind: pose, pose: {in: mast, xyz: [0, 3, 0]}}]
   EXPECT_EQ(position(2), Eigen::Vector3d(0, 3, 5));
 }
 
-std::string error_of(const std::string& sensor) {
+std::string sensor_error(const std::string& sensor) {
   const visum::test::TempFiles files;
   const auto file = files.write("s.yaml", R"(visum: 1
 bodies: [{name: box, mass: 1, shapes: [{sphere: 1}]}]
@@ -116,24 +116,25 @@ sensors:
 }
 
 TEST(Senses, WrongScenesAreRefusedWhereTheyAreWrong) {
-  EXPECT_EQ(error_of("- {kind: imu}"), "s.yaml:5: sensors[0]: key 'name' is missing");
-  EXPECT_EQ(error_of("- {name: a}"), "s.yaml:5: sensors[0]: key 'kind' is missing");
-  EXPECT_EQ(error_of("- {name: a, kind: imu}\n- {name: a, kind: imu}"),
+  EXPECT_EQ(sensor_error("- {kind: imu}"), "s.yaml:5: sensors[0]: key 'name' is missing");
+  EXPECT_EQ(sensor_error("- {name: a}"), "s.yaml:5: sensors[0]: key 'kind' is missing");
+  EXPECT_EQ(sensor_error("- {name: a, kind: imu}\n- {name: a, kind: imu}"),
             "s.yaml:6: sensors[1]: there is already a part 'a' (s.yaml:5)");
-  EXPECT_EQ(error_of("- {name: a, kind: imo}"),
+  EXPECT_EQ(sensor_error("- {name: a, kind: imo}"),
             "s.yaml:5: sensors[0].kind: must be one of distance, scanner, imu, pose, contact, joint_wrench, "
             "camera, is "
             "'imo'; did you mean 'imu'?");
-  EXPECT_EQ(error_of("- {name: a, kind: imu, body: bax}"),
+  EXPECT_EQ(sensor_error("- {name: a, kind: imu, body: bax}"),
             "s.yaml:5: sensors[0].body: there is no body called 'bax'; did you mean 'box'?");
-  EXPECT_EQ(error_of("- {name: a, kind: imu, pose: {xyz: [0, 0]}}"),
+  EXPECT_EQ(sensor_error("- {name: a, kind: imu, pose: {xyz: [0, 0]}}"),
             "s.yaml:5: sensors[0].pose.xyz: must be a list of 3 numbers, has 2");
-  EXPECT_EQ(error_of("- {name: a, kind: contact}"),
+  EXPECT_EQ(sensor_error("- {name: a, kind: contact}"),
             "s.yaml:5: sensors[0]: a contact sensor needs 'body': what it feels touches that");
-  EXPECT_EQ(error_of("- {name: a, kind: joint_wrench, joint: hing}"),
+  EXPECT_EQ(sensor_error("- {name: a, kind: joint_wrench, joint: hing}"),
             "s.yaml:5: sensors[0].joint: there is no joint called 'hing'; did you mean 'hinge'?");
-  EXPECT_EQ(error_of("- {name: a, kind: imu, joint: hinge}"), "s.yaml:5: sensors[0]: unknown key 'joint'");
-  EXPECT_EQ(error_of("  {name: a}"), "s.yaml:5: sensors: must be a list, is a map");
+  EXPECT_EQ(sensor_error("- {name: a, kind: imu, joint: hinge}"),
+            "s.yaml:5: sensors[0]: unknown key 'joint'");
+  EXPECT_EQ(sensor_error("  {name: a}"), "s.yaml:5: sensors: must be a list, is a map");
 }
 
 }  // namespace

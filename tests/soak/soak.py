@@ -70,7 +70,7 @@ class Soak:
 
     def watch(self, daemon: subprocess.Popen[str], ready: dict[str, int], log: Path) -> tuple[dict[str, object], list[str]]:
         ask_page(ready["http"])  # what is made once, for the first who asks, is no growth
-        before = Held.of(daemon.pid)
+        before = at_rest(daemon.pid)
         until = time.monotonic() + self.seconds
         counts = multiprocessing.Array("q", PROCESSES)
         crowd = [multiprocessing.Process(target=churn, args=(self.programs.parent / "python", ready["port"], self.clients // PROCESSES, until, seed, counts))
@@ -125,6 +125,15 @@ class Held:
 
     def __repr__(self) -> str:
         return f"{self.descriptors} descriptors and {self.threads} threads"
+
+
+def at_rest(pid: int) -> Held:
+    """The least of two seconds: who has just asked is still being closed."""
+    seen = []
+    for _ in range(10):
+        time.sleep(0.2)
+        seen.append(Held.of(pid))
+    return min(seen, key=lambda held: held.descriptors)
 
 
 def settled(pid: int, expected: Held) -> Held:

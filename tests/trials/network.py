@@ -1,120 +1,60 @@
 #!/usr/bin/python3
-"""A daemon and a controller in two network namespaces with a wire between them, which is cut or loses packets.
+"""A daemon and a controller in two network namespaces, and between them a wire (wire.py) that is cut, delays, loses, doubles
+and reorders.
 
-    network.py [--bin FOLDER] [--ticks T] [--loss PERCENT] [TRIAL...]
+    network.py [--bin FOLDER] [--ticks T] [--seconds S] [--cuts N] [--seed S] [TRIAL...]
 
-  cut     the wire is cut while the controller holds a lease and the arm moves: the daemon finds out by itself, the arm stops
-          with a fault, and the next controller gets the lease
-  loss    the wire loses packets in both directions: a run in lockstep has the bits of one without losses
+  cut       the wire is cut while the controller holds a lease and the arm moves: the daemon finds out by itself, the arm
+            stops with a fault, and the next controller gets the lease
+  lockstep  a run over a bad wire has the bits of one over a good wire
+  realtime  a controller that sends 100 commands a second over a bad wire keeps its lease; each command is carried once
+  back      the bad wire is cut for some seconds, again and again: the controller comes back each time, and no command is
+            carried twice
 
-Needs root for the namespaces, and nft for the loss: else it is skipped, and said. How long it took is printed and not judged.
+A bad wire: 10 ms late, 3 ms more or less, 2 % of the packets lost and 1 % doubled, in both directions. Needs root and
+/dev/net/tun: else it is skipped, and said. How long something took is printed and not judged.
 Exit code 0: all held; 1: one did not; 77: all were skipped.
 """
 
 from __future__ import annotations
 
 import argparse
-import ctypes
 import math
 import multiprocessing
-import os
-import shutil
+import random
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+import time
+from collections import deque
 from pathlib import Path
 
 import programs
 from one_hash import Answers, answer_of, control
-from programs import SOURCE, Daemon, NotHere, await_that, expect, processes
+from programs import PATIENCE_S, SOURCE, Daemon, await_that, expect, processes, replay
+from wire import HERE, Weather, Wire, inside
 
-HERE, THERE = "10.91.0.1", "10.91.0.2"
 TOKEN = "0123456789abcdef0123456789abcdef"
-CLONE_NEWNET = 0x40000000  # sched.h
 CONTROLLER_LOST = 6  # the sensor output Part State, hwparts/servo_group/part_state.h
+BAD = Weather(delay_ms=10.0, jitter_ms=3.0, lost=0.02, doubled=0.01)
+PERIOD_S = 0.01
+COMMAND_RAD = 1e-7  # by which each command is above the one before
+MOST_UNDER_WAY = 50  # commands that are not answered yet
+CUT_S = (0.5, 8.0)  # from what TCP gets over to what both sides have noticed
 
 
-def ip(*words: object) -> None:
-    done = subprocess.run(["ip", *map(str, words)], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise NotHere(f"ip {' '.join(map(str, words))}: {done.stderr.strip()}")
-
-
-class Wire:
-    """Two namespaces, `far` with the daemon and `near` with the controller, and a pair of interfaces between them."""
-
-    def __init__(self) -> None:
-        self.near, self.far = (f"visum-{side}-{os.getpid()}" for side in ("near", "far"))
-
-    def __enter__(self) -> Wire:
-        try:
-            for name in (self.near, self.far):
-                ip("netns", "add", name)
-            ip("link", "add", "wire", "netns", self.near, "type", "veth", "peer", "name", "wire", "netns", self.far)
-            for name, address in ((self.near, THERE), (self.far, HERE)):
-                ip("-n", name, "address", "add", f"{address}/24", "dev", "wire")
-                for device in ("lo", "wire"):
-                    ip("-n", name, "link", "set", device, "up")
-        except NotHere:
-            self.__exit__()
-            raise
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        for name in (self.near, self.far):
-            subprocess.run(["ip", "netns", "delete", name], capture_output=True)
-
-    def cut(self) -> None:
-        """The daemon's end hears nothing more."""
-        ip("-n", self.near, "link", "set", "wire", "down")
-
-    def lose(self, percent: float) -> None:
-        rules = (f"table ip losses {{\n chain input {{\n  type filter hook input priority 0;\n"
-                 f"  iifname wire numgen random mod 1000 < {round(10 * percent)} counter drop\n }}\n}}\n")
-        for name in (self.near, self.far):
-            self.nft(name, "-f", "-", rules=rules)
-
-    def lost(self) -> int:
-        """The packets that were dropped."""
-        rules = [self.nft(name, "list", "ruleset").split() for name in (self.near, self.far)]
-        return sum(int(words[words.index("packets") + 1]) for words in rules)
-
-    def nft(self, name: str, *words: str, rules: str = "") -> str:
-        if not shutil.which("nft"):
-            raise NotHere("no nft: apt-get install nftables")
-        done = subprocess.run(["ip", "netns", "exec", name, "nft", *words], input=rules, capture_output=True, text=True)
-        if done.returncode != 0:
-            raise NotHere(f"nft: {done.stderr.strip()}")
-        return done.stdout
-
-
-@contextmanager
-def inside(namespace: str) -> Iterator[None]:
-    """Sockets that are opened in this block belong to the namespace."""
-    libc = ctypes.CDLL(None, use_errno=True)
-    with open("/proc/self/ns/net") as home, open(f"/run/netns/{namespace}") as there:
-        if libc.setns(there.fileno(), CLONE_NEWNET) != 0:
-            raise NotHere(f"no setns: {os.strerror(ctypes.get_errno())}")
-        try:
-            yield
-        finally:
-            libc.setns(home.fileno(), CLONE_NEWNET)
-
-
-def daemon_at(options: argparse.Namespace, wire: Wire, folder: Path, clock: str) -> Daemon:
+def daemon_at(options: argparse.Namespace, wire: Wire, folder: Path, clock: str, *words: object) -> Daemon:
     (folder / "tokens").write_text(f"admin {TOKEN}\n")
     (folder / "tokens").chmod(0o600)
     (folder / "token").write_text(TOKEN)
-    return Daemon(options.bin, "--clock", clock, "--listen", "0.0.0.0", "--token-file", folder / "tokens", "--http", "off",
+    return Daemon(options.bin, "--clock", clock, "--listen", "0.0.0.0", "--token-file", folder / "tokens", "--http", "off", *words,
                   before=("ip", "netns", "exec", wire.far))
 
 
 # The wire is cut ---------------------------------------------------------------------------------------------------
 
 
-def wave(wire: Wire, port: int, token: Path, steps: "multiprocessing.Value[int]") -> None:
-    """Moves the arm to and fro for as long as the daemon is there."""
+def wave(wire: Wire, port: int, token: Path, steps: "multiprocessing.Value[int]", told: "multiprocessing.Value[int]") -> None:
+    """Moves the arm to and fro until it learns that the daemon is out of reach."""
     import visum
 
     with inside(wire.near):
@@ -122,18 +62,21 @@ def wave(wire: Wire, port: int, token: Path, steps: "multiprocessing.Value[int]"
     arm = client.part("arm")
     arm.acquire()
     client.join()
-    while True:
-        arm.inputs("Desired Angle")[0] = 0.5 * math.sin(0.02 * steps.value)
-        arm.write()
-        client.advance_ms(10)
-        steps.value += 1
+    try:
+        while True:
+            arm.inputs("Desired Angle")[0] = 0.5 * math.sin(0.02 * steps.value)
+            arm.write()
+            client.advance_ms(10)
+            steps.value += 1
+    except visum.Error as error:
+        told.value = error.code
 
 
 def cut(options: argparse.Namespace, folder: Path) -> str:
     import visum
 
     with Wire() as wire, daemon_at(options, wire, folder, "realtime") as daemon:
-        steps = multiprocessing.Value("q")
+        steps, told = multiprocessing.Value("q"), multiprocessing.Value("q")
         with inside(wire.far):
             other = visum.Client(daemon.address, name="other", token_file=folder / "token")
         arm = other.part("arm")
@@ -142,7 +85,7 @@ def cut(options: argparse.Namespace, folder: Path) -> str:
             arm.read()
             return int(arm.outputs("Part State")[0])
 
-        with processes((wave, (wire, daemon.port, folder / "token", steps))):
+        with processes((wave, (wire, daemon.port, folder / "token", steps, told))):
             await_that(lambda: steps.value > 50, "the arm moves")
             refusal = ""
             try:
@@ -159,11 +102,12 @@ def cut(options: argparse.Namespace, folder: Path) -> str:
             other.join()
             other.advance_ms(500)
             expect(abs(arm.outputs("Actual Angle")[0] - stood) < 1e-3, "it stands until it is reset")
+            await_that(lambda: told.value == visum.ErrorCode.CONNECTION, "the first controller learns of it, too")
         other.close()
     return f"found and stopped {found_s:.1f} s after the cut; the next controller got the lease, and the arm stands until it is reset"
 
 
-# The wire loses packets --------------------------------------------------------------------------------------------
+# The wire is bad, and time waits -----------------------------------------------------------------------------------
 
 
 def control_from(wire: Wire, address: str, ticks: int, answers: Answers, token: Path) -> None:
@@ -171,28 +115,154 @@ def control_from(wire: Wire, address: str, ticks: int, answers: Answers, token: 
         control(address, ticks, answers, token)
 
 
-def loss(options: argparse.Namespace, folder: Path) -> str:
+def lockstep(options: argparse.Namespace, folder: Path) -> str:
     answers = []
-    dropped = 0
-    for percent in (0.0, options.loss):
-        with Wire() as wire, daemon_at(options, wire, folder, "lockstep") as daemon:
-            if percent > 0.0:
-                wire.lose(percent)
+    for weather in (Weather(), BAD):
+        with Wire(weather, options.seed) as wire, daemon_at(options, wire, folder, "lockstep") as daemon:
             answers.append(answer_of(control_from, wire, f"{HERE}:{daemon.port}", options.ticks, token=folder / "token"))
-            dropped = wire.lost() if percent > 0.0 else 0
-    expect(dropped > 0, "the wire lost something")
-    expect(answers[0] == answers[1], f"without losses the state's hash is {answers[0][1]:#x}, with them {answers[1][1]:#x}")
-    return f"{dropped} packets lost ({options.loss} %) in {options.ticks} ticks: the same bits as without, {answers[0][1]:#018x}"
+            counts = wire.counts()
+    expect(min(counts) > 0, f"the wire was bad: {counts}")
+    expect(answers[0] == answers[1], f"over a good wire the state's hash is {answers[0][1]:#x}, over a bad one {answers[1][1]:#x}")
+    return f"{counts} in {options.ticks} ticks: the same bits as over a good wire, {answers[0][1]:#018x}"
 
 
-TRIALS = {"cut": cut, "loss": loss}
+# The wire is bad, and time does not wait ---------------------------------------------------------------------------
+
+
+class Steering:
+    """What a controller in a process of its own has done."""
+
+    def __init__(self) -> None:
+        self.sent, self.sessions = multiprocessing.Value("q"), multiprocessing.Value("q")
+        self.enough = multiprocessing.Event()
+        self.done = multiprocessing.Event()  # all was answered, and the lease given back
+
+
+def steer(wire: Wire, port: int, token: Path, steering: Steering) -> None:
+    """100 commands a second, each with a value of its own, until it is enough; comes back whenever the connection is gone."""
+    import visum
+
+    while not steering.done.is_set():
+        try:
+            with inside(wire.near):
+                client = visum.Client(f"{HERE}:{port}", name="steerer", token_file=token, connect_timeout_s=0.0)
+            with client:
+                command(client, steering)
+        except visum.Error:
+            time.sleep(PERIOD_S)
+
+
+def command(client: "visum.Client", steering: Steering) -> None:
+    from visum.connection import pb
+
+    arm = client.part("arm")
+    arm.acquire()
+    steering.sessions.value += 1
+    if arm.outputs("Part State")[0] == CONTROLLER_LOST:
+        arm.inputs("Reset")[0] = arm.inputs("Reset")[0] + 1
+        arm.write()
+    port = next(port.index for port in arm.input_ports if port.group == "Desired Angle")
+    under_way: deque[int] = deque()
+    due = time.monotonic()
+    while not steering.enough.is_set():
+        due += PERIOD_S
+        time.sleep(max(0.0, due - time.monotonic()))
+        steering.sent.value += 1
+        under_way.append(client.connection.send(write=pb.Write(part="arm", first_port=port, values=[COMMAND_RAD * steering.sent.value])))
+        client.connection.poll()
+        while len(under_way) > MOST_UNDER_WAY:
+            client.connection.wait(under_way.popleft())
+    for number in under_way:
+        client.connection.wait(number)
+    arm.release()
+    steering.done.set()
+
+
+def look_through(options: argparse.Namespace, file: Path, sent: int) -> str:
+    """What a recording says of the commands: none may come after a later one, and the last must be in force in the end."""
+    again = replay(options.bin, file, options.seconds + PATIENCE_S)
+    words = [options.bin / "visum", "export", file, "--ports", "arm/Desired Angle 1"]
+    last = longest = standing = commands = 0
+    with subprocess.Popen(list(map(str, words)), stdout=subprocess.PIPE, text=True) as export:
+        assert export.stdout
+        next(export.stdout)
+        for row in export.stdout:
+            now = round(float(row.split(",")[-1]) / COMMAND_RAD)
+            expect(now >= last, f"command {now} came after command {last}")
+            standing = standing + 1 if now == last else 0
+            commands += now != last
+            longest, last = max(longest, standing), now
+    expect(export.returncode == 0, "the recording can be exported")
+    expect(last == sent, f"command {sent} was the last one, and {last} is in force")
+    expect(commands <= int(str(again["inputs"])), f"{commands} came into force by {again['inputs']} inputs")
+    return f"{commands} of them in force for a tick or more, the longest for {longest} ms"
+
+
+def finish(steering: Steering) -> None:
+    steering.enough.set()
+    expect(steering.done.wait(PATIENCE_S), "the controller ends")
+
+
+def realtime(options: argparse.Namespace, folder: Path) -> str:
+    import visum
+
+    file, steering = folder / "run.mcap", Steering()
+    with Wire(BAD, options.seed) as wire, daemon_at(options, wire, folder, "realtime", "--record", file) as daemon:
+        with processes((steer, (wire, daemon.port, folder / "token", steering))):
+            await_that(lambda: steering.sent.value >= options.seconds / PERIOD_S, "it goes on and on", options.seconds + PATIENCE_S)
+            finish(steering)
+        with inside(wire.far), visum.Client(daemon.address, name="checker", token_file=folder / "token") as checker:
+            refused = checker.status().refused
+        counts = wire.counts()
+    expect(steering.sessions.value == 1, f"one session was enough, not {steering.sessions.value}")
+    expect(refused == 0, f"{refused} requests were refused")
+    words = look_through(options, file, steering.sent.value)
+    return f"{options.seconds} s, {counts}: {steering.sent.value} commands, none refused, none late after another; {words}"
+
+
+def back(options: argparse.Namespace, folder: Path) -> str:
+    import visum
+
+    dice = random.Random(options.seed)
+    file, steering = folder / "run.mcap", Steering()
+    took = []
+    with Wire(BAD, options.seed) as wire, daemon_at(options, wire, folder, "realtime", "--record", file) as daemon:
+        with inside(wire.far):
+            watcher = visum.Client(daemon.address, name="watcher", token_file=folder / "token")
+        arm = watcher.part("arm")
+
+        def obeys(more: int) -> bool:
+            """So many commands more than were sent before."""
+            arm.read()
+            return arm.inputs("Desired Angle")[0] > COMMAND_RAD * (more - 0.5) and arm.outputs("Part State")[0] != CONTROLLER_LOST
+
+        with processes((steer, (wire, daemon.port, folder / "token", steering))):
+            await_that(lambda: obeys(50), "the arm obeys")
+            for _ in range(options.cuts):
+                wire.cut()
+                time.sleep(dice.uniform(*CUT_S))
+                before = steering.sent.value
+                wire.mend()
+                took.append(await_that(lambda: obeys(before + 1), "the arm obeys again"))
+                time.sleep(1.0)
+            finish(steering)
+        watcher.close()
+    words = look_through(options, file, steering.sent.value)
+    took.sort()
+    return (f"{options.cuts} cuts of {CUT_S[0]} to {CUT_S[1]} s, {steering.sessions.value} sessions: back {took[len(took) // 2]:.1f} s after the wire, "
+            f"{took[-1]:.1f} s at most; {steering.sent.value} commands sent, {words}")
+
+
+TRIALS = {"cut": cut, "lockstep": lockstep, "realtime": realtime, "back": back}
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bin", type=Path, default=SOURCE / "build/release/bin")
-    parser.add_argument("--ticks", type=int, default=10_000)
-    parser.add_argument("--loss", type=float, default=2.0, help="percent of the packets, in each direction")
+    parser.add_argument("--ticks", type=int, default=10_000, help="of lockstep")
+    parser.add_argument("--seconds", type=int, default=1800, help="of realtime")
+    parser.add_argument("--cuts", type=int, default=100, help="of back")
+    parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("trial", nargs="*", help=", ".join(TRIALS))
     options = parser.parse_args()
     programs.use_client_of(options.bin)

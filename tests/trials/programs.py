@@ -84,6 +84,15 @@ def connect(port: int) -> socket.socket:
     return socket.create_connection(("127.0.0.1", port), timeout=30)
 
 
+def replay(programs: Path, file: Path, patience_s: float = PATIENCE_S) -> dict[str, object]:
+    """What `visum replay` says of a recording, which must have the same bits as far as it can be read."""
+    done = subprocess.run([programs / "visum", "replay", file, "--json"], capture_output=True, text=True, timeout=patience_s)
+    expect(done.returncode in (0, 1), f"the recording cannot be read: {done.stdout}{done.stderr}")
+    again = json.loads(done.stdout.splitlines()[-1])
+    expect(again["equal"], f"the recording has other bits: {again}")
+    return again
+
+
 def await_that(holds: Callable[[], bool], claim: str, patience_s: float = PATIENCE_S) -> float:
     """The seconds until it held."""
     began = time.monotonic()

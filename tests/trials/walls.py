@@ -11,9 +11,9 @@ skipped, and said. Exit code 0: all held; 1: one did not; 77: all were skipped.
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import resource
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -21,9 +21,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import programs
-from programs import ARM, PATIENCE_S, SOURCE, Daemon, NotHere, await_that, expect, processes, watch
+from programs import ARM, PATIENCE_S, SOURCE, Daemon, NotHere, await_that, expect, processes, replay, watch
 
 MEMORY_MIB = 128
+SPARE_BYTES = 4 << 20  # that a daemon may take yet, once it runs
+MOST_BODIES = 5000
 PROCESSES = 32
 DESCRIPTORS = 64
 DISK_MIB = 4
@@ -33,7 +35,6 @@ DISK_MIB = 4
 def cgroup(controller: str, **limits: int) -> Iterator[Path]:
     """A group of that controller; limits as version 2 names them. Whoever's id is written to cgroup.procs is in it."""
     root = Path("/sys/fs/cgroup")
-    old = {"memory.max": "memory.limit_in_bytes"}
     first = root / controller if (root / controller).is_dir() else root
     group = first / f"visum-walls-{os.getpid()}"
     try:
@@ -42,28 +43,25 @@ def cgroup(controller: str, **limits: int) -> Iterator[Path]:
         raise NotHere(f"no cgroup: {error}") from error
     try:
         for name, limit in limits.items():
-            file = group / name.replace("_", ".")
-            file = file if file.exists() else group / old.get(file.name, file.name)
-            if not file.exists():
-                raise NotHere(f"the cgroup has no {file.name}")
-            file.write_text(str(limit))
+            in_group(group, name.replace("_", ".")).write_text(str(limit))
         yield group
     finally:
         await_that(lambda: not (group / "cgroup.procs").read_text(), "the group is empty")
         group.rmdir()
 
 
+def in_group(group: Path, name: str) -> Path:
+    """A file of the group, by its name in version 2."""
+    old = {"memory.max": "memory.limit_in_bytes", "memory.events": "memory.oom_control"}
+    for file in (group / name, group / old.get(name, name)):
+        if file.exists():
+            return file
+    raise NotHere(f"the cgroup has no {name}")
+
+
 def inside(group: Path) -> tuple[str, ...]:
     """Words that start a program in the group."""
     return ("sh", "-c", 'echo $$ > "$0/cgroup.procs" && exec "$@"', str(group))
-
-
-def replay(programs_: Path, file: Path) -> dict[str, object]:
-    done = subprocess.run([programs_ / "visum", "replay", file, "--json"], capture_output=True, text=True, timeout=PATIENCE_S)
-    expect(done.returncode in (0, 1), f"the recording cannot be read: {done.stdout}{done.stderr}")
-    again = json.loads(done.stdout.splitlines()[-1])
-    expect(again["equal"], f"the recording has other bits: {again}")
-    return again
 
 
 def goes_on(daemon: Daemon) -> None:
@@ -97,6 +95,51 @@ def memory(options: argparse.Namespace, folder: Path) -> str:
             peak = daemon.resident_kib()
     again = replay(options.bin, file)
     return f"{MEMORY_MIB} MiB: 32 observers, 300 bodies, 100 snapshots, {peak // 1024} MiB resident; {again['ticks']} ticks replayed"
+
+
+def hoard(daemon: Daemon) -> tuple[int, int]:
+    """Adds bodies until the daemon is gone: how many, and a tick of the last second."""
+    import visum
+
+    admin = visum.Client(daemon.address, name="hoarder", role="admin")
+    bodies = tick = 0
+    try:
+        while bodies < MOST_BODIES:
+            admin.add_body(f"{{name: body_{bodies}, shapes: [{{sphere: 0.01}}], mass: 0.1, pose: {{xyz: [{bodies}, 5, 1]}}}}")
+            bodies += 1
+            tick = admin.status().tick
+    except visum.Error:
+        daemon.process.wait(PATIENCE_S)
+    expect(daemon.process.returncode is not None, f"{bodies} bodies are too much")
+    return bodies, tick
+
+
+def killed_for_memory(options: argparse.Namespace, folder: Path) -> str:
+    file = folder / "run.mcap"
+    with cgroup("memory", memory_max=MEMORY_MIB << 20) as group:
+        with Daemon(options.bin, "--clock", "free", "--run", "--record", file, before=inside(group)) as daemon:
+            goes_on(daemon)
+            in_group(group, "memory.max").write_text(str((daemon.resident_kib() << 10) + SPARE_BYTES))
+            bodies, tick = hoard(daemon)
+            expect(daemon.process.returncode == -signal.SIGKILL, f"the kernel killed it, not: {daemon.process.returncode}")
+        expect("oom_kill 1" in in_group(group, "memory.events").read_text(), "for want of memory")
+    again = replay(options.bin, file)
+    expect(again["damage"] != "" and int(str(again["ticks"])) > 0, f"the recording was cut, and a part of the run is in it: {again}")
+    return f"killed with {bodies} bodies, tick {tick} the last that was seen: {again['ticks']} ticks replayed, and the rest is told to be missing"
+
+
+def no_more_memory(options: argparse.Namespace, folder: Path) -> str:
+    file, log = folder / "run.mcap", folder / "log"
+    with Daemon(options.bin, "--clock", "realtime", "--run", "--record", file, log=log) as daemon:
+        goes_on(daemon)  # with all threads that it starts
+        limit = int(Path(f"/proc/{daemon.pid}/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE") + SPARE_BYTES
+        resource.prlimit(daemon.pid, resource.RLIMIT_AS, (limit, limit))
+        bodies, _ = hoard(daemon)
+        code = daemon.process.returncode
+    expect(code > 0 and "no more memory" in log.read_text(), f"it ended with {code}: {log.read_text()}")
+    again = replay(options.bin, file)
+    expect(again["damage"] == "" and int(str(again["ticks"])) > 0, f"the recording was finished: {again}")
+    return f"with {bodies} bodies the system gives no more: it says so and ends; all of its {again['ticks']} ticks replayed"
 
 
 def too_little_memory(options: argparse.Namespace, folder: Path) -> str:
@@ -180,7 +223,8 @@ def fill(options: argparse.Namespace, folder: Path, file: Path, before: tuple[st
     return f"{wall}: \"{said}\"; the world goes on, {again['ticks']} ticks replayed"
 
 
-WALLS = {"memory": memory, "too-little-memory": too_little_memory, "threads": threads, "descriptors": descriptors, "disk": disk, "file-size": file_size}
+WALLS = {"memory": memory, "killed-for-memory": killed_for_memory, "no-more-memory": no_more_memory, "too-little-memory": too_little_memory,
+         "threads": threads, "descriptors": descriptors, "disk": disk, "file-size": file_size}
 
 
 def main() -> int:

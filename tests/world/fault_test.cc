@@ -1,15 +1,11 @@
 #include <gmock/gmock.h>
 
 #include <functional>
-#include <limits>
 
 #include "tests/world/model.h"
 
 namespace visum::world::testing {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 TEST(FindFault, AGoodModelHasNone) {
   EXPECT_EQ(find_fault(good_model()), "");

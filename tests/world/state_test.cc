@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 
 #include <functional>
-#include <limits>
 #include <set>
 
 #include "server/world/world_state.h"
@@ -9,9 +8,6 @@
 
 namespace visum::world::testing {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 WorldState full_state() {
   WorldState state = initial_state(good_model());

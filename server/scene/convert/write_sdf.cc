@@ -49,9 +49,9 @@ std::string flat(std::string name) {
   return name;
 }
 
-class Writer {
+class SdfWriter {
  public:
-  Writer(const Scene& scene, Output& output) : scene_(scene), world_(scene.world), output_(output) {}
+  SdfWriter(const Scene& scene, Output& output) : scene_(scene), world_(scene.world), output_(output) {}
 
   std::string text() {
     out_.PushHeader(false, true);
@@ -315,7 +315,7 @@ class Writer {
 }  // namespace
 
 std::string to_sdf(const Scene& scene, Output& output) {
-  return Writer(scene, output).text();
+  return SdfWriter(scene, output).text();
 }
 
 }  // namespace visum::scene

@@ -52,9 +52,9 @@ std::string engines_text(const Scene& scene) {
 }
 
 // One scene on its way into a text.
-class Writer {
+class YamlWriter {
  public:
-  Writer(const Scene& scene, Output& output) : scene_(scene), world_(scene.world), output_(output) {}
+  YamlWriter(const Scene& scene, Output& output) : scene_(scene), world_(scene.world), output_(output) {}
 
   std::string text() {
     settings();
@@ -323,7 +323,7 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Scene& scene)
 
 std::string to_yaml(const Scene& scene, Output& output) {
   return "# Written by visum convert from " + scene.file.filename().string() + "\n" +
-         Writer(scene, output).text();
+         YamlWriter(scene, output).text();
 }
 
 }  // namespace visum::scene

@@ -23,7 +23,7 @@ std::vector<double> readings(Bench& bench, double truth, int count) {
   return all;
 }
 
-std::string error_of(const std::string& yaml) {
+std::string fault_in(const std::string& yaml) {
   return visum::test::TempFiles().error_of([&] { Bench bench(yaml); });
 }
 
@@ -202,31 +202,31 @@ TEST(Sensor, AFailureThatThereIsNotIsRefused) {
 }
 
 TEST(Sensor, WrongEntriesAreRefusedWhereTheyAreWrong) {
-  EXPECT_EQ(error_of("kind: distanse, range: [0, 1]"),
+  EXPECT_EQ(fault_in("kind: distanse, range: [0, 1]"),
             "sensor:1: kind: must be one of distance, scanner, imu, pose, contact, joint_wrench, camera, is "
             "'distanse'; did you mean 'distance'?");
-  EXPECT_EQ(error_of("kind: distance"), "sensor:1: key 'range' is missing");
-  EXPECT_EQ(error_of("kind: distance, range: [2, 1]"),
+  EXPECT_EQ(fault_in("kind: distance"), "sensor:1: key 'range' is missing");
+  EXPECT_EQ(fault_in("kind: distance, range: [2, 1]"),
             "sensor:1: range: must be [lowest, highest], the lowest first");
-  EXPECT_EQ(error_of("kind: distance, range: [0, .inf]"),
+  EXPECT_EQ(fault_in("kind: distance, range: [0, .inf]"),
             "sensor:1: range[1]: must be a finite number, is .inf");
-  EXPECT_EQ(error_of(kDistance + ", nois: 1"), "sensor:1: unknown key 'nois'; did you mean 'noise'?");
-  EXPECT_EQ(error_of(kDistance + ", noise: -1"), "sensor:1: noise: must be between 0 and 4.9, is -1");
-  EXPECT_EQ(error_of(kDistance + ", rate_hz: 2000"),
+  EXPECT_EQ(fault_in(kDistance + ", nois: 1"), "sensor:1: unknown key 'nois'; did you mean 'noise'?");
+  EXPECT_EQ(fault_in(kDistance + ", noise: -1"), "sensor:1: noise: must be between 0 and 4.9, is -1");
+  EXPECT_EQ(fault_in(kDistance + ", rate_hz: 2000"),
             "sensor:1: rate_hz: must be between 0.001 and 1000, is 2000");
-  EXPECT_EQ(error_of(kDistance + ", latency_ms: 101"),
+  EXPECT_EQ(fault_in(kDistance + ", latency_ms: 101"),
             "sensor:1: latency_ms: must be between 0 and 100, is 101");
-  EXPECT_EQ(error_of(kDistance + ", failure: broken").substr(0, 40),
+  EXPECT_EQ(fault_in(kDistance + ", failure: broken").substr(0, 40),
             "sensor:1: failure: must be one of ok, of");
-  EXPECT_EQ(error_of("kind: scanner, range: [0, 1], angle: [-1, 1], rays: 1"),
+  EXPECT_EQ(fault_in("kind: scanner, range: [0, 1], angle: [-1, 1], rays: 1"),
             "sensor:1: rays: must be a whole number between 2 and 4096, is 1");
-  EXPECT_EQ(error_of("kind: scanner, range: [0, 1], angle: [1, -1], rays: 9"),
+  EXPECT_EQ(fault_in("kind: scanner, range: [0, 1], angle: [1, -1], rays: 9"),
             "sensor:1: angle: must be [first, last], the smaller first");
-  EXPECT_EQ(error_of("kind: imu, gyro: {nose: 1}"),
+  EXPECT_EQ(fault_in("kind: imu, gyro: {nose: 1}"),
             "sensor:1: gyro: unknown key 'nose'; did you mean 'noise'?");
-  EXPECT_EQ(error_of("kind: pose, orientation: {noise: 1}"),
+  EXPECT_EQ(fault_in("kind: pose, orientation: {noise: 1}"),
             "sensor:1: orientation.noise: must be between 0 and 0.5, is 1");
-  EXPECT_EQ(error_of("kind: contact, range: 10, threshold: 11"),
+  EXPECT_EQ(fault_in("kind: contact, range: 10, threshold: 11"),
             "sensor:1: threshold: must be between 0 and 10, is 11");
 }
 
