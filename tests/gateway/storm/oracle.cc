@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "protocol/codec.h"
+
 namespace visum::storm {
 namespace {
 
@@ -14,6 +16,13 @@ constexpr std::int64_t kStopTicks =
 constexpr double kStands = 0.02;  // rad/s: a step or two of the encoders in a tick
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 constexpr std::int64_t kHashEvery = 100;  // ticks
+
+bool are_alike(const protocol::Request& one, const protocol::Request& other) {
+  std::vector<std::byte> bytes, others;
+  protocol::encode_request(1, one, bytes);
+  protocol::encode_request(1, other, others);
+  return bytes == others;
+}
 
 }  // namespace
 
@@ -48,9 +57,13 @@ protocol::Role Oracle::on_hello(protocol::Session& session, const protocol::Hell
 }
 
 void Oracle::on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) {
-  if (id == 0) return;  // a bit that was flipped: it would have no answer by which to know what became of it
+  // A bit that was flipped: there would be no answer, or one of two, by which to know what became of it.
+  if (id == 0) return;
+  auto& open = asked_[session.id()];
+  const auto same = open.find(id);
+  if (same != open.end() && !are_alike(same->second.front(), request)) return;
   ++counts_.requests;
-  asked_[session.id()][id].push_back(request);
+  open[id].push_back(request);
   judged_.on_request(session, id, request);
 }
 
