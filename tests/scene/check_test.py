@@ -31,7 +31,8 @@ sensors:
 """
 MEMORY = 2 << 30  # bytes of address space; a bomb that goes off would not fit
 SECONDS = 60  # of processor time, on whatever machine
-SANITIZED = b"__asan_init" in (BIN / "visumd").read_bytes()  # reserves terabytes of addresses
+VISUMD = (BIN / "visumd").read_bytes()
+SANITIZED = b"__asan_init" in VISUMD or b"__tsan_init" in VISUMD  # reserves terabytes of addresses
 
 
 def limit():

@@ -136,16 +136,15 @@ void measure_axes(Plant& plant) {
   }
 }
 
-void measure_ahead(const Plant& plant, Axis& axis, double h) {
-  const JointSpec& joint = plant.spec(axis);
-  const JointPose pose = pose_ahead(joint, plant.bodies, axis.start);
-  axis.mean_rate = (position(joint, pose, axis.start + h * axis.rate) - axis.start) / h;
+void measure_ahead(const Plant& plant, Axis& axis, const JointPose& ahead, double h) {
+  axis.mean_rate = (position(plant.spec(axis), ahead, axis.start + h * axis.rate) - axis.start) / h;
   axis.bias = axis.mean_rate - plant.rate(axis);
 }
 
 void measure_ahead(Plant& plant, std::size_t mechanism, double h) {
   for (Axis& axis : plant.axes_of(mechanism))
-    if (axis.acts || axis.damping > 0.0 || axis.model->limited) measure_ahead(plant, axis, h);
+    if (axis.acts || axis.damping > 0.0 || axis.model->limited)
+      measure_ahead(plant, axis, plant.pose_ahead(axis), h);
 }
 
 void set_tree_axes(Plant& plant, double h) {

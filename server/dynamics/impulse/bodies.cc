@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "server/dynamics/impulse/free_flight.h"
+#include "server/dynamics/impulse/symmetric.h"
 
 namespace visum::dynamics::impulse {
 namespace {
@@ -40,10 +41,9 @@ void find_principal_axes(const Matrix3d& inertia, BodyConstants& body) {
 // m E + (n - m) a a^T: of a top with its axis a.
 Matrix3d turned_top(double along, double across, const Vector3d& a) {
   const Vector3d s = (along - across) * a;
-  const double xy = s.x() * a.y(), yz = s.y() * a.z(), zx = s.z() * a.x();
-  Matrix3d result;
-  result << s.x() * a.x() + across, xy, zx, xy, s.y() * a.y() + across, yz, zx, yz, s.z() * a.z() + across;
-  return result;
+  return Symmetric3{s.x() * a.x() + across, s.y() * a.y() + across, s.z() * a.z() + across,
+                    s.x() * a.y(),          s.y() * a.z(),          s.z() * a.x()}
+      .full();
 }
 
 // R diag(moments) R^T.
@@ -56,7 +56,9 @@ Matrix3d turned(const BodyConstants& body, const Vector3d& moments, const Matrix
     case Symmetry::kNone:
       break;
   }
-  return R * moments.asDiagonal() * R.transpose();
+  const Matrix3d s = R * moments.asDiagonal();
+  const auto dot = [&](int i, int j) { return s(i, 0) * R(j, 0) + s(i, 1) * R(j, 1) + s(i, 2) * R(j, 2); };
+  return Symmetric3{dot(0, 0), dot(1, 1), dot(2, 2), dot(0, 1), dot(1, 2), dot(2, 0)}.full();
 }
 
 }  // namespace

@@ -130,13 +130,14 @@ void Corrector::push(Joint& joint, const Errors& errors, Moment moment) {
 double Corrector::close_gap(Joint& joint, double h, double d_max, double position) {
   look_ahead(joint.spec->a, h);
   look_ahead(joint.spec->b, h);
-  const Gap gap = joint_gap(*joint.spec, pose_ahead(*joint.spec, plant_.bodies, position));
+  const JointPose ahead = pose_ahead(*joint.spec, plant_.bodies, position);
+  const Gap gap = joint_gap(*joint.spec, ahead);
   double largest = largest_of(gap.turn, gap.shift);
   Errors errors{};
   for (std::size_t k = 0; k < joint.count; ++k)
     errors[k] = (joint.w[k].dot(gap.turn) + joint.v[k].dot(gap.shift)) / h;
   if (joint.axis != nullptr) {
-    measure_ahead(plant_, *joint.axis, h);
+    measure_ahead(plant_, *joint.axis, ahead, h);
     const double missing = missing_rate(plant_, *joint.axis, kAhead, h);
     errors[joint.count - 1] = missing;
     largest = std::max(largest, h * std::abs(missing));

@@ -7,14 +7,11 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-Quaterniond about(int axis, const world::SinCos& half) {
+Quaterniond about(int axis, double angle) {
+  const world::SinCos half = world::sin_cos(0.5 * angle);
   Quaterniond result(half.cos, 0.0, 0.0, 0.0);
   result.vec()[axis] = half.sin;
   return result;
-}
-
-Quaterniond about(int axis, double angle) {
-  return about(axis, world::sin_cos(0.5 * angle));
 }
 
 Quaterniond fly_top(const BodyConstants& body, const Quaterniond& q, const Matrix3d& R, const Vector3d& w,
@@ -28,11 +25,18 @@ Quaterniond fly_top(const BodyConstants& body, const Quaterniond& q, const Matri
 }
 
 // R <- R rot(angle about axis k), L <- rot(-angle) L.
-void turn_about(int k, double angle, Quaterniond& q, Vector3d& L) {
+template <int k>
+inline void turn_about(double angle, Quaterniond& q, Vector3d& L) {
+  constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
   const world::SinCos half = world::sin_cos(0.5 * angle);
-  q = q * about(k, half);
+  // q times (cos, sin e_k).
+  const Vector3d u = q.vec();
+  const double scalar = q.w();
+  q.w() = half.cos * scalar - half.sin * u[k];
+  q.vec()[k] = half.cos * u[k] + half.sin * scalar;
+  q.vec()[i] = half.cos * u[i] + half.sin * u[j];
+  q.vec()[j] = half.cos * u[j] - half.sin * u[i];
   const world::SinCos full{2.0 * half.sin * half.cos, 1.0 - 2.0 * half.sin * half.sin};
-  const int i = (k + 1) % 3, j = (k + 2) % 3;
   const double li = L[i];
   L[i] = full.cos * li + full.sin * L[j];
   L[j] = full.cos * L[j] - full.sin * li;
@@ -42,11 +46,11 @@ Quaterniond fly_any(const BodyConstants& body, Quaterniond q, const Matrix3d& R,
                     double h) {
   Vector3d L = body.moments.cwiseProduct(R.transpose() * w);
   const Vector3d& inverse = body.inverse_moments;
-  turn_about(0, 0.5 * h * L[0] * inverse[0], q, L);
-  turn_about(1, 0.5 * h * L[1] * inverse[1], q, L);
-  turn_about(2, h * L[2] * inverse[2], q, L);
-  turn_about(1, 0.5 * h * L[1] * inverse[1], q, L);
-  turn_about(0, 0.5 * h * L[0] * inverse[0], q, L);
+  turn_about<0>(0.5 * h * L[0] * inverse[0], q, L);
+  turn_about<1>(0.5 * h * L[1] * inverse[1], q, L);
+  turn_about<2>(h * L[2] * inverse[2], q, L);
+  turn_about<1>(0.5 * h * L[1] * inverse[1], q, L);
+  turn_about<0>(0.5 * h * L[0] * inverse[0], q, L);
   return q;
 }
 

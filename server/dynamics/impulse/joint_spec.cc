@@ -154,6 +154,9 @@ JointSpec make_spec(const world::WorldModel& model, const Bodies& bodies, world:
   seat(joint.child, spec.b, joint.X_CJ, spec.point_b, spec.frame_b);
   spec.axis_a = spec.frame_a * joint.axis_J;
   spec.axis_b = spec.frame_b * joint.axis_J;
+  const Vector3d zero_J = across(joint.axis_J).first;
+  spec.zero_a = spec.frame_a * zero_J;
+  spec.zero_b = spec.frame_b * zero_J;
   spec.axis2_b = spec.frame_b * joint.axis2_J;
   return spec;
 }
@@ -167,8 +170,7 @@ JointPose pose_ahead(const JointSpec& joint, const Bodies& bodies, double positi
 }
 
 double joint_angle(const JointSpec& joint, const JointPose& pose, double near) {
-  const Across a = across(joint.frame_a.transpose() * joint.axis_a);
-  const Vector3d u = *pose.Ra * (joint.frame_a * a.first), w = *pose.Rb * (joint.frame_b * a.first);
+  const Vector3d u = *pose.Ra * joint.zero_a, w = *pose.Rb * joint.zero_b;
   const double angle = world::arc_tangent(pose.a.dot(u.cross(w)), u.dot(w));
   return angle + kTurn * std::round((near - angle) / kTurn);
 }

@@ -61,12 +61,14 @@ Mechanism::Mechanism(const world::WorldModel& model, const Bodies& bodies, std::
     specs_.push_back(spec);
   }
   poses_.resize(nodes.size());
+  poses_ahead_.resize(nodes.size());
   motions_.resize(nodes.size());
   axes.resize(nodes.size());
   placed_axes_.resize(nodes.size());
   placed_x_.resize(nodes.size());
   placed_q_.resize(nodes.size());
   loop_poses_.resize(loops_.size());
+  loop_poses_ahead_.resize(loops_.size());
   loop_held_.resize(loops_.size());
   loop_rows_.resize(6 * loops_.size());
   loop_errors_.resize(6 * loops_.size());
@@ -140,19 +142,26 @@ double Mechanism::note_gap(const Gap& gap, const JointSpec& joint, double larges
   return size;
 }
 
-double Mechanism::ask_gaps(const Bodies& bodies, const world::WorldState& state, double h) {
+void Mechanism::place_ahead(const Bodies& bodies, const world::WorldState& state) {
+  for (std::size_t i = 0; i < size(); ++i)
+    if (carrying(i) != nullptr)
+      poses_ahead_[i] = impulse::pose_ahead(specs_[i], bodies, state.joints[specs_[i].id.index()].position);
+  for (std::size_t i = 0; i < loops_.size(); ++i)
+    loop_poses_ahead_[i] =
+        impulse::pose_ahead(loops_[i], bodies, state.joints[loops_[i].id.index()].position);
+}
+
+double Mechanism::ask_gaps(double h) {
   double largest = -1.0;  // so that a joint without a gap is one to name, where an axis of it misses its aim
   for (std::size_t i = 0; i < size(); ++i) {
     if (carrying(i) == nullptr) continue;
-    const Gap gap =
-        joint_gap(specs_[i], pose_ahead(specs_[i], bodies, state.joints[specs_[i].id.index()].position));
+    const Gap gap = joint_gap(specs_[i], poses_ahead_[i]);
     tree_.ask(i, gap.turn / h, gap.shift / h);
     largest = note_gap(gap, specs_[i], largest);
   }
   std::size_t row = 0;
   for (std::size_t i = 0; i < loops_.size(); ++i) {
-    const Gap gap =
-        joint_gap(loops_[i], pose_ahead(loops_[i], bodies, state.joints[loops_[i].id.index()].position));
+    const Gap gap = joint_gap(loops_[i], loop_poses_ahead_[i]);
     largest = note_gap(gap, loops_[i], largest);
     const Held& held = loop_held_[i];
     for (std::size_t k = 0; k < static_cast<std::size_t>(held.count); ++k)

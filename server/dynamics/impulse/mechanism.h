@@ -45,8 +45,12 @@ class Mechanism {
   // Near a pose where its loops lose their grip: all bars of a four-bar on one line. As factored.
   bool is_nearly_singular() const;
 
-  // The largest gap that the look-ahead finds, and the request that would close it in h.
-  double ask_gaps(const Bodies& bodies, const world::WorldState& state, double h);
+  // Poses where the look-ahead has led.
+  void place_ahead(const Bodies& bodies, const world::WorldState& state);
+  const JointPose& pose_ahead(std::size_t node) const { return poses_ahead_[node]; }
+  const JointPose& loop_pose_ahead(std::size_t i) const { return loop_poses_ahead_[i]; }
+  // The largest gap there, and the request that would close it in h.
+  double ask_gaps(double h);
   // The request that makes the joints' velocities agree; returns the largest disagreement.
   double ask_velocities(const Bodies& bodies);
   // Which joint's gap the last ask_gaps() found to be the largest; null where no joint is.
@@ -107,10 +111,10 @@ class Mechanism {
   Tree tree_;
   std::vector<std::pair<int, int>> node_by_body_;  // body, node: sorted
   std::vector<JointSpec> specs_;                   // by node; of a free root unused
-  std::vector<JointPose> poses_;
+  std::vector<JointPose> poses_, poses_ahead_;
   std::vector<Motion> motions_;
   std::vector<JointSpec> loops_;
-  std::vector<JointPose> loop_poses_;
+  std::vector<JointPose> loop_poses_, loop_poses_ahead_;
   std::vector<Held> loop_held_;
   std::vector<std::array<int, 2>> loop_parts_;  // of the tree, that a loop joins; -1: what stands still
   std::vector<std::size_t> first_neighbour_;    // by loop: the first loop that shares a part with it

@@ -57,6 +57,12 @@ const JointSpec& Plant::spec(const Axis& axis) const {
                         : mechanism.loop(static_cast<std::size_t>(axis.loop));
 }
 
+const JointPose& Plant::pose_ahead(const Axis& axis) const {
+  const Mechanism& mechanism = mechanisms[axis.mechanism];
+  return axis.node >= 0 ? mechanism.pose_ahead(static_cast<std::size_t>(axis.node))
+                        : mechanism.loop_pose_ahead(static_cast<std::size_t>(axis.loop));
+}
+
 double Plant::rate(const Axis& axis) const {
   const JointSpec& joint = spec(axis);
   const Mechanism& mechanism = mechanisms[axis.mechanism];

@@ -98,6 +98,7 @@ struct Plant {
     return {axes.data() + first_axis[mechanism], axes.data() + first_axis[mechanism + 1]};
   }
   const JointSpec& spec(const Axis& axis) const;
+  const JointPose& pose_ahead(const Axis& axis) const;
   double rate(const Axis& axis) const;  // of the bodies' velocities as they are
 };
 
@@ -105,7 +106,8 @@ struct Plant {
 void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, const world::WorldState& state);
 // Where the bodies have been moved within a tick: positions and velocities of the axes.
 void measure_axes(Plant& plant);
-void measure_ahead(const Plant& plant, Axis& axis, double h);
+// Where the look-ahead leads them; of a mechanism, once it is placed there.
+void measure_ahead(const Plant& plant, Axis& axis, const JointPose& ahead, double h);
 void measure_ahead(Plant& plant, std::size_t mechanism, double h);
 
 // A law that is not at its limit takes part where joints are solved for: its axis gives way by k for each

@@ -7,10 +7,10 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kStill = 1e-4;  // m/s, rad/s
+constexpr double kAtRest = 1e-4;  // m/s, rad/s
 
 bool is_still(const Vector3d& v, const Vector3d& w) {
-  return v.cwiseAbs().maxCoeff() <= kStill && w.cwiseAbs().maxCoeff() <= kStill;
+  return v.cwiseAbs().maxCoeff() <= kAtRest && w.cwiseAbs().maxCoeff() <= kAtRest;
 }
 
 std::uint64_t hash_of(std::uint64_t before, const hwparts::JointDrive& drive) {

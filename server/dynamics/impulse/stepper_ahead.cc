@@ -48,9 +48,10 @@ void Stepper::take_back(std::size_t m, double h) {
 double Stepper::find_gap(std::size_t m, double h, const world::WorldState& state, double law_share) {
   Mechanism& mechanism = plant_.mechanisms[m];
   fly(m, h);
+  mechanism.place_ahead(plant_.bodies, state);
   measure_ahead(plant_, m, h);
   mechanism.clear();
-  const double gap = mechanism.ask_gaps(plant_.bodies, state, h);
+  const double gap = mechanism.ask_gaps(h);
   const double missing = h * ask_axes(plant_, m, kAhead, h) / law_share;
   return missing > gap || std::isnan(missing) ? missing : gap;
 }
@@ -125,6 +126,7 @@ double Stepper::correct(std::size_t m, double h, const world::WorldState& state,
   const double gap = corrector_->sweep_gaps(m, h, d_max_, state, sweep);
   if (bounded_.binds(m)) {
     fly(m, h);
+    plant_.mechanisms[m].place_ahead(plant_.bodies, state);
     measure_ahead(plant_, m, h);
   }
   return gap;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "server/dynamics/impulse/joint_spec.h"
+#include "server/dynamics/impulse/symmetric.h"
 
 namespace visum::dynamics::impulse {
 
@@ -72,15 +73,21 @@ class Tree {
   const Vector3d& pushed_linear(std::size_t i) const { return asked_[i].linear; }
 
  private:
+  struct FreeAxis {
+    Vector3d Sw, Sv, Uw, Uv;
+  };
   struct Factor {
     Vector3d r, c;
     int dof = 0;
     bool implicit = false;
-    std::array<Vector3d, 3> Sw, Sv, Uw, Uv;
-    Matrix3d inverse_D;  // effective: of what is left free
-    double D = 0.0;      // of one axis, without its drive
-    double gain = 0.0;   // share of a drive's target that the axis takes up
-    Matrix3d A, B, C;    // what the parent feels: the axes' freedom taken out
+    bool turns_only = false;  // one axis, with Sv = 0
+    double inverse_D = 0.0;   // of one axis: effective, of what is left free
+    double D = 0.0;           // without its drive
+    double gain = 0.0;        // share of a drive's target that the axis takes up
+    std::array<FreeAxis, 3> axes;
+    Symmetric3 A, C;  // what the parent feels: the axes' freedom taken out
+    Matrix3d B;
+    Matrix3d inverse_Ds;  // of several axes
   };
   struct Asked {
     Vector3d beta = Vector3d::Zero(), alpha = Vector3d::Zero();
@@ -96,6 +103,7 @@ class Tree {
   void eliminate(Factor& factor, const TreeAxis& axis);
   void eliminate_one(Factor& factor, const TreeAxis& axis);
   void add_to_parent(std::size_t i);
+  static double along_axis(const Factor& factor, const Vector3d& pw, const Vector3d& pv);
   void load(std::size_t i);
   void load_up(std::size_t i);
   void spread_down(std::size_t i);

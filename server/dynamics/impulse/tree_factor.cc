@@ -7,13 +7,11 @@ namespace visum::dynamics::impulse {
 namespace {
 
 // [u]x M and [u]x as matrices.
-inline Matrix3d cross(const Vector3d& u, const Matrix3d& m) {
+inline Matrix3d cross(const Vector3d& u, const Symmetric3& m) {
   Matrix3d result;
-  for (int i = 0; i < 3; ++i) {
-    result(0, i) = u.y() * m(2, i) - u.z() * m(1, i);
-    result(1, i) = u.z() * m(0, i) - u.x() * m(2, i);
-    result(2, i) = u.x() * m(1, i) - u.y() * m(0, i);
-  }
+  result << u.y() * m.zx - u.z() * m.xy, u.y() * m.yz - u.z() * m.yy, u.y() * m.zz - u.z() * m.yz,  //
+      u.z() * m.xx - u.x() * m.zx, u.z() * m.xy - u.x() * m.yz, u.z() * m.zx - u.x() * m.zz,        //
+      u.x() * m.xy - u.y() * m.xx, u.x() * m.yy - u.y() * m.xy, u.x() * m.yz - u.y() * m.zx;
   return result;
 }
 
@@ -67,19 +65,24 @@ void Tree::factor(const Bodies& bodies, const std::vector<JointPose>& poses, con
     }
     f.dof = root ? 6 : free[i].count;
     for (std::size_t k = 0; k < static_cast<std::size_t>(root ? 0 : f.dof); ++k) {
-      f.Sw[k] = free[i].w[k];
-      f.Sv[k] = free[i].v[k];
+      f.axes[k].Sw = free[i].w[k];
+      f.axes[k].Sv = free[i].v[k];
     }
+    f.turns_only = f.dof == 1 && f.axes[0].Sv.isZero(0.0);
     const double mass = bodies.constants[body].mass;
-    f.A = bodies.inertia[body] - mass * f.c * f.c.transpose();
-    f.A.diagonal().array() += mass * f.c.squaredNorm();
-    f.B = cross_matrix(mass * f.c);
-    f.C = mass * Matrix3d::Identity();
+    const Vector3d lever = mass * f.c;
+    const Matrix3d& inertia = bodies.inertia[body];
+    const double far = lever.dot(f.c);
+    f.A = {inertia(0, 0) + far, inertia(1, 1) + far, inertia(2, 2) + far,
+           inertia(0, 1),       inertia(1, 2),       inertia(2, 0)};
+    f.A.subtract(lever, f.c);
+    f.B = cross_matrix(lever);
+    f.C = {mass, mass, mass, 0.0, 0.0, 0.0};
   }
   for (std::size_t i = size(); i-- > 0;) {
     if (root_of_[i] >= 0) {
       Eigen::Matrix<double, 6, 6> inertia;
-      inertia << factors_[i].A, factors_[i].B, factors_[i].B.transpose(), factors_[i].C;
+      inertia << factors_[i].A.full(), factors_[i].B, factors_[i].B.transpose(), factors_[i].C.full();
       roots_[static_cast<std::size_t>(root_of_[i])] =
           inertia.llt().solve(Eigen::Matrix<double, 6, 6>::Identity());
       continue;
@@ -96,49 +99,62 @@ void Tree::eliminate(Factor& f, const TreeAxis& axis) {
   const auto n = static_cast<std::size_t>(f.dof);
   Matrix3d D = Matrix3d::Identity();
   for (std::size_t k = 0; k < n; ++k) {
-    f.Uw[k] = f.A * f.Sw[k] + f.B * f.Sv[k];
-    f.Uv[k] = f.B.transpose() * f.Sw[k] + f.C * f.Sv[k];
+    FreeAxis& to = f.axes[k];
+    to.Uw = f.A * to.Sw + f.B * to.Sv;
+    to.Uv = f.B.transpose() * to.Sw + f.C * to.Sv;
   }
   for (std::size_t k = 0; k < n; ++k)
     for (std::size_t l = 0; l < n; ++l)
-      D(static_cast<int>(k), static_cast<int>(l)) = f.Sw[k].dot(f.Uw[l]) + f.Sv[k].dot(f.Uv[l]);
-  f.inverse_D = D.inverse();
+      D(static_cast<int>(k), static_cast<int>(l)) =
+          f.axes[k].Sw.dot(f.axes[l].Uw) + f.axes[k].Sv.dot(f.axes[l].Uv);
+  f.inverse_Ds = D.inverse();
   for (std::size_t k = 0; k < n; ++k) {
+    Vector3d gw = Vector3d::Zero(), gv = Vector3d::Zero();
     for (std::size_t l = 0; l < n; ++l) {
-      const double g = f.inverse_D(static_cast<int>(k), static_cast<int>(l));
-      f.A.noalias() -= g * f.Uw[k] * f.Uw[l].transpose();
-      f.B.noalias() -= g * f.Uw[k] * f.Uv[l].transpose();
-      f.C.noalias() -= g * f.Uv[k] * f.Uv[l].transpose();
+      const double g = f.inverse_Ds(static_cast<int>(k), static_cast<int>(l));
+      gw += g * f.axes[l].Uw;
+      gv += g * f.axes[l].Uv;
     }
+    f.A.subtract(f.axes[k].Uw, gw);
+    f.B.noalias() -= f.axes[k].Uw * gv.transpose();
+    f.C.subtract(f.axes[k].Uv, gv);
   }
 }
 
 void Tree::eliminate_one(Factor& f, const TreeAxis& axis) {
-  const Vector3d &sw = f.Sw[0], &sv = f.Sv[0];
-  Vector3d &uw = f.Uw[0], &uv = f.Uv[0];
-  uw = f.A * sw + f.B * sv;
-  uv = f.B.transpose() * sw + f.C * sv;
+  auto& [sw, sv, uw, uv] = f.axes[0];
+  uw = f.A * sw;
+  uv = f.B.transpose() * sw;
+  if (!f.turns_only) {
+    uw += f.B * sv;
+    uv += f.C * sv;
+  }
   f.D = sw.dot(uw) + sv.dot(uv);
   f.implicit = axis.implicit;
-  const double g = axis.implicit ? axis.compliance / (1.0 + axis.compliance * f.D) : 1.0 / f.D;
+  f.inverse_D = axis.implicit ? axis.compliance / (1.0 + axis.compliance * f.D) : 1.0 / f.D;
   f.gain = axis.implicit ? 1.0 / (1.0 + axis.compliance * f.D) : 0.0;
-  f.inverse_D(0, 0) = g;
-  const Vector3d gw = g * uw, gv = g * uv;
-  f.A.noalias() -= gw * uw.transpose();
+  const Vector3d gw = f.inverse_D * uw, gv = f.inverse_D * uv;
+  f.A.subtract(gw, uw);
   f.B.noalias() -= gw * uv.transpose();
-  f.C.noalias() -= gv * uv.transpose();
+  f.C.subtract(gv, uv);
 }
 
-// Taken at the parent's point: A + r x B^T + (r x B^T)^T - r x C r x,  B + r x C,  C.
+// Taken at the parent's point: B' = B + r x C,  A' = A + r x B'^T + (r x B^T)^T,  C' = C.
 void Tree::add_to_parent(std::size_t i) {
   if (nodes_[i].parent < 0) return;
   const Factor& f = factors_[i];
   Factor& up = factors_[static_cast<std::size_t>(nodes_[i].parent)];
-  const Matrix3d rC = cross(f.r, f.C);
-  const Matrix3d rBt = cross(f.r, f.B.transpose());
-  // -r x C r x = (r x (r x C)^T)^T, and C is symmetric.
-  up.A += f.A + rBt + rBt.transpose() + cross(f.r, rC.transpose());
-  up.B += f.B + rC;
+  const Matrix3d& B = f.B;
+  const Matrix3d M = B + cross(f.r, f.C);
+  const double x = f.r.x(), y = f.r.y(), z = f.r.z();
+  up.A += f.A;
+  up.A += {y * (M(0, 2) + B(0, 2)) - z * (M(0, 1) + B(0, 1)),
+           z * (M(1, 0) + B(1, 0)) - x * (M(1, 2) + B(1, 2)),
+           x * (M(2, 1) + B(2, 1)) - y * (M(2, 0) + B(2, 0)),
+           y * M(1, 2) - z * M(1, 1) + z * B(0, 0) - x * B(0, 2),
+           z * M(2, 0) - x * M(2, 2) + x * B(1, 1) - y * B(1, 0),
+           x * M(0, 1) - y * M(0, 0) + y * B(2, 2) - z * B(2, 1)};
+  up.B += M;
   up.C += f.C;
 }
 

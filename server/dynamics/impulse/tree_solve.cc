@@ -29,6 +29,12 @@ void Tree::solve() {
   for (std::size_t i = 0; i < size(); ++i) spread_down(i);
 }
 
+// S^T p of one axis.
+double Tree::along_axis(const Factor& f, const Vector3d& pw, const Vector3d& pv) {
+  const double turn = f.axes[0].Sw.dot(pw);
+  return f.turns_only ? turn : turn + f.axes[0].Sv.dot(pv);
+}
+
 // t = -D^-1 (S^T p - lambda) + gain b,  f = I (beta, alpha) + p + U t, handed to the parent.
 void Tree::load_up(std::size_t i) {
   if (root_of_[i] >= 0) return;
@@ -39,20 +45,19 @@ void Tree::load_up(std::size_t i) {
   Vector3d fw = pw + f.A * asked.beta + f.B * asked.alpha;
   Vector3d fv = pv + f.B.transpose() * asked.beta + f.C * asked.alpha;
   if (f.dof == 1) {
-    const double s = f.Sw[0].dot(pw) + f.Sv[0].dot(pv) - asked.axis_impulse;
-    t[0] = f.gain * asked.target - f.inverse_D(0, 0) * s;
-    fw += t[0] * f.Uw[0];
-    fv += t[0] * f.Uv[0];
+    t[0] = f.gain * asked.target - f.inverse_D * (along_axis(f, pw, pv) - asked.axis_impulse);
+    fw += t[0] * f.axes[0].Uw;
+    fv += t[0] * f.axes[0].Uv;
   } else {
     const auto n = static_cast<std::size_t>(f.dof);
     std::array<double, 3> s{};
-    for (std::size_t k = 0; k < n; ++k) s[k] = f.Sw[k].dot(pw) + f.Sv[k].dot(pv);
+    for (std::size_t k = 0; k < n; ++k) s[k] = f.axes[k].Sw.dot(pw) + f.axes[k].Sv.dot(pv);
     for (std::size_t k = 0; k < n; ++k) {
       t[k] = 0.0;
       for (std::size_t l = 0; l < n; ++l)
-        t[k] -= f.inverse_D(static_cast<int>(k), static_cast<int>(l)) * s[l];
-      fw += t[k] * f.Uw[k];
-      fv += t[k] * f.Uv[k];
+        t[k] -= f.inverse_Ds(static_cast<int>(k), static_cast<int>(l)) * s[l];
+      fw += t[k] * f.axes[k].Uw;
+      fv += t[k] * f.axes[k].Uv;
     }
   }
   if (nodes_[i].parent < 0) return;
@@ -90,24 +95,24 @@ void Tree::spread_joint(std::size_t i) {
     answer.v += up.v + up.w.cross(f.r);
   }
   if (f.dof == 1) {
-    const double load = f.Uw[0].dot(answer.w) + f.Uv[0].dot(answer.v);
-    answer.rate = own_rates_[i][0] - f.inverse_D(0, 0) * load;
-    answer.axis_load = load;
-    answer.w += answer.rate * f.Sw[0];
-    answer.v += answer.rate * f.Sv[0];
+    const FreeAxis& axis = f.axes[0];
+    answer.axis_load = axis.Uw.dot(answer.w) + axis.Uv.dot(answer.v);
+    answer.rate = own_rates_[i][0] - f.inverse_D * answer.axis_load;
+    answer.w += answer.rate * axis.Sw;
+    if (!f.turns_only) answer.v += answer.rate * axis.Sv;
     return;
   }
   const auto n = static_cast<std::size_t>(f.dof);
   std::array<double, 3> load{}, rate{};
-  for (std::size_t k = 0; k < n; ++k) load[k] = f.Uw[k].dot(answer.w) + f.Uv[k].dot(answer.v);
+  for (std::size_t k = 0; k < n; ++k) load[k] = f.axes[k].Uw.dot(answer.w) + f.axes[k].Uv.dot(answer.v);
   for (std::size_t k = 0; k < n; ++k) {
     rate[k] = own_rates_[i][k];
     for (std::size_t l = 0; l < n; ++l)
-      rate[k] -= f.inverse_D(static_cast<int>(k), static_cast<int>(l)) * load[l];
+      rate[k] -= f.inverse_Ds(static_cast<int>(k), static_cast<int>(l)) * load[l];
   }
   for (std::size_t k = 0; k < n; ++k) {
-    answer.w += rate[k] * f.Sw[k];
-    answer.v += rate[k] * f.Sv[k];
+    answer.w += rate[k] * f.axes[k].Sw;
+    answer.v += rate[k] * f.axes[k].Sv;
   }
 }
 
@@ -115,8 +120,8 @@ void Tree::spread_joint(std::size_t i) {
 double Tree::axis_impulse(std::size_t i) const {
   const Factor& f = factors_[i];
   if (!f.implicit) return 0.0;
-  const double s = f.Sw[0].dot(load_w_[i]) + f.Sv[0].dot(load_v_[i]);
-  return f.D * answer_[i].rate + s + answer_[i].axis_load - asked_[i].axis_impulse;
+  return f.D * answer_[i].rate + along_axis(f, load_w_[i], load_v_[i]) + answer_[i].axis_load -
+         asked_[i].axis_impulse;
 }
 
 }  // namespace visum::dynamics::impulse

@@ -23,6 +23,7 @@ struct JointSpec {
   Vector3d point_a, point_b;  // P_A and P, from the centre of mass in the body's P axes (a = -1: in W)
   Matrix3d frame_a, frame_b;  // J's axes in the bodies' P axes
   Vector3d axis_a, axis_b;    // axis_J, likewise
+  Vector3d zero_a, zero_b;    // a direction across the axis, the same on both at angle 0
   Vector3d axis2_b;           // universal: axis2_J in B
   double lift = 0.0;          // screw: m per rad
   const world::Joint* model = nullptr;
