@@ -107,10 +107,37 @@ std::vector<double> be_hit_in_space(const world::EngineSetting& engine) {
   return {drift.linear, drift.angular, hit ? 0.0 : 1.0};
 }
 
+// Its joints loose, thrown up by a force on the trunk for 1 s, then 2 s of falling: the force's work is what
+// it gains, and then nothing is. It does not touch itself.
+std::vector<double> throw_and_drop(const world::EngineSetting& engine) {
+  auto b = robot(engine);
+  const auto bodies = static_cast<std::int32_t>(b.model.bodies.size());
+  b.model.no_collision.clear();
+  for (std::int32_t i = 0; i < bodies; ++i)
+    for (std::int32_t k = i + 1; k < bodies; ++k) b.model.no_collision.emplace_back(BodyId{i}, BodyId{k});
+  Lab lab(b.model);
+  const Vector3d force(20.0, 10.0, 300.0);  // N; it weighs 20 kg
+  const Vector3d from = lab.body("trunk").p_WC;
+  const double before = energy_of(lab.model, lab.state);
+  lab.wrenches = {{lab.model.find_body("trunk"), force, Vector3d::Zero()}};
+  lab.run(1.0);
+  lab.wrenches.clear();
+  const double work = force.dot(lab.body("trunk").p_WC - from);
+  const double thrown = energy_of(lab.model, lab.state);
+  double drift = 0.0;
+  watch(lab, 2.0, [&] { drift = std::max(drift, std::abs(energy_of(lab.model, lab.state) - thrown)); });
+  return {std::abs(thrown - before - work) / work, drift / work};
+}
+
 }  // namespace
 
 std::vector<Case> legged_cases() {
   return {
+      {"K11e",
+       "ThrownRobotKeepsItsEnergy",
+       "SimBenchmark's ANYmal, a robot of the same kind; closed form: E grows by F x, then is constant",
+       {{"work", 1e-5}, {"energy", 1e-5}},
+       throw_and_drop},
       {"K11",
        "FourLeggedRobotStands",
        "SimBenchmark's ANYmal, a robot of the same kind; closed form: no motion, m g carried",
