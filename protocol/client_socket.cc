@@ -28,9 +28,9 @@ using std::chrono::steady_clock;
 constexpr milliseconds kFarewell{250};
 constexpr std::size_t kCipheredBytes = 16u << 10;  // about a record of TLS
 constexpr const char* kClosed = "the server closed the connection";
-// What is sent to connect is repeated by the kernel after 1, 3, 7 s: who begins anew each second is there
-// sooner once a wire that was cut is back.
-constexpr std::chrono::seconds kAttempt{1};
+// What is sent to connect is repeated by the kernel after 1, 3, 7, 15 s: who begins anew is there sooner once
+// a wire that was cut is back. From attempt to attempt longer, for answers that take long.
+constexpr std::chrono::seconds kFirstAttempt{1}, kLongestAttempt{4};
 // A receive with more time than this sleeps in recv() itself, in slices of this: one system call instead of
 // two.
 constexpr std::chrono::seconds kSlice{1};
@@ -134,15 +134,16 @@ ClientSocket::ClientSocket(const std::string& host, std::uint16_t port, const Tl
 
 void ClientSocket::connect(const std::string& host, std::uint16_t port, Deadline deadline) {
   const AddressList addresses = resolve(host, port);
-  int error = 0;
-  do {
-    error = connect_to_any(addresses.get(), deadline);
-  } while (error == ETIMEDOUT && steady_clock::now() < deadline);
+  int error = ETIMEDOUT;
+  for (auto attempt = kFirstAttempt; error == ETIMEDOUT; attempt = std::min(2 * attempt, kLongestAttempt)) {
+    error = connect_to_any(addresses.get(), deadline, attempt);
+    if (steady_clock::now() >= deadline) break;
+  }
   if (error != 0) fail_to_connect(place(host, port), error);
   set_options(fd_);
 }
 
-int ClientSocket::connect_to_any(const addrinfo* addresses, Deadline deadline) {
+int ClientSocket::connect_to_any(const addrinfo* addresses, Deadline deadline, std::chrono::seconds attempt) {
   int error = EADDRNOTAVAIL;
   for (const addrinfo* address = addresses; address; address = address->ai_next) {
     const int fd = ::socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
@@ -150,7 +151,7 @@ int ClientSocket::connect_to_any(const addrinfo* addresses, Deadline deadline) {
       error = errno;
       continue;
     }
-    error = connect_within(fd, *address, std::min(deadline, steady_clock::now() + kAttempt));
+    error = connect_within(fd, *address, std::min(deadline, steady_clock::now() + attempt));
     if (error == 0) {
       fd_ = fd;
       return 0;

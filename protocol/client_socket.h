@@ -48,7 +48,8 @@ class ClientSocket {
 
  private:
   void connect(const std::string& host, std::uint16_t port, Deadline deadline);
-  int connect_to_any(const addrinfo* addresses, Deadline deadline);  // once each; 0, or errno
+  int connect_to_any(const addrinfo* addresses, Deadline deadline,
+                     std::chrono::seconds attempt);  // once each; 0, or errno
   void shake_hands(const std::string& host, const TlsFiles& files, Deadline deadline);
   std::size_t send_raw(std::span<const std::byte> bytes);
   bool send_pending();

@@ -167,8 +167,7 @@ void Gateway::follow_eras(const Published& now) {
   era_ = now.era;
   members_.rebase(now.tick);
   for (std::uint32_t part = 0; part < latched_.size(); ++part) {
-    send_late_writes(part);  // as all that was written before, into the new era
-    late_.drop(part);
+    end_late_writes(part);  // what came after what began the era
     latched_[part] = now.parts[part].controller_inputs;
   }
   for (auto& [id, client] : clients_) {
@@ -213,6 +212,7 @@ void Gateway::tell_notices() {
       broadcast({"lease_lost",
                  "'" + leases_.of(notice.part).owner + "' missed the deadline that it asked for", name, era_,
                  notice.tick});
+      late_.drop(notice.part);
       leases_.free(notice.part);
       ++lease_losses_;
     }
@@ -232,8 +232,7 @@ void Gateway::stop_part(std::uint32_t part) {
 }
 
 void Gateway::lose_lease(std::uint32_t part, const std::string& why) {
-  send_late_writes(part);
-  late_.drop(part);
+  end_late_writes(part);
   stop_part(part);
   leases_.free(part);
   ++lease_losses_;
@@ -268,11 +267,14 @@ Input* Gateway::input_or_fail(const Call& call) {
 
 Input* Gateway::blank_input_or_fail(const Call& call) {
   auto* input = mailbox_.blank_input();
-  if (!input) call.fail(ErrorCode::kBusy, "too many inputs wait for the next tick");
+  if (!input) call.fail(ErrorCode::kBusy, kTooManyInputs);
   return input;
 }
 
+// What was written before it counts as written before it.
 void Gateway::send_errand(const Call& call, const protocol::Request& request, std::uint32_t part) {
+  for (std::uint32_t written = 0; written < world_.parts.size(); ++written)
+    if (!late_writes_sent_or_fail(call, written)) return;
   auto errand = std::make_unique<Errand>(Errand{call.session.id(), call.id, part, request, {}, {}});
   call.client.waiting = mailbox_.send(std::move(errand));
   if (!call.client.waiting) call.fail(ErrorCode::kBusy, "too many requests wait for the next tick");

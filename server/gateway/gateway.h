@@ -126,6 +126,7 @@ class Gateway : public protocol::SessionHandler {
   static constexpr std::uint32_t kWorldStream = 0xFFFFFFFF;
   static constexpr int kMaxInputsPerTick = 8;  // of a session, in realtime
   static constexpr std::size_t kMaxBacklog = 64;
+  static constexpr const char* kTooManyInputs = "too many inputs wait for the next tick";
 
   // A request in hand: how to answer it.
   struct Call {
@@ -191,8 +192,10 @@ class Gateway : public protocol::SessionHandler {
   Input* input_or_fail(const Call& call);
   Input* blank_input_or_fail(const Call& call);
   void send_write(std::uint32_t part, std::uint32_t first_port, std::uint32_t end_port, Input* input);
-  void send_late_writes();  // as many as the next tick takes
-  void send_late_writes(std::uint32_t part);
+  void send_late_writes();                    // as many as the next tick takes
+  bool send_late_writes(std::uint32_t part);  // all of them; false where too much waits for the tick already
+  bool late_writes_sent_or_fail(const Call& call, std::uint32_t part);
+  void end_late_writes(std::uint32_t part);         // its lease or its era ends
   static std::uint64_t order_of(const Call& call);  // among inputs that need no lease
   // grade L1 (gates.cc)
   std::string fault_of_gate(const protocol::Gate& gate) const;

@@ -31,12 +31,12 @@ class Leases {
   }
   void free(std::size_t part) { leases_[part] = {0, {}, leases_[part].epoch, 0}; }
 
-  // False for a sequence number that is not newer than the last one; 0 is not counted.
-  bool take_sequence(std::size_t part, std::uint64_t sequence) {
-    if (sequence == 0) return true;
-    if (sequence <= leases_[part].sequence) return false;
-    leases_[part].sequence = sequence;
-    return true;
+  // Newer than the last one that was taken; 0 is not counted.
+  bool is_new(std::size_t part, std::uint64_t sequence) const {
+    return sequence == 0 || sequence > leases_[part].sequence;
+  }
+  void take_sequence(std::size_t part, std::uint64_t sequence) {
+    if (sequence != 0) leases_[part].sequence = sequence;
   }
 
  private:

@@ -90,6 +90,7 @@ void Gateway::handle(const Call& call, const protocol::AcquireLease& request) {
       return call.fail(ErrorCode::kForbidden, "only the role admin takes a lease from '" + lease.owner + "'",
                        lease.owner);
   }
+  if (!others && !late_writes_sent_or_fail(call, *part)) return;
   auto* input = input_or_fail(call);
   if (!input) return;
   if (others) {
@@ -97,8 +98,6 @@ void Gateway::handle(const Call& call, const protocol::AcquireLease& request) {
                  call.session.peer(), request.part, lease.owner);
     lose_lease(*part, "taken by '" + call.session.client_name() + "'");
   }
-  if (leases_.held_by(*part, call.session.id())) send_late_writes(*part);
-  late_.drop(*part);
   const auto epoch = leases_.grant(*part, call.session.id(), call.session.client_name());
   input->kind = Input::Kind::kLeaseGranted;
   input->part = *part;
@@ -110,11 +109,10 @@ void Gateway::handle(const Call& call, const protocol::AcquireLease& request) {
 
 void Gateway::handle(const Call& call, const protocol::ReleaseLease& request) {
   const auto part = part_or_fail(call, request.part);
-  if (!part || !lease_or_fail(call, *part)) return;
+  if (!part || !lease_or_fail(call, *part) || !late_writes_sent_or_fail(call, *part)) return;
   // However much was sent: there are no more releases than grants.
   auto* input = blank_input_or_fail(call);
   if (!input) return;
-  send_late_writes(*part);
   input->kind = Input::Kind::kLeaseReleased;
   input->part = *part;
   input->epoch = leases_.of(*part).epoch;
@@ -148,16 +146,19 @@ void Gateway::handle(const Call& call, const protocol::Write& request) {
   const auto part = part_or_fail(call, request.part);
   if (!part || !lease_or_fail(call, *part)) return;
   if (auto reason = why_not(*part, request)) return call.fail(ErrorCode::kBadValue, *reason);
-  if (!leases_.take_sequence(*part, request.sequence))
+  if (!leases_.is_new(*part, request.sequence))
     return call.fail(ErrorCode::kStale, "sequence " + std::to_string(request.sequence) +
                                             " is not newer than " +
                                             std::to_string(leases_.of(*part).sequence));
-  const auto latch = [&] { std::ranges::copy(request.values, latched_[*part].begin() + request.first_port); };
+  const auto latch = [&] {
+    leases_.take_sequence(*part, request.sequence);
+    std::ranges::copy(request.values, latched_[*part].begin() + request.first_port);
+  };
   if (has_sent_enough(call.client)) {
     late_.add(*part, request.first_port, request.values.size());
     latch();
   } else {
-    send_late_writes(*part);  // in their order
+    if (!late_writes_sent_or_fail(call, *part)) return;  // in their order
     auto* input = input_or_fail(call);
     if (!input) return;
     latch();
@@ -178,23 +179,29 @@ void Gateway::send_write(std::uint32_t part, std::uint32_t first_port, std::uint
 }
 
 void Gateway::send_late_writes() {
-  for (std::uint32_t part = 0; part < world_.parts.size(); ++part) {
-    if (!late_.has(part)) continue;
-    const auto owner = clients_.find(leases_.of(part).session);
-    if (owner == clients_.end())
-      late_.drop(part);
-    else if (!has_sent_enough(owner->second))
-      send_late_writes(part);
-  }
+  for (std::uint32_t part = 0; part < world_.parts.size(); ++part)
+    if (late_.has(part) && !has_sent_enough(clients_.at(leases_.of(part).session))) send_late_writes(part);
 }
 
-void Gateway::send_late_writes(std::uint32_t part) {
+bool Gateway::send_late_writes(std::uint32_t part) {
   while (late_.has(part)) {
     auto* input = mailbox_.blank_input();
-    if (!input) return;
+    if (!input) return false;
     const auto [first_port, end_port] = late_.take_run(part);
     send_write(part, first_port, end_port, input);
   }
+  return true;
+}
+
+bool Gateway::late_writes_sent_or_fail(const Call& call, std::uint32_t part) {
+  if (send_late_writes(part)) return true;
+  call.fail(ErrorCode::kBusy, kTooManyInputs);
+  return false;
+}
+
+void Gateway::end_late_writes(std::uint32_t part) {
+  send_late_writes(part);
+  late_.drop(part);
 }
 
 void Gateway::handle(const Call& call, const protocol::Read& request) {

@@ -26,14 +26,16 @@ TEST(Leases, CountTheirGrants) {
 TEST(Leases, TakeOnlyNewerSequenceNumbers) {
   Leases leases(1);
   leases.grant(0, 7, "a");
-  EXPECT_TRUE(leases.take_sequence(0, 0)) << "0 is not counted";
-  EXPECT_TRUE(leases.take_sequence(0, 5));
-  EXPECT_FALSE(leases.take_sequence(0, 5));
-  EXPECT_FALSE(leases.take_sequence(0, 4));
-  EXPECT_TRUE(leases.take_sequence(0, 0));
-  EXPECT_TRUE(leases.take_sequence(0, 6));
+  EXPECT_TRUE(leases.is_new(0, 0)) << "0 is not counted";
+  EXPECT_TRUE(leases.is_new(0, 5));
+  leases.take_sequence(0, 5);
+  leases.take_sequence(0, 0);
+  EXPECT_FALSE(leases.is_new(0, 5));
+  EXPECT_FALSE(leases.is_new(0, 4));
+  EXPECT_TRUE(leases.is_new(0, 0));
+  EXPECT_TRUE(leases.is_new(0, 6));
   leases.grant(0, 8, "b");
-  EXPECT_TRUE(leases.take_sequence(0, 1)) << "the next owner counts anew";
+  EXPECT_TRUE(leases.is_new(0, 1)) << "the next owner counts anew";
 }
 
 }  // namespace

@@ -167,7 +167,7 @@ TEST(Writes, ManyAtOnceAreAllAcceptedAndTheLastOfEachPortComesIntoForce) {
   }
   for (const auto id : ids) EXPECT_NO_THROW(client.wait(id));
   EXPECT_EQ(refusal_of([&] { client.request(Write{"arm", 0, {0.0}, kMany}); }).code(), ErrorCode::kStale);
-  admin.request(Step{2});
+  admin.request(Step{1});
   const auto inputs = client.request_as<PartSample>(Read{"arm"}).controller_inputs;
   EXPECT_EQ(inputs[0], 1e-4 * kMany);
   EXPECT_EQ(inputs[1], 1e-4);
@@ -184,6 +184,19 @@ TEST(Writes, OfManyAtOnceTheLastHoldsAfterTheRelease) {
   client.request(ReleaseLease{"arm"});
   admin.request(Step{1});
   EXPECT_EQ(admin.request_as<PartSample>(Read{"arm"}).controller_inputs[0], 0.01 * 20);
+}
+
+// As all that is written before a reset: undone by it.
+TEST(Writes, OfManyAtOnceNoneOutlivesAReset) {
+  RunningDaemon daemon(scene::ClockKind::kRealtime);
+  auto admin = daemon.connect("admin", Role::kAdmin), client = daemon.connect("writer");
+  const auto initial = client.request_as<PartSample>(Read{"arm"}).controller_inputs[0];
+  client.request(AcquireLease{"arm", 0, false});
+  admin.request(Pause{});
+  for (int i = 1; i <= 20; ++i) client.request(Write{"arm", 0, {initial + 0.01 * i}, 0});
+  admin.request(Reset{});
+  admin.request(Step{3});
+  EXPECT_EQ(admin.request_as<PartSample>(Read{"arm"}).controller_inputs[0], initial);
 }
 
 // What one controller sent too much of does not come between the next one's commands.

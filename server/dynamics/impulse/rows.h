@@ -93,6 +93,11 @@ class Rows {
     std::array<double, 2> drag{};
   };
 
+  // Of a step, up to a bound: of its first row, and of its tangents, or what rolls.
+  struct Shares {
+    double first = 1.0, tangents = 1.0;
+  };
+
   double sweep(bool forwards);
   double sweep_and_accelerate(int most_sweeps, double enough);
   double settle(double enough);
@@ -120,9 +125,9 @@ class Rows {
   bool factor_rows();
   void solve_factored();
   double find_missing();
-  std::array<double, 3> within_bounds(const RowBlock& block, const std::array<double, 3>& lambda) const;
-  double share_within_bounds(const RowBlock& block, const std::array<double, 3>& step) const;
-  static void stop_at_bound(RowBlock& block, double step, std::array<double, 3>& next);
+  static std::array<double, 3> within_bounds(const RowBlock& block, const std::array<double, 3>& lambda,
+                                             double pressure);
+  Shares shares_within_bounds(const RowBlock& block, const std::array<double, 3>& step) const;
   bool step_active();
 
   // rows_bodies.cc
@@ -142,7 +147,7 @@ class Rows {
   bool by_bodies_ = false;  // which of the two factors holds
   std::vector<double> missing_;
   std::vector<std::array<double, 3>> steps_;  // by block
-  std::vector<double> shares_;                // of those, by block
+  std::vector<Shares> shares_;                // of those, by block
   bool rests_ = false;
   double largest_ = 0.0;  // change that a solution began with since clear()
   std::vector<double> last_lambda_, last_velocities_, direction_lambda_, direction_velocities_;

@@ -7,7 +7,6 @@
 // Where the rows hold free bodies only, through the bodies (body_factor.h), else as it stands.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "server/dynamics/impulse/friction_cone.h"
 #include "server/dynamics/impulse/rows.h"
@@ -20,22 +19,19 @@ constexpr int kMostSteps = 8;                  // from bound to bound
 constexpr std::size_t kMostEntries = 400'000;  // of the factor: beyond, sweeps alone are quicker
 constexpr double kInside = 1.0 - 1e-9;         // share of the friction's radius up to which a contact sticks
 constexpr double kAtBound = 1e-9;              // share of a step, or of a radius, that is as good as none
-constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-// The largest a of 0..1 with low <= x + a dx <= high.
-double share_between(double x, double dx, double low, double high) {
-  if (x + dx > high) return std::max(0.0, (high - x) / dx);
-  if (x + dx < low) return std::max(0.0, (low - x) / dx);
-  return 1.0;
+// The largest a of 0..1 with a dx <= room; all of it where it leads back to the bound from beyond.
+double share_below(double room, double dx) {
+  return dx <= room || dx <= 0.0 ? 1.0 : std::max(0.0, room / dx);
 }
 
 // The largest a of 0..1 with |t + a dt| <= r + a dr.
 double share_within_cone(const Tangential& t, const Tangential& dt, double r, double dr) {
   const double A = dt[0] * dt[0] + dt[1] * dt[1] - dr * dr, B = t[0] * dt[0] + t[1] * dt[1] - r * dr;
-  const double C = t[0] * t[0] + t[1] * t[1] - r * r;
+  const double C = std::min(0.0, t[0] * t[0] + t[1] * t[1] - r * r);
   if (A + 2.0 * B + C <= 0.0 && r + dr >= 0.0) return 1.0;
-  if (C >= -kAtBound * r * r) return B > 0.0 ? 0.0 : 1.0;
-  // C < 0: one root of A a^2 + 2 B a + C on each side of 0, or both on that of A.
+  if (C >= -kAtBound * r * r && B > 0.0) return 0.0;
+  // One root of A a^2 + 2 B a + C on each side of 0, or both on that of A.
   const double root = std::sqrt(std::max(0.0, B * B - A * C));
   return std::min(1.0, B > 0.0 ? -C / (B + root) : (root - B) / A);
 }
@@ -168,47 +164,44 @@ double Rows::find_missing() {
   return largest;
 }
 
-// The nearest impulses that the block's bounds allow.
-std::array<double, 3> Rows::within_bounds(const RowBlock& block, const std::array<double, 3>& lambda) const {
+// The nearest impulses that the block's bounds allow, under the pressure on a twist.
+std::array<double, 3> Rows::within_bounds(const RowBlock& block, const std::array<double, 3>& lambda,
+                                          double pressure) {
   if (block.kind == RowBlock::Kind::kBounded) return {std::clamp(lambda[0], block.low, block.high), 0.0, 0.0};
   const bool is_contact = block.kind == RowBlock::Kind::kContact;
-  const double most = is_contact ? 0.0 : block.torsion * pressure(block);
+  const double most = is_contact ? 0.0 : block.torsion * pressure;
   const double normal = is_contact ? std::max(block.low, lambda[0])
                                    : std::clamp(lambda[0] + block.base[0], -most, most) - block.base[0];
-  const double pressing = is_contact ? std::max(0.0, normal + block.base[0]) : pressure(block);
+  const double pressing = is_contact ? std::max(0.0, normal + block.base[0]) : pressure;
   const double radius = block.friction * pressing;
   const Tangential held = within_disc({lambda[1] + block.base[1], lambda[2] + block.base[2]}, radius);
   return {normal, held[0] - block.base[1], held[1] - block.base[2]};
 }
 
-// Of the block's step, as much as its bounds allow. What slides follows its normal.
-double Rows::share_within_bounds(const RowBlock& block, const std::array<double, 3>& step) const {
-  const bool is_contact = block.kind == RowBlock::Kind::kContact;
-  double share = 1.0;
-  if (is_contact) {
-    share = share_between(block.lambda[0], step[0], block.low, kEndless);
-  } else if (block.kind == RowBlock::Kind::kBounded) {
-    share = share_between(block.lambda[0], step[0], block.low, block.high);
+// Of the block's step, as much as its bounds allow, which move with the pressure. What slides follows its
+// normal.
+Rows::Shares Rows::shares_within_bounds(const RowBlock& block, const std::array<double, 3>& step) const {
+  Shares shares;
+  const double dx = step[0];
+  double pressing = 0.0;  // what the step adds to the pressure
+  if (block.kind == RowBlock::Kind::kTwist) {
+    pressing = steps_[block.contact][0];
+    const double most = block.torsion * pressure(block), spun = block.lambda[0] + block.base[0];
+    if (dx != 0.0)
+      shares.first = std::min(share_below(most - spun, dx - block.torsion * pressing),
+                              share_below(most + spun, -dx - block.torsion * pressing));
   } else {
-    const double most = block.torsion * pressure(block);
-    share = share_between(block.lambda[0] + block.base[0], step[0], -most, most);
+    shares.first = share_below(block.lambda[0] - block.low, -dx);
+    if (block.kind == RowBlock::Kind::kBounded)
+      shares.first = std::min(shares.first, share_below(block.high - block.lambda[0], dx));
+    else
+      pressing = dx;
   }
-  if (block.drags || (step[1] == 0.0 && step[2] == 0.0)) return share;
+  if (block.drags || (step[1] == 0.0 && step[2] == 0.0)) return shares;
   const Tangential held{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
-  return std::min(share, share_within_cone(held, {step[1], step[2]}, block.friction * pressure(block),
-                                           is_contact ? block.friction * step[0] : 0.0));
-}
-
-// A part of `step` has led it to a bound, but for rounding.
-void Rows::stop_at_bound(RowBlock& block, double step, std::array<double, 3>& next) {
-  if (block.kind == RowBlock::Kind::kTwist)
-    block.at_bound = true;
-  else if (next[0] <= block.low + kAtBound * std::abs(step))
-    next[0] = block.low;
-  else if (block.kind == RowBlock::Kind::kBounded)
-    next[0] = block.high;
-  else
-    block.at_bound = true;
+  shares.tangents = share_within_cone(held, {step[1], step[2]}, block.friction * pressure(block),
+                                      block.friction * pressing);
+  return shares;
 }
 
 // Moves by what missing_ holds, as far as the first bound; what meets it stays there. Impulses that hold each
@@ -222,14 +215,23 @@ bool Rows::step_active() {
   }
   shares_.resize(blocks.size());
   double share = 1.0;
-  for (std::size_t k = 0; k < blocks.size(); ++k)
-    share = std::min(share, shares_[k] = share_within_bounds(blocks[k], steps_[k]));
   for (std::size_t k = 0; k < blocks.size(); ++k) {
-    std::array<double, 3> next = blocks[k].lambda;
+    shares_[k] = shares_within_bounds(blocks[k], steps_[k]);
+    share = std::min({share, shares_[k].first, shares_[k].tangents});
+  }
+  const auto stops = [&](double own) { return own < 1.0 && own <= share + kAtBound; };
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    RowBlock& block = blocks[k];
+    std::array<double, 3> next = block.lambda;
     for (std::size_t i = 0; i < 3; ++i) next[i] += share * steps_[k][i];
-    if (share < 1.0 && shares_[k] <= share + kAtBound) stop_at_bound(blocks[k], steps_[k][0], next);
-    const std::array<double, 3> allowed = within_bounds(blocks[k], next);
-    for (std::size_t i = 0; i < 3; ++i) steps_[k][i] = allowed[i] - blocks[k].lambda[i];
+    const bool twists = block.kind == RowBlock::Kind::kTwist;
+    // But for rounding it is there.
+    if (stops(shares_[k].first) && !twists) next[0] = steps_[k][0] < 0.0 ? block.low : block.high;
+    if (stops(shares_[k].tangents)) block.at_bound = true;
+    // A twist's contact comes before it, and its step is what it has made of it by now.
+    const double pressing = twists ? std::max(0.0, pressure(block) + steps_[block.contact][0]) : 0.0;
+    const std::array<double, 3> allowed = within_bounds(block, next, pressing);
+    for (std::size_t i = 0; i < 3; ++i) steps_[k][i] = allowed[i] - block.lambda[i];
   }
   for (std::size_t k = 0; k < blocks.size(); ++k) change(blocks[k], steps_[k]);
   return share == 1.0;

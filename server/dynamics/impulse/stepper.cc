@@ -174,6 +174,7 @@ void Stepper::match_velocities(std::size_t m, double h) {
 }
 
 void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
+  push_by_springs(plant_, state);
   save_velocities();
   meet_touches(plant_);
   for (Touch& touch : plant_.touches) {
@@ -183,7 +184,6 @@ void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, con
   for (int i = 0; i < kMostChanges; ++i) {
     if (i > 0) restore_velocities();
     push(h, wrenches);
-    if (i == 0) push_by_springs(plant_, state);
     factor(h, state);
     for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
       if (!plant_.mechanism_asleep[m]) match_velocities(m, h);

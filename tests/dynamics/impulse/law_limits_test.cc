@@ -66,5 +66,40 @@ TEST(LawLimits, TheLawHoldsWhereverItsLimitsAreReachedAndLeft) {
   EXPECT_GT(changes, 50);
 }
 
+// With a bob on a spring far away, or that alone.
+world::WorldModel with_bob(bool beside_the_arm) {
+  world::WorldModel model = arm();
+  if (!beside_the_arm) {
+    model.bodies.clear();
+    model.joints.clear();
+    model.shapes.clear();
+    model.no_collision.clear();
+  }
+  world::Body bob;
+  bob.name = "bob";
+  bob.mass_kg = 1.0;
+  bob.inertia_C = 1e-2 * Eigen::Matrix3d::Identity();
+  bob.X_WB.p = {5.4, 0.0, 0.0};
+  world::Joint spring;
+  spring.name = "spring";
+  spring.kind = world::JointKind::kSpring;
+  spring.child = {static_cast<std::int32_t>(model.bodies.size())};
+  spring.X_PJ.p = {5.0, 0.0, 0.0};
+  spring.stiffness = 300.0;
+  spring.rest = 0.3;
+  model.bodies.push_back(bob);
+  model.joints.push_back(spring);
+  return model;
+}
+
+TEST(LawLimits, LawsThatChangeSidesTakeNothingFromSprings) {
+  dynamics::testing::Lab alone(with_bob(false)), beside(with_bob(true));
+  for (int tick = 0; tick < 2000; ++tick) {
+    ASSERT_TRUE(alone.step().ok);
+    step(beside);
+    ASSERT_EQ(alone.body("bob").p_WC, beside.body("bob").p_WC) << "tick " << tick;
+  }
+}
+
 }  // namespace
 }  // namespace visum::dynamics::impulse

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace visum::dynamics::impulse {
@@ -165,6 +166,38 @@ TEST(Rows, AGraspIsSolved) {
 // Of impulses that hold each other in balance none is cut off alone: that would leave 0.017 m/s.
 TEST(Rows, WhatIsSolvedAtOnceTakesNoGraspApart) {
   EXPECT_LT(solve_many(0).worst, 5e-4);
+}
+
+// A row on the velocity of a free body of 1 kg.
+RowBlock row_along(const Vector3d& direction, double low) {
+  RowBlock block;
+  block.low = low;
+  block.high = std::numeric_limits<double>::infinity();
+  block.end_count = 1;
+  block.ends[0].J[0] = {0.0, 0.0, 0.0, direction.x(), direction.y(), direction.z()};
+  block.ends[0].MJ[0] = block.ends[0].J[0];
+  return block;
+}
+
+// A stop is left at the very end of a step: what has no bounds, as a spring, stops at none.
+TEST(Rows, OnlyWhatIsLedToItsBoundStopsThere) {
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  constexpr double kSoftness = 1e-6,
+                   kBeyond = 3e-10;  // rows.cc; share of a step beyond which the stop is left
+  const double lean = -0.5, rise = std::sqrt(1.0 - lean * lean);
+  // What the stop and the row that leans on it ask for is -kBeyond of the one and -1 of the other. Alone the
+  // stop asks for 0.5: that is what a sweep gives it.
+  const double u = lean + (1.0 + kSoftness) * kBeyond, leaning = lean * kBeyond + 1.0 + kSoftness;
+  Rows rows;
+  rows.velocities = {0.0, 0.0, 0.0, u, (leaning - lean * u) / rise, 0.3};
+  rows.bodies.push_back({1.0, {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}});
+  rows.blocks = {row_along(Vector3d::UnitX(), 0.0), row_along({lean, rise, 0.0}, -kEndless),
+                 row_along(Vector3d::UnitZ(), -kEndless)};
+  rows.prepare();
+  rows.solve(0, 1e-14, 0.0, false);
+  EXPECT_NEAR(rows.blocks[0].lambda[0], 0.0, 1e-8);
+  EXPECT_NEAR(rows.blocks[1].lambda[0], -1.0, 1e-5);
+  EXPECT_NEAR(rows.blocks[2].lambda[0], -0.3, 1e-5);
 }
 
 }  // namespace

@@ -64,6 +64,12 @@ void Oracle::on_request(protocol::Session& session, std::uint64_t id, const prot
   if (same != open.end() && !are_alike(same->second.front(), request)) return;
   ++counts_.requests;
   open[id].push_back(request);
+  if (std::holds_alternative<protocol::Reset>(request) ||
+      std::holds_alternative<protocol::RestoreSnapshot>(request)) {
+    auto& before = era_requests_[{session.id(), id}];
+    if (before.empty())
+      for (const auto& part : parts_) before.push_back(part.gone + part.under_way.size());
+  }
   judged_.on_request(session, id, request);
 }
 
@@ -71,6 +77,7 @@ void Oracle::on_close(protocol::Session& session, protocol::CloseReason reason) 
   judged_.on_close(session, reason);
   note(session.id());
   asked_.erase(session.id());
+  std::erase_if(era_requests_, [&](const auto& one) { return one.first.first == session.id(); });
   for (const auto& part : parts_) expect(part.owner != session.id(), "who is gone owns nothing");
 }
 
@@ -90,7 +97,10 @@ void Oracle::sends(protocol::Session& session, std::uint64_t reply_to, const pro
     return expect(false, "one answer for each request, number " + std::to_string(reply_to));
   const auto request = std::move(found->second.front());
   found->second.pop_front();
-  if (found->second.empty()) open.erase(found);
+  if (found->second.empty()) {
+    open.erase(found);
+    era_requests_.erase({session.id(), reply_to});
+  }
   if (const auto* error = std::get_if<protocol::Error>(&reply)) {
     ++counts_.refused;
     expect(error->code != protocol::ErrorCode::kInternal, "no internal error: " + error->text);
@@ -155,7 +165,26 @@ void Oracle::took(const recording::TimedInput& input) {
     took_loss(parts_[part_of(loss->part)]);
   } else if (std::holds_alternative<recording::Reset>(input.input) ||
              std::holds_alternative<recording::RestoreSnapshot>(input.input)) {
-    for (auto& part : parts_) part.must_stand_from = -1;  // it may move there
+    took_era();
+  }
+}
+
+// What was accepted before it was asked for was done before it, and is undone by it.
+void Oracle::took_era() {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    auto& part = parts_[i];
+    part.must_stand_from = -1;  // it may move there
+    if (era_requests_.empty()) continue;
+    const auto first =
+        std::ranges::min_element(era_requests_, {}, [&](const auto& one) { return one.second[i]; });
+    for (std::uint64_t k = part.gone; k < first->second[i]; ++k) {
+      const auto& step = part.under_way[k - part.gone];
+      expect(step.kind != Step::Kind::kWrite || step.epoch <= part.lost_there || is_in_force(part, step),
+             "what was accepted before a reset is done before it");
+    }
+    for (const auto& [port, value] : part.to_come)
+      expect(is_in_force(part, port, value), "all of a write is done before a reset");
+    part.to_come.clear();
   }
 }
 
@@ -163,6 +192,7 @@ std::optional<Oracle::Step> Oracle::next_step(PartModel& part) {
   if (part.delivered == 0 || part.under_way.empty()) return {};
   auto step = std::move(part.under_way.front());
   part.under_way.pop_front();
+  ++part.gone;
   --part.delivered;
   if (step.kind == Step::Kind::kGrant) part.newest_there = step.epoch;
   return step;
@@ -246,6 +276,8 @@ void Oracle::settled() {
       expect(step.kind != Step::Kind::kLoss && (step.kind != Step::Kind::kWrite ||
                                                 step.epoch <= part.lost_there || is_in_force(part, step)),
              "what was accepted was done");
+    for (const auto& [port, value] : part.to_come)
+      expect(is_in_force(part, port, value), "all of what was accepted was done");
   }
 }
 

@@ -60,6 +60,7 @@ class Oracle final : public protocol::SessionHandler, public cycle::Witness {
     std::uint64_t owner = 0;  // session; 0: nobody
     std::uint64_t epoch = 0;
     std::deque<Step> under_way;
+    std::uint64_t gone = 0;                    // steps that were taken from there
     std::map<std::uint32_t, double> to_come;   // by port: of writes that came together, what the world lacks
     std::map<std::uint32_t, double> in_force;  // by port: what was written last
     std::size_t delivered = 0;                 // of those
@@ -74,6 +75,7 @@ class Oracle final : public protocol::SessionHandler, public cycle::Witness {
   static std::optional<Step> next_step(PartModel& part);
   void took_write(PartModel& part, const recording::WriteInputs& write);
   void took_loss(PartModel& part);
+  void took_era();
   // The world has this value, by another write maybe.
   static bool is_in_force(const PartModel& part, std::uint32_t port, double value);
   static bool is_in_force(const PartModel& part, const Step& write);
@@ -84,6 +86,10 @@ class Oracle final : public protocol::SessionHandler, public cycle::Witness {
   std::vector<PartModel> parts_;
   std::map<std::uint64_t, std::map<std::uint64_t, std::deque<protocol::Request>>>
       asked_;  // by session, by id
+  // What had to be done before each Reset and RestoreSnapshot that waits for its answer: a number of steps of
+  // each part.
+  std::map<std::pair<std::uint64_t, std::uint64_t>, std::vector<std::uint64_t>>
+      era_requests_;  // by session, id
   std::string broken_;
   std::uint64_t digest_ = 0xcbf29ce484222325u;
   Counts counts_;
