@@ -74,6 +74,7 @@ struct Server::Impl final : SessionOwner, HttpOwner {
 
   void await_signal();
   void on_signal();
+  void notify_handler();
   void signal();
   void begin_shutdown();
 
@@ -214,8 +215,12 @@ void Server::Impl::await_signal() {
 
 void Server::Impl::on_signal() {
   signalled_.store(false);
-  if (stop_asked_.load()) begin_shutdown();
-  if (!notified_.exchange(false)) return;
+  const bool stops = stop_asked_.load();
+  if (notified_.exchange(false)) notify_handler();  // sessions that end are told of it before
+  if (stops) begin_shutdown();
+}
+
+void Server::Impl::notify_handler() {
   try {
     handler_.on_notify();
   } catch (const std::exception& error) {

@@ -115,8 +115,8 @@ void Client::join(std::chrono::milliseconds timeout) {
 }
 
 void Client::leave() {
-  state_->throw_refusals();
   state_->request(protocol::Leave{});
+  state_->throw_refusals();
 }
 
 void Client::advance_ns(std::int64_t period_ns) {

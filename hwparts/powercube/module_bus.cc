@@ -58,6 +58,7 @@ std::optional<Telegram> ModuleBus::obey(const Telegram& telegram, Wire wire) {
 }
 
 void ModuleBus::suffer(const BusFaults& faults, std::uint64_t seed) {
+  if (faults == faults_) return;
   faults_ = faults;
   to_modules_ = sensors::Random(seed, "to the modules");
   from_modules_ = sensors::Random(seed, "from the modules");
@@ -102,6 +103,14 @@ void ModuleBus::load(hwparts::StateReader& from) {
   from.get(connected_);
   for (auto& module : modules_) powercube::load(module.state, from);
   spontaneous_count_ = 0;
+}
+
+void ModuleBus::save_chance(hwparts::StateWriter& to) const {
+  if (faults_.lost > 0.0) to_modules_.save(to);
+}
+
+void ModuleBus::load_chance(hwparts::StateReader& from) {
+  if (faults_.lost > 0.0) to_modules_.load(from);
 }
 
 }  // namespace visum::powercube

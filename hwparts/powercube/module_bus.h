@@ -47,6 +47,9 @@ class ModuleBus {
   // Back to the state after construction, once the drives are restarted.
   void restart();
   void save(hwparts::StateWriter& to) const;
+  // Which of the next telegrams are lost on their way to the modules: while that fault acts.
+  void save_chance(hwparts::StateWriter& to) const;
+  void load_chance(hwparts::StateReader& from);
   void load(hwparts::StateReader& from);
 
  private:

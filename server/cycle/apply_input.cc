@@ -121,18 +121,18 @@ class Applier {
     return {};
   }
   static std::string unknown(std::string_view part) { return "there is no part '" + std::string(part) + "'"; }
+  // What a part demands of its inputs together was judged by what its controller had written, some of which
+  // may be under way still, or lost.
   static std::string why_not(const BoundPart& bound, const recording::WriteInputs& input) {
     const auto& ports = bound.part->description().controller_inputs;
     if (input.first_port > ports.size() || input.values.size() > ports.size() - input.first_port)
       return "'" + std::string(input.part) + "' has " + std::to_string(ports.size()) + " controller inputs";
-    auto wanted = bound.controller_inputs;
     for (std::size_t i = 0; i < input.values.size(); ++i) {
       const auto& port = ports[input.first_port + i];
       if (!(input.values[i] >= port.minimum && input.values[i] <= port.maximum))
         return "'" + port.name + "' takes no " + std::to_string(input.values[i]);
-      wanted[input.first_port + i] = input.values[i];
     }
-    return bound.part->refuse(wanted).value_or("");
+    return {};
   }
 
   Simulation& simulation_;

@@ -25,6 +25,7 @@ void Simulation::write_inputs(std::size_t part, std::size_t first, std::span<con
 
 void Simulation::lose_controller(std::size_t part) {
   parts_[part].part->controller_lost();
+  parts_[part].wire.writes().clear();  // what is under way from it comes too late
   tell(now(), recording::LoseController{name_of(part)});
 }
 
@@ -105,6 +106,7 @@ void Simulation::add_body(const std::string& yaml) {
   for (std::size_t i = state_.bodies.size(); i < fresh.bodies.size(); ++i)
     state_.bodies.push_back(fresh.bodies[i]);
   snapshots_.clear();
+  for (auto& kept : state_.engines) kept.clear();  // it counts bodies and shapes
   rebuild_machinery();
   ++revision_;
   edits_.push_back({true, yaml});
@@ -127,6 +129,7 @@ std::string Simulation::remove_body(const std::string& name) {
   for (auto& sensor : scene_.sensors)
     if (sensor.body > body) --sensor.body.value;
   snapshots_.clear();
+  for (auto& kept : state_.engines) kept.clear();  // it counts bodies and shapes
   rebuild_machinery();
   ++revision_;
   edits_.push_back({false, name});

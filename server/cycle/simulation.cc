@@ -282,8 +282,10 @@ void Simulation::save_rest(std::vector<std::byte>& bytes) const {
   }
   if (faults_.all().empty()) return;  // a world without faults has the hash that it always had
   faults_.save(to);
-  for (const auto& bound : parts_)
+  for (const auto& bound : parts_) {
     if (!bound.wire.ideal()) bound.wire.save(to);
+    if (const auto* modules = bound.part->modules()) modules->save_chance(to);
+  }
 }
 
 void Simulation::load_rest(std::span<const std::byte> bytes) {
@@ -304,8 +306,10 @@ void Simulation::load_rest(std::span<const std::byte> bytes) {
   faults_.clear_all();
   if (!from.at_end()) faults_.load(from);
   hand_out_faults();
-  for (auto& bound : parts_)
+  for (auto& bound : parts_) {
     if (!bound.wire.ideal()) bound.wire.load(from);
+    if (auto* modules = bound.part->modules()) modules->load_chance(from);
+  }
   hwparts::StateReader again(bytes);
   load_parts(parts_, again);  // a fault that came or went may have changed a supply: what was saved counts
 }

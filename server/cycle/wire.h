@@ -23,6 +23,7 @@ class Lane {
   std::size_t first() const { return slots_[head_].first; }
   std::span<const double> front() const;
   void pop();
+  void clear() { head_ = count_ = 0; }
   void pour_into(std::span<double> inputs) const;  // all that is under way, in its order
 
   void save(hwparts::StateWriter& to) const;

@@ -28,10 +28,6 @@ protocol::ActiveFault describe(const hwparts::ActiveFault& active, const std::st
   return fault;
 }
 
-std::int64_t to_ticks(std::int64_t ns, std::int64_t tick_ns) {
-  return ns / tick_ns + (ns % tick_ns != 0 ? 1 : 0);
-}
-
 }  // namespace
 
 // What the part itself cannot know: whether anybody hears its modules.
@@ -64,7 +60,7 @@ void Gateway::handle(const Call& call, const protocol::InjectFault& request) {
   input->part = *part;
   input->epoch = order_of(call);
   input->fault = *fault;
-  input->duration_ticks = to_ticks(request.duration_ns, world_.tick_ns);
+  input->duration_ticks = to_ticks(request.duration_ns);
   mailbox_.send(input);
   call.reply(protocol::Ok{});
 }

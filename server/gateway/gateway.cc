@@ -32,7 +32,8 @@ Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, const cycle
       mailbox_(mailbox),
       pacer_(pacer),
       latest_(std::move(latest)),
-      leases_(world_.parts.size()) {
+      leases_(world_.parts.size()),
+      stops_(world_.parts.size()) {
   for (const auto* part : world_.parts) {
     auto& inputs = latched_.emplace_back();
     for (const auto& port : part->description().controller_inputs) inputs.push_back(port.initial);
@@ -123,9 +124,7 @@ void Gateway::work_off_backlogs() {
 void Gateway::on_close(protocol::Session& session, protocol::CloseReason) {
   now_ = &latest_();
   const auto id = session.id();
-  for (std::uint32_t part = 0; part < world_.parts.size(); ++part)
-    if (leases_.held_by(part, id))
-      lose_lease(part, "'" + session.client_name() + "' is gone without a release");
+  lose_parts_of(id, "'" + session.client_name() + "' is gone without a release");
   leave(id);
   dropped_.erase(id);
   clients_.erase(id);
@@ -219,10 +218,26 @@ void Gateway::tell_notices() {
   }
 }
 
-// The part is told that its controller is gone.
+// Whom it leased, and what its program commanded by a bus, unless somebody else leases that.
+void Gateway::lose_parts_of(std::uint64_t session, const std::string& why) {
+  const auto* member = members_.find(session);
+  for (std::uint32_t part = 0; part < world_.parts.size(); ++part) {
+    if (leases_.held_by(part, session))
+      lose_lease(part, why);
+    else if (member && leases_.of(part).session == 0 &&
+             std::ranges::find(member->parts, part) != member->parts.end())
+      stop_part(part);
+  }
+}
+
+// The part is told that its controller is gone. In lockstep, where the world may stand while clients come and
+// go, it is told once until the world has looked.
 void Gateway::stop_part(std::uint32_t part) {
-  // A loss follows a grant or a Join, so that the inputs kept back cannot run out before there are that many
-  // parts.
+  const Stop stop{now_->tick, errands_sent_, leases_.of(part).epoch};
+  if (world_.clock == scene::ClockKind::kLockstep && stops_[part] == stop) return;
+  stops_[part] = stop;
+  // So a loss follows a grant, or costs one input for each part: those kept back do not run out before there
+  // are that many parts.
   auto* input = mailbox_.blank_input(true);
   if (!input) return;
   input->kind = Input::Kind::kLeaseLost;
@@ -277,6 +292,7 @@ void Gateway::send_errand(const Call& call, const protocol::Request& request, st
     if (!late_writes_sent_or_fail(call, written)) return;
   auto errand = std::make_unique<Errand>(Errand{call.session.id(), call.id, part, request, {}, {}});
   call.client.waiting = mailbox_.send(std::move(errand));
+  ++errands_sent_;
   if (!call.client.waiting) call.fail(ErrorCode::kBusy, "too many requests wait for the next tick");
 }
 

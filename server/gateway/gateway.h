@@ -195,7 +195,8 @@ class Gateway : public protocol::SessionHandler {
   void send_late_writes();                    // as many as the next tick takes
   bool send_late_writes(std::uint32_t part);  // all of them; false where too much waits for the tick already
   bool late_writes_sent_or_fail(const Call& call, std::uint32_t part);
-  void end_late_writes(std::uint32_t part);         // its lease or its era ends
+  void end_late_writes(std::uint32_t part);  // its lease or its era ends
+  std::int64_t to_ticks(std::int64_t ns) const { return ns / world_.tick_ns + (ns % world_.tick_ns != 0); }
   static std::uint64_t order_of(const Call& call);  // among inputs that need no lease
   // grade L1 (gates.cc)
   std::string fault_of_gate(const protocol::Gate& gate) const;
@@ -213,6 +214,7 @@ class Gateway : public protocol::SessionHandler {
   void unsubscribe(const Call& call, std::uint32_t stream);
   std::optional<std::string> why_not(std::uint32_t part, const protocol::Write& request) const;
   void lose_lease(std::uint32_t part, const std::string& why);
+  void lose_parts_of(std::uint64_t session, const std::string& why);
   void send_samples(const Published& now);
   void send_sample(Client& client, Subscription& subscription, const Published& now);
   void answer_advances(const Published& now);
@@ -245,6 +247,14 @@ class Gateway : public protocol::SessionHandler {
   std::map<std::uint64_t, Client> clients_;   // by session
   std::vector<std::vector<double>> latched_;  // by part: controller inputs as last accepted
   LateWrites late_;
+  // When a part was told last that its controller is gone.
+  struct Stop {
+    std::int64_t tick = -1;
+    std::uint64_t errands = 0, epoch = 0;
+    bool operator==(const Stop&) const = default;
+  };
+  std::vector<Stop> stops_;  // by part
+  std::uint64_t errands_sent_ = 0;
   std::vector<protocol::PartBus> buses_;
   BusDoor bus_door_{[](const auto&) {}, [] { return std::uint64_t{0}; },     [](auto&) {}, [](auto, auto) {},
                     [](auto) {},        [](auto) { return std::int64_t{0}; }};

@@ -137,10 +137,10 @@ void Gateway::answer(Member& member, const Published& now) {
   if (now.fault.empty() && (now.tick < member.granted_tick || (member.follows && !member.follows->settled)))
     return;
   auto& client = clients_.at(member.session);
-  if (now.fault.empty())
-    client.session->send(*member.advance, advanced(member, now));
-  else
+  if (!now.fault.empty())
     client.session->send(*member.advance, protocol::Error{ErrorCode::kFrozen, now.fault, {}});
+  else if (*member.advance != 0)
+    client.session->send(*member.advance, advanced(member, now));
   member.advance.reset();
   member.follows.reset();
   client.waiting = false;
@@ -161,18 +161,14 @@ void Gateway::check_timeouts(std::int64_t tick) {
   if (!late) return;
   const auto session = late->session;
   const auto on_timeout = late->on_timeout;
-  const auto parts = late->parts;
   const std::string text = "'" + late->client + "' held the lockstep at tick " + std::to_string(tick) +
                            " for longer than its time-out";
   if (on_timeout == OnTimeout::kEnd) end_advances(tick, text);
+  if (on_timeout == OnTimeout::kFree)
+    dropped_.insert(session);
+  else
+    lose_parts_of(session, text);
   leave(session);
-  if (on_timeout == OnTimeout::kFree) dropped_.insert(session);
-  for (std::uint32_t part = 0; on_timeout != OnTimeout::kFree && part < world_.parts.size(); ++part) {
-    if (leases_.held_by(part, session))
-      lose_lease(part, text);
-    else if (std::ranges::find(parts, part) != parts.end())
-      stop_part(part);
-  }
   broadcast({"lockstep_timeout", text, {}, era_, tick});
 }
 

@@ -26,14 +26,14 @@ Input* Mailbox::blank_input(bool urgent) {
 void Mailbox::send(Input* input) {
   input->arrival = ++arrivals_;
   sent_.push(Item{input, nullptr});
-  arrived_.release();
+  wake();
 }
 
 bool Mailbox::send(std::unique_ptr<Errand> errand) {
   if (errands_out_ == kErrands) return false;
   ++errands_out_;
   sent_.push(Item{nullptr, errand.release()});
-  arrived_.release();
+  wake();
   return true;
 }
 
@@ -64,10 +64,12 @@ void Mailbox::tell(const Notice& notice) {
   notices_.push(notice);
 }
 
+void Mailbox::wake() {
+  if (!woken_.exchange(true)) arrived_.release();
+}
+
 void Mailbox::wait_for(std::chrono::milliseconds at_most) {
-  if (!arrived_.try_acquire_for(at_most)) return;
-  while (arrived_.try_acquire()) {
-  }
+  if (arrived_.try_acquire_for(at_most)) woken_.store(false);
 }
 
 }  // namespace visum::gateway

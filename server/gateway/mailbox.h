@@ -4,6 +4,7 @@
 // and free both ends are one thread.
 #pragma once
 
+#include <atomic>
 #include <boost/lockfree/spsc_queue.hpp>
 #include <chrono>
 #include <cstdint>
@@ -85,7 +86,7 @@ class Mailbox {
   void give_back(std::unique_ptr<Errand> errand);
   void tell(const Notice& notice);                   // dropped where the queue is full
   void wait_for(std::chrono::milliseconds at_most);  // until something was sent
-  void wake() { arrived_.release(); }                // makes wait_for return; any thread
+  void wake();                                       // makes wait_for return; any thread
 
  private:
   template <typename T, std::size_t N>
@@ -97,8 +98,9 @@ class Mailbox {
   Queue<Item, kInputs + kErrands> sent_;
   Queue<Errand*, kErrands> done_;
   Queue<Notice, kInputs> notices_;
-  std::size_t errands_out_ = 0;  // sent and not yet back
-  std::counting_semaphore<> arrived_{0};
+  std::size_t errands_out_ = 0;     // sent and not yet back
+  std::atomic<bool> woken_{false};  // arrived_ has been released, and nobody has come to it since
+  std::binary_semaphore arrived_{0};
 };
 
 }  // namespace visum::gateway

@@ -102,7 +102,7 @@ void Gateway::handle(const Call& call, const protocol::AcquireLease& request) {
   input->kind = Input::Kind::kLeaseGranted;
   input->part = *part;
   input->epoch = epoch;
-  input->deadline_ticks = (request.deadline_ns + world_.tick_ns - 1) / world_.tick_ns;
+  input->deadline_ticks = to_ticks(request.deadline_ns);
   mailbox_.send(input);
   call.reply(protocol::LeaseGrant{request.part, epoch});
 }

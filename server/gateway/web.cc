@@ -30,8 +30,10 @@ WebReply Web::get(const protocol::WebRequest& request) {
   return files_.get(request);
 }
 
+// To those who may read ports.
 WebReply Web::recorded(const protocol::WebRequest& request) const {
   WebReply reply;
+  if (!lets_in(request, reply)) return reply;
   auto rows = playback_->ports_at(request.path);
   if (rows) {
     reply.content_type = "application/octet-stream";
@@ -55,15 +57,18 @@ WebReply Web::health() const {
   return reply;
 }
 
+bool Web::lets_in(const protocol::WebRequest& request, WebReply& refusal) const {
+  if (gateway_.lets_in(request.bearer, request.identity, protocol::Role::kObserver)) return true;
+  refusal.status = 401;
+  refusal.text =
+      "this needs the header Authorization: Bearer TOKEN, or a certificate whose name has a role\n";
+  return false;
+}
+
 // Tells what Status tells, and to the same people.
 WebReply Web::metrics(const protocol::WebRequest& request) const {
   WebReply reply;
-  if (!gateway_.lets_in(request.bearer, request.identity, protocol::Role::kObserver)) {
-    reply.status = 401;
-    reply.text =
-        "this needs the header Authorization: Bearer TOKEN, or a certificate whose name has a role\n";
-    return reply;
-  }
+  if (!lets_in(request, reply)) return reply;
   auto metrics = gateway_.metrics();
   metrics.refused_connections = refused_connections_();
   reply.content_type = "text/plain; version=0.0.4; charset=utf-8";

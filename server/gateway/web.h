@@ -23,6 +23,7 @@ class Web : public protocol::WebPages {
 
  private:
   protocol::WebReply health() const;
+  bool lets_in(const protocol::WebRequest& request, protocol::WebReply& refusal) const;
   protocol::WebReply metrics(const protocol::WebRequest& request) const;
 
   protocol::WebReply recorded(const protocol::WebRequest& request) const;

@@ -152,6 +152,8 @@ TEST(RunLine, SaysWhyItFailed) {
 TEST(RunMany, TheExitCodeIsTheOneThatSaysMost) {
   std::vector<Report> reports{run(1, true), run(2, true), run(3, true)};
   EXPECT_EQ(code_of(reports), cli::kDone);
+  reports[1].code = cli::kInvalid;
+  EXPECT_EQ(code_of(reports), cli::kInvalid) << "the host was too slow: neither passed nor failed";
   reports[2].code = cli::kFailed;
   EXPECT_EQ(code_of(reports), cli::kFailed);
   reports[0].code = cli::kLost;

@@ -47,13 +47,15 @@ TEST(Doors, WithoutATokenFileLoopbackGetsTheRoleItAsksFor) {
 }
 
 TEST(Doors, ShutdownIsForAdminsAndEndsTheDaemonInGoodOrder) {
-  RunningDaemon daemon(scene::ClockKind::kLockstep);
-  auto admin = daemon.connect("admin", Role::kAdmin);
-  auto watcher = daemon.connect("watcher", Role::kObserver);
-  admin.request(Shutdown{});
-  const auto farewell = watcher.next(std::chrono::seconds(5));
-  ASSERT_TRUE(farewell && std::holds_alternative<Event>(*farewell));
-  EXPECT_EQ(std::get<Event>(*farewell).kind, "shutdown");
+  for (const auto clock : {scene::ClockKind::kLockstep, scene::ClockKind::kRealtime}) {
+    RunningDaemon daemon(clock);
+    auto admin = daemon.connect("admin", Role::kAdmin);
+    auto watcher = daemon.connect("watcher", Role::kObserver);
+    admin.request(Shutdown{});
+    const auto farewell = watcher.next(std::chrono::seconds(5));
+    ASSERT_TRUE(farewell && std::holds_alternative<Event>(*farewell));
+    EXPECT_EQ(std::get<Event>(*farewell).kind, "shutdown");
+  }
 }
 
 }  // namespace

@@ -122,6 +122,34 @@ TEST(Lockstep, PartsThatAreCommandedByTheirBusesStopToo) {
             ErrorCode::kUnknownName);
 }
 
+TEST(Lockstep, WhatAnotherLeasesIsHisWhoeverIsLate) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto owner = daemon.connect("owner"), asleep = daemon.connect("asleep");
+  owner.request(AcquireLease{"arm", 0, false});
+  owner.request(Join{});
+  asleep.request(late(OnTimeout::kStop));
+  advance(owner, 10);
+  owner.request(Write{"arm", 0, {0.1}, 0});
+  advance(owner, 10);
+  EXPECT_EQ(owner.request_as<PartSample>(Read{"arm"}).controller_inputs[0], 0.1);
+  EXPECT_NE(sensor(owner, "Part State"), kControllerLost);
+}
+
+TEST(Lockstep, PartsThatAreCommandedByTheirBusesStopWhereTheConnectionEnds) {
+  for (const bool in_good_order : {false, true}) {
+    RunningDaemon daemon(scene::ClockKind::kLockstep);
+    auto waiting = daemon.connect("waiting");
+    waiting.request(Join{});
+    {
+      auto gone = daemon.connect("gone");
+      gone.request(Join{0, 2, OnTimeout::kEnd, {}, {"arm"}});
+      if (in_good_order) gone.request(Leave{});
+    }
+    advance(waiting, 10);
+    EXPECT_EQ(sensor(waiting, "Part State") == kControllerLost, !in_good_order);
+  }
+}
+
 TEST(Lockstep, StepsNeedAJoinAndSaneNumbers) {
   RunningDaemon daemon(scene::ClockKind::kLockstep);
   auto client = daemon.connect("confused");

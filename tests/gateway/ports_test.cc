@@ -128,6 +128,15 @@ TEST(Leases, ADeadlineCountsSimulatedTime) {
   EXPECT_EQ(refusal_of([&] { client.request(Write{"arm", 0, {0.1}, 0}); }).code(), ErrorCode::kNoLease);
 }
 
+TEST(Leases, ADeadlineInTheFarFutureIsNone) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto client = daemon.connect("patient");
+  client.request(AcquireLease{"arm", std::numeric_limits<std::int64_t>::max(), false});
+  client.request(Join{});
+  advance(client, 50);
+  EXPECT_EQ(client.request_as<PartList>(ListParts{}).parts[0].lease_owner, "patient");
+}
+
 TEST(Writes, AreAllOrNothing) {
   RunningDaemon daemon(scene::ClockKind::kLockstep);
   auto client = daemon.connect("writer");

@@ -84,6 +84,45 @@ TEST(Replay, BreaksTheSameThingsByTheSameChance) {
   EXPECT_EQ(result.last_hash, hash);
 }
 
+// Which of its telegrams are lost next, too.
+TEST(Replay, ARestoredWorldGoesOnByTheSameChance) {
+  RecordedWorld world("amtec_arm.yaml");
+  ASSERT_TRUE(world->inject(broken("bus_lost", {{"share", 0.5}})));
+  const auto go_on = [&] {
+    for (int i = 0; i < 30; ++i) {
+      powercube::Telegram there{powercube::Telegram::Kind::kSet, 3, {0x0B, 0x04}};
+      powercube::put_value(there.message, 0.005f * static_cast<float>(i));
+      world->obey(0, there, powercube::Wire::kSerial);
+      world.run(2);
+    }
+    return world->state_hash();
+  };
+  go_on();
+  const auto snapshot = world->take_snapshot();
+  const auto once = go_on();
+  ASSERT_TRUE(world->restore_snapshot(snapshot));
+  EXPECT_EQ(go_on(), once);
+  // A fault elsewhere is none of the bus's business.
+  ASSERT_TRUE(world->restore_snapshot(snapshot));
+  EXPECT_TRUE(world->inject(broken("encoder_stuck", {{"joint", 7}}, 1)));
+  const auto result = replay(world.finish());
+  EXPECT_TRUE(result.equal) << result.difference.what << " at tick " << result.difference.tick;
+}
+
+// What was under way from a controller that is lost does not come after its loss.
+TEST(Replay, NothingComesFromALostController) {
+  RecordedWorld world("amtec_arm.yaml");
+  const auto before = world->parts()[0].controller_inputs;
+  ASSERT_TRUE(world->inject(broken("network_delay", {{"ms", 50}})));
+  world->write_inputs(0, 0, std::vector{0.2});
+  world.run(10);
+  world->lose_controller(0);
+  world.run(100);
+  EXPECT_EQ(world->parts()[0].controller_inputs, before);
+  const auto result = replay(world.finish());
+  EXPECT_TRUE(result.equal) << result.difference.what << " at tick " << result.difference.tick;
+}
+
 TEST(Replay, HoldsWithTheOtherEngineToo) {
   RecordedWorld world("two_link.yaml", "impulse");
   live(world);

@@ -106,8 +106,10 @@ class Client:
         self._ahead_ns = 0
 
     def leave(self) -> None:
-        self.settle_writes()
-        self.connection.request(leave=pb.Leave())
+        try:
+            self.settle_writes()
+        finally:  # also where a write of before was refused, which is told then
+            self.connection.request(leave=pb.Leave())
 
     def advance_ns(self, period_ns: int) -> None:
         """"I am done for this period": waits for the first tick at or after its end and brings all parts' samples

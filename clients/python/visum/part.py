@@ -85,9 +85,11 @@ class Part:
 
     def release(self) -> None:
         """Gives the lease back in good order: the last values go on holding."""
-        self._client.settle_writes()
-        self._client.connection.request(release_lease=pb.ReleaseLease(part=self.name))
-        self.leased = False
+        try:
+            self._client.settle_writes()
+        finally:  # also where a write of before was refused, which is told then
+            self._client.connection.request(release_lease=pb.ReleaseLease(part=self.name))
+            self.leased = False
 
     @contextmanager
     def lease(self, deadline_s: float = 0.0, take: bool = False) -> Iterator[Part]:

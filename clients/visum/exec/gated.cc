@@ -1,4 +1,6 @@
 // Grade L1: the program runs in real time; what it asks over its bus or its session lets the world run.
+#include <sys/wait.h>
+
 #include <chrono>
 
 #include "clients/visum/common/exit_code.h"
@@ -32,7 +34,9 @@ LockstepEnd run_gated(protocol::Connection world, const LockstepPlan& plan) {
   const int status = await_end(program, plan.give_up, world.native_handle(), look);
   look();
   if (member) settle(world);
-  return {status, world.request_as<protocol::ServerStatus>(protocol::Status{})};
+  const auto last = world.request_as<protocol::ServerStatus>(protocol::Status{});
+  if (member && WIFEXITED(status)) leave(world);
+  return {status, last};
 }
 
 }  // namespace visum::exec

@@ -1,6 +1,7 @@
 #include "clients/visum/exec/lockstep.h"
 
 #include <sys/stat.h>
+#include <sys/wait.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -43,7 +44,9 @@ LockstepEnd run_in_lockstep(protocol::Connection connection, const LockstepPlan&
   try {
     const int status = keeper->run();
     keeper->kill_all();
-    return {status, world.status()};
+    const auto last = world.status();
+    if (WIFEXITED(status)) world.leave();
+    return {status, last};
   } catch (...) {
     keeper->kill_all();
     throw;

@@ -16,6 +16,10 @@ protocol::Advanced join(protocol::Connection& connection, const protocol::Join& 
   throw cli::ExitError(cli::kUsage, error.what());
 }
 
+void leave(protocol::Connection& connection) {
+  connection.request(protocol::Leave{});
+}
+
 std::optional<std::string> why_thrown_out(protocol::Connection& connection) {
   std::optional<std::string> why;
   while (const auto message = connection.next(std::chrono::milliseconds(0))) {

@@ -78,6 +78,10 @@ void WorldLink::note(const std::string& text) {
   if (!free_since_) connection_.request(protocol::Note{text});
 }
 
+void WorldLink::leave() {
+  if (!free_since_) exec::leave(connection_);
+}
+
 protocol::ServerStatus WorldLink::status() {
   return connection_.request_as<protocol::ServerStatus>(protocol::Status{});
 }

@@ -35,6 +35,7 @@ class WorldLink {
   // are to end then; where the program goes on by itself, its time is the wall clock's from now on.
   void look();
   protocol::ServerStatus status();
+  void leave();  // in good order
 
  private:
   using Clock = std::chrono::steady_clock;

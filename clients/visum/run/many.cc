@@ -125,9 +125,13 @@ std::vector<Report> run_many(const ManyOptions& options) {
 }
 
 cli::ExitCode code_of(const std::vector<Report>& reports) {
+  const auto any = [&](cli::ExitCode code) {
+    return std::ranges::any_of(reports, [&](const Report& report) { return report.code == code; });
+  };
   for (const auto code : {cli::kInterrupted, cli::kBadConfig, cli::kUsage, cli::kTimedOut, cli::kLost})
-    if (std::ranges::any_of(reports, [&](const Report& report) { return report.code == code; })) return code;
-  return std::ranges::all_of(reports, &Report::passed) ? cli::kDone : cli::kFailed;
+    if (any(code)) return code;
+  if (std::ranges::all_of(reports, &Report::passed)) return cli::kDone;
+  return any(cli::kInvalid) && !any(cli::kFailed) ? cli::kInvalid : cli::kFailed;
 }
 
 }  // namespace visum::run

@@ -180,6 +180,7 @@ void reset_impulses(Plant& plant) {
     axis.damped = {};
     axis.stopped = {};
   }
+  for (Touch& touch : plant.touches) touch.impulse[kHit] = touch.twist[kHit] = Vector3d::Zero();
 }
 
 bool change_laws(Plant& plant, Moment moment, double h, bool as_rows) {

@@ -117,7 +117,8 @@ void Bounded::aim_touch(RowBlock& block, const Touch& touch) const {
   switch (moment_) {
     case kHit:
       for (std::size_t i = 0; i < 3; ++i) block.target[i] = -foreign[static_cast<int>(i)];
-      block.target[0] += touch.bounce;
+      // Poisson's law first brings them to rest.
+      if (plant_.setting.impact != "poisson") block.target[0] += touch.bounce;
       return;
     case kAhead: {
       for (std::size_t i = 0; i < 3; ++i)
@@ -251,7 +252,7 @@ void Bounded::restore_by_poisson() {
     if (owners_[k].of != Of::kTouch) continue;
     RowBlock& block = rows_.blocks[k];
     const Touch& touch = plant_.touches[owners_[k].index];
-    block.low = (1.0 + touch.restitution) * block.lambda[0];
+    block.low = (1.0 + touch.returned) * block.lambda[0];
   }
   solve_rows();
 }

@@ -17,8 +17,8 @@ constexpr std::array kYoshida{kY1, kY2, kY3, kY0, kY3, kY2, kY1};
 
 bool may_go_back(const Plant& plant) {
   if (!plant.touches.empty()) return false;
-  for (const Mechanism& mechanism : plant.mechanisms)
-    if (mechanism.is_nearly_singular()) return false;
+  for (std::size_t m = 0; m < plant.mechanisms.size(); ++m)
+    if (!plant.mechanism_asleep[m] && plant.mechanisms[m].is_nearly_singular()) return false;
   const bool free_axes = std::none_of(plant.axes.begin(), plant.axes.end(), [](const Axis& axis) {
     return axis.acts || axis.damping > 0.0 || axis.model->limited;
   });

@@ -79,6 +79,9 @@ Mechanism::Mechanism(const world::WorldModel& model, const Bodies& bodies, std::
   foreseen_axis_.resize(nodes.size());
   unpushed_v_.resize(nodes.size());
   unpushed_w_.resize(nodes.size());
+  of_bodies_alone_ = std::ranges::all_of(loops_, is_of_bodies_alone);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    of_bodies_alone_ = of_bodies_alone_ && (nodes[i].joint < 0 || is_of_bodies_alone(specs_[i]));
   tree_.assign(std::move(nodes));
   find_loop_neighbours();
 }
@@ -110,7 +113,7 @@ void Mechanism::remember(const Bodies& bodies) {
 
 bool Mechanism::place(const Bodies& bodies, const world::WorldState& state) {
   const bool stands = is_placed(bodies);
-  if (stands && are_same(axes, placed_axes_)) return false;
+  if (stands && of_bodies_alone_ && are_same(axes, placed_axes_)) return false;
   for (std::size_t i = 0; i < size(); ++i) {
     if (carrying(i) == nullptr || (stands && is_of_bodies_alone(specs_[i]))) continue;
     poses_[i] = pose_now(specs_[i], bodies, state.joints[specs_[i].id.index()].position);

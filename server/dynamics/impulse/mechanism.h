@@ -130,6 +130,7 @@ class Mechanism {
   std::vector<Vector3d> unpushed_v_, unpushed_w_;
 
   // What poses and factors were made of.
+  bool of_bodies_alone_ = true;  // all its joints' poses
   bool placed_ = false, factored_ = false;
   std::vector<Vector3d> placed_x_;
   std::vector<Eigen::Vector4d> placed_q_;

@@ -48,6 +48,7 @@ struct Touch {
   Vector3d foreign;       // velocity of A against B as far as it is not ours
   Vector3d foreign_turn;  // likewise the angular velocity
   double bounce = 0.0;    // velocity along the normal after a hit
+  double returned = 0.0;  // share of the impulse that stops them, by Poisson's law
   Vector3d bias;          // relative acceleration in free flight, over the step
   Vector3d turn;          // angular velocity with which the contact turns
   bool yields = false;    // one of the two moves by another engine

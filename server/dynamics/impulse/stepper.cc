@@ -37,6 +37,7 @@ Stepper::Stepper(Plant& plant)
       d_max_(plant.setting.d_max > 0.0 ? plant.setting.d_max : default_d_max(plant.setting, false)),
       loop_d_max_(plant.setting.d_max > 0.0 ? plant.setting.d_max : default_d_max(plant.setting, true)),
       most_passes_(kMostPasses),
+      saved_rates_(plant.axes.size()),
       saved_v_(plant.bodies.size()),
       saved_w_(plant.bodies.size()) {
   if (plant.setting.solver != "iterate") return;
@@ -90,11 +91,13 @@ bool Stepper::push_known(std::size_t m, Moment moment, double h) {
 }
 
 void Stepper::save_velocities() {
+  for (std::size_t i = 0; i < plant_.axes.size(); ++i) saved_rates_[i] = plant_.axes[i].rate;
   saved_v_ = plant_.bodies.v;
   saved_w_ = plant_.bodies.w;
 }
 
 void Stepper::restore_velocities() {
+  for (std::size_t i = 0; i < plant_.axes.size(); ++i) plant_.axes[i].rate = saved_rates_[i];
   plant_.bodies.v = saved_v_;
   plant_.bodies.w = saved_w_;
 }

@@ -58,6 +58,7 @@ class Stepper {
   double d_max_, loop_d_max_;           // of mechanisms without and with loops
   int most_passes_;
   const JointSpec* broken_ = nullptr;
+  std::vector<double> saved_rates_;
   std::vector<Vector3d> saved_v_, saved_w_;
 };
 

@@ -55,9 +55,11 @@ bool find_hits(Plant& plant, double h) {
     if (touch.asleep) continue;
     const double speed = -normal_speed(plant, touch);
     touch.bounce = 0.0;
+    touch.returned = touch.restitution;
     if (touch.restitution == 0.0 || speed <= slow) continue;
     touch.bounce =
         speed_after_hit(speed, touch.restitution, touch.depth, -touch.frame.col(0).dot(touch.bias));
+    touch.returned = touch.bounce / speed;
     any = true;
   }
   for (Axis& axis : plant.axes) {

@@ -40,6 +40,11 @@ export class Link {
     });
   }
 
+  // For what is fetched beside the session, from the same server.
+  get headers(): Record<string, string> {
+    return this.token === "" ? {} : { Authorization: `Bearer ${this.token}` };
+  }
+
   useToken(token: string): void {
     this.token = token;
     this.open();

@@ -63,7 +63,7 @@ export class Recording {
     const to = this.position.value;
     for (const [number, part] of this.parts.list.value.entries()) {
       if (!part.isPlotted) continue;
-      const answer = await fetch(`/recording/ports/${number}/${to}/${kPlottedTicks}`).catch(() => null);
+      const answer = await fetch(`/recording/ports/${number}/${to}/${kPlottedTicks}`, { headers: this.link.headers }).catch(() => null);
       if (answer?.ok && this.position.value === to) part.refill(new Float64Array(await answer.arrayBuffer()));
     }
   }
