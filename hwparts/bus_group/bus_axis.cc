@@ -33,6 +33,7 @@ bool changes_state(std::uint8_t command) {
 
 BusAxis::BusAxis(const drive::DriveData& data, const Found& found)
     : data_(data), serial_number_(found.serial_number), settings_(limit_settings(data)) {
+  if (found.watchdog) settings_.push_back(*found.watchdog);
   reading_.position = found.position;
   reading_.state = found.state;
 }

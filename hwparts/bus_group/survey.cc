@@ -79,7 +79,7 @@ class Visit {
       complain("has the serial number " + std::to_string(found.serial_number) + ", not " +
                std::to_string(*expected_.serial_number));
     if (!failed_) set_limits();
-    if (!failed_ && watchdog_) enable_watchdog();
+    if (!failed_ && watchdog_) found.watchdog = enable_watchdog();
     found.state = value<std::uint32_t>(kState, "state");
     if (found.state & drive::state_bit::kMotion) complain("is moving");
     found.position = static_cast<double>(value<float>(kPosition, "position"));
@@ -113,13 +113,14 @@ class Visit {
     }
   }
 
-  void enable_watchdog() {
+  Message enable_watchdog() {
     const auto config = value<std::uint32_t>(kConfig, "configuration");
     Message message{command::kSetParameter, kConfig};
     powercube::put_value(message, config | powercube::config_bit::kWatchdogEnable);
     const auto answer = asker_.ask_and_wait(module_, message);
     if (!answer || answer->size < 3 || answer->data[2] != powercube::kDone)
       complain("does not take a watchdog");
+    return message;
   }
 
   void complain(const std::string& what) {

@@ -24,6 +24,8 @@ struct Found {
   std::uint32_t serial_number = 0;
   std::uint32_t state = 0;
   double position = 0.0;  // [u]
+  // What armed it, if wanted: to be sent again to one that was without supply.
+  std::optional<powercube::Message> watchdog;
 };
 
 // Finds the modules, gives them their limits (soft limits, speed, acceleration, current), arms the watchdog

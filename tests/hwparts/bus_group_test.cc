@@ -194,6 +194,24 @@ TEST(BusGroup, LimitsAreSentAgainToAModuleThatWasAway) {
   }
 }
 
+TEST(BusGroup, TheWatchdogIsArmedAgainInAModuleThatWasAway) {
+  RealBench arm(Wire::kSerial, "", "", {true, true});
+  arm.line.silent = {4};
+  arm.run(1.0);
+  arm.line.silent = {};
+  arm.run(1.0);
+  arm.line.sent.clear();
+  Ends{arm}.reset();
+  arm.run(0.2);
+  constexpr std::uint8_t kConfig = 0x39;
+  const auto armed = std::ranges::find_if(arm.line.sent, [](const powercube::Telegram& telegram) {
+    return telegram.module == 4 && telegram.message.command() == command::kSetParameter &&
+           telegram.message.data[1] == kConfig;
+  });
+  ASSERT_NE(armed, arm.line.sent.end());
+  EXPECT_TRUE(powercube::value_at<std::uint32_t>(armed->message, 2) & powercube::config_bit::kWatchdogEnable);
+}
+
 TEST(BusGroup, ServesTheWatchdogAndWithoutItTheModulesStop) {
   hwparts::RealOptions options{true, true};
   RealBench arm(Wire::kSerial, "", "", options);

@@ -16,8 +16,10 @@ protocol::Advanced join(protocol::Connection& connection, const protocol::Join& 
   throw cli::ExitError(cli::kUsage, error.what());
 }
 
-void leave(protocol::Connection& connection) {
+void leave(protocol::Connection& connection) try {
   connection.request(protocol::Leave{});
+} catch (const protocol::RequestError& error) {
+  if (error.code() != protocol::ErrorCode::kWrongState) throw;  // thrown out in the last moment
 }
 
 std::optional<std::string> why_thrown_out(protocol::Connection& connection) {
