@@ -218,7 +218,7 @@ void Gateway::tell_notices() {
   }
 }
 
-// Whom it leased, and what its program commanded by a bus, unless somebody else leases that.
+// What it leased, and what its program commanded by a bus, unless somebody else leases that.
 void Gateway::lose_parts_of(std::uint64_t session, const std::string& why) {
   const auto* member = members_.find(session);
   for (std::uint32_t part = 0; part < world_.parts.size(); ++part) {
