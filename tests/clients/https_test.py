@@ -182,6 +182,8 @@ class Https(WithCertificates):
             self.assertEqual(viewer.ready["page"], f"https://localhost:{viewer.ready['http']}/")
             self.assertEqual(self.get(viewer, "/healthz", "boss"), (200, b"ok\n"))
             self.assertEqual(self.get(viewer, "/metrics", "server")[0], 401, "it has no role")
+            self.assertEqual(self.get(viewer, "/recording/ports/0/5/5", "server")[0], 401, "nor may it read ports")
+            self.assertEqual(self.get(viewer, "/recording/ports/0/5/5", "boss")[0], 200)
             boss = self.session(viewer, "boss")
             self.assertEqual(boss.hello(ADMIN).welcome.role, ADMIN)
             parameters = boss.ask(2, get_parameters=pb.GetParameters(part="recording")).parameters.parameters
