@@ -3,6 +3,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include <array>
 #include <cstring>
 
 #include "server/world/world_state.h"
@@ -20,11 +21,6 @@ class Appender {
     bytes_.insert(bytes_.end(), span.begin(), span.end());
   }
   void put(std::uint64_t value) { put(&value, 1); }
-  void put(double value) { put(&value, 1); }
-  template <typename Derived>
-  void put(const Eigen::PlainObjectBase<Derived>& vector) {
-    put(vector.data(), static_cast<std::size_t>(vector.size()));
-  }
 
  private:
   std::vector<std::byte>& bytes_;
@@ -73,16 +69,15 @@ class Taker {
 };
 
 void put_body(Appender& to, const BodyState& body) {
-  to.put(body.p_WC);
-  to.put(body.q_WB.coeffs());
-  to.put(body.v_WC);
-  to.put(body.w_WB);
+  std::array<double, 13> numbers;
+  Eigen::Map<Eigen::Matrix<double, 13, 1>>(numbers.data()) << body.p_WC, body.q_WB.coeffs(), body.v_WC,
+      body.w_WB;
+  to.put(numbers.data(), numbers.size());
 }
 
 void put_joint(Appender& to, const JointState& joint) {
-  to.put(joint.position);
-  to.put(joint.velocity);
-  to.put(joint.effort);
+  const std::array<double, 3> numbers{joint.position, joint.velocity, joint.effort};
+  to.put(numbers.data(), numbers.size());
 }
 
 }  // namespace

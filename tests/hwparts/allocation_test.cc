@@ -9,9 +9,7 @@ namespace {
 
 TEST(AmtecArm, TicksSavesAndLoadsWithoutAllocating) {
   PartBench bench("amtec_arm", arm_context());
-  std::vector<std::byte> bytes;
-  hwparts::StateWriter writer(bytes);
-  bench.part->save(writer);
+  auto bytes = bench.save();
   bench.set_angles(2.5);  // on the way: ramps, a soft limit, a fault, a halt
   const std::size_t reset = 18, halt = 20;
   ASSERT_EQ(bench.part->description().controller_inputs[halt].name, "Halt");
@@ -23,7 +21,10 @@ TEST(AmtecArm, TicksSavesAndLoadsWithoutAllocating) {
     if (k == 11'000) bench.part->controller_lost();
     bench.tick();
     bytes.clear();
-    bench.part->save(writer);
+    {
+      hwparts::StateWriter writer(bytes);
+      bench.part->save(writer);
+    }
     hwparts::StateReader reader(bytes);
     bench.part->load(reader);
   }

@@ -73,8 +73,10 @@ TEST(FaultSet, ReadsBackWhatItSaved) {
   FaultSet set, other;
   set.inject(stuck(3, 2, 77));
   std::vector<std::byte> bytes;
-  StateWriter to(bytes);
-  set.save(to);
+  {
+    StateWriter to(bytes);
+    set.save(to);
+  }
   StateReader from(bytes);
   other.load(from);
   ASSERT_EQ(other.all().size(), 1u);

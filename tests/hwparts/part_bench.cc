@@ -64,8 +64,10 @@ void PartBench::set_angles(double value) {
 
 std::vector<std::byte> PartBench::save() const {
   std::vector<std::byte> bytes;
-  hwparts::StateWriter writer(bytes);
-  part->save(writer);
+  {
+    hwparts::StateWriter writer(bytes);
+    part->save(writer);
+  }
   return bytes;
 }
 

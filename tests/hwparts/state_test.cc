@@ -102,8 +102,10 @@ TEST(DriveState, PoisonDoesNotOutliveALoad) {
     rig.plants[0].gravity = 60.0;
     rig.run(1.0);
     std::vector<std::byte> saved;
-    hwparts::StateWriter writer(saved);
-    drive::save(rig.state(), writer);
+    {
+      hwparts::StateWriter writer(saved);
+      drive::save(rig.state(), writer);
+    }
 
     Rig other(arm_drive(2));
     other.command = rig.command;

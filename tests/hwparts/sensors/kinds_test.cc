@@ -39,8 +39,10 @@ class EverySensor : public testing::TestWithParam<Entry> {
   }
   static std::vector<std::byte> saved(const Bench& bench) {
     std::vector<std::byte> bytes;
-    hwparts::StateWriter writer(bytes);
-    bench.sensor->save(writer);
+    {
+      hwparts::StateWriter writer(bytes);
+      bench.sensor->save(writer);
+    }
     return bytes;
   }
 };

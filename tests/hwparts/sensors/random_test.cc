@@ -56,8 +56,10 @@ TEST(SensorRandom, GoesOnWhereItWasSaved) {
   Random random(3, "a");
   random.normal();
   std::vector<std::byte> bytes;
-  hwparts::StateWriter writer(bytes);
-  random.save(writer);
+  {
+    hwparts::StateWriter writer(bytes);
+    random.save(writer);
+  }
   const double next = random.normal();
   Random other(9, "b");
   hwparts::StateReader reader(bytes);
