@@ -25,6 +25,7 @@
 #include "server/recording/export_csv.h"
 #include "server/recording/flight_recorder.h"
 #include "server/recording/log_sink.h"
+#include "server/recording/new_file.h"
 #include "server/recording/recorder.h"
 #include "server/recording/replay.h"
 #include "server/scene/scene.h"
@@ -94,19 +95,20 @@ recording::Rewound make_world(const Options& options) {
   return {std::move(world), {std::move(noted.files), options.of_scene.engine, options.of_scene.parameters}};
 }
 
-// What is written down of the world while it runs: all of it, or its last ticks if it freezes, or nothing.
-struct Logbook {
-  Logbook(cycle::Simulation& simulation, recording::Origin origin, const Options& options) {
-    if (!options.record.empty()) {
-      recorder.emplace(simulation, origin, options.record);
-      sink.emplace(*recorder);
-    } else if (options.dump != "off") {
-      flight.emplace(simulation, std::move(origin), options.dump);
-    }
+// All that happens in the world, while it lives. The daemon comes before it: who cannot have the port must
+// not empty a file.
+class Logbook {
+ public:
+  Logbook(cycle::Simulation& simulation, const recording::Origin& origin, const std::string& file,
+          recording::LogSink& log)
+      : recorder_(simulation, origin, file), log_(log) {
+    log_.follow(&recorder_);
   }
-  std::optional<recording::Recorder> recorder;
-  std::optional<recording::LogSink> sink;
-  std::optional<recording::FlightRecorder> flight;
+  ~Logbook() { log_.follow(nullptr); }
+
+ private:
+  recording::Recorder recorder_;
+  recording::LogSink& log_;
 };
 
 int run(Options options) {
@@ -114,13 +116,19 @@ int run(Options options) {
   options.of_daemon.node_watch = &watch;
   auto [world, origin] = make_world(options);
   auto& simulation = *world;
-  const Logbook logbook(simulation, std::move(origin), options);
-  if (logbook.flight) options.of_daemon.flight = &*logbook.flight;
+  std::optional<recording::LogSink> log;
+  std::optional<recording::FlightRecorder> flight;
+  if (!options.record.empty())
+    log.emplace();
+  else if (options.dump != "off")
+    options.of_daemon.flight = &flight.emplace(simulation, origin, options.dump);
   for (const auto& bus : options.buses)
     options.of_daemon.buses.push_back(gateway::parse_bus(bus, simulation.scene()));
   options.of_daemon.http = options.http.settled(options.of_daemon);
   options.of_daemon.paced = options.speedup > 0.0;
   gateway::Daemon daemon(simulation, options.of_daemon);
+  std::optional<Logbook> logbook;
+  if (log) logbook.emplace(simulation, origin, options.record, *log);
   const int signal = gateway::run_until_signal(daemon, simulation, options.of_daemon, options.talk.json);
   if (simulation.frozen())
     spdlog::error("the world froze at tick {}: {}", simulation.tick_count(), simulation.fault());
@@ -262,9 +270,9 @@ int replay(int argc, char** argv) {
       "  visum replay run.mcap\n"
       "  visum replay run.mcap --view      and open the address that it prints\n"
       "  visum replay run.mcap --view --listen 0.0.0.0 --token-file tokens     for others, too\n"
-      "Exit codes: 0 the same bits in every tick, 1 the same as far as the file can be read, 2 no recording, "
-      "3 "
-      "the\nscene in it is wrong, 5 the first tick that differs is shown.");
+      "Exit codes: 0 the same bits in every tick, 1 the same as far as the file can be read, 2 bad usage, 3 "
+      "no "
+      "recording\nor the scene in it is wrong, 5 the first tick that differs is shown.");
   return gateway::run_command(app, argc, argv, "visumd", talk, [&] {
     const gateway::NodeWatch watch(plugins.node_timeout());
     if (view) {
@@ -277,12 +285,17 @@ int replay(int argc, char** argv) {
 }
 
 int export_ports(const std::string& file, const recording::CsvOptions& options, const std::string& to) {
+  std::error_code not_there;
+  if (std::filesystem::equivalent(file, to, not_there))
+    throw std::runtime_error(to + " is the recording itself");
+  const recording::NewFile made(to);
   std::ofstream out_file;
-  if (!to.empty()) out_file.open(to, std::ios::binary | std::ios::trunc);
+  if (!to.empty()) out_file.open(made.path(), std::ios::binary | std::ios::trunc);
   std::ostream& out = to.empty() ? std::cout : out_file;
   if (!out) throw std::runtime_error(to + ": cannot be written");
   const auto result = recording::export_csv(file, options, out);
   if (!out.flush()) throw std::runtime_error((to.empty() ? "standard output" : to) + ": cannot be written");
+  made.keep();
   if (result.damage.empty()) return gateway::kPassed;
   spdlog::error("{}: {} rows, then it is damaged: {}", file, result.rows, result.damage);
   return gateway::kFailed;
@@ -302,7 +315,8 @@ int export_csv(int argc, char** argv) {
   app.footer(
       "Example:\n"
       "  visum export run.mcap -o run.csv --ports \"arm/Actual Angle\" --every 10\n"
-      "Exit codes: 0 done, 1 the recording is damaged and what can be read of it is written, 2 bad usage.");
+      "Exit codes: 0 done, 1 the recording is damaged and what can be read of it is written, 2 bad usage,\n"
+      "3 no recording.");
   return gateway::run_command(app, argc, argv, "visumd", talk,
                               [&] { return export_ports(file, options, to); });
 }

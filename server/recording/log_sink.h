@@ -1,4 +1,4 @@
-// A sink of the log that puts every line into a recording too, for as long as it lives.
+// A sink of the log that puts every line into a recording, too, once there is one.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,10 @@ namespace visum::recording {
 class LogSink {
  public:
   // Before other threads log, and gone after they have ended.
-  explicit LogSink(Recorder& recorder);
+  LogSink();
   ~LogSink();
+  // Any thread. From now on into this one; null: into none any more.
+  void follow(Recorder* recorder);
 
  private:
   struct Sink;

@@ -2,6 +2,8 @@
 
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -21,10 +23,17 @@ constexpr milliseconds kRoom{1};     // how often the tick's thread looks for ro
 constexpr std::chrono::seconds kPatience{10};
 
 int make_file(const std::filesystem::path& file) {
-  const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (fd < 0)
-    throw std::runtime_error("the recording '" + file.string() +
-                             "' cannot be written: " + std::strerror(errno));
+  const auto fail = [&](int fd, const char* why) {
+    if (fd >= 0) ::close(fd);
+    throw std::runtime_error("the recording '" + file.string() + "' cannot be written: " + why);
+  };
+  const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
+  if (fd < 0) fail(fd, std::strerror(errno));
+  struct stat what {};
+  if (::fstat(fd, &what) != 0 || !S_ISREG(what.st_mode)) return fd;
+  // Not every file system has locks; where there are none, nobody is known to write.
+  if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) fail(fd, "another program is writing it");
+  if (::ftruncate(fd, 0) != 0) fail(fd, std::strerror(errno));
   return fd;
 }
 

@@ -6,6 +6,7 @@ import random
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 import textwrap
 import unittest
@@ -151,6 +152,32 @@ class Worlds(Scenario):
         replayed = json.loads(visum("replay", properties["recording"], "--json").stdout)
         self.assertEqual(replayed["state_hash"], result["state_hash"])
 
+    def test_a_recording_in_case_takes_no_other_ones_place(self):
+        report = self.folder / "report.xml"
+        passes = "until: {at_s: 0.02}\nchecks: [{that: {tilt: {body: box}, below: 1}}]\n"
+        fails = passes.replace("below", "above")
+        mine = self.folder / "scenario.mcap"
+        mine.write_text("mine")
+        self.run_it(passes, "--junit", report)
+        for number in (2, 3):
+            self.run_it(fails, "--junit", report, expect=1)
+            self.assertIn(f"scenario_{number}.mcap", report.read_text())
+        self.assertEqual(self.recordings(), ["scenario.mcap", "scenario_2.mcap", "scenario_3.mcap"])
+        self.assertEqual(mine.read_text(), "mine")
+        self.assertEqual([file.name for file in self.folder.iterdir() if file.name.startswith(".")], [])
+        self.assertTrue(json.loads(visum("replay", self.folder / "scenario_3.mcap", "--json").stdout)["equal"])
+
+    def test_one_that_cannot_be_made_costs_no_run(self):
+        passes = "until: {at_s: 0.02}\nchecks: [{that: {tilt: {body: box}, below: 1}}]\n"
+        (self.folder / "file").write_text("")
+        _, done = self.run_it(passes, "--recordings", self.folder / "file")
+        self.assertIn("if this run fails, it leaves no recording: ", done.stderr)
+        wrong = self.write(passes)
+        wrong.write_text(wrong.read_text().replace("world.yaml", "nowhere.yaml"))
+        report = self.folder / "report.xml"
+        visum("run", wrong, "--junit", report, expect=3)
+        self.assertNotIn("mcap", report.read_text(), "nothing was recorded")
+
     def test_under_ci_a_run_that_fails_leaves_a_recording(self):
         fails = "until: {at_s: 0.02}\nchecks: [{that: {tilt: {body: box}, above: 1}}]\n"
         for word, left in (("false", []), ("true", ["scenario.mcap"])):
@@ -187,6 +214,8 @@ class WrongFiles(Scenario):
                    "checks[0].that.port", "there is no port of part 'arm' called 'Part Stat' (did you mean 'Part State'?)")
         self.error("until: {at_s: 1}\ntimeline: [{at_s: 0, set: {part: arm, port: Halt, value: -5}}]\n", 5, "timeline[0]",
                    "port 'Halt' takes")
+        self.error("until: {at_s: 1}\ntimeline: [{at_s: 0.5, parameter: {part: arm, name: Supply Voltage, value: low}}]\n", 5,
+                   "timeline[0]", "parameter 'Supply Voltage' takes 0 .. 60, not 'low'")
 
     def test_a_scene_that_is_wrong_is_3_with_its_own_line(self):
         (self.folder / "scene.yaml").write_text("visum: 1\nbodies:\n  - {name: b, mass: -1, shapes: [{sphere: 1}]}\n")
@@ -223,6 +252,35 @@ class Controllers(Scenario):
         _, done = self.run_it("controllers: [{name: c, command: [sh, -c, 'echo oh dear; exit 7']}]\n", expect=1)
         self.assertIn("controller 'c' exited with code 7 before it joined the clock", done.stderr)
         self.assertIn("| oh dear", done.stderr)
+
+    def test_one_that_ends_badly_is_1_however_early_or_late(self):
+        for clock in ("realtime", "free", "lockstep"):
+            for sleep in (0, 0.05):
+                _, done = self.run_it(f"max_overruns: 1\ncontrollers: [{{name: c, joins: false, command: [sh, -c, 'sleep {sleep}; exit 7']}}]\n",
+                                      "--clock", clock, expect=1)
+                self.assertIn("controller 'c' exited with code 7", done.stderr)
+
+    # It computes for longer than it is waited for, then sleeps.
+    SPINS = "import time\nend = time.process_time() + 0.4\nwhile time.process_time() < end: pass\ntime.sleep({})\nprint('well')\n"
+
+    def late(self, way, expect, sleep=0.3, more=""):
+        program = self.folder / "spins.py"
+        program.write_text(self.SPINS.format(sleep))
+        command = f"[{sys.executable}, {program}]"
+        return self.run_it(f"max_sim_s: 20\ncontrollers: [{{name: c, shim: true, wait_s: 0.1, on_timeout: {way}, command: {command}}}]\n" + more,
+                           expect=expect)
+
+    def test_one_that_is_late_may_end_the_run_or_be_stopped_or_go_on(self):
+        _, done = self.late("end", 4)
+        self.assertIn("held the lockstep", done.stderr)
+        result, done = self.late("free", 0)
+        self.assertIn("it goes on in real time", done.stderr)
+        self.assertIn("c | well", done.stderr)
+        self.assertGreater(result["sim_seconds"], 0.2, "and the world with it")
+        self.assertLess(result["sim_seconds"], 10, "but no faster")
+        result, done = self.late("stop", 4, 1000, "until: {at_s: 1}\n")
+        self.assertIn("its parts are stopped", done.stderr)
+        self.assertEqual(result["ticks"], 1000, "the others went on")
 
     def test_one_that_never_joins_is_4(self):
         _, done = self.run_it("start_wall_s: 4\ncontrollers: [{name: c, command: [sleep, '1000']}]\n", expect=4)

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "clients/visum/common/markup.h"
 #include "clients/visum/common/terminal.h"
 
 namespace visum::cli {
@@ -22,6 +23,11 @@ TEST(Utf8, ReplacesEachByteThatIsNot) {
   EXPECT_EQ(valid_utf8("\xe2\x82"
                        "a"),
             "??a");
+}
+
+TEST(Markup, HoldsOnlyWhatXmlAllows) {
+  EXPECT_EQ(markup("<a href=\"b\">&\x01\n"), "&lt;a href=&quot;b&quot;&gt;&amp;?&#10;");
+  EXPECT_EQ(markup("\xEF\xBF\xBD \xEF\xBF\xBE \xEF\xBF\xBF\xEF\xBF\xBF."), "\xEF\xBF\xBD ? ??.");
 }
 
 TEST(Terminal, PrintableTextSteersNothing) {

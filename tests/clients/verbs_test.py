@@ -1,6 +1,7 @@
 """The command line against a real daemon: what it prints, and its exit codes."""
 import json
 import os
+import pathlib
 import pty
 import re
 import signal
@@ -8,7 +9,7 @@ import subprocess
 import tempfile
 import unittest
 
-from programs import BIN, DEADLINE_S, Daemon, SOURCE, visum
+from programs import ARM, BIN, DEADLINE_S, Daemon, SOURCE, visum
 
 URDF = SOURCE / "models" / "amtec_arm" / "amtec_arm.urdf"
 QUERIES = [("parts",), ("describe", "arm"), ("get", "arm"), ("get", "arm", "Actual Angle"), ("params", "arm"), ("status",)]
@@ -258,6 +259,46 @@ class Refusals(unittest.TestCase):
                 daemon.visum("parts", expect=1)
                 daemon.visum("parts", "--token-file", tokens.name)
                 daemon.visum("pause", "--token-file", tokens.name)
+
+
+class Files(unittest.TestCase):
+    """What is there already is lost by no command that fails."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.file = self.folder / "run.mcap"
+
+    def record(self, *options):
+        return subprocess.run([BIN / "visumd", ARM, "--record", self.file, *options], capture_output=True, text=True, timeout=DEADLINE_S)
+
+    def test_a_recording_that_is_being_written_is_nobody_elses(self):
+        with Daemon("--record", self.file, "--clock", "free", "--run"):
+            second = self.record("--port", "0", "--http", "off")
+            self.assertEqual(second.returncode, 2, second.stderr)
+            self.assertIn("another program is writing it", second.stderr)
+        self.assertTrue(json.loads(visum("replay", self.file, "--json").stdout)["equal"])
+
+    def test_a_daemon_without_a_port_empties_no_file(self):
+        self.file.write_text("mine")
+        with Daemon() as daemon:
+            second = self.record("--port", str(daemon.ready["port"]), "--http", "off")
+        self.assertEqual(second.returncode, 2, second.stderr)
+        self.assertEqual(self.file.read_text(), "mine")
+
+    def test_an_export_takes_the_place_of_a_file_once_it_is_whole(self):
+        visum("run", SOURCE / "models/scenarios/two_link_wave.yaml", "--record", self.file)
+        size = self.file.stat().st_size
+        table = self.folder / "run.csv"
+        table.write_text("mine")
+        for words, code in ((("nowhere.mcap",), 3), ((self.file, "--ports", "nobody/Nothing"), 2)):
+            visum("export", *words, "-o", table, expect=code)
+            self.assertEqual(table.read_text(), "mine")
+        self.assertIn("is the recording itself", visum("export", self.file, "-o", self.folder / "." / "run.mcap", expect=2).stderr)
+        self.assertEqual(self.file.stat().st_size, size)
+        visum("export", self.file, "-o", table)
+        self.assertTrue(table.read_text().startswith("tick,era,time_s"))
+        self.assertEqual(sorted(file.name for file in self.folder.iterdir()), ["run.csv", "run.mcap"])
+        self.assertTrue(visum("export", self.file, "-o", "/dev/stdout").stdout == table.read_text(), "a pipe is no plain file")
 
 
 class Completion(unittest.TestCase):

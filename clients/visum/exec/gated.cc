@@ -24,8 +24,8 @@ LockstepEnd run_gated(protocol::Connection world, const LockstepPlan& plan) {
   join(world, plan.join);
   bool member = true;
   const auto look = [&] {
-    const auto why = member ? why_thrown_out(world) : std::nullopt;
-    if (!why) return;
+    const auto why = why_thrown_out(world);  // also of who is out already: what is not read wakes us for ever
+    if (!why || !member) return;
     if (plan.join.on_timeout != protocol::OnTimeout::kFree) throw cli::ExitError(cli::kLost, *why);
     say_dropped(*why);
     member = false;

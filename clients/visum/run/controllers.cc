@@ -112,6 +112,7 @@ bool Controllers::is_undecided(const protocol::ServerStatus& status) const {
 }
 
 void Controllers::note_who_left(const protocol::ServerStatus& status) {
+  note_timeouts();
   for (Controller& controller : controllers_) {
     const bool is_member = find_member(status, controller.spec->client) != nullptr;
     if (!controller.joined || controller.left || is_member) continue;
@@ -142,6 +143,27 @@ void Controllers::settle(protocol::ServerStatus status) {
   note_who_left(status);
 }
 
+void Controllers::note_timeouts() {
+  for (const std::string& why : session_.take_timeouts()) {
+    const auto late = std::ranges::find_if(controllers_, [&](const Controller& controller) {
+      return controller.joined && why.starts_with("'" + controller.spec->client + "' ");
+    });
+    if (late == controllers_.end() || late->spec->on_timeout == "end") throw cli::ExitError(cli::kLost, why);
+    late->joined = false;
+    if (late->spec->on_timeout == "stop")
+      late->lost = why;
+    else
+      late->let_go = true;
+    on_line_("scenario", why + (late->let_go ? ": it goes on in real time" : ": its parts are stopped"));
+  }
+}
+
+bool Controllers::any_in_real_time() const {
+  return std::ranges::any_of(controllers_, [](const Controller& controller) {
+    return controller.let_go && !controller.process->check_exit();
+  });
+}
+
 bool Controllers::all_done() const {
   return std::all_of(controllers_.begin(), controllers_.end(), [](const Controller& controller) {
     return controller.joined ? controller.left : controller.process->check_exit().has_value();
@@ -151,7 +173,7 @@ bool Controllers::all_done() const {
 void Controllers::check_ends() {
   for (const Controller& controller : controllers_) {
     const std::string failure = failure_of(controller);
-    if (failure.empty()) continue;
+    if (failure.empty() || !controller.lost.empty()) continue;  // those were lost before; the others go on
     const bool by_signal = controller.process->check_exit()->by_signal;
     throw cli::ExitError(by_signal ? cli::kLost : cli::kFailed,
                          "controller '" + controller.spec->name + "' " + failure);
@@ -159,6 +181,7 @@ void Controllers::check_ends() {
 }
 
 std::string Controllers::failure_of(const Controller& controller) const {
+  if (!controller.lost.empty()) return controller.lost;
   if (!controller.process || controller.signalled || controller.stopped) return {};
   const auto& exit = controller.process->check_exit();
   return exit && (exit->by_signal || exit->number != 0) ? exit->text() : std::string();
@@ -200,6 +223,7 @@ std::vector<ControllerResult> Controllers::results() const {
       const auto& lines = controller.process->last_lines();
       result.last_lines.assign(lines.begin(), lines.end());
       const auto& exit = controller.process->check_exit();
+      result.lost = !controller.lost.empty() || (exit && exit->by_signal);
       result.end = controller.stopped ? "was stopped at the end" : exit ? exit->text() : "still runs";
     }
     results.push_back(std::move(result));

@@ -19,6 +19,7 @@ struct ControllerResult {
   std::string end;                      // "exited with code 0", "was stopped at the end"
   std::string failure;                  // empty if it ended well
   std::vector<std::string> last_lines;  // of its output
+  bool lost = false;                    // the failure is not an exit code: a signal, or it was late
 };
 
 class Controllers {
@@ -38,6 +39,10 @@ class Controllers {
   // that have left, until they have ended. What it knows then does not depend on who was faster. `status` is
   // the newest there is.
   void settle(protocol::ServerStatus status);
+  // Members that the server no longer waits for: who was to be let go on (`on_timeout`) has no clock from now
+  // on. Throws ExitError(kLost) of others.
+  void note_timeouts();
+  bool any_in_real_time() const;  // let go on, and not ended
   // All have ended or are known to have left.
   bool all_done() const;
 
@@ -55,6 +60,8 @@ class Controllers {
     bool joins = false, joined = false, left = false;
     bool signalled = false;  // by the time line: its end is no failure
     bool stopped = false;    // by us, at the end
+    bool let_go = false;     // it was late, and goes on by itself
+    std::string lost;        // it was late, and its parts were stopped: why
   };
 
   void start_one(Controller& controller);

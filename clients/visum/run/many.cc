@@ -9,6 +9,7 @@
 #include "clients/visum/common/temp_folder.h"
 #include "clients/visum/run/child_process.h"
 #include "clients/visum/run/report_file.h"
+#include "clients/visum/run/spare_recording.h"
 #include "clients/visum/run/vigil.h"
 #include "protocol/config/config.h"
 
@@ -30,7 +31,8 @@ std::string padded(std::size_t run, std::size_t runs) {
 
 struct Job {
   std::size_t run = 0;
-  std::filesystem::path result, recording;
+  std::filesystem::path result;
+  std::unique_ptr<SpareRecording> recording;
   std::unique_ptr<ChildProcess> process;
 };
 
@@ -57,11 +59,11 @@ class Crew {
     Job job;
     job.run = run;
     job.result = results_.path() / (std::to_string(run) + ".json");
-    if (!options_.recordings.empty())
-      job.recording = options_.recordings / ("run_" + padded(run, options_.runs) + ".mcap");
-    std::vector<std::string> words{options_.program,    "run",      options_.file, "--only",
-                                   std::to_string(run), "--result", job.result};
-    if (!job.recording.empty()) words.insert(words.end(), {"--record", job.recording});
+    if (!options_.recordings.empty()) job.recording = make_recording(run);
+    std::vector<std::string> words{
+        options_.program, "run",      options_.file,  "--only", std::to_string(run),
+        "--result",       job.result, "--recordings", "off"};
+    if (job.recording) words.insert(words.end(), {"--record", job.recording->path()});
     words.insert(words.end(), options_.words.begin(), options_.words.end());
     try {
       job.process = std::make_unique<ChildProcess>("run " + std::to_string(run), words,
@@ -71,6 +73,15 @@ class Crew {
     }
     vigil_.watch(*job.process);
     jobs_.push_back(std::move(job));
+  }
+
+  std::unique_ptr<SpareRecording> make_recording(std::size_t run) const {
+    const auto name = "run_" + padded(run, options_.runs) + ".mcap";
+    try {
+      return std::make_unique<SpareRecording>(options_.recordings / name);
+    } catch (const std::system_error& error) {
+      throw cli::ExitError(cli::kUsage, error.what());
+    }
   }
 
   bool take_end(Job& job) {
@@ -85,10 +96,8 @@ class Crew {
     }
     std::error_code ignored;
     std::filesystem::remove(job.result, ignored);
-    if (report.passed() && !job.recording.empty()) {
-      std::filesystem::remove(job.recording, ignored);
-      report.recording.clear();
-    }
+    if (job.recording) report.recording = report.passed() ? std::string() : job.recording->keep().string();
+    report.words = options_.words;
     if (options_.on_done) options_.on_done(report);
     return true;
   }

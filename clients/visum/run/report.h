@@ -15,6 +15,7 @@ struct Report {
   std::string name, file, scene, clock, engine;            // engine: empty for the scene's own
   std::int64_t seed = -1;                                  // -1: the scene's own
   std::size_t run = 0;                                     // of a sweep, from 1; 0: there is none
+  std::vector<std::string> words;                          // options that it was started with, of a sweep
   std::vector<std::pair<std::string, std::string>> swept;  // its values, for people
   std::string recording;                                   // a file; empty: none
   cli::ExitCode code = cli::kDone;

@@ -137,6 +137,7 @@ std::string shell_word(const std::string& word) {
 std::string again(const Report& report) {
   std::string text = "visum run " + shell_word(report.file);
   if (report.run != 0) text += " --only " + number(report);
+  for (const auto& word : report.words) text += " " + shell_word(word);
   if (!report.recording.empty()) text += "\nvisum replay " + shell_word(report.recording);
   return "<pre>" + markup(text) + "</pre>\n";
 }

@@ -90,6 +90,7 @@ class Run {
   void tie_until();
   void tie_again();
   void step();
+  void pace();
   void act();
   bool is_over();
   void note_unfinished();
@@ -111,6 +112,7 @@ class Run {
   std::int64_t step_ticks_ = 1;
   std::optional<double> settled_at_s_;  // when `until` came true
   Clock::time_point began_ = Clock::now();
+  Clock::time_point due_{};  // pace()
 };
 
 void Run::prepare() {
@@ -157,9 +159,11 @@ void Run::go() {
 }
 
 void Run::step() {
+  if (controllers_.any_in_real_time()) pace();
   auto step = session_.step(step_ticks_, parts_);
   now_ = std::move(step.now);
   if (now_.world.revision != catalogue_.world.revision) tie_again();
+  controllers_.note_timeouts();
   controllers_.check_ends();
   if (scenario_.until.kind == Until::Kind::kControllers) controllers_.settle(std::move(step.status));
 }
@@ -210,15 +214,20 @@ void Run::collect() {
 }
 
 // We are the one who steps this world, so its real time is ours to pace; a burst to catch up there is none.
+void Run::pace() {
+  const auto step =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::nanoseconds(step_ticks_ * session_.tick_ns()));
+  due_ = std::max(due_ + step, Clock::now() - step);
+  const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(due_ - Clock::now());
+  if (left.count() > 0) vigil_.wait(-1, left);
+}
+
 void Run::keep() {
   if (!options_.keep) return;
   options_.on_keep(report_, daemon_.port(), catalogue_);
   vigil_.lift_limit();
-  const auto step =
-      std::chrono::duration_cast<Clock::duration>(std::chrono::nanoseconds(step_ticks_ * session_.tick_ns()));
-  for (auto due = Clock::now(); true; due = std::max(due + step, Clock::now() - step)) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(due - Clock::now());
-    if (left.count() > 0) vigil_.wait(-1, left);
+  while (true) {
+    pace();
     session_.step(step_ticks_, {});
   }
 }
@@ -247,6 +256,12 @@ void guard(Report& report, Daemon* daemon, auto&& work) {
 
 void judge(Report& report) {
   if (report.code != cli::kDone) return;
+  // One that ended in the very last step, or that others went on without.
+  for (const auto& controller : report.controllers) {
+    if (controller.failure.empty()) continue;
+    return fail(report, controller.lost ? cli::kLost : cli::kFailed,
+                "controller '" + controller.name + "' " + controller.failure);
+  }
   const bool good = report.failures.empty() && std::all_of(report.checks.begin(), report.checks.end(),
                                                            [](const auto& c) { return c.passed; });
   report.code = good ? cli::kDone : cli::kFailed;

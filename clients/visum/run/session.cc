@@ -102,7 +102,7 @@ protocol::ServerStatus Session::status() {
 void Session::hear_events() {
   while (const auto message = connection_.next(std::chrono::milliseconds(0))) {
     const auto* event = std::get_if<protocol::Event>(&*message);
-    if (event != nullptr && event->kind == "lockstep_timeout") throw cli::ExitError(cli::kLost, event->text);
+    if (event != nullptr && event->kind == "lockstep_timeout") timeouts_.push_back(event->text);
   }
 }
 

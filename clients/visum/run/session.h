@@ -6,6 +6,8 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "clients/visum/run/quantity.h"
 #include "clients/visum/run/vigil.h"
@@ -28,13 +30,16 @@ class Session {
   // The state as it is, of the world and of these parts.
   Observation look(const std::set<std::string>& parts);
   // Lets `ticks` pass, then the same, and the server's status at that tick: one wait for all of it. Throws
-  // ExitError: kLost where a client in the lockstep timed out, kFailed where the world froze.
+  // ExitError: kLost where a client in the lockstep timed out and the run ends with that, kFailed where the
+  // world froze.
   struct Step {
     Observation now;
     protocol::ServerStatus status;
   };
   Step step(std::int64_t ticks, const std::set<std::string>& parts);
   protocol::ServerStatus status();
+  // What the server said of members that were late and are no longer waited for, since the last call.
+  std::vector<std::string> take_timeouts() { return std::exchange(timeouts_, {}); }
   protocol::Reply request(const protocol::Request& request) { return connection_.request(request); }
 
   std::int64_t tick_ns() const { return connection_.welcome().tick_ns; }
@@ -49,6 +54,7 @@ class Session {
   protocol::Connection connection_;
   std::optional<protocol::Connection> waiter_;
   std::uint64_t era_ = 0;
+  std::vector<std::string> timeouts_;
 };
 
 }  // namespace visum::run

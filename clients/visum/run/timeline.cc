@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/format.h"
+#include "clients/visum/common/parameters.h"
 #include "clients/visum/run/bounds.h"
 #include "clients/visum/run/lookup.h"
 
@@ -31,10 +33,17 @@ struct Inspector {
   void operator()(const SetParameter& set) const {
     std::vector<std::string> known;
     for (const auto& parameter : find_part(catalogue, set.part, place).parameters) {
-      if (parameter.name == set.name) return;
+      if (parameter.name == set.name) return check_value(parameter, set.value);
       known.push_back(parameter.name);
     }
     fail_unknown(place, "parameter of part '" + set.part + "' called", set.name, known);
+  }
+  void check_value(const protocol::Parameter& parameter, const std::string& value) const {
+    try {
+      cli::parse_value(parameter, value);
+    } catch (const cli::ExitError& error) {
+      throw config::ConfigError(place, error.what());
+    }
   }
   void operator()(const InjectFault& fault) const {
     const auto& kind = find_fault(catalogue, fault.part, fault.kind, place);

@@ -3,7 +3,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string_view>
+#include <system_error>
 
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/format.h"
@@ -16,6 +18,7 @@
 #include "clients/visum/run/report_text.h"
 #include "clients/visum/run/runner.h"
 #include "clients/visum/run/scenario_reader.h"
+#include "clients/visum/run/spare_recording.h"
 #include "clients/visum/run/sweep.h"
 #include "clients/visum/verbs/run_many.h"
 #include "clients/visum/verbs/verbs.h"
@@ -103,7 +106,7 @@ class RunVerb : public Verb {
                       "--record, --result, --port and --keep are for one run: --only says which of a sweep; "
                       "--report records what fails");
     check_writable(junit_);
-    ManyWords words{file_, report_, junit_, recordings_folder(), {"--recordings", "off"}, jobs_, json_};
+    ManyWords words{file_, report_, junit_, recordings_folder(), {}, jobs_, json_};
     if (!engine_.empty()) words.words.insert(words.words.end(), {"--engine", engine_});
     if (!clock_.empty()) words.words.insert(words.words.end(), {"--clock", clock_});
     if (seed_) words.words.insert(words.words.end(), {"--seed", std::to_string(*seed_)});
@@ -136,8 +139,7 @@ class RunVerb : public Verb {
     const run::Report report = run::run_scenario(scenario, options);
     progress.finish();
     if (!told_) tell(report);
-    std::error_code ignored;
-    if (in_case_ && report.passed()) std::filesystem::remove(scenario.record, ignored);
+    spare_.reset();
     return report.code;
   }
 
@@ -156,12 +158,15 @@ class RunVerb : public Verb {
   void record_in_case(run::Scenario& scenario) {
     const auto folder = recordings_folder();
     if (!scenario.record.empty() || folder.empty()) return;
-    in_case_ = true;
-    std::filesystem::create_directories(folder);
     const auto run = only_ == 0 ? std::string() : "_run_" + std::to_string(only_);
     std::string name = scenario.name + run + ".mcap";
     std::ranges::replace(name, '/', '_');
-    scenario.record = (folder / name).string();
+    try {
+      std::filesystem::create_directories(folder);
+      scenario.record = spare_.emplace(folder / name).path().string();
+    } catch (const std::system_error& error) {
+      std::fprintf(stderr, "visum: if this run fails, it leaves no recording: %s\n", error.what());
+    }
   }
 
   run::Scenario read(const config::Node& root) const {
@@ -177,7 +182,7 @@ class RunVerb : public Verb {
 
   void tell(run::Report report) {
     told_ = true;
-    if (in_case_ && report.passed()) report.recording.clear();
+    if (spare_) report.recording = report.passed() ? std::string() : spare_->keep().string();
     std::FILE* people = json_ ? stderr : stdout;
     std::fputs(run::report_text(report, Style(people)).c_str(), people);
     write(junit_, run::report_junit(report));
@@ -206,7 +211,7 @@ class RunVerb : public Verb {
   std::string file_, junit_, engine_, clock_, record_, recordings_, report_, result_;
   std::size_t jobs_ = 1, only_ = 0;
   bool json_ = false, progress_ = false, keep_ = false, told_ = false;
-  bool in_case_ = false;  // recorded for the case that it fails
+  std::optional<run::SpareRecording> spare_;
   std::vector<std::string> plugins_;
   std::optional<double> node_timeout_s_;
   std::optional<std::int64_t> seed_;
