@@ -39,6 +39,10 @@ std::int64_t after_ns(std::int64_t from_ns, std::int64_t length_ns) {
   return length_ns >= kNever - from_ns ? kNever : from_ns + length_ns;
 }
 
+bool is_length(const timespec* time) {
+  return time && time->tv_sec >= 0 && time->tv_nsec >= 0 && time->tv_nsec < kSecond_ns;
+}
+
 std::int64_t when(clockid_t clock, const timespec* time) {
   std::int64_t base = 0;
   if (!time || !base_of(clock, base)) return kNever;

@@ -20,6 +20,7 @@ inline timespec to_timespec(std::int64_t ns) {
 // Far futures, and what is no time at all, become kNever.
 std::int64_t to_ns(const timespec& time);
 std::int64_t after_ns(std::int64_t from_ns, std::int64_t length_ns);  // kNever where that is beyond it
+bool is_length(const timespec* time);                                 // none that the kernel would refuse
 // The simulated time at which `clock` shows `time`; kNever for none. Only for clocks of ours.
 std::int64_t when(clockid_t clock, const timespec* time);
 

@@ -1,6 +1,7 @@
 #include "clients/shim/descriptors.h"
 
 #include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <span>
 
 #include "clients/shim/real.h"
@@ -50,12 +52,43 @@ Stream* stream_of(std::uint32_t port) {
   return found == streams.end() ? nullptr : &*found;
 }
 
-Stream* free_stream() {
+Stream* take_free_stream() {
   for (auto& stream : shared()->streams) {
     std::uint32_t none = 0;
     if (stream.port.compare_exchange_strong(none, UINT32_MAX)) return &stream;
   }
   return nullptr;
+}
+
+// Whether the kernel still has connections from these ports to a bus; who closed one may be another process.
+void find_open(std::span<const Stream> streams, std::span<bool> open) {
+  std::FILE* file = std::fopen("/proc/self/net/tcp", "re");  // proc(5)
+  if (!file) {
+    std::ranges::fill(open, true);
+    return;
+  }
+  const auto buses = std::span(shared()->ports, shared()->port_count);
+  char line[256];
+  while (std::fgets(line, sizeof line, file)) {
+    unsigned own = 0, other = 0, state = 0;
+    if (std::sscanf(line, "%*d: %*x:%x %*x:%x %x", &own, &other, &state) != 3 || state == TCP_TIME_WAIT)
+      continue;
+    if (std::ranges::find(buses, other) == buses.end()) continue;
+    for (std::size_t i = 0; i < streams.size(); ++i) open[i] = open[i] || streams[i].port == own;
+  }
+  std::fclose(file);
+}
+
+// Connections that are over leave their place to later ones.
+Stream* free_stream() {
+  if (auto* stream = take_free_stream()) return stream;
+  bool open[kMostStreams] = {};
+  find_open(shared()->streams, open);
+  for (std::size_t i = 0; i < kMostStreams; ++i) {
+    auto port = shared()->streams[i].port.load();
+    if (!open[i] && port <= UINT16_MAX) shared()->streams[i].port.compare_exchange_strong(port, 0);
+  }
+  return take_free_stream();
 }
 
 bool has_ended(int fd) {
@@ -90,7 +123,7 @@ Descriptor descriptor(int fd) {
 
 int available_bytes(int fd) {
   int count = 0;
-  return ::syscall(SYS_ioctl, fd, FIONREAD, &count) == 0 ? count : -1;
+  return VISUM_REAL(syscall)(SYS_ioctl, fd, FIONREAD, &count) == 0 ? count : -1;
 }
 
 void catch_up() {

@@ -1,4 +1,4 @@
-// The kernel's futex between processes; pthread's own calls would be the shim's.
+// The kernel's futex between processes; pthread's own calls, and syscall(), would be the shim's.
 #pragma once
 
 #include <linux/futex.h>
@@ -11,17 +11,19 @@
 #include <climits>
 #include <cstdint>
 
+#include "clients/shim/real.h"
+
 namespace visum::shim {
 
 // 0, or the errno: EAGAIN (the word is another already), EINTR, ETIMEDOUT.
 inline int futex_wait(std::atomic<std::uint32_t>& word, std::uint32_t expected, std::int64_t patience_ns) {
   const timespec patience{patience_ns / 1'000'000'000, patience_ns % 1'000'000'000};
-  const long done = ::syscall(SYS_futex, &word, FUTEX_WAIT, expected, &patience, nullptr, 0);
+  const long done = VISUM_REAL(syscall)(SYS_futex, &word, FUTEX_WAIT, expected, &patience, nullptr, 0);
   return done == 0 ? 0 : errno;
 }
 
 inline void futex_wake(std::atomic<std::uint32_t>& word) {
-  ::syscall(SYS_futex, &word, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
+  VISUM_REAL(syscall)(SYS_futex, &word, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
 }
 
 }  // namespace visum::shim

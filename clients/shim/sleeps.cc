@@ -20,10 +20,6 @@ int sleep_until(const char* doing, std::int64_t deadline_ns) {
   return 0;
 }
 
-bool is_length(const timespec* time) {
-  return time && time->tv_sec >= 0 && time->tv_nsec >= 0 && time->tv_nsec < kSecond_ns;
-}
-
 // The error, as clock_nanosleep() gives it.
 int sleep_for(const char* doing, const timespec* length, timespec* left) {
   if (!is_length(length)) return EINVAL;

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "clients/shim/futex.h"
+#include "clients/shim/real.h"
 
 namespace visum::shim {
 namespace {
@@ -31,7 +32,7 @@ __thread std::int64_t requested_ns = 0;
 __thread bool said_that_we_ask = false;
 
 std::int32_t thread_id() {
-  return static_cast<std::int32_t>(::syscall(SYS_gettid));
+  return static_cast<std::int32_t>(VISUM_REAL(syscall)(SYS_gettid));
 }
 
 bool somebody_runs() {
@@ -298,7 +299,7 @@ void say(const char* format, ...) {
   ::vsnprintf(text + head, sizeof text - head - 1, format, list);
   va_end(list);
   ::strcat(text, "\n");
-  ::syscall(SYS_write, 2, text, ::strlen(text));
+  VISUM_REAL(syscall)(SYS_write, 2, text, ::strlen(text));
 }
 
 }  // namespace visum::shim

@@ -33,7 +33,7 @@ int flush(int fd, int queue) {
     catch_up();
     queue = TCIFLUSH;
   }
-  return static_cast<int>(::syscall(SYS_ioctl, fd, TCFLSH, queue));
+  return static_cast<int>(VISUM_REAL(syscall)(SYS_ioctl, fd, TCFLSH, queue));
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ VISUM_EXPORT int ioctl(int fd, unsigned long request, ...) noexcept {
   if (request == TCFLSH) return flush(fd, static_cast<int>(reinterpret_cast<long>(argument)));
   const bool looks = active() && request == FIONREAD && descriptor(fd).on_bus();
   if (looks) catch_up();
-  const int result = static_cast<int>(::syscall(SYS_ioctl, fd, request, argument));
+  const int result = static_cast<int>(VISUM_REAL(syscall)(SYS_ioctl, fd, request, argument));
   if (looks && result == 0 && *static_cast<int*>(argument) == 0) note_look("ioctl");
   return result;
 }

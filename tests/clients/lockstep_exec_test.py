@@ -18,7 +18,7 @@ SHIM = pathlib.Path(__file__).with_name("shim")
 os.environ["ASAN_OPTIONS"] = "detect_leaks=0"
 
 KINDS = ["usleep", "absolute", "poll", "select", "condition", "semaphore", "mutex", "timerfd", "alarm", "receive", "spin",
-         "yield", "fork", "command", "join", "thread"]
+         "yield", "fork", "command", "join", "thread", "future", "future_until", "promise", "acquire"]
 
 
 def run(*command, scene=ARM, buses=("--bus", "arm=pty"), grade=("--lockstep",), options=(), timeout=DEADLINE_S, expect=0, env=None):
@@ -44,7 +44,8 @@ class EveryKindOfWait(unittest.TestCase):
                 self.assertLess(figures["ticks"], 24 * STEPS)
 
     def test_waits_of_the_same_length_are_the_same_to_the_world(self):
-        same = ["usleep", "absolute", "poll", "select", "condition", "semaphore", "mutex", "timerfd", "alarm", "receive", "fork", "join"]
+        same = ["usleep", "absolute", "poll", "select", "condition", "semaphore", "mutex", "timerfd", "alarm", "receive", "fork", "join", "future", "future_until",
+                "promise", "acquire"]
         hashes = {run(WAITS, kind, "{bus.arm}", STEPS)[1]["state_hash"] for kind in same}
         self.assertEqual(len(hashes), 1)
 
@@ -71,6 +72,21 @@ class EveryKindOfProgram(unittest.TestCase):
         on_tty, _, _ = run(*command, "{bus.arm}", STEPS)
         self.assertEqual(text, on_tty)
         self.assertGreaterEqual(figures["ticks"], 20 * STEPS, "and pyserial sleeps when it closes a socket")
+
+    def test_however_many_connections_come_and_go(self):
+        body = ("import select, socket, sys\n"
+                "from serial_steps import ETX, frame\n"
+                "host, port = sys.argv[1].rsplit(':', 1)\n"
+                "at_once = 0\n"
+                "for _ in range(100):\n"
+                "    with socket.create_connection((host, int(port))) as line:\n"
+                "        line.sendall(frame(1, [0x0A, 0x27]))\n"
+                "        at_once += len(select.select([line], [], [], 0)[0])\n"
+                "        while line.recv(64)[-1] != ETX: pass\n"
+                "print(at_once)\n")
+        env = {**os.environ, "PYTHONPATH": str(SHIM), "PYTHONDONTWRITEBYTECODE": "1"}
+        text, _, _ = self.same_twice(sys.executable, "-c", body, "{bus.arm}", options=["--bus", "arm=tcp"], env=env)
+        self.assertEqual(text, "100", "an answer is there before the program looks, on each of them")
 
     def test_the_serial_c_program(self):
         text, figures, _ = self.same_twice(SERIAL_ARM, "{bus.arm}")

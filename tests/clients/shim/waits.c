@@ -238,4 +238,8 @@ const struct kind kinds[] = {{"usleep", wait_usleep},
                              {"command", wait_command},
                              {"join", wait_join},
                              {"thread", wait_thread},
+                             {"future", wait_future},
+                             {"future_until", wait_future_until},
+                             {"promise", wait_promise},
+                             {"acquire", wait_acquire},
                              {NULL, NULL}};

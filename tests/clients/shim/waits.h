@@ -6,3 +6,9 @@ struct kind {
   void (*wait)(long ms);
 };
 extern const struct kind kinds[]; /* ends with a null name */
+
+/* futures.cc: of the C++ library. */
+void wait_future(long ms);
+void wait_future_until(long ms);
+void wait_promise(long ms);
+void wait_acquire(long ms);
