@@ -1,10 +1,10 @@
-// What a user of the page relies on: commanding, leases, time, tokens, access, losing and regaining the daemon.
+// What a user of the page relies on: commanding, leases, roles, time, tokens, access, losing and regaining the daemon.
 import assert from "node:assert/strict";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { browser, browserTest, button, closePages, control, pageTest, until } from "./harness.mjs";
-import { Daemon, live, openPage, require } from "./programs.mjs";
+import { Daemon, live, openPage, require, source } from "./programs.mjs";
 
 pageTest("a slider of the panel jogs a joint, and the world follows", async (page) => {
   await page.getByRole("button", { name: "Take control of arm" }).click();
@@ -30,6 +30,19 @@ pageTest("the second writer is refused, and told who holds the lease", async (pa
   await assert.rejects(page.evaluate(() => visum.acquire("arm")), /holds|held|lease/);
   await other.evaluate(() => visum.release("arm"));
   await until(page, () => document.querySelector(".part .holder").textContent === "free");
+});
+
+pageTest("another role begins with every lease released, and no part stops", async (page) => {
+  await control(page);
+  const state = await page.evaluate(() => visum.read("arm", "Part State"));
+  const session = await page.locator(".connection").getAttribute("title");
+  await page.getByRole("combobox", { name: "Role" }).selectOption("Observer");
+  await until(page, (before) => document.querySelector(".connection").title !== before, session);
+  await live(page);
+  const from = await page.evaluate(() => visum.simTime());
+  await until(page, (time) => visum.simTime() > time + 0.3, from);
+  assert.equal(await page.evaluate(() => visum.read("arm", "Part State")), state);
+  assert.ok(await button(page, "Take control").first().isDisabled());
 });
 
 // Longer than any of the server's deadlines, with samples of every tick on the way.
@@ -58,6 +71,9 @@ pageTest("pauses, steps by one and by many, goes on, slower, and from the beginn
   await page.getByRole("spinbutton", { name: "Number of ticks" }).fill("250");
   await page.getByRole("button", { name: "ticks", exact: true }).click();
   await until(page, (wanted) => document.querySelector(".sim-time").textContent.endsWith(wanted), (seconds(before) + 0.251).toFixed(3).slice(-3));
+  await page.getByRole("spinbutton", { name: "Number of ticks" }).fill("600000");
+  await page.getByRole("button", { name: "ticks", exact: true }).click();
+  await page.getByRole("button", { name: "Pause" }).click(); // ten minutes of them are not waited for
   await page.getByRole("button", { name: "Run" }).click();
   const from = await page.evaluate(() => visum.simTime());
   await until(page, (time) => visum.simTime() > time + 0.3, from);
@@ -145,6 +161,29 @@ browserTest("a lost daemon is told, and regained without a hand", async () => {
     mine = await Daemon.start("--port", String(port), "--http", String(http));
     await live(page);
     await page.getByRole("alert").first().waitFor({ state: "hidden" });
+  } finally {
+    await closePages();
+    await mine.stop();
+  }
+});
+
+browserTest("another scene leaves nothing of the one before", async () => {
+  let mine = await Daemon.start();
+  const { port, http } = mine;
+  try {
+    const page = await openPage(browser, mine);
+    await control(page);
+    await button(page, "Hold Desired Angle 1").click();
+    await page.locator("summary", { hasText: "Blackboards" }).click();
+    await until(page, () => document.querySelector(".blackboard pre"));
+    await mine.stop();
+    mine = await Daemon.start(join(source, "models/scenes/cart.yaml"), "--port", String(port), "--http", String(http));
+    await page.getByText("No longer held: Desired Angle 1 (the lease of 'arm' is lost)").waitFor();
+    await live(page);
+    const from = await page.evaluate(() => visum.simTime());
+    await until(page, (time) => visum.simTime() > time + 2.5, from); // twice what lets blackboards be read again
+    const errors = await page.locator(".toast.error").allTextContents();
+    assert.deepEqual(errors.filter((text) => !text.startsWith("No longer held")), []);
   } finally {
     await closePages();
     await mine.stop();

@@ -51,7 +51,7 @@ const tree = new Tree(link, parts, {
   },
 }, profileView(link, clock));
 const scene = h("span", { class: "scene" });
-layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element, layout.toggles, connectionBadge(link), timeline(recording));
+layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element, layout.toggles, connectionBadge(link, parts), timeline(recording));
 layout.panes.parts.append(tree.element);
 const ghost = new Ghost(viewer, world, parts);
 const overlays = new Overlays(viewer, world, new SensorOverlay(viewer, world, parts), ghost, layout.view);

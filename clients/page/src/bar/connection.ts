@@ -1,16 +1,28 @@
 // Whether the page is in touch with visumd, and as whom; what to do where it is not.
 import type { Link, LinkState } from "../link/link";
 import { Role } from "../link/messages";
+import type { Parts } from "../model/parts";
 import { h, setText } from "../ui/dom";
+import { reportError } from "../ui/toasts";
 
 const kRoles: [Role, string][] = [[Role.OBSERVER, "Observer"], [Role.CONTROLLER, "Controller"], [Role.ADMIN, "Admin"]];
 
-export function connectionBadge(link: Link): HTMLElement {
+export function connectionBadge(link: Link, parts: Parts): HTMLElement {
   const text = h("span", {}, "Connecting");
   const role = h("select", { "aria-label": "Role", class: "role", title: "What this page may do" },
     ...kRoles.map(([value, name]) => h("option", { value }, name)));
   role.value = String(link.role);
-  role.addEventListener("change", () => link.useRole(Number(role.value)));
+  // A role comes with a new session, and what the old one still leases would be lost with it: then parts stop.
+  const change = async (wanted: Role) => {
+    try {
+      await parts.releaseAll();
+      link.useRole(wanted);
+    } catch (error) {
+      reportError(error);
+      role.value = String(link.welcome?.role ?? link.role);
+    }
+  };
+  role.addEventListener("change", () => void change(Number(role.value)));
   const element = h("div", { class: "connection" }, h("span", { class: "dot" }), text, role);
   link.state.watch((state) => {
     element.dataset["state"] = state.kind;

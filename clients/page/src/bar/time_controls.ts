@@ -34,7 +34,7 @@ export class TimeControls {
       this.run, this.tick, h("span", { class: "many" }, this.count, this.many), this.speed, this.reset, this.time,
       h("div", { class: "meters" }, this.factor.element, this.overruns.element, this.lateness.element),
     );
-    clock.status.watch((status) => status && this.show(status));
+    for (const changed of [clock.status, clock.stepping]) changed.watch(() => clock.status.value && this.show(clock.status.value));
   }
 
   // Between two answers of the status, samples tell the time.
@@ -44,7 +44,7 @@ export class TimeControls {
 
   private show(status: ServerStatus): void {
     const admin = this.link.welcome?.role === Role.ADMIN;
-    const stands = status.paused || status.frozen;
+    const stands = (status.paused && !this.clock.stepping.value) || status.frozen;
     this.runIcon.setAttribute("d", stands ? icons.play : icons.pause);
     this.run.setAttribute("aria-label", stands ? "Run" : "Pause");
     this.run.title = stands ? "Run (Space)" : "Pause (Space)";
@@ -77,7 +77,7 @@ export class TimeControls {
 
   private toggle(): void {
     const status = this.clock.status.value;
-    const stands = status === null || status.paused;
+    const stands = status === null || (status.paused && !this.clock.stepping.value);
     (stands ? this.resume() : this.clock.pause()).catch(reportError);
   }
   // A recording that is over begins anew.

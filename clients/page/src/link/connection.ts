@@ -24,6 +24,7 @@ export interface ConnectionHandler {
 }
 
 interface Pending {
+  waitsForWorld: boolean; // and all behind it
   resolve(body: Body): void;
   reject(error: Error): void;
 }
@@ -55,9 +56,11 @@ export class Connection {
     this.socket.close();
   }
 
-  // Every kLookMs: gives up on a server that does not answer any more.
+  // Every kLookMs: gives up on a server that does not answer any more. While a Step waits for the world, which may stand in a
+  // lockstep for as long as it likes, the server answers nothing: that is no silence.
   look(): void {
-    if (this.silence.look(this.pending.size > 0)) this.drop(`visumd has not answered for ${(kSilentLooks * kLookMs) / 1000} s`);
+    const answersDue = this.pending.size > 0 && ![...this.pending.values()].some(({ waitsForWorld }) => waitsForWorld);
+    if (this.silence.look(answersDue)) this.drop(`visumd has not answered for ${(kSilentLooks * kLookMs) / 1000} s`);
   }
 
   private drop(reason: string): void {
@@ -69,7 +72,8 @@ export class Connection {
     if (this.end) return Promise.reject(this.end);
     if (this.socket.readyState !== WebSocket.OPEN) return Promise.reject(new LostError("not connected"));
     const id = this.nextId++;
-    const answer = new Promise<Body>((resolve, reject) => this.pending.set(id, { resolve, reject }));
+    const waitsForWorld = request.case === "step";
+    const answer = new Promise<Body>((resolve, reject) => this.pending.set(id, { waitsForWorld, resolve, reject }));
     this.socket.send(encode(id, request));
     return answer;
   }

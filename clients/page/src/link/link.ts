@@ -50,7 +50,7 @@ export class Link {
     this.open();
   }
 
-  // Starts anew as somebody else. Leases are released by those who took them, before.
+  // Starts anew as somebody else. Leases that are not released before are lost: Parts.releaseAll().
   useRole(role: Role): void {
     this.role = role;
     this.connection?.close();

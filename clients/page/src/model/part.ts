@@ -1,7 +1,8 @@
 // One part: its ports with their live values, who commands it, and what the page does with it.
 import type { Link } from "../link/link";
-import { LostError, type BlackboardData, type PartDescription, type PartSample, type PortDescription } from "../link/messages";
+import { ErrorCode, LostError, RequestError, type BlackboardData, type PartDescription, type PartSample, type PortDescription } from "../link/messages";
 import { History } from "./history";
+import { neighbours } from "./neighbours";
 import { Emitter, Signal } from "./signal";
 
 export type Side = "input" | "output";
@@ -25,6 +26,8 @@ export class Part {
   sample: PartSample | null = null;
   conflated = 0;
   readonly held = new Map<number, number>(); // inputs that the page holds at a value
+  readonly gaveUp = new Emitter<string>(); // in words: what is held no longer though nobody let go of it, and why
+  private keeping = false; // a write of held values is under way
   private history: History | null = null;
   private recorded: Port[] = [];
   private recording = 0; // how many plots want it
@@ -57,28 +60,36 @@ export class Part {
   }
 
   async release(): Promise<void> {
-    this.held.clear();
-    await this.link.request({ case: "releaseLease", value: { part: this.name } }, "ok");
+    const held = [...this.held];
+    this.held.clear(); // at once: behind the release nothing may be written
+    try {
+      await this.link.request({ case: "releaseLease", value: { part: this.name } }, "ok");
+    } catch (error) {
+      for (const [index, value] of held) this.held.set(index, value);
+      throw error;
+    }
     this.leaseLost();
   }
 
   leaseLost(): void {
     this.leased.value = false;
     this.holder.value = "";
-    this.held.clear();
+    this.giveUp([...this.held.keys()], `the lease of '${this.name}' is lost`);
   }
 
-  // Writes one input. A port that is held takes no other value.
   async write(port: Port, value: number): Promise<void> {
-    if (port.side !== "input") throw new Error(`'${port.description.name}' is a sensor output`);
-    const held = this.held.get(port.index);
-    if (held !== undefined && held !== value) throw new Error(`'${port.description.name}' is held at ${held}`);
-    await this.writeValues(port.index, [value]);
+    await this.writeValues(port, [value]);
   }
 
-  // Several inputs at once, all or nothing: what a part demands of its inputs together can be met.
-  async writeValues(firstPort: number, values: number[]): Promise<void> {
-    await this.link.request({ case: "write", value: { part: this.name, firstPort, values, sequence: 0n } }, "ok");
+  // Several inputs at once, all or nothing: what a part demands of its inputs together can be met. A port that is held
+  // takes no other value.
+  async writeValues(first: Port, values: number[]): Promise<void> {
+    if (first.side !== "input") throw new Error(`'${first.description.name}' is a sensor output`);
+    values.forEach((value, i) => {
+      const held = this.held.get(first.index + i);
+      if (held !== undefined && held !== value) throw new Error(`'${this.inputName(first.index + i)}' is held at ${held}`);
+    });
+    await this.send(first.index, values);
   }
 
   readBlackboard(name: string): Promise<BlackboardData> {
@@ -165,13 +176,35 @@ export class Part {
     this.history = this.history?.widened(this.recorded.length) ?? new History(this.recorded.length, kHistorySamples);
   }
 
+  private async send(firstPort: number, values: number[]): Promise<void> {
+    await this.link.request({ case: "write", value: { part: this.name, firstPort, values, sequence: 0n } }, "ok");
+  }
+
   private keepHeld(sample: PartSample): void {
-    if (!this.leased.value) return;
-    for (const [index, value] of this.held) {
-      if (sample.controllerInputs[index] === value) continue;
-      this.writeValues(index, [value]).catch((error: Error) => {
-        if (!(error instanceof LostError)) this.held.delete(index);
-      });
+    if (this.held.size === 0 || !this.leased.value || this.keeping) return;
+    const held = this.ports.filter(({ side, index }) => side === "input" && this.held.has(index));
+    const moved = neighbours(held).filter((run) => run.some(({ index }) => sample.controllerInputs[index] !== this.held.get(index)));
+    if (moved.length === 0) return;
+    this.keeping = true;
+    void Promise.all(moved.map((run) => this.keep(run))).finally(() => (this.keeping = false));
+  }
+
+  private async keep(run: Port[]): Promise<void> {
+    const indices = run.map(({ index }) => index);
+    try {
+      await this.send(indices[0]!, indices.map((index) => this.held.get(index)!));
+    } catch (error) {
+      if (error instanceof LostError || (error instanceof RequestError && error.code === ErrorCode.ERROR_BUSY)) return; // tried again
+      this.giveUp(indices, (error as Error).message);
     }
+  }
+
+  private giveUp(indices: number[], reason: string): void {
+    const names = indices.filter((index) => this.held.delete(index)).map((index) => this.inputName(index));
+    if (names.length > 0) this.gaveUp.emit(`No longer held: ${names.join(", ")} (${reason})`);
+  }
+
+  private inputName(index: number): string {
+    return this.description.controllerInputs[index]!.name;
   }
 }

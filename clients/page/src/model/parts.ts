@@ -2,6 +2,7 @@
 import type { Link } from "../link/link";
 import type { Event } from "../link/messages";
 import { Part, type Port } from "./part";
+import { poll } from "./poll";
 import { Emitter, Signal } from "./signal";
 
 const kRefreshMs = 1000;
@@ -18,13 +19,14 @@ export class Parts {
       if (body.case === "partSample") this.find(body.value.part)?.take(body.value);
       if (body.case === "event") this.onEvent(body.value);
     });
-    setInterval(() => void this.refreshHolders(), kRefreshMs);
+    poll(() => this.refreshHolders(), kRefreshMs);
   }
 
   // After each hello: everything anew, but parts that are the same as before stay (plots and panels point at them).
   async begin(): Promise<void> {
     const { parts } = await this.link.request({ case: "listParts", value: {} }, "parts");
     const list: Part[] = [];
+    for (const part of this.list.value) part.leaseLost(); // with the session that held it
     this.steering = parts.find(({ kind }) => kind === kRecording)?.name ?? null;
     for (const { name, kind } of parts) {
       if (kind === kRecording) continue;
@@ -32,7 +34,6 @@ export class Parts {
       const before = this.find(name);
       const same = before && sameLayout(before, new Part(this.link, description));
       const part = same ? before : new Part(this.link, description);
-      part.leaseLost();
       part.holder.value = description.leaseOwner;
       part.forgetSubscription();
       list.push(part);
@@ -47,6 +48,12 @@ export class Parts {
 
   port(part: string, port: string): Port | undefined {
     return this.find(part)?.port(port);
+  }
+
+  // In good order: the last values go on holding. What a session still holds as it ends is lost, and the part stops.
+  async releaseAll(): Promise<void> {
+    if (!this.link.welcome) return;
+    for (const part of this.list.value) if (part.leased.value) await part.release();
   }
 
   async adaptTo(realTimeFactor: number): Promise<void> {

@@ -2,6 +2,7 @@
 // this program's bits has found. Steered through its own part (server/gateway/playback.h).
 import type { Link } from "../link/link";
 import type { Parts } from "./parts";
+import { poll } from "./poll";
 import { Signal } from "./signal";
 
 export interface PortDifference {
@@ -37,7 +38,7 @@ export class Recording {
       if (body.case === "partSample" && body.value.part === this.part) this.show(body.value.sensorOutputs[0]!);
     });
     parts.plotsChanged.on(() => void this.refill());
-    setInterval(() => void this.refresh(), kPeriodMs);
+    poll(() => this.refresh(), kPeriodMs);
   }
 
   // After each hello; `part` steers, none: the world lives.

@@ -1,4 +1,5 @@
 // What a widget on a panel is, and what all kinds share: their ports, their limits, writing.
+import { neighbours } from "../model/neighbours";
 import type { Port } from "../model/part";
 import type { Parts } from "../model/parts";
 import { reportError } from "../ui/toasts";
@@ -31,15 +32,7 @@ export function limits({ data, ports }: Context): { minimum: number; maximum: nu
   return { minimum: data.minimum ?? description?.minimum ?? 0, maximum: data.maximum ?? description?.maximum ?? 1 };
 }
 
-// The same value to all ports of a widget; neighbours in one message, because a part may demand that they agree.
+// The same value to all ports of a widget.
 export function writeAll(ports: readonly Port[], value: number): void {
-  const sorted = [...ports].sort((a, b) => a.index - b.index);
-  for (let from = 0; from < sorted.length; ) {
-    let to = from + 1;
-    while (to < sorted.length && sorted[to]!.part === sorted[from]!.part && sorted[to]!.index === sorted[to - 1]!.index + 1) ++to;
-    const first = sorted[from]!;
-    const count = to - from;
-    (count === 1 ? first.part.write(first, value) : first.part.writeValues(first.index, Array<number>(count).fill(value))).catch(reportError);
-    from = to;
-  }
+  for (const run of neighbours(ports)) run[0]!.part.writeValues(run[0]!, run.map(() => value)).catch(reportError);
 }

@@ -2,6 +2,7 @@
 import type { Link } from "../link/link";
 import type { BlackboardDescription } from "../link/messages";
 import type { Part } from "../model/part";
+import { poll } from "../model/poll";
 import { h } from "../ui/dom";
 import { reportError } from "../ui/toasts";
 import { decodeCamera, kCameraType } from "./camera_image";
@@ -10,17 +11,18 @@ const kRefreshMs = 1000;
 const kMostNumbers = 256;
 const kMostBytes = 512;
 
-export function blackboardsView(link: Link, part: Part): HTMLElement | null {
+export function blackboardsView(link: Link, part: Part): { element: HTMLElement; stop: () => void } | null {
   const boards = part.description.blackboards;
   if (boards.length === 0) return null;
   const views = boards.map((board) => ({ board, body: h("div", { class: "blackboard" }), generation: -1n }));
-  const details = h(
+  const element = h(
     "details",
     { class: "side" },
     h("summary", {}, h("span", {}, "Blackboards"), h("span", { class: "count" }, String(boards.length))),
     ...views.map(({ board, body }) => h("div", {}, h("h4", {}, `${board.name} · ${board.contentType}`), body)),
   );
   const refresh = async () => {
+    if (!element.open || document.hidden || !link.welcome) return;
     for (const view of views) {
       const data = await part.readBlackboard(view.board.name);
       if (data.generation === view.generation) continue;
@@ -28,8 +30,7 @@ export function blackboardsView(link: Link, part: Part): HTMLElement | null {
       view.body.replaceChildren(show(view.board, data.data));
     }
   };
-  setInterval(() => details.open && !document.hidden && link.welcome && refresh().catch(reportError), kRefreshMs);
-  return details;
+  return { element, stop: poll(() => refresh().catch(reportError), kRefreshMs) };
 }
 
 export function show(board: BlackboardDescription, bytes: Uint8Array): HTMLElement {

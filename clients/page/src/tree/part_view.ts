@@ -4,7 +4,7 @@ import { Role } from "../link/messages";
 import type { Part, Port, Side } from "../model/part";
 import { h, setText } from "../ui/dom";
 import { startPortDrag } from "../ui/drag";
-import { reportError } from "../ui/toasts";
+import { report, reportError } from "../ui/toasts";
 import { blackboardsView } from "./blackboards";
 import { parametersView } from "./parameters";
 import { PortRow, type RowActions } from "./row";
@@ -20,6 +20,7 @@ export class PartView {
 
   constructor(private readonly link: Link, readonly part: Part, private readonly actions: RowActions) {
     this.lease.addEventListener("click", () => void this.toggleLease());
+    const blackboards = blackboardsView(link, part);
     this.element = h(
       "section",
       { class: "part", "aria-label": `Part ${part.name}` },
@@ -27,9 +28,12 @@ export class PartView {
       this.side("input", "Controller Input"),
       this.side("output", "Sensor Output"),
       parametersView(link, part),
-      blackboardsView(link, part),
+      blackboards?.element,
     );
-    this.stops.push(part.holder.watch(() => this.showLease()), part.leased.watch(() => this.showLease()), link.recorded.watch(() => this.showLease()));
+    if (blackboards) this.stops.push(blackboards.stop);
+    this.stops.push(part.gaveUp.on((words) => report(words, "error")));
+    const show = () => this.showLease();
+    this.stops.push(part.holder.watch(show), part.leased.watch(show), link.recorded.watch(show), link.state.watch(show));
   }
 
   dispose(): void {
