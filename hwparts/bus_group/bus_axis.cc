@@ -29,6 +29,13 @@ bool changes_state(std::uint8_t command) {
   return command == command::kReset || command == command::kHalt || command == command::kHome;
 }
 
+// Answers to what sets or moves something end with a byte that says so; where there is none, it was taken.
+bool refuses(const Message& answer) {
+  const auto command = answer.command();
+  const bool says_so = command == command::kSetParameter || command == command::kSetMove;
+  return says_so && answer.size > 2 && answer.data[2] != powercube::kDone;
+}
+
 }  // namespace
 
 BusAxis::BusAxis(const drive::DriveData& data, const Found& found)
@@ -42,16 +49,24 @@ std::uint32_t BusAxis::state_word() const {
   return reading_.state | (lost_ || comm_fault_ ? bit::kError | bit::kCommError : 0U);
 }
 
+bool BusAxis::moves() const {
+  return has(bit::kMotion) || homing_ || move_sent_ || stand_wished_ || target_wished_ || has_wish();
+}
+
 void BusAxis::forget_motion() {
   target_wished_.reset();
   target_sent_.reset();
   stand_wished_ = home_wished_ = false;
+  pause_ = 0;
 }
 
+// Nothing is more urgent; but a reset that is still to be sent would undo it, so that another one follows
+// that.
 void BusAxis::halt() {
   forget_motion();
   if (lost_) return;  // it is halted as soon as it is there again
   halt_wished_ = unsettled_ = true;
+  halt_again_ = reset_wished_;
   homing_ = false;
 }
 
@@ -60,10 +75,10 @@ void BusAxis::reset() {
   forget_motion();
   if (lost_) return;
   reset_wished_ = unsettled_ = true;
-  homing_ = false;
+  halt_again_ = homing_ = false;
   speed_sent_.reset();
   if (comm_fault_) settings_left_ = settings_.size();
-  comm_fault_ = false;
+  comm_fault_ = settings_refused_ = false;
 }
 
 void BusAxis::home() {
@@ -97,18 +112,25 @@ void BusAxis::set(std::uint8_t parameter, double value) {
   else
     *known = message;
   settings_left_ = settings_.size();
+  settings_refused_ = false;
 }
 
 bool BusAxis::has_wish() const {
-  return !lost_ && (halt_wished_ || reset_wished_ || stand_wished_ || home_wished_ || target_wished_ ||
-                    settings_left_ > 0);
+  const bool motion = pause_ == 0 && (stand_wished_ || target_wished_);
+  return !lost_ && (halt_wished_ || reset_wished_ || home_wished_ || motion || settings_left_ > 0);
 }
 
 Message BusAxis::next_request() {
   if (!has_wish()) return next_reading();
   if (std::exchange(halt_wished_, false)) return {command::kHalt};
-  if (std::exchange(reset_wished_, false)) return {command::kReset};
-  if (std::exchange(stand_wished_, false)) return with_float(command::kSetMove, kVelocity, 0.0F);
+  if (std::exchange(reset_wished_, false)) {
+    halt_wished_ = std::exchange(halt_again_, false);
+    return {command::kReset};
+  }
+  if (pause_ == 0 && std::exchange(stand_wished_, false)) {
+    move_sent_ = true;
+    return with_float(command::kSetMove, kVelocity, 0.0F);
+  }
   if (settings_left_ > 0) return settings_[settings_.size() - settings_left_--];
   if (std::exchange(home_wished_, false)) return {command::kHome};
   if (speed_sent_ != speed_wished_) {
@@ -117,6 +139,7 @@ Message BusAxis::next_request() {
   }
   target_sent_ = *target_wished_;
   target_wished_.reset();
+  move_sent_ = true;
   return with_float(command::kSetMove, kRamp, *target_sent_);
 }
 
@@ -133,7 +156,31 @@ void BusAxis::take(const Message& request, const std::optional<Message>& answer)
   if (!answer) return lose();
   const auto command = request.command();
   if (changes_state(command)) state_asked_ = false;
-  if (command == command::kGetParameter) take_reading(request.data[1], *answer);
+  if (refuses(*answer)) return take_refusal(request);
+  if (command != command::kGetParameter) return;
+  if (pause_ > 0) --pause_;
+  take_reading(request.data[1], *answer);
+}
+
+// A refused motion is wished again, unless something else was wished since, and asked for again after a round
+// of readings: a module that goes on refusing does not fill the line. A setting is sent once more, with all
+// others, since limits depend on each other; a module that does not take it then has not what it must have.
+void BusAxis::take_refusal(const Message& request) {
+  const auto parameter = request.data[1];
+  const bool newer = halt_wished_ || reset_wished_ || home_wished_ || stand_wished_ || target_wished_;
+  if (request.command() == command::kSetMove && parameter == kVelocity) {
+    stand_wished_ |= !newer;
+  } else if (request.command() == command::kSetMove) {
+    if (!newer) target_wished_ = target_sent_;
+    target_sent_.reset();
+  } else if (parameter == kTargetSpeed) {
+    speed_sent_.reset();
+  } else {
+    settings_left_ = settings_refused_ ? 0 : settings_.size();
+    comm_fault_ = std::exchange(settings_refused_, true) || comm_fault_;
+    return;
+  }
+  pause_ = kRound.size();
 }
 
 void BusAxis::take_reading(std::uint8_t parameter, const Message& answer) {
@@ -162,6 +209,8 @@ void BusAxis::take_reading(std::uint8_t parameter, const Message& answer) {
 
 void BusAxis::take_state(std::uint32_t state) {
   reading_.state = state;
+  move_sent_ = false;
+  if (pause_ > 0 && !(state & bit::kMotion)) stand_wished_ = false;  // it was refused, and is not needed
   const bool wishes = halt_wished_ || reset_wished_ || home_wished_;
   if (state_asked_ && !wishes) unsettled_ = false;
   if (!homing_ || settling()) return;
@@ -179,7 +228,7 @@ void BusAxis::take_serial_number(std::uint32_t number) {
 
 void BusAxis::lose() {
   forget_motion();
-  halt_wished_ = reset_wished_ = false;
+  halt_wished_ = reset_wished_ = halt_again_ = false;
   settings_left_ = 0;
   unsettled_ = false;
   homing_ = false;

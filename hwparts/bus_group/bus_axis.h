@@ -28,6 +28,9 @@ class BusAxis {
   const Reading& reading() const { return reading_; }
   std::uint32_t state_word() const;
   bool has(std::uint32_t bits) const { return (state_word() & bits) != 0; }
+  // Moves, or will, as far as is known: from the wish on until a state that was read afterwards says
+  // otherwise.
+  bool moves() const;
   // A command that changes the state is on its way, and the state is not known yet.
   bool settling() const { return unsettled_; }
   bool homing() const { return homing_; }
@@ -56,6 +59,7 @@ class BusAxis {
   void take_reading(std::uint8_t parameter, const powercube::Message& answer);
   void take_state(std::uint32_t state);
   void take_serial_number(std::uint32_t number);
+  void take_refusal(const powercube::Message& request);
   void forget_motion();
   powercube::Message next_reading();
 
@@ -63,6 +67,7 @@ class BusAxis {
   std::uint32_t serial_number_;
   std::vector<powercube::Message> settings_;  // to be sent again after a loss
   std::size_t settings_left_ = 0;
+  bool settings_refused_ = false;  // one of them; all are sent once more
 
   Reading reading_;
   bool lost_ = false;
@@ -70,9 +75,12 @@ class BusAxis {
   bool unsettled_ = false;    // a command was given whose effect on the state is not known yet
   bool state_asked_ = false;  // since it was answered
   bool homing_ = false;
-  unsigned round_ = 0;  // of readings
+  bool move_sent_ = false;  // since the state was read last
+  unsigned round_ = 0;      // of readings
+  unsigned pause_ = 0;      // a motion was refused: for so many readings nothing is sent that moves it
 
   bool halt_wished_ = false, reset_wished_ = false, home_wished_ = false, stand_wished_ = false;
+  bool halt_again_ = false;  // behind the reset that was pending when the halt came
   std::optional<float> target_wished_;
   float speed_wished_ = 0.0F;
   std::optional<float> target_sent_;  // what it follows now

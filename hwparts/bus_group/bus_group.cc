@@ -117,6 +117,8 @@ bool BusGroup::may_move() const {
 void BusGroup::drive(Axis& axis, std::span<const double> inputs, bool may_move) {
   const double desired = desired_value(layout_, axis.run, inputs);
   if (axis.held && desired != axis.ignored) axis.held = false;
+  // On its way home a module takes no other motion: only HALT stops it.
+  if (axis.module.homing() && (!enabled_ || any(bit::kError))) return axis.module.halt();
   if (!may_move || !axis.module.has(bit::kHomeOk)) return axis.module.stand();
   if (!axis.held) axis.module.follow(desired, maximum_speed(layout_, axis.run, inputs));
 }
@@ -155,7 +157,7 @@ PartState BusGroup::part_state() const {
   if (std::ranges::any_of(axes_, homing)) return PartState::kHoming;
   if (!std::ranges::all_of(axes_, homed)) return PartState::kNotHomed;
   if (!enabled_) return PartState::kDisabled;
-  const auto moves = [](const Axis& axis) { return axis.module.has(bit::kMotion) || axis.module.has_wish(); };
+  const auto moves = [](const Axis& axis) { return axis.module.moves(); };
   return std::ranges::any_of(axes_, moves) ? PartState::kMoving : PartState::kReady;
 }
 
@@ -252,7 +254,7 @@ void BusGroup::serve_watchdog() {
 
 // Whoever ends leaves nothing moving behind.
 void BusGroup::stand_down() {
-  const auto moves = [](const Axis& axis) { return axis.module.has(bit::kMotion) || axis.module.has_wish(); };
+  const auto moves = [](const Axis& axis) { return axis.module.moves(); };
   if (std::ranges::none_of(axes_, moves)) return;
   for (auto& axis : axes_) axis.module.halt();
   const auto until = asker_.line().now_ns() + kStandDown_ns;

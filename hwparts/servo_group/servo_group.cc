@@ -87,7 +87,7 @@ void ServoGroup::act(std::span<const double> inputs, std::span<const hwparts::Jo
 
 void ServoGroup::obey_counters(std::span<const double> inputs) {
   if (changes(state_.reset, inputs[layout_.reset])) {
-    if (any(bit::kError | bit::kHalted)) hold_all(inputs);
+    interlock(inputs);
     for (auto& axis : axes_) drive::reset(axis.drive.data(), axis.drive.state(), target(axis, inputs));
   }
   const bool may_move = state_.enabled && !any(bit::kError);
@@ -102,9 +102,15 @@ void ServoGroup::obey_counters(std::span<const double> inputs) {
   }
 }
 
-// While something is stopped, everything stands, and what is commanded meanwhile does not count.
+// While something is stopped, everything stands, and what is commanded meanwhile does not count. Who was on
+// its way home when another drive failed does not go on when that is over.
 void ServoGroup::interlock(std::span<const double> inputs) {
   if (any(bit::kError | bit::kHalted)) hold_all(inputs);
+  if (!any(bit::kError)) return;
+  for (auto& axis : axes_) {
+    auto& state = axis.drive.state();
+    state.homing = state.homing && state.by_bus;
+  }
 }
 
 void ServoGroup::hold_all(std::span<const double> inputs) {

@@ -233,6 +233,148 @@ TEST(BusGroup, LeavesNothingMovingBehind) {
   EXPECT_NEAR(arm.behind.plants[0].joint.velocity, 0.0, 1e-3);
 }
 
+// Nobody has seen it move yet.
+TEST(BusGroup, LeavesNothingMovingBehindThatHasJustBegun) {
+  RealBench arm;
+  arm.inputs[0] = 1.5;
+  arm.part->act(arm.inputs, {}, {});
+  while (arm.line.count(command::kSetMove) == 0) arm.part->pump();
+  arm.part->stand_down();
+  arm.behind.run(1.0);
+  EXPECT_TRUE(arm.behind.module(1) & bit::kHalted);
+  EXPECT_NEAR(arm.behind.plants[0].joint.velocity, 0.0, 1e-3);
+  EXPECT_LT(arm.behind.plants[0].joint.position, 0.2);
+}
+
+TEST(BusGroup, LeavesNothingOnItsWayHome) {
+  RealBench arm;
+  arm.inputs[arm.inputs.size() - 3] += 1.0;
+  arm.part->act(arm.inputs, {}, {});
+  while (arm.line.count(command::kHome) < 8) arm.part->pump();
+  arm.part->stand_down();
+  arm.behind.run(1.0);
+  for (int id = 1; id <= 8; ++id) EXPECT_TRUE(arm.behind.module(id) & bit::kHalted) << id;
+  EXPECT_NEAR(arm.behind.plants[0].joint.position, 0.1, 2e-3);
+}
+
+TEST(BusGroup, AModuleThatFallsSilentStopsTheOthersOnTheirWayHome) {
+  RealBench arm;
+  arm.inputs[arm.inputs.size() - 3] += 1.0;
+  arm.run(0.1);
+  EXPECT_EQ(Ends{arm}.state(), PartState::kHoming);
+  arm.line.silent = {4};
+  arm.run(0.5);
+  EXPECT_EQ(Ends{arm}.state(), PartState::kFault);
+  const double stood = arm.behind.plants[0].joint.position;
+  EXPECT_GT(stood, 0.005) << "it was not home yet";
+  arm.run(0.5);
+  EXPECT_NEAR(arm.behind.plants[0].joint.position, stood, 1e-3);
+  EXPECT_TRUE(arm.behind.module(1) & bit::kHalted);
+}
+
+// HALT is never kept waiting, and what is sent behind it does not undo it.
+TEST(BusGroup, AHaltGoesBeforeAResetThatStillWaitsAndBehindItAgain) {
+  RealBench arm;
+  arm.line.sent.clear();
+  Ends{arm}.reset();
+  arm.inputs[arm.inputs.size() - 2] += 1.0;
+  arm.run(0.2);
+  std::vector<std::uint8_t> said;
+  for (const auto& telegram : arm.line.sent)
+    if (telegram.module == 3 && telegram.message.command() != command::kGetParameter)
+      said.push_back(telegram.message.command());
+  EXPECT_THAT(said, testing::ElementsAre(command::kHalt, command::kReset, command::kHalt));
+}
+
+// ---- what a module refuses ----
+
+TEST(BusGroup, ARefusedMotionIsAskedForAgain) {
+  for (const auto wire : {Wire::kSerial, Wire::kCan}) {
+    RealBench arm(wire);
+    arm.line.refuse_moves = 3;
+    arm.inputs[0] = 0.2;
+    arm.run(2.0);
+    EXPECT_NEAR(arm.behind.plants[0].joint.position, 0.2, 2e-3);
+    EXPECT_EQ(Ends{arm}.state(), PartState::kReady);
+    EXPECT_EQ(arm.line.count(command::kSetMove), 4);
+  }
+}
+
+TEST(BusGroup, AModuleThatGoesOnRefusingDoesNotFillTheLine) {
+  RealBench arm;
+  arm.line.sent.clear();
+  arm.line.refuse_moves = 1'000'000;
+  arm.inputs[0] = 0.2;
+  arm.run(1.0);
+  EXPECT_GT(arm.line.count(command::kSetMove), 5);
+  EXPECT_LT(20 * arm.line.count(command::kSetMove), arm.line.count(command::kGetParameter));
+  EXPECT_EQ(Ends{arm}.state(), PartState::kMoving) << "it is still to go there";
+  arm.inputs[0] = 0.3;  // the newest wins
+  arm.line.refuse_moves = 0;
+  arm.run(2.0);
+  EXPECT_NEAR(arm.behind.plants[0].joint.position, 0.3, 2e-3);
+}
+
+TEST(BusGroup, ARefusedStopIsAskedForAgainWhileItMoves) {
+  RealBench arm;
+  arm.inputs[0] = 1.5;
+  arm.run(0.8);
+  arm.line.refuse_moves = 2;
+  arm.inputs.back() = 0.0;
+  arm.run(0.8);
+  EXPECT_NEAR(arm.behind.plants[0].joint.velocity, 0.0, 1e-3);
+  EXPECT_LT(arm.behind.plants[0].joint.position, 0.6);
+}
+
+TEST(BusGroup, NothingMovesAtASpeedThatWasRefused) {
+  RealBench arm;
+  constexpr std::uint8_t kTargetSpeed = 0x4F;
+  arm.inputs[0] = 0.3;
+  arm.line.refused = kTargetSpeed;
+  arm.run(0.5);
+  EXPECT_EQ(arm.line.count(command::kSetMove), 0);
+  arm.line.refused = 0;
+  arm.run(2.0);
+  EXPECT_NEAR(arm.behind.plants[0].joint.position, 0.3, 2e-3);
+}
+
+TEST(BusGroup, ARefusedLimitIsAFaultUntilItIsTaken) {
+  RealBench arm;
+  Ends ends{arm};
+  constexpr std::uint8_t kMaxAcc = 0x4A;
+  arm.line.refused = kMaxAcc;
+  ASSERT_EQ(arm.part->set_parameter("Maximum Acceleration 4", 0.5), std::nullopt);
+  arm.run(0.2);
+  EXPECT_EQ(ends.state(), PartState::kFault);
+  EXPECT_TRUE(ends.module(4) & bit::kCommError);
+  EXPECT_FALSE(ends.module(3) & bit::kError);
+  const int asked = arm.line.count(command::kSetParameter);
+  arm.run(0.5);
+  EXPECT_EQ(arm.line.count(command::kSetParameter), asked) << "not for ever";
+  arm.line.refused = 0;
+  ends.reset();
+  arm.run(0.3);
+  EXPECT_EQ(ends.state(), PartState::kReady);
+  for (const auto& parameter : arm.behind.part->parameters()) {
+    if (parameter.name == "Maximum Acceleration 4") {
+      EXPECT_NEAR(std::get<double>(parameter.value), 0.5, 1e-6);
+    }
+  }
+}
+
+// Two limits may depend on each other: the first is refused until the second has been taken.
+TEST(BusGroup, LimitsThatDependOnEachOtherAreBothTaken) {
+  RealBench arm;
+  ASSERT_EQ(arm.part->set_parameter("Soft Limit Maximum 1", 0.3), std::nullopt);
+  arm.run(0.1);
+  arm.inputs[0] = 0.25;
+  arm.run(1.5);
+  ASSERT_EQ(arm.part->set_parameter("Soft Limit Maximum 1", 2.0), std::nullopt);
+  ASSERT_EQ(arm.part->set_parameter("Soft Limit Minimum 1", 0.2), std::nullopt);
+  arm.run(0.2);
+  EXPECT_EQ(Ends{arm}.state(), PartState::kReady);
+}
+
 TEST(BusGroup, SaysWhichModulesItFound) {
   RealBench arm;
   const auto board = arm.part->read_blackboard(0);

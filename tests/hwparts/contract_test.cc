@@ -225,6 +225,75 @@ TEST_P(Contract, HomesOnCommandAndStandsThere) {
   EXPECT_NEAR(arm->joint(1), 0.0, 2e-3) << "what was desired before does not count";
 }
 
+TEST_P(Contract, HomeStopsWithoutExecutionEnable) {
+  const auto arm = this->arm();
+  arm->bump("Home");
+  arm->run(0.3);
+  ASSERT_EQ(arm->state(), PartState::kHoming);
+  arm->in("Execution Enable") = 0.0;
+  arm->run(0.6);
+  const double stood = arm->joint(1);
+  EXPECT_GT(stood, 0.01) << "it was not home yet";
+  arm->run(0.5);
+  EXPECT_NEAR(arm->joint(1), stood, 1e-3);
+  EXPECT_FALSE(arm->module(1) & bit::kHomeOk);
+  EXPECT_FALSE(arm->module(1) & bit::kError);
+}
+
+TEST_P(Contract, AFaultOfOneDriveEndsHomeForAllOfThem) {
+  const auto arm = this->arm();
+  arm->bump("Home");
+  arm->run(0.1);
+  ASSERT_EQ(arm->state(), PartState::kHoming);
+  EXPECT_EQ(arm->part.set_parameter("Following Error Limit 3", 1e-4), std::nullopt);
+  ASSERT_TRUE(arm->wait_for(PartState::kFault, 0.3));
+  EXPECT_EQ(arm->part.set_parameter("Following Error Limit 3", 0.1), std::nullopt);
+  arm->run(0.5);
+  const double stood = arm->joint(1);
+  EXPECT_GT(stood, 0.01) << "it was not home yet";
+  arm->run(0.3);
+  EXPECT_NEAR(arm->joint(1), stood, 1e-3);
+  arm->bump("Reset");
+  ASSERT_TRUE(arm->wait_for(PartState::kNotHomed, 1.0));
+  arm->run(1.0);
+  EXPECT_NEAR(arm->joint(1), stood, 1e-3) << "an old command";
+  EXPECT_EQ(arm->state(), PartState::kNotHomed);
+}
+
+TEST_P(Contract, HaltWinsOverResetAndHomeInTheSameTick) {
+  const auto arm = this->arm();
+  arm->bump("Reset");
+  arm->bump("Home");
+  arm->bump("Halt");
+  arm->run(1.0);
+  EXPECT_EQ(arm->state(), PartState::kHalted);
+  EXPECT_TRUE(arm->module(1) & bit::kHalted);
+  EXPECT_NEAR(arm->joint(1), 0.1, 1e-3);
+}
+
+TEST_P(Contract, ResetAndHaltInTheSameTickEndAFaultAndHalt) {
+  const auto arm = this->arm();
+  arm->part.controller_lost();
+  arm->run(0.3);
+  ASSERT_EQ(arm->state(), PartState::kControllerLost);
+  arm->bump("Reset");
+  arm->bump("Halt");
+  arm->run(0.5);
+  EXPECT_EQ(arm->state(), PartState::kHalted);
+  EXPECT_FALSE(arm->module(1) & bit::kError);
+}
+
+TEST_P(Contract, IsMovingFromTheCommandUntilItHasArrived) {
+  const auto arm = this->arm();
+  arm->in("Desired Angle 1") = 0.15;
+  for (int tick = 0; tick < 250; ++tick) {
+    arm->run(0.001);
+    ASSERT_EQ(arm->state(), PartState::kMoving) << tick;
+  }
+  ASSERT_TRUE(arm->wait_for(PartState::kReady, 1.0));
+  EXPECT_NEAR(arm->joint(1), 0.15, 2e-3);
+}
+
 TEST_P(Contract, NothingIsFollowedBeforeItIsHomed) {
   const auto arm = this->arm("homed: false");
   arm->run(0.1);

@@ -27,6 +27,12 @@ class PluggedLine : public powercube::Line {
     if (gone || cut || silent.contains(telegram.module)) return;
     if (deaf_to != 0 && telegram.message.command() == 0x08 && telegram.message.data[1] == deaf_to) return;
     if (lose_next > 0 && lose_next-- > 0) return;
+    if (refuses(telegram.message)) {
+      const auto& message = telegram.message;
+      const powercube::Message refusal{message.data[0], message.data[1], 0x00};
+      answers_.push_back({powercube::Telegram::Kind::kAnswer, telegram.module, refusal});
+      return;
+    }
     if (const auto answer = part_.modules()->obey(telegram, wire_)) answers_.push_back(*answer);
   }
   std::optional<powercube::Telegram> receive() override {
@@ -51,9 +57,17 @@ class PluggedLine : public powercube::Line {
   std::set<int> silent;      // modules
   std::uint8_t deaf_to = 0;  // SETPARAM of this parameter
   int lose_next = 0;         // requests
+  int refuse_moves = 0;      // SETMOVE, the next so many
+  std::uint8_t refused = 0;  // SETPARAM of this parameter
   std::deque<powercube::Telegram> sent;
 
  private:
+  bool refuses(const powercube::Message& message) {
+    if (message.command() == powercube::command::kSetMove) return refuse_moves > 0 && refuse_moves-- > 0;
+    return message.command() == powercube::command::kSetParameter && refused != 0 &&
+           message.data[1] == refused;
+  }
+
   hwparts::Part& part_;
   powercube::Wire wire_;
   std::function<void()> tick_;

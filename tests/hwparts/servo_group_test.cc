@@ -98,16 +98,6 @@ TEST(Counters, ACounterWrittenBeforeTheFirstTickActsInIt) {
   EXPECT_STATE(bench, kHalted);
 }
 
-TEST(Counters, HaltWinsOverResetAndHomeInTheSameTick) {
-  auto bench = arm_bench();
-  bench.bump("Reset");
-  bench.bump("Home");
-  bench.bump("Halt");
-  bench.run(1.0);
-  EXPECT_STATE(bench, kHalted);
-  EXPECT_NEAR(bench.out("Actual Angle 1"), 0.1, 1e-3);
-}
-
 TEST(Halt, StopsAllAndAfterResetTheArmStandsUntilCommandedAnew) {
   auto bench = arm_bench();
   bench.set_angles(1.0);
@@ -206,6 +196,25 @@ TEST(Supply, OffAndOnAgainNeedsAReset) {
   bench.bump("Reset");
   bench.run(0.5);
   EXPECT_STATE(bench, kReady);
+}
+
+// Even where the Reset comes in the tick after the fault.
+TEST(Fault, DuringHomeEndsItForTheOthersTooHoweverSoonResetComes) {
+  auto bench = arm_bench();
+  bench.bump("Home");
+  bench.run(0.2);
+  ASSERT_EQ(bench.part->set_parameter("Following Error Limit 3", 1e-5), std::nullopt);
+  int ticks = 0;
+  while (!(bench.module(3) & bit::kError) && ++ticks < 1000) bench.tick();
+  ASSERT_TRUE(bench.module(3) & bit::kTowError);
+  ASSERT_EQ(bench.part->set_parameter("Following Error Limit 3", 0.1), std::nullopt);
+  bench.bump("Reset");
+  bench.run(0.5);
+  EXPECT_STATE(bench, kNotHomed);
+  const double stood = bench.out("Actual Angle 1");
+  EXPECT_GT(stood, 0.01);
+  bench.run(1.0);
+  EXPECT_NEAR(bench.out("Actual Angle 1"), stood, 1e-3);
 }
 
 TEST(ServoGroup, NumbersItsPortsInTheOrderOfTheDrivesFile) {
