@@ -155,10 +155,10 @@ std::optional<std::string> ServoGroup::refuse_fault(const hwparts::Fault& fault)
   if (hwparts::fault_info(fault.kind).target != hwparts::FaultTarget::kDrive) return std::nullopt;
   const std::string number = std::to_string(fault.drive() + 1);
   if (fault.drive() >= axes_.size())
-    return "there is no joint " + number + "; '" + description_.name + "' has " +
-           std::to_string(axes_.size());
+    return "there is no drive " + number + "; '" + description_.name + "' has " +
+           std::to_string(axes_.size()) + " drives";
   if (auto reason = servo_group::refuse(fault, axes_[fault.drive()].drive.data()))
-    return "joint " + number + " " + *reason;
+    return "drive " + number + " " + *reason;
   return std::nullopt;
 }
 

@@ -217,6 +217,15 @@ TEST(Fault, DuringHomeEndsItForTheOthersTooHoweverSoonResetComes) {
   EXPECT_NEAR(bench.out("Actual Angle 1"), stood, 1e-3);
 }
 
+TEST(Fault, OfADriveThatIsNotThereIsRefusedByItsNumber) {
+  const auto bench = arm_bench();
+  std::string why;
+  const auto fault = hwparts::make_fault("encoder_stuck", {{"joint", 9}}, why);
+  ASSERT_TRUE(fault) << why;
+  EXPECT_EQ(bench.part->refuse_fault(*fault).value_or(""), "there is no drive 9; 'arm' has 8 drives")
+      << "nine joints: the last two are one drive's";
+}
+
 TEST(ServoGroup, NumbersItsPortsInTheOrderOfTheDrivesFile) {
   auto context = arm_context();
   context.joints.erase(context.joints.begin() + 1, context.joints.begin() + 7);  // joint_1 and the fingers

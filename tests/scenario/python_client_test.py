@@ -157,7 +157,7 @@ class OnTheTwoLinkRobot(unittest.TestCase):
         self.client.advance_ms(1)
         self.client.leave()
         self.assertEqual(robot.faults(), [])
-        with self.assertRaisesRegex(visum.Error, "there is no joint 9"):
+        with self.assertRaisesRegex(visum.Error, "there is no drive 9"):
             robot.inject_fault("encoder_stuck", joint=9)
 
     def test_paused_world_steps(self) -> None:
