@@ -81,7 +81,9 @@ void Drive::move_setpoint(const Command& command) {
   auto& setpoint = state_.setpoint;
   state_.commanded = command.target;
   if (!ready(state_)) {
-    setpoint = {state_.measured_position, 0.0, RampPhase::kEnd};
+    // What was commanded begins once the brake is open; until then nobody is told that it is over.
+    const bool begins = state_.loop_closed && (state_.homing || state_.motion.kind != MotionKind::kNone);
+    setpoint = {state_.measured_position, 0.0, begins ? RampPhase::kAccelerating : RampPhase::kEnd};
     return;
   }
   if (state_.homing && command.enabled) return home_on(command);

@@ -190,7 +190,7 @@ void halt(DriveState& state, double target) {
 }
 
 void home(DriveState& state) {
-  if (has(state, state_bit::kError) || !ready(state)) return;
+  if (has(state, state_bit::kError) || !state.loop_closed) return;
   state.latched &= ~state_bit::kHomeOk;
   state.homing = true;
   state.moves_to_zero = false;

@@ -38,7 +38,7 @@ void watch_gear(const GearData& gear, DriveState& state);
 void hold(DriveState& state, double target);
 void reset(const DriveData& data, DriveState& state, double target);
 void halt(DriveState& state, double target);
-// Nothing while a fault stands or the loop is open.
+// Nothing while a fault stands or the loop is open. While the brake opens it waits for that.
 void home(DriveState& state);
 // home_offset becomes the encoder's zero_offset. Moves nothing.
 void set_zero(DriveState& state);

@@ -27,7 +27,7 @@ void halt(const ModuleEdit& edit) {
 }
 
 void home(const ModuleEdit& edit) {
-  if (drive::has(edit.drive, bit::kError) || !drive::ready(edit.drive)) return;
+  if (drive::has(edit.drive, bit::kError) || !edit.drive.loop_closed) return;
   drive::take_from_bus(edit.drive, {});
   drive::home(edit.drive);
   edit.module.deferred = false;

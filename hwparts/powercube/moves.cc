@@ -127,7 +127,7 @@ bool accepts_motion(const ModuleView& view) {
   const auto& drive = view.drive;
   const bool homed = drive::has(drive, bit::kHomeOk);
   if ((view.module.config & config_bit::kM3Compatible) && !homed) return false;
-  return !drive::has(drive, bit::kError | bit::kHalted) && drive::ready(drive) && !drive.homing;
+  return !drive::has(drive, bit::kError | bit::kHalted) && drive.loop_closed && !drive.homing;
 }
 
 MoveResult start(const ModuleEdit& edit, const Move& move, bool deferred) {

@@ -198,6 +198,23 @@ TEST(Supply, OffAndOnAgainNeedsAReset) {
   EXPECT_STATE(bench, kReady);
 }
 
+// The loop is closed by then, and the brake opens.
+TEST(Home, WorksInTheTickOfTheResetThatGivesTheSupplyBack) {
+  auto bench = arm_bench();
+  ASSERT_EQ(bench.part->set_parameter("Supply Voltage", 0.0), std::nullopt);
+  bench.run(0.5);
+  ASSERT_EQ(bench.part->set_parameter("Supply Voltage", 24.0), std::nullopt);
+  bench.bump("Reset");
+  bench.bump("Home");
+  bench.run(0.01);
+  EXPECT_STATE(bench, kHoming);
+  EXPECT_TRUE(bench.module(1) & bit::kBrakeActive);
+  EXPECT_FALSE(bench.module(1) & (bit::kHomeOk | bit::kRampEnd));
+  bench.run(4.0);
+  EXPECT_STATE(bench, kReady);
+  EXPECT_NEAR(bench.out("Actual Angle 1"), 0.0, 1e-3);
+}
+
 // Even where the Reset comes in the tick after the fault.
 TEST(Fault, DuringHomeEndsItForTheOthersTooHoweverSoonResetComes) {
   auto bench = arm_bench();

@@ -228,6 +228,62 @@ TEST(PowerCube, EmergencyStopIsASupplyFaultThatResetClearsOnceItIsBack) {
   EXPECT_NEAR(bench.position(1), stood, 1e-3);
 }
 
+// RESET closes the loop; the brake takes its time to open. What is asked for meanwhile is done then, and
+// nobody is told that it is over before it has begun.
+class WhileTheBrakeOpens : public testing::Test {
+ protected:
+  WhileTheBrakeOpens() {
+    for (const bool pressed : {true, false}) {
+      EXPECT_EQ(bench.part->set_parameter("Emergency Stop", pressed), std::nullopt);
+      bench.run(0.5);
+    }
+    EXPECT_EQ(bench.send(1, {0x00}), Message{0x00});
+    EXPECT_TRUE(bench.word(1) & bit::kBrakeActive);
+  }
+  void expect_motion_for(double seconds) {
+    for (double t = 0.0; t < seconds; t += 0.001) {
+      ASSERT_EQ(bench.word(1) & (bit::kMotion | bit::kRampEnd), bit::kMotion) << t;
+      bench.tick();
+    }
+  }
+  BusBench bench{"", 0.001, 0.3};
+};
+
+TEST_F(WhileTheBrakeOpens, HomeIsTaken) {
+  EXPECT_EQ(bench.send(1, {0x01}), Message{0x01});
+  EXPECT_FALSE(bench.word(1) & bit::kHomeOk);
+  expect_motion_for(0.2);
+  ASSERT_TRUE(bench.wait_for(1, bit::kHomeOk | bit::kRampEnd, 10.0));
+  bench.run(0.5);
+  EXPECT_NEAR(bench.plants[0].joint.position, 0.0, 1e-3);
+}
+
+TEST_F(WhileTheBrakeOpens, MotionsAreTaken) {
+  EXPECT_TRUE(bench.ramp(1, 0.5f));
+  expect_motion_for(0.2);
+  bench.run(2.0);
+  EXPECT_NEAR(bench.position(1), 0.5, 1e-3);
+}
+
+TEST_F(WhileTheBrakeOpens, HaltStillStops) {
+  EXPECT_TRUE(bench.ramp(1, 0.5f));
+  EXPECT_EQ(bench.send(1, {0x02}), Message{0x02});
+  bench.run(1.0);
+  EXPECT_EQ(bench.word(1) & (bit::kHalted | bit::kMotion), bit::kHalted);
+  EXPECT_NEAR(bench.position(1), 0.3, 1e-3);
+}
+
+TEST(PowerCube, AFaultOfOneModuleDoesNotStopTheHomingOfTheOthersOnTheBus) {
+  BusBench bench("", 0.001, 0.3);
+  bench.plants[0].upper = 0.35;
+  bench.ramp(1, 1.0f);
+  bench.send(2, {0x01});
+  bench.run(1.5);
+  EXPECT_TRUE(bench.word(1) & bit::kTowError);
+  ASSERT_TRUE(bench.wait_for(2, bit::kHomeOk | bit::kRampEnd, 3.0));
+  EXPECT_NEAR(bench.position(2), 0.0, 1e-3);
+}
+
 TEST(PowerCube, HomeOffsetIsSeenAfterReset) {
   BusBench bench;
   bench.run(0.1);
