@@ -157,8 +157,10 @@ Setpoint Drive::follow_bus() {
       return ramp_to(from, reachable_target(data_, state_, motion.target), speed, acceleration, tick_s_);
     case MotionKind::kVelocity:
       return keep_speed(motion.target, {limits.speed, acceleration});
-    case MotionKind::kStep:
-      return step_on(motion, from, reachable_target(data_, state_, motion.target), limits, tick_s_);
+    case MotionKind::kStep: {
+      const double target = reachable_target(data_, state_, motion.target);
+      return stopping_inside(step_on(motion, from, target, limits, tick_s_), target, limits);
+    }
     case MotionKind::kCurrent: {
       const bool moves = std::abs(state_.measured_speed) > kStillSpeed * limits.speed;
       return follow_axis(motion, state_.measured_position, state_.measured_speed, moves, tick_s_);
@@ -167,6 +169,20 @@ Setpoint Drive::follow_bus() {
       break;
   }
   return from;
+}
+
+// A stream of steps may end at speed; not so near to a soft limit that the axis would trip it before it
+// stands.
+Setpoint Drive::stopping_inside(const Setpoint& next, double target, const MotionLimits& limits) const {
+  const auto& tuning = state_.tuning;
+  if (!data_.limits.limited || !state_.referenced || state_.soft_side != 0) return next;
+  const double lowest = std::min(target, tuning.soft_minimum + data_.limits.tolerance);
+  const double highest = std::max(target, tuning.soft_maximum - data_.limits.tolerance);
+  const double stops_at = next.position + 0.5 * next.speed * std::abs(next.speed) / limits.acceleration;
+  const bool inside = next.speed > 0.0 ? stops_at <= highest : stops_at >= lowest || next.speed == 0.0;
+  if (inside) return next;
+  return ramp_to(state_.setpoint, std::clamp(stops_at, lowest, highest), limits.speed, limits.acceleration,
+                 tick_s_);
 }
 
 MotorEffort Drive::drive_motor() {

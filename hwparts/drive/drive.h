@@ -46,6 +46,7 @@ class Drive {
   void home_on(const Command& command);
   Setpoint follow_ports(const Command& command);
   Setpoint follow_bus();
+  Setpoint stopping_inside(const Setpoint& next, double target, const MotionLimits& limits) const;
   Setpoint keep_speed(double speed, const MotionLimits& limits);
   MotorEffort drive_motor();
   bool brake_holds() const;

@@ -7,6 +7,8 @@ namespace visum::drive {
 namespace {
 
 constexpr double kStill_s = 0.1;  // without motion for so long: the axis stands
+// Of streamed steps, whose periods are 10 to 50 ms: the gap to the next at most, and their duration.
+constexpr double kJoin_s = 0.05, kStream_s = 0.1;
 
 // The speed of a trapezoid that starts with speed u (towards the target: > 0) and is at rest after `distance`
 // in `time`; the highest allowed where that is too soon.
@@ -45,7 +47,7 @@ Motion start_step(const Motion& before, const Setpoint& from, double target, dou
   step.target = target;
   step.duration_s = step.remaining_s = duration_s;
   step.in_progress = true;
-  step.goes_on = before.kind == MotionKind::kStep && -before.remaining_s < duration_s;
+  step.goes_on = before.kind == MotionKind::kStep && -before.remaining_s < std::min(duration_s, kJoin_s);
   step.acceleration = limits.acceleration;
   const double direction = target >= from.position ? 1.0 : -1.0;
   step.speed = cruise_speed(std::abs(target - from.position), direction * from.speed, duration_s, limits);
@@ -62,8 +64,9 @@ Setpoint step_on(Motion& motion, const Setpoint& from, double target, const Moti
                  double tick_s) {
   const double remaining_s = motion.remaining_s;
   motion.remaining_s -= tick_s;
-  const bool evenly = motion.goes_on && remaining_s > 0.5 * tick_s;
-  const double speed = motion.goes_on || remaining_s <= 0.0 ? limits.speed : motion.speed;
+  const bool streams = motion.goes_on && (motion.queued || motion.duration_s <= kStream_s);
+  const bool evenly = streams && remaining_s > 0.5 * tick_s;
+  const double speed = streams || remaining_s <= 0.0 ? limits.speed : motion.speed;
   const auto setpoint = evenly ? run_evenly(from, target, remaining_s, limits, tick_s)
                                : ramp_to(from, target, speed, limits.acceleration, tick_s);
   const bool due = motion.remaining_s < 0.5 * tick_s;

@@ -3,9 +3,11 @@
 // desired value until that becomes another one.
 //
 // Steps ("be at p in t"). One by itself is a trapezoid that arrives, at rest, when it is due, or as soon as
-// the limits let it. One that goes on from another (queued, or sent within its own duration after the last
-// was due) runs evenly to its end, so that a client that streams its path in steps gets that path, not stop
-// and go.
+// the limits let it. One that joins another (queued, or sent within 50 ms after the last was due) runs
+// evenly to its end, so that a client that streams its path in steps gets that path, not stop and go. So it
+// does where the next one is queued behind it, or may still come in time: a short one (kStream_s in
+// motion.cc). A longer one that nothing is queued behind comes to rest at its end. A stream that ends at
+// speed passes its last target by its braking way, and comes back.
 #pragma once
 
 #include <cstdint>
@@ -25,11 +27,11 @@ enum class MotionKind : std::uint8_t {
 struct Motion {
   MotionKind kind = MotionKind::kNone;
   double target = 0.0;
-  double speed = 0.0;         // [u]/s, > 0: at most; kStep by itself: of its trapezoid
+  double speed = 0.0;         // [u]/s, >= 0: at most; kStep that comes to rest: of its trapezoid
   double acceleration = 0.0;  // [u]/s², > 0
   double duration_s = 0.0;    // kStep: as asked for
   double remaining_s = 0.0;   // kStep: until it is due; below 0: overdue by that
-  bool goes_on = false;       // kStep: from the one before
+  bool goes_on = false;       // kStep: joins the one before
   bool in_progress = false;   // kStep: not done yet
   bool queued = false;        // kStep: with the two below
   double next_target = 0.0;

@@ -81,8 +81,9 @@ bool set_outputs(const ModuleEdit& edit, double value) {
   return true;
 }
 
+// 0 is a speed, too: a client that writes it wants no motion, least of all one as fast as the last.
 bool set_target_speed(const ModuleEdit& edit, double value) {
-  return set_size(edit, edit.module.target_speed, value, edit.drive.tuning.maximum_speed);
+  return set_bounded(edit, edit.module.target_speed, std::abs(value), 0.0, edit.drive.tuning.maximum_speed);
 }
 
 bool set_target_acceleration(const ModuleEdit& edit, double value) {

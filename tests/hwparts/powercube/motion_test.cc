@@ -169,6 +169,75 @@ TEST(PowerCubeMotion, StreamedStepsFollowThePathWithoutStopping) {
   EXPECT_FALSE(bench.word(3) & bit::kError);
 }
 
+// Module 1's soft limit is at 3.093.
+double peak_of(BusBench& bench, double seconds) {
+  double most = -1e9;
+  for (double t = 0.0; t < seconds; t += 0.001) {
+    bench.tick();
+    most = std::max(most, static_cast<double>(bench.get<float>(1, 0x3E)));
+  }
+  return most;
+}
+
+TEST(PowerCubeMotion, AStepLongAfterTheLastOneIsAStepByItself) {
+  BusBench bench("", 0.001, 2.2);
+  bench.send(1, BusBench::step(0x06, 2.2f, 100));
+  bench.run(1.0);
+  bench.send(1, BusBench::step(0x06, 3.09f, 4000));
+  EXPECT_LT(peak_of(bench, 5.0), 3.09 + 1e-4);
+  EXPECT_NEAR(bench.position(1), 3.09, 1e-3);
+  EXPECT_FALSE(bench.word(1) & bit::kError);
+}
+
+TEST(PowerCubeMotion, ALongStepThatJoinsComesToRestAtItsEnd) {
+  for (const bool queued : {true, false}) {
+    BusBench bench("", 0.001, 2.2);
+    bench.send(1, BusBench::step(0x06, 2.4f, 1000));
+    if (!queued) bench.run(1.01);
+    bench.send(1, BusBench::step(0x06, 3.09f, 3000));
+    if (queued) bench.run(1.001);
+    bench.run(1.5);
+    EXPECT_GT(bench.get<float>(1, 0x42), 0.2);
+    EXPECT_LT(peak_of(bench, 3.0), 3.09 + 1e-4) << queued;
+    EXPECT_FALSE(bench.word(1) & (bit::kError | bit::kInProgress)) << queued;
+    EXPECT_NEAR(bench.position(1), 3.09, 1e-3) << queued;
+  }
+}
+
+TEST(PowerCubeMotion, AStreamThatEndsAtSpeedStopsBeforeTheSoftLimit) {
+  BusBench bench("", 0.001, 2.2);
+  float target = 2.2f;
+  double most = 0.0, fastest = 0.0;
+  while (target < 3.07f) {
+    target += 0.008f;  // 0.4 rad/s
+    bench.send(1, BusBench::step(0x10, target, 22));
+    most = std::max(most, peak_of(bench, 0.02));
+    fastest = std::max(fastest, static_cast<double>(bench.get<float>(1, 0x42)));
+  }
+  EXPECT_GT(fastest, 0.39);
+  most = std::max(most, peak_of(bench, 2.0));
+  EXPECT_GT(most, target);
+  EXPECT_LE(most, 3.093);
+  EXPECT_FALSE(bench.word(1) & bit::kError);
+  EXPECT_NEAR(bench.position(1), target, 1e-3);
+}
+
+TEST(PowerCubeMotion, ATargetSpeedOfZeroIsNoMotion) {
+  for (const std::uint8_t parameter : {0x4F, 0x29}) {
+    BusBench bench;
+    EXPECT_TRUE(parameter == 0x4F ? bench.set(1, parameter, 0.0f) : bench.set<std::int32_t>(1, parameter, 0));
+    EXPECT_EQ(bench.get<float>(1, 0x4F), 0.0f);
+    EXPECT_TRUE(bench.ramp(1, 0.3f));
+    bench.run(1.0);
+    EXPECT_NEAR(bench.position(1), 0.0, 1e-3);
+    EXPECT_EQ(bench.word(1), bit::kHomeOk | bit::kRampEnd);
+    EXPECT_TRUE(bench.set(1, 0x4F, 0.2f) && bench.ramp(1, 0.3f));
+    bench.run(2.5);
+    EXPECT_NEAR(bench.position(1), 0.3, 1e-3);
+    EXPECT_FALSE(bench.set(1, 0x50, 0.0f)) << "that is another matter: it could not even stop";
+  }
+}
+
 TEST(PowerCubeMotion, CurrentGripsAndShowsWhenItStands) {
   BusBench bench;
   bench.plants[7].lower = bench.plants[8].lower = 0.010;  // a thing of 20 mm between the fingers
