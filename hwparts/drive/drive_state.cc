@@ -12,7 +12,7 @@ void visit_fields(State& s, Visit visit) {
   visit(s.rotor_position), visit(s.rotor_speed);
   for (auto& position : s.joint_position) visit(position);
   visit(s.gear_effort);
-  visit(s.zero_offset), visit(s.home_offset), visit(s.referenced);
+  visit(s.zero_offset), visit(s.home_offset), visit(s.offset_in_force), visit(s.referenced);
   visit(s.measured_position), visit(s.measured_speed);
   visit(s.setpoint.position), visit(s.setpoint.speed), visit(s.setpoint.phase);
   visit(s.integral_current), visit(s.current);

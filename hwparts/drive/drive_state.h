@@ -39,7 +39,8 @@ struct DriveState {
 
   // What the module knows. Its positions are the rotor's plus zero_offset.
   double zero_offset = 0.0;        // [u], whole increments; wrong until homed where `referenced` is false
-  double home_offset = 0.0;        // [u], what zero_offset becomes with the next homing or Reset
+  double home_offset = 0.0;        // [u], what zero_offset becomes with the next homing
+  double offset_in_force = 0.0;    // [u], the home_offset that zero_offset was made with
   bool referenced = true;          // false: soft limits mean nothing yet
   double measured_position = 0.0;  // whole increments
   double measured_speed = 0.0;     // filtered difference

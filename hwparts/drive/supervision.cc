@@ -107,6 +107,14 @@ void close_loop(const DriveData& data, DriveState& state) {
   state.brake_time = 0.0;
 }
 
+void shift_zero(DriveState& state, double change) {
+  if (change == 0.0) return;
+  state.zero_offset += change;
+  state.measured_position += change;
+  state.setpoint.position += change;
+  hold(state, state.commanded);  // what was commanded meant another place
+}
+
 }  // namespace
 
 bool has(const DriveState& state, std::uint32_t bits) {
@@ -198,12 +206,13 @@ void home(DriveState& state) {
 }
 
 void set_zero(DriveState& state) {
-  const double change = state.home_offset - state.zero_offset;
-  if (change == 0.0) return;
-  state.zero_offset += change;
-  state.measured_position += change;
-  state.setpoint.position += change;
-  hold(state, state.commanded);  // what was commanded meant another place
+  shift_zero(state, state.home_offset - state.zero_offset);
+  state.offset_in_force = state.home_offset;
+}
+
+void apply_home_offset(DriveState& state) {
+  shift_zero(state, state.home_offset - state.offset_in_force);
+  state.offset_in_force = state.home_offset;
 }
 
 void take_from_bus(DriveState& state, const Motion& motion) {

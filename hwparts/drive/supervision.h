@@ -40,8 +40,11 @@ void reset(const DriveData& data, DriveState& state, double target);
 void halt(DriveState& state, double target);
 // Nothing while a fault stands or the loop is open. While the brake opens it waits for that.
 void home(DriveState& state);
-// home_offset becomes the encoder's zero_offset. Moves nothing.
+// Homing is done: home_offset becomes the encoder's zero_offset. Moves nothing.
 void set_zero(DriveState& state);
+// What was changed about home_offset since it last came into force does. Of what the axis has lost since then
+// (a gear that slipped) nothing is found again. Moves nothing.
+void apply_home_offset(DriveState& state);
 
 // A field bus says what to do: from now on that holds, until the command's target becomes another one.
 void take_from_bus(DriveState& state, const Motion& motion);

@@ -13,7 +13,7 @@ namespace bit = drive::state_bit;
 // Ends what stopped the module; HOME_OK, position and parameters stay, but for target speed and acceleration.
 void reset(const ModuleEdit& edit) {
   drive::reset(edit.data, edit.drive, edit.drive.commanded);
-  if (edit.drive.referenced) drive::set_zero(edit.drive);
+  if (edit.drive.referenced) drive::apply_home_offset(edit.drive);
   edit.module.target_speed = edit.drive.tuning.maximum_speed;
   edit.module.target_acceleration = edit.drive.tuning.maximum_acceleration;
   edit.module.watchdog_armed = false;

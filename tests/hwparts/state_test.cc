@@ -101,6 +101,8 @@ TEST(DriveState, PoisonDoesNotOutliveALoad) {
     rig.command.target = 1.0;
     rig.plants[0].gravity = 60.0;
     rig.run(1.0);
+    rig.drive.state().home_offset = 0.25;
+    drive::apply_home_offset(rig.drive.state());
     std::vector<std::byte> saved;
     {
       hwparts::StateWriter writer(saved);
@@ -121,10 +123,17 @@ TEST(DriveState, PoisonDoesNotOutliveALoad) {
         drive::halt(rig.drive.state(), 0.2);
         drive::halt(other.drive.state(), 0.2);
       }
+      if (k == 1500) {
+        for (auto* each : {&rig, &other}) {
+          each->drive.state().home_offset = 0.1;
+          drive::apply_home_offset(each->drive.state());
+        }
+      }
       rig.tick();
       other.tick();
       ASSERT_EQ(rig.position(), other.position()) << k;
       ASSERT_EQ(rig.word(), other.word()) << k;
+      ASSERT_EQ(rig.state().zero_offset, other.state().zero_offset) << k;
     }
   }
 }

@@ -1,4 +1,5 @@
 // The behaviour that clients of real modules rely on, rule by rule.
+#include "hwparts/fault_set.h"
 #include "tests/hwparts/powercube/bus_bench.h"
 
 namespace visum::test {
@@ -282,6 +283,35 @@ TEST(PowerCube, AFaultOfOneModuleDoesNotStopTheHomingOfTheOthersOnTheBus) {
   EXPECT_TRUE(bench.word(1) & bit::kTowError);
   ASSERT_TRUE(bench.wait_for(2, bit::kHomeOk | bit::kRampEnd, 3.0));
   EXPECT_NEAR(bench.position(2), 0.0, 1e-3);
+}
+
+// The module does not know what its gear has lost: only its reference switch tells.
+TEST(PowerCube, ResetDoesNotRepairAGearThatHasSlipped) {
+  BusBench bench;
+  std::string why;
+  const auto slips = hwparts::make_fault("gear_slip", {{"joint", 1}, {"effort", 8.0}}, why);
+  ASSERT_TRUE(slips) << why;
+  const std::array active{hwparts::ActiveFault{0, *slips, 0}};
+  bench.plants[0].upper = 0.2;
+  bench.part->suffer(active);
+  bench.ramp(1, 0.5f);
+  bench.run(4.0);
+  bench.part->suffer({});
+  bench.plants[0].upper = 1e9;
+  bench.run(0.5);
+  const double lost = bench.position(1) - bench.plants[0].joint.position;
+  EXPECT_GT(lost, 0.2);
+  bench.send(1, {0x00});
+  bench.run(0.1);
+  EXPECT_NEAR(bench.position(1) - bench.plants[0].joint.position, lost, 2e-3);
+  EXPECT_TRUE(bench.set(1, 0x59, 0.1f));  // a home offset acts as ever, once
+  for (int times = 0; times < 2; ++times) bench.send(1, {0x00});
+  bench.run(0.1);
+  EXPECT_NEAR(bench.position(1) - bench.plants[0].joint.position, lost + 0.1, 2e-3);
+  bench.send(1, {0x01});
+  ASSERT_TRUE(bench.wait_for(1, bit::kHomeOk | bit::kRampEnd, 10.0));
+  bench.run(0.5);
+  EXPECT_NEAR(bench.position(1) - bench.plants[0].joint.position, 0.1, 2e-3);
 }
 
 TEST(PowerCube, HomeOffsetIsSeenAfterReset) {
