@@ -9,6 +9,7 @@ namespace visum::powercube {
 struct BusFaults {
   double lost = 0.0, doubled = 0.0, corrupted = 0.0;
   std::int64_t late_ns = 0;
+  bool by_chance() const { return lost > 0.0 || doubled > 0.0 || corrupted > 0.0; }
   bool operator==(const BusFaults&) const = default;
 };
 

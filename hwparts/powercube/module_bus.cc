@@ -18,6 +18,7 @@ ModuleBus::ModuleBus(const config::Node& part, std::span<const drive::DriveData>
   }
   check_exceptions(part, ids);
   spontaneous_.resize(modules_.size());
+  passages_.resize(modules_.size());
 }
 
 void ModuleBus::bind(std::size_t i, drive::Drive& drive) {
@@ -51,8 +52,9 @@ std::optional<Telegram> ModuleBus::obey(const Telegram& telegram, Wire wire) {
   for (auto& module : modules_) {
     if (module.state.address != telegram.module) continue;
     const auto answer = powercube::obey(edit(module), telegram.message, wire);
-    if (answer) return Telegram{Telegram::Kind::kAnswer, telegram.module, *answer};
-    return std::nullopt;
+    if (!answer) return std::nullopt;
+    passage_ = draw_passage();
+    return Telegram{Telegram::Kind::kAnswer, telegram.module, *answer};
   }
   return std::nullopt;
 }
@@ -68,7 +70,7 @@ bool ModuleBus::happens(double share, sensors::Random& chance) {
   return share > 0.0 && chance.uniform() < share;
 }
 
-Passage ModuleBus::passage() {
+Passage ModuleBus::draw_passage() {
   auto& chance = from_modules_;
   return {happens(faults_.lost, chance), happens(faults_.doubled, chance), happens(faults_.corrupted, chance),
           faults_.late_ns};
@@ -80,8 +82,9 @@ void ModuleBus::tick() {
     const auto whole = edit(module);
     powercube::tick(whole, tick_s_);
     const auto state = spontaneous_state(whole, tick_s_);
-    if (state && connected_)
-      spontaneous_[spontaneous_count_++] = {Telegram::Kind::kState, module.state.address, *state};
+    if (!state || !connected_) continue;
+    passages_[spontaneous_count_] = draw_passage();
+    spontaneous_[spontaneous_count_++] = {Telegram::Kind::kState, module.state.address, *state};
   }
 }
 
@@ -106,11 +109,15 @@ void ModuleBus::load(hwparts::StateReader& from) {
 }
 
 void ModuleBus::save_chance(hwparts::StateWriter& to) const {
-  if (faults_.lost > 0.0) to_modules_.save(to);
+  if (!faults_.by_chance()) return;
+  to_modules_.save(to);
+  from_modules_.save(to);
 }
 
 void ModuleBus::load_chance(hwparts::StateReader& from) {
-  if (faults_.lost > 0.0) to_modules_.load(from);
+  if (!faults_.by_chance()) return;
+  to_modules_.load(from);
+  from_modules_.load(from);
 }
 
 }  // namespace visum::powercube

@@ -26,19 +26,20 @@ class ModuleBus {
 
   // Between ticks. `telegram` as it came over `wire`.
   std::optional<Telegram> obey(const Telegram& telegram, Wire wire);
+  // What happens to the answer that obey() gave last. Drawn there: chance follows from what the world took.
+  const Passage& passage() const { return passage_; }
   // Cut: nothing is received and nothing sent.
   void connect(bool connected) { connected_ = connected; }
   bool connected() const { return connected_; }
 
   // What goes wrong from now on; {}: nothing. Chances are drawn anew from `seed`.
   void suffer(const BusFaults& faults, std::uint64_t seed);
-  // Of one frame of a module that is about to be sent. Between ticks.
-  Passage passage();
 
   // Once per tick, before the drives' act().
   void tick();
   // State frames of the last tick.
   std::span<const Telegram> spontaneous() const { return {spontaneous_.data(), spontaneous_count_}; }
+  const Passage& spontaneous_passage(std::size_t i) const { return passages_[i]; }
 
   std::size_t size() const { return modules_.size(); }
   std::uint32_t state_word(std::size_t i) const { return powercube::state_word(view(modules_[i])); }
@@ -47,7 +48,7 @@ class ModuleBus {
   // Back to the state after construction, once the drives are restarted.
   void restart();
   void save(hwparts::StateWriter& to) const;
-  // Which of the next telegrams are lost on their way to the modules: while that fault acts.
+  // What happens to the next telegrams, both ways: while a fault acts that is a matter of chance.
   void save_chance(hwparts::StateWriter& to) const;
   void load_chance(hwparts::StateReader& from);
   void load(hwparts::StateReader& from);
@@ -68,15 +69,18 @@ class ModuleBus {
   }
   static void power_up(Module& module);
 
+  Passage draw_passage();
   static bool happens(double share, sensors::Random& chance);
 
   double tick_s_;
   bool connected_ = true;
   BusFaults faults_;
-  // Frames to the modules are inputs of the world, theirs are not: each have chances of their own.
+  // One for each way.
   sensors::Random to_modules_{1, "to the modules"}, from_modules_{1, "from the modules"};
   std::vector<Module> modules_;
+  Passage passage_;
   std::vector<Telegram> spontaneous_;
+  std::vector<Passage> passages_;  // of spontaneous_
   std::size_t spontaneous_count_ = 0;
 };
 

@@ -216,11 +216,12 @@ void Buses::send_spontaneous() {
     // Once for each part: the bus thread spreads it over all its links.
     if (std::ranges::find(parts_, parts_[link]) != parts_.begin() + link) continue;
     auto& modules = *simulation_.parts()[parts_[link]].part->modules();
-    for (const auto& telegram : modules.spontaneous()) {
-      const auto passage = modules.passage();
+    const auto telegrams = modules.spontaneous();
+    for (std::size_t i = 0; i < telegrams.size(); ++i) {
+      const auto& passage = modules.spontaneous_passage(i);
       if (passage.lost) continue;
       for (int times = passage.doubled ? 2 : 1; times > 0; --times)
-        thread_->answer({link, 0, powercube::Wire::kCan, telegram, passage.corrupted});
+        thread_->answer({link, 0, powercube::Wire::kCan, telegrams[i], passage.corrupted});
       answered_ = true;
     }
   }
