@@ -14,12 +14,6 @@ namespace visum::gateway {
 using powercube::Telegram;
 using powercube::Wire;
 
-namespace {
-
-constexpr std::chrono::seconds kPatience{5};  // for bytes that a client has written, on loopback
-
-}  // namespace
-
 BusThread::BusThread(std::vector<Wiring> wirings, std::function<void()> on_request)
     : wirings_(std::move(wirings)),
       on_request_(std::move(on_request)),
@@ -111,18 +105,19 @@ bool BusThread::serve(const std::vector<pollfd>& ready) {
 
 // poll() on a pseudo terminal first lets the kernel's worker carry over what was written to its other end, so
 // that nothing is left behind. On TCP nobody promises that: there we wait for as many bytes as were written.
-bool BusThread::settle(const std::vector<protocol::Stream>& streams) {
+bool BusThread::settle(const std::vector<protocol::Stream>& streams, std::chrono::milliseconds patience) {
   const std::lock_guard turn(turn_);
-  const auto give_up = std::chrono::steady_clock::now() + kPatience;
+  const auto give_up = std::chrono::steady_clock::now() + patience;
+  const auto in_time = [give_up] { return std::chrono::steady_clock::now() < give_up; };
   const auto lines = lines_.size();
   const auto newest = next_number_;
   const auto come = [this](const protocol::Stream& stream) { return has_come(stream); };
   bool all = false;
   do {
-    while (serve(look())) {
+    while (in_time() && serve(look())) {
     }
     all = std::ranges::all_of(streams, come);
-  } while (!all && std::chrono::steady_clock::now() < give_up);
+  } while (!all && in_time());
   if (lines != lines_.size() || newest != next_number_) wake();
   return all;
 }

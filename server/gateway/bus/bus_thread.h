@@ -44,8 +44,9 @@ class BusThread {
   void flush();  // after the last answer() of a batch
   // The same for a world that waits for its clients: waits for its turn, so that all is done when it returns.
   // settle() reads what clients have written by now, and what `streams` promise, which may still be on its
-  // way; false where that does not come.
-  bool settle(const std::vector<protocol::Stream>& streams);
+  // way; false where that does not come within `patience`. Who goes on writing is heard no longer than that.
+  static constexpr std::chrono::milliseconds kPatience{5000};  // for bytes that were written, on loopback
+  bool settle(const std::vector<protocol::Stream>& streams, std::chrono::milliseconds patience = kPatience);
   void send_now();
   std::uint64_t said();  // bytes written to pseudo terminals and CAN interfaces so far
   void fill_in(std::vector<protocol::Stream>& streams);  // those that are a channel's

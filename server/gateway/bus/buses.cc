@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -34,7 +36,6 @@ Buses::Buses(cycle::Simulation& simulation, const std::vector<BusAddress>& addre
              std::function<void()> wake)
     : simulation_(simulation),
       wake_(std::move(wake)),
-      waiting_(addresses.size()),
       era_(simulation.era()),
       request_fd_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   if (request_fd_ < 0) throw std::runtime_error("eventfd: no descriptor left");
@@ -49,19 +50,22 @@ Buses::Buses(cycle::Simulation& simulation, const std::vector<BusAddress>& addre
     names_[address.part].push_back(link->name());
     addresses_.push_back({address.part, link->address()});
     parts_.push_back(part);
-    timings_.emplace_back(address.timing);
+    lines_.push_back({LineTiming(address.timing), {}, {}});
     wirings.push_back({std::move(link), part});
   }
-  thread_ = std::make_unique<BusThread>(std::move(wirings), [this] {
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(request_fd_, &one, sizeof one);
-    wake_();
-  });
+  thread_ = std::make_unique<BusThread>(std::move(wirings), [this] { ring(); });
 }
 
 Buses::~Buses() {
   thread_.reset();
   ::close(request_fd_);
+}
+
+// Any thread.
+void Buses::ring() {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = ::write(request_fd_, &one, sizeof one);
+  wake_();
 }
 
 void Buses::obey(const BusItem& item) {
@@ -83,38 +87,39 @@ void Buses::answer(const BusItem& item, std::int64_t late_ns) {
 }
 
 void Buses::send(const BusItem& item, std::int64_t late_ns) {
-  auto& timing = timings_[item.link];
-  if (timing.ideal() && late_ns == 0 && waiting_[item.link].empty()) {
+  auto& [timing, requests, answers] = lines_[item.link];
+  if (timing.ideal() && late_ns == 0 && answers.empty()) {
     thread_->answer(item);
     answered_ = true;
     return;
   }
-  const auto now = simulation_.sim_time_ns() + timing.delay_ns() + late_ns;
-  waiting_[item.link].push_back({timing.pass(item.telegram, item.wire, now), true, item});
+  if (answers.size() == BusThread::kQueue) return;
+  answers.push_back({simulation_.sim_time_ns() + timing.delay_ns() + late_ns, {}, item});
 }
 
+// Bounded: who asks faster than he is answered does not hold the tick up.
 bool Buses::serve() {
-  bool any = false;
-  for (BusItem item; thread_->next_request(item); any = true) {
+  follow_era();  // what comes now comes after it
+  std::size_t count = 0;
+  for (BusItem item; count < BusThread::kQueue && thread_->next_request(item); ++count) {
     const auto gate = gates_.find(parts_[item.link]);
     gate != gates_.end() ? gate->second.ask(item) : accept(item);
   }
+  if (count == BusThread::kQueue) ring();
   if (!gates_.empty()) serve_gates();
   send();
-  return any;
+  return count > 0;
 }
 
 void Buses::accept(const BusItem& item) {
-  auto& timing = timings_[item.link];
-  auto& waiting = waiting_[item.link];
+  auto& [timing, requests, answers] = lines_[item.link];
   if (timing.ideal())
     obey(item);
-  else if (waiting.size() < BusThread::kQueue)
-    waiting.push_back({timing.pass(item.telegram, item.wire, simulation_.sim_time_ns()), false, item});
+  else if (requests.size() < BusThread::kQueue)
+    requests.push_back({simulation_.sim_time_ns(), {}, item});
 }
 
 void Buses::serve_gates() {
-  follow_era();
   const auto tick = simulation_.tick_count();
   for (auto& [part, gate] : gates_) {
     if (simulation_.frozen()) gate.restart(tick);
@@ -129,7 +134,7 @@ void Buses::serve_gates() {
 
 bool Buses::line_is_busy(std::uint32_t part) const {
   for (std::size_t link = 0; link < parts_.size(); ++link)
-    if (parts_[link] == part && !waiting_[link].empty()) return true;
+    if (parts_[link] == part && lines_[link].busy()) return true;
   return false;
 }
 
@@ -189,26 +194,52 @@ void Buses::after_tick() {
 void Buses::follow_era() {
   if (era_ == simulation_.era()) return;
   era_ = simulation_.era();
-  for (auto& timing : timings_) timing.restart();
-  for (auto& waiting : waiting_) waiting.clear();
+  for (auto& line : lines_) {
+    line.timing.restart();
+    line.requests.clear();
+    line.answers.clear();
+  }
   for (auto& [part, gate] : gates_) gate.restart(simulation_.tick_count());
 }
 
 // Requests that have come in are obeyed, answers that have gone out are written.
 void Buses::move_lines() {
   follow_era();
-  for (auto& waiting : waiting_) {
-    while (!waiting.empty() && waiting.front().due_ns <= simulation_.sim_time_ns()) {
-      const Waiting first = waiting.front();
-      waiting.pop_front();
-      if (!first.answered) {
-        obey(first.item);
+  for (auto& line : lines_) {
+    while (const auto first = next_through(line)) {
+      if (first->way == LineTiming::Way::kToModules) {
+        obey(first->item);
         continue;
       }
-      thread_->answer(first.item);
+      thread_->answer(first->item);
       answered_ = true;
     }
   }
+}
+
+// The first of each way takes the line once it is ready, and not before: what is late leaves it to others. Of
+// both, who was ready first.
+std::optional<Buses::Through> Buses::next_through(Line& line) const {
+  using Way = LineTiming::Way;
+  const auto now = simulation_.sim_time_ns();
+  const auto queue_of = [&line](Way way) -> auto& {
+    return way == Way::kToModules ? line.requests : line.answers;
+  };
+  const auto ready_ns = [&](Way way) {
+    return queue_of(way).empty() ? std::numeric_limits<std::int64_t>::max() : queue_of(way).front().ready_ns;
+  };
+  std::array ways{Way::kToModules, Way::kFromModules};
+  if (ready_ns(ways[1]) < ready_ns(ways[0])) std::swap(ways[0], ways[1]);
+  for (const auto way : ways) {
+    if (ready_ns(way) > now) continue;
+    auto& [ready, through, item] = queue_of(way).front();
+    if (!through) through = line.timing.pass(item.telegram, item.wire, way, ready);
+    if (*through > now) continue;
+    const Through first{way, item};
+    queue_of(way).pop_front();
+    return first;
+  }
+  return std::nullopt;
 }
 
 void Buses::send_spontaneous() {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,7 @@ class Buses {
   const std::vector<protocol::PartBus>& addresses() const { return addresses_; }  // for Status
 
   // The tick's thread, between ticks.
-  bool serve();                             // what is there; true if there was something
+  bool serve();  // what is there, kQueue requests at most; true if there was something
   void serve_until(Clock::time_point due);  // what comes until then
   void after_tick();                        // sends what modules say unasked, and what the line held back
   // For a world that waits for its clients: obeys and answers all that they have written, before they are
@@ -50,12 +51,19 @@ class Buses {
   std::int64_t granted_tick(std::uint32_t part) const;
 
  private:
-  struct Waiting {  // on a line that is not ideal
-    std::int64_t due_ns;
-    bool answered;  // an answer on its way out; else a request on its way in
+  // What a line that is not ideal carries, or an answer that comes late. Each way in its order.
+  struct Waiting {
+    std::int64_t ready_ns;                // to be sent
+    std::optional<std::int64_t> through;  // when it has gone over the line; none: it waits for its turn
     BusItem item;
   };
+  struct Line {
+    LineTiming timing;
+    std::deque<Waiting> requests, answers;
+    bool busy() const { return !requests.empty() || !answers.empty(); }
+  };
   void accept(const BusItem& item);
+  void ring();
   void obey(const BusItem& item);
   void answer(const BusItem& item, std::int64_t late_ns);
   void send(const BusItem& item, std::int64_t late_ns);
@@ -63,6 +71,11 @@ class Buses {
   bool line_is_busy(std::uint32_t part) const;
   void follow_era();
   void move_lines();
+  struct Through {
+    LineTiming::Way way;
+    BusItem item;
+  };
+  std::optional<Through> next_through(Line& line) const;
   void send_spontaneous();
   void send();
 
@@ -71,8 +84,7 @@ class Buses {
   BusNames names_;
   std::vector<protocol::PartBus> addresses_;
   std::vector<std::uint32_t> parts_;          // by link
-  std::vector<LineTiming> timings_;           // by link
-  std::vector<std::deque<Waiting>> waiting_;  // by link, in the order of the line
+  std::vector<Line> lines_;                   // by link
   std::map<std::uint32_t, CycleGate> gates_;  // by part
   std::uint64_t era_ = 0;
   bool answered_ = false;  // something waits for send()

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "hwparts/drive/state_word.h"
+#include "server/gateway/bus/bus_thread.h"
 #include "tests/gateway/bus/bus_line.h"
 #include "tests/gateway/running_daemon.h"
 
@@ -81,6 +83,48 @@ TEST_F(BusFaults, ALateAnswerTakesItsSimulatedTime) {
   }
   EXPECT_GE(ticks, 15);
   EXPECT_LE(ticks, 60);  // when the request came is the host's business
+}
+
+TEST_F(BusFaults, LateAnswersThatWaitHaveAMaximum) {
+  constexpr int kChunks = 5, kFrames = 300;
+  inject("bus_late", "ms", 1000.0);
+  std::string frames;
+  for (int i = 0; i < kFrames; ++i) frames += BusLine::serial(kGetVersion);
+  for (int i = 0; i < kChunks; ++i) {
+    line.send(frames);
+    EXPECT_EQ(line.read_once(50), "") << "lets them come";
+    advance(client, 1);
+  }
+  advance(client, 1100);
+  std::string heard;
+  for (std::string more; !(more = line.read_once(300)).empty();) heard += more;
+  EXPECT_LE(heard.size() / BusLine::serial(kVersion).size(), BusThread::kQueue);
+  EXPECT_GT(heard.size(), 0u);
+}
+
+// Its wires are free while an answer is not ready.
+TEST(BusFaultsOnASlowLine, ALateAnswerDoesNotHoldUpAHalt) {
+  DaemonOptions options;
+  options.buses = {{"arm", "tcp", "0", {115200.0, 0}}};
+  RunningDaemon daemon(scene::ClockKind::kLockstep, options);
+  auto line = BusLine::tcp(daemon.buses().at("arm").at(0));
+  auto client = daemon.connect("breaker", protocol::Role::kAdmin);
+  client.request(protocol::Join{});
+  client.request(protocol::InjectFault{"arm", "bus_late", {{"ms", 500.0}}, 0});
+  const auto let_it_come = [&](int ticks) {
+    line.read_once(50);
+    advance(client, ticks);
+  };
+  let_it_come(1);
+  line.send(kGetVersion);
+  let_it_come(10);
+  line.send(Telegram{Kind::kSet, 1, {0x02}});
+  int ticks = 0;
+  const auto halted = [&] {
+    return (static_cast<std::uint32_t>(sensor(client, "Module State 1")) & drive::state_bit::kHalted) != 0;
+  };
+  for (; ticks < 400 && !halted(); ++ticks) let_it_come(ticks < 10 ? 1 : 10);
+  EXPECT_LT(ticks, 30);
 }
 
 }  // namespace

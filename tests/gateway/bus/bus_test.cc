@@ -1,7 +1,10 @@
 // Buses of a running daemon, over each kind of link, as clients use them.
 #include "server/gateway/bus/buses.h"
 
+#include <atomic>
+#include <chrono>
 #include <fstream>
+#include <thread>
 
 #include "server/gateway/gateway.h"
 #include "tests/gateway/bus/bus_line.h"
@@ -180,6 +183,60 @@ TEST(Bus, ALineThatIsNotIdealTakesItsSimulatedTime) {
   }
   EXPECT_GE(ticks, 19);
   EXPECT_LE(ticks, 60);  // when the request came is the host's business
+}
+
+// Whoever writes at once after a reset is heard in the world as it is then.
+TEST(Bus, WhatComesBetweenAResetAndTheNextTickIsNotLost) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep, with({{"arm", "tcp", "0", {0.0, 2'000'000}}}));
+  auto line = BusLine::tcp(daemon.buses().at("arm").at(0));
+  auto client = daemon.connect("stepper", protocol::Role::kAdmin);
+  client.request(protocol::Join{});
+  advance(client, 5);
+  client.request(protocol::Reset{});
+  line.send(kGetVersion);
+  EXPECT_EQ(line.read_once(100), "") << "lets it come";
+  advance(client, 20);
+  EXPECT_EQ(line.read_once(1000), BusLine::serial(kVersion));
+}
+
+TEST(LineTiming, HasWiresForEachWayOnRs232AndOneBusOnCan) {
+  using enum LineTiming::Way;
+  using powercube::Wire;
+  LineTiming serial({9600.0, 0}), can({125'000.0, 0});
+  constexpr std::int64_t kMs = 1'000'000;
+  const auto request_over = serial.pass(kGetVersion, Wire::kSerial, kToModules, 10 * kMs);
+  EXPECT_NEAR(static_cast<double>(request_over - 10 * kMs), 7.3e6, 0.1e6);
+  const auto answer_over = serial.pass(kVersion, Wire::kSerial, kFromModules, 10 * kMs);
+  EXPECT_NEAR(static_cast<double>(answer_over - 10 * kMs), 9.4e6, 0.1e6) << "beside the request";
+  EXPECT_GT(serial.pass(kGetVersion, Wire::kSerial, kToModules, 10 * kMs), request_over + 7 * kMs);
+  const auto first = can.pass(kGetVersion, Wire::kCan, kToModules, 0);
+  EXPECT_GT(can.pass(kVersion, Wire::kCan, kFromModules, 0), first);
+}
+
+// Not for longer than its patience, whatever still comes.
+TEST(BusThread, SettlesThoughAClientFloodsTheBus) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<BusThread::Wiring> wirings;
+  wirings.push_back({open_tcp("0"), 0});
+  const auto name = wirings[0].link->name();
+  BusThread bus(std::move(wirings), [] {});
+  auto line = BusLine::tcp(name);
+  const auto begin = Clock::now();
+  std::atomic<bool> flooded{false}, over{false};
+  std::string frames;
+  for (int i = 0; i < 10'000; ++i) frames += BusLine::serial(kGetVersion);
+  std::thread flood([&] {
+    while (!over && Clock::now() - begin < std::chrono::seconds(10)) {
+      line.send(frames);
+      flooded = true;
+      flooded.notify_one();
+    }
+  });
+  flooded.wait(false);
+  bus.settle({}, std::chrono::milliseconds(200));
+  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(8));
+  over = true;
+  flood.join();
 }
 
 TEST(Bus, ALinkLeftBehindIsReplacedAndAnythingElseIsNot) {
