@@ -44,6 +44,10 @@ Failure failure_of(hwparts::FaultKind kind) {
   }
 }
 
+bool is_failure(Failure failure) {
+  return static_cast<std::size_t>(failure) < std::size(kNames);
+}
+
 const char* name_of(Failure failure) {
   return kNames[static_cast<std::size_t>(failure)].name;
 }

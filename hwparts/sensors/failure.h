@@ -29,6 +29,7 @@ struct FailureName {
 };
 std::span<const FailureName> failure_names();
 const char* name_of(Failure failure);
+bool is_failure(Failure failure);             // of a number that came from elsewhere
 Failure failure_of(hwparts::FaultKind kind);  // kOk: it is none of a sensor
 
 }  // namespace visum::sensors

@@ -1,5 +1,6 @@
 #include "hwparts/sensors/reading_queue.h"
 
+#include <algorithm>
 #include <cassert>
 #include <stdexcept>
 
@@ -8,14 +9,12 @@ namespace visum::sensors {
 ReadingQueue::ReadingQueue(std::size_t slots, std::size_t numbers)
     : numbers_(numbers), due_ns_(slots), values_(slots * numbers) {}
 
-std::span<double> ReadingQueue::back() {
-  assert(count_ < due_ns_.size());
-  return std::span(values_).subspan(slot(count_) * numbers_, numbers_);
-}
-
-void ReadingQueue::push(std::int64_t due_ns) {
-  due_ns_[slot(count_)] = due_ns;
-  ++count_;
+bool ReadingQueue::push(std::int64_t due_ns, std::span<const double> reading) {
+  if (count_ == due_ns_.size()) return false;
+  const std::size_t at = slot(count_++);
+  due_ns_[at] = due_ns;
+  std::ranges::copy(reading.first(numbers_), values_.begin() + static_cast<std::ptrdiff_t>(at * numbers_));
+  return true;
 }
 
 std::span<const double> ReadingQueue::front() const {

@@ -15,9 +15,8 @@ class ReadingQueue {
   ReadingQueue(std::size_t slots, std::size_t numbers);
 
   bool empty() const { return count_ == 0; }
-  // Where the next reading goes; push() then takes it in. Fails by assertion where all slots are in use.
-  std::span<double> back();
-  void push(std::int64_t due_ns);
+  // False where all slots are in use: the reading is lost.
+  bool push(std::int64_t due_ns, std::span<const double> reading);
   std::int64_t front_due_ns() const { return due_ns_[first_]; }
   std::span<const double> front() const;
   void pop();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <stdexcept>
 
 namespace visum::sensors {
 namespace {
@@ -17,9 +18,11 @@ Failure read_failure(const config::Node& entry) {
   return std::ranges::find(failure_names(), word, &FailureName::name)->failure;
 }
 
-// Those that a failed sensor holds back longest, and the one that is being taken.
+// Those that a failed sensor holds back longest, and the one that is being taken. Samples are taken and shown
+// at the ends of ticks: each may be taken up to a tick late, and shown another one later.
 std::size_t slots(const Timing& timing) {
-  return static_cast<std::size_t>(timing.latency_ns / timing.period_ns) + kDelayedSamples + 2;
+  const std::int64_t longest_ns = timing.latency_ns + 2 * timing.tick_ns;
+  return static_cast<std::size_t>(longest_ns / timing.period_ns) + kDelayedSamples + 2;
 }
 
 protocol::Parameter fixed_number(const char* name, const char* unit, const char* help, double value) {
@@ -82,9 +85,8 @@ void Sensor::sample() {
     read(truth_, last_, random_);
     disturb(last_);
   }
-  std::ranges::copy(last_, queue_.back().begin());
   const std::int64_t late_ns = failing() == Failure::kDelayed ? kDelayedSamples * timing_.period_ns : 0;
-  queue_.push(now_ns_ + timing_.latency_ns + late_ns);
+  queue_.push(now_ns_ + timing_.latency_ns + late_ns, last_);
 }
 
 bool Sensor::lost() {
@@ -184,6 +186,7 @@ void Sensor::save(hwparts::StateWriter& to) const {
 void Sensor::load(hwparts::StateReader& from) {
   random_.load(from);
   from.get(failure_);
+  if (!is_failure(failure_)) throw std::out_of_range("a sensor that fails in no known way");
   from.get(now_ns_);
   from.get(samples_);
   from.get(changed_);

@@ -108,6 +108,53 @@ TEST(Sensor, ShowsAReadingAfterItsLatency) {
   }
 }
 
+// Samples fall on the ends of ticks, so that one more may be under way than the period alone would have it.
+TEST(Sensor, HoldsAllReadingsOfADelayWhateverItsRate) {
+  for (const double hz : {1000.0, 750.0, 666.0, 501.0, 333.0, 123.0}) {
+    for (const int latency_ms : {0, 1, 3, 7}) {
+      SCOPED_TRACE(std::to_string(hz) + " Hz, " + std::to_string(latency_ms) + " ms");
+      const std::string yaml = kDistance + ", rate_hz: " + std::to_string(hz) +
+                               ", latency_ms: " + std::to_string(latency_ms) + ", failure: delayed";
+      Bench bench(yaml), other(yaml);
+      std::vector<double> taken;
+      for (int i = 0; i < 300; ++i) {
+        if (bench.sensor->due()) taken.push_back(0.2 + 0.01 * i);
+        bench.tick({0.2 + 0.01 * i});
+        const auto shown = static_cast<std::size_t>(bench.port("Changed"));
+        if (shown > 0) {
+          ASSERT_EQ(bench.port("Distance"), taken[shown - 1]) << "none is lost, none goes before another";
+        }
+        std::vector<std::byte> kept;
+        hwparts::StateWriter to(kept);
+        bench.sensor->save(to);
+        hwparts::StateReader from(kept);
+        ASSERT_NO_THROW(other.sensor->load(from)) << i;
+      }
+      EXPECT_LE(static_cast<double>(taken.size()) - bench.port("Changed"), 11.0 + latency_ms);
+    }
+  }
+}
+
+TEST(ReadingQueue, RefusesWhatItHasNoRoomFor) {
+  ReadingQueue queue(2, 1);
+  EXPECT_TRUE(queue.push(1, std::vector{1.0}));
+  EXPECT_TRUE(queue.push(2, std::vector{2.0}));
+  EXPECT_FALSE(queue.push(3, std::vector{3.0}));
+  EXPECT_EQ(queue.front()[0], 1.0);
+  queue.pop();
+  EXPECT_EQ(queue.front()[0], 2.0);
+}
+
+TEST(Sensor, BelievesNoStateThatFailsInAWayOfItsOwn) {
+  Bench bench(kDistance);
+  std::vector<std::byte> kept;
+  hwparts::StateWriter to(kept);
+  bench.sensor->save(to);
+  kept.at(4 * sizeof(std::uint64_t)) = std::byte{200};  // behind the random numbers
+  hwparts::StateReader from(kept);
+  EXPECT_THROW(bench.sensor->load(from), std::out_of_range);
+}
+
 // A fault on purpose is what the parameter of the sensor would have it do, and ends with it.
 TEST(Sensor, FaultsAreItsFailuresAndEnd) {
   const std::pair<const char*, const char*> pairs[]{{"sensor_off", "off"},
