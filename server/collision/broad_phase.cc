@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/world/joint_kinds.h"
+
 namespace visum::collision {
 namespace {
 
@@ -81,7 +83,8 @@ double gap_of_boxes(const PreparedShape& a, const PreparedShape& b) {
 std::vector<BodyPair> pairs_that_never_collide(const world::WorldModel& model) {
   std::vector<BodyPair> pairs = model.no_collision;
   for (const world::Joint& joint : model.joints) {
-    if (joint.parent.valid()) pairs.push_back(std::minmax(joint.parent, joint.child));
+    if (joint.parent.valid() && world::info(joint.kind).holds_anything)
+      pairs.push_back(std::minmax(joint.parent, joint.child));
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());

@@ -38,7 +38,7 @@ class BroadPhase {
 // the other one's is. Below 0, and for two boxes at 0, they may touch.
 double gap_of_boxes(const PreparedShape& a, const PreparedShape& b);
 
-// no_collision and the pairs that joints connect, sorted.
+// no_collision and the pairs that joints hold together (springs do not), sorted.
 std::vector<BodyPair> pairs_that_never_collide(const world::WorldModel& model);
 
 }  // namespace visum::collision

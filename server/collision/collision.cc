@@ -19,7 +19,7 @@ constexpr double kRoundingM = 1e-6;  // more than what gaps and paths are wrong 
 struct CollisionStage::Impl {
   explicit Impl(const world::WorldModel& world_model)
       : model(world_model),
-        shapes(prepare_shapes(model)),
+        shapes(prepare_shapes(model, meshes)),
         placed_in(shapes.size(), 0),
         broad(shapes, pairs_that_never_collide(model)),
         travel(shapes, model) {}
@@ -50,7 +50,8 @@ struct CollisionStage::Impl {
   }
 
   const world::WorldModel& model;
-  std::vector<PreparedShape> shapes;
+  PreparedMeshes meshes;
+  std::vector<PreparedShape> shapes;     // of them
   std::vector<std::uint64_t> placed_in;  // by shape: the call
   std::uint64_t call = 0;
   BroadPhase broad;
@@ -82,7 +83,7 @@ Contact make_contact(const PreparedShape& a, const PreparedShape& b, const Point
 CollisionStage::CollisionStage(const world::WorldModel& model) : impl_(std::make_unique<Impl>(model)) {}
 CollisionStage::~CollisionStage() = default;
 
-void CollisionStage::find(const world::WorldState& state, std::vector<Contact>& contacts) {
+bool CollisionStage::find(const world::WorldState& state, std::vector<Contact>& contacts) {
   contacts.clear();
   Impl& of = *impl_;
   ++of.call;
@@ -98,10 +99,11 @@ void CollisionStage::find(const world::WorldState& state, std::vector<Contact>& 
     if (gap > 0.0) continue;
     const std::vector<Point>& points = of.narrow.find(a, b);
     for (std::size_t k = 0; k < points.size(); ++k) {
-      if (contacts.size() == kMaxContacts) return;
+      if (contacts.size() == kMaxContacts) return false;
       contacts.push_back(make_contact(a, b, points[k], k));
     }
   }
+  return true;
 }
 
 }  // namespace visum::collision

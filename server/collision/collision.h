@@ -26,6 +26,9 @@ struct Contact {
   double normal_force_n = 0.0;                              // filled by the engine: mean over the tick
   Eigen::Vector3d force_on_a_W =
       Eigen::Vector3d::Zero();  // likewise, N, friction included; b feels the opposite
+  // Likewise, N·m: the moment of rolling and torsional friction, beside that of the force at p_W. 0 from
+  // plug-ins' engines, which do not tell it, and where a body sleeps.
+  Eigen::Vector3d torque_on_a_W = Eigen::Vector3d::Zero();
 };
 
 class CollisionStage {
@@ -36,8 +39,9 @@ class CollisionStage {
   CollisionStage& operator=(const CollisionStage&) = delete;
 
   // Replaces `contacts`, sorted by (shape_a, shape_b, feature). A function of the bodies' poses alone, for a
-  // restored world to collide with the same bits: earlier calls only tell which pairs cannot have met.
-  void find(const world::WorldState& state, std::vector<Contact>& contacts);
+  // restored world to collide with the same bits: earlier calls only tell which pairs cannot have met. False:
+  // there are more than kMaxContacts, and only the first of them are there.
+  bool find(const world::WorldState& state, std::vector<Contact>& contacts);
 
  private:
   struct Impl;

@@ -5,7 +5,19 @@
 namespace visum::collision {
 namespace {
 
-Convex make_convex_of(const world::WorldModel& model, const world::Shape& shape) {
+const Mesh& mesh_of(const world::WorldModel& model, world::MeshId id, PreparedMeshes& known) {
+  auto& mesh = known.meshes[id.index()];
+  if (!mesh) mesh = std::make_unique<const Mesh>(model.meshes[id.index()]);
+  return *mesh;
+}
+
+const Convex& hull_of(const world::WorldModel& model, world::MeshId id, PreparedMeshes& known) {
+  auto& hull = known.hulls[id.index()];
+  if (!hull) hull = std::make_unique<const Convex>(make_convex(make_hull(model.meshes[id.index()].vertices)));
+  return *hull;
+}
+
+Convex make_convex_of(const world::WorldModel& model, const world::Shape& shape, PreparedMeshes& known) {
   switch (shape.kind) {
     case world::ShapeKind::kBox:
       return make_convex(make_box({shape.size[0], shape.size[1], shape.size[2]}));
@@ -16,7 +28,7 @@ Convex make_convex_of(const world::WorldModel& model, const world::Shape& shape)
     case world::ShapeKind::kCapsule:
       return make_round(shape.size[0], shape.size[1]);
     case world::ShapeKind::kConvex:
-      return make_convex(make_hull(model.meshes[shape.mesh.index()].vertices));
+      return hull_of(model, shape.mesh, known);
     case world::ShapeKind::kPlane:
     case world::ShapeKind::kMesh:
       break;
@@ -41,7 +53,7 @@ Eigen::AlignedBox3d box_of(const Mesh& mesh) {
   return box;
 }
 
-PreparedShape prepare(const world::WorldModel& model, world::ShapeId id) {
+PreparedShape prepare(const world::WorldModel& model, world::ShapeId id, PreparedMeshes& known) {
   const world::Shape& shape = model.shapes[id.index()];
   const world::Surface& surface = model.surfaces[shape.surface.index()];
   PreparedShape prepared;
@@ -55,10 +67,10 @@ PreparedShape prepare(const world::WorldModel& model, world::ShapeId id) {
   prepared.rolling_friction = surface.rolling_friction;
   prepared.torsional_friction = surface.torsional_friction;
   if (shape.kind == world::ShapeKind::kMesh) {
-    prepared.mesh = std::make_unique<Mesh>(model.meshes[shape.mesh.index()]);
+    prepared.mesh = &mesh_of(model, shape.mesh, known);
     prepared.box_S = box_of(*prepared.mesh);
   } else if (shape.kind != world::ShapeKind::kPlane) {
-    prepared.convex = make_convex_of(model, shape);
+    prepared.convex = make_convex_of(model, shape, known);
     prepared.gjk = std::make_unique<GjkShape>(prepared.convex);
     prepared.box_S = box_of(prepared.convex);
   }
@@ -74,10 +86,12 @@ Eigen::AlignedBox3d box_around(const Eigen::AlignedBox3d& box, const Eigen::Matr
   return {center - half, center + half};
 }
 
-std::vector<PreparedShape> prepare_shapes(const world::WorldModel& model) {
+std::vector<PreparedShape> prepare_shapes(const world::WorldModel& model, PreparedMeshes& meshes) {
+  meshes.meshes.resize(model.meshes.size());
+  meshes.hulls.resize(model.meshes.size());
   std::vector<PreparedShape> shapes;
   for (std::size_t i = 0; i < model.shapes.size(); ++i) {
-    if (model.shapes[i].collides) shapes.push_back(prepare(model, {static_cast<std::int32_t>(i)}));
+    if (model.shapes[i].collides) shapes.push_back(prepare(model, {static_cast<std::int32_t>(i)}, meshes));
   }
   return shapes;
 }

@@ -14,6 +14,12 @@
 
 namespace visum::collision {
 
+// What shapes of one mesh have in common, each made once.
+struct PreparedMeshes {
+  std::vector<std::unique_ptr<const Mesh>> meshes;   // by MeshId; null: no shape is of it
+  std::vector<std::unique_ptr<const Convex>> hulls;  // likewise
+};
+
 struct PreparedShape {
   world::ShapeId id;
   world::BodyId body;
@@ -23,7 +29,7 @@ struct PreparedShape {
   double friction = 0.0, restitution = 0.0, rolling_friction = 0.0, torsional_friction = 0.0;
   Convex convex;                  // of all kinds but plane and mesh
   std::unique_ptr<GjkShape> gjk;  // likewise
-  std::unique_ptr<Mesh> mesh;     // of a mesh
+  const Mesh* mesh = nullptr;     // of a mesh
   Eigen::AlignedBox3d box_S;      // around it, in its frame; empty for a plane
   // By place():
   Placed placed;              // for planes and meshes: the frame only
@@ -32,8 +38,9 @@ struct PreparedShape {
   Eigen::AlignedBox3d near_W;
 };
 
-// Only the shapes that collide. Throws std::runtime_error for a hull without volume.
-std::vector<PreparedShape> prepare_shapes(const world::WorldModel& model);
+// Only the shapes that collide. Fills `meshes`, which have to outlive them. Throws std::runtime_error for a
+// hull without volume.
+std::vector<PreparedShape> prepare_shapes(const world::WorldModel& model, PreparedMeshes& meshes);
 
 // Sets the pose and the box of a shape. A pose that is not finite gives an empty box: it meets nothing.
 void place(PreparedShape& shape, const world::WorldModel& model, const world::WorldState& state);

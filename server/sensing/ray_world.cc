@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <stdexcept>
 #include <vector>
 
@@ -156,6 +157,7 @@ struct RayWorld::Impl {
 
   void add_meshes();
   void add_items();
+  Solid solid_of(const world::Shape& shape) const;
   void add_geometry(Item& item);
   void move(Item& item, const world::Pose& X_WS);
   Query query_for(const Ray& ray) const;
@@ -163,8 +165,9 @@ struct RayWorld::Impl {
   const world::WorldModel& model;
   RTCDevice device;
   RTCScene scene;
-  std::vector<RTCScene> meshes;  // by MeshId
-  std::vector<Item> items;       // their geometries have their indices
+  std::vector<RTCScene> meshes;                 // by MeshId
+  std::map<world::MeshId, const Solid*> hulls;  // of items: shapes of one mesh have one hull
+  std::vector<Item> items;                      // their geometries have their indices
 };
 
 void RayWorld::Impl::add_meshes() {
@@ -195,9 +198,16 @@ void RayWorld::Impl::add_items() {
   for (std::size_t i = 0; i < model.shapes.size(); ++i) {
     const world::Shape& shape = model.shapes[i];
     if (!is_visible(shape)) continue;
-    items.push_back({{static_cast<std::int32_t>(i)}, &shape, make_solid(model, shape)});
+    items.push_back({{static_cast<std::int32_t>(i)}, &shape, solid_of(shape)});
+    if (shape.kind == world::ShapeKind::kConvex) hulls.try_emplace(shape.mesh, &items.back().solid);
     if (shape.kind != world::ShapeKind::kPlane) add_geometry(items.back());
   }
+}
+
+Solid RayWorld::Impl::solid_of(const world::Shape& shape) const {
+  if (shape.kind == world::ShapeKind::kConvex)
+    if (const auto known = hulls.find(shape.mesh); known != hulls.end()) return *known->second;
+  return make_solid(model, shape);
 }
 
 void RayWorld::Impl::add_geometry(Item& item) {
