@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "protocol/config/config.h"
+#include "server/scene/text_cursor.h"
 #include "server/scene/xml_checks.h"
 
 namespace visum::scene {
@@ -30,7 +31,7 @@ constexpr TextRule kTexts[] = {
     {"radius", 1, 1, NumberRule::kPositive},
     {"length", 1, 1, NumberRule::kPositive},
     {"size", 2, 3, NumberRule::kPositive},
-    {"scale", 3, 3, NumberRule::kNotZero},
+    {"scale", 3, 3, NumberRule::kNoneZero},
 };
 
 const std::vector<const char*> kUnread = {"sensor",       "plugin",     "light",   "particle_emitter",
@@ -49,6 +50,35 @@ void check_text(const XMLElement& element, const std::string& file) {
       check_numbers(element, rule.element, element.GetText(), rule.least, rule.most, rule.rule, file);
 }
 
+bool says_no(const XMLElement* element) {
+  const std::string text = element && element->GetText() ? element->GetText() : "";
+  return text == "false" || text == "0";
+}
+
+void note_link_losses(const XMLElement& link, const std::string& name, ModelXml& xml) {
+  const XMLElement* inertial = link.FirstChildElement("inertial");
+  if (!inertial)
+    xml.losses.push_back("link '" + name +
+                         "' gives no <inertial>: SDF's 1 kg and 1 kg·m² are used if it moves");
+  else if (!inertial->FirstChildElement("inertia"))
+    xml.losses.push_back("link '" + name + "' gives no <inertia>: SDF's 1 kg·m² is used if it moves");
+  if (says_no(link.FirstChildElement("gravity")))
+    xml.losses.push_back("link '" + name + "' falls as all do: a link without gravity is not simulated");
+}
+
+// The scene's `pose` says where the model's frame is, as an <include>'s would.
+void note_pose_loss(const XMLElement& model, ModelXml& xml) {
+  const XMLElement* pose = model.FirstChildElement("pose");
+  if (!pose || !pose->GetText()) return;
+  TextCursor cursor(pose->GetText());
+  bool moves = false;
+  for (std::string_view word = cursor.word(); !word.empty(); word = cursor.word()) {
+    double number = 0.0;
+    moves = moves || (parse_number(word, number) && number != 0.0);
+  }
+  if (moves) xml.losses.push_back("the model's own <pose> is not read: the scene's 'pose' places it");
+}
+
 // Names with their lines, links and joints of nested models as "inner::link".
 void take_names(const XMLElement& model, const std::string& prefix, ModelXml& xml) {
   for (const XMLElement* child = model.FirstChildElement(); child; child = child->NextSiblingElement()) {
@@ -58,9 +88,7 @@ void take_names(const XMLElement& model, const std::string& prefix, ModelXml& xm
     if (!std::strcmp(child->Name(), "link")) {
       xml.links.push_back(name);
       xml.link_lines.emplace(name, child->GetLineNum());
-      if (!child->FirstChildElement("inertial"))
-        xml.losses.push_back("link '" + name +
-                             "' gives no <inertial>: SDF's 1 kg and 1 kg·m² are used if it moves");
+      note_link_losses(*child, name, xml);
     } else if (!std::strcmp(child->Name(), "joint")) {
       xml.joints.push_back(name);
       xml.joint_lines.emplace(name, child->GetLineNum());
@@ -126,6 +154,7 @@ void read_sdf(const XMLElement& root, const std::string& file, ModelXml& xml) {
       fail_at(element, file, "<include> is not read, place models in the scene");
     check_text(element, file);
   });
+  note_pose_loss(*model, xml);
   take_names(*model, "", xml);
   check_amount(elements, xml, file);
   const auto unread = unread_elements(root, kUnread);

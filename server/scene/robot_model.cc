@@ -84,7 +84,7 @@ class Reader {
   Reader(RobotModel& model, const ModelXml& xml) : model_(model), xml_(xml), file_(model.file.string()) {}
 
   void read(const sdf::Model& top) {
-    read_model(top, "", {});
+    read_model(top, "", {}, top.Static());
     sort_as_in_file();
   }
 
@@ -105,16 +105,17 @@ class Reader {
     if (!errors.empty()) throw config::ConfigError(place, errors.front().Message());
   }
 
-  // X_TM: this model in the top one.
-  void read_model(const sdf::Model& model, const std::string& prefix, const world::Pose& X_TM) {
+  // X_TM: this model in the top one. What is nested in a static model is static.
+  void read_model(const sdf::Model& model, const std::string& prefix, const world::Pose& X_TM,
+                  bool is_static) {
     for (std::uint64_t i = 0; i < model.LinkCount(); ++i)
-      read_link(*model.LinkByIndex(i), prefix, X_TM, model.Static());
-    for (std::uint64_t i = 0; i < model.JointCount(); ++i) read_joint(*model.JointByIndex(i), prefix);
+      read_link(*model.LinkByIndex(i), prefix, X_TM, is_static);
+    for (std::uint64_t i = 0; i < model.JointCount(); ++i) read_joint(*model.JointByIndex(i), prefix, X_TM);
     for (std::uint64_t i = 0; i < model.ModelCount(); ++i) {
       const sdf::Model& inner = *model.ModelByIndex(i);
       ignition::math::Pose3d pose;
       refuse(inner.SemanticPose().Resolve(pose), {file_, 0, "model '" + inner.Name() + "'"});
-      read_model(inner, prefix + inner.Name() + "::", X_TM * to_pose(pose));
+      read_model(inner, prefix + inner.Name() + "::", X_TM * to_pose(pose), is_static || inner.Static());
     }
   }
 
@@ -254,7 +255,7 @@ class Reader {
     }
   }
 
-  void read_joint(const sdf::Joint& from, const std::string& prefix) {
+  void read_joint(const sdf::Joint& from, const std::string& prefix, const world::Pose& X_TM) {
     RobotJoint joint;
     joint.joint.name = prefix + from.Name();
     joint.line = line_of(xml_.joint_lines, joint.joint.name);
@@ -270,7 +271,8 @@ class Reader {
     refuse(from.SemanticPose().Resolve(pose, child), place);
     joint.joint.X_CJ = to_pose(pose);
     refuse(from.SemanticPose().Resolve(pose, parent == kWorldLink ? "__model__" : parent), place);
-    joint.joint.X_PJ = to_pose(pose);  // of a joint to the world: in the model
+    joint.joint.X_PJ = to_pose(pose);
+    if (parent == kWorldLink) joint.joint.X_PJ = X_TM * joint.joint.X_PJ;  // in the top model
     read_kind(from, place, joint.joint);
     model_.joints.push_back(std::move(joint));
   }

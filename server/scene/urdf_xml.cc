@@ -36,7 +36,7 @@ constexpr AttributeRule kAttributes[] = {
     {"sphere", "radius", true, 1, NumberRule::kPositive},
     {"cylinder", "radius", true, 1, NumberRule::kPositive},
     {"cylinder", "length", true, 1, NumberRule::kPositive},
-    {"mesh", "scale", false, 3, NumberRule::kNotZero},
+    {"mesh", "scale", false, 3, NumberRule::kNoneZero},
     {"color", "rgba", true, 4, NumberRule::kNotNegative},
 };
 
@@ -139,13 +139,15 @@ void give_nominal_mass(XMLElement& link, ModelXml& xml) {
   for (const char* product : {"ixy", "ixz", "iyz"}) inertia->SetAttribute(product, 0.0);
 }
 
-// sdformat divides URDF colours by 0.8 and cuts them at 1.
+// sdformat divides URDF colours by 0.8 and cuts them at 1. What is not read may hold colours of another kind.
 void scale_colors(XMLElement& element) {
   for (XMLElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    if (is_unread(*child)) continue;
     scale_colors(*child);
-    if (std::strcmp(child->Name(), "color") != 0) continue;
+    const char* given = child->Attribute("rgba");
+    if (std::strcmp(child->Name(), "color") != 0 || given == nullptr) continue;
     float rgba[4] = {0, 0, 0, 1};
-    std::sscanf(child->Attribute("rgba"), "%f %f %f %f", &rgba[0], &rgba[1], &rgba[2], &rgba[3]);
+    std::sscanf(given, "%f %f %f %f", &rgba[0], &rgba[1], &rgba[2], &rgba[3]);
     char text[80];
     std::snprintf(text, sizeof text, "%.9g %.9g %.9g %.9g", 0.8 * rgba[0], 0.8 * rgba[1], 0.8 * rgba[2],
                   static_cast<double>(rgba[3]));

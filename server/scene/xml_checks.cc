@@ -27,6 +27,7 @@ const char* number_fault(double number, NumberRule rule) {
   if (std::isinf(number)) return rule == NumberRule::kMayBeInfinite ? nullptr : "must be a finite number";
   if (rule == NumberRule::kPositive && !(number > 0)) return "must be greater than 0";
   if (rule == NumberRule::kNotNegative && number < 0) return "must be at least 0";
+  if (rule == NumberRule::kNoneZero && number == 0) return "must not be zero";
   return nullptr;
 }
 

@@ -19,7 +19,8 @@ using tinyxml2::XMLElement;
 // The attribute's text; fails if it is missing or empty.
 std::string required(const XMLElement& element, const char* attribute, const std::string& file);
 
-enum class NumberRule { kAny, kPositive, kNotNegative, kNotZero, kMayBeInfinite };
+// kNotZero: not all of them; kNoneZero: not one.
+enum class NumberRule { kAny, kPositive, kNotNegative, kNotZero, kNoneZero, kMayBeInfinite };
 
 // `text` holds between `least` and `most` numbers that obey `rule`; `what` names it in the error ("mass
 // value").

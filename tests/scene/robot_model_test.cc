@@ -166,6 +166,53 @@ TEST(Urdf, AnglesAreReadAsTheStandardSays) {
   }
 }
 
+TEST(Urdf, WhatIsNotReadMayHoldColoursOfAnotherKind) {
+  const RobotModel model = read_robot_model(
+      "m.urdf", "<robot name='r'><link name='a'>" + kOneKilogram +
+                    "<sensor><color/></sensor><gazebo><material><color>1 0 0</color></material></gazebo>"
+                    "</link></robot>");
+  EXPECT_THAT(link_names(model), ElementsAre("a"));
+  EXPECT_THAT(model.losses, ElementsAre("1 <gazebo> element is not read", "1 <sensor> element is not read"));
+}
+
+const std::string kOneKilogramInSdf =
+    "<inertial><mass>1</mass><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia></inertial>";
+
+TEST(Sdf, AJointOfANestedModelToTheWorldStandsWhereThatModelDoes) {
+  const RobotModel model = read_robot_model(
+      "m.sdf",
+      "<sdf version='1.8'><model name='cell'><link name='base'/><model name='door'><pose>2 0 0 0 0 0</pose>"
+      "<link name='leaf'><pose>0.5 0 0 0 0 0</pose>" +
+          kOneKilogramInSdf +
+          "</link><joint name='hinge' type='revolute'><pose relative_to='__model__'>0 0 1 0 0 0</pose>"
+          "<parent>world</parent><child>leaf</child><axis><xyz>0 0 1</xyz></axis></joint></model></model>"
+          "</sdf>");
+  EXPECT_TRUE(model.joints[0].joint.X_PJ.p.isApprox(Eigen::Vector3d(2, 0, 1)));
+  EXPECT_TRUE(model.joints[0].joint.X_CJ.p.isApprox(Eigen::Vector3d(-0.5, 0, 1)));
+}
+
+TEST(Sdf, WhatIsNestedInAStaticModelStandsStill) {
+  const RobotModel model =
+      read_robot_model("m.sdf",
+                       "<sdf version='1.8'><model name='cell'><static>true</static><link name='base'/>"
+                       "<model name='door'><link name='leaf'/></model></model></sdf>");
+  ASSERT_EQ(model.links.size(), 2u);
+  EXPECT_TRUE(model.links[0].on_ground);
+  EXPECT_TRUE(model.links[1].on_ground);
+}
+
+TEST(Sdf, LossesSayWhatWouldChangeThePhysics) {
+  const RobotModel model =
+      read_robot_model("m.sdf",
+                       "<sdf version='1.8'><model name='cell'><pose>0 0 5 0 0 0</pose><link name='balloon'>"
+                       "<gravity>false</gravity><inertial><mass>0.05</mass></inertial></link></model></sdf>");
+  EXPECT_THAT(model.losses,
+              ElementsAre("the model's own <pose> is not read: the scene's 'pose' places it",
+                          "link 'balloon' gives no <inertia>: SDF's 1 kg·m² is used if it moves",
+                          "link 'balloon' falls as all do: a link without gravity is not simulated"));
+  EXPECT_EQ(model.links[0].X_ML.p, Eigen::Vector3d::Zero());
+}
+
 TEST(Sdf, NestedModelsFramesAndLimitsAreRead) {
   const RobotModel model = joined("nested.sdf");
   EXPECT_THAT(link_names(model), ElementsAre("base", "arm", "tool::tip"));
@@ -181,6 +228,7 @@ TEST(Sdf, NestedModelsFramesAndLimitsAreRead) {
   EXPECT_THAT(model.losses,
               ElementsAre("1 <sensor> element is not read", "1 <surface> element is not read",
                           "link 'arm' gives no <inertial>: SDF's 1 kg and 1 kg·m² are used if it moves",
+                          "link 'tool::tip' gives no <inertia>: SDF's 1 kg·m² is used if it moves",
                           "joint 'swing' has a spring, which is not simulated"));
 }
 
