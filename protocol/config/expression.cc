@@ -7,11 +7,13 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "protocol/config/trig.h"
+
 namespace visum::config {
 namespace {
 
 constexpr int kMaxNesting = 50;
-constexpr const char* kPi = "pi";
+constexpr const char* kPiName = "pi";
 
 struct Function {
   const char* name;
@@ -21,14 +23,14 @@ struct Function {
 constexpr std::array<Function, 10> kFunctions{{
     {"abs", [](double x) { return std::abs(x); }, nullptr},
     {"ceil", [](double x) { return std::ceil(x); }, nullptr},
-    {"cos", [](double x) { return std::cos(x); }, nullptr},
+    {"cos", [](double x) { return sin_cos(x).cos; }, nullptr},
     {"floor", [](double x) { return std::floor(x); }, nullptr},
     {"max", nullptr, [](double x, double y) { return std::max(x, y); }},
     {"min", nullptr, [](double x, double y) { return std::min(x, y); }},
     {"round", [](double x) { return std::round(x); }, nullptr},
-    {"sin", [](double x) { return std::sin(x); }, nullptr},
+    {"sin", [](double x) { return sin_cos(x).sin; }, nullptr},
     {"sqrt", [](double x) { return std::sqrt(x); }, nullptr},
-    {"tan", [](double x) { return std::tan(x); }, nullptr},
+    {"tan", [](double x) { return tangent(x); }, nullptr},
 }};
 
 bool is_digit(char c) {
@@ -112,7 +114,7 @@ class Reader {
     if (at_ == text_.size()) fail("a number or a name is missing at its end");
     if (is_digit(text_[at_]) || text_[at_] == '.') return number();
     const std::string word = name();
-    if (!take('(')) return word == kPi ? std::numbers::pi : look_up_(word);
+    if (!take('(')) return word == kPiName ? std::numbers::pi : look_up_(word);
     return call(word);
   }
 
@@ -167,7 +169,7 @@ bool is_variable_name(std::string_view text) {
 }
 
 bool is_reserved_name(std::string_view text) {
-  return text == kPi || find_function(text) != nullptr;
+  return text == kPiName || find_function(text) != nullptr;
 }
 
 }  // namespace visum::config

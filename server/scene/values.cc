@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/world/turn.h"
+
 namespace visum::scene {
 namespace {
 
@@ -44,9 +46,9 @@ Eigen::Vector3d read_vector(const config::Node& node, config::Range range) {
 }
 
 Eigen::Quaterniond quaternion_from_rpy(const Eigen::Vector3d& rpy) {
-  using Eigen::AngleAxisd, Eigen::Vector3d;
-  return AngleAxisd(rpy[2], Vector3d::UnitZ()) * AngleAxisd(rpy[1], Vector3d::UnitY()) *
-         AngleAxisd(rpy[0], Vector3d::UnitX());
+  using Eigen::Vector3d;
+  return world::turn_about(Vector3d::UnitZ(), rpy[2]) * world::turn_about(Vector3d::UnitY(), rpy[1]) *
+         world::turn_about(Vector3d::UnitX(), rpy[0]);
 }
 
 world::Pose read_pose(const config::Node& node) {

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <map>
 
-#include "server/world/trig.h"
+#include "protocol/config/trig.h"
 
 namespace visum::sensing {
 namespace {
@@ -36,7 +36,7 @@ Vector3d vector_at(std::span<const double> numbers) {
 }
 
 double pixel_at_1m(const sensors::Lens& lens) {
-  const auto half = world::sin_cos(lens.fov_rad / 2.0);
+  const auto half = config::sin_cos(lens.fov_rad / 2.0);
   return 2.0 * half.sin / half.cos / lens.width;
 }
 
@@ -107,7 +107,7 @@ double Painter::light_on(const Light& light, const Vector3d& p_W, const Vector3d
     if (length == 0.0) return 0.0;
     to_light = (light.position - p_W) / length;
     if (light.kind == LightKind::kSpot &&
-        -to_light.dot(light.direction) < world::sin_cos(light.angle_rad).cos)
+        -to_light.dot(light.direction) < config::sin_cos(light.angle_rad).cos)
       return 0.0;
   }
   const double falls = normal_W.dot(to_light);

@@ -1,9 +1,9 @@
 // Kinds `distance` and `scanner`: one ray along x, or a fan of them about z.
-#include <cmath>
 #include <limits>
 #include <vector>
 
 #include "hwparts/sensors/range_finder.h"
+#include "protocol/config/trig.h"
 #include "server/sensing/probes.h"
 
 namespace visum::sensing {
@@ -13,7 +13,10 @@ class RangeProbe : public Probe {
  public:
   RangeProbe(const ProbeContext& context, const std::vector<double>& angles)
       : mount_(context.mount), reach_m_(sensors::read_reach(context.config).highest_m) {
-    for (const double angle : angles) directions_S_.emplace_back(std::cos(angle), std::sin(angle), 0.0);
+    for (const double angle : angles) {
+      const auto turn = config::sin_cos(angle);
+      directions_S_.emplace_back(turn.cos, turn.sin, 0.0);
+    }
   }
 
   bool wants_rays() const override { return true; }

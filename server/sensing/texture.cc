@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "protocol/config/config.h"
+#include "protocol/config/trig.h"
 #include "server/sensing/read_picture.h"
-#include "server/world/trig.h"
 
 namespace visum::sensing {
 namespace {
@@ -17,7 +17,7 @@ constexpr double kPlaneCorner_m = -30.0;  // of what the page shows of a plane
 
 // How far about the axis, m: from -y to the left, as the page's cylinders have it.
 double around(const Vector3d& p, double radius) {
-  const double angle = world::arc_tangent(p.x(), -p.y());
+  const double angle = config::arc_tangent(p.x(), -p.y());
   return radius * (angle < 0.0 ? angle + kTwoPi : angle);
 }
 
@@ -34,9 +34,9 @@ std::array<double, 2> place_on_box(const Vector3d& half, const Vector3d& p, cons
 
 // The poles of a ball lie on its y axis, as the page's do.
 std::array<double, 2> place_on_ball(double radius, const Vector3d& p) {
-  const double about = world::arc_tangent(p.z(), -p.x());
+  const double about = config::arc_tangent(p.z(), -p.x());
   const double off_axis = std::sqrt(p.x() * p.x() + p.z() * p.z());
-  const double from_bottom = kTwoPi / 2 - world::arc_tangent(off_axis, p.y());
+  const double from_bottom = kTwoPi / 2 - config::arc_tangent(off_axis, p.y());
   return {radius * (about < 0.0 ? about + kTwoPi : about), radius * from_bottom};
 }
 

@@ -1,5 +1,6 @@
 #include "server/world/joint_kinds.h"
 #include "server/world/joint_tree.h"
+#include "server/world/turn.h"
 #include "server/world/world_state.h"
 
 namespace visum::world {
@@ -8,13 +9,12 @@ namespace {
 Pose joint_motion(const Joint& joint) {
   switch (joint.kind) {
     case JointKind::kHinge:
-      return {Eigen::Vector3d::Zero(),
-              Eigen::Quaterniond(Eigen::AngleAxisd(joint.initial_position, joint.axis_J))};
+      return {Eigen::Vector3d::Zero(), turn_about(joint.axis_J, joint.initial_position)};
     case JointKind::kSlider:
       return {joint.initial_position * joint.axis_J, Eigen::Quaterniond::Identity()};
     case JointKind::kScrew:
       return {screw_lift(joint, joint.initial_position) * joint.axis_J,
-              Eigen::Quaterniond(Eigen::AngleAxisd(joint.initial_position, joint.axis_J))};
+              turn_about(joint.axis_J, joint.initial_position)};
     default:
       return {};
   }

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "protocol/config/trig.h"
 #include "server/world/joint_kinds.h"
-#include "server/world/trig.h"
 #include "server/world/world_state.h"
 
 namespace visum::world {
@@ -44,7 +44,7 @@ Turn turn_of(const WorldState& state, BodyId id, const Pose& X_BJ) {
 
 void measure_angle(const Joint& joint, const Turn& parent, const Turn& child, JointState& state) {
   const Eigen::Quaterniond turned = parent.q_WJ.conjugate() * child.q_WJ;
-  const double angle = 2.0 * arc_tangent(joint.axis_J.dot(turned.vec()), turned.w());
+  const double angle = 2.0 * config::arc_tangent(joint.axis_J.dot(turned.vec()), turned.w());
   // The nearest of the angles that look the same: a tick turns by far less than half a turn.
   state.position = angle + kTurn * std::round((state.position - angle) / kTurn);
   state.velocity = (parent.q_WJ * joint.axis_J).dot(child.w_W - parent.w_W);

@@ -13,7 +13,7 @@ const std::vector<Layer> kLayers = {
     {"protocol", {"protocol/config"}},
     {"protocol/recording", {"protocol"}},
     {"hwparts", {"protocol/config", "protocol/plugin", "protocol/part_description.h"}},
-    {"server/world", {}},
+    {"server/world", {"protocol/config/trig.h"}},
     {"server/collision", {"server/world"}},
     {"server/scene", {"server/world", "hwparts", "protocol/config", "protocol/plugin"}},
     {"server/dynamics",

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "protocol/config/expression.h"
+#include "protocol/config/trig.h"
 #include "tests/support/temp_files.h"
 
 namespace visum::config {
@@ -39,6 +41,16 @@ TEST(Config, ReadsEveryKindOfValue) {
   EXPECT_EQ(root.keys(), (std::vector<std::string>{"a", "b", "c", "d", "e", "f", "h"}));
   EXPECT_FALSE(root.find("z"));
   EXPECT_EQ(root.folder(), "folder");
+}
+
+TEST(Config, SumsHaveTheSameBitsOnEveryProcessor) {
+  for (int i = -2000; i <= 2000; ++i) {
+    const double x = 1e-3 * i;
+    const LookUp look_up = [x](const std::string&) { return x; };
+    ASSERT_EQ(evaluate("sin(x)", look_up), sin_cos(x).sin) << x;
+    ASSERT_EQ(evaluate("cos(x)", look_up), sin_cos(x).cos) << x;
+    ASSERT_EQ(evaluate("tan(x)", look_up), sin_cos(x).sin / sin_cos(x).cos) << x;
+  }
 }
 
 TEST(Config, NumbersAreReadToTheLastBit) {

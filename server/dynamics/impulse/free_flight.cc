@@ -2,13 +2,13 @@
 
 #include <cmath>
 
-#include "server/world/trig.h"
+#include "protocol/config/trig.h"
 
 namespace visum::dynamics::impulse {
 namespace {
 
 Quaterniond about(int axis, double angle) {
-  const world::SinCos half = world::sin_cos(0.5 * angle);
+  const config::SinCos half = config::sin_cos(0.5 * angle);
   Quaterniond result(half.cos, 0.0, 0.0, 0.0);
   result.vec()[axis] = half.sin;
   return result;
@@ -28,7 +28,7 @@ Quaterniond fly_top(const BodyConstants& body, const Quaterniond& q, const Matri
 template <int k>
 inline void turn_about(double angle, Quaterniond& q, Vector3d& L) {
   constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
-  const world::SinCos half = world::sin_cos(0.5 * angle);
+  const config::SinCos half = config::sin_cos(0.5 * angle);
   // q times (cos, sin e_k).
   const Vector3d u = q.vec();
   const double scalar = q.w();
@@ -36,7 +36,7 @@ inline void turn_about(double angle, Quaterniond& q, Vector3d& L) {
   q.vec()[k] = half.cos * u[k] + half.sin * scalar;
   q.vec()[i] = half.cos * u[i] + half.sin * u[j];
   q.vec()[j] = half.cos * u[j] - half.sin * u[i];
-  const world::SinCos full{2.0 * half.sin * half.cos, 1.0 - 2.0 * half.sin * half.sin};
+  const config::SinCos full{2.0 * half.sin * half.cos, 1.0 - 2.0 * half.sin * half.sin};
   const double li = L[i];
   L[i] = full.cos * li + full.sin * L[j];
   L[j] = full.cos * L[j] - full.sin * li;
@@ -58,7 +58,7 @@ Quaterniond fly_any(const BodyConstants& body, Quaterniond q, const Matrix3d& R,
 
 Quaterniond rotation(const Vector3d& u) {
   const double half = 0.5 * u.norm();
-  const world::SinCos turn = world::sin_cos(half);
+  const config::SinCos turn = config::sin_cos(half);
   // sin(a/2)/a, and its limit where a is nothing.
   const double scale = half > 1e-8 ? 0.5 * turn.sin / half : 0.5;
   return Quaterniond(turn.cos, scale * u.x(), scale * u.y(), scale * u.z());

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "protocol/config/trig.h"
 #include "server/dynamics/impulse/joints/ball.h"
 #include "server/dynamics/impulse/joints/cylindrical.h"
 #include "server/dynamics/impulse/joints/fixed.h"
@@ -13,7 +14,6 @@
 #include "server/dynamics/impulse/joints/slider.h"
 #include "server/dynamics/impulse/joints/universal.h"
 #include "server/world/joint_kinds.h"
-#include "server/world/trig.h"
 
 namespace visum::dynamics::impulse {
 namespace {
@@ -171,7 +171,7 @@ JointPose pose_ahead(const JointSpec& joint, const Bodies& bodies, double positi
 
 double joint_angle(const JointSpec& joint, const JointPose& pose, double near) {
   const Vector3d u = *pose.Ra * joint.zero_a, w = *pose.Rb * joint.zero_b;
-  const double angle = world::arc_tangent(pose.a.dot(u.cross(w)), u.dot(w));
+  const double angle = config::arc_tangent(pose.a.dot(u.cross(w)), u.dot(w));
   return angle + kTurn * std::round((near - angle) / kTurn);
 }
 

@@ -6,13 +6,14 @@
 #include "protocol/config/config.h"
 #include "server/scene/convert/output.h"
 #include "server/scene/text_cursor.h"
+#include "server/world/turn.h"
 
 namespace visum::scene {
 
 std::string x3d_rotation(const Eigen::Quaterniond& q) {
   const double sine = q.vec().norm();
   if (sine == 0.0) return "0 0 1 0";
-  const double angle = 2.0 * std::atan2(sine, q.w());
+  const double angle = 2.0 * config::arc_tangent(sine, q.w());
   const Eigen::Vector3d axis = q.vec() / sine;
   return exact(axis.data(), 3) + " " + exact(angle);
 }
@@ -20,7 +21,7 @@ std::string x3d_rotation(const Eigen::Quaterniond& q) {
 Eigen::Quaterniond quaternion_of_rotation(const double numbers[4]) {
   const Eigen::Vector3d axis(numbers[0], numbers[1], numbers[2]);
   if (numbers[3] == 0.0 || axis.norm() == 0.0) return Eigen::Quaterniond::Identity();
-  return Eigen::Quaterniond(Eigen::AngleAxisd(numbers[3], axis.normalized()));
+  return world::turn_about(axis.normalized(), numbers[3]);
 }
 
 std::string x3d_texts(const std::vector<std::string>& texts) {

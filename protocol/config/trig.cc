@@ -1,9 +1,9 @@
-#include "server/world/trig.h"
+#include "protocol/config/trig.h"
 
 #include <cmath>
 #include <limits>
 
-namespace visum::world {
+namespace visum::config {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -67,6 +67,11 @@ SinCos sin_cos_large(double x) {
   }
 }
 
+double tangent(double x) {
+  const SinCos of = sin_cos(x);
+  return of.sin / of.cos;
+}
+
 double arc_tangent(double y, double x) {
   if (y == 0.0 && x >= 0.0) return 0.0;
   const double angle = x == 0.0 ? 0.5 * kPi : atan_positive(std::abs(y / x));
@@ -74,4 +79,4 @@ double arc_tangent(double y, double x) {
   return y < 0.0 ? -turned : turned;
 }
 
-}  // namespace visum::world
+}  // namespace visum::config

@@ -1,11 +1,11 @@
-#include "server/world/trig.h"
+#include "protocol/config/trig.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-namespace visum::world {
+namespace visum::config {
 namespace {
 
 constexpr double kUlps = 3.0 * std::numeric_limits<double>::epsilon();
@@ -43,4 +43,4 @@ TEST(Trig, WhatIsNoNumberStaysNone) {
 }
 
 }  // namespace
-}  // namespace visum::world
+}  // namespace visum::config

@@ -3,7 +3,7 @@
 // reduction: fdlibm (Sun Microsystems, 1993), k_sin.c, k_cos.c, s_atan.c.
 #pragma once
 
-namespace visum::world {
+namespace visum::config {
 
 struct SinCos {
   double sin, cos;
@@ -11,7 +11,9 @@ struct SinCos {
 
 inline constexpr double kQuarterPi = 0.78539816339744830962;
 
+// |x| up to 1e6; beyond it, and for what is no number, NaN.
 SinCos sin_cos_large(double x);
+double tangent(double x);                // likewise
 double arc_tangent(double y, double x);  // as std::atan2
 
 // For |x| <= pi/4.
@@ -30,9 +32,9 @@ inline SinCos sin_cos_small(double x) {
   return {x + x * z * s, 1.0 - (0.5 * z - z * z * c)};
 }
 
-// |x| up to 1e6; beyond it, and for what is no number, NaN.
+// Likewise.
 inline SinCos sin_cos(double x) {
   return x <= kQuarterPi && x >= -kQuarterPi ? sin_cos_small(x) : sin_cos_large(x);
 }
 
-}  // namespace visum::world
+}  // namespace visum::config

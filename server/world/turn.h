@@ -1,0 +1,16 @@
+// A rotation by an angle, with the same bits on every processor (Eigen's own asks the C library).
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "protocol/config/trig.h"
+
+namespace visum::world {
+
+// axis: unit.
+inline Eigen::Quaterniond turn_about(const Eigen::Vector3d& axis, double angle_rad) {
+  const config::SinCos half = config::sin_cos(0.5 * angle_rad);
+  return {half.cos, half.sin * axis.x(), half.sin * axis.y(), half.sin * axis.z()};
+}
+
+}  // namespace visum::world
