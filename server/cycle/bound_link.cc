@@ -19,6 +19,11 @@ void BoundLink::end_turn(std::int64_t tick) {
   part().hear(tick, 0, inputs_);
 }
 
+void BoundLink::lose_controller() {
+  part().part->controller_lost();
+  part().wire.writes().clear();  // what is under way from it comes too late
+}
+
 const protocol::PartDescription& BoundLink::description() const {
   return part().part->description();
 }

@@ -19,7 +19,7 @@ class BoundLink final : public plugin::PartLink {
   void begin_turn();
   // The part takes what was set; throws plugin::Error where it refuses that.
   void end_turn(std::int64_t tick);
-  void lose_controller() { part().part->controller_lost(); }
+  void lose_controller();
 
   std::size_t input(std::string_view name) const override;
   std::size_t output(std::string_view name) const override;

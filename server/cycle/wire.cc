@@ -69,8 +69,10 @@ void Lane::load(hwparts::StateReader& from) {
 }
 
 Wire::Quality Wire::quality_of(std::span<const hwparts::ActiveFault> faults, std::int64_t tick_ns) {
+  // A delay that is none would be another one than was asked for.
   const auto ticks = [tick_ns](double ms) {
-    return std::llround(ms * kNsPerMs / static_cast<double>(tick_ns));
+    const auto nearest = std::llround(ms * kNsPerMs / static_cast<double>(tick_ns));
+    return ms > 0.0 ? std::max(nearest, 1LL) : nearest;
   };
   Quality quality;
   for (const auto& active : faults) {

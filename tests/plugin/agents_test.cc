@@ -86,6 +86,21 @@ TEST(Agent, SpeaksAndHearsOverTheSameBrokenNetwork) {
   EXPECT_EQ(desired(), 0.004);
 }
 
+// As that of a client that goes.
+TEST(Agent, WhatIsUnderWayFromOneInFaultComesTooLate) {
+  cycle::Simulation simulation(culprit("throws"));
+  std::string why;
+  const auto late = hwparts::make_fault("network_delay", {{"ms", 25}}, why);
+  ASSERT_TRUE(late) << why;
+  ASSERT_TRUE(simulation.inject({0, *late, 0}));
+  run(simulation, 22);
+  ASSERT_EQ(fault_of(simulation, "hand"), "lost its head");
+  const double before = part_of(simulation, "arm").controller_inputs[0];
+  ASSERT_NE(before, 0.5);
+  run(simulation, 30);
+  EXPECT_EQ(part_of(simulation, "arm").controller_inputs[0], before);
+}
+
 TEST(Agent, TheExplorerTakenBackGoesOnWithTheSameBits) {
   const auto file = std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/explorer_agent.yaml";
   cycle::Simulation straight(scene::load_scene(file, test::plugin_options()));
