@@ -60,7 +60,9 @@ class JointWrenchProbe : public Probe {
       if (hangs_[i]) add_motion(moment, i, X_WJ.p, through);
     for (const auto& contact : moment.contacts) {
       const bool a = hangs_[contact.body_a.index()], b = hangs_[contact.body_b.index()];
-      if (a != b) through.add(a ? -contact.force_on_a_W : contact.force_on_a_W, contact.p_W - X_WJ.p);
+      if (a == b) continue;
+      through.add(a ? -contact.force_on_a_W : contact.force_on_a_W, contact.p_W - X_WJ.p);
+      through.torque += a ? -contact.torque_on_a_W : contact.torque_on_a_W;
     }
     for (const auto& push : moment.pushes) {
       if (!hangs_[push.body.index()]) continue;

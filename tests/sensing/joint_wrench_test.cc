@@ -83,6 +83,36 @@ sensors: [{name: cell, kind: joint_wrench, joint: foot}]
   EXPECT_NEAR(mean.x(), -0.3 * 2 * 9.81, 0.1) << "the joint holds the plate back";
 }
 
+// A ball that spins on a plate: a torque of c N about the normal, which no force carries. Then one that rolls
+// over it: c N about the horizontal.
+TEST_P(JointWrench, OfAPlateOnWhichABallSpinsOrRolls) {
+  const auto plate_under = [&](const std::string& surface, const std::string& velocity) {
+    return engine() + "surfaces: {default: {friction: 0.8, " + surface +
+           ": 0.01}}\nbodies:\n"
+           "  - {name: plate, mass: 1, shapes: [{box: [4, 4, 0.1]}]}\n"
+           "  - {name: ball, mass: 2, pose: {xyz: [0, 0, 0.15]}, velocity: " +
+           velocity +
+           ", shapes: [{sphere: 0.1}]}\n"
+           "joints: [{name: foot, type: fixed, child: plate}]\n"
+           "sensors: [{name: cell, kind: joint_wrench, joint: foot}, {name: ball, kind: pose, body: ball}]\n";
+  };
+  const auto mean_torque = [&](WorldBench& bench) {
+    bench.run(200);
+    Vector3d mean = Vector3d::Zero();
+    for (int i = 0; i < 100; ++i) {
+      // Less that of the force, about the plate's middle: it acts where the ball was when the tick began.
+      const Vector3d at(bench.port("ball", "Position X"), bench.port("ball", "Position Y"), 0.05);
+      bench.run(1);
+      mean += (torque(bench) - at.cross(force(bench) - Vector3d(0, 0, 9.81))) / 100;
+    }
+    return mean;
+  };
+  WorldBench spins(plate_under("torsional_friction", "{angular: [0, 0, 50]}"));
+  EXPECT_NEAR(mean_torque(spins).z(), -0.01 * 2 * 9.81, 0.01);
+  WorldBench rolls(plate_under("rolling_friction", "{linear: [1, 0, 0], angular: [0, 10, 0]}"));
+  EXPECT_NEAR(mean_torque(rolls).y(), -0.01 * 2 * 9.81, 0.01);
+}
+
 TEST_P(JointWrench, LessWhatAPushCarries) {
   WorldBench bench(engine() + R"(
 bodies: [{name: mass, mass: 2, pose: {xyz: [0.3, 0, 1]}, shapes: [{sphere: 0.05}]}]

@@ -102,6 +102,7 @@ class ImpulseEngine : public Engine {
       collision::Contact& contact = input.contacts[touch.contact];
       contact.normal_force_n = touch.total_normal / input.tick_s;
       contact.force_on_a_W = touch.total / input.tick_s;
+      contact.torque_on_a_W = touch.total_twist / input.tick_s;
     }
     std::vector<std::byte>& kept = state.engines[index_];
     kept.resize(warm_start_bytes(plant_) + sleep_.bytes());

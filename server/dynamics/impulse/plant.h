@@ -57,9 +57,10 @@ struct Touch {
   std::array<Vector3d, kMoments> impulse;  // in the frame
   std::array<Vector3d, kMoments> twist;    // of rolling and torsional friction, in the frame
   double total_normal = 0.0;
-  Vector3d total = Vector3d::Zero();  // on A, in W
-  bool asleep = false;                // keeps its impulse, that of the record that the last awake tick left
-  Vector3d kept_impulse;              // on A, in W
+  Vector3d total = Vector3d::Zero();        // on A, in W
+  Vector3d total_twist = Vector3d::Zero();  // likewise
+  bool asleep = false;    // keeps its impulse, that of the record that the last awake tick left
+  Vector3d kept_impulse;  // on A, in W
 };
 
 // A force between two points, or about an axis, along (w, v) at the points pa and pb.

@@ -27,6 +27,7 @@ void count(Touch& touch) {
     touch.total_normal += impulse[0];
     touch.total += touch.frame * impulse;
   }
+  for (const Vector3d& twist : touch.twist) touch.total_twist += touch.frame * twist;
 }
 
 }  // namespace

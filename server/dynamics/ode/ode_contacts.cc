@@ -71,6 +71,7 @@ void OdeContacts::make(OdeWorld& world, const world::EngineSetting& setting,
     const bool turned = made.turned = world.body(contact.body_a) == nullptr;
     const world::BodyId first = turned ? contact.body_b : contact.body_a;
     const world::BodyId second = turned ? contact.body_a : contact.body_b;
+    made.lever = contact.p_W - Eigen::Map<const Eigen::Vector3d>(dBodyGetPosition(world.body(first)));
     const Eigen::Vector3d normal = turned ? (-contact.normal_W).eval() : contact.normal_W;
     const Eigen::Vector3d relative = velocity_at(world.model(), state, first, contact.p_W) -
                                      velocity_at(world.model(), state, second, contact.p_W);
@@ -84,10 +85,14 @@ void OdeContacts::make(OdeWorld& world, const world::EngineSetting& setting,
 void OdeContacts::report(std::span<collision::Contact> contacts) const {
   for (const Made& made : made_) {
     collision::Contact& contact = contacts[made.contact];
-    const Eigen::Map<const Eigen::Vector3d> force_on_first(made.feedback.f1);
+    const Eigen::Vector3d force_on_first = Eigen::Map<const Eigen::Vector3d>(made.feedback.f1);
     // Whichever body was first, its force along the normal is the contact's.
     contact.normal_force_n = std::abs(force_on_first.dot(contact.normal_W));
     contact.force_on_a_W = made.turned ? Eigen::Vector3d(-force_on_first) : force_on_first;
+    if (contact.rolling_friction == 0.0 && contact.torsional_friction == 0.0) continue;
+    const Eigen::Vector3d torque =
+        Eigen::Map<const Eigen::Vector3d>(made.feedback.t1) - made.lever.cross(force_on_first);
+    contact.torque_on_a_W = made.turned ? Eigen::Vector3d(-torque) : torque;
   }
 }
 

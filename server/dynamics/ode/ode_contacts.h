@@ -27,7 +27,8 @@ class OdeContacts {
  private:
   struct Made {
     std::size_t contact = 0;
-    bool turned = false;  // its first body is the contact's b
+    bool turned = false;                              // its first body is the contact's b
+    Eigen::Vector3d lever = Eigen::Vector3d::Zero();  // of the first body: from its centre of mass, in W
     dJointFeedback feedback{};
   };
 
