@@ -1,6 +1,8 @@
 #include "hwparts/fault_set.h"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 
 namespace visum::hwparts {
 
@@ -52,14 +54,23 @@ void FaultSet::save(StateWriter& to) const {
   }
 }
 
-void FaultSet::load(StateReader& from) {
+void FaultSet::load(StateReader& from, std::size_t parts) {
   std::uint64_t count = 0;
   from.get(count);
-  active_.resize(std::min<std::uint64_t>(count, kMost));
-  for (auto& one : active_) {
+  if (count > kMost) throw std::out_of_range("more faults than can act at once");
+  active_.clear();
+  for (; count > 0; --count) {
+    ActiveFault one;
     from.get(one.part), from.get(one.fault.kind), from.get(one.until_tick);
     from.get(std::span<double>(one.fault.numbers));
     if (!is_fault_kind(one.fault.kind)) throw std::out_of_range("a fault of no kind");
+    if (one.part >= parts) throw std::out_of_range("a fault of no part");
+    const FaultInfo& kind = fault_info(one.fault.kind);
+    std::string why;
+    const auto made =
+        make_fault(kind, std::span<const double>(one.fault.numbers).first(number_count(kind)), why);
+    if (!made) throw std::out_of_range(why);
+    inject({one.part, *made, one.until_tick});
   }
 }
 

@@ -38,7 +38,8 @@ class FaultSet {
   const ActiveFault* find(std::uint32_t part, FaultKind kind) const;
 
   void save(StateWriter& to) const;
-  void load(StateReader& from);
+  // Believes nothing; `parts`: how many there are.
+  void load(StateReader& from, std::size_t parts);
 
  private:
   std::vector<ActiveFault> active_;

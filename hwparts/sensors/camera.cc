@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "protocol/config/trig.h"
+
 namespace visum::sensors {
 namespace {
 
@@ -25,7 +27,7 @@ Lens read_lens(const config::Node& entry) {
 }
 
 double focal_length(const Lens& lens) {
-  return lens.width / 2.0 / std::tan(lens.fov_rad / 2);
+  return lens.width / 2.0 / config::tangent(lens.fov_rad / 2);
 }
 
 double stretch(const Lens& lens, double square) {
@@ -123,10 +125,12 @@ std::size_t bytes_per_pixel(Shows shows) {
   return shows == Shows::kColor ? 3 : shows == Shows::kDepth ? 4 : 2;
 }
 
+std::size_t pixels_of(const Lens& lens) {
+  return static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(lens.height);
+}
+
 std::size_t image_bytes(const CameraSettings& settings) {
-  const auto pixels =
-      static_cast<std::size_t>(settings.lens.width) * static_cast<std::size_t>(settings.lens.height);
-  return sizeof(ImageHeader) + pixels * bytes_per_pixel(settings.shows);
+  return sizeof(ImageHeader) + pixels_of(settings.lens) * bytes_per_pixel(settings.shows);
 }
 
 Camera::Camera(const SensorContext& context, const CameraSettings& settings)
@@ -134,7 +138,8 @@ Camera::Camera(const SensorContext& context, const CameraSettings& settings)
                              {},
                              {{"image", content_type(settings.shows), 1, image_bytes(settings),
                                image_bytes(settings), false}},
-                             {}}) {}
+                             {}}),
+      pixels_(pixels_of(settings.lens)) {}
 
 void Camera::load_film(std::size_t bodies, Developer& developer) {
   constexpr double kAny = std::numeric_limits<double>::max();

@@ -48,10 +48,13 @@ struct ImageHeader {
   std::uint32_t shows = 0;     // 0: colours, 3 bytes RGB; 1: depth, a 32-bit float, m; 2: bodies, 16 bits
   std::int64_t taken_ns = -1;  // simulated; -1: no picture yet, all is 0
 };
+std::size_t pixels_of(const Lens& lens);
 std::size_t bytes_per_pixel(Shows shows);
 std::size_t image_bytes(const CameraSettings& settings);  // with the header
 inline constexpr int kMaxSide = 4096;
 inline constexpr int kMaxPixels = 4'194'304;
+// Of all cameras of a scene together: each pixel costs some 40 bytes.
+inline constexpr std::size_t kMaxPixelsInAll = 4 * static_cast<std::size_t>(kMaxPixels);
 
 // Makes pictures from readings. expose() never waits.
 class Developer {
@@ -70,6 +73,8 @@ class Camera : public Sensor {
   // must outlive the camera, or be replaced.
   void load_film(std::size_t bodies, Developer& developer);
 
+  std::size_t pixels() const { return pixels_; }
+
   std::span<const std::byte> read_blackboard(std::size_t index) const override;
 
  protected:
@@ -78,6 +83,7 @@ class Camera : public Sensor {
   const char* why_not(Failure failure) const override;
 
  private:
+  std::size_t pixels_;
   Developer* developer_ = nullptr;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <optional>
 
 #include "hwparts/powercube/module_bus.h"
@@ -71,14 +72,14 @@ class Applier {
     return number == input.number ? "" : "the snapshot is number " + std::to_string(number);
   }
   std::string operator()(const recording::RestoreSnapshot& input) const {
-    return simulation_.restore_snapshot(input.number)
-               ? ""
-               : "there is no snapshot " + std::to_string(input.number);
+    std::string why;
+    simulation_.restore_snapshot(input.number, &why);
+    return why;
   }
   std::string operator()(const recording::AddBody& input) const {
     try {
       simulation_.add_body(std::string(input.yaml));
-    } catch (const config::ConfigError& error) {
+    } catch (const std::exception& error) {
       return error.what();
     }
     return {};

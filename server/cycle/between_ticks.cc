@@ -1,5 +1,6 @@
 // What changes a world between ticks, and is told to its witness.
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "hwparts/powercube/module_bus.h"
@@ -72,12 +73,19 @@ std::uint64_t Simulation::take_snapshot() {
   return snapshot.number;
 }
 
-bool Simulation::restore_snapshot(std::uint64_t number) {
+bool Simulation::has_snapshot(std::uint64_t number) const {
+  return std::ranges::find(snapshots_, number, &Snapshot::number) != snapshots_.end();
+}
+
+bool Simulation::restore_snapshot(std::uint64_t number, std::string* why) {
   const auto found = std::ranges::find(snapshots_, number, &Snapshot::number);
-  if (found == snapshots_.end()) return false;
   const auto before = now();
-  state_ = found->state;
-  load_rest(found->rest);
+  std::string reason = found == snapshots_.end() ? "there is no snapshot " + std::to_string(number)
+                                                 : load_all(found->state, found->rest);
+  if (!reason.empty()) {
+    if (why) *why = std::move(reason);
+    return false;
+  }
   contacts_.clear();
   fault_.clear();
   ++era_;
@@ -100,17 +108,29 @@ bool Simulation::push(const Push& push) {
 void Simulation::add_body(const std::string& yaml) {
   auto changed = scene_;
   scene::add_body(changed, yaml);
-  if (!original_) original_ = scene_;
-  scene_ = std::move(changed);
-  const auto fresh = world::initial_state(scene_.world);
+  const auto fresh = world::initial_state(changed.world);
+  change_scene(std::move(changed));
   for (std::size_t i = state_.bodies.size(); i < fresh.bodies.size(); ++i)
     state_.bodies.push_back(fresh.bodies[i]);
   snapshots_.clear();
   for (auto& kept : state_.engines) kept.clear();  // it counts bodies and shapes
-  rebuild_machinery();
   ++revision_;
   edits_.push_back({true, yaml});
+  edited_.push_back(scene_.world.bodies.back().name);
   tell(now(), recording::AddBody{yaml});
+}
+
+// A body that came and goes leaves nothing behind: the world is as if it had never been there, and a restored
+// one need not make it.
+void Simulation::note_removed(const std::string& name) {
+  const auto came = std::ranges::find(edited_, name);
+  if (came == edited_.end()) {
+    edits_.push_back({false, name});
+    edited_.emplace_back();
+    return;
+  }
+  edits_.erase(edits_.begin() + (came - edited_.begin()));
+  edited_.erase(came);
 }
 
 std::string Simulation::remove_body(const std::string& name) {
@@ -121,18 +141,22 @@ std::string Simulation::remove_body(const std::string& name) {
     if (push.wrench.body == body) return "'" + name + "' is being pushed";
   for (const auto& sensor : scene_.sensors)
     if (sensor.body == body) return "it carries the sensor '" + sensor.name + "'";
-  if (!original_) original_ = scene_;
-  erase_body(scene_.world, body);
+  auto changed = scene_;
+  erase_body(changed.world, body);
+  for (auto& sensor : changed.sensors)
+    if (sensor.body > body) --sensor.body.value;
+  try {
+    change_scene(std::move(changed));
+  } catch (const std::exception& error) {
+    return error.what();
+  }
   state_.bodies.erase(state_.bodies.begin() + body.value);
   for (auto& push : pushes_)
     if (push.wrench.body > body) --push.wrench.body.value;
-  for (auto& sensor : scene_.sensors)
-    if (sensor.body > body) --sensor.body.value;
   snapshots_.clear();
   for (auto& kept : state_.engines) kept.clear();  // it counts bodies and shapes
-  rebuild_machinery();
   ++revision_;
-  edits_.push_back({false, name});
+  note_removed(name);
   tell(now(), recording::RemoveBody{name});
   return {};
 }

@@ -28,10 +28,10 @@ void Simulation::keep(recording::State& whole) const {
 // Bodies as they were after these edits of the scene that was loaded.
 void Simulation::edit_bodies(const std::vector<recording::State::Edit>& edits) {
   if (edits == edits_) return;
-  if (original_) scene_ = *original_;
+  change_scene(original_ ? *original_ : scene_);
   edits_.clear();
+  edited_.clear();
   snapshots_.clear();
-  rebuild_machinery();
   start_state();
   for (const auto& edit : edits) {
     if (edit.came) add_body(edit.text);

@@ -7,6 +7,7 @@
 
 #include "hwparts/plugged/plugged_part.h"
 #include "hwparts/plugged/plugged_sensor.h"
+#include "hwparts/sensors/camera.h"
 #include "hwparts/sensors/sensor_kinds.h"
 #include "server/cycle/node_errors.h"
 #include "server/dynamics/plugged/plugged_engine.h"
@@ -76,6 +77,20 @@ std::unique_ptr<sensors::Sensor> make_sensor(const scene::Scene& scene, const sc
   return sensors::make_sensor(plan.kind, context);
 }
 
+// Each camera keeps where its pixels look, and pictures.
+class PixelBudget {
+ public:
+  void take(const sensors::Sensor& sensor, const scene::SensorPlan& plan) {
+    if (const auto* camera = dynamic_cast<const sensors::Camera*>(&sensor)) pixels_ += camera->pixels();
+    if (pixels_ > sensors::kMaxPixelsInAll)
+      plan.config.get("size").fail("the cameras have more than " + std::to_string(sensors::kMaxPixelsInAll) +
+                                   " pixels together");
+  }
+
+ private:
+  std::size_t pixels_ = 0;
+};
+
 void load_parts(std::span<BoundPart> parts, hwparts::StateReader& from) {
   for (auto& bound : parts) {
     if (bound.onlooker) continue;
@@ -97,7 +112,8 @@ std::vector<config::ConfigError> errors_of_nodes(const scene::Scene& scene) {
     }
   };
   for (const auto& plan : scene.parts) attempt([&] { make_part(scene, plan, hwparts::make_part); });
-  for (const auto& plan : scene.sensors) attempt([&] { make_sensor(scene, plan); });
+  PixelBudget budget;
+  for (const auto& plan : scene.sensors) attempt([&] { budget.take(*make_sensor(scene, plan), plan); });
   return errors;
 }
 
@@ -105,7 +121,9 @@ Simulation::Simulation(scene::Scene scene, const PartMaker& make) : scene_(std::
   make_parts(make);
   make_sensors();
   make_agents();
-  rebuild_machinery();
+  use(make_machinery());
+  pushes_.reserve(kMaxPushes);
+  wrenches_.reserve(kMaxPushes);
   start_state();
 }
 
@@ -124,8 +142,10 @@ void Simulation::make_parts(const PartMaker& make) {
 }
 
 void Simulation::make_sensors() {
+  PixelBudget budget;
   for (const auto& plan : scene_.sensors) {
     auto sensor = make_sensor(scene_, plan);
+    budget.take(*sensor, plan);
     sensors_.push_back(sensor.get());
     parts_.emplace_back().part = std::move(sensor);
   }
@@ -139,19 +159,42 @@ void Simulation::make_agents() {
   }
 }
 
-void Simulation::rebuild_machinery() {
+Simulation::Machinery Simulation::make_machinery() const {
   const auto& model = scene_.world;
-  engines_.clear();
-  for (std::size_t i = 0; i < model.engines.size(); ++i) engines_.push_back(make_engine(scene_, i));
-  collision_ = std::make_unique<collision::CollisionStage>(model);
-  senses_ = std::make_unique<sensing::Senses>(scene_, sensors_);
-  ring_ = std::make_shared<FlightRing>(model.joints.size(), model.bodies.size());
-  drives_.assign(model.joints.size(), {});
-  following_errors_.assign(model.joints.size(), 0.0);
-  contact_forces_.assign(model.bodies.size(), 0.0);
+  Machinery made;
+  for (std::size_t i = 0; i < model.engines.size(); ++i) made.engines.push_back(make_engine(scene_, i));
+  made.collision = std::make_unique<collision::CollisionStage>(model);
+  made.senses = std::make_unique<sensing::Senses>(scene_, sensors_);
+  made.ring = std::make_shared<FlightRing>(model.joints.size(), model.bodies.size());
+  made.drives.resize(model.joints.size());
+  made.following_errors.resize(model.joints.size());
+  made.contact_forces.resize(model.bodies.size());
+  return made;
+}
+
+void Simulation::use(Machinery machinery) {
+  machinery.senses->attach();
+  engines_ = std::move(machinery.engines);
+  collision_ = std::move(machinery.collision);
+  senses_ = std::move(machinery.senses);
+  ring_ = std::move(machinery.ring);
+  drives_ = std::move(machinery.drives);
+  following_errors_ = std::move(machinery.following_errors);
+  contact_forces_ = std::move(machinery.contact_forces);
   contacts_.clear();
-  pushes_.reserve(kMaxPushes);
-  wrenches_.reserve(kMaxPushes);
+}
+
+// Either the scene and all that is made of it, or nothing: what is made refers to scene_, so that the new one
+// stands there first, and the old one comes back where something cannot be made.
+void Simulation::change_scene(scene::Scene changed) {
+  std::swap(scene_, changed);
+  try {
+    use(make_machinery());
+  } catch (...) {
+    std::swap(scene_, changed);
+    throw;
+  }
+  if (!original_) original_ = std::move(changed);
 }
 
 void Simulation::start_state() {
@@ -210,10 +253,17 @@ void Simulation::act() {
 }
 
 void Simulation::collide() {
-  collision_->find(state_, contacts_);
+  if (collision_->find(state_, contacts_)) return;
+  const auto& last = contacts_.back();
+  before_ = state_;
+  freeze("more than " + std::to_string(contacts_.size()) + " contacts in one tick: the last is between '" +
+         model().bodies[last.body_a.index()].name + "' and '" + model().bodies[last.body_b.index()].name +
+         "'");
+  contacts_.clear();
 }
 
 void Simulation::step() {
+  if (frozen()) return;
   std::erase_if(pushes_, [this](const Push& push) { return push.until_tick <= state_.tick; });
   wrenches_.clear();
   for (const auto& push : pushes_) wrenches_.push_back(push.wrench);
@@ -304,7 +354,10 @@ void Simulation::load_rest(std::span<const std::byte> bytes) {
   }
   for (auto& bound : parts_) bound.wire = {};
   faults_.clear_all();
-  if (!from.at_end()) faults_.load(from);
+  if (!from.at_end()) faults_.load(from, parts_.size());
+  for (const auto& active : faults_.all())
+    if (!parts_[active.part].part->has(hwparts::fault_info(active.fault.kind).target))
+      throw std::out_of_range("a fault of a part that has none of the kind");
   hand_out_faults();
   for (auto& bound : parts_) {
     if (!bound.wire.ideal()) bound.wire.load(from);
@@ -312,6 +365,29 @@ void Simulation::load_rest(std::span<const std::byte> bytes) {
   }
   hwparts::StateReader again(bytes);
   load_parts(parts_, again);  // a fault that came or went may have changed a supply: what was saved counts
+}
+
+// All of it, or nothing: why not; empty: done.
+std::string Simulation::load_all(const world::WorldState& state, std::span<const std::byte> rest) {
+  const world::WorldState kept = state_;
+  scratch_.clear();
+  save_rest(scratch_);
+  std::string why;
+  try {
+    state_ = state;
+    load_rest(rest);
+    return {};
+  } catch (const std::exception& error) {
+    why = error.what();
+  }
+  state_ = kept;
+  try {
+    load_rest(scratch_);
+  } catch (const std::exception& error) {
+    before_ = state_;
+    freeze(std::string("a snapshot was restored in part: ") + error.what());
+  }
+  return why;
 }
 
 }  // namespace visum::cycle

@@ -94,14 +94,19 @@ class Simulation {
   // A telegram for the part's modules, which it must have.
   std::optional<powercube::Telegram> obey(std::size_t part, const powercube::Telegram& telegram,
                                           powercube::Wire wire);
-  void reset();                                    // the scene's initial state, a new era
-  std::uint64_t take_snapshot();                   // its number; the oldest beyond kMaxSnapshots is dropped
-  bool restore_snapshot(std::uint64_t number);     // a new era; false: no such snapshot
+  void reset();                   // the scene's initial state, a new era
+  std::uint64_t take_snapshot();  // its number; the oldest beyond kMaxSnapshots is dropped
+  bool has_snapshot(std::uint64_t number) const;
+  // A new era. False, and why: there is no such snapshot, or what it holds (it may come from a file) is none
+  // of this world, which is then as it was.
+  bool restore_snapshot(std::uint64_t number, std::string* why = nullptr);
   bool push(const Push& push);                     // false: kMaxPushes act already
   bool inject(const hwparts::ActiveFault& fault);  // already checked; false: FaultSet::kMost act already
   void clear_faults(std::size_t part, std::optional<hwparts::FaultKind> kind,
                     std::optional<std::size_t> drive);
-  void add_body(const std::string& yaml);  // throws ConfigError and changes nothing. Drops the snapshots.
+  // Throws ConfigError, and what an engine or a sensor has against the world with the body, and changes
+  // nothing. Drops the snapshots.
+  void add_body(const std::string& yaml);
   std::string remove_body(const std::string& name);  // why not; empty: done. Drops the snapshots.
 
   // The whole of it at this tick border, and back there, in a world of the same scene: no input, so no
@@ -147,10 +152,22 @@ class Simulation {
     std::vector<std::byte> rest;  // parts, their inputs, pushes
   };
 
+  // What is made of the scene, and anew when bodies come or go. Refers to it.
+  struct Machinery {
+    std::vector<std::unique_ptr<dynamics::Engine>> engines;
+    std::unique_ptr<collision::CollisionStage> collision;
+    std::unique_ptr<sensing::Senses> senses;
+    std::shared_ptr<FlightRing> ring;
+    std::vector<hwparts::JointDrive> drives;
+    std::vector<double> following_errors, contact_forces;
+  };
+
   void make_parts(const PartMaker& make);
   void make_sensors();
   void make_agents();
-  void rebuild_machinery();
+  Machinery make_machinery() const;
+  void use(Machinery machinery);
+  void change_scene(scene::Scene changed);
   void start_state();
   void sense();
   void think();
@@ -166,13 +183,16 @@ class Simulation {
   void hand_out_faults();
   void save_rest(std::vector<std::byte>& bytes) const;
   void load_rest(std::span<const std::byte> bytes);
+  std::string load_all(const world::WorldState& state, std::span<const std::byte> rest);
   void save_all(const world::WorldState& state, std::vector<std::byte>& bytes) const;
+  void note_removed(const std::string& name);
   void edit_bodies(const std::vector<recording::State::Edit>& edits);
   void restore_all(const recording::State& whole);
 
   scene::Scene scene_;
-  std::optional<scene::Scene> original_;  // as it was loaded, once bodies came or went
-  std::vector<recording::State::Edit> edits_;
+  std::optional<scene::Scene> original_;       // as it was loaded, once bodies came or went
+  std::vector<recording::State::Edit> edits_;  // without bodies that came and went
+  std::vector<std::string> edited_;            // beside edits_: the body that came; empty: one went
   world::WorldState state_;
   world::WorldState before_;  // the last good state: what a frozen world shows
   std::vector<BoundPart> parts_;

@@ -1,6 +1,9 @@
 #include "server/cycle/world_edit.h"
 
 #include <algorithm>
+#include <functional>
+#include <utility>
+#include <vector>
 
 namespace visum::cycle {
 
@@ -13,14 +16,34 @@ std::string why_not_removable(const world::WorldModel& model, world::BodyId body
   return {};
 }
 
+namespace {
+
+// From the back, so that those before keep their numbers.
+void erase_meshes(world::WorldModel& model, std::vector<world::MeshId> candidates) {
+  std::ranges::sort(candidates, std::greater<>());
+  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+  for (const world::MeshId mesh : candidates) {
+    if (std::ranges::find(model.shapes, mesh, &world::Shape::mesh) != model.shapes.end()) continue;
+    model.meshes.erase(model.meshes.begin() + mesh.value);
+    for (auto& shape : model.shapes)
+      if (shape.mesh > mesh) --shape.mesh.value;
+  }
+}
+
+}  // namespace
+
 void erase_body(world::WorldModel& model, world::BodyId body) {
   const auto close_gap = [body](world::BodyId& id) {
     if (id > body) --id.value;
   };
+  std::vector<world::MeshId> meshes;
+  for (const auto& shape : model.shapes)
+    if (shape.body == body && shape.mesh.valid()) meshes.push_back(shape.mesh);
   model.bodies.erase(model.bodies.begin() + body.value);
   std::erase_if(model.shapes, [body](const auto& shape) { return shape.body == body; });
   std::erase_if(model.no_collision,
                 [body](const auto& pair) { return pair.first == body || pair.second == body; });
+  erase_meshes(model, std::move(meshes));
   for (auto& shape : model.shapes) close_gap(shape.body);
   for (auto& joint : model.joints) {
     close_gap(joint.parent);

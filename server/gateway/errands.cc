@@ -1,5 +1,6 @@
 // What the tick's side answers between ticks: one function per request.
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "protocol/config/config.h"
@@ -64,8 +65,10 @@ Reply TickSide::answer(Errand&, const protocol::TakeSnapshot&) {
 }
 
 Reply TickSide::answer(Errand&, const protocol::RestoreSnapshot& request) {
-  if (!simulation_.restore_snapshot(request.snapshot))
-    return Error{ErrorCode::kUnknownName, "there is no snapshot " + std::to_string(request.snapshot), {}};
+  const bool known = simulation_.has_snapshot(request.snapshot);
+  std::string why;
+  if (!simulation_.restore_snapshot(request.snapshot, &why))
+    return Error{known ? ErrorCode::kInternal : ErrorCode::kUnknownName, std::move(why), {}};
   for (auto& watch : watches_) watch.last_tick = simulation_.tick_count();
   return Ok{};
 }
@@ -74,6 +77,8 @@ Reply TickSide::answer(Errand& errand, const protocol::AddBody& request) {
   try {
     simulation_.add_body(request.yaml);
   } catch (const config::ConfigError& error) {
+    return Error{ErrorCode::kBadValue, error.what(), {}};
+  } catch (const std::exception& error) {  // of an engine or a sensor that cannot be had for that world
     return Error{ErrorCode::kBadValue, error.what(), {}};
   }
   errand.view = std::make_unique<WorldView>(describe_world(simulation_.scene(), simulation_.revision()));

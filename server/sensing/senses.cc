@@ -22,10 +22,13 @@ Senses::Senses(const scene::Scene& scene, std::span<sensors::Sensor* const> sens
     const auto& plan = scene.sensors.at(i);
     const Mount mount{plan.body, plan.X_BS, plan.joint};
     bound_.push_back({sensors[i], probe_for(scene, plan, mount, *sensors[i])});
-    bound_.back().probe->attach(*sensors[i]);
   }
   if (std::ranges::any_of(bound_, [](const Bound& bound) { return bound.probe->wants_rays(); }))
     rays_ = std::make_unique<RayWorld>(scene.world);
+}
+
+void Senses::attach() {
+  for (Bound& bound : bound_) bound.probe->attach(*bound.sensor);
 }
 
 void Senses::feel(const world::WorldState& before, const world::WorldState& now,

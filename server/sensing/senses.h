@@ -13,8 +13,12 @@ namespace visum::sensing {
 
 class Senses {
  public:
-  // One sensor for each of the scene's plans, in their order. Keeps references to both. Throws ConfigError.
+  // One sensor for each of the scene's plans, in their order. Keeps references to both, and leaves the
+  // sensors as they are. Throws ConfigError.
   Senses(const scene::Scene& scene, std::span<sensors::Sensor* const> sensors);
+
+  // Once, before the first feel(): the sensors are fed from here from now on.
+  void attach();
 
   // Fills the truth of the sensors that are due. The engines' step is done, the sensors' publish() comes
   // next.

@@ -160,6 +160,108 @@ TEST(Simulation, ABadBodyChangesNothing) {
   EXPECT_EQ(simulation.revision(), 1u);
 }
 
+// A snapshot may come from a file.
+TEST(Simulation, ASnapshotThatHoldsNonsenseChangesNothing) {
+  Simulation simulation(falling_box());
+  run(simulation, 20);
+  const auto snapshot = simulation.take_snapshot();
+  recording::State whole;
+  simulation.keep(whole);
+  whole.snapshots.at(0).state.pop_back();
+  ASSERT_EQ(simulation.restore(whole), "");
+  run(simulation, 30);
+  const auto before = simulation.state_hash();
+  std::string why;
+  EXPECT_FALSE(simulation.restore_snapshot(snapshot, &why));
+  EXPECT_EQ(why, "the snapshot's state is shorter than the part's");
+  EXPECT_EQ(simulation.state_hash(), before);
+  EXPECT_EQ(simulation.era(), 1u);
+  run(simulation, 10);
+  EXPECT_EQ(simulation.tick_count(), 60);
+  EXPECT_FALSE(simulation.restore_snapshot(99, &why));
+  EXPECT_EQ(why, "there is no snapshot 99");
+}
+
+// The scene takes the body; the camera that is to see it cannot read the picture on it.
+TEST(Simulation, ABodyThatASensorCannotBearChangesNothing) {
+  const test::TempFiles files;
+  files.write("bad.png", "\x89PNG\r\n\x1a\nnothing more");
+  Simulation simulation(scene::load_scene(files.write("s.yaml", R"(
+visum: 1
+clock: free
+materials: {picture: {texture: bad.png}}
+bodies:
+  - {name: floor, fixed: true, shapes: [{plane: true}]}
+  - {name: ball, mass: 1, pose: {xyz: [0, 0, 1]}, shapes: [{sphere: 0.1}]}
+sensors:
+  - {name: eye, kind: camera, size: [8, 8], fov_deg: 60}
+  - {name: place, kind: pose, body: ball}
+)")));
+  run(simulation, 20);
+  const auto before = simulation.state_hash();
+  const auto snapshot = simulation.take_snapshot();
+  const std::string box = "{name: box, mass: 1, pose: {xyz: [3, 0, 1]}, shapes: [{box: [1, 1, 1]}]";
+  for (int i = 0; i < 3; ++i)
+    EXPECT_THROW(simulation.add_body(box + ", material: picture}"), config::ConfigError);
+  EXPECT_EQ(simulation.state_hash(), before);
+  EXPECT_EQ(simulation.revision(), 1u);
+  EXPECT_EQ(simulation.model().bodies.size(), 2u);
+  run(simulation, 20);
+  EXPECT_TRUE(simulation.restore_snapshot(snapshot));
+  EXPECT_EQ(simulation.state_hash(), before);
+  simulation.add_body(box + "}");
+  run(simulation, 20);
+  EXPECT_FALSE(simulation.frozen()) << simulation.fault();
+  EXPECT_EQ(simulation.state().bodies.size(), 3u);
+}
+
+TEST(Simulation, BodiesThatComeAndGoLeaveNothingBehind) {
+  const test::TempFiles files;
+  files.write("wedge.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  Simulation simulation(scene::load_scene(files.write("s.yaml", R"(
+visum: 1
+engine: ode
+bodies: [{name: floor, fixed: true, shapes: [{plane: true}]}, {name: box, mass: 1, pose: {xyz: [0, 0, 1]}, shapes: [{sphere: 0.1}]}]
+)")));
+  const std::string wedge = "{name: wedge, mass: 1, pose: {xyz: [3, 0, 1]}, shapes: [{convex: wedge.obj}]}";
+  for (int i = 0; i < 3; ++i) {
+    simulation.add_body(wedge);
+    EXPECT_EQ(simulation.model().meshes.size(), 1u);
+    ASSERT_EQ(simulation.remove_body("wedge"), "");
+  }
+  EXPECT_TRUE(simulation.model().meshes.empty());
+  recording::State whole;
+  simulation.keep(whole);
+  EXPECT_TRUE(whole.edits.empty());
+  // What the scene itself holds has to be taken away again in a restored world.
+  ASSERT_EQ(simulation.remove_body("box"), "");
+  simulation.add_body("{name: box, mass: 2, pose: {xyz: [0, 0, 1]}, shapes: [{sphere: 0.1}]}");
+  simulation.add_body(wedge);
+  ASSERT_EQ(simulation.remove_body("box"), "");
+  simulation.keep(whole);
+  EXPECT_EQ(whole.edits, (std::vector<recording::State::Edit>{{false, "box"}, {true, wedge}}));
+  const auto before = simulation.state_hash();
+  simulation.add_body("{name: other, mass: 1, shapes: [{sphere: 0.1}]}");
+  ASSERT_EQ(simulation.restore(whole), "");
+  EXPECT_EQ(simulation.state_hash(), before);
+}
+
+// What would not be found any more would fall through the floor.
+TEST(Simulation, MoreContactsThanAreFoundFreezeTheWorld) {
+  const test::TempFiles files;
+  Simulation simulation(scene::load_scene(files.write("s.yaml", R"(
+visum: 1
+engine: ode
+bodies:
+  - {name: "box_${i}", repeat: {i: 150}, mass: 1, pose: {xyz: ["${i * 0.001}", "${i * 0.002}", 1]}, shapes: [{box: [1, 1, 1]}]}
+)")));
+  run(simulation, 3);
+  ASSERT_TRUE(simulation.frozen());
+  EXPECT_EQ(simulation.fault().find("more than 20000 contacts in one tick: the last is between 'box_"), 0u)
+      << simulation.fault();
+  EXPECT_EQ(simulation.tick_count(), 0);
+}
+
 TEST(Simulation, AnExplosionFreezesTheWorldAtItsLastGoodState) {
   Simulation simulation(falling_box());
   run(simulation, 10);

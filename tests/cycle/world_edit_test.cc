@@ -33,6 +33,21 @@ TEST(WorldEdit, ClosesTheGapInEverythingThatCountsByNumber) {
   EXPECT_EQ(model.no_collision[0], std::pair(BodyId{0}, BodyId{1}));
 }
 
+TEST(WorldEdit, MeshesThatNothingUsesAnyMoreGo) {
+  auto model = three_bodies();
+  for (const char* name : {"first", "shared", "last"}) model.meshes.push_back({.name = name});
+  model.shapes[0].mesh = {0};
+  model.shapes.push_back({.body = BodyId{0}, .mesh = {1}});
+  model.shapes[1].mesh = {1};
+  model.shapes[2].mesh = {2};
+  erase_body(model, BodyId{0});
+  ASSERT_EQ(model.meshes.size(), 2u);
+  EXPECT_EQ(model.meshes[0].name, "shared");
+  ASSERT_EQ(model.shapes.size(), 2u);
+  EXPECT_EQ(model.shapes[0].mesh, world::MeshId{0});
+  EXPECT_EQ(model.shapes[1].mesh, world::MeshId{1});
+}
+
 TEST(WorldEdit, AWorldJointKeepsItsNoParent) {
   auto model = three_bodies();
   model.joints[0].parent = BodyId{};

@@ -78,12 +78,30 @@ TEST(FaultSet, ReadsBackWhatItSaved) {
     set.save(to);
   }
   StateReader from(bytes);
-  other.load(from);
+  other.load(from, 4);
   ASSERT_EQ(other.all().size(), 1u);
   EXPECT_EQ(other.all()[0].part, 3u);
   EXPECT_EQ(other.all()[0].fault.drive(), 1u);
   EXPECT_EQ(other.all()[0].until_tick, 77);
   EXPECT_TRUE(from.at_end());
+}
+
+// A state may come from a file.
+TEST(FaultSet, BelievesNoPartAndNoNumber) {
+  const auto load = [](const ActiveFault& fault) {
+    std::vector<std::byte> bytes;
+    StateWriter to(bytes);
+    to.put(std::uint64_t{1}), to.put(fault.part), to.put(fault.fault.kind), to.put(fault.until_tick);
+    to.put(std::span<const double>(fault.fault.numbers));
+    StateReader from(bytes);
+    FaultSet().load(from, 2);
+  };
+  EXPECT_NO_THROW(load(stuck(1, 3)));
+  EXPECT_THROW(load(stuck(2, 3)), std::out_of_range) << "there are two parts";
+  EXPECT_THROW(load(stuck(1, 1e300)), std::out_of_range);
+  EXPECT_THROW(load(stuck(1, 0)), std::out_of_range);
+  EXPECT_THROW(load({0, {FaultKind::kNetworkDelay, {1e18, 0}}, 0}), std::out_of_range);
+  EXPECT_THROW(load({0, {FaultKind::kNetworkLoss, {NAN}}, 0}), std::out_of_range);
 }
 
 }  // namespace

@@ -52,6 +52,28 @@ TEST(PluggedEngine, MayReplaceTheSceneOwnByOption) {
   EXPECT_DOUBLE_EQ(simulation.state().bodies[0].p_WC.x(), 3e-3);
 }
 
+// The other engines were made already, the collisions and the sensors not yet.
+TEST(PluggedEngine, ThatRefusesAWorldLeavesTheOneThatItHas) {
+  cycle::Simulation simulation(scene_of(clumsy("wants two bodies")));
+  run(simulation, 5);
+  const auto before = simulation.state_hash();
+  const auto snapshot = simulation.take_snapshot();
+  for (int i = 0; i < 3; ++i)
+    EXPECT_THROW(
+        simulation.add_body("{name: ball, mass: 1, pose: {xyz: [9, 0, 0]}, shapes: [{sphere: 0.1}]}"),
+        config::ConfigError);
+  EXPECT_NE(simulation.remove_body("other").find("has two hands"), std::string::npos);
+  EXPECT_EQ(simulation.model().bodies.size(), 2u);
+  EXPECT_EQ(simulation.revision(), 1u);
+  EXPECT_EQ(simulation.state_hash(), before);
+  run(simulation, 5);
+  const auto later = simulation.state_hash();
+  EXPECT_EQ(simulation.tick_count(), 10);
+  ASSERT_TRUE(simulation.restore_snapshot(snapshot));
+  run(simulation, 5);
+  EXPECT_EQ(simulation.state_hash(), later);
+}
+
 struct EngineMisdeed {
   const char* name;
   const char* does;

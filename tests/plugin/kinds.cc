@@ -134,6 +134,7 @@ class Clumsy final : public Engine {
  public:
   explicit Clumsy(EngineContext& scene) : does_(scene.settings().text_or("does", "")) {
     if (does_ == "throws at once") throw Error("has no arms");
+    if (does_ == "wants two bodies" && scene.bodies().size() != 2) throw Error("has two hands");
   }
 
   void step(const EngineTick& tick) override {

@@ -208,6 +208,17 @@ sensors:
   EXPECT_EQ(image_of(bench, "eye").at<std::uint16_t>(80, 60), 2);
 }
 
+TEST(Camera, AllOfASceneTogetherHaveALimitOfPixels) {
+  const visum::test::TempFiles files;
+  const auto file = files.write("s.yaml", R"(visum: 1
+sensors:
+  - {name: "eye_${i}", repeat: {i: 4}, kind: camera, size: [4096, 1024], fov_deg: 60}
+  - {name: last, kind: camera, size: [1, 1], fov_deg: 60}
+)");
+  EXPECT_EQ(files.error_of([&] { cycle::Simulation simulation(scene::load_scene(file)); }),
+            "s.yaml:4: sensors[1].size: the cameras have more than 16777216 pixels together");
+}
+
 // In real time pictures are made beside the ticks, which go on meanwhile; the newest comes in the end.
 TEST(Camera, InRealTimeNoTickWaitsForAPicture) {
   WorldBench bench("clock: realtime" + kFalling);
