@@ -78,7 +78,7 @@ void BusAxis::reset() {
   halt_again_ = homing_ = false;
   speed_sent_.reset();
   if (comm_fault_) settings_left_ = settings_.size();
-  comm_fault_ = settings_refused_ = false;
+  comm_fault_ = false;
 }
 
 void BusAxis::home() {
@@ -112,7 +112,6 @@ void BusAxis::set(std::uint8_t parameter, double value) {
   else
     *known = message;
   settings_left_ = settings_.size();
-  settings_refused_ = false;
 }
 
 bool BusAxis::has_wish() const {
@@ -163,8 +162,8 @@ void BusAxis::take(const Message& request, const std::optional<Message>& answer)
 }
 
 // A refused motion is wished again, unless something else was wished since, and asked for again after a round
-// of readings: a module that goes on refusing does not fill the line. A setting is sent once more, with all
-// others, since limits depend on each other; a module that does not take it then has not what it must have.
+// of readings: a module that goes on refusing does not fill the line. One that refuses a setting has not what
+// it must have; with reset() it is sent again.
 void BusAxis::take_refusal(const Message& request) {
   const auto parameter = request.data[1];
   const bool newer = halt_wished_ || reset_wished_ || home_wished_ || stand_wished_ || target_wished_;
@@ -176,8 +175,7 @@ void BusAxis::take_refusal(const Message& request) {
   } else if (parameter == kTargetSpeed) {
     speed_sent_.reset();
   } else {
-    settings_left_ = settings_refused_ ? 0 : settings_.size();
-    comm_fault_ = std::exchange(settings_refused_, true) || comm_fault_;
+    comm_fault_ = true;
     return;
   }
   pause_ = kRound.size();

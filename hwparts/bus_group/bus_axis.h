@@ -67,11 +67,10 @@ class BusAxis {
   std::uint32_t serial_number_;
   std::vector<powercube::Message> settings_;  // to be sent again after a loss
   std::size_t settings_left_ = 0;
-  bool settings_refused_ = false;  // one of them; all are sent once more
 
   Reading reading_;
   bool lost_ = false;
-  bool comm_fault_ = false;   // was lost; until reset()
+  bool comm_fault_ = false;   // was lost, or refused a setting; until reset()
   bool unsettled_ = false;    // a command was given whose effect on the state is not known yet
   bool state_asked_ = false;  // since it was answered
   bool homing_ = false;

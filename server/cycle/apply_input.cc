@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <new>
 #include <optional>
 
 #include "hwparts/powercube/module_bus.h"
@@ -79,6 +80,8 @@ class Applier {
   std::string operator()(const recording::AddBody& input) const {
     try {
       simulation_.add_body(std::string(input.yaml));
+    } catch (const std::bad_alloc&) {
+      throw;  // no body's fault
     } catch (const std::exception& error) {
       return error.what();
     }

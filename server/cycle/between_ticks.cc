@@ -1,6 +1,7 @@
 // What changes a world between ticks, and is told to its witness.
 #include <algorithm>
 #include <exception>
+#include <new>
 #include <utility>
 
 #include "hwparts/powercube/module_bus.h"
@@ -147,6 +148,8 @@ std::string Simulation::remove_body(const std::string& name) {
     if (sensor.body > body) --sensor.body.value;
   try {
     change_scene(std::move(changed));
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& error) {
     return error.what();
   }

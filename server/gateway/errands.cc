@@ -1,6 +1,7 @@
 // What the tick's side answers between ticks: one function per request.
 #include <algorithm>
 #include <exception>
+#include <new>
 #include <utility>
 
 #include "protocol/config/config.h"
@@ -78,6 +79,8 @@ Reply TickSide::answer(Errand& errand, const protocol::AddBody& request) {
     simulation_.add_body(request.yaml);
   } catch (const config::ConfigError& error) {
     return Error{ErrorCode::kBadValue, error.what(), {}};
+  } catch (const std::bad_alloc&) {
+    throw;                                 // no body's fault
   } catch (const std::exception& error) {  // of an engine or a sensor that cannot be had for that world
     return Error{ErrorCode::kBadValue, error.what(), {}};
   }

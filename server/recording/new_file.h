@@ -1,5 +1,5 @@
-// A file that takes the place of another one only once it is whole. What is no plain file (a pipe, a link) is written
-// at once.
+// A file that takes the place of another one only once it is whole. What is no plain file (a pipe, a link) is
+// written at once.
 #pragma once
 
 #include <filesystem>

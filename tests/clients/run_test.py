@@ -173,7 +173,7 @@ class Worlds(Scenario):
         _, done = self.run_it(passes, "--recordings", self.folder / "file")
         self.assertIn("if this run fails, it leaves no recording: ", done.stderr)
         wrong = self.write(passes)
-        wrong.write_text(wrong.read_text().replace("world.yaml", "nowhere.yaml"))
+        (self.folder / "world.yaml").write_text("visum: 1\nbodies: [{name: b, mass: -1, shapes: [{sphere: 1}]}]\n")
         report = self.folder / "report.xml"
         visum("run", wrong, "--junit", report, expect=3)
         self.assertNotIn("mcap", report.read_text(), "nothing was recorded")

@@ -362,19 +362,6 @@ TEST(BusGroup, ARefusedLimitIsAFaultUntilItIsTaken) {
   }
 }
 
-// Two limits may depend on each other: the first is refused until the second has been taken.
-TEST(BusGroup, LimitsThatDependOnEachOtherAreBothTaken) {
-  RealBench arm;
-  ASSERT_EQ(arm.part->set_parameter("Soft Limit Maximum 1", 0.3), std::nullopt);
-  arm.run(0.1);
-  arm.inputs[0] = 0.25;
-  arm.run(1.5);
-  ASSERT_EQ(arm.part->set_parameter("Soft Limit Maximum 1", 2.0), std::nullopt);
-  ASSERT_EQ(arm.part->set_parameter("Soft Limit Minimum 1", 0.2), std::nullopt);
-  arm.run(0.2);
-  EXPECT_EQ(Ends{arm}.state(), PartState::kReady);
-}
-
 TEST(BusGroup, SaysWhichModulesItFound) {
   RealBench arm;
   const auto board = arm.part->read_blackboard(0);

@@ -38,8 +38,9 @@ class Keeper {
   struct Watched {
     std::uint32_t turn = 0;  // `go`, when we looked
     std::uint64_t ticks = 0;
-    int still = 0;         // looks in a row at which it slept, without having told us
-    bool unknown = false;  // it waits in a call that the shim does not know
+    std::uint64_t began = 0;  // `ticks`, when this turn was seen first
+    int still = 0;            // looks in a row at which it slept, without having told us
+    bool unknown = false;     // it waits in a call that the shim does not know
     bool told = false;
   };
 
@@ -50,6 +51,7 @@ class Keeper {
   bool is_still(shim::Slot& slot);
   void free_if_gone(shim::Slot& slot);
   void watch();
+  bool has_run_long(const shim::Slot& slot);
   void look_after(shim::Slot& slot);
   void drop_if_late(shim::Slot& slot);
   void complain(shim::Slot& slot);

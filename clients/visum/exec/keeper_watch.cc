@@ -1,4 +1,6 @@
 // Who runs for long: dead, in a call that the shim does not know, computing, or spinning.
+#include <unistd.h>
+
 #include <cstdio>
 
 #include "clients/visum/exec/keeper.h"
@@ -10,8 +12,9 @@ using shim::Slot;
 using shim::State;
 using std::chrono::seconds;
 
-constexpr int kStill = 2;        // looks, after which a thread that sleeps waits for something
-constexpr seconds kPatience{1};  // with who runs while others are ready
+constexpr int kStill = 2;  // looks, after which a thread that sleeps waits for something
+constexpr long kPatience_s =
+    1;  // with who runs while others are ready: of processor time, as a busy host gives none
 constexpr seconds kStart{2};     // for a process to come up
 constexpr seconds kComplain{5};  // about who runs
 constexpr seconds kNotes{1};     // how often `visum status` is told
@@ -25,11 +28,20 @@ std::string text_of(const Slot& slot) {
 
 void Keeper::watch() {
   world_.look();
-  for (auto& slot : channel_.slots())
-    if (slot.state == State::kRunning || slot.state == State::kStarting) look_after(slot);
-  const auto busy_for = Clock::now() - quiet_since_;
+  bool impatient = false;
+  for (auto& slot : channel_.slots()) {
+    if (slot.state != State::kRunning && slot.state != State::kStarting) continue;
+    look_after(slot);
+    impatient |= has_run_long(slot);
+  }
   // Two may run at once rather than one wait for ever for what only the other can do.
-  if (auto* ready = busy_for > kPatience ? next_ready() : nullptr) give_turn(*ready, false);
+  if (auto* ready = impatient ? next_ready() : nullptr) give_turn(*ready, false);
+}
+
+bool Keeper::has_run_long(const Slot& slot) {
+  static const auto ticks_per_s = static_cast<std::uint64_t>(::sysconf(_SC_CLK_TCK));
+  const auto& watched = watched_[number(slot)];
+  return slot.state == State::kRunning && watched.ticks - watched.began > kPatience_s * ticks_per_s;
 }
 
 void Keeper::look_after(Slot& slot) {
@@ -39,6 +51,7 @@ void Keeper::look_after(Slot& slot) {
   if (state.gone()) return free_if_gone(slot);
   const bool still = state.sleeps() && watched.turn == slot.go && watched.ticks == state.ticks;
   watched.still = still ? watched.still + 1 : 0;
+  if (watched.turn != slot.go) watched.began = state.ticks;
   watched.turn = slot.go;
   watched.ticks = state.ticks;
   if (slot.state == State::kRunning && watched.still >= kStill && !watched.unknown) {
