@@ -363,7 +363,7 @@ struct EngineContact {
   double depth = 0.0;  // > 0: they overlap
   double friction = 0.0, restitution = 0.0;
   double rolling_friction = 0.0, torsional_friction = 0.0;  // m
-  double force_on_a[3] = {};                                // to be filled: mean over the tick, N
+  double force_on_a[3] = {};  // to be filled: mean over the tick, N; a moment cannot be told
 };
 
 struct EnginePush {
