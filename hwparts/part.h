@@ -4,7 +4,8 @@
 // Order of calls: construction (may throw ConfigError); then, per tick, on the tick's thread: act(), and
 // after the engines moved, publish(). Between ticks, on the same thread: reset(), set_parameter(),
 // controller_lost(), suffer(), save(), load(). refuse() and description() are constant and may be called from
-// any thread. Nothing here allocates after construction, except description() and the parameter calls.
+// any thread, and so may refuse_now(), which is not. Nothing here allocates after construction, except
+// description(), the parameter calls and refusals.
 #pragma once
 
 #include <cstdint>
@@ -56,6 +57,13 @@ class Part {
   // Why these controller inputs, already finite and inside their ports' ranges, cannot be taken as a whole;
   // nothing if they can.
   virtual std::optional<std::string> refuse(std::span<const double> controller_inputs) const = 0;
+
+  // Why inputs that are good cannot be taken just now in place of those `before`; nothing if they can. For
+  // parts that pass them on to somebody who may be away.
+  virtual std::optional<std::string> refuse_now(std::span<const double> /*before*/,
+                                                std::span<const double> /*controller_inputs*/) const {
+    return std::nullopt;
+  }
 
   // One tick's work of the drives: from inputs and what the joints do to what acts on them.
   virtual void act(std::span<const double> controller_inputs, std::span<const JointSample> samples,

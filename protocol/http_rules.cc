@@ -10,6 +10,18 @@ bool contains(const std::vector<std::string>& list, std::string_view value) {
   return std::find(list.begin(), list.end(), value) != list.end();
 }
 
+std::string in_lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+// Where the port of "lab:8080" begins. A bracket ends an IPv6 address, the colons in it begin no port.
+std::size_t port_of(const std::string& host) {
+  const auto bracket = host.rfind(']');
+  return host.find(':', bracket == std::string::npos ? 0 : bracket);
+}
+
 // As it stands in a Host field: IPv6 in brackets.
 std::string in_host_form(const std::string& address) {
   return address.find(':') == std::string::npos ? address : "[" + address + "]";
@@ -31,23 +43,36 @@ HttpRules::HttpRules(std::uint16_t port, std::vector<std::string> hosts, bool ht
       port_suffix_(":" + std::to_string(port)),
       default_suffix_(https ? ":443" : ":80"),
       hosts_(std::move(hosts)) {
-  // A name without a port means ours; a bracket ends an IPv6 address, the colons in it begin no port.
-  for (std::string& host : hosts_)
-    if (host.find(':', host.rfind(']') == std::string::npos ? 0 : host.rfind(']')) == std::string::npos)
-      host += port_suffix_;
+  for (std::string& host : hosts_) {
+    if (port_of(host) == std::string::npos) host += port_suffix_;  // a name without a port means ours
+    host = in_one_form(host);
+  }
+}
+
+// Names are the same in capitals, and browsers leave the scheme's own port out.
+std::string HttpRules::in_one_form(const std::string& host) const {
+  auto form = in_lower_case(host);
+  if (const auto port = port_of(form); port != std::string::npos && form.substr(port) == default_suffix_)
+    form.resize(port);
+  return form;
 }
 
 bool HttpRules::knows_host(const std::string& host, const std::string& local_address) const {
+  const auto form = in_one_form(host);
   for (const std::string& name : {std::string("localhost"), std::string("127.0.0.1"), std::string("[::1]"),
                                   in_host_form(local_address)})
-    if (host == name + port_suffix_ || (port_suffix_ == default_suffix_ && host == name)) return true;
-  return contains(hosts_, host);
+    if (form == in_one_form(name + port_suffix_)) return true;
+  return contains(hosts_, form);
+}
+
+bool HttpRules::is_origin_of(const std::string& origin, const std::string& host) const {
+  return origin.starts_with(scheme_) && in_one_form(origin.substr(scheme_.size())) == in_one_form(host);
 }
 
 HttpVerdict HttpRules::judge(const HttpHead& head) const {
   if (head.hosts.size() != 1 || !knows_host(head.hosts[0], head.local_address))
     return {421, "this host is not served here"};
-  if (head.origins.size() > 1 || (head.origins.size() == 1 && head.origins[0] != scheme_ + head.hosts[0]))
+  if (head.origins.size() > 1 || (head.origins.size() == 1 && !is_origin_of(head.origins[0], head.hosts[0])))
     return {403, "requests from other origins are not served"};
   if (head.has_body) return {413, "requests with a body are not served"};
   const std::string path = path_of(head.target);

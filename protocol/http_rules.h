@@ -30,18 +30,21 @@ struct HttpVerdict {
 
 class HttpRules {
  public:
-  // `https`: the port speaks TLS.
+  // `hosts`: further names, "lab" at our own port or "lab:80" as a port that is mapped to ours. `https`: the
+  // port speaks TLS.
   HttpRules(std::uint16_t port, std::vector<std::string> hosts, bool https = false);
 
   HttpVerdict judge(const HttpHead& head) const;
 
  private:
+  std::string in_one_form(const std::string& host) const;
+  bool is_origin_of(const std::string& origin, const std::string& host) const;
   bool knows_host(const std::string& host, const std::string& local_address) const;
 
   const std::string scheme_;          // "http://"
   const std::string port_suffix_;     // ":8080"
   const std::string default_suffix_;  // the one that browsers leave out
-  std::vector<std::string> hosts_;
+  std::vector<std::string> hosts_;    // in one form
 };
 
 // "/a/b" of "/a/b?c"; nothing where the target is no plain path ("//", "..", control characters, an URL).

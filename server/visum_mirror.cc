@@ -5,11 +5,10 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
-#include <fstream>
-#include <stdexcept>
 #include <string>
 
 #include "protocol/config/config.h"
+#include "protocol/token_file.h"
 #include "server/cycle/simulation.h"
 #include "server/gateway/command_line.h"
 #include "server/gateway/daemon.h"
@@ -46,17 +45,9 @@ scene::Scene scene_of(const gateway::Mirror& mirror, const Options& options) {
   return scene;
 }
 
-std::string read_token(const std::string& file) {
-  if (file.empty()) return {};
-  std::ifstream in(file);
-  std::string token;
-  if (!(in >> token)) throw std::runtime_error(file + ": holds no token, or cannot be read");
-  return token;
-}
-
 int run(Options options) {
-  gateway::Mirror mirror({options.primary, options.shadow}, options.part,
-                         {read_token(options.arm_token_file), options.arm_tls});
+  const auto token = protocol::read_token_file(options.arm_token_file, protocol::Role::kController);
+  gateway::Mirror mirror({options.primary, options.shadow}, options.part, {token, options.arm_tls});
   mirror.bounds() = options.bounds;
   cycle::Simulation simulation(scene_of(mirror, options),
                                [&](const std::string& kind, const hwparts::PartContext& context) {
@@ -87,7 +78,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--shadow", options.shadow, "the arm that only follows")->required()->type_name("HOST:PORT");
   app.add_option("--part", options.part, "the part, of that name on both servers")->capture_default_str();
   app.add_option("--arm-token-file", options.arm_token_file,
-                 "the token for both servers, where they want one");
+                 "the token for both servers, where they want one: alone, or in lines of \"ROLE TOKEN\"");
   const auto add_tls = [&](const char* name, std::string& file, const char* help, const char* variable) {
     app.add_option(name, file, help)->type_name("FILE")->envname(variable);
   };

@@ -3,9 +3,9 @@
 #include <thread>
 
 #include "clients/cpp/client_state.h"
-#include "clients/cpp/token_file.h"
 #include "protocol/config/config.h"
 #include "protocol/limits.h"
+#include "protocol/token_file.h"
 
 namespace visum {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 std::string read_token(const ClientOptions& options) try {
-  return read_token_file(options.token_file, static_cast<protocol::Role>(options.role));
+  return protocol::read_token_file(options.token_file, static_cast<protocol::Role>(options.role));
 } catch (const std::runtime_error& error) {
   throw Error(ErrorCode::kUnauthenticated, error.what());
 }

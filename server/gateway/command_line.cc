@@ -83,8 +83,10 @@ void declare_http(CLI::App& app, DaemonOptions& daemon, HttpWords& words) {
          "where that is taken or --port is 0")
       ->type_name("PORT|off")
       ->check(check_http);
-  app.add_option("--http-host", daemon.http.hosts,
-                 "a further name under which browsers may ask for the page; may be repeated")
+  app.add_option(
+         "--http-host", daemon.http.hosts,
+         "a further name under which browsers may ask for the page; :PORT where they see another one than "
+         "--http; may be repeated")
       ->type_name("NAME[:PORT]");
   app.add_option("--page", daemon.http.page, "folder of the page's files, instead of the one found")
       ->type_name("FOLDER");

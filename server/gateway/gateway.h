@@ -212,7 +212,8 @@ class Gateway : public protocol::SessionHandler {
   void send_errand(const Call& call, const protocol::Request& request, std::uint32_t part = 0);
   void subscribe(const Call& call, std::uint32_t stream, std::uint32_t every);
   void unsubscribe(const Call& call, std::uint32_t stream);
-  std::optional<std::string> why_not(std::uint32_t part, const protocol::Write& request) const;
+  std::optional<std::string> why_not(std::uint32_t part, const protocol::Write& request,
+                                     std::vector<double>& wanted) const;
   void lose_lease(std::uint32_t part, const std::string& why);
   void lose_parts_of(std::uint64_t session, const std::string& why);
   void send_samples(const Published& now);

@@ -121,15 +121,16 @@ void Gateway::handle(const Call& call, const protocol::ReleaseLease& request) {
   call.reply(protocol::Ok{});
 }
 
-// Why these values cannot be written; the first bad one by name and range.
-std::optional<std::string> Gateway::why_not(std::uint32_t part, const protocol::Write& request) const {
+// Why these values cannot be written; the first bad one by name and range. `wanted`: all inputs with them.
+std::optional<std::string> Gateway::why_not(std::uint32_t part, const protocol::Write& request,
+                                            std::vector<double>& wanted) const {
   const auto& ports = world_.parts[part]->description().controller_inputs;
   if (request.values.empty()) return "no values";
   if (request.first_port >= ports.size() || request.values.size() > ports.size() - request.first_port)
     return "ports " + std::to_string(request.first_port) + " to " +
            std::to_string(request.first_port + request.values.size() - 1) + " of " +
            std::to_string(ports.size());
-  auto wanted = latched_[part];
+  wanted = latched_[part];
   for (std::size_t i = 0; i < request.values.size(); ++i) {
     const auto& port = ports[request.first_port + i];
     const double value = request.values[i];
@@ -145,7 +146,10 @@ std::optional<std::string> Gateway::why_not(std::uint32_t part, const protocol::
 void Gateway::handle(const Call& call, const protocol::Write& request) {
   const auto part = part_or_fail(call, request.part);
   if (!part || !lease_or_fail(call, *part)) return;
-  if (auto reason = why_not(*part, request)) return call.fail(ErrorCode::kBadValue, *reason);
+  std::vector<double> wanted;
+  if (auto reason = why_not(*part, request, wanted)) return call.fail(ErrorCode::kBadValue, *reason);
+  if (auto reason = world_.parts[*part]->refuse_now(latched_[*part], wanted))
+    return call.fail(ErrorCode::kWrongState, *reason);
   if (!leases_.is_new(*part, request.sequence))
     return call.fail(ErrorCode::kStale, "sequence " + std::to_string(request.sequence) +
                                             " is not newer than " +

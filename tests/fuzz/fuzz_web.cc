@@ -46,6 +46,12 @@ struct Pages final : WebPages {
   }
 };
 
+std::string in_small_letters(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c | 0x20);
+  return text;
+}
+
 // The server's end, as protocol/server.cc keeps it, with one connection; and the browser's.
 class Line final : HttpOwner, SessionOwner {
  public:
@@ -101,10 +107,12 @@ class Line final : HttpOwner, SessionOwner {
   void woken(WireSession& session) override { woken_.push_back(&session); }
   void upgraded(UpgradePointer upgrade) override {
     const auto text = [&](auto field) { return std::string(upgrade->request[field]); };
-    const auto host = text(boost::beast::http::field::host);
+    const auto host = in_small_letters(text(boost::beast::http::field::host));
     if (was_upgraded_) fail("one connection became two sessions");
     if (!kHosts.contains(host) && host != "[::]:8080") fail("a session for a strange host");
-    if (text(boost::beast::http::field::origin) != "http://" + host) fail("a session for a strange page");
+    const auto origin = text(boost::beast::http::field::origin);
+    if (!origin.starts_with("http://") || in_small_letters(origin) != "http://" + host)
+      fail("a session for a strange page");
     was_upgraded_ = true;
     session_ = make_web_session(context_, *this, 1, tcp::endpoint(), std::move(upgrade));
     session_->start();

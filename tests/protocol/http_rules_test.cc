@@ -52,7 +52,7 @@ TEST(HttpRules, TheAddressThatAConnectionCameToIsAName) {
 
 TEST(HttpRules, NamesThatWereMadeToPointHereAreRefused) {
   for (const char* host : {"evil.example:8080", "localhost.evil.example:8080", "localhost", "localhost:8081",
-                           "LOCALHOST:8080", "localhost:8080 ", "localhost:8080.", ""})
+                           "localhost:8080 ", "localhost:8080.", "localhost:8080:80", "localhost:80", ""})
     EXPECT_EQ(status_for_host(host), 421) << host;
 }
 
@@ -73,8 +73,32 @@ TEST(HttpRules, FurtherNamesAreKnownWithOurPortOrTheirOwn) {
 }
 
 TEST(HttpRules, BrowsersLeavePort80Out) {
-  EXPECT_EQ(status_for_host("localhost", "127.0.0.1", 80), 200);
-  EXPECT_EQ(status_for_host("localhost:80", "127.0.0.1", 80), 200);
+  for (const char* host : {"localhost", "localhost:80", "visum.lab", "visum.lab:80", "[2001:db8::1]"})
+    EXPECT_EQ(status_for_host(host, "127.0.0.1", 80, {"visum.lab", "[2001:db8::1]"}), 200) << host;
+  EXPECT_EQ(status_for_host("visum.lab:8080", "127.0.0.1", 80, {"visum.lab"}), 421);
+}
+
+TEST(HttpRules, APort80ThatIsMappedToOursIsLeftOutToo) {
+  const std::vector<std::string> names = {"proxy.lab:80"};
+  EXPECT_EQ(status_for_host("proxy.lab", "127.0.0.1", 8080, names), 200);
+  EXPECT_EQ(status_for_host("proxy.lab:443", "127.0.0.1", 8080, names), 421);
+  EXPECT_EQ(status_for_host("proxy.lab:8080", "127.0.0.1", 8080, names), 421);
+  HttpHead head = session_handshake();
+  head.hosts = {"proxy.lab"};
+  head.origins = {"http://proxy.lab"};
+  EXPECT_EQ(status_of(head, 8080, names), 101);
+  head.origins = {"http://evil.example"};
+  EXPECT_EQ(status_of(head, 8080, names), 403);
+}
+
+TEST(HttpRules, NamesAreTheSameInCapitals) {
+  const std::vector<std::string> names = {"Visum.LAB", "[2001:DB8::1]:8080"};
+  for (const char* host : {"visum.lab:8080", "VISUM.lab:8080", "[2001:db8::1]:8080", "LOCALHOST:8080"})
+    EXPECT_EQ(status_for_host(host, "127.0.0.1", 8080, names), 200) << host;
+  HttpHead head = session_handshake();
+  head.hosts = {"Visum.LAB:8080"};
+  head.origins = {"http://visum.lab:8080"};
+  EXPECT_EQ(status_of(head, 8080, names), 101);
 }
 
 TEST(HttpRules, PagesOfOtherOriginsAreRefused) {
@@ -94,12 +118,15 @@ TEST(HttpRules, OverTlsTheOriginIsHttpsAndBrowsersLeavePort443Out) {
     HttpHead head = session_handshake();
     head.hosts = {host};
     head.origins = {origin};
-    return HttpRules(port, {"visum.lab"}, true).judge(head).status;
+    return HttpRules(port, {"visum.lab", "proxy.lab:443"}, true).judge(head).status;
   };
   EXPECT_EQ(status(8080, "localhost:8080", "https://localhost:8080"), 101);
   EXPECT_EQ(status(8080, "localhost:8080", "http://localhost:8080"), 403);
   EXPECT_EQ(status(8080, "visum.lab:8080", "https://visum.lab:8080"), 101);
   EXPECT_EQ(status(443, "localhost", "https://localhost"), 101);
+  EXPECT_EQ(status(443, "visum.lab", "https://visum.lab"), 101);
+  EXPECT_EQ(status(8080, "visum.lab", "https://visum.lab"), 421);
+  EXPECT_EQ(status(8080, "proxy.lab", "https://proxy.lab"), 101);
   EXPECT_EQ(status(80, "localhost", "https://localhost"), 421);
 }
 

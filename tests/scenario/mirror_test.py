@@ -5,7 +5,9 @@ from __future__ import annotations
 import signal
 import socket
 import subprocess
+import tempfile
 import unittest
+from pathlib import Path
 
 from programs import BIN
 from served_arm import PATIENCE_S, MirrorProgram, Program, serve_real, virtual_arm, wait_until
@@ -42,6 +44,14 @@ class TwoArms(unittest.TestCase):
 
     def expect(self, holds, sim_s: float = 10.0) -> None:
         self.assertTrue(wait_until(self.client, self.arm, holds, sim_s))
+
+    def states(self) -> list[float]:
+        """Of the arms themselves."""
+        found = []
+        for arm in self.arms:
+            with visum.Client(arm.address, name="look", role="observer") as client:
+                found.append(client.part("arm").outputs("Part State")[0])
+        return found
 
     def hold_back(self, arm: Program) -> None:
         """The arm moves its joint 1 no more: a controller of its own could not, since the mirror has the lease."""
@@ -119,12 +129,31 @@ class TwoArms(unittest.TestCase):
         self.assertEqual(self.seen("Part State"), FAULT)
         self.assertGreaterEqual(self.seen("Refusals 1"), 1)
         self.assertIn("Desired Finger Position 2 must be equal", self.divergence.read_blackboard("Fault").decode())
-        for arm in self.arms:
-            with visum.Client(arm.address, name="look", role="observer") as client:
-                self.assertEqual(client.part("arm").outputs("Part State")[0], HALTED)
+        self.assertEqual(self.states(), [HALTED, HALTED])
         fingers[1] = 0.01
         self.reset()
         self.expect(lambda: self.seen("Part State") == READY)
+
+    def test_a_command_of_the_next_controller_is_done_or_refused_but_never_lost(self) -> None:
+        self.mirror()
+        with visum.Client(self.program.address, name="next", role="admin") as following:
+            arm = following.part("arm")
+            following.join()
+            self.arms[1].process.send_signal(signal.SIGSTOP)  # is away for a while
+            self.addCleanup(self.arms[1].process.send_signal, signal.SIGCONT)
+            arm.acquire(take=True)
+            self.expect(lambda: self.seen("Connected 2") == 0)
+            arm.inputs("Reset")[0] = 1
+            arm.write()
+            with self.assertRaisesRegex(visum.Error, "is away, and would miss this command") as refused:
+                arm.read()
+            self.assertEqual(refused.exception.code, visum.ErrorCode.WRONG_STATE)
+            self.arms[1].process.send_signal(signal.SIGCONT)
+            self.expect(lambda: self.seen("Connected 1") == 1 and self.seen("Connected 2") == 1)
+            arm.write()
+            arm.read()
+            self.expect(lambda: self.seen("Part State") == READY)
+            self.expect(lambda: self.states() == [READY, READY])
 
     def test_looking_for_an_arm_that_is_gone_holds_nobody_up(self) -> None:
         self.mirror()
@@ -165,6 +194,64 @@ class TwoArms(unittest.TestCase):
             self.mirror()
             self.assertEqual(self.seen("World Of"), 2)
             self.assertIn("box", self.client.world().body_names)
+
+
+class AVirtualAndARealArm(unittest.TestCase):
+    """The real one has no supply, nor an emergency stop, that a program could touch."""
+
+    def setUp(self) -> None:
+        self.virtual = self.enterContext(virtual_arm())
+        self.real = self.enterContext(serve_real("tcp")())
+
+    def state(self, arm: Program) -> float:
+        with visum.Client(arm.address, name="look", role="observer") as client:
+            return client.part("arm").outputs("Part State")[0]
+
+    def expect(self, client: visum.Client, holds) -> None:
+        self.assertTrue(wait_until(client, client.part("arm"), holds, 10.0))
+
+    def mirror(self, primary: Program, shadow: Program) -> visum.Client:
+        program = self.enterContext(MirrorProgram(primary, shadow))
+        client = self.enterContext(visum.Client(program.address, name="test", role="admin"))
+        client.join()
+        return client
+
+    def test_a_parameter_that_the_shadow_refuses_is_taken_back_from_the_primary(self) -> None:
+        arm = self.mirror(self.virtual, self.real).part("arm")
+        before = arm.parameter("Supply Voltage")
+        with self.assertRaisesRegex(visum.Error, f"{self.real.address}: there is no parameter 'Supply Voltage'"):
+            arm.set_parameter("Supply Voltage", 20.0)
+        self.assertEqual(arm.parameter("Supply Voltage"), before)
+
+    def test_an_emergency_stop_halts_a_shadow_that_has_none(self) -> None:
+        self.stop_and_release(self.mirror(self.virtual, self.real))
+
+    def test_an_emergency_stop_halts_a_primary_that_has_none(self) -> None:
+        self.stop_and_release(self.mirror(self.real, self.virtual))
+
+    def stop_and_release(self, client: visum.Client) -> None:
+        arm = client.part("arm")
+        arm.acquire()
+        self.assertFalse(arm.parameter("Emergency Stop"))
+        arm.set_parameter("Emergency Stop", True)
+        self.expect(client, lambda: self.state(self.virtual) == FAULT)
+        self.expect(client, lambda: self.state(self.real) == HALTED)
+        arm.set_parameter("Emergency Stop", False)
+        arm.inputs("Reset")[0] = 1
+        arm.write()
+        self.expect(client, lambda: self.state(self.virtual) == READY and self.state(self.real) == READY)
+
+
+class WithTokens(unittest.TestCase):
+    def test_sends_each_server_the_token_of_a_controller(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "tokens"
+            file.write_text("observer looking-only-0001\ncontroller moves-the-arm-0001\n")
+            file.chmod(0o600)
+            with (virtual_arm("--token-file", file) as one, virtual_arm("--token-file", file) as other,
+                  MirrorProgram(one, other, "--arm-token-file", file) as mirror,
+                  visum.Client(mirror.address, name="test") as client):
+                self.assertEqual(client.part("arm").outputs("Part State")[0], READY)
 
 
 class WrongUse(unittest.TestCase):

@@ -1,10 +1,13 @@
 """The Python client against the real daemon: every verb once, and what goes wrong."""
 
 import math
+import tempfile
 import unittest
+from pathlib import Path
 
 import visum
 from programs import running_daemon
+from visum.token_file import read_token_file
 
 
 class OnTheTwoLinkRobot(unittest.TestCase):
@@ -172,6 +175,39 @@ class OnTheTwoLinkRobot(unittest.TestCase):
             with self.assertRaises(visum.Error) as caught:
                 viewer.part("robot").acquire()
         self.assertEqual(caught.exception.code, visum.ErrorCode.FORBIDDEN)
+
+
+class WithTokens(unittest.TestCase):
+    def setUp(self) -> None:
+        self.file = Path(self.enterContext(tempfile.TemporaryDirectory())) / "tokens"
+
+    def written(self, text: str) -> Path:
+        self.file.write_text(text)
+        self.file.chmod(0o600)
+        return self.file
+
+    def test_a_line_alone_is_the_token(self) -> None:
+        self.assertEqual(read_token_file(self.written("# mine\n\n  0123456789abcdef  # end\n"), "admin"), b"0123456789abcdef")
+        self.assertEqual(read_token_file(None, "admin"), b"")
+
+    def test_takes_the_least_role_that_is_enough_or_the_greatest_there_is(self) -> None:
+        file = self.written("admin AAAA\nobserver OOOO\ncontroller CN=anna\ncontroller CCCC\n")
+        self.assertEqual([read_token_file(file, role) for role in ("observer", "controller", "admin")], [b"OOOO", b"CCCC", b"AAAA"])
+        self.assertEqual(read_token_file(self.written("observer OOOO\ncontroller CCCC\n"), "admin"), b"CCCC")
+
+    def test_names_the_file_that_is_wrong(self) -> None:
+        for file in (self.written("# nothing\n"), "/nowhere/at/all"):
+            with self.assertRaisesRegex(visum.Error, str(file)) as caught:
+                read_token_file(file, "admin")
+            self.assertEqual(caught.exception.code, visum.ErrorCode.UNAUTHENTICATED)
+
+    def test_the_servers_own_file_opens_its_door(self) -> None:
+        file = self.written("observer looking-only-0001\ncontroller moves-the-arm-0001\nadmin does-anything-0001\n")
+        with running_daemon("two_link.yaml", "--token-file", str(file)) as address:
+            with visum.Client(address, name="mover", token_file=file) as client, client.part("robot").lease():
+                pass
+            with visum.Client(address, name="looker", role="observer", token_file=file) as client:
+                self.assertEqual(client.connection.welcome.role, 1)
 
 
 class WithoutAServer(unittest.TestCase):

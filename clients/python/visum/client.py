@@ -12,6 +12,7 @@ from typing import NamedTuple
 from visum.connection import VERSION, Connection, TlsFiles, pb
 from visum.errors import Error, ErrorCode, nearest_hint
 from visum.part import Part
+from visum.token_file import read_token_file
 from visum.world import World, WorldView
 
 _ROLES = {"observer": pb.ROLE_OBSERVER, "controller": pb.ROLE_CONTROLLER, "admin": pb.ROLE_ADMIN}
@@ -30,7 +31,8 @@ class ServerInfo(NamedTuple):
 
 class Client:
     """Connects at construction; a context manager that closes. `name` is shown to others as the owner of leases;
-    `role` is observer, controller or admin. Keeps trying for `connect_timeout_s` while nobody listens. `tls_ca`,
+    `role` is observer, controller or admin; `token_file` holds the token, alone or in the server's lines of "ROLE TOKEN",
+    of which the one for `role` is sent. Keeps trying for `connect_timeout_s` while nobody listens. `tls_ca`,
     `tls_cert` and `tls_key` are for a server that speaks TLS; without them $VISUM_TLS_CA, $VISUM_TLS_CERT, $VISUM_TLS_KEY."""
 
     def __init__(self, address: str = "127.0.0.1:1500", *, name: str = "python", role: str = "controller",
@@ -38,7 +40,7 @@ class Client:
                  tls_cert: str | Path | None = None, tls_key: str | Path | None = None) -> None:
         if role not in _ROLES:
             raise Error(ErrorCode.MISUSE, f"no role '{role}'{nearest_hint(role, list(_ROLES))}")
-        token = Path(token_file).read_bytes().strip() if token_file else b""
+        token = read_token_file(token_file, role)
         hello = pb.Hello(min_version=VERSION, max_version=VERSION, client_name=name, role=_ROLES[role], token=token)
         tls = TlsFiles(*(str(file) if file else None for file in (tls_ca, tls_cert, tls_key)))
         if not any(tls):

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 
-#include "clients/cpp/token_file.h"
 #include "clients/visum/common/exit_code.h"
 #include "protocol/config/config.h"
 #include "protocol/limits.h"
+#include "protocol/token_file.h"
 
 namespace visum::cli {
 namespace {
 
 std::string read_token(const LinkOptions& options, protocol::Role role) try {
-  return read_token_file(options.token_file, role);
+  return protocol::read_token_file(options.token_file, role);
 } catch (const std::runtime_error& error) {
   throw ExitError(kUsage, error.what());
 }

@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -12,7 +14,10 @@ using protocol::Connection;
 
 constexpr std::chrono::milliseconds kConnect{1000};
 constexpr std::chrono::seconds kLookAgain{1};
-constexpr double kManyCounts = 1e15;  // only counters reach so far
+constexpr std::chrono::seconds kBackSoon{3};
+constexpr double kManyCounts = 1e15;      // only counters reach so far
+constexpr std::int64_t kLostTicks = 100;  // later than any answer
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
@@ -28,6 +33,7 @@ ArmLink::ArmLink(std::string address, std::string part, Entry entry)
     throw std::runtime_error(address_ + ": " + error.what());
   }
   ahead_.assign(description_.controller_inputs.size(), 0.0);
+  sent_.assign(description_.controller_inputs.size(), kUnknown);
 }
 
 ArmLink::Found ArmLink::find(const std::string& address, const std::string& part, const Entry& entry) {
@@ -63,10 +69,12 @@ bool ArmLink::poll() {
   try {
     while (auto reply = connection_->next(std::chrono::milliseconds(0))) {
       if (auto* sample = std::get_if<protocol::PartSample>(&*reply)) {
-        sample_ = std::move(*sample);
+        take(std::move(*sample));
       } else if (const auto* error = std::get_if<protocol::Error>(&*reply)) {
         ++refusals_;
         refusal_ = error->text;
+        for (std::size_t i = 0; i < sent_.size(); ++i)
+          if (!is_counter_at(i)) sent_[i] = kUnknown;
       } else if (const auto* event = std::get_if<protocol::Event>(&*reply);
                  event && event->kind == "lease_lost" && event->part == part_) {
         lose("its lease was lost: " + event->text);
@@ -75,14 +83,23 @@ bool ArmLink::poll() {
     }
   } catch (const std::exception& error) {
     lose(error.what());
+    return false;
   }
-  return false;
+  return put_back_;
+}
+
+// A sample tells of an era as soon as the event does. What crossed the Reset under way shows in a later one.
+void ArmLink::take(protocol::PartSample sample) {
+  const bool other_era = sample.era != sample_.era;
+  sample_ = std::move(sample);
+  if (other_era || (!counted_at_ && !same_counters(sample_.controller_inputs, sent_))) put_back_ = true;
 }
 
 void ArmLink::lose(const std::string& why) {
   spdlog::error("{} is gone: {}", address_, why);
   drop();
   tried_ = Clock::now();
+  left_at_ = {};
 }
 
 bool ArmLink::look_again() {
@@ -108,42 +125,79 @@ bool ArmLink::look_again() {
 }
 
 void ArmLink::drop() {
+  if (!connected()) return;
   left_ = std::exchange(connection_, std::nullopt);
   tried_ = {};
+  left_at_ = Clock::now();
+}
+
+bool ArmLink::comes_back() const {
+  return !connected() && Clock::now() - left_at_ < kBackSoon;
 }
 
 void ArmLink::rebase(std::span<const double> inputs, std::span<const double> initial) {
   for (std::size_t i = 0; i < ahead_.size(); ++i) {
-    if (!is_counter(description_.controller_inputs[i])) continue;
-    ahead_[i] = sample_.controller_inputs[i] - inputs[i] + initial[i];
+    sent_[i] = is_counter_at(i) ? sample_.controller_inputs[i] : kUnknown;
+    if (is_counter_at(i)) ahead_[i] = sample_.controller_inputs[i] - inputs[i] + initial[i];
   }
+  counted_at_.reset();
+  put_back_ = false;
 }
 
-double ArmLink::as_the_arm_counts(std::size_t port, double value, double initial) const {
-  return is_counter(description_.controller_inputs[port]) ? value + ahead_[port] - initial : value;
+std::vector<double> ArmLink::as_the_arm_counts(std::span<const double> inputs,
+                                               std::span<const double> initial) const {
+  std::vector<double> values(inputs.begin(), inputs.end());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (is_counter_at(i)) values[i] += ahead_[i] - initial[i];
+  return values;
 }
 
+bool ArmLink::same_counters(std::span<const double> a, std::span<const double> b) const {
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (is_counter_at(i) && a[i] != b[i]) return false;
+  return true;
+}
+
+// A counter that was sent and is not in force after a while is sent with the next write again.
 void ArmLink::write(std::span<const double> inputs, std::span<const double> initial) {
-  std::vector<double> values(inputs.size());
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] = as_the_arm_counts(i, inputs[i], initial[i]);
-  send(std::move(values));
+  const auto values = as_the_arm_counts(inputs, initial);
+  const bool is_lost = counted_at_ && sample_.tick > *counted_at_ + kLostTicks &&
+                       !same_counters(values, sample_.controller_inputs);
+  if (is_lost || !same_counters(values, sent_))
+    send(0, values);
+  else
+    send_runs(values, false);
 }
 
 void ArmLink::write_counters(std::span<const double> inputs, std::span<const double> initial) {
-  auto values = sample_.controller_inputs;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (is_counter(description_.controller_inputs[i]))
-      values[i] = as_the_arm_counts(i, inputs[i], initial[i]);
-  send(std::move(values));
+  send_runs(as_the_arm_counts(inputs, initial), true);
 }
 
-void ArmLink::send(std::vector<double> values) {
+// Neighbours that are all counters, or all none, are written together where one of them is new.
+void ArmLink::send_runs(std::span<const double> values, bool of_counters) {
+  for (std::size_t first = 0, end = 0; first < values.size(); first = end) {
+    for (end = first; end < values.size() && is_counter_at(end) == is_counter_at(first);) ++end;
+    const auto run = values.subspan(first, end - first);
+    const auto known = std::span<const double>(sent_).subspan(first, end - first);
+    if (is_counter_at(first) == of_counters && !std::ranges::equal(run, known)) send(first, run);
+  }
+}
+
+void ArmLink::send(std::size_t first, std::span<const double> values) {
   if (!connected()) return;
+  std::ranges::copy(values, sent_.begin() + static_cast<std::ptrdiff_t>(first));
+  for (std::size_t i = first; i < first + values.size(); ++i)
+    if (is_counter_at(i)) counted_at_ = sample_.tick;
   try {
-    connection_->post(protocol::Write{part_, 0, std::move(values)});
+    connection_->post(
+        protocol::Write{part_, static_cast<std::uint32_t>(first), {values.begin(), values.end()}});
   } catch (const std::exception& error) {
     lose(error.what());
   }
+}
+
+bool ArmLink::has_parameter(const std::string& name) const {
+  return std::ranges::any_of(description_.parameters, [&](const auto& known) { return known.name == name; });
 }
 
 std::vector<protocol::Parameter> ArmLink::parameters() {
@@ -156,11 +210,32 @@ std::vector<protocol::Parameter> ArmLink::parameters() {
   return description_.parameters;
 }
 
+std::optional<protocol::ParameterValue> ArmLink::parameter(const std::string& name) {
+  for (const auto& known : parameters())
+    if (known.name == name) return known.value;
+  return std::nullopt;
+}
+
 std::optional<std::string> ArmLink::set_parameter(const std::string& name,
                                                   const protocol::ParameterValue& value) {
-  if (!connected()) return address_ + " is gone";
+  ask_to_set(name, value);
+  return answer();
+}
+
+void ArmLink::ask_to_set(const std::string& name, const protocol::ParameterValue& value) {
+  asked_.reset();
+  if (!connected()) return;
   try {
-    connection_->request(protocol::SetParameter{part_, name, value});
+    asked_ = connection_->send(protocol::SetParameter{part_, name, value});
+  } catch (const std::exception& error) {
+    lose(error.what());
+  }
+}
+
+std::optional<std::string> ArmLink::answer() {
+  if (!connected() || !asked_) return address_ + " is gone";
+  try {
+    connection_->wait(*asked_);
     return std::nullopt;
   } catch (const std::exception& error) {
     const auto* refusal = dynamic_cast<const protocol::RequestError*>(&error);

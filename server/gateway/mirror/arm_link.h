@@ -16,6 +16,9 @@
 
 namespace visum::gateway {
 
+// A counter among the controller inputs: acts when its number changes.
+bool is_counter(const protocol::Port& port);
+
 class ArmLink {
  public:
   // Connects, takes the part's lease and a first sample. Throws
@@ -32,15 +35,19 @@ class ArmLink {
   // As of the newest sample.
   std::span<const double> sensor_outputs() const { return sample_.sensor_outputs; }
 
-  // Takes in what came, without waiting, and looks for a server that is gone. True once after it was found
-  // again.
+  // Takes in what came, without waiting, and looks for a server that is gone. True where the arm's counters
+  // are not as the mirror left them: it was found again, or its server has put its inputs back (Reset,
+  // RestoreSnapshot). rebase() is to be called then, before anything is written.
   bool poll();
+  // Left a moment ago because its controller was lost, and being looked for: most likely it is back soon.
+  bool comes_back() const;
   // How many writes the arm has refused, and why the last one.
   std::uint64_t refusals() const { return refusals_; }
   const std::string& refusal() const { return refusal_; }
 
   // All controller inputs in the mirror's count. Counters act on changes, and each arm has counted its own
-  // way so far: `initial` are the mirror's own beginnings, from which the arm's are continued.
+  // way so far: `initial` are the mirror's own beginnings, from which the arm's are continued. Counters are
+  // sent only where one of them is due: a write that crosses a Reset of the arm's world changes none.
   void write(std::span<const double> inputs, std::span<const double> initial);
   void rebase(std::span<const double> inputs, std::span<const double> initial);
   // The same with only the counters of `inputs`: all other inputs stay as the arm has them, so that it cannot
@@ -49,8 +56,13 @@ class ArmLink {
   // Leaves as a controller that is lost does: the arm stops as it would then. Comes back at the next poll().
   void drop();
 
+  bool has_parameter(const std::string& name) const;
   std::vector<protocol::Parameter> parameters();
+  std::optional<protocol::ParameterValue> parameter(const std::string& name);
+  // Returns why not. In two halves, so that both arms can be asked before either one answers.
   std::optional<std::string> set_parameter(const std::string& name, const protocol::ParameterValue& value);
+  void ask_to_set(const std::string& name, const protocol::ParameterValue& value);
+  std::optional<std::string> answer();
   std::vector<std::byte> read_blackboard(const std::string& name);
 
  private:
@@ -64,8 +76,13 @@ class ArmLink {
   void adopt(Found found);
   void lose(const std::string& why);
   bool look_again();
-  double as_the_arm_counts(std::size_t port, double value, double initial) const;
-  void send(std::vector<double> values);
+  std::vector<double> as_the_arm_counts(std::span<const double> inputs,
+                                        std::span<const double> initial) const;
+  bool is_counter_at(std::size_t port) const { return is_counter(description_.controller_inputs[port]); }
+  bool same_counters(std::span<const double> a, std::span<const double> b) const;
+  void take(protocol::PartSample sample);
+  void send_runs(std::span<const double> values, bool of_counters);
+  void send(std::size_t first, std::span<const double> values);
 
   std::string address_, part_;
   Entry entry_;
@@ -76,13 +93,14 @@ class ArmLink {
   protocol::PartSample sample_;
   std::uint64_t refusals_ = 0;
   std::string refusal_;
-  std::vector<double> ahead_;  // of the arm's counters, to the mirror's; 0 for other ports
-  Clock::time_point tried_{};
+  std::vector<double> ahead_;               // of the arm's counters, to the mirror's; 0 for other ports
+  std::vector<double> sent_;                // as last sent, or found by rebase(); NaN: to be sent in any case
+  std::optional<std::int64_t> counted_at_;  // the newest tick when a counter was sent; none since rebase()
+  bool put_back_ = false;                   // the arm's counters are not as they were sent: rebase() is due
+  std::optional<std::uint64_t> asked_;      // to set a parameter
+  Clock::time_point tried_{}, left_at_{};
   std::optional<protocol::Connection> left_;  // to be closed: that waits for the server
   std::future<Found> search_;
 };
-
-// A counter among the controller inputs: acts when its number changes.
-bool is_counter(const protocol::Port& port);
 
 }  // namespace visum::gateway

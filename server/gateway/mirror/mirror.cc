@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "hwparts/servo_group/part_state.h"
 
@@ -15,6 +16,8 @@ namespace {
 
 using protocol::Port;
 using servo_group::PartState;
+
+constexpr const char* kEmergencyStop = "Emergency Stop";
 
 std::optional<std::size_t> find(const std::vector<Port>& ports, const std::string& name) {
   for (std::size_t i = 0; i < ports.size(); ++i)
@@ -44,6 +47,9 @@ Mirror::Mirror(const std::array<std::string, kArms>& addresses, const std::strin
     : arms_{ArmLink(addresses[0], part, entry), ArmLink(addresses[1], part, entry)},
       description_(arms_[0].description()) {
   check_alike();
+  for (const auto& parameter : arms_[1].description().parameters)
+    if (parameter.name == kEmergencyStop && !arms_[0].has_parameter(kEmergencyStop))
+      description_.parameters.push_back(parameter);
   halt_ = need(description_.controller_inputs, "Halt");
   reset_ = need(description_.controller_inputs, "Reset");
   part_state_ = find(description_.sensor_outputs, "Part State");
@@ -82,13 +88,50 @@ void Mirror::check_alike() const {
 }
 
 void Mirror::pump() {
-  for (auto& arm : arms_) {
-    if (!arm.poll()) continue;
-    arm.rebase(commanded(), initial_);
-  }
+  for (auto& arm : arms_)
+    if (arm.poll()) take_up(arm);
+  away_.store(look_who_is_away(), std::memory_order_relaxed);
   if (world_) world_->poll();
   hear_refusals();
   compare();
+}
+
+// Its counters go on from where they are, so that nothing is done late that it has missed; but for a halt,
+// which stands until the controller's Reset.
+void Mirror::take_up(ArmLink& arm) {
+  auto before = commanded();
+  if (halted_) before[halt_] -= 1.0;
+  arm.rebase(before, initial_);
+  if (halted_) arm.write_counters(commanded(), initial_);
+}
+
+// While the arms are looked for that a lost controller has left, the next one waits for both. An arm that is
+// gone for longer is missed by what it alone would have shown: the primary by commands that are done once.
+AwayArm Mirror::look_who_is_away() const {
+  using enum AwayArm::Misses;
+  for (std::size_t i = 0; i < kArms; ++i)
+    if (arms_[i].comes_back()) return {static_cast<std::uint8_t>(i), kEverything};
+  if (arms_[primary_].connected()) return {};
+  const bool nobody_is_there = !arms_[1 - primary_].connected();
+  return {static_cast<std::uint8_t>(primary_), nobody_is_there ? kEverything : kCounters};
+}
+
+bool Mirror::misses_something(AwayArm away, std::span<const double> before,
+                              std::span<const double> inputs) const {
+  if (away.misses == AwayArm::Misses::kNothing || before[halt_] != inputs[halt_]) return false;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const bool counts =
+        away.misses == AwayArm::Misses::kEverything || is_counter(description_.controller_inputs[i]);
+    if (counts && before[i] != inputs[i]) return true;
+  }
+  return false;
+}
+
+std::optional<std::string> Mirror::refuse_now(std::span<const double> before,
+                                              std::span<const double> inputs) const {
+  const auto away = away_.load(std::memory_order_relaxed);
+  if (!misses_something(away, before, inputs)) return std::nullopt;
+  return arms_[away.arm].address() + " is away, and would miss this command: try again when it is back";
 }
 
 // The controller has its word already that all was well, and the other arm may have obeyed.
@@ -119,6 +162,11 @@ void Mirror::raise(const std::string& why) {
   spdlog::error("{}", why);
   why_ = why;
   fault_ = true;
+  halt();
+}
+
+void Mirror::halt() {
+  halted_ = true;
   halts_ += 1.0;
   const auto values = commanded();
   for (auto& arm : arms_) arm.write_counters(values, initial_);
@@ -135,11 +183,15 @@ double Mirror::largest(const char* unit) const {
 void Mirror::command(std::span<const double> inputs) {
   if (std::ranges::equal(inputs, inputs_)) return;
   if (inputs[reset_] != inputs_[reset_]) {
-    fault_ = false;
+    fault_ = halted_ = false;
     exceeded_ = false;  // still too far apart is a fault anew
   }
-  inputs_.assign(inputs.begin(), inputs.end());
+  if (inputs[halt_] != inputs_[halt_]) halted_ = true;
+  const auto before = std::exchange(inputs_, {inputs.begin(), inputs.end()});
   send();
+  const auto away = look_who_is_away();
+  if (!fault_ && misses_something(away, before, inputs_))
+    raise(arms_[away.arm].address() + " was away, and has missed a command");
 }
 
 std::vector<double> Mirror::commanded() const {
@@ -173,16 +225,54 @@ std::optional<std::string> Mirror::switch_to(std::size_t arm, bool by_force) {
            " m apart, more than " + std::to_string(bounds_.angle_switch_rad) + " rad and " +
            std::to_string(bounds_.position_switch_m) + " m; 'Force Primary' switches all the same";
   primary_ = arm;
+  away_.store(look_who_is_away(), std::memory_order_relaxed);
   for (double& difference : divergence_) difference = -difference;
   spdlog::info("{} is the primary now", arms_[arm].address());
   return std::nullopt;
 }
 
+std::vector<protocol::Parameter> Mirror::parameters() {
+  auto all = arms_[primary_].parameters();
+  if (std::ranges::find(all, kEmergencyStop, &protocol::Parameter::name) != all.end()) return all;
+  for (auto& parameter : arms_[1 - primary_].parameters())
+    if (parameter.name == kEmergencyStop) all.push_back(std::move(parameter));
+  return all;
+}
+
 std::optional<std::string> Mirror::set_parameter(const std::string& name,
                                                  const protocol::ParameterValue& value) {
-  for (const auto arm : {primary_, 1 - primary_})
-    if (auto reason = arms_[arm].set_parameter(name, value)) return reason;
-  return std::nullopt;
+  if (name == kEmergencyStop) return set_emergency_stop(value);
+  for (const auto& arm : arms_)
+    if (!arm.connected()) return arm.address() + " is gone, and the other arm keeps its '" + name + "', too";
+  auto &primary = arms_[primary_], &shadow = arms_[1 - primary_];
+  const auto before = primary.parameter(name);
+  if (auto reason = primary.set_parameter(name, value)) return reason;
+  const auto reason = shadow.set_parameter(name, value);
+  if (!reason) return std::nullopt;
+  const auto failure =
+      before ? primary.set_parameter(name, *before) : std::optional("it is not known what it was");
+  if (!failure) return reason;
+  return *reason + "; and it was not taken back at " + primary.address() + ": " + *failure;
+}
+
+// Both are asked before either one answers: a server that hangs delays no stop of the other arm.
+std::optional<std::string> Mirror::set_emergency_stop(const protocol::ParameterValue& value) {
+  const auto* pressed = std::get_if<bool>(&value);
+  if (!pressed) return "must be true or false";
+  const auto has_one = [](const ArmLink& arm) { return arm.has_parameter(kEmergencyStop); };
+  const bool all_have_one = std::ranges::all_of(arms_, has_one);
+  if (*pressed && !all_have_one) halt();
+  for (auto& arm : arms_)
+    if (has_one(arm)) arm.ask_to_set(kEmergencyStop, value);
+  std::string missed;
+  for (auto& arm : arms_) {
+    auto reason = has_one(arm) ? arm.answer() : std::nullopt;
+    if (*pressed && !arm.connected()) reason = arm.address() + " is gone, and is halted when it is back";
+    if (reason) missed += (missed.empty() ? "" : "; ") + *reason;
+  }
+  if (missed.empty()) return std::nullopt;
+  if (*pressed && all_have_one) halt();
+  return (*pressed ? "the emergency stop did not reach all: " : "not released everywhere: ") + missed;
 }
 
 void Mirror::wait_until(std::chrono::steady_clock::time_point due) {

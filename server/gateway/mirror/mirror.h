@@ -1,9 +1,11 @@
 // Two arms that get the same commands. The controller sees the primary; the divergence of the two, port by
 // port, is watched. A divergence beyond its limit halts both, and so does a command that one of them refuses.
-// Which of them is the primary can be switched live.
+// What is halted stands until the controller's Reset, an arm that is away or starts anew meanwhile, too.
+// Which of them is the primary can be switched live. All calls come from one thread, but refuse_now().
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -26,6 +28,14 @@ struct MirrorBounds {
   double position_switch_m = 0.002;
 };
 
+// An arm that is away, and which commands are not to be given without it.
+struct AwayArm {
+  enum class Misses : std::uint8_t { kNothing, kCounters, kEverything };
+  std::uint8_t arm = 0;
+  Misses misses = Misses::kNothing;
+};
+static_assert(std::atomic<AwayArm>::is_always_lock_free);
+
 class Mirror {
  public:
   static constexpr std::size_t kArms = 2;
@@ -43,7 +53,11 @@ class Mirror {
   void pump();
   // Waits for something to come, at most until `due`.
   void wait_until(std::chrono::steady_clock::time_point due);
+  // Raises a fault where an arm that is away misses what refuse_now() would have refused, had it known.
   void command(std::span<const double> inputs);
+  // Why what is new in these inputs cannot be commanded just now: an arm that is away would miss it, and it
+  // is not to be done late. A Halt can be commanded always. Any thread.
+  std::optional<std::string> refuse_now(std::span<const double> before, std::span<const double> inputs) const;
   void controller_lost();
   // The primary's, with the mirror's own faults in `Part State`.
   void read(std::span<double> outputs) const;
@@ -64,7 +78,10 @@ class Mirror {
   std::optional<std::string> switch_to(std::size_t arm, bool by_force);
   MirrorBounds& bounds() { return bounds_; }
 
-  std::vector<protocol::Parameter> parameters() { return arms_[primary_].parameters(); }
+  // The primary's, and `Emergency Stop` also where only the other arm has it.
+  std::vector<protocol::Parameter> parameters();
+  // Of both arms or of none; but an emergency stop goes to whoever is there, and halts who has none. Returns
+  // why not.
   std::optional<std::string> set_parameter(const std::string& name, const protocol::ParameterValue& value);
 
  private:
@@ -73,6 +90,11 @@ class Mirror {
   void hear_refusals();
   void find_world(const Entry& entry);
   void raise(const std::string& why);
+  void halt();
+  void take_up(ArmLink& arm);
+  AwayArm look_who_is_away() const;
+  bool misses_something(AwayArm away, std::span<const double> before, std::span<const double> inputs) const;
+  std::optional<std::string> set_emergency_stop(const protocol::ParameterValue& value);
   std::vector<double> commanded() const;  // with the mirror's own halts
   void send();
 
@@ -85,6 +107,8 @@ class Mirror {
   std::optional<std::size_t> part_state_;  // of the sensor outputs
   std::vector<double> initial_, inputs_;   // as at start, and as last commanded
   double halts_ = 0.0;                     // by the mirror itself
+  bool halted_ = false;                    // by the mirror or the controller, since the last Reset
+  std::atomic<AwayArm> away_{AwayArm{}};   // as of the last pump()
   MirrorBounds bounds_;
   std::size_t primary_ = 0;
   bool fault_ = false;

@@ -37,6 +37,10 @@ class MirroredArm : public MirrorPart {
     description_.blackboards = {
         {"Identity", "text/plain", 1, mirror.identity().size(), mirror.identity().size(), false}};
   }
+  std::optional<std::string> refuse_now(std::span<const double> before,
+                                        std::span<const double> inputs) const override {
+    return mirror_.refuse_now(before, inputs);
+  }
   void act(std::span<const double> inputs, std::span<const hwparts::JointSample>,
            std::span<hwparts::JointDrive>) override {
     mirror_.pump();

@@ -222,24 +222,11 @@ static void wait_thread(long ms) {
   ++k;
 }
 
-const struct kind kinds[] = {{"usleep", wait_usleep},
-                             {"absolute", wait_absolute},
-                             {"poll", wait_poll},
-                             {"select", wait_select},
-                             {"condition", wait_condition},
-                             {"semaphore", wait_semaphore},
-                             {"mutex", wait_mutex},
-                             {"timerfd", wait_timerfd},
-                             {"alarm", wait_alarm},
-                             {"receive", wait_receive},
-                             {"spin", wait_spin},
-                             {"yield", wait_yield},
-                             {"fork", wait_fork},
-                             {"command", wait_command},
-                             {"join", wait_join},
-                             {"thread", wait_thread},
-                             {"future", wait_future},
-                             {"future_until", wait_future_until},
-                             {"promise", wait_promise},
-                             {"acquire", wait_acquire},
-                             {NULL, NULL}};
+const struct kind kinds[] = {
+    {"usleep", wait_usleep},   {"absolute", wait_absolute},   {"poll", wait_poll},
+    {"select", wait_select},   {"condition", wait_condition}, {"semaphore", wait_semaphore},
+    {"mutex", wait_mutex},     {"timerfd", wait_timerfd},     {"alarm", wait_alarm},
+    {"receive", wait_receive}, {"spin", wait_spin},           {"yield", wait_yield},
+    {"fork", wait_fork},       {"command", wait_command},     {"join", wait_join},
+    {"thread", wait_thread},   {"future", wait_future},       {"future_until", wait_future_until},
+    {"promise", wait_promise}, {"acquire", wait_acquire},     {NULL, NULL}};

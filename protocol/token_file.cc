@@ -1,34 +1,32 @@
-#include "clients/cpp/token_file.h"
+#include "protocol/token_file.h"
 
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 
-namespace visum {
+namespace visum::protocol {
 namespace {
 
-protocol::Role role_named(const std::string& word) {
-  for (const protocol::Role role :
-       {protocol::Role::kObserver, protocol::Role::kController, protocol::Role::kAdmin}) {
-    if (word == protocol::to_string(role)) return role;
-  }
-  return protocol::Role::kUnspecified;
+Role role_named(const std::string& word) {
+  for (const Role role : {Role::kObserver, Role::kController, Role::kAdmin})
+    if (word == to_string(role)) return role;
+  return Role::kUnspecified;
 }
 
 // Whether a token that gives `offered` serves somebody who wants `wanted` better than one that gives `best`.
-bool is_better(protocol::Role offered, protocol::Role best, protocol::Role wanted) {
+bool is_better(Role offered, Role best, Role wanted) {
   if (best < wanted) return offered > best;
   return offered >= wanted && offered < best;
 }
 
 }  // namespace
 
-std::string read_token_file(const std::string& file, protocol::Role role) {
+std::string read_token_file(const std::string& file, Role role) {
   if (file.empty()) return {};
   std::ifstream in(file);
   if (!in) throw std::runtime_error(file + ": the token file cannot be read");
   std::string best;
-  protocol::Role best_role = protocol::Role::kUnspecified;
+  Role best_role = Role::kUnspecified;
   for (std::string line; std::getline(in, line);) {
     std::istringstream words(line.substr(0, line.find('#')));
     std::string first, second;
@@ -44,4 +42,4 @@ std::string read_token_file(const std::string& file, protocol::Role role) {
   return best;
 }
 
-}  // namespace visum
+}  // namespace visum::protocol

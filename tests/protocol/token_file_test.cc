@@ -1,13 +1,11 @@
-#include "clients/cpp/token_file.h"
+#include "protocol/token_file.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/support/temp_files.h"
 
-namespace visum {
+namespace visum::protocol {
 namespace {
-
-using protocol::Role;
 
 class TokenFile : public ::testing::Test {
  protected:
@@ -35,10 +33,14 @@ TEST_F(TokenFile, TakesTheGreatestRoleWhereNoneIsEnough) {
   EXPECT_EQ(read_token_file(written("observer OOOO\ncontroller CCCC\n"), Role::kAdmin), "CCCC");
 }
 
+TEST_F(TokenFile, PassesOverNamesInCertificates) {
+  EXPECT_EQ(read_token_file(written("controller CN=anna\nadmin AAAA\n"), Role::kController), "AAAA");
+}
+
 TEST_F(TokenFile, NamesTheFileThatIsWrong) {
   EXPECT_THROW(read_token_file(written("# nothing\n"), Role::kAdmin), std::runtime_error);
   EXPECT_THROW(read_token_file("/nowhere/at/all", Role::kAdmin), std::runtime_error);
 }
 
 }  // namespace
-}  // namespace visum
+}  // namespace visum::protocol

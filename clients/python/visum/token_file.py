@@ -1,0 +1,41 @@
+"""Where a client finds the token that a server asks for: the rule of protocol/token_file.h."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from visum.errors import Error, ErrorCode
+
+_RANKS = {b"observer": 1, b"controller": 2, b"admin": 3}
+
+
+def read_token_file(file: str | Path | None, role: str) -> bytes:
+    """The token for `role`: the first line that is a token alone or, in a file as the server's own with lines of
+    "ROLE TOKEN", that of the least role that is enough (else of the greatest there is). # begins a comment. No file:
+    no token."""
+    if not file:
+        return b""
+    try:
+        lines = Path(file).read_bytes().split(b"\n")
+    except OSError as error:
+        raise Error(ErrorCode.UNAUTHENTICATED, f"{file}: the token file cannot be read: {error.strerror}") from error
+    wanted, best_rank, best = _RANKS[role.encode()], 0, b""
+    for line in lines:
+        words = line.split(b"#")[0].split()
+        if len(words) == 1:
+            return words[0]
+        if not words or words[1].startswith(b"CN="):  # of a certificate
+            continue
+        rank = _RANKS.get(words[0], 0)
+        if _is_better(rank, best_rank, wanted):
+            best_rank, best = rank, words[1]
+    if not best:
+        raise Error(ErrorCode.UNAUTHENTICATED, f"{file}: the token file holds no token")
+    return best
+
+
+def _is_better(offered: int, best: int, wanted: int) -> bool:
+    """Whether a token that gives `offered` serves somebody who wants `wanted` better than one that gives `best`."""
+    if best < wanted:
+        return offered > best
+    return wanted <= offered < best
