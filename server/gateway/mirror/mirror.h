@@ -28,8 +28,9 @@ struct MirrorBounds {
   double position_switch_m = 0.002;
 };
 
-// An arm that is away, and which commands are not to be given without it.
-struct AwayArm {
+// An arm that is away, and which commands are not to be given without it. Aligned, or Clang calls a library
+// for the atomic.
+struct alignas(2) AwayArm {
   enum class Misses : std::uint8_t { kNothing, kCounters, kEverything };
   std::uint8_t arm = 0;
   Misses misses = Misses::kNothing;
