@@ -95,9 +95,8 @@ int main(int argc, char** argv) {
       "`visum VERB --help` shows a verb's options and examples.\n"
       "Exit codes: 0 done or passed, 1 refused or failed, 2 bad usage, unknown names and values, 3 scene or "
       "scenario\n"
-      "wrong, 4 connection or controller lost, 5 a replay differs, 6 the host was too slow for real time, "
-      "124 timed "
-      "out,\n130 interrupted.");
+      "wrong, 4 connection or controller lost, 5 a replay differs, 6 the host was too slow for real time,\n"
+      "124 timed out, 130 interrupted.");
   std::vector<std::pair<CLI::App*, std::unique_ptr<cli::Verb>>> verbs;
   for (const Row& row : kVerbs) {
     verbs.emplace_back(app.add_subcommand(row.name, row.help), row.make());

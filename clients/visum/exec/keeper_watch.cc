@@ -13,8 +13,8 @@ using shim::State;
 using std::chrono::seconds;
 
 constexpr int kStill = 2;  // looks, after which a thread that sleeps waits for something
-constexpr long kPatience_s =
-    1;  // with who runs while others are ready: of processor time, as a busy host gives none
+// With who runs while others are ready: of processor time, of which a busy host gives little.
+constexpr long kPatience_s = 1;
 constexpr seconds kStart{2};     // for a process to come up
 constexpr seconds kComplain{5};  // about who runs
 constexpr seconds kNotes{1};     // how often `visum status` is told

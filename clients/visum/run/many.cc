@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdio>
 #include <memory>
 #include <system_error>
 
@@ -80,7 +81,8 @@ class Crew {
     try {
       return std::make_unique<SpareRecording>(options_.recordings / name);
     } catch (const std::system_error& error) {
-      throw cli::ExitError(cli::kUsage, error.what());
+      std::fprintf(stderr, "visum: if run %zu fails, it leaves no recording: %s\n", run, error.what());
+      return nullptr;
     }
   }
 

@@ -38,8 +38,12 @@ std::filesystem::path SpareRecording::keep() {
     // Unlike rename() a link does not take a name that another has, also if that one was a moment quicker.
     std::filesystem::create_hard_link(path_, name, error);
     if (error == std::errc::file_exists) continue;
-    if (error) return {};
-    std::filesystem::remove(path_, error);
+    if (!error)
+      std::filesystem::remove(path_, error);
+    else if (std::error_code none; std::filesystem::exists(name, none))
+      continue;
+    else if (std::filesystem::rename(path_, name, error); error)  // a file system without links
+      return {};
     kept_ = name;
   }
   return kept_;
