@@ -25,8 +25,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kIdle{20};  // how soon stop() is noticed while time stands
 constexpr std::chrono::milliseconds kNoTime{0};
-constexpr std::chrono::milliseconds kPaceLook{1};  // sessions of a paced lockstep are served that often
-constexpr std::chrono::seconds kFarewell{2};       // for clients that read their last frames slowly
+constexpr std::chrono::microseconds kTickingLook{100};  // likewise while it ticks as fast as it can
+constexpr std::chrono::milliseconds kPaceLook{1};       // sessions of a paced lockstep are served that often
+constexpr std::chrono::seconds kFarewell{2};            // for clients that read their last frames slowly
 
 std::size_t most_ports(const cycle::Simulation& simulation) {
   std::size_t most = 0;
@@ -301,8 +302,13 @@ bool Daemon::Impl::await_due() {
 
 void Daemon::Impl::run_inline() {
   if (paced) prctl(PR_SET_TIMERSLACK, 1UL);
+  Clock::time_point polled;
+  bool polls = true;
   while (!ended()) {
-    server.poll();
+    if (const auto now = Clock::now(); polls || now - polled >= kTickingLook) {
+      server.poll();
+      polled = now;
+    }
     const auto version = tick_side.version();
     tick_side.empty_mailbox();
     // First of all the members learn of a reset: what they granted was of the era before.
@@ -312,8 +318,10 @@ void Daemon::Impl::run_inline() {
     if (may_tick_inline()) {
       if (wait) wait(Clock::now());
       do_tick();
-      if (has_something_to_send()) gateway.serve();
+      polls = has_something_to_send();
+      if (polls) gateway.serve();
     } else {
+      polls = true;
       gateway.serve();
       server.poll_for(is_paced_now ? kPaceLook : kIdle);
     }

@@ -31,8 +31,9 @@ constexpr double kShare = 1e-7;    // of what impulses change, that may be left;
 // alone.
 constexpr double kYield = 1e-4;
 constexpr double kYieldingLayerM = 2e-5;
-constexpr double kPushShare = 0.2;  // of an overlap, per step
-constexpr double kMostPush = 0.5;   // m/s: what starts inside another thing is not shot out of it
+constexpr double kComesToRest = 0.1;  // of what may be left at rest: below, what has moved begins to rest
+constexpr double kPushShare = 0.2;    // of an overlap, per step
+constexpr double kMostPush = 0.5;     // m/s: what starts inside another thing is not shot out of it
 
 // Depths are known to rounding. Without this the corners of a face would ask for motions that contradict each
 // other by that over h, and their impulses would drift apart.
@@ -230,14 +231,22 @@ void Bounded::aim() {
   }
 }
 
+// A tick that stops a body starts the next one from half of that impulse too much. Left as it is that would
+// move the body, be answered, and so on for ever: it has to be solved for once more.
+double Bounded::rest() const {
+  if (moment_ == kAfter) return rests_ ? 1.0 : 0.0;
+  return plant_.rested ? 1.0 : kComesToRest;
+}
+
 // What the look-ahead has changed the end of the step has to answer: were that left, as little as it is, the
 // next look-ahead would have to change it back.
 double Bounded::solve_rows() {
   load_velocities();
   for (std::size_t k = 0; k < rows_.blocks.size(); ++k) before_[k] = rows_.blocks[k].applied;
   const double share = moment_ == kHit ? 0.0 : kShare;
-  const double missed = rows_.solve(kMostSweeps, kEnough, share, moment_ != kAfter || rests_);
+  const double missed = rows_.solve(kMostSweeps, kEnough, share, rest());
   if (moment_ == kAhead) rests_ = rests_ && rows_.rests();
+  if (moment_ == kAfter) plant_.rested = rows_.rests();
   store_velocities();
   return missed;
 }

@@ -76,6 +76,7 @@ class Bounded {
   void aim_stop(RowBlock& block, const Axis& axis, std::size_t side) const;
   void aim_spring(RowBlock& block, const Spring& spring) const;
   double solve_rows();
+  double rest() const;  // Rows::solve()
   void load_velocities();
   void store_velocities();
   double velocity(std::size_t mechanism, const MechanismRow& row) const;

@@ -94,6 +94,7 @@ struct Plant {
   std::vector<std::size_t> first_axis;  // by mechanism, and one beyond
   std::vector<Spring> springs;
   std::vector<Touch> touches;
+  bool rested = false;  // the contacts' impulses of the last tick were left as they were
   std::vector<char> asleep, mechanism_asleep;  // by body, by mechanism (sleep.h)
 
   std::span<Axis> axes_of(std::size_t mechanism) {

@@ -192,16 +192,16 @@ double Rows::largest_change() const {
 
 // Whether next to nothing is missing with the impulses that it starts from. Where mechanisms take part a
 // sweep costs no more than to look.
-bool Rows::is_at_rest(double least, double share) {
-  if (!responses.empty()) return false;
+bool Rows::is_at_rest(double least, double share, double rest) {
+  if (rest == 0.0 || !responses.empty()) return false;
   largest_ = std::max(largest_, largest_change());
-  return largest_miss() <= std::max(least, kRestShare * share * largest_);
+  return largest_miss() <= rest * std::max(least, kRestShare * share * largest_);
 }
 
-double Rows::solve(int most_sweeps, double least, double share, bool may_rest) {
+double Rows::solve(int most_sweeps, double least, double share, double rest) {
   start();
   for (RowBlock& block : blocks) move_centre(block);
-  rests_ = may_rest && is_at_rest(least, share);
+  rests_ = is_at_rest(least, share, rest);
   if (rests_) return 0.0;
   const double missed = sweep(true);
   largest_ = std::max(largest_, largest_change());

@@ -82,8 +82,8 @@ class Rows {
   void prepare();
   // Finds the impulses, but for `least`, m/s or rad/s, or the share of the largest change since clear();
   // velocities and `applied` follow. Returns by how much the rows were not as they ask to be before.
-  // May rest: if that little is missing already, nothing is done.
-  double solve(int most_sweeps, double least, double share, bool may_rest);
+  // If no more is missing than the share `rest` of what may be left at rest, nothing is done; 0: solves.
+  double solve(int most_sweeps, double least, double share, double rest);
   bool rests() const { return rests_; }  // nothing was to be done in the last solve()
 
  private:
@@ -105,7 +105,7 @@ class Rows {
   double relax(RowBlock& block);
   double normal_step(const RowBlock& block) const;
   Tangential tangents_step(const RowBlock& block) const;
-  bool is_at_rest(double least, double share);
+  bool is_at_rest(double least, double share, double rest);
   double largest_miss() const;
   double largest_change() const;
   // The contact's normal impulse so far; of a twist that of its contact.

@@ -7,7 +7,7 @@ namespace visum::dynamics::impulse {
 namespace {
 
 struct Record {
-  std::int32_t shape_a, shape_b, feature, zero;
+  std::int32_t shape_a, shape_b, feature, rested;
   double impulse[3];
 };
 static_assert(sizeof(Record) == 40);
@@ -60,6 +60,7 @@ Vector3d to_start_from(const Plant& plant, const Touch& touch) {
 void read_warm_start(std::span<const std::byte> bytes, std::span<const collision::Contact> contacts,
                      Plant& plant) {
   bytes = read_predictions(bytes, plant);
+  plant.rested = false;
   if (bytes.size() % sizeof(Record) != 0) return;
   const std::size_t count = bytes.size() / sizeof(Record);
   std::size_t i = 0;
@@ -70,6 +71,7 @@ void read_warm_start(std::span<const std::byte> bytes, std::span<const collision
     const Record record = record_at(bytes, i);
     const Vector3d impulse(record.impulse[0], record.impulse[1], record.impulse[2]);
     if (key(record) != key(contact) || !impulse.allFinite()) continue;
+    plant.rested = plant.rested || record.rested != 0;
     touch.kept_impulse = impulse;
     touch.impulse[kAhead] = touch.frame.transpose() * impulse;
     touch.impulse[kAhead][0] = std::max(0.0, touch.impulse[kAhead][0]);
@@ -92,7 +94,7 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
     const Record record{contact.shape_a.value,
                         contact.shape_b.value,
                         contact.feature,
-                        0,
+                        plant.rested ? 1 : 0,
                         {impulse.x(), impulse.y(), impulse.z()}};
     std::memcpy(records.data() + i * sizeof(Record), &record, sizeof(Record));
   }

@@ -148,7 +148,7 @@ Found solve_many(int most_sweeps) {
   for (int i = 0; i < 30; ++i) {
     Grasp grasp(random);
     for (int tick = 0; tick < 300; ++tick) {
-      grasp.rows().solve(most_sweeps, 1e-11, 1e-7, false);
+      grasp.rows().solve(most_sweeps, 1e-11, 1e-7, 0.0);
       const double miss = grasp.miss();
       found.missed += miss > 1e-6;
       found.worst = std::max(found.worst, miss);
@@ -194,7 +194,7 @@ TEST(Rows, OnlyWhatIsLedToItsBoundStopsThere) {
   rows.blocks = {row_along(Vector3d::UnitX(), 0.0), row_along({lean, rise, 0.0}, -kEndless),
                  row_along(Vector3d::UnitZ(), -kEndless)};
   rows.prepare();
-  rows.solve(0, 1e-14, 0.0, false);
+  rows.solve(0, 1e-14, 0.0, 0.0);
   EXPECT_NEAR(rows.blocks[0].lambda[0], 0.0, 1e-8);
   EXPECT_NEAR(rows.blocks[1].lambda[0], -1.0, 1e-5);
   EXPECT_NEAR(rows.blocks[2].lambda[0], -0.3, 1e-5);
