@@ -274,7 +274,7 @@ void Simulation::step() {
     auto result = engine->step(input, state_);
     if (!result.ok) return freeze(std::move(result.fault));
   }
-  world::measure_joints(scene_.world, state_);
+  world::measure_joints(scene_.world, state_, input.tick_s);
   if (std::string offender; !world::is_sane(scene_.world, state_, &offender))
     return freeze(std::move(offender));
   ++state_.tick;

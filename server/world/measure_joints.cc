@@ -42,12 +42,15 @@ Turn turn_of(const WorldState& state, BodyId id, const Pose& X_BJ) {
   return {motion.q_WB * X_BJ.q, motion.w_WB};
 }
 
-void measure_angle(const Joint& joint, const Turn& parent, const Turn& child, JointState& state) {
+void measure_angle(const Joint& joint, const Turn& parent, const Turn& child, double elapsed_s,
+                   JointState& state) {
   const Eigen::Quaterniond turned = parent.q_WJ.conjugate() * child.q_WJ;
   const double angle = 2.0 * config::arc_tangent(joint.axis_J.dot(turned.vec()), turned.w());
-  // The nearest of the angles that look the same: a tick turns by far less than half a turn.
-  state.position = angle + kTurn * std::round((state.position - angle) / kTurn);
-  state.velocity = (parent.q_WJ * joint.axis_J).dot(child.w_W - parent.w_W);
+  const double velocity = (parent.q_WJ * joint.axis_J).dot(child.w_W - parent.w_W);
+  // Of the angles that look the same, the one nearest to where the mean velocity leads.
+  const double expected = state.position + 0.5 * elapsed_s * (state.velocity + velocity);
+  state.position = angle + kTurn * std::round((expected - angle) / kTurn);
+  state.velocity = velocity;
 }
 
 void measure_distance(const Joint& joint, const Side& parent, const Side& child, JointState& state) {
@@ -92,12 +95,12 @@ void measure(const Joint& joint, const Side& parent, const Side& child, JointSta
 
 }  // namespace
 
-void measure_joints(const WorldModel& model, WorldState& state) {
+void measure_joints(const WorldModel& model, WorldState& state, double elapsed_s) {
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     const Joint& joint = model.joints[i];
     if (info(joint.kind).is_angle)
       measure_angle(joint, turn_of(state, joint.parent, joint.X_PJ), turn_of(state, joint.child, joint.X_CJ),
-                    state.joints[i]);
+                    elapsed_s, state.joints[i]);
     else
       measure(joint, side_of(model, state, joint.parent, joint.X_PJ),
               side_of(model, state, joint.child, joint.X_CJ), state.joints[i]);

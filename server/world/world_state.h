@@ -45,9 +45,9 @@ WorldState initial_state(const WorldModel& model);
 Pose link_pose(const Body& body, const BodyState& state);                 // X_WB
 Eigen::Vector3d link_velocity(const Body& body, const BodyState& state);  // of B's origin, in W
 
-// Joint positions and velocities from the bodies'; hinge positions continue from the previous value across
-// turns.
-void measure_joints(const WorldModel& model, WorldState& state);
+// Joint positions and velocities from the bodies'; angles go on from the previous ones across turns, also
+// those of which more than half is turned in the time since, `elapsed_s`.
+void measure_joints(const WorldModel& model, WorldState& state, double elapsed_s = 0.0);
 
 // True if all is finite and within 1e6 m, m/s, rad/s. Names the first offender otherwise.
 bool is_sane(const WorldModel& model, const WorldState& state, std::string* offender);

@@ -29,7 +29,7 @@ StepResult Lab::step() {
     if (StepResult result = engine->step(input, state); !result.ok) return result;
   }
   ++state.tick;
-  measure_joints(model, state);
+  measure_joints(model, state, tick_s());
   return {};
 }
 

@@ -4,6 +4,9 @@
 // look-ahead, c compliance, k = c/h, v* target, L0 L1 L2 impulses of the law when things hit, at t and at
 // t+h.
 //   the law         L0 + L1 + L2 = h clamp((v* - q'+)/c)                             (hwparts/joint.h)
+//   when things hit |L0| <= h most; in the tree the law answers what the hit changes, and one that passes its
+//   limit
+//                   there is a row for the whole tick
 //   at t            half of it, with q'+ foreseen as 2 q~ - q':  q~ + k (L1 + L0/2) = (v* + q')/2,
 //                   |L1| <= h most/2
 //   at t+h          what is missing:  q'+ + k (L0 + L1 + L2) = v*,  |L0 + L1 + L2| <= h most
@@ -73,9 +76,9 @@ double missing_of_law(const Plant& plant, const Axis& axis, Moment moment, doubl
   return missing(plant, axis, moment, axis.target, axis.compliance_s / h, axis.law);
 }
 
-// What the law gives at this moment where it is at its limit.
+// What the law gives at this moment where it is at its limit; nothing in the instant of a hit.
 double limit_impulse(const Axis& axis, Moment moment, double h) {
-  if (axis.at_limit == 0) return 0.0;
+  if (axis.at_limit == 0 || moment == kHit) return 0.0;
   const double most = axis.at_limit * h * axis.most;
   return moment == kAhead ? 0.5 * most : most - axis.law[kHit] - axis.law[kAhead];
 }
@@ -90,7 +93,8 @@ int passed_limit(const Axis& axis, Moment moment, double h) {
 
 // Whether the law takes part as it does.
 bool suits(const Plant& plant, const Axis& axis, Moment moment, double h) {
-  if (axis.at_limit != 0) return axis.at_limit * missing_of_law(plant, axis, moment, h) >= 0.0;
+  if (axis.at_limit != 0)
+    return moment == kHit || axis.at_limit * missing_of_law(plant, axis, moment, h) >= 0.0;
   return !law_in_tree(axis) || passed_limit(axis, moment, h) == 0;
 }
 
@@ -127,12 +131,14 @@ void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, con
   }
 }
 
-void measure_axes(Plant& plant) {
+void measure_axes(Plant& plant, double h) {
   for (Axis& axis : plant.axes) {
     if (plant.mechanism_asleep[axis.mechanism]) continue;
     const JointSpec& joint = plant.spec(axis);
-    axis.start = position(joint, pose_now(joint, plant.bodies, axis.start), axis.start);
+    const double last = axis.rate;
     axis.rate = plant.rate(axis);
+    const double expected = axis.start + 0.5 * h * (last + axis.rate);
+    axis.start = position(joint, pose_now(joint, plant.bodies, axis.start), expected);
   }
 }
 

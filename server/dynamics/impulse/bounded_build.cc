@@ -15,6 +15,10 @@ double room(const Axis& axis, std::size_t side) {
   return side == 0 ? axis.start - axis.model->lower : axis.model->upper - axis.start;
 }
 
+bool is_within_reach(const Axis& axis, std::size_t side, double h) {
+  return axis.model->limited && room(axis, side) <= 2.0 * h * std::abs(axis.rate) + kStopReach;
+}
+
 Bounded::Bounded(Plant& plant)
     : plant_(plant), of_mechanism_(plant.mechanisms.size()), slot_(plant.bodies.size(), kNone) {}
 
@@ -65,7 +69,7 @@ void Bounded::add_touch(std::size_t index) {
     if (body >= 0)
       block.free_response += plant_.bodies.constants[static_cast<std::size_t>(body)].inverse_mass;
   connect_bodies(block, a, b);
-  if (touch.rolling_friction > 0.0 || touch.torsional_friction > 0.0) add_twist(index);
+  if (is_held_from_turning(touch)) add_twist(index);
 }
 
 // Right after its contact.
@@ -93,12 +97,11 @@ void Bounded::add_twist(std::size_t index) {
 void Bounded::add_axis(std::size_t index) {
   const Axis& axis = plant_.axes[index];
   if (plant_.mechanism_asleep[axis.mechanism]) return;
-  if (axis.boxed && moment_ != kHit) add_law(index);
+  if (axis.boxed) add_law(index);
   if (axis.loop >= 0 && axis.damping > 0.0 && moment_ != kHit)
     connect_axis(add_block({Of::kDamping, index}, 1), axis);
-  if (!axis.model->limited) return;
   for (const std::size_t side : {0u, 1u})
-    if (room(axis, side) <= 2.0 * h_ * std::abs(axis.rate) + kStopReach) add_stop(index, side);
+    if (is_within_reach(axis, side, h_)) add_stop(index, side);
 }
 
 void Bounded::add_law(std::size_t index) {

@@ -9,9 +9,9 @@
 
 namespace visum::dynamics::impulse {
 
-// The lengths of a tick's steps, as shares of it. One step where something happens that no step back undoes:
-// a contact, a drive, friction, a stop within reach, a damper, or where a loop could leave on another branch.
-// Mechanisms are factored.
-std::span<const double> stages(const Plant& plant);
+// The lengths of the steps of a tick of length h, as shares of it. One step where something happens that no
+// step back undoes: a contact, a drive, friction, a stop within reach, a damper, or where a loop could leave
+// on another branch. Mechanisms are factored.
+std::span<const double> stages(const Plant& plant, double h);
 
 }  // namespace visum::dynamics::impulse

@@ -127,10 +127,10 @@ void Corrector::push(Joint& joint, const Errors& errors, Moment moment) {
   if (joint.axis != nullptr) take_law_impulse(*joint.axis, moment, lambda);
 }
 
-double Corrector::close_gap(Joint& joint, double h, double d_max, double position) {
+double Corrector::close_gap(Joint& joint, double h, double d_max, const world::JointState& last) {
   look_ahead(joint.spec->a, h);
   look_ahead(joint.spec->b, h);
-  const JointPose ahead = pose_ahead(*joint.spec, plant_.bodies, position);
+  const JointPose ahead = pose_ahead(*joint.spec, plant_.bodies, last, h);
   const Gap gap = joint_gap(*joint.spec, ahead);
   double largest = largest_of(gap.turn, gap.shift);
   Errors errors{};
@@ -174,7 +174,7 @@ double Corrector::sweep_gaps(std::size_t m, double h, double d_max, const world:
   double largest = 0.0;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     Joint& joint = joints[sweep % 2 == 0 ? i : joints.size() - 1 - i];
-    const double gap = close_gap(joint, h, d_max, state.joints[joint.spec->id.index()].position);
+    const double gap = close_gap(joint, h, d_max, state.joints[joint.spec->id.index()]);
     if (gap <= largest) continue;
     largest = gap;
     worst_ = joint.spec;

@@ -51,7 +51,7 @@ class Corrector {
   void add_joint(std::size_t mechanism, const JointSpec& spec, const JointPose& pose);
   void add_rows(Joint& joint);
   void invert(Joint& joint, double h) const;
-  double close_gap(Joint& joint, double h, double d_max, double position);
+  double close_gap(Joint& joint, double h, double d_max, const world::JointState& last);
   double match_velocity(Joint& joint, double h, double v_max);
   void look_ahead(int body, double h);
   Vector3d velocity_at(int body, const Vector3d& r) const;

@@ -39,7 +39,8 @@ class ImpulseEngine : public Engine {
     prepare(input, state);
     if (plant_.setting.order > 2) stepper_.factor(input.tick_s, state);
     bool ok = true;
-    for (const double share : stages(plant_)) ok = ok && advance(share * input.tick_s, 0, input, state);
+    for (const double share : stages(plant_, input.tick_s))
+      ok = ok && advance(share * input.tick_s, 0, input, state);
     if (!ok) return {false, broken_text()};
     return store(input, state);
   }
@@ -48,7 +49,7 @@ class ImpulseEngine : public Engine {
 
  private:
   void prepare(const StepInput& input, const world::WorldState& state) {
-    moved_ = false;
+    moved_s_ = 0.0;
     plant_.bodies.load(state);
     const std::vector<std::byte>& kept = state.engines[index_];
     sleep_.begin(input, state, kept, plant_);
@@ -61,12 +62,14 @@ class ImpulseEngine : public Engine {
 
   // A step whose joints do not close is made of two of half the length.
   bool advance(double h, int halvings, const StepInput& input, const world::WorldState& state) {
-    if (moved_) measure_axes(plant_);
-    moved_ = false;
+    if (moved_s_ != 0.0) measure_axes(plant_, moved_s_);
+    moved_s_ = 0.0;
     Moving& before = before_[static_cast<std::size_t>(halvings)];
     before.keep(plant_);
-    moved_ = stepper_.step(h, input.wrenches, state);
-    if (moved_) return true;
+    if (stepper_.step(h, input.wrenches, state)) {
+      moved_s_ = h;
+      return true;
+    }
     before.put_back(plant_);
     if (halvings == kMostHalvings) return false;
     ++halvings_;
@@ -134,7 +137,7 @@ class ImpulseEngine : public Engine {
   Plant plant_;
   Stepper stepper_;
   Sleep sleep_;
-  bool moved_ = false;  // in this tick: where the axes are is to be measured
+  double moved_s_ = 0.0;  // by the last step of this tick: where the axes are is to be measured
   std::array<Moving, kMostHalvings + 1> before_;
   std::uint64_t halvings_ = 0;
 };

@@ -165,8 +165,10 @@ JointPose pose_now(const JointSpec& joint, const Bodies& bodies, double position
   return pose_of(joint, bodies.x, bodies.R, position);
 }
 
-JointPose pose_ahead(const JointSpec& joint, const Bodies& bodies, double position) {
-  return pose_of(joint, bodies.x1, bodies.R1, position);
+JointPose pose_ahead(const JointSpec& joint, const Bodies& bodies, const world::JointState& last, double h) {
+  // A screw lifts by all that it turns, be it more than half a turn.
+  const double turned = joint.kind == JointKind::kScrew ? h * last.velocity : 0.0;
+  return pose_of(joint, bodies.x1, bodies.R1, last.position + turned);
 }
 
 double joint_angle(const JointSpec& joint, const JointPose& pose, double near) {

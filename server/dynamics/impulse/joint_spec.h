@@ -22,9 +22,9 @@ AxisDirection axis_direction(const JointSpec& joint, const JointPose& pose);
 
 JointSpec make_spec(const world::WorldModel& model, const Bodies& bodies, world::JointId id);
 
-// At t, or where the look-ahead has led. `position` is the joint's last one.
+// At t, where `position` is the joint's last one; where the look-ahead over h has led, from how it was at t.
 JointPose pose_now(const JointSpec& joint, const Bodies& bodies, double position);
-JointPose pose_ahead(const JointSpec& joint, const Bodies& bodies, double position);
+JointPose pose_ahead(const JointSpec& joint, const Bodies& bodies, const world::JointState& last, double h);
 
 // The angle from A to B about the axis that is nearest to `near`.
 double joint_angle(const JointSpec& joint, const JointPose& pose, double near);

@@ -145,13 +145,12 @@ double Mechanism::note_gap(const Gap& gap, const JointSpec& joint, double larges
   return size;
 }
 
-void Mechanism::place_ahead(const Bodies& bodies, const world::WorldState& state) {
+void Mechanism::place_ahead(const Bodies& bodies, const world::WorldState& state, double h) {
   for (std::size_t i = 0; i < size(); ++i)
     if (carrying(i) != nullptr)
-      poses_ahead_[i] = impulse::pose_ahead(specs_[i], bodies, state.joints[specs_[i].id.index()].position);
+      poses_ahead_[i] = impulse::pose_ahead(specs_[i], bodies, state.joints[specs_[i].id.index()], h);
   for (std::size_t i = 0; i < loops_.size(); ++i)
-    loop_poses_ahead_[i] =
-        impulse::pose_ahead(loops_[i], bodies, state.joints[loops_[i].id.index()].position);
+    loop_poses_ahead_[i] = impulse::pose_ahead(loops_[i], bodies, state.joints[loops_[i].id.index()], h);
 }
 
 double Mechanism::ask_gaps(double h) {

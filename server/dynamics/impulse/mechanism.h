@@ -46,7 +46,7 @@ class Mechanism {
   bool is_nearly_singular() const;
 
   // Poses where the look-ahead has led.
-  void place_ahead(const Bodies& bodies, const world::WorldState& state);
+  void place_ahead(const Bodies& bodies, const world::WorldState& state, double h);
   const JointPose& pose_ahead(std::size_t node) const { return poses_ahead_[node]; }
   const JointPose& loop_pose_ahead(std::size_t i) const { return loop_poses_ahead_[i]; }
   // The largest gap there, and the request that would close it in h.

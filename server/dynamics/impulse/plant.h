@@ -59,9 +59,13 @@ struct Touch {
   double total_normal = 0.0;
   Vector3d total = Vector3d::Zero();        // on A, in W
   Vector3d total_twist = Vector3d::Zero();  // likewise
-  bool asleep = false;    // keeps its impulse, that of the record that the last awake tick left
-  Vector3d kept_impulse;  // on A, in W
+  bool asleep = false;                // keeps its impulses, those of the record that the last awake tick left
+  Vector3d kept_impulse, kept_twist;  // on A, in W
 };
+
+inline bool is_held_from_turning(const Touch& touch) {
+  return touch.rolling_friction > 0.0 || touch.torsional_friction > 0.0;
+}
 
 // A force between two points, or about an axis, along (w, v) at the points pa and pb.
 struct Pull {
@@ -107,8 +111,9 @@ struct Plant {
 
 // The tick's laws from drives or the model, and where the axes are.
 void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, const world::WorldState& state);
-// Where the bodies have been moved within a tick: positions and velocities of the axes.
-void measure_axes(Plant& plant);
+// Where the bodies have been moved within a tick, in a step of length h: positions and velocities of the
+// axes.
+void measure_axes(Plant& plant, double h);
 // Where the look-ahead leads them; of a mechanism, once it is placed there.
 void measure_ahead(const Plant& plant, Axis& axis, const JointPose& ahead, double h);
 void measure_ahead(Plant& plant, std::size_t mechanism, double h);

@@ -21,6 +21,7 @@ void count(Touch& touch) {
   if (touch.asleep) {
     touch.total_normal = 2.0 * touch.impulse[kAhead][0];
     touch.total = 2.0 * touch.kept_impulse;
+    touch.total_twist = 2.0 * touch.kept_twist;
     return;
   }
   for (const Vector3d& impulse : touch.impulse) {
@@ -139,7 +140,10 @@ bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::W
     push(h, wrenches);
     factor(h, state);
     measure_springs(plant_, state);
-    if (find_hits(plant_, h)) hit(h);
+    if (find_hits(plant_, h)) {
+      hit(h);
+      if (i + 1 < kMostChanges && change_laws(plant_, kHit, h, true)) continue;
+    }
     bounded_.build(kAhead, h);
     if (!look_ahead(h, state)) return false;
     bounded_.report();

@@ -48,7 +48,7 @@ void Stepper::take_back(std::size_t m, double h) {
 double Stepper::find_gap(std::size_t m, double h, const world::WorldState& state, double law_share) {
   Mechanism& mechanism = plant_.mechanisms[m];
   fly(m, h);
-  mechanism.place_ahead(plant_.bodies, state);
+  mechanism.place_ahead(plant_.bodies, state, h);
   measure_ahead(plant_, m, h);
   mechanism.clear();
   const double gap = mechanism.ask_gaps(h);
@@ -126,7 +126,7 @@ double Stepper::correct(std::size_t m, double h, const world::WorldState& state,
   const double gap = corrector_->sweep_gaps(m, h, d_max_, state, sweep);
   if (bounded_.binds(m)) {
     fly(m, h);
-    plant_.mechanisms[m].place_ahead(plant_.bodies, state);
+    plant_.mechanisms[m].place_ahead(plant_.bodies, state, h);
     measure_ahead(plant_, m, h);
   }
   return gap;

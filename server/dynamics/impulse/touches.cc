@@ -111,7 +111,7 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
     touch.b = bodies.number(contact.body_b);
     if (touch.a < 0 && touch.b < 0) continue;
     touch.asleep = plant.asleep[static_cast<std::size_t>(std::max(touch.a, touch.b))] != 0;
-    touch.kept_impulse.setZero();
+    touch.kept_impulse = touch.kept_twist = Vector3d::Zero();
     const Across tangents = across(contact.normal_W);
     touch.frame << contact.normal_W, tangents.first, tangents.second;
     touch.foreign.setZero();

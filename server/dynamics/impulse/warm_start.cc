@@ -8,9 +8,13 @@ namespace {
 
 struct Record {
   std::int32_t shape_a, shape_b, feature, rested;
-  double impulse[3];
+  double impulse[3], twist[3];
 };
-static_assert(sizeof(Record) == 40);
+static_assert(sizeof(Record) == 64);
+
+Vector3d vector(const double (&from)[3]) {
+  return {from[0], from[1], from[2]};
+}
 
 // Contacts and records are sorted by this.
 auto key(const Record& record) {
@@ -50,9 +54,9 @@ bool is_jointed(const Plant& plant, int body) {
 }
 
 // Where joints take part, drives start from what they gave for the look-ahead, and so do contacts.
-Vector3d to_start_from(const Plant& plant, const Touch& touch) {
-  if (is_jointed(plant, touch.a) || is_jointed(plant, touch.b)) return touch.impulse[kAhead];
-  return 0.5 * (touch.impulse[kAhead] + touch.impulse[kAfter]);
+Vector3d to_start_from(const Plant& plant, const Touch& touch, const std::array<Vector3d, kMoments>& given) {
+  if (is_jointed(plant, touch.a) || is_jointed(plant, touch.b)) return given[kAhead];
+  return 0.5 * (given[kAhead] + given[kAfter]);
 }
 
 }  // namespace
@@ -69,10 +73,12 @@ void read_warm_start(std::span<const std::byte> bytes, std::span<const collision
     while (i < count && key(record_at(bytes, i)) < key(contact)) ++i;
     if (i == count) return;
     const Record record = record_at(bytes, i);
-    const Vector3d impulse(record.impulse[0], record.impulse[1], record.impulse[2]);
-    if (key(record) != key(contact) || !impulse.allFinite()) continue;
+    const Vector3d impulse = vector(record.impulse), twist = vector(record.twist);
+    if (key(record) != key(contact) || !impulse.allFinite() || !twist.allFinite()) continue;
     plant.rested = plant.rested || record.rested != 0;
     touch.kept_impulse = impulse;
+    touch.kept_twist = twist;
+    if (is_held_from_turning(touch)) touch.twist[kAhead] = touch.frame.transpose() * twist;
     touch.impulse[kAhead] = touch.frame.transpose() * impulse;
     touch.impulse[kAhead][0] = std::max(0.0, touch.impulse[kAhead][0]);
   }
@@ -90,12 +96,16 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
   for (std::size_t i = 0; i < plant.touches.size(); ++i) {
     const Touch& touch = plant.touches[i];
     const collision::Contact& contact = contacts[touch.contact];
-    const Vector3d impulse = touch.asleep ? touch.kept_impulse : touch.frame * to_start_from(plant, touch);
+    const Vector3d impulse =
+        touch.asleep ? touch.kept_impulse : touch.frame * to_start_from(plant, touch, touch.impulse);
+    const Vector3d twist =
+        touch.asleep ? touch.kept_twist : touch.frame * to_start_from(plant, touch, touch.twist);
     const Record record{contact.shape_a.value,
                         contact.shape_b.value,
                         contact.feature,
                         plant.rested ? 1 : 0,
-                        {impulse.x(), impulse.y(), impulse.z()}};
+                        {impulse.x(), impulse.y(), impulse.z()},
+                        {twist.x(), twist.y(), twist.z()}};
     std::memcpy(records.data() + i * sizeof(Record), &record, sizeof(Record));
   }
 }

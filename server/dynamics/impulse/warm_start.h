@@ -4,8 +4,9 @@
 // to move a contact to its place, the other took back.
 //
 // Format: for each mechanism that predicts, what its prediction writes (prediction.h); then one record for
-// each contact, in their order: shape_a, shape_b, feature, whether all have rested (32 bits each), impulse in
-// W (3 doubles). Native endianness, as the rest of a snapshot. What sleeps keeps its record.
+// each contact, in their order: shape_a, shape_b, feature, whether all have rested (32 bits each), impulse
+// and twist in W (3 doubles each). Native endianness, as the rest of a snapshot. What sleeps keeps its
+// record.
 #pragma once
 
 #include <cstddef>

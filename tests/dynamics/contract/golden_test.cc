@@ -10,8 +10,8 @@ namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x5a5eefac70e12737ull},       {"OdeQuick", 0x714789e3752eab71ull},
-    {"Impulse", 0x78b15681983b701eull},        {"ImpulseOrder4", 0x723cc4c5d3523bd3ull},
-    {"ImpulseIterate", 0x4521eb970691aa72ull},
+    {"Impulse", 0xe2055d8118acee99ull},        {"ImpulseOrder4", 0x79b2985220c84da5ull},
+    {"ImpulseIterate", 0xd3dce186bf1d59e4ull},
 };
 
 class Golden : public Contract {};

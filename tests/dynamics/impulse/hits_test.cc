@@ -64,6 +64,52 @@ double speed_after_a_stop(double friction_n, const hwparts::JointDrive& drive) {
   return slowest;
 }
 
+// A ball of 1 kg at 1 m/s meets a rod that hangs on a hinge: their kinetic energy before was 0.5 J.
+struct Struck {
+  explicit Struck(double friction, const hwparts::JointDrive& drive, double restitution) {
+    ModelBuilder b(physics::engine_row("impulse").setting);
+    b.model.gravity.setZero();
+    const auto surface = b.add_surface(0.0, restitution);
+    const auto rod = b.add_box("rod", {0.02, 0.02, 1.0}, 0.1, at(0.0, 0.0, 0.0), surface);
+    b.body(b.add_sphere("ball", kRadius, 1.0, at(-0.2, 0.0, -0.4), surface)).v_WB = {1.0, 0.0, 0.0};
+    b.add_joint("hinge", world::JointKind::kHinge, {}, rod, {0.0, 0.0, 0.5}, Vector3d::UnitY()).friction =
+        friction;
+    Lab lab(b.model);
+    lab.drives[0] = drive;
+    lab.run(0.2);
+    ball = lab.body("ball").v_WC.x();
+    rod_speed = std::abs(lab.joint("hinge").velocity);
+    energy = lab.kinetic_energy();
+  }
+  double ball, rod_speed, energy;
+};
+
+TEST(Hits, WhatIsHeldByLittleIsThrownAsIfItWereFree) {
+  const hwparts::JointDrive none{}, weak{0.0, 1e-3, 1e-3, 0.0};
+  for (const double restitution : {0.5, 1.0}) {
+    const Struck free(0.0, none, restitution);
+    EXPECT_GT(free.ball, 0.8);
+    for (const Struck& held : {Struck(1e-3, none, restitution), Struck(0.0, weak, restitution)}) {
+      EXPECT_NEAR(held.ball, free.ball, 1e-3);
+      EXPECT_NEAR(held.rod_speed, free.rod_speed, 0.02);
+      EXPECT_LE(held.energy, 0.5);
+    }
+  }
+}
+
+TEST(Hits, WhatIsHeldFastThrowsBack) {
+  const Struck braked(1e5, {}, 1.0);
+  EXPECT_NEAR(braked.ball, -1.0, 1e-3);
+  EXPECT_NEAR(braked.rod_speed, 0.0, 1e-6);
+}
+
+TEST(Hits, WhatIsHitHarderThanItIsHeldGivesWayAndWinsNoEnergy) {
+  for (const double friction : {0.1, 1.0, 10.0, 100.0, 300.0}) {
+    const Struck held(friction, {}, 1.0);
+    EXPECT_LE(held.energy, 0.5 + 1e-9) << friction;
+  }
+}
+
 TEST(Hits, AStopThrowsBackWhatFrictionOrADriveHolds) {
   EXPECT_NEAR(speed_after_a_stop(0.0, {}), -0.6, 1e-3);
   EXPECT_NEAR(speed_after_a_stop(0.1, {}), -0.6, 0.02) << "dry friction";

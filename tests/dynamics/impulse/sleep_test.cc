@@ -52,6 +52,23 @@ TEST(Sleep, WhatStandsStillKeepsItsPlaceAndItsForcesToTheBit) {
   EXPECT_NEAR(lab.normal_force_between("above", "below"), 9.81, 1e-3);
 }
 
+TEST(Sleep, ABallThatRollingFrictionHoldsKeepsItsMomentToo) {
+  ModelBuilder b(impulse(kSleep));
+  b.model.gravity = {0.3, 0.0, -9.8};  // as on a slope
+  const auto surface = b.add_surface(0.8, 0.0);
+  b.model.surfaces[surface.index()].rolling_friction = 0.01;
+  b.add_ground(surface);
+  b.add_sphere("ball", 0.1, 2.0, at(0, 0, 0.1), surface);
+  Lab lab(b.model);
+  lab.run(0.5 * kSleep);
+  ASSERT_FALSE(is_stopped(lab, "ball"));
+  const Eigen::Vector3d awake = lab.contacts.at(0).torque_on_a_W;
+  lab.run(2.0 * kSleep);
+  ASSERT_TRUE(is_stopped(lab, "ball"));
+  EXPECT_NEAR(awake.norm(), 2.0 * 0.3 * 0.1, 1e-3);
+  EXPECT_LT((lab.contacts.at(0).torque_on_a_W - awake).norm(), 1e-3 * awake.norm());
+}
+
 TEST(Sleep, NothingSleepsUnlessAsked) {
   EXPECT_EQ(world::EngineSetting{}.sleep_s, 0.0);
   ModelBuilder b = rooms(0.0);
