@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::int64_t kMostTicks = 1'000'000'000;
 constexpr std::size_t kMostStreams = 64, kLongestNote = 200;
+constexpr std::uint32_t kLastPort = 65535;
 constexpr std::uint32_t kGradeGate = 1, kGradeShim = 2, kGradeStep = 4;
 
 // Why an Advance cannot be; empty: it can.
@@ -22,6 +23,9 @@ std::string fault_of(const protocol::Advance& request, bool lockstep) {
     return "ticks must be within " + std::to_string(least) + " and " + std::to_string(kMostTicks);
   if (request.follow_buses && !lockstep) return "follow_buses is for the clock lockstep";
   if (request.streams.size() > kMostStreams) return "more than " + std::to_string(kMostStreams) + " streams";
+  for (const auto& stream : request.streams)
+    if (stream.port < 1 || stream.port > kLastPort)
+      return "the port of a stream must be within 1 and " + std::to_string(kLastPort);
   return {};
 }
 

@@ -107,19 +107,29 @@ bool BusThread::serve(const std::vector<pollfd>& ready) {
 // that nothing is left behind. On TCP nobody promises that: there we wait for as many bytes as were written.
 bool BusThread::settle(const std::vector<protocol::Stream>& streams, std::chrono::milliseconds patience) {
   const std::lock_guard turn(turn_);
-  const auto give_up = std::chrono::steady_clock::now() + patience;
-  const auto in_time = [give_up] { return std::chrono::steady_clock::now() < give_up; };
+  const auto begin = std::chrono::steady_clock::now();
+  const auto within = [begin](auto time) { return std::chrono::steady_clock::now() < begin + time; };
   const auto lines = lines_.size();
   const auto newest = next_number_;
   const auto come = [this](const protocol::Stream& stream) { return has_come(stream); };
-  bool all = false;
+  bool all = false, missing = false;
   do {
-    while (in_time() && serve(look())) {
+    const bool may_connect = within(kGrace);  // asked before we look: a late look still finds who has come
+    while (within(patience) && serve(look())) {
     }
+    if (!may_connect) missing |= give_up_missing(streams);
     all = std::ranges::all_of(streams, come);
-  } while (!all && in_time());
+  } while (!all && within(patience));
   if (lines != lines_.size() || newest != next_number_) wake();
-  return all;
+  return all && !missing;
+}
+
+// True where a connection is missing that was not given up before.
+bool BusThread::give_up_missing(const std::vector<protocol::Stream>& streams) {
+  bool any = false;
+  for (const auto& stream : streams)
+    if (!channel_of(stream.port)) any |= gone_.insert(stream.port).second;
+  return any;
 }
 
 bool BusThread::has_come(const protocol::Stream& stream) const {
@@ -159,8 +169,12 @@ bool BusThread::admit(std::uint32_t link) {
   const auto of_link = [link](const auto& entry) { return entry.second.link == link; };
   const auto count = static_cast<std::size_t>(std::ranges::count_if(lines_, of_link));
   if (!channel) return false;
+  if (count == kMaxChannels) {
+    gone_.insert(channel->port());
+    return true;
+  }
   gone_.erase(channel->port());
-  if (count < kMaxChannels) lines_[next_number_++] = {std::move(channel), link};
+  lines_[next_number_++] = {std::move(channel), link};
   return true;
 }
 

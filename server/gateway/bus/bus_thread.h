@@ -45,7 +45,9 @@ class BusThread {
   // The same for a world that waits for its clients: waits for its turn, so that all is done when it returns.
   // settle() reads what clients have written by now, and what `streams` promise, which may still be on its
   // way; false where that does not come within `patience`. Who goes on writing is heard no longer than that.
+  // A connection that does not come within kGrace counts as gone until it does: no later call waits for it.
   static constexpr std::chrono::milliseconds kPatience{5000};  // for bytes that were written, on loopback
+  static constexpr std::chrono::milliseconds kGrace{250};      // for connections that were made there
   bool settle(const std::vector<protocol::Stream>& streams, std::chrono::milliseconds patience = kPatience);
   void send_now();
   std::uint64_t said();  // bytes written to pseudo terminals and CAN interfaces so far
@@ -65,6 +67,7 @@ class BusThread {
   std::vector<pollfd> look() const;
   bool serve(const std::vector<pollfd>& ready);
   bool has_come(const protocol::Stream& stream) const;
+  bool give_up_missing(const std::vector<protocol::Stream>& streams);
   const Channel* channel_of(std::uint32_t port) const;
   bool admit(std::uint32_t link);
   void read(std::uint64_t number, Line& line);
@@ -81,7 +84,7 @@ class BusThread {
   std::mutex turn_;                      // to read, write, add or remove channels
   std::map<std::uint64_t, Line> lines_;  // by number; destroyed before the links
   std::uint64_t next_number_ = 1;
-  std::set<std::uint32_t> gone_;  // TCP: ports of clients that went; all that they wrote was read
+  std::set<std::uint32_t> gone_;  // TCP: ports of clients that went, were turned away or never came
   Queue<BusItem> requests_, answers_;
   bool queued_ = false;  // requests, in this round
   int wake_fd_;

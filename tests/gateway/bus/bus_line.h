@@ -36,12 +36,19 @@ class BusLine {
   // `name`: as the ready line has it, "tcp:40123".
   static BusLine tcp(const std::string& name) {
     BusLine line(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(name.substr(4))));
-    EXPECT_EQ(::connect(line.fd_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0) << name;
+    line.connect(name);
     return line;
+  }
+  // TCP; has a port of its own, and may connect later.
+  static BusLine unconnected() {
+    BusLine line(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    const auto any = loopback(0);
+    EXPECT_EQ(::bind(line.fd_, reinterpret_cast<const sockaddr*>(&any), sizeof any), 0);
+    return line;
+  }
+  void connect(const std::string& name) {
+    const auto address = loopback(static_cast<std::uint16_t>(std::stoi(name.substr(4))));
+    EXPECT_EQ(::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0) << name;
   }
   BusLine(BusLine&& other) noexcept : fd_(std::exchange(other.fd_, -1)), rest_(std::move(other.rest_)) {}
   ~BusLine() {
@@ -92,8 +99,21 @@ class BusLine {
     return decoded.telegram;
   }
   int fd() const { return fd_; }
+  std::uint32_t port() const {  // TCP: our own
+    sockaddr_in own{};
+    socklen_t size = sizeof own;
+    EXPECT_EQ(::getsockname(fd_, reinterpret_cast<sockaddr*>(&own), &size), 0);
+    return ntohs(own.sin_port);
+  }
 
  private:
+  static sockaddr_in loopback(std::uint16_t port) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(port);
+    return address;
+  }
   explicit BusLine(int fd) : fd_(fd) { EXPECT_GE(fd, 0); }
   int fd_;
   std::string rest_;

@@ -1,9 +1,11 @@
 // Advance with follow_buses: what a program says over a bus and what it hears, against the world's time.
-#include <netinet/in.h>
-#include <sys/socket.h>
-
+#include <chrono>
+#include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
+#include "server/gateway/bus/bus_thread.h"
 #include "tests/gateway/bus/bus_line.h"
 #include "tests/gateway/running_daemon.h"
 
@@ -27,12 +29,6 @@ class FollowBuses : public testing::Test {
     auto client = daemon.connect("keeper");
     client.request(Join{0, 2, protocol::OnTimeout::kHold});
     return client;
-  }
-  static std::uint32_t port_of(const BusLine& line) {
-    sockaddr_in own{};
-    socklen_t size = sizeof own;
-    EXPECT_EQ(::getsockname(line.fd(), reinterpret_cast<sockaddr*>(&own), &size), 0);
-    return ntohs(own.sin_port);
   }
   LinkFolder folder_;
 };
@@ -70,7 +66,7 @@ TEST_F(FollowBuses, OverTcpAsManyBytesAreWaitedForAsWereWritten) {
   RunningDaemon daemon(scene::ClockKind::kLockstep, with({"arm", "tcp", "0", {}}));
   auto client = member(daemon);
   auto line = BusLine::tcp(daemon.buses().at("arm").at(0));
-  protocol::Stream stream{port_of(line), 0, 0};
+  protocol::Stream stream{line.port(), 0, 0};
   for (int i = 0; i < 200; ++i) {
     line.send(kGetVersion);
     stream.written += BusLine::serial(kGetVersion).size();
@@ -88,12 +84,23 @@ TEST_F(FollowBuses, AConnectionThatIsGoneHoldsNobody) {
   RunningDaemon daemon(scene::ClockKind::kLockstep, with({"arm", "tcp", "0", {}}));
   auto client = member(daemon);
   std::optional<BusLine> line = BusLine::tcp(daemon.buses().at("arm").at(0));
-  const protocol::Stream stream{port_of(*line), BusLine::serial(kGetVersion).size(), 0};
+  const protocol::Stream stream{line->port(), BusLine::serial(kGetVersion).size(), 0};
   line->send(kGetVersion);
   line.reset();
   const auto reply = client.request_as<Advanced>(Advance{0, true, 0, {stream}});
   const protocol::Stream told{stream.port, stream.written, reply.streams.at(0).written};
   EXPECT_EQ((client.request_as<Advanced>(Advance{7, true, 0, {told}})).tick, 7);
+}
+
+TEST_F(FollowBuses, AStreamHasAPort) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep, with({"arm", "tcp", "0", {}}));
+  auto client = member(daemon);
+  for (const std::uint32_t port : {0u, 65536u})
+    EXPECT_EQ(refusal_of([&] {
+                client.request(Advance{1, true, 0, {{port, 1, 0}}});
+              }).code(),
+              protocol::ErrorCode::kBadValue)
+        << port;
 }
 
 TEST_F(FollowBuses, BelongsToLockstep) {
@@ -115,6 +122,55 @@ TEST_F(FollowBuses, StatusTellsGradeAndNote) {
   EXPECT_EQ(status.lockstep[0].note, "waits for thread 7");
   EXPECT_EQ(refusal_of([&] { client.request(protocol::Note{std::string(201, 'x')}); }).code(),
             protocol::ErrorCode::kBadValue);
+}
+
+// A bus over TCP, alone.
+class SettleOverTcp : public testing::Test {
+ protected:
+  SettleOverTcp() {
+    std::vector<BusThread::Wiring> wirings;
+    wirings.push_back({open_tcp("0"), 0});
+    name_ = wirings[0].link->name();
+    bus_ = std::make_unique<BusThread>(std::move(wirings), [] {});
+  }
+  std::uint64_t heard_from(const BusLine& line) {
+    std::vector<protocol::Stream> streams{{line.port(), 0, 0}};
+    bus_->fill_in(streams);
+    return streams[0].heard;
+  }
+  const std::uint64_t frame_ = BusLine::serial(kGetVersion).size();
+  std::string name_;
+  std::unique_ptr<BusThread> bus_;
+};
+
+TEST_F(SettleOverTcp, WhoIsTurnedAwayHoldsNobody) {
+  std::vector<BusLine> lines;
+  for (std::size_t i = 0; i < BusThread::kMaxChannels; ++i) lines.push_back(BusLine::tcp(name_));
+  auto one_more = BusLine::tcp(name_);
+  EXPECT_EQ(one_more.read_once(), "") << "the end of the connection";
+  lines[0].send(kGetVersion);
+  EXPECT_TRUE(bus_->settle({{one_more.port(), frame_, 0}, {lines[0].port(), frame_, 0}}));
+  EXPECT_EQ(heard_from(lines[0]), frame_);
+}
+
+TEST_F(SettleOverTcp, AConnectionThatDoesNotComeIsWaitedForOnce) {
+  auto line = BusLine::unconnected();
+  EXPECT_FALSE(bus_->settle({{line.port(), frame_, 0}}));
+  EXPECT_TRUE(bus_->settle({{line.port(), frame_, 0}}));
+}
+
+TEST_F(SettleOverTcp, AConnectionThatComesAfterAllIsFollowed) {
+  auto line = BusLine::unconnected();
+  bus_->settle({{line.port(), frame_, 0}});
+  line.connect(name_);
+  line.send(kGetVersion);
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (heard_from(line) < frame_ && std::chrono::steady_clock::now() < patience) {
+  }
+  line.send(kGetVersion);
+  EXPECT_TRUE(bus_->settle({{line.port(), 2 * frame_, 0}}));
+  EXPECT_EQ(heard_from(line), 2 * frame_);
+  EXPECT_FALSE(bus_->settle({{line.port(), 3 * frame_, 0}}, std::chrono::milliseconds(20)));
 }
 
 }  // namespace
