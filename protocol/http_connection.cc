@@ -60,7 +60,7 @@ HttpHead head_of(const HttpRequest& request, const asio::ip::tcp::socket& socket
   head.target = text_of(request.target());
   head.hosts = values_of(request, http::field::host);
   head.origins = values_of(request, http::field::origin);
-  head.local_address = socket.local_endpoint(ignored).address().to_string();
+  head.local_address = unmapped(socket.local_endpoint(ignored).address()).to_string();
   const bool empty =
       request[http::field::content_length].empty() || request[http::field::content_length] == "0";
   head.has_body = !empty || request.count(http::field::transfer_encoding) > 0;

@@ -34,12 +34,6 @@ using std::chrono::steady_clock;
 constexpr std::size_t kMaxLeaving = 64;   // refused sessions that linger; above it they are cut off
 constexpr std::size_t kSpareEvents = 16;  // per poll(), beyond one for each session
 
-bool is_loopback(const asio::ip::address& address) {
-  if (address.is_v6() && address.to_v6().is_v4_mapped())
-    return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).is_loopback();
-  return address.is_loopback();
-}
-
 // The sweep is fine enough for the shortest deadline, and rare enough to cost nothing.
 milliseconds sweep_period(const Limits& limits) {
   const milliseconds shortest =
@@ -168,7 +162,7 @@ std::string Server::Impl::refusal(const asio::ip::address& peer) const {
   if (open >= limits.max_sessions)
     return "the limit of " + std::to_string(limits.max_sessions) + " sessions is reached";
   if (before_hello >= limits.max_unauthenticated) return "too many clients that have not said Hello yet";
-  if (of_peer >= limits.max_sessions_per_peer && !is_loopback(peer))
+  if (of_peer >= limits.max_sessions_per_peer && !unmapped(peer).is_loopback())
     return "the limit of " + std::to_string(limits.max_sessions_per_peer) +
            " sessions from one address is reached";
   return {};

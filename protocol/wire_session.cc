@@ -26,6 +26,11 @@ std::string to_text(const asio::ip::tcp::endpoint& endpoint) {
   return text.str();
 }
 
+asio::ip::address unmapped(const asio::ip::address& address) {
+  if (!address.is_v6() || !address.to_v6().is_v4_mapped()) return address;
+  return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
+}
+
 WireSession::WireSession(SessionContext& context, SessionOwner& owner, std::uint64_t id,
                          const asio::ip::tcp::endpoint& peer)
     : SessionCore(context, id, to_text(peer)), owner_(owner), address_(peer.address()) {}

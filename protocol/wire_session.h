@@ -63,5 +63,7 @@ void set_socket_options(boost::asio::ip::tcp::socket& socket);
 
 // The address and port as "127.0.0.1:43210" or "[::1]:43210".
 std::string to_text(const boost::asio::ip::tcp::endpoint& endpoint);
+// What a socket for both IPv4 and IPv6 calls ::ffff:192.0.2.7 is 192.0.2.7 to everybody else.
+boost::asio::ip::address unmapped(const boost::asio::ip::address& address);
 
 }  // namespace visum::protocol

@@ -40,14 +40,14 @@ std::string in_lower_case(std::string text) {
 }  // namespace
 
 HttpAnswer http_request(std::uint16_t port, const std::string& method, const std::string& target,
-                        const std::map<std::string, std::string>& fields) {
+                        const std::map<std::string, std::string>& fields, const std::string& address) {
   asio::io_context io;
   tcp::socket socket(io);
-  socket.connect(endpoint_of(port));
+  socket.connect({asio::ip::make_address(address), port});
   http::request<http::empty_body> request;
   request.method_string(method);
   request.target(target);
-  request.set(http::field::host, host_of(port));
+  request.set(http::field::host, address + ":" + std::to_string(port));
   request.set(http::field::connection, "close");
   for (const auto& [name, value] : fields) request.set(name, value);
   http::write(socket, request);

@@ -19,7 +19,8 @@ struct HttpAnswer {
 
 // `fields`: beside Host, or instead of it. Throws boost::system::system_error where the connection fails.
 HttpAnswer http_request(std::uint16_t port, const std::string& method, const std::string& target,
-                        const std::map<std::string, std::string>& fields = {});
+                        const std::map<std::string, std::string>& fields = {},
+                        const std::string& address = "127.0.0.1");
 
 inline HttpAnswer http_get(std::uint16_t port, const std::string& target,
                            const std::map<std::string, std::string>& fields = {}) {

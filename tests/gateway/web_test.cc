@@ -145,14 +145,18 @@ TEST_F(Web, EveryMetricHasItsHelpAndType) {
   EXPECT_GT(values, 20);
 }
 
+// For who has the token "looking-only-0001".
+DaemonOptions guarded(const Page& page, const test::TempFiles& files) {
+  auto options = page.served();
+  options.token_file = files.write("tokens", "observer looking-only-0001\n");
+  fs::permissions(options.token_file, fs::perms::owner_read | fs::perms::owner_write);
+  return options;
+}
+
 TEST(WebDoor, MetricsAskForTheTokenThatSessionsNeed) {
   const test::TempFiles files;
   const Page page;
-  const auto file = files.write("tokens", "observer looking-only-0001\n");
-  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
-  auto options = page.served();
-  options.token_file = file;
-  RunningDaemon daemon(scene::ClockKind::kLockstep, options);
+  RunningDaemon daemon(scene::ClockKind::kLockstep, guarded(page, files));
   const auto asked_with = [&](const std::string& value) {
     return http_get(daemon.http_port(), "/metrics", {{"Authorization", value}}).status;
   };
@@ -160,6 +164,22 @@ TEST(WebDoor, MetricsAskForTheTokenThatSessionsNeed) {
   EXPECT_EQ(asked_with("Bearer looking-only-0002"), 401);
   EXPECT_EQ(asked_with("Bearer looking-only-0001"), 200);
   EXPECT_EQ(http_get(daemon.http_port(), "/healthz").status, 200);
+}
+
+// Over a socket for both kinds of addresses, on which those of IPv4 look like some of IPv6.
+TEST(WebDoor, OnAllAddressesEachOfThemIsAName) {
+  const test::TempFiles files;
+  const Page page;
+  auto options = guarded(page, files);
+  options.address = "::";
+  RunningDaemon daemon(scene::ClockKind::kLockstep, options);
+  const auto status = [&](const std::string& address, const std::string& host) {
+    const auto port = ":" + std::to_string(daemon.http_port());
+    return http_request(daemon.http_port(), "GET", "/", {{"Host", host + port}}, address).status;
+  };
+  EXPECT_EQ(status("127.0.0.2", "127.0.0.2"), 200);
+  EXPECT_EQ(status("127.0.0.2", "127.0.0.3"), 421);
+  EXPECT_EQ(status("::1", "[::1]"), 200);
 }
 
 TEST(WebDoor, IsShutUnlessAskedFor) {
