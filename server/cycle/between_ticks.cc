@@ -74,6 +74,21 @@ std::uint64_t Simulation::take_snapshot() {
   return snapshot.number;
 }
 
+void Simulation::follow_parts() {
+  for (auto& bound : parts_) {
+    bound.part->following_errors(bound.following_errors);
+    for (std::size_t i = 0; i < bound.joints.size(); ++i)
+      following_errors_[bound.joints[i].index()] = bound.following_errors[i];
+  }
+}
+
+// After a restore: what stands in no snapshot is that of the state that came back, or nothing.
+void Simulation::forget_ticks() {
+  contacts_.clear();
+  follow_parts();
+  ring_->begin(state_.tick);
+}
+
 bool Simulation::has_snapshot(std::uint64_t number) const {
   return std::ranges::find(snapshots_, number, &Snapshot::number) != snapshots_.end();
 }
@@ -87,7 +102,7 @@ bool Simulation::restore_snapshot(std::uint64_t number, std::string* why) {
     if (why) *why = std::move(reason);
     return false;
   }
-  contacts_.clear();
+  forget_ticks();
   fault_.clear();
   ++era_;
   tell(before, recording::RestoreSnapshot{number});

@@ -55,7 +55,7 @@ void Simulation::restore_all(const recording::State& whole) {
   if (!fault.empty()) throw std::invalid_argument(fault);
   load_rest(rest);
   before_ = state_;
-  contacts_.clear();
+  forget_ticks();
   fault_.clear();
   era_ = whole.era;
   revision_ = whole.revision;

@@ -21,7 +21,7 @@ void FlightRing::peaks(std::int64_t after, std::int64_t until, std::span<double>
                        std::span<double> forces) const {
   std::ranges::fill(errors, 0.0);
   std::ranges::fill(forces, 0.0);
-  const std::int64_t first = std::max({after + 1, until - kTicks + 1, std::int64_t{1}});
+  const std::int64_t first = std::max({after, until - kTicks, begin_.load(std::memory_order_relaxed)}) + 1;
   for (std::int64_t tick = first; tick <= until; ++tick) {
     const auto* from = numbers_.get() + row(tick);
     for (double& peak : errors) peak = std::max(peak, (from++)->load(std::memory_order_relaxed));

@@ -20,6 +20,9 @@ class FlightRing {
   // are kept.
   void record(std::int64_t tick, std::span<const double> errors, std::span<const double> forces);
 
+  // What was recorded is of another era: nothing up to `tick` is looked at any more.
+  void begin(std::int64_t tick) { begin_.store(tick, std::memory_order_relaxed); }
+
   // Largest magnitudes over the ticks (after, until], as far as they are still there.
   void peaks(std::int64_t after, std::int64_t until, std::span<double> errors,
              std::span<double> forces) const;
@@ -31,6 +34,7 @@ class FlightRing {
 
   std::size_t joints_, bodies_;
   std::unique_ptr<std::atomic<double>[]> numbers_;
+  std::atomic<std::int64_t> begin_{0};
 };
 
 }  // namespace visum::cycle

@@ -16,8 +16,8 @@ class Pacer {
 
   explicit Pacer(std::int64_t tick_ns) : tick_ns_(tick_ns) {}
 
-  // Simulated seconds per second of wall time, > 0. Takes effect from the next due time on.
-  void set_speed(double factor) { speed_ = factor; }
+  // Simulated seconds per second of wall time, > 0. What is left until the next tick goes by that fast, too.
+  void set_speed(double factor, Clock::time_point now);
   double speed() const { return speed_; }
 
   // Time starts now (after a pause, a reset): nothing is owed.

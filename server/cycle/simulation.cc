@@ -205,6 +205,8 @@ void Simulation::start_state() {
   contacts_.clear();
   pushes_.clear();
   fault_.clear();
+  std::ranges::fill(following_errors_, 0.0);
+  ring_->begin(state_.tick);
   for (auto& bound : parts_) {
     const auto& description = bound.part->description();
     bound.controller_inputs.clear();
@@ -287,10 +289,8 @@ void Simulation::publish() {
   for (auto& bound : parts_) {
     bound.part->publish(bound.samples, bound.readings(unheard_));
     if (!bound.wire.ideal()) bound.wire.show(state_.tick, bound.sensor_outputs);
-    bound.part->following_errors(bound.following_errors);
-    for (std::size_t i = 0; i < bound.joints.size(); ++i)
-      following_errors_[bound.joints[i].index()] = bound.following_errors[i];
   }
+  follow_parts();
   std::ranges::fill(contact_forces_, 0.0);
   for (const auto& contact : contacts_) {
     contact_forces_[contact.body_a.index()] += contact.normal_force_n;

@@ -169,6 +169,8 @@ class Simulation {
   void use(Machinery machinery);
   void change_scene(scene::Scene changed);
   void start_state();
+  void follow_parts();
+  void forget_ticks();
   void sense();
   void think();
   void act();

@@ -23,7 +23,7 @@ namespace visum::gateway {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::milliseconds kIdle{20};  // how soon stop() is noticed while time stands
+constexpr std::chrono::milliseconds kIdle{20};  // how soon stop() is noticed while no tick is due
 constexpr std::chrono::milliseconds kNoTime{0};
 constexpr std::chrono::microseconds kTickingLook{100};  // likewise while it ticks as fast as it can
 constexpr std::chrono::milliseconds kPaceLook{1};       // sessions of a paced lockstep are served that often
@@ -80,7 +80,7 @@ struct Daemon::Impl {
             options.http.page.empty() ? PageFiles() : PageFiles(options.http.page), gateway,
             [this] { return server.refused(); }, options.playback),
         server({options.address, options.port, {}, web_options(options.http), options.tls}, gateway) {
-    if (playback) tick_side.play([this] { return playback->tick(); });
+    if (playback) tick_side.play([this] { return playback->tick(); }, [this] { return playback->era(); });
     if (!playback) open_buses(options.buses);  // nobody talks to what is long over
     if (threaded) publish(false);
   }
@@ -129,6 +129,7 @@ struct Daemon::Impl {
   void do_tick() {
     tick_side.tick();
     if (buses) buses->after_tick();
+    if (!threaded) tick_side.give_back();
   }
 
   protocol::WebOptions web_options(const HttpOptions& http) {
@@ -157,10 +158,12 @@ struct Daemon::Impl {
     if (show) show(copy);
   }
 
-  // realtime: a copy for the sessions' thread, which is woken if it has something to send.
+  // realtime: a copy for the sessions' thread, which is woken if it has something to send. Who is told that
+  // something is done finds it done there.
   void publish(bool wake) {
     fill_copy(exchange.back());
     exchange.publish();
+    tick_side.give_back();
     published_version = tick_side.version();
     if (wake) server.notify();
   }
@@ -267,8 +270,11 @@ void Daemon::Impl::tick_in_real_time() {
       mailbox.wait_for(playback && comparing ? kNoTime : kIdle);
       continue;
     }
-    compare_until(pacer.due() - kPaceLook);
-    wait_until(pacer.due());
+    // A tick that is far off is waited for in pieces: errands are done meanwhile, and may change when it is.
+    const auto until = std::min(pacer.due(), Clock::now() + kIdle);
+    compare_until(until - kPaceLook);
+    wait_until(until);
+    if (until < pacer.due()) continue;
     tick_side.empty_mailbox();
     pacer.begin_tick(Clock::now());
     const auto version_before = published_version;
@@ -279,7 +285,10 @@ void Daemon::Impl::tick_in_real_time() {
 
 bool Daemon::Impl::may_tick_inline() {
   if (gateway.start_asked()) tick_side.start();
-  if (!tick_side.time_runs()) return is_paced_now = false;
+  if (!tick_side.time_runs()) {
+    gateway.end_waits();
+    return is_paced_now = false;
+  }
   if (simulation.scene().clock == scene::ClockKind::kFree) return true;
   const auto tick = simulation.tick_count();
   if (gateway.lets(tick, tick_side.stepping())) return await_due();
@@ -311,6 +320,7 @@ void Daemon::Impl::run_inline() {
     }
     const auto version = tick_side.version();
     tick_side.empty_mailbox();
+    tick_side.give_back();
     // First of all the members learn of a reset: what they granted was of the era before.
     if (version != tick_side.version()) gateway.serve();
     serve_buses();

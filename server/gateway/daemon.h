@@ -48,7 +48,8 @@ struct DaemonOptions {
   // Parts in front of something real.
   bool simulated = true;  // what the welcome says
   bool has_world = true;  // false: nobody may hold the time, go back in it, or change bodies
-  // On the tick's thread, before each tick: in clock realtime instead of sleeping until it is due.
+  // On the tick's thread, before each tick: in clock realtime instead of sleeping until it is due, or for a
+  // piece of that.
   std::function<void(std::chrono::steady_clock::time_point)> wait;
   const recording::FlightRecorder* flight = nullptr;  // writes down how it froze; must outlive the daemon
   Playback* playback = nullptr;  // a recording, whose world this is; must outlive the daemon

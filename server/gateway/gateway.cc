@@ -131,6 +131,7 @@ void Gateway::on_close(protocol::Session& session, protocol::CloseReason) {
 }
 
 void Gateway::serve() {
+  take_errands();
   now_ = &latest_();
   const auto& now = *now_;
   follow_eras(now);
@@ -184,8 +185,14 @@ void Gateway::follow_shown_world(const Published& now) {
   broadcast({"world_changed", "another world is shown", {}, now.era, now.tick});
 }
 
+// Before the copy of the world is taken: what stands behind these errands is answered from one that is as
+// late.
+void Gateway::take_errands() {
+  while (auto errand = mailbox_.next_done()) done_.push_back(std::move(errand));
+}
+
 void Gateway::finish_errands() {
-  while (auto errand = mailbox_.next_done()) {
+  for (const auto& errand : std::exchange(done_, {})) {
     if (errand->view) {
       world_.view = std::move(*errand->view);
       broadcast({"world_changed", "bodies came or went", {}, now_->era, now_->tick});

@@ -79,6 +79,8 @@ class Gateway : public protocol::SessionHandler {
   void use_clock(std::function<Member::Clock::time_point()> clock) { clock_ = std::move(clock); }
   // Lockstep, while the world waits at `tick`: drops a member that is waited for too long.
   void check_timeouts(std::int64_t tick);
+  // Lockstep, while time stands, by a pause or a fault: no member is waited for.
+  void end_waits() { members_.end_waits(); }
   // True once a client asked for Shutdown. Any thread.
   bool shutdown_asked() const { return shutdown_asked_.load(std::memory_order_relaxed); }
   // The parts' buses, for Status. Before the first session.
@@ -219,6 +221,7 @@ class Gateway : public protocol::SessionHandler {
   void send_samples(const Published& now);
   void send_sample(Client& client, Subscription& subscription, const Published& now);
   void answer_advances(const Published& now);
+  void take_errands();
   void finish_errands();
   void tell_notices();
   void follow_eras(const Published& now);
@@ -256,6 +259,7 @@ class Gateway : public protocol::SessionHandler {
   };
   std::vector<Stop> stops_;  // by part
   std::uint64_t errands_sent_ = 0;
+  std::vector<std::unique_ptr<Errand>> done_;  // came back, to be answered
   std::vector<protocol::PartBus> buses_;
   BusDoor bus_door_{[](const auto&) {}, [] { return std::uint64_t{0}; },     [](auto&) {}, [](auto, auto) {},
                     [](auto) {},        [](auto) { return std::int64_t{0}; }};

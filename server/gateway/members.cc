@@ -16,7 +16,7 @@ bool Members::is_member(std::uint64_t session) const {
 
 Member& Members::join(std::uint64_t session, const std::string& client, std::int64_t tick,
                       std::chrono::nanoseconds timeout) {
-  for (auto& other : members_) other.waited_since.reset();  // the time alone does not count
+  end_waits();  // the time alone does not count
   auto& member = members_.emplace_back();
   member.session = session;
   member.client = client;
@@ -40,6 +40,10 @@ std::optional<std::int64_t> Members::next_answer() const {
   for (const auto& member : members_)
     if (member.advance && (!next || member.granted_tick < *next)) next = member.granted_tick;
   return next;
+}
+
+void Members::end_waits() {
+  for (auto& member : members_) member.waited_since.reset();
 }
 
 void Members::rebase(std::int64_t tick) {

@@ -53,6 +53,8 @@ class Members {
   std::int64_t limit() const;
   // The earliest tick at which an Advance is to be answered; none: nobody waits.
   std::optional<std::int64_t> next_answer() const;
+  // Time stands, or somebody came: nobody has been waited for until now.
+  void end_waits();
   // After a reset or restore: everybody stands at `tick`.
   void rebase(std::int64_t tick);
   // Marks those that hold the world at `tick` as waited for since `now`, unmarks the rest. Returns the first

@@ -167,11 +167,16 @@ void Playback::show_ports(Published& published) const {
 
 // For its clients the clock must never go back within an era: a jump begins a new one, as a reset that was
 // recorded does.
+std::uint64_t Playback::era() {
+  const auto recorded = player_.world().era();
+  if (std::exchange(jumps_, 0) > 0 || recorded != recorded_era_) ++shown_era_;
+  recorded_era_ = recorded;
+  return shown_era_;
+}
+
 void Playback::show(Published& published) {
   const auto& world = player_.world();
-  if (std::exchange(jumps_, 0) > 0 || world.era() != recorded_era_) ++shown_era_;
-  recorded_era_ = world.era();
-  published.era = shown_era_;
+  published.era = era();
   if (std::exchange(shown_revision_, world.revision()) != world.revision())
     view_ = std::make_shared<const WorldView>(describe_world(world.scene(), world.revision()));
   published.shown = view_;

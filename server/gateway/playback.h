@@ -32,6 +32,8 @@ class Playback {
   // Compares one more tick with the recorded one, in a world of its own; false: all that there is, is
   // compared.
   bool compare() { return comparison_.run(1); }
+  // The one that clients are shown: each jump began another.
+  std::uint64_t era();
   // The sessions' thread: rows of PortReader's, as bytes of little-endian doubles, for the path
   // /recording/ports/PART/TO/COUNT: a part by its number, a position, and how many ticks up to it. No such
   // path: nothing.
@@ -53,7 +55,7 @@ class Playback {
   std::vector<std::string> parts_;  // by number
   std::string name_;
   std::uint64_t jumps_ = 0;
-  std::uint64_t recorded_era_ = 1;  // of the last copy
+  std::uint64_t recorded_era_ = 1;  // of the last look
   std::uint64_t shown_era_ = 1;
   std::uint64_t shown_revision_ = 1;
   std::shared_ptr<const WorldView> view_;  // where bodies came or went; null: as at the beginning

@@ -14,8 +14,9 @@ TickSide::TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running
       pacer_(simulation.model().tick_ns),
       watches_(simulation.parts().size()),
       started_(running_at_once) {
-  pacer_.set_speed(simulation.scene().speed);
+  pacer_.set_speed(simulation.scene().speed, Clock::now());
   inputs_.reserve(Mailbox::kInputs);
+  done_.reserve(Mailbox::kErrands);
   for (const auto& bound : simulation.parts())
     if (bound.part->node_fault()) nodes_.push_back({bound.part.get()});
 }
@@ -30,6 +31,11 @@ void TickSide::empty_mailbox() {
     if (item.input->kind == Input::Kind::kLeaseGranted) start();
     inputs_.push_back(item.input);
   }
+}
+
+void TickSide::give_back() {
+  for (auto& errand : done_) mailbox_.give_back(std::move(errand));
+  done_.clear();
 }
 
 void TickSide::tick() {
@@ -150,9 +156,9 @@ void TickSide::finish_steps() {
   if (simulation_.frozen())
     step_errand_->reply = protocol::Error{protocol::ErrorCode::kFrozen, simulation_.fault(), {}};
   else
-    step_errand_->reply =
-        protocol::Advanced{simulation_.tick_count(), simulation_.sim_time_ns(), simulation_.era()};
-  mailbox_.give_back(std::move(step_errand_));
+    step_errand_->reply = protocol::Advanced{simulation_.tick_count(), simulation_.sim_time_ns(),
+                                             shown_era_ ? shown_era_() : simulation_.era()};
+  done_.push_back(std::move(step_errand_));
   told_ = true;
 }
 

@@ -23,9 +23,16 @@ class TickSide {
 
   // Takes everything out of the mailbox: errands are done at once, inputs are kept for the next tick.
   void empty_mailbox();
+  // Errands that are done go back to the sessions' side. Once it has a copy of the world that is as late:
+  // what it answers next is read from that.
+  void give_back();
 
-  // Ticks are those of a recording from now on, by this, which tells whether there was one.
-  void play(std::function<bool()> next) { next_ = std::move(next); }
+  // Ticks are those of a recording from now on, by `next`, which tells whether there was one; `era` is the
+  // one that clients are shown.
+  void play(std::function<bool()> next, std::function<std::uint64_t()> era) {
+    next_ = std::move(next);
+    shown_era_ = std::move(era);
+  }
 
   // One tick: the inputs first, in their order, then the cycle.
   void tick();
@@ -33,9 +40,11 @@ class TickSide {
   // True if neither a pause nor a fault nor a start still to come holds the time.
   bool time_runs() const { return !simulation_.frozen() && (started_ && !paused_ ? true : steps_left_ > 0); }
   bool stepping() const { return steps_left_ > 0; }
-  void start() { started_ = true; }  // first lease, first step of a member, resume
+  void start() {  // first lease, first step of a member, resume
+    if (!std::exchange(started_, true)) ++version_;
+  }
   Pace pace() const { return {!started_ || paused_, pacer_.speed(), real_time_factor_}; }
-  // Changes with everything that a tick does not announce by itself: pauses, errands.
+  // Changes with everything that a tick does not announce by itself: start, pauses, errands.
   std::uint64_t version() const { return version_; }
   void touch() { ++version_; }  // something beside the mailbox changed the world between ticks
 
@@ -89,11 +98,13 @@ class TickSide {
   cycle::Simulation& simulation_;
   Mailbox& mailbox_;
   cycle::Pacer pacer_;
-  std::function<bool()> next_;  // none: the world's own tick
-  std::vector<Input*> inputs_;  // for the next tick
-  std::vector<Watch> watches_;  // by part
+  std::function<bool()> next_;                // none: the world's own tick
+  std::function<std::uint64_t()> shown_era_;  // none: the world's own era
+  std::vector<Input*> inputs_;                // for the next tick
+  std::vector<Watch> watches_;                // by part
   std::vector<WatchedNode> nodes_;
   std::unique_ptr<Errand> step_errand_;
+  std::vector<std::unique_ptr<Errand>> done_;  // to be given back
   std::int64_t steps_left_ = 0;
   bool started_;
   bool paused_ = false;

@@ -76,7 +76,7 @@ void Gateway::handle(const Call& call, const protocol::SetSpeed& request) {
   if (world_.clock != scene::ClockKind::kRealtime)
     return call.fail(ErrorCode::kWrongState, "the clock is " + std::string(scene::name_of(world_.clock)) +
                                                  "; only realtime has a speed");
-  if (!(request.factor >= 1e-3 && request.factor <= 1e3))
+  if (!(request.factor >= scene::kLeastSpeed && request.factor <= scene::kMostSpeed))
     return call.fail(ErrorCode::kBadValue, "the speed must be within 0.001 and 1000");
   send_errand(call, request);
 }

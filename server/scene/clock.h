@@ -1,5 +1,5 @@
 // The kinds of clocks that a scene's time follows, and their names in scene files, options, messages and
-// recordings.
+// recordings; how fast realtime may be.
 #pragma once
 
 #include <array>
@@ -11,6 +11,9 @@ namespace visum::scene {
 enum class ClockKind { kRealtime, kLockstep, kFree };
 
 inline constexpr std::array<std::string_view, 3> kClockNames{"realtime", "lockstep", "free"};
+
+// Simulated seconds per second of wall time.
+inline constexpr double kLeastSpeed = 1e-3, kMostSpeed = 1e3;
 
 constexpr std::string_view name_of(ClockKind clock) {
   return kClockNames[static_cast<std::size_t>(clock)];

@@ -66,7 +66,7 @@ struct Scene {
   std::vector<AgentPlan> agents;
   Looks looks;
   ClockKind clock = ClockKind::kRealtime;
-  double speed = 1.0;  // realtime: simulated seconds per second of wall time
+  double speed = 1.0;  // realtime: simulated seconds per second of wall time, kLeastSpeed to kMostSpeed
   std::uint64_t seed = 1;
   std::int64_t lockstep_timeout_ns = 10'000'000'000;
   std::vector<std::string> losses;  // what a model holds and we do not show or simulate, one sentence each

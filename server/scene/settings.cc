@@ -12,7 +12,6 @@ constexpr double kNsPerMs = 1e6;
 constexpr double kNsPerS = 1e9;
 constexpr double kMaxTickMs = 1000.0;
 constexpr double kMaxTimeoutS = 86400.0;
-constexpr double kMaxSpeed = 1e6;
 constexpr double kNsTolerance = 1e-6;  // what decimal fractions of a millisecond are off in binary
 
 ClockKind read_clock(const config::Node& node) {
@@ -102,7 +101,7 @@ void read_settings(Draft& draft, const config::Node& root) {
   if (const auto node = root.find("gravity")) scene.world.gravity = read_vector(*node);
   if (const auto node = root.find("tick_ms")) scene.world.tick_ns = read_tick_ns(*node);
   if (const auto node = root.find("clock")) scene.clock = read_clock(*node);
-  if (const auto node = root.find("speed")) scene.speed = node->number({0.0, kMaxSpeed, true});
+  if (const auto node = root.find("speed")) scene.speed = node->number({kLeastSpeed, kMostSpeed});
   if (const auto node = root.find("seed")) scene.seed = static_cast<std::uint64_t>(node->integer(0));
   if (const auto node = root.find("lockstep_timeout_s"))
     scene.lockstep_timeout_ns = std::llround(node->number({1e-3, kMaxTimeoutS}) * kNsPerS);

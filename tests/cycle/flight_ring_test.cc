@@ -35,5 +35,14 @@ TEST(FlightRing, ForgetsWhatIsOlderThanItsLength) {
   EXPECT_EQ(peaks(ring, 0, FlightRing::kTicks + 1), std::pair(1.0, 1.0));
 }
 
+TEST(FlightRing, LooksAtNoTickBeforeItsEra) {
+  FlightRing ring(1, 1);
+  for (std::int64_t tick = 1; tick <= 20; ++tick) record(ring, tick, 9.0, 9.0);
+  ring.begin(10);
+  EXPECT_EQ(peaks(ring, 0, 10), std::pair(0.0, 0.0));
+  record(ring, 11, 1.0, 2.0);
+  EXPECT_EQ(peaks(ring, 0, 11), std::pair(1.0, 2.0));
+}
+
 }  // namespace
 }  // namespace visum::cycle

@@ -20,9 +20,20 @@ TEST(Pacer, PutsTicksOnePeriodApart) {
 
 TEST(Pacer, DividesThePeriodByTheSpeed) {
   Pacer pacer(1'000'000);
-  pacer.set_speed(0.1);
+  pacer.set_speed(0.1, kStart);
   pacer.restart(kStart);
   EXPECT_EQ(pacer.due(), kStart + milliseconds(10));
+}
+
+TEST(Pacer, WhatIsLeftOfAPeriodGoesByAtTheNewSpeed) {
+  Pacer pacer(8'000'000);
+  pacer.set_speed(1.0 / 1024, kStart);
+  pacer.restart(kStart);
+  ASSERT_EQ(pacer.due(), kStart + milliseconds(8192));
+  pacer.set_speed(1.0, kStart + milliseconds(4096));
+  EXPECT_EQ(pacer.due(), kStart + milliseconds(4096 + 4));
+  pacer.set_speed(0.5, kStart + milliseconds(4096 + 6));
+  EXPECT_EQ(pacer.due(), kStart + milliseconds(4096 + 4)) << "what is owed stays owed";
 }
 
 TEST(Pacer, ALittleLateCostsNothing) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "protocol/config/config.h"
@@ -99,6 +100,48 @@ TEST(Simulation, ResetGoesBackToTheSameFirstBits) {
   EXPECT_EQ(simulation.state_hash(), first);
   EXPECT_EQ(simulation.era(), 2u);
   EXPECT_EQ(simulation.tick_count(), 0);
+}
+
+// Of the arm's joints and bodies, over all ticks up to now: is there anything but zeros?
+bool has_peaks(const Simulation& simulation) {
+  std::vector<double> errors(simulation.model().joints.size()), forces(simulation.model().bodies.size());
+  simulation.ring()->peaks(0, simulation.tick_count(), errors, forces);
+  const auto any = [](const auto& numbers) {
+    return std::ranges::any_of(numbers, [](double x) { return x > 0; });
+  };
+  return any(errors) || any(forces);
+}
+
+std::vector<double> errors_of(const Simulation& simulation) {
+  const auto errors = simulation.following_errors();
+  return {errors.begin(), errors.end()};
+}
+
+TEST(Simulation, NothingOfTheTicksBeforeAResetIsShown) {
+  Simulation simulation(arm());
+  const auto first = errors_of(simulation);
+  simulation.write_inputs(0, 0, std::vector{1.0});
+  run(simulation, 100);
+  ASSERT_NE(errors_of(simulation), first);
+  ASSERT_TRUE(has_peaks(simulation));
+  simulation.reset();
+  EXPECT_EQ(errors_of(simulation), first);
+  EXPECT_FALSE(has_peaks(simulation));
+}
+
+TEST(Simulation, ARestoredWorldHasItsFollowingErrorsAndNoPeaks) {
+  Simulation simulation(arm());
+  simulation.write_inputs(0, 0, std::vector{1.0});
+  run(simulation, 100);
+  const auto snapshot = simulation.take_snapshot();
+  const auto errors = errors_of(simulation);
+  run(simulation, 50);
+  ASSERT_NE(errors_of(simulation), errors);
+  ASSERT_TRUE(simulation.restore_snapshot(snapshot));
+  EXPECT_EQ(errors_of(simulation), errors);
+  EXPECT_FALSE(has_peaks(simulation));
+  run(simulation, 1);
+  EXPECT_TRUE(has_peaks(simulation));
 }
 
 TEST(Simulation, TheSeedIsPartOfTheState) {

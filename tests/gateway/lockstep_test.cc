@@ -56,6 +56,21 @@ TEST(Lockstep, ATimeOutIsAnErrorThatNamesTheClient) {
   EXPECT_EQ(refusal_of([&] { advance(asleep, 1); }).code(), ErrorCode::kWrongState);
 }
 
+TEST(Lockstep, APauseIsNoTimeThatAMemberLetsTheWorldWait) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);  // 0.3 s
+  auto admin = daemon.connect("admin", Role::kAdmin);
+  auto waiting = daemon.connect("waiting"), computing = daemon.connect("computing");
+  waiting.request(Join{});
+  computing.request(Join{});
+  const auto reply = waiting.send(Advance{10});
+  admin.request(Pause{});
+  std::this_thread::sleep_for(std::chrono::milliseconds(350));
+  admin.request(Resume{});
+  EXPECT_EQ(admin.request_as<ServerStatus>(Status{}).lockstep.size(), 2u);
+  EXPECT_EQ(advance(computing, 10).tick, 10);
+  EXPECT_EQ(std::get<Advanced>(waiting.wait(reply)).tick, 10);
+}
+
 TEST(Lockstep, OthersGoOnWhereATimeOutIsToStopOrFreeItsClient) {
   for (const auto on_timeout : {protocol::OnTimeout::kStop, protocol::OnTimeout::kFree}) {
     RunningDaemon daemon(scene::ClockKind::kLockstep);  // 0.3 s

@@ -77,6 +77,16 @@ TEST(Members, AStepEndsTheWait) {
   EXPECT_EQ(members.waited_too_long(1, kNow + 11s), nullptr);
 }
 
+TEST(Members, WhileTimeStandsNobodyIsWaitedFor) {
+  Members members;
+  members.join(1, "slow", 0, 10s);
+  members.join(2, "ahead", 0, 10s).granted_tick = 5;
+  members.waited_too_long(0, kNow);
+  members.end_waits();
+  EXPECT_EQ(members.waited_too_long(0, kNow + 60s), nullptr) << "the wait begins anew";
+  EXPECT_EQ(members.waited_too_long(0, kNow + 71s), members.find(1));
+}
+
 TEST(Members, AllStandAtTheTickOfARestoredWorld) {
   Members members;
   members.join(1, "a", 0, 0s).granted_tick = 10;

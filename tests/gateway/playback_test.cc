@@ -117,6 +117,18 @@ TEST_F(PlaybackTest, PlaysAtAnySpeedAndStandsAtItsEnd) {
   EXPECT_EQ(status().state_hash, hashes_[15]);
 }
 
+TEST_F(PlaybackTest, AStepIsAnsweredWithTheEraThatIsShown) {
+  seek(700);
+  seek(20);
+  const auto advanced = client().request_as<protocol::Advanced>(protocol::Step{5});
+  EXPECT_EQ(advanced.tick, 25);
+  EXPECT_EQ(advanced.era, status().era);
+  seek(1198);
+  const auto beyond_the_reset = client().request_as<protocol::Advanced>(protocol::Step{5});
+  EXPECT_EQ(beyond_the_reset.tick, 3);
+  EXPECT_EQ(beyond_the_reset.era, status().era);
+}
+
 TEST_F(PlaybackTest, ComparesAllOfItWhileItStands) {
   auto found = report();
   while (found.find("\"compared\":1500") == std::string::npos) found = report();

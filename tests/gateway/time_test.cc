@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/gateway/running_daemon.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::gateway {
 namespace {
@@ -76,6 +77,32 @@ TEST(Time, TheSpeedIsOfTheClockRealtimeAndWithinBounds) {
   RunningDaemon lockstep(scene::ClockKind::kLockstep);
   auto other = lockstep.connect("admin", Role::kAdmin);
   EXPECT_EQ(refusal_of([&] { other.request(SetSpeed{2.0}); }).code(), ErrorCode::kWrongState);
+}
+
+TEST(Time, ALongTickHoldsUpNoRequest) {
+  const test::TempFiles files;
+  const auto scene = files.write("slow.yaml", "{visum: 1, tick_ms: 10}");
+  RunningDaemon daemon(scene.string(), scene::ClockKind::kRealtime, {}, 1e-3);
+  auto admin = daemon.connect("admin", Role::kAdmin);
+  admin.request(Resume{});
+  EXPECT_EQ(admin.request_as<SnapshotTaken>(TakeSnapshot{}).tick, 0) << "the first tick is 10 s away";
+  admin.request(Pause{});
+  EXPECT_TRUE(status_of(admin).paused);
+  admin.request(Resume{});
+  admin.request(SetSpeed{1000.0});  // and the tick comes at once
+  admin.request(Join{});
+  EXPECT_GE(advance(admin, 5).tick, 5);
+}
+
+TEST(Time, TheFirstLeaseIsSeenInTheStatus) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto client = daemon.connect("controller");
+  EXPECT_TRUE(status_of(client).paused);
+  client.request(AcquireLease{"arm", 0, false});
+  for (int looks = 0; looks < 100 && status_of(client).paused; ++looks) {
+  }
+  EXPECT_FALSE(status_of(client).paused);
+  EXPECT_EQ(status_of(client).tick, 0);
 }
 
 TEST(Time, SnapshotsComeBackToTheBitInANewEra) {

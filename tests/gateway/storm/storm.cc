@@ -117,12 +117,17 @@ class Server {
   void turn_inline() {
     const auto version = tick_side_.version();
     empty_mailbox();
+    tick_side_.give_back();
     if (version != tick_side_.version()) gateway_.serve();
     if (may_tick()) tick_side_.tick();
+    tick_side_.give_back();
     gateway_.serve();
   }
   bool may_tick() {
-    if (!tick_side_.time_runs()) return false;
+    if (!tick_side_.time_runs()) {
+      gateway_.end_waits();
+      return false;
+    }
     if (simulation_.scene().clock == ClockKind::kFree) return true;
     const auto tick = simulation_.tick_count();
     if (gateway_.lets(tick, tick_side_.stepping())) return true;
@@ -154,6 +159,7 @@ class Server {
 
   void publish() {
     fill(copy_, simulation_, tick_side_.pace());
+    tick_side_.give_back();
     published_version_ = tick_side_.version();
   }
   const Published& latest() {
