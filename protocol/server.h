@@ -37,8 +37,11 @@ class Session {
   // The name in the certificate that the client showed; "": it showed none.
   virtual std::string identity() const { return {}; }
 
-  // Queues a reply or an event; in order, never dropped. Over the limit the session is closed.
+  // Queues a reply or an event; in order, never dropped. The session is closed over the limit of events
+  // (`reply_to` 0). Who answers requests later than they came looks at behind() first.
   virtual void send(std::uint64_t reply_to, const Reply& reply) = 0;
+  // So much waits to be written that no request is to be answered until the handler's on_room().
+  virtual bool behind() const = 0;
   // Queues a sample; an unsent one of the same stream is replaced. Returns false where one was replaced.
   virtual bool send_latest(std::uint32_t stream, const Reply& sample) = 0;
   // True while no sample of this stream waits to be written: a sender may spare itself the encoding.
@@ -57,6 +60,8 @@ class SessionHandler {
   virtual void on_request(Session& session, std::uint64_t id, const Request& request) = 0;
   virtual void on_close(Session& session, CloseReason reason) = 0;  // only after on_hello granted a role
   virtual void on_notify() = 0;                                     // some time after notify()
+  // What made the session be behind() has been written. Comes before the next of its requests.
+  virtual void on_room(Session&) {}
 };
 
 struct ListenOptions {

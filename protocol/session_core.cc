@@ -37,8 +37,10 @@ void SessionCore::send(std::uint64_t reply_to, const Reply& reply) {
   if (phase_ != Phase::kOpen) return;
   if (queue_full() && !out_.in_flight()) flush();
   if (phase_ != Phase::kOpen) return;
-  if (queue_full()) return close(CloseReason::kLost);
+  // Replies are bounded by who answers: there is none while behind().
+  if (reply_to == 0 && queue_full()) return close(CloseReason::kLost);
   out_.push(reply_to, reply, context_.limits.max_frame_to_client);
+  owes_room_ = owes_room_ || behind();
   wake();
 }
 
@@ -68,9 +70,17 @@ void SessionCore::tell_closed() {
   guarded(0, [this] { context_.handler.on_close(*this, reason_); });
 }
 
+// A reply may be larger than all that may wait: its bytes do not count against the events behind it.
 bool SessionCore::queue_full() const {
   return out_.waiting_replies() >= context_.limits.max_queued_replies ||
-         out_.waiting_bytes() >= context_.limits.max_queued_bytes;
+         out_.waiting_event_bytes() >= context_.limits.max_queued_bytes;
+}
+
+bool SessionCore::tell_room() {
+  if (phase_ != Phase::kOpen || !owes_room_ || behind()) return false;
+  owes_room_ = false;
+  guarded(0, [this] { context_.handler.on_room(*this); });
+  return true;
 }
 
 // ----------------------------------------------------------------------------------------------------

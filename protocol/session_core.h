@@ -36,6 +36,7 @@ class SessionCore : public Session {
   const std::string& peer() const override { return peer_; }
   Role role() const override { return role_; }
   void send(std::uint64_t reply_to, const Reply& reply) override;
+  bool behind() const override;
   bool send_latest(std::uint32_t stream, const Reply& sample) override;
   bool ready_for(std::uint32_t stream) const override { return !out_.has_waiting(stream); }
   void close(CloseReason reason) override;
@@ -68,6 +69,10 @@ class SessionCore : public Session {
   Appetite handle_frames();
   void peer_closed();  // the end of the stream
   void check_deadlines();
+  // It was behind() and has not told the handler of room since.
+  bool owes_room() const { return owes_room_; }
+  // Tells it where there is room again, outside of the handler's calls; whether it did.
+  bool tell_room();
   bool over(ServedTime since, std::chrono::milliseconds deadline) const;
   SessionContext& context() { return context_; }
 
@@ -75,7 +80,6 @@ class SessionCore : public Session {
   enum class Phase { kHello, kOpen, kClosing };
 
   std::size_t max_frame() const;
-  bool behind() const;
   bool queue_full() const;
   void handle(std::span<const std::byte> payload);
   void handle_hello(std::uint64_t id, const Request& request);
@@ -92,6 +96,7 @@ class SessionCore : public Session {
   CloseReason reason_ = CloseReason::kGoodbye;
   bool granted_ = false;
   bool told_ = false;
+  bool owes_room_ = false;
   const ServedTime opened_;
   std::optional<ServedTime> frame_began_;
   FrameBuffer in_;

@@ -134,7 +134,9 @@ void WebSession::flush() {
   if (out().empty()) return written_out();
   // Samples wait for a page that does not read, the newest of each stream. While replies hold up requests, or
   // a reason must be told, no pong would be read: then the deadline of a stalled writer is what ends it.
-  if (window_.open() || paused() || closing()) write();
+  if (window_.open() || paused() || closing()) return write();
+  // More than a window is out since that pause: the pong of before it does not open it.
+  if (window_.ping_due()) ping();
 }
 
 // Each batch of whole frames is one message, sent in pieces.

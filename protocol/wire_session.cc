@@ -46,6 +46,7 @@ void WireSession::work() {
   woken_ = false;
   tell_closed();
   flush();
+  if (tell_room()) proceed_if_due();
 }
 
 void WireSession::proceed() {
@@ -70,7 +71,9 @@ void WireSession::proceed() {
   });
 }
 
+// Requests that the handler has put off come before those that are not read yet: see work().
 void WireSession::proceed_if_due() {
+  if (owes_room()) return wake();
   if (std::exchange(paused_, false)) proceed();
 }
 

@@ -35,8 +35,10 @@ void encode_within(std::uint64_t reply_to, const Reply& reply, std::size_t max_f
 }  // namespace
 
 void WriteQueue::push(std::uint64_t reply_to, const Reply& reply, std::size_t max_frame) {
+  const std::size_t before = waiting_.size();
   encode_within(reply_to, reply, max_frame, waiting_);
   ++waiting_replies_;
+  if (reply_to == 0) waiting_event_bytes_ += waiting_.size() - before;
 }
 
 bool WriteQueue::push_latest(std::uint32_t id, const Reply& sample, std::size_t max_frame) {
@@ -86,6 +88,7 @@ void WriteQueue::take_off() {
     std::swap(flying_, waiting_);
   }
   waiting_replies_ = 0;
+  waiting_event_bytes_ = 0;
 }
 
 }  // namespace visum::protocol

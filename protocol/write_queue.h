@@ -32,6 +32,7 @@ class WriteQueue {
   // Replies and events beyond the batch in flight.
   std::size_t waiting_bytes() const { return waiting_.size(); }
   std::size_t waiting_replies() const { return waiting_replies_; }
+  std::size_t waiting_event_bytes() const { return waiting_event_bytes_; }  // of those with `reply_to` 0
 
  private:
   struct Stream {
@@ -44,6 +45,7 @@ class WriteQueue {
 
   std::vector<std::byte> waiting_;
   std::size_t waiting_replies_ = 0;
+  std::size_t waiting_event_bytes_ = 0;
   std::vector<Stream> streams_;  // few: one per subscription
   std::size_t waiting_samples_ = 0;
   std::vector<std::byte> flying_;

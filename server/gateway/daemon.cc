@@ -326,6 +326,7 @@ void Daemon::Impl::run_inline() {
     serve_buses();
     if (gateway.follow_buses(simulation.tick_count())) gateway.serve();
     if (may_tick_inline()) {
+      if (gateway.complete_writes()) tick_side.empty_mailbox();
       if (wait) wait(Clock::now());
       do_tick();
       polls = has_something_to_send();

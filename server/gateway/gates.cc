@@ -111,6 +111,7 @@ bool Gateway::holds(Client& client, std::uint64_t id, const protocol::Request& r
 // What a gate held is served once the world is there, or never will be.
 void Gateway::release(Client& client) {
   if (!client.step_until || (now_->tick < *client.step_until && now_->fault.empty())) return;
+  if (client.session->behind()) return;
   client.step_until.reset();
   client.waiting = false;
   const auto [id, request] = std::move(client.backlog.front());

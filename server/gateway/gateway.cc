@@ -80,7 +80,8 @@ void Gateway::on_request(protocol::Session& session, std::uint64_t id, const pro
   now_ = &latest_();
   follow_shown_world(*now_);
   auto& client = found->second;
-  if (!client.waiting) {
+  work_off(client);
+  if (!client.waiting && client.backlog.empty()) {
     if (!holds(client, id, request)) dispatch(client, id, request);
   } else if (client.backlog.size() < kMaxBacklog) {
     client.backlog.emplace_back(id, request);
@@ -113,17 +114,43 @@ void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request
 void Gateway::work_off_backlogs() {
   for (auto& [id, client] : clients_) {
     release(client);
-    while (!client.waiting && !client.backlog.empty()) {
-      const auto [request_id, request] = std::move(client.backlog.front());
-      client.backlog.pop_front();
-      if (!holds(client, request_id, request)) dispatch(client, request_id, request);
-    }
+    work_off(client);
   }
 }
 
-void Gateway::on_close(protocol::Session& session, protocol::CloseReason) {
+void Gateway::work_off(Client& client) {
+  while (!client.waiting && !client.backlog.empty() && !client.session->behind()) {
+    const auto [id, request] = std::move(client.backlog.front());
+    client.backlog.pop_front();
+    if (!holds(client, id, request)) dispatch(client, id, request);
+  }
+}
+
+// All that it asked for before it left. Behind an errand the mailbox keeps the order; ticks that are to come
+// are not waited for.
+void Gateway::work_off_at_goodbye(Client& client) {
+  client.step_until.reset();
+  while (!client.backlog.empty()) {
+    const auto [id, request] = std::move(client.backlog.front());
+    client.backlog.pop_front();
+    if (!std::holds_alternative<protocol::Advance>(request)) dispatch(client, id, request);
+  }
+}
+
+void Gateway::on_room(protocol::Session& session) {
+  const auto found = clients_.find(session.id());
+  if (found == clients_.end()) return;
+  now_ = &latest_();
+  follow_shown_world(*now_);
+  release(found->second);
+  work_off(found->second);
+  note_due();
+}
+
+void Gateway::on_close(protocol::Session& session, protocol::CloseReason reason) {
   now_ = &latest_();
   const auto id = session.id();
+  if (reason == protocol::CloseReason::kGoodbye) work_off_at_goodbye(clients_.at(id));
   lose_parts_of(id, "'" + session.client_name() + "' is gone without a release");
   leave(id);
   dropped_.erase(id);
@@ -213,16 +240,28 @@ void Gateway::tell_notices() {
     } else if (notice.kind == Notice::Kind::kFaultRefused) {
       broadcast({"fault_refused", "too many faults act at once",
                  world_.parts[notice.part]->description().name, era_, notice.tick});
-    } else if (leases_.of(notice.part).epoch == notice.epoch && leases_.of(notice.part).session != 0) {
-      const auto& name = world_.parts[notice.part]->description().name;
-      broadcast({"lease_lost",
-                 "'" + leases_.of(notice.part).owner + "' missed the deadline that it asked for", name, era_,
-                 notice.tick});
-      late_.drop(notice.part);
-      leases_.free(notice.part);
-      ++lease_losses_;
+    } else {
+      tell_missed_deadline(notice);
     }
   }
+}
+
+// Where the lease ended or was granted anew before the word of it was there, the part has stopped all the
+// same. A loss that was told before, of this lease or of a later one, is none again.
+void Gateway::tell_missed_deadline(const Notice& notice) {
+  if (notice.epoch <= stops_[notice.part].epoch) return;
+  const auto& lease = leases_.of(notice.part);
+  const bool holds = lease.epoch == notice.epoch && lease.session != 0;
+  broadcast({"lease_lost",
+             holds ? "'" + lease.owner + "' missed the deadline that it asked for"
+                   : "a lease that is over missed the deadline that was asked for",
+             world_.parts[notice.part]->description().name, era_, notice.tick});
+  ++lease_losses_;
+  if (lease.epoch != notice.epoch) return;
+  late_.drop(notice.part);
+  leases_.free(notice.part);
+  // What was accepted since the loss is not done.
+  latched_[notice.part] = now_->parts[notice.part].controller_inputs;
 }
 
 // What it leased, and what its program commanded by a bus, unless somebody else leases that.
@@ -275,11 +314,12 @@ std::uint64_t Gateway::order_of(const Call& call) {
 bool Gateway::has_sent_enough(Client& client) const {
   if (client.counted_tick != now_->tick) client.inputs_at_tick = 0;
   client.counted_tick = now_->tick;
-  return client.inputs_at_tick >= kMaxInputsPerTick && world_.clock == scene::ClockKind::kRealtime;
+  const bool realtime = world_.clock == scene::ClockKind::kRealtime;
+  return client.inputs_at_tick >= (realtime ? kMaxInputsPerTick : kMaxSingleWrites);
 }
 
 Input* Gateway::input_or_fail(const Call& call) {
-  if (has_sent_enough(call.client)) {
+  if (has_sent_enough(call.client) && world_.clock == scene::ClockKind::kRealtime) {
     call.fail(ErrorCode::kBusy, "more than " + std::to_string(kMaxInputsPerTick) + " inputs within one tick");
     return nullptr;
   }
@@ -287,16 +327,24 @@ Input* Gateway::input_or_fail(const Call& call) {
   return blank_input_or_fail(call);
 }
 
-Input* Gateway::blank_input_or_fail(const Call& call) {
-  auto* input = mailbox_.blank_input();
+Input* Gateway::blank_input_or_fail(const Call& call, bool urgent) {
+  auto* input = mailbox_.blank_input(urgent);
   if (!input) call.fail(ErrorCode::kBusy, kTooManyInputs);
   return input;
 }
 
-// What was written before it counts as written before it.
+// What was written before it counts as written before it. What lets time go on, or stand, is not refused over
+// that: a tick makes room.
 void Gateway::send_errand(const Call& call, const protocol::Request& request, std::uint32_t part) {
-  for (std::uint32_t written = 0; written < world_.parts.size(); ++written)
-    if (!late_writes_sent_or_fail(call, written)) return;
+  const bool about_pace =
+      std::holds_alternative<protocol::Pause>(request) || std::holds_alternative<protocol::Resume>(request) ||
+      std::holds_alternative<protocol::SetSpeed>(request) || std::holds_alternative<protocol::Step>(request);
+  for (std::uint32_t written = 0; written < world_.parts.size(); ++written) {
+    if (about_pace)
+      send_late_writes(written);
+    else if (!late_writes_sent_or_fail(call, written))
+      return;
+  }
   auto errand = std::make_unique<Errand>(Errand{call.session.id(), call.id, part, request, {}, {}});
   call.client.waiting = mailbox_.send(std::move(errand));
   ++errands_sent_;

@@ -60,6 +60,7 @@ class Gateway : public protocol::SessionHandler {
   void on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) override;
   void on_close(protocol::Session& session, protocol::CloseReason reason) override;
   void on_notify() override { serve(); }
+  void on_room(protocol::Session& session) override;
 
   // Sends what is due: errands' replies, answers to Advance, samples, events. After every tick, or when
   // notified.
@@ -95,6 +96,8 @@ class Gateway : public protocol::SessionHandler {
     std::function<std::int64_t(std::uint32_t)> granted_tick;
   };
   void open_buses(BusDoor door) { bus_door_ = std::move(door); }
+  // Lockstep and free, before each tick: writes that were put together go to the mailbox. True: some did.
+  bool complete_writes();
   // Lockstep, before each tick: settles the buses for members that ask for it, and stops the world here, at
   // `tick`, for those whose program was told something. True: serve() has answers to send.
   bool follow_buses(std::int64_t tick);
@@ -119,14 +122,15 @@ class Gateway : public protocol::SessionHandler {
     std::int64_t peaks_from = 0;     // tick of its previous world sample
     std::int64_t counted_tick = -1;  // inputs per tick
     int inputs_at_tick = 0;
-    // A session's requests are answered in order: while one waits for the tick's side, those behind it wait
-    // too.
+    // A session's requests are answered in order: while one waits for the tick's side, or replies wait to be
+    // written, those behind it wait too.
     bool waiting = false;
     std::optional<std::int64_t> step_until;  // a gate holds the first of the backlog until this tick
     std::deque<std::pair<std::uint64_t, protocol::Request>> backlog;
   };
   static constexpr std::uint32_t kWorldStream = 0xFFFFFFFF;
   static constexpr int kMaxInputsPerTick = 8;  // of a session, in realtime
+  static constexpr int kMaxSingleWrites = 64;  // of a session, with the other clocks; those behind: together
   static constexpr std::size_t kMaxBacklog = 64;
   static constexpr const char* kTooManyInputs = "too many inputs wait for the next tick";
 
@@ -189,10 +193,10 @@ class Gateway : public protocol::SessionHandler {
   bool blackboard_or_fail(const Call& call, std::uint32_t part, const std::string& name, bool to_write) const;
   bool lease_or_fail(const Call& call, std::uint32_t part) const;
   std::optional<std::string> why_not(std::uint32_t part, const hwparts::Fault& fault) const;
-  // As many as a tick takes of one session.
+  // As many as a tick takes one by one of a session.
   bool has_sent_enough(Client& client) const;
   Input* input_or_fail(const Call& call);
-  Input* blank_input_or_fail(const Call& call);
+  Input* blank_input_or_fail(const Call& call, bool urgent = false);
   void send_write(std::uint32_t part, std::uint32_t first_port, std::uint32_t end_port, Input* input);
   void send_late_writes();                    // as many as the next tick takes
   bool send_late_writes(std::uint32_t part);  // all of them; false where too much waits for the tick already
@@ -224,6 +228,7 @@ class Gateway : public protocol::SessionHandler {
   void take_errands();
   void finish_errands();
   void tell_notices();
+  void tell_missed_deadline(const Notice& notice);
   void follow_eras(const Published& now);
   void follow_shown_world(const Published& now);
   protocol::PartSample part_sample(std::uint32_t part, const Published& now) const;
@@ -234,6 +239,8 @@ class Gateway : public protocol::SessionHandler {
   void note_due();
   void dispatch(Client& client, std::uint64_t id, const protocol::Request& request);
   void work_off_backlogs();
+  void work_off(Client& client);
+  void work_off_at_goodbye(Client& client);
   void answer(Member& member, const Published& now);
   protocol::Advanced advanced(const Member& member, const Published& now);
   void end_advances(std::int64_t tick, const std::string& why);

@@ -1,6 +1,7 @@
-// Writes of which a tick has enough (in realtime): what a wire held up and delivers at once, or a client that
-// is too quick. Of each part, the ports that the tick after it is to be told of; their values are those
-// latched last, so that any number of writes costs one more input. Lives on the sessions' thread.
+// Writes of which a tick has enough: what a wire held up and delivers at once, a client that is too quick, or
+// one that writes to a world that stands. Of each part, the ports that a tick to come is to be told of (in
+// realtime the one after it, else the next); their values are those latched last, so that any number of
+// writes costs one more input. Lives on the sessions' thread.
 #pragma once
 
 #include <algorithm>

@@ -109,9 +109,10 @@ void Gateway::handle(const Call& call, const protocol::AcquireLease& request) {
 
 void Gateway::handle(const Call& call, const protocol::ReleaseLease& request) {
   const auto part = part_or_fail(call, request.part);
-  if (!part || !lease_or_fail(call, *part) || !late_writes_sent_or_fail(call, *part)) return;
-  // However much was sent: there are no more releases than grants.
-  auto* input = blank_input_or_fail(call);
+  if (!part || !lease_or_fail(call, *part)) return;
+  send_late_writes(*part);  // those that find no room follow the release
+  // However much was sent: a release follows a grant, as a loss does.
+  auto* input = blank_input_or_fail(call, true);
   if (!input) return;
   input->kind = Input::Kind::kLeaseReleased;
   input->part = *part;
@@ -154,20 +155,17 @@ void Gateway::handle(const Call& call, const protocol::Write& request) {
     return call.fail(ErrorCode::kStale, "sequence " + std::to_string(request.sequence) +
                                             " is not newer than " +
                                             std::to_string(leases_.of(*part).sequence));
-  const auto latch = [&] {
-    leases_.take_sequence(*part, request.sequence);
-    std::ranges::copy(request.values, latched_[*part].begin() + request.first_port);
-  };
-  if (has_sent_enough(call.client)) {
-    late_.add(*part, request.first_port, request.values.size());
-    latch();
-  } else {
-    if (!late_writes_sent_or_fail(call, *part)) return;  // in their order
-    auto* input = input_or_fail(call);
-    if (!input) return;
-    latch();
+  Input* input = nullptr;
+  if (!has_sent_enough(call.client) && send_late_writes(*part))  // in their order
+    input = mailbox_.blank_input();
+  leases_.take_sequence(*part, request.sequence);
+  std::ranges::copy(request.values, latched_[*part].begin() + request.first_port);
+  if (input) {
+    ++call.client.inputs_at_tick;
     send_write(*part, request.first_port,
                static_cast<std::uint32_t>(request.first_port + request.values.size()), input);
+  } else {
+    late_.add(*part, request.first_port, request.values.size());
   }
   call.reply(protocol::Ok{});
 }
@@ -183,8 +181,17 @@ void Gateway::send_write(std::uint32_t part, std::uint32_t first_port, std::uint
 }
 
 void Gateway::send_late_writes() {
-  for (std::uint32_t part = 0; part < world_.parts.size(); ++part)
-    if (late_.has(part) && !has_sent_enough(clients_.at(leases_.of(part).session))) send_late_writes(part);
+  for (std::uint32_t part = 0; part < world_.parts.size(); ++part) {
+    if (!late_.has(part)) continue;
+    const auto holder = clients_.find(leases_.of(part).session);  // none: it has released the part
+    if (holder == clients_.end() || !has_sent_enough(holder->second)) send_late_writes(part);
+  }
+}
+
+bool Gateway::complete_writes() {
+  if (late_.empty()) return false;
+  for (std::uint32_t part = 0; part < world_.parts.size(); ++part) send_late_writes(part);
+  return true;
 }
 
 bool Gateway::send_late_writes(std::uint32_t part) {

@@ -195,6 +195,25 @@ TEST(Writes, OfManyAtOnceTheLastHoldsAfterTheRelease) {
   EXPECT_EQ(admin.request_as<PartSample>(Read{"arm"}).controller_inputs[0], 0.01 * 20);
 }
 
+// A member that stands in a debugger, and a joystick beside it.
+TEST(Writes, ToAWorldThatStandsLeaveRoomForOthersAndComeIntoForceAtItsNextTick) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto member = daemon.connect("member", Role::kAdmin), writer = daemon.connect("writer");
+  member.request(Join{});
+  writer.request(AcquireLease{"arm"});
+  constexpr std::uint64_t kMany = 2000;
+  std::vector<std::uint64_t> ids;
+  for (std::uint64_t i = 1; i <= kMany; ++i)
+    ids.push_back(writer.send(Write{"arm", i % 2 == 0 ? 0u : 2u, {1e-4 * static_cast<double>(i)}, i}));
+  for (const auto id : ids) EXPECT_NO_THROW(writer.wait(id));
+  EXPECT_NO_THROW(member.request(PushBody{"box", {0, 0, 1}, {}, {}, 1'000'000}));
+  advance(member, 1);
+  const auto inputs = member.request_as<PartSample>(Read{"arm"}).controller_inputs;
+  EXPECT_EQ(inputs[0], 1e-4 * kMany);
+  EXPECT_EQ(inputs[2], 1e-4 * (kMany - 1));
+  EXPECT_NO_THROW(writer.request(ReleaseLease{"arm"}));
+}
+
 // As all that is written before a reset: undone by it.
 TEST(Writes, OfManyAtOnceNoneOutlivesAReset) {
   RunningDaemon daemon(scene::ClockKind::kRealtime);

@@ -1,6 +1,7 @@
 // Sessions over WebSocket: the same messages, rights and limits as over TCP.
 #include <gtest/gtest.h>
 
+#include "protocol/limits.h"
 #include "protocol/reading_window.h"
 #include "tests/gateway/http_client.h"
 #include "tests/gateway/running_daemon.h"
@@ -132,6 +133,25 @@ TEST_F(WebSession, APageThatSaidGoodbyeIsSentNothingMore) {
   for (int i = 0; i < 10'000 && sessions != 1; ++i)
     sessions = controller.request_as<ServerStatus>(Status{}).sessions;
   EXPECT_EQ(sessions, 1u) << "the controller's own";
+}
+
+// A page that asks for all its pictures at once, behind a request that waits for the world.
+TEST_F(WebSession, APageThatAsksForMuchBehindAStepKeepsItsLease) {
+  constexpr std::uint64_t kMany = 60;
+  WebClient page(http());
+  greet(page);
+  page.ask<LeaseGrant>(AcquireLease{"arm"});
+  auto member = daemon_.connect("member");
+  member.request(Join{});
+  page.ask<Advanced>(Join{});
+  const auto before = page.received_bytes();
+  page.send(100, Advance{1});
+  for (std::uint64_t i = 1; i <= kMany; ++i) page.send(100 + i, DescribeWorld{});
+  while (member.request_as<ServerStatus>(Status{}).lockstep.at(1).granted_tick < 1) continue;
+  advance(member, 1);
+  for (std::uint64_t i = 0; i <= kMany; ++i) EXPECT_EQ(page.next().reply_to, 100 + i);
+  EXPECT_GT(page.received_bytes() - before, 4 * Limits().max_queued_bytes) << "more than may wait";
+  page.ask<Ok>(ReleaseLease{"arm"});
 }
 
 // A page that does not run, asleep or on a busy machine, holds up nobody. It keeps its session and is sent no

@@ -29,6 +29,7 @@ struct NotingHandler : protocol::SessionHandler {
   void on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) override;
   void on_close(protocol::Session& session, protocol::CloseReason reason) override;
   void on_notify() override;
+  void on_room(protocol::Session&) override { ++rooms; }
 
   // What the test may set: how a request is answered (default: Ok), why a hello is refused.
   std::function<void(protocol::Session&, std::uint64_t id, const protocol::Request&)> answer;
@@ -40,7 +41,7 @@ struct NotingHandler : protocol::SessionHandler {
   std::map<std::uint64_t, protocol::Session*> sessions;  // welcomed and not closed
   std::vector<Asked> asked;
   std::vector<Closed> closed;
-  int notified = 0;
+  int notified = 0, rooms = 0;
 };
 
 class ServerTest : public ::testing::Test {

@@ -217,6 +217,24 @@ TEST_F(Limited, AReplyLargerThanTheQueueIsStillSent) {
   expect<Ok>(client);
 }
 
+// To requests that waited behind another one, say.
+TEST_F(Limited, RepliesThatComeTogetherEndNoSession) {
+  options.limits.stall_deadline = milliseconds(10'000);
+  RawClient client(port(), {.receive_buffer = 4096});
+  Session& session = greet(client);
+  const std::size_t large = 4 * options.limits.max_queued_bytes;
+  for (std::uint64_t id = 2; id <= 5; ++id)
+    session.send(id, BlackboardData{0, large, std::vector<std::byte>(large), 1});
+  EXPECT_TRUE(session.behind());
+  session.send(0, Event{"world_changed", "", "", 1, 1});
+  EXPECT_EQ(handler.rooms, 0);
+  for (int i = 2; i <= 5; ++i) EXPECT_EQ(expect<BlackboardData>(client).data.size(), large);
+  EXPECT_EQ(expect<Event>(client).kind, "world_changed");
+  EXPECT_TRUE(until([&] { return handler.rooms > 0; }));
+  EXPECT_FALSE(session.behind());
+  EXPECT_TRUE(handler.closed.empty());
+}
+
 TEST_F(Limited, AClientThatAsksButDoesNotReadIsNotAnsweredWithoutEnd) {
   options.limits.stall_deadline = milliseconds(10'000);
   handler.answer = [](Session& session, std::uint64_t id, const Request&) {

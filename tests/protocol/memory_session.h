@@ -24,6 +24,7 @@ class MemorySession final : public protocol::SessionCore {
       while (handle_frames() == Appetite::kTurn) flush();
     }
     flush();
+    tell_room();
     tell_closed();
   }
   void end() {

@@ -31,6 +31,7 @@ class Oracle final : public protocol::SessionHandler, public cycle::Witness {
   void on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) override;
   void on_close(protocol::Session& session, protocol::CloseReason reason) override;
   void on_notify() override {}
+  void on_room(protocol::Session& session) override { judged_.on_room(session); }
   void sends(protocol::Session& session, std::uint64_t reply_to, const protocol::Reply& reply);
 
   void took(const recording::TimedInput& input) override;

@@ -119,7 +119,10 @@ class Server {
     empty_mailbox();
     tick_side_.give_back();
     if (version != tick_side_.version()) gateway_.serve();
-    if (may_tick()) tick_side_.tick();
+    if (may_tick()) {
+      if (gateway_.complete_writes()) empty_mailbox();
+      tick_side_.tick();
+    }
     tick_side_.give_back();
     gateway_.serve();
   }

@@ -24,6 +24,7 @@ class WiredSession final : public protocol::SessionCore {
     now_ms_ = now_ms;
     if (connection_->reset) return close(protocol::CloseReason::kLost);
     flush();
+    tell_room();
     if (!closing()) read();
     flush();
     if (closing() && out().empty()) connection_->server_closed = true;
