@@ -76,6 +76,11 @@ void RemoteAgent::think(std::int64_t time_ns) {
   for (const auto& link : links_) link->end_turn();
 }
 
+void RemoteAgent::reset() {
+  std::ranges::transform(ports_, outputs_.begin(), &plugin::Port::initial);
+  agent_->reset();
+}
+
 void RemoteAgent::release() {
   for (const auto& link : links_) link->release();
 }

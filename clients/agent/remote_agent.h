@@ -23,6 +23,8 @@ class RemoteAgent {
   std::int64_t period_ns() const { return period_ns_; }
   // One turn, at the client's time. Throws what the agent throws.
   void think(std::int64_t time_ns);
+  // As it was made.
+  void reset();
   void release();
   // "Way 12.3 m, Covered 20 m²"
   std::string outputs_in_words() const;

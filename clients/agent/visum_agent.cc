@@ -28,12 +28,21 @@ void run(const Options& options) {
   Client client(options.connect, {.name = entry.get("name").text(), .token_file = options.token_file});
   agent::RemoteAgent agent(client, entry, libraries);
   client.join();
-  const std::int64_t begin_ns = client.time_ns();
-  const std::int64_t end_ns = options.time_s > 0.0 ? begin_ns + std::llround(options.time_s * 1e9)
-                                                   : std::numeric_limits<std::int64_t>::max();
-  while (client.time_ns() < end_ns) {
+  std::int64_t left_ns =
+      options.time_s > 0.0 ? std::llround(options.time_s * 1e9) : std::numeric_limits<std::int64_t>::max();
+  std::int64_t begin_ns = client.time_ns();
+  while (left_ns > 0) {
     agent.think(client.time_ns() - begin_ns);
+    const auto era = client.era();
+    const std::int64_t before_ns = client.time_ns();
     client.advance_ns(agent.period_ns());
+    if (client.era() == era) {
+      left_ns -= client.time_ns() - before_ns;
+    } else {  // the world was reset: times before and after are of different counts
+      left_ns -= agent.period_ns();
+      agent.reset();
+      begin_ns = client.time_ns();
+    }
   }
   agent.release();
   client.leave();

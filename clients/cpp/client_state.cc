@@ -24,6 +24,20 @@ void PartState::apply(const protocol::PartSample& sample) {
   era = sample.era;
 }
 
+// From this staged port to behind the last one that only ports that were set lead to.
+std::size_t PartState::end_of_run(std::size_t first) const {
+  std::size_t end = first + 1;
+  for (std::size_t port = end; port < inputs.size() && (set[port] || staged[port]); ++port) {
+    if (staged[port]) end = port + 1;
+  }
+  return end;
+}
+
+void PartState::end_lease() {
+  leased = false;
+  forget_writes();
+}
+
 void PartState::forget_writes() {
   inputs.resize(input_ports.size());
   for (auto* flags : {&set, &staged, &last_write}) flags->assign(input_ports.size(), false);
@@ -56,7 +70,7 @@ void ClientState::post(const PartState& part, protocol::Write write) {
     if (auto refusal = settle_oldest()) throw *refusal;
   }
   try {
-    pending.push_back({link().send(write), part.name});
+    pending.push_back({link().send(write), part.name, write.first_port, write.values.size()});
   } catch (const protocol::ConnectionError& error) {
     throw Error(ErrorCode::kConnection, error.what(), part.name);
   }
@@ -66,8 +80,20 @@ std::optional<Error> ClientState::settle_oldest() {
   const PendingWrite oldest = std::move(pending.front());
   pending.pop_front();
   const protocol::Reply reply = wait(oldest.id);
-  if (const auto* refusal = std::get_if<protocol::Error>(&reply)) return to_error(*refusal, oldest.part);
-  return std::nullopt;
+  const auto* refusal = std::get_if<protocol::Error>(&reply);
+  if (refusal == nullptr) return std::nullopt;
+  disown(oldest);
+  return to_error(*refusal, oldest.part);
+}
+
+// What was refused is not in force, and no later write may take it along.
+void ClientState::disown(const PendingWrite& refused) {
+  for (PartState* part : parts) {
+    if (part->name != refused.part) continue;
+    for (std::size_t i = refused.first_port; i < refused.first_port + refused.count; ++i) {
+      part->set[i] = part->staged[i];
+    }
+  }
 }
 
 std::optional<Error> ClientState::settle() {

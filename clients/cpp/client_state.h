@@ -36,6 +36,8 @@ struct PartState {
 
   ClientState& connected() const;  // throws kConnection where there is no client any more
   void apply(const protocol::PartSample& sample);
+  std::size_t end_of_run(std::size_t first) const;
+  void end_lease();
   void forget_writes();
 };
 
@@ -43,6 +45,7 @@ struct PartState {
 struct PendingWrite {
   std::uint64_t id;
   std::string part;
+  std::size_t first_port, count;
 };
 
 struct ClientState {
@@ -83,6 +86,7 @@ struct ClientState {
   Error explain(const protocol::Error& refusal);
   protocol::Reply wait(std::uint64_t id);
   std::optional<Error> settle_oldest();
+  void disown(const PendingWrite& refused);
 };
 
 }  // namespace visum::detail

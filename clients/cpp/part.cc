@@ -133,9 +133,13 @@ void Part::release() {
   if (!state_->leased) return;
   detail::ClientState& client = state_->connected();
   const auto refusal = client.settle();
-  client.request(protocol::ReleaseLease{state_->name}, state_->name);
-  state_->leased = false;
-  state_->forget_writes();
+  try {
+    client.request(protocol::ReleaseLease{state_->name}, state_->name);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kNoLease) state_->end_lease();  // it was lost before
+    throw;
+  }
+  state_->end_lease();
   if (refusal) throw *refusal;
 }
 
@@ -143,17 +147,18 @@ bool Part::leased() const {
   return state_->leased;
 }
 
-// One message per run of neighbouring ports that were set. What was not set is not sent: a sample may be
-// older than what its former holder wrote last.
+// One message per run of ports whose values we know. What was not set under this lease is not sent: a sample
+// may be older than what its former holder wrote last.
 void Part::write() {
   detail::ClientState& client = state_->connected();
   auto& staged = state_->staged;
   if (std::find(staged.begin(), staged.end(), true) == staged.end()) staged = state_->last_write;
   for (std::size_t port = 0; port < staged.size(); ++port) {
     if (!staged[port]) continue;
-    protocol::Write write{state_->name, static_cast<std::uint32_t>(port), {}, 0};
-    for (; port < staged.size() && staged[port]; ++port) write.values.push_back(state_->inputs[port]);
-    client.post(*state_, std::move(write));
+    const auto end = state_->end_of_run(port);
+    const auto values = std::span(state_->inputs).subspan(port, end - port);
+    client.post(*state_, {state_->name, static_cast<std::uint32_t>(port), {values.begin(), values.end()}, 0});
+    port = end;
   }
   state_->last_write = staged;
   staged.assign(staged.size(), false);

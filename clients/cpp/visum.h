@@ -174,12 +174,15 @@ class Part {
   // Takes the lease: the exclusive right to write. A deadline is simulated time without a write after which
   // the server counts this controller as lost; 0: none. `take` (role admin) takes it from its holder.
   void acquire(std::int64_t deadline_ns = 0, bool take = false);
+  // In good order. Where the lease was lost before it throws kNoLease, and the part is let go all the same.
   void release();
   bool leased() const;
 
-  // Sends what was set since the last write, as one all-or-nothing message, and does not wait: a refusal by
-  // the server is thrown by a later call of this client (the next advance or read at the latest). With
-  // nothing set it repeats the last write, as a sign of life for a deadline.
+  // Sends what was set since the last write, and does not wait: a refusal by the server is thrown by a later
+  // call of this client (the next advance or read at the latest). One all-or-nothing message, if all ports
+  // between the first and the last of them have been set under this lease; else one for each run of such
+  // ports, which may come to different ticks. With nothing set it repeats the last write, as a sign of life
+  // for a deadline.
   void write();
   // Makes the outputs current. Costs nothing right after an advance, otherwise one round trip.
   void read();

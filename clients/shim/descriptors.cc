@@ -21,11 +21,9 @@
 namespace visum::shim {
 namespace {
 
-constexpr int kWatchedSets = 1024;  // descriptors of epoll above that count as on a bus
-constexpr int kMostPauses = 5000;   // of 1 ms: what the server has written on loopback comes
+constexpr int kMostPauses = 5000;  // of 1 ms: what the server has written on loopback comes
 
 std::atomic<int> descriptor_of_stream[kMostStreams];  // in this process; + 1
-std::atomic<bool> set_watches_bus[kWatchedSets];
 
 using AskAddress = int (*)(int, sockaddr*, socklen_t*);
 
@@ -164,12 +162,19 @@ void note_read(const Descriptor& from, std::int64_t count) {
   if (count > 0 && from.stream) from.stream->heard += static_cast<std::uint64_t>(count);
 }
 
-void note_watched(int epoll, int fd) {
-  if (epoll >= 0 && epoll < kWatchedSets && descriptor(fd).on_bus()) set_watches_bus[epoll] = true;
-}
-
 bool watches_bus(int epoll) {
-  return epoll >= kWatchedSets || (epoll >= 0 && set_watches_bus[epoll]);
+  const int error = errno;
+  char line[256];
+  std::snprintf(line, sizeof line, "/proc/self/fdinfo/%d", epoll);
+  std::FILE* file = std::fopen(line, "re");  // proc(5)
+  bool found = file == nullptr;
+  while (!found && std::fgets(line, sizeof line, file)) {
+    int fd = -1;
+    found = std::sscanf(line, "tfd: %d", &fd) == 1 && descriptor(fd).on_bus();
+  }
+  if (file) std::fclose(file);
+  errno = error;
+  return found;
 }
 
 }  // namespace visum::shim

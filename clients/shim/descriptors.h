@@ -29,8 +29,7 @@ void note_connected(int fd);
 void note_written(const Descriptor& to, std::int64_t count);
 void note_read(const Descriptor& from, std::int64_t count);
 
-// epoll: whether a set holds something on a bus.
-void note_watched(int epoll, int fd);
+// epoll: whether a set holds something on a bus. Asks the kernel, too: sockets are added before they connect.
 bool watches_bus(int epoll);
 
 }  // namespace visum::shim

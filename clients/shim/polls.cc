@@ -149,8 +149,3 @@ VISUM_EXPORT int epoll_pwait2(int epoll, epoll_event* events, int most, const ti
   if (!active()) return VISUM_REAL(epoll_pwait2)(epoll, events, most, length, signals);
   return epoll_until("epoll_pwait2", epoll, events, most, deadline_after(length), signals);
 }
-
-VISUM_EXPORT int epoll_ctl(int epoll, int operation, int fd, epoll_event* event) noexcept {
-  if (active() && operation != EPOLL_CTL_DEL) note_watched(epoll, fd);
-  return VISUM_REAL(epoll_ctl)(epoll, operation, fd, event);
-}

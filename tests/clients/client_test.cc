@@ -221,6 +221,51 @@ TEST_F(ClientLibrary, StartsAnewAfterAReset) {
   EXPECT_EQ(arm.input("Maximum Speed 1").value(), initial);
 }
 
+TEST_F(ClientLibrary, SendsAsOneMessageWhatIsKnownInBetween) {
+  start(ClockKind::kLockstep);
+  Client client = connect("whole");
+  Part arm = client.part("arm");
+  arm.acquire();
+  Inputs speed = arm.input("Maximum Speed 7"), fingers = arm.inputs("Desired Finger Position");
+  client.join();
+  speed.set(0.25);
+  fingers.set({0.02, 0.02});
+  arm.write();
+  client.advance_ticks(1);
+  speed.set(0.125);
+  fingers.set(1, 0.03);
+  arm.write();
+  EXPECT_THROW(client.advance_ticks(1), Error) << "fingers move together";
+  EXPECT_EQ(speed.value(), 0.25) << "all or nothing";
+  EXPECT_EQ(fingers[1], 0.02);
+  speed.set(0.125);
+  arm.input("Maximum Finger Speed 1").set(0.04);
+  arm.input("Maximum Finger Speed 2").set(0.04);
+  arm.write();
+  EXPECT_NO_THROW(client.advance_ticks(1)) << "what was refused is not sent along";
+  arm.release();
+  arm.read();
+  EXPECT_EQ(speed.value(), 0.125);
+}
+
+TEST_F(ClientLibrary, KeepsItsOtherLeasesWhenAPartGoesWhoseLeaseWasTaken) {
+  start(ClockKind::kLockstep);
+  Client client = connect("robbed");
+  auto admin = connect_plainly(protocol::Role::kAdmin);
+  {
+    Part arm = client.part("arm");
+    arm.acquire();
+    admin.request(protocol::AcquireLease{"arm", 0, true});
+  }
+  EXPECT_NO_THROW(client.part_names()) << "the connection stands, and with it what else it leases";
+  Part arm = client.part("arm");
+  admin.request(protocol::ReleaseLease{"arm"});
+  arm.acquire();
+  admin.request(protocol::AcquireLease{"arm", 0, true});
+  EXPECT_THROW(arm.release(), Error);
+  EXPECT_FALSE(arm.leased());
+}
+
 TEST_F(ClientLibrary, ReadsAndSetsParameters) {
   start(ClockKind::kLockstep);
   Client client = connect("tuner");

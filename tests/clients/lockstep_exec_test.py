@@ -88,6 +88,21 @@ class EveryKindOfProgram(unittest.TestCase):
         text, _, _ = self.same_twice(sys.executable, "-c", body, "{bus.arm}", options=["--bus", "arm=tcp"], env=env)
         self.assertEqual(text, "100", "an answer is there before the program looks, on each of them")
 
+    def test_in_a_set_of_epoll_that_held_it_before_it_was_connected(self):
+        body = ("import select, socket, sys\n"
+                "from serial_steps import ETX, frame\n"
+                "host, port = sys.argv[1].rsplit(':', 1)\n"
+                "with socket.socket() as line, select.epoll() as watch:\n"
+                "    watch.register(line, select.EPOLLIN)\n"
+                "    line.connect((host, int(port)))\n"
+                "    for longest in 0, None:\n"
+                "        line.sendall(frame(1, [0x0A, 0x27]))\n"
+                "        print(len(watch.poll(longest)))\n"
+                "        while line.recv(64)[-1] != ETX: pass\n")
+        env = {**os.environ, "PYTHONPATH": str(SHIM), "PYTHONDONTWRITEBYTECODE": "1"}
+        text, _, _ = self.same_twice(sys.executable, "-c", body, "{bus.arm}", options=["--bus", "arm=tcp"], env=env)
+        self.assertEqual(text, "1\n1")
+
     def test_the_serial_c_program(self):
         text, figures, _ = self.same_twice(SERIAL_ARM, "{bus.arm}")
         self.assertIn("all well", text)

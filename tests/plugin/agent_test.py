@@ -11,6 +11,9 @@ import urllib.request
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "clients"))
 from programs import BIN, DEADLINE_S, SOURCE, Daemon, visum  # noqa: E402
 
+sys.path.insert(0, str(BIN.parent / "python"))
+import visum as visum_client  # noqa: E402
+
 SCENES = SOURCE / "models" / "scenes"
 TEST_PLUGINS = BIN.parent / "test_plugins"
 CULPRIT = f"""\
@@ -18,6 +21,11 @@ visum: 1
 include: ["{SCENES / 'amtec_arm.yaml'}"]
 plugins: [kinds]
 agents: [{{name: hand, kind: culprit, parts: {{arm: arm}}, does: DOES}}]
+"""
+STEPPER = """\
+visum: 1
+plugins: [kinds]
+agents: [{name: hand, kind: stepper, parts: {arm: arm}, step: 0.001}]
 """
 SCENARIO = """\
 visum_scenario: 1
@@ -110,6 +118,27 @@ class Outside(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertGreater(float(re.search(r"done: Way ([\d.]+) m", done.stdout)[1]), 0.2)
             self.assertRegex(daemon.visum("parts").stdout, r"cart +servo_group +free")
+
+    def test_it_begins_anew_when_the_world_does(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder) / "agent.yaml"
+            scene.write_text(STEPPER)
+            with Daemon("--clock", "lockstep") as daemon, visum_client.Client(daemon.connect, role="admin") as admin:
+                admin.join()
+                words = [BIN / "visum-agent", scene, "--plugins", TEST_PLUGINS, "--connect", daemon.connect, "--time", "1"]
+                with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as agent:
+                    while len(admin.status().lockstep) < 2:
+                        pass
+                    admin.advance_ms(500)
+                    admin.reset()
+                    admin.advance_ms(100)
+                    admin.leave()
+                    said, _ = agent.communicate(timeout=DEADLINE_S)
+                ticks = admin.status().tick
+        self.assertEqual(agent.returncode, 0)
+        self.assertAlmostEqual(ticks, 500, delta=20, msg="a second in all")
+        desired = float(re.search(r"Desired ([\d.]+) rad", said)[1])
+        self.assertAlmostEqual(desired, 0.001 * ticks / 10, delta=0.002, msg="a step each 10 ms since the reset")
 
     def test_what_is_wrong_has_its_exit_code(self):
         with Daemon("--clock", "lockstep", scene=SCENES / "cart.yaml") as daemon:

@@ -87,6 +87,83 @@ class OnTheTwoLinkRobot(unittest.TestCase):
             self.robot.read()
         self.assertEqual(caught.exception.code, visum.ErrorCode.NO_LEASE)
 
+    def test_nothing_of_a_lease_outlasts_it(self) -> None:
+        desired = self.robot.inputs("Desired Angle")
+        with self.robot.lease():
+            desired[0] = 0.3
+            self.robot.write()
+            desired[1] = 0.9
+        with visum.Client(self.address, name="other") as other:
+            robot = other.part("robot")
+            with robot.lease():
+                robot.inputs("Desired Angle").set([-0.4, 0.5])
+                robot.write()
+        with self.robot.lease():
+            self.robot.write()  # a sign of life
+            self.client.join()
+            self.client.advance_ms(1)
+            self.client.leave()
+            self.assertEqual(list(desired), [-0.4, 0.5])
+
+    def test_nothing_of_an_era_outlasts_it(self) -> None:
+        desired = self.robot.inputs("Desired Angle")
+        self.client.join()
+        with self.robot.lease():
+            initial = list(desired)
+            desired.set([0.3, 0.2])
+            self.robot.write()
+            self.client.advance_ms(1)
+            self.admin.reset()
+            self.client.advance_ms(1)
+            self.assertEqual(list(desired), initial)
+            self.robot.write()
+            self.client.advance_ms(1)
+            self.assertEqual(list(desired), initial)
+        self.client.leave()
+
+    def test_what_was_set_counts_though_a_sample_is_older(self) -> None:
+        desired = self.robot.inputs("Desired Angle")
+        with self.robot.lease():
+            desired[0] = 0.0
+            for _ in range(200):  # the world stands
+                desired[0] += 0.001
+                self.robot.write()
+                self.robot.read()
+            self.assertAlmostEqual(desired[0], 0.2)
+
+    def test_a_lease_begins_with_what_is_in_force(self) -> None:
+        with visum.Client(self.address, name="other") as other:
+            robot = other.part("robot")
+            with robot.lease():
+                robot.inputs("Desired Angle")[0] = 0.25
+                robot.write()
+                other.join()
+                other.advance_ms(1)
+                other.leave()
+        with self.robot.lease():
+            self.assertEqual(self.robot.inputs("Desired Angle")[0], 0.25)
+
+    def test_a_lease_that_was_taken_is_over_once_it_is_released(self) -> None:
+        self.robot.acquire()
+        taken = self.admin.part("robot")
+        taken.acquire(take=True)
+        with self.assertRaises(visum.Error) as caught:
+            self.robot.release()
+        taken.release()
+        self.assertEqual(caught.exception.code, visum.ErrorCode.NO_LEASE)
+        self.assertFalse(self.robot.leased)
+
+    def test_an_advance_that_is_refused_leaves_no_answers_over(self) -> None:
+        self.robot.inputs("Desired Angle")[0] = 0.3
+        self.robot.write()
+        refusals = []
+        for _ in range(2):
+            with self.assertRaises(visum.Error) as caught:
+                self.client.advance_ms(1)
+            refusals.append(caught.exception.code)
+        self.assertEqual(refusals, [visum.ErrorCode.NO_LEASE, visum.ErrorCode.WRONG_STATE])
+        self.assertFalse(self.client.connection._replies)
+
     def test_values_hold_after_a_release_and_part_is_ready(self) -> None:
         with self.robot.lease():
             self.robot.inputs("Desired Angle")[0] = 0.3
@@ -117,6 +194,17 @@ class OnTheTwoLinkRobot(unittest.TestCase):
         self.assertEqual(caught.exception.code, visum.ErrorCode.BAD_VALUE)
         self.assertEqual(self.robot.parameter("Position Gain 1"), 12.5)
         self.assertNotEqual(before, 12.5)
+
+    def test_parameters_take_what_is_a_number_and_nothing_that_is_not(self) -> None:
+        class Gain(float):
+            """As numpy's are."""
+
+        with self.robot.lease():
+            self.robot.set_parameter("Position Gain 1", Gain(12.5))
+            with self.assertRaises(visum.Error) as caught:
+                self.robot.set_parameter("Position Gain 1", None)
+        self.assertEqual(caught.exception.code, visum.ErrorCode.MISUSE)
+        self.assertEqual(self.robot.parameter("Position Gain 1"), 12.5)
 
     def test_blackboard_tells_the_identity(self) -> None:
         self.assertIn(b"example_24nm", self.robot.read_blackboard("Identity"))

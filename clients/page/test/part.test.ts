@@ -15,9 +15,10 @@ const sampleOf = (...controllerInputs: number[]) =>
   ({ controllerInputs, sensorOutputs: [], conflated: 0n, simTimeNs: 0n, era: 0n }) as unknown as PartSample;
 
 // A part that this page leases, with values held; `writes`: first port and values of each write.
-async function leased(held: [number, number][], refuse: () => Error | undefined = () => undefined) {
+async function leased(held: [number, number][], refuse: () => Error | undefined = () => undefined,
+  refuseRelease: () => Error | undefined = () => undefined) {
   const { asked, link } = server((request) => {
-    const error = request.case === "write" && refuse();
+    const error = (request.case === "write" && refuse()) || (request.case === "releaseLease" && refuseRelease());
     if (error) throw error;
     return {};
   });
@@ -86,6 +87,9 @@ test("holds end with the lease, which is told where it was lost, and not where i
   const lost = await leased([[0, 1], [3, 5]]);
   lost.part.leaseLost();
   assert.deepEqual(lost.told, ["No longer held: Angle, Speed (the lease of 'arm' is lost)"]);
+  const gone = await leased([[0, 1]], () => undefined, () => refusal(ErrorCode.ERROR_NO_LEASE, "leased by nobody"));
+  await gone.part.release();
+  assert.deepEqual(gone.told, ["No longer held: Angle (the lease of 'arm' is lost)"]);
   const released = await leased([[0, 1]]);
   await released.part.release();
   assert.deepEqual([released.part.held.size, released.told], [0, []]);

@@ -7,9 +7,9 @@ import { refusal, server } from "./server";
 
 mock.method(globalThis, "setInterval", () => 0); // nothing is asked again and again
 
-async function twoOfThreeLeased(refused = "") {
+async function twoOfThreeLeased(refused = "", code = ErrorCode.ERROR_BUSY) {
   const { asked, link } = server((request) => {
-    if (request.case === "releaseLease" && request.value.part === refused) throw refusal(ErrorCode.ERROR_BUSY, "too many requests");
+    if (request.case === "releaseLease" && request.value.part === refused) throw refusal(code, "too many requests");
     return {};
   });
   const parts = new Parts(link);
@@ -24,6 +24,20 @@ test("every lease is released, and no other", async () => {
   await parts.releaseAll();
   assert.deepEqual(released(), ["arm", "cart"]);
   assert.ok(parts.list.value.every((part) => !part.leased.value));
+});
+
+test("a lease that is gone already keeps no other from being released", async () => {
+  const { parts, released } = await twoOfThreeLeased("arm", ErrorCode.ERROR_NO_LEASE);
+  await parts.releaseAll();
+  assert.deepEqual(released(), ["arm", "cart"]);
+  assert.ok(parts.list.value.every((part) => !part.leased.value));
+});
+
+test("a release that is refused keeps no other from its own", async () => {
+  const { parts, released } = await twoOfThreeLeased("arm");
+  await assert.rejects(parts.releaseAll(), /too many requests/);
+  assert.deepEqual(released(), ["arm", "cart"]);
+  assert.deepEqual(parts.list.value.map((part) => part.leased.value), [true, false, false]);
 });
 
 test("a release that is refused is told, and its lease and what it holds stay", async () => {

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple
 
-from visum.connection import VERSION, Connection, TlsFiles, pb
+from visum.connection import VERSION, Connection, TlsFiles, pb, refusal_of
 from visum.errors import Error, ErrorCode, nearest_hint
 from visum.part import Part
 from visum.token_file import read_token_file
@@ -52,7 +52,7 @@ class Client:
         self.time_ns = 0
         self.era = 0
         self._parts: list[Part] = []
-        self._pending_writes: deque[int] = deque()
+        self._pending_writes: deque[tuple[int, pb.Write]] = deque()
         self._ahead_ns = 0  # by which the ticks asked for are ahead of the sum of the periods
         self._world: World | None = None
         self._world_revision = -1
@@ -84,20 +84,23 @@ class Client:
         """Sends without waiting; settle_writes() looks at the answers."""
         if len(self._pending_writes) >= _MAX_PENDING_WRITES:
             self.settle_writes()
-        self._pending_writes.append(self.connection.send(write=write))
+        self._pending_writes.append((self.connection.send(write=write), write))
 
-    def settle_writes(self) -> None:
-        """Waits for the answers to all writes under way; raises the first refusal."""
+    def settle(self) -> Error | None:
+        """Waits for the answers to all writes under way; the first refusal, if any."""
         first: Error | None = None
         while self._pending_writes:
-            try:
-                self.connection.wait(self._pending_writes.popleft())
-            except Error as refusal:
-                if self.connection.closed or refusal.code == ErrorCode.CONNECTION:
-                    raise
-                first = first or refusal
-        if first:
-            raise first
+            number, write = self._pending_writes.popleft()
+            refusal = refusal_of(self.connection.take(number))
+            first = first or refusal
+            for part in self._parts:
+                if refusal and part.name == write.part:
+                    part.disown(range(write.first_port, write.first_port + len(write.values)))
+        return first
+
+    def settle_writes(self) -> None:
+        if refusal := self.settle():
+            raise refusal
 
     # Time ----------------------------------------------------------------------------------------------------------
 
@@ -133,14 +136,16 @@ class Client:
     def _advance(self, ticks: int) -> None:
         advance = self.connection.send(advance=pb.Advance(ticks=ticks))
         reads = [self.connection.send(read=pb.Read(part=part.name)) for part in self._parts]
-        refusal: Error | None = None
-        try:
-            self.settle_writes()
-        except Error as error:
-            refusal = error
-        self._set_time(self.connection.wait(advance).advanced)
-        for part, number in zip(self._parts, reads):
-            part.apply(self.connection.wait(number).part_sample)
+        # All answers are taken in before anything is raised: none may be left over for the next period.
+        refusal = self.settle()
+        advanced, *samples = [self.connection.take(number) for number in (advance, *reads)]
+        if stood_still := refusal_of(advanced):
+            raise refusal or stood_still  # who advances again is told of the latter again
+        self._set_time(advanced.advanced)
+        for part, sample in zip(self._parts, samples):
+            refusal = refusal or refusal_of(sample)
+            if sample.WhichOneof("body") == "part_sample":
+                part.apply(sample.part_sample)
         if refusal:
             raise refusal
 

@@ -130,13 +130,17 @@ class Connection:
             raise Error(ErrorCode.CONNECTION, f"the connection is gone: {error}") from error
         return number
 
-    def wait(self, number: int) -> pb.ServerMessage:
-        """The reply to that request. A refusal raises."""
+    def take(self, number: int) -> pb.ServerMessage:
+        """The reply to that request, which may be a refusal."""
         while number not in self._replies:
             self._sort(self._receive())
-        reply = self._replies.pop(number)
-        if reply.WhichOneof("body") == "error":
-            raise _to_error(reply.error)
+        return self._replies.pop(number)
+
+    def wait(self, number: int) -> pb.ServerMessage:
+        """The reply to that request. A refusal raises."""
+        reply = self.take(number)
+        if refusal := refusal_of(reply):
+            raise refusal
         return reply
 
     def request(self, **request: object) -> pb.ServerMessage:
@@ -193,6 +197,10 @@ class Connection:
             if not chunk:
                 raise Error(ErrorCode.CONNECTION, "the server closed the connection")
             self._received += chunk
+
+
+def refusal_of(reply: pb.ServerMessage) -> Error | None:
+    return _to_error(reply.error) if reply.WhichOneof("body") == "error" else None
 
 
 def _to_error(error: pb.Error) -> Error:

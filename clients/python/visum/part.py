@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from visum.connection import pb
+from visum.connection import pb, refusal_of
 from visum.errors import Error, ErrorCode, nearest_hint
 from visum.ports import Inputs, Outputs, Port, find_ports
 
@@ -34,9 +34,9 @@ class Part:
         self.output_values: list[float] = []
         self.sample_tick = 0
         self.sample_time_ns = 0
-        self._staged: dict[int, float] = {}
-        self._last_write: dict[int, float] = {}
+        self._era = 0
         self.leased = False
+        self._forget_writes()
         self.read()
 
     # Ports ---------------------------------------------------------------------------------------------------------
@@ -49,30 +49,48 @@ class Part:
 
     def stage(self, index: int, value: float) -> None:
         """Remembers a controller input for the next write()."""
-        self._staged[index] = value
+        self._set.add(index)
+        self._staged.add(index)
         self.input_values[index] = value
 
     def write(self) -> None:
         """Sends what was set since the last write and does not wait: a refusal is raised by a later call of this
         client (the next advance or read at the latest). With nothing set it repeats the last write, as a sign of life
         for a deadline."""
-        values = self._staged or self._last_write
-        self._staged, self._last_write = {}, dict(values)
-        for first, run in _runs(values):
+        self._last_write, self._staged = self._staged or self._last_write, set()
+        for first, run in _runs({index: self.input_values[index] for index in self._last_write}):
             self._client.post_write(pb.Write(part=self.name, first_port=first, values=run))
 
     def read(self) -> None:
         """Makes the outputs current, with one round trip."""
         number = self._client.connection.send(read=pb.Read(part=self.name))
-        self._client.settle_writes()
-        self.apply(self._client.connection.wait(number).part_sample)
+        refusal = self._client.settle()
+        reply = self._client.connection.take(number)
+        if refusal := refusal or refusal_of(reply):
+            raise refusal
+        self.apply(reply.part_sample)
 
     def apply(self, sample: pb.PartSample) -> None:
-        self.output_values = list(sample.sensor_outputs)
-        self.sample_tick, self.sample_time_ns = sample.tick, sample.sim_time_ns
+        """While we hold the lease nobody else writes, and a sample may be older than our last write. A new era begins with
+        values of its own."""
+        if not self.leased or sample.era != self._era:
+            self._forget_writes()
+        ours = {index: self.input_values[index] for index in self._set}
         self.input_values = list(sample.controller_inputs)
-        for index, value in self._staged.items():
+        for index, value in ours.items():
             self.input_values[index] = value
+        self.output_values = list(sample.sensor_outputs)
+        self.sample_tick, self.sample_time_ns, self._era = sample.tick, sample.sim_time_ns, sample.era
+
+    def disown(self, indices: Iterable[int]) -> None:
+        """What was refused is not in force: samples tell what is."""
+        self._set -= set(indices) - self._staged
+
+    def _forget_writes(self) -> None:
+        # Indices of inputs: set since acquire(), since the last write(), and in it.
+        self._set: set[int] = set()
+        self._staged: set[int] = set()
+        self._last_write: set[int] = set()
 
     # Lease ---------------------------------------------------------------------------------------------------------
 
@@ -82,14 +100,23 @@ class Part:
         self._client.connection.request(acquire_lease=pb.AcquireLease(
             part=self.name, deadline_ns=round(deadline_s * 1e9), take=take))
         self.leased = True
+        self._set = set(self._staged)
+        self.apply(self._client.connection.request(read=pb.Read(part=self.name)).part_sample)
 
     def release(self) -> None:
-        """Gives the lease back in good order: the last values go on holding."""
+        """Gives the lease back in good order: the last values go on holding. Where it was lost before this raises NO_LEASE, and
+        the part is let go all the same."""
+        refusal = self._client.settle()
         try:
-            self._client.settle_writes()
-        finally:  # also where a write of before was refused, which is told then
             self._client.connection.request(release_lease=pb.ReleaseLease(part=self.name))
-            self.leased = False
+        except Error as error:
+            if error.code != ErrorCode.NO_LEASE:
+                raise
+            refusal = refusal or error
+        self.leased = False
+        self._forget_writes()
+        if refusal:
+            raise refusal
 
     @contextmanager
     def lease(self, deadline_s: float = 0.0, take: bool = False) -> Iterator[Part]:
@@ -117,7 +144,10 @@ class Part:
         return known[name]
 
     def set_parameter(self, name: str, value: ParameterValue) -> None:
-        field = {bool: "flag", int: "integer", float: "number", str: "text"}[type(value)]
+        fields = {bool: "flag", int: "integer", float: "number", str: "text"}  # a bool is an int, too
+        field = next((field for kind, field in fields.items() if isinstance(value, kind)), None)
+        if field is None:
+            raise Error(ErrorCode.MISUSE, f"'{name}' cannot be a {type(value).__name__}: a bool, int, float or str is expected")
         self._client.connection.request(set_parameter=pb.SetParameter(
             part=self.name, name=name, value=pb.ParameterValue(**{field: value})))
 

@@ -54,7 +54,8 @@ class Outputs:
 
 
 class Inputs:
-    """Controller inputs of one part: as staged here or, before that, as in force. Part.write() sends them."""
+    """Controller inputs of one part: as set under this lease, else as in force at the newest sample.
+    Part.write() sends them."""
 
     def __init__(self, part: Part, ports: list[Port]) -> None:
         self._part = part

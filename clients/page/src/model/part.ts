@@ -66,7 +66,7 @@ export class Part {
       await this.link.request({ case: "releaseLease", value: { part: this.name } }, "ok");
     } catch (error) {
       for (const [index, value] of held) this.held.set(index, value);
-      throw error;
+      if (!(error instanceof RequestError && error.code === ErrorCode.ERROR_NO_LEASE)) throw error; // else it was lost before
     }
     this.leaseLost();
   }

@@ -53,7 +53,9 @@ export class Parts {
   // In good order: the last values go on holding. What a session still holds as it ends is lost, and the part stops.
   async releaseAll(): Promise<void> {
     if (!this.link.welcome) return;
-    for (const part of this.list.value) if (part.leased.value) await part.release();
+    const leased = this.list.value.filter((part) => part.leased.value);
+    const ends = await Promise.allSettled(leased.map((part) => part.release()));
+    for (const end of ends) if (end.status === "rejected") throw end.reason;
   }
 
   async adaptTo(realTimeFactor: number): Promise<void> {
