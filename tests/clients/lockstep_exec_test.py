@@ -102,6 +102,11 @@ class EveryKindOfProgram(unittest.TestCase):
         env = {**os.environ, "PYTHONPATH": str(SHIM), "PYTHONDONTWRITEBYTECODE": "1"}
         text, _, _ = self.same_twice(sys.executable, "-c", body, "{bus.arm}", options=["--bus", "arm=tcp"], env=env)
         self.assertEqual(text, "1\n1")
+        with Daemon("--clock", "lockstep", "--bus", "arm=tcp:0,delay_ms=5") as daemon:
+            words = [BIN / "visum", "exec", "--connect", daemon.connect, "--lockstep", "--timeout", "20", "--"]
+            address = daemon.ready["buses"]["arm"][0].replace("tcp", "127.0.0.1")
+            done = subprocess.run([*words, sys.executable, "-c", body, address], capture_output=True, text=True, env=env)
+        self.assertEqual((done.returncode, done.stdout), (0, "0\n1\n"), done.stderr)
 
     def test_the_serial_c_program(self):
         text, figures, _ = self.same_twice(SERIAL_ARM, "{bus.arm}")
