@@ -23,6 +23,7 @@ class AdminSession final : public protocol::Session {
   protocol::Role role() const override { return protocol::Role::kAdmin; }
   void send(std::uint64_t reply_to, const protocol::Reply& reply) override { replies[reply_to] = reply; }
   bool send_latest(std::uint32_t, const protocol::Reply&) override { return true; }
+  bool behind() const override { return false; }
   bool ready_for(std::uint32_t) const override { return true; }
   void close(protocol::CloseReason) override {}
 
