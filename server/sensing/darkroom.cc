@@ -1,11 +1,26 @@
 #include "server/sensing/darkroom.h"
 
+#include <algorithm>
+
 namespace visum::sensing {
+namespace {
+
+bool has_agent_that_looks(const scene::Scene& scene, const std::string& camera) {
+  const auto is_camera = [&](const auto& part) {
+    return part.second >= scene.parts.size() &&
+           scene.sensors.at(part.second - scene.parts.size()).name == camera;
+  };
+  return std::ranges::any_of(scene.agents,
+                             [&](const auto& agent) { return std::ranges::any_of(agent.parts, is_camera); });
+}
+
+}  // namespace
 
 Darkroom::Darkroom(const scene::Scene& scene, const Mount& mount, const sensors::CameraSettings& settings)
     : painter_(scene, mount, settings), image_bytes_(sensors::image_bytes(settings)), image_(image_bytes_) {
   painter_.paint({}, image_);
-  if (scene.clock == scene::ClockKind::kRealtime) thread_ = std::thread([this] { work(); });
+  if (scene.clock == scene::ClockKind::kRealtime && !has_agent_that_looks(scene, settings.name))
+    thread_ = std::thread([this] { work(); });
 }
 
 Darkroom::~Darkroom() {

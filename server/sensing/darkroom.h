@@ -1,7 +1,8 @@
 // Where a camera's pictures are made. In `realtime` on a thread of its own: a slow picture comes late, and
-// replaces those that it was too slow for; the tick waits for none. Under the other clocks when somebody
-// looks at the blackboard, so that the picture there is always that of the reading that is shown, with the
-// same bits in every run, and costs nothing where nobody looks.
+// replaces those that it was too slow for; the tick waits for none. Under the other clocks, and where an
+// agent of the scene has the camera, when somebody looks at the blackboard, so that the picture there is
+// always that of the reading that is shown, with the same bits in every run, and costs nothing where nobody
+// looks: what an agent makes of it is part of the world.
 #pragma once
 
 #include <atomic>
@@ -37,7 +38,7 @@ class Darkroom : public sensors::Developer {
   world::Exchange<std::vector<std::byte>> pictures_;  // from it
   std::atomic<std::uint32_t> exposures_{0};           // counts; wakes the thread
   std::atomic<bool> ending_{false};
-  std::thread thread_;  // realtime only
+  std::thread thread_;  // realtime only, and without agents that look
 };
 
 }  // namespace visum::sensing

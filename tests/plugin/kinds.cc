@@ -1,5 +1,7 @@
 // A plug-in for tests: an agent, a sensor and a part that do what they should, and others that do not.
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <stdexcept>
 #include <thread>
@@ -72,6 +74,25 @@ class Watcher final : public Agent {
 
  private:
   PartLink& arm_;
+};
+
+// Adds up all bytes of the pictures that it sees.
+class Onlooker final : public Agent {
+ public:
+  explicit Onlooker(AgentContext& scene)
+      : eye_(scene.watched("eye")), sum_(scene.add_output({"Sum", "", 0.0, 1e15, 0.0})) {}
+  void think(const Turn& turn) override {
+    for (const std::byte byte : eye_.blackboard("image")) seen_ += std::to_integer<unsigned>(byte);
+    turn.outputs[sum_] = static_cast<double>(seen_);
+  }
+  void reset() override { seen_ = 0; }
+  void save(StateOut& to) const override { to.put(seen_); }
+  void load(StateIn& from) override { from.get(seen_); }
+
+ private:
+  PartLink& eye_;
+  std::size_t sum_;
+  std::uint64_t seen_ = 0;
 };
 
 // How far its z axis is off the world's, rad.
@@ -161,7 +182,8 @@ class Clumsy final : public Engine {
 constexpr EngineKind kEngines[] = {{"clumsy", "moves the first body, badly", make_engine<Clumsy>}};
 constexpr AgentKind kAgents[] = {{"stepper", "turns a drive on", make_agent<Stepper>},
                                  {"culprit", "does what it should not", make_agent<Culprit>},
-                                 {"watcher", "writes where it may only read", make_agent<Watcher>}};
+                                 {"watcher", "writes where it may only read", make_agent<Watcher>},
+                                 {"onlooker", "adds up what it sees", make_agent<Onlooker>}};
 constexpr SensorKind kSensors[] = {{"tilt", "how far from upright", make_sensor<Tilt>},
                                    {"height", "above what is below", make_sensor<Height>}};
 constexpr PartKind kParts[] = {{"motor", "torques", make_part<Motor>}};

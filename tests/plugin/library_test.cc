@@ -78,7 +78,8 @@ TEST(PluginScene, NamesThePlaceOfWhatIsWrong) {
             "s.yaml:2: agents[0].kind: no plug-in of this scene has agents; name one under 'plugins'");
   const std::string with = "plugins: [kinds]\n";
   EXPECT_EQ(error_of_scene(with + "agents: [{name: a, kind: steper}]"),
-            "s.yaml:3: agents[0].kind: must be one of stepper, culprit, watcher, is 'steper'; did you mean "
+            "s.yaml:3: agents[0].kind: must be one of stepper, culprit, watcher, onlooker, is 'steper'; did "
+            "you mean "
             "'stepper'?");
   EXPECT_EQ(error_of_scene(with + "agents: [{name: a, kind: stepper, step: 0.1}]"),
             "s.yaml:3: agents[0]: stepper: needs a part as 'arm' under 'parts'");
