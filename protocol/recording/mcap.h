@@ -13,6 +13,7 @@ namespace visum::recording {
 
 inline constexpr std::array<std::uint8_t, 8> kMcapMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 inline constexpr std::size_t kRecordHeadBytes = 9;
+inline constexpr std::uint64_t kMaxRecordBytes = 192u << 20;  // a scene's largest mesh fits
 
 enum class Op : std::uint8_t {
   kHeader = 0x01,

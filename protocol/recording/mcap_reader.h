@@ -17,8 +17,6 @@ namespace visum::recording {
 
 class McapReader {
  public:
-  static constexpr std::uint64_t kMaxRecordBytes = 192u << 20;  // a scene's largest mesh fits
-
   // `in`: a file, which has to outlive the reader.
   explicit McapReader(std::istream& in);
 

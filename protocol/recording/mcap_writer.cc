@@ -1,6 +1,7 @@
 #include "protocol/recording/mcap_writer.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace visum::recording {
 namespace {
@@ -68,6 +69,9 @@ std::uint16_t McapWriter::add_channel(std::string_view topic, std::uint16_t sche
 
 void McapWriter::write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
                        Bytes data) {
+  if (data.size() > kMaxMessageBytes)
+    throw std::length_error("a message of " + std::to_string(data.size() >> 20) + " MiB; the longest has " +
+                            std::to_string(kMaxMessageBytes >> 20));
   if (messages_++ == 0) from_ns_ = log_time_ns;
   until_ns_ = std::max(until_ns_, log_time_ns);
   if (indexes_.empty()) chunk_from_ns_ = log_time_ns;

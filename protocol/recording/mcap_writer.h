@@ -19,12 +19,14 @@ class McapWriter {
   // Takes bytes that go to the end of the file; throws where it cannot. The writer is lost then.
   using Sink = std::function<void(Bytes)>;
   static constexpr std::size_t kChunkBytes = 1u << 20;  // a chunk that has so many ends
+  static constexpr std::size_t kMaxMessageBytes =
+      kMaxRecordBytes - 2 * kChunkBytes;  // in a chunk that is read
 
   McapWriter(Sink sink, std::string_view library);
 
   std::uint16_t add_schema(std::string_view name, std::string_view encoding, Bytes data);
   std::uint16_t add_channel(std::string_view topic, std::uint16_t schema, std::string_view encoding);
-  // `log_time_ns` never goes back.
+  // `log_time_ns` never goes back. Throws std::length_error where `data` is longer than a message may be.
   void write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data);
   void attach(const Attachment& attachment);  // a file of its own, outside of chunks
   void flush();                               // ends the chunk, if there is something in it

@@ -1,7 +1,7 @@
 #include "server/recording/export_csv.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <charconv>
 #include <stdexcept>
 #include <utility>
 
@@ -17,14 +17,20 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
-// Enough digits to come back to the same bits.
-std::string exact(double number) {
+// As few digits as come back to the same bits.
+template <typename... Format>
+std::string exact(double number, Format... format) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.17g", number);
-  return text;
+  return {text, std::to_chars(text, text + sizeof text, number, format...).ptr};
 }
 
-// A part of the recording with its newest sample, and the columns that are wanted of it.
+// Divided, not multiplied: the double nearest to what a user types for it.
+double time_s_of(const Tick& tick) {
+  return static_cast<double>(tick.sim_time_ns) / 1e9;
+}
+
+// A part of the recording with its newest sample, empty before the first, and the columns that are wanted of
+// it.
 struct Source {
   protocol::PartDescription description;
   protocol::PartSample sample;
@@ -94,18 +100,22 @@ class Exporter {
   }
 
   bool is_wanted(const Tick& tick) const {
-    const double time_s = static_cast<double>(tick.sim_time_ns) * 1e-9;
+    const double time_s = time_s_of(tick);
     return tick.tick % options_.every == 0 && time_s >= options_.from_s && time_s <= options_.to_s;
   }
 
   void put_row(const Tick& tick) {
-    out_ << tick.tick << "," << tick.era << "," << exact(static_cast<double>(tick.sim_time_ns) * 1e-9);
+    out_ << tick.tick << "," << tick.era << "," << exact(time_s_of(tick), std::chars_format::fixed);
     for (const auto& source : sources_) {
-      for (const auto column : source.inputs) out_ << "," << exact(source.sample.controller_inputs[column]);
-      for (const auto column : source.outputs) out_ << "," << exact(source.sample.sensor_outputs[column]);
+      put_cells(source.inputs, source.sample.controller_inputs);
+      put_cells(source.outputs, source.sample.sensor_outputs);
     }
     out_ << "\r\n";
     ++result_.rows;
+  }
+
+  void put_cells(const std::vector<std::size_t>& columns, const std::vector<double>& values) {
+    for (const auto column : columns) out_ << "," << (values.empty() ? "" : exact(values[column]));
   }
 
   RecordingFile file_;

@@ -1,10 +1,13 @@
 #include "server/recording/flight_recorder.h"
 
+#include <fcntl.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <fstream>
 #include <stdexcept>
+#include <system_error>
 
 namespace visum::recording {
 
@@ -47,7 +50,7 @@ void FlightRecorder::took(const TimedInput& input) {
   const auto from = now_.input_bytes.size();
   encode(input, now_.input_bytes);
   const auto size = now_.input_bytes.size() - from;
-  now_.inputs.push_back({now_.ticks.size(), from, size});
+  now_.inputs.push_back({now_.ticks.size(), input.tick, from, size});
   if (now_.input_bytes.size() <= kInputBytes) return;
   if (size > kInputBytes) forget();  // that one alone is too much to be kept
   begin_half();
@@ -75,21 +78,35 @@ void FlightRecorder::dump_now() {
     spdlog::warn("the world froze for the {}th time: the ticks before it are not written any more", files_);
     return forget();
   }
-  const auto name = "frozen-" + std::to_string(::getpid()) + "-" + std::to_string(files_) + "-tick-" +
-                    std::to_string(simulation_.tick_count()) + ".mcap";
+  std::filesystem::path file;
   try {
-    const auto file = std::filesystem::absolute(folder_ / name).lexically_normal();
+    file = make_file();
     write(file);
     dump_ = file.string();
     spdlog::error("the world froze: its last {} ticks are in {}", ticks, dump_);
   } catch (const std::exception& error) {
     spdlog::error("the world froze, and its last ticks cannot be written: {}", error.what());
+    std::error_code none;
+    if (!file.empty()) std::filesystem::remove(file, none);
   }
   forget();
 }
 
+// Of a name that none has: in a container every run has the same process number.
+std::filesystem::path FlightRecorder::make_file() const {
+  for (int number = files_;; ++number) {
+    const auto name = "frozen-" + std::to_string(::getpid()) + "-" + std::to_string(number) + "-tick-" +
+                      std::to_string(simulation_.tick_count()) + ".mcap";
+    auto file = std::filesystem::absolute(folder_ / name).lexically_normal();
+    std::filesystem::create_directories(file.parent_path());
+    const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+    if (fd >= 0) ::close(fd);
+    if (fd >= 0) return file;
+    if (errno != EEXIST) throw std::system_error(errno, std::generic_category(), file.string());
+  }
+}
+
 void FlightRecorder::write(const std::filesystem::path& file) const {
-  std::filesystem::create_directories(file.parent_path());
   std::ofstream out(file, std::ios::binary | std::ios::trunc);
   out.exceptions(std::ios::failbit | std::ios::badbit);
   McapWriter writer(
@@ -124,7 +141,7 @@ void FlightRecorder::write_half(const Half& half, McapWriter& writer, const Chan
   };
   const auto put_inputs = [&](std::size_t ticks) {
     for (; input != half.inputs.end() && input->ticks == ticks; ++input)
-      writer.write(channels.inputs, time_ns, time_ns,
+      writer.write(channels.inputs, time_ns, static_cast<std::uint64_t>(input->tick * tick_ns),
                    Bytes(half.input_bytes).subspan(input->from, input->size));
   };
   for (std::size_t i = 0; i < half.ticks.size(); ++i) {

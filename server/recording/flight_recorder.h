@@ -36,6 +36,7 @@ class FlightRecorder : public cycle::Witness {
  private:
   struct KeptInput {
     std::size_t ticks;  // of the half that were before it
+    std::int64_t tick;  // of the world that took it
     std::size_t from, size;
   };
   struct Half {
@@ -50,6 +51,7 @@ class FlightRecorder : public cycle::Witness {
   void begin_half();
   void forget();
   void dump_now();
+  std::filesystem::path make_file() const;
   void write(const std::filesystem::path& file) const;
   void write_half(const Half& half, McapWriter& writer, const Channels& channels,
                   std::uint64_t& time_ns) const;

@@ -23,7 +23,7 @@ void Player::read_through() {
     if (std::holds_alternative<const State*>(item)) points_.push_back({ticks_, file_.place_of_last()});
   }
   damage_ = file_.damage();
-  position_ = ticks_;
+  position_ = ticks_ + 1;  // the world is nowhere in it yet
 }
 
 bool Player::advance() {

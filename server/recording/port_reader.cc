@@ -24,7 +24,7 @@ std::vector<double> PortReader::read(const std::string& part, std::uint64_t to, 
     if (of_part && (*of_part)->part == part) sample = **of_part;
     if (!std::holds_alternative<const Tick*>(item) || ++position <= from) continue;
     if (std::exchange(era, sample.era) != sample.era) rows.clear();
-    rows.push_back(static_cast<double>(sample.sim_time_ns) * 1e-9);
+    rows.push_back(static_cast<double>(sample.sim_time_ns) / 1e9);
     rows.insert(rows.end(), sample.controller_inputs.begin(), sample.controller_inputs.end());
     rows.insert(rows.end(), sample.sensor_outputs.begin(), sample.sensor_outputs.end());
   }

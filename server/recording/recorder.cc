@@ -21,11 +21,14 @@ Recorder::Recorder(cycle::Simulation& simulation, const Origin& origin, const st
       scribe_(std::make_unique<Scribe>(file, overflow_of(simulation.scene().clock))) {
   try {
     channels_ = write_beginning(scribe_->writer(), simulation_, origin);
-  } catch (const std::runtime_error& error) {
+    if (origin.has_past) {
+      take_state();
+      scribe_->put_first(channels_.states, static_cast<std::uint64_t>(simulation_.sim_time_ns()), bytes_);
+    }
+  } catch (const std::exception& error) {
     throw std::runtime_error("the recording '" + file.string() + "' cannot be written: " + error.what());
   }
   scribe_->start();
-  if (origin.has_past) put_state();
   simulation_.set_witness(this);
 }
 
@@ -33,15 +36,15 @@ Recorder::~Recorder() {
   simulation_.set_witness(nullptr);
 }
 
-void Recorder::put(std::uint16_t channel) {
-  scribe_->put(channel, time_ns_, static_cast<std::uint64_t>(simulation_.sim_time_ns()), bytes_);
+void Recorder::put(std::uint16_t channel, std::int64_t publish_time_ns) {
+  scribe_->put(channel, time_ns_, static_cast<std::uint64_t>(publish_time_ns), bytes_);
 }
 
 void Recorder::took(const TimedInput& input) {
   if (scribe_->ended()) return;
   bytes_.clear();
   encode(input, bytes_);
-  put(channels_.inputs);
+  put(channels_.inputs, input.tick * simulation_.model().tick_ns);
 }
 
 void Recorder::ticked() {
@@ -55,21 +58,26 @@ void Recorder::ticked() {
     encode(Sample{parts[i].part->description().name, tick, time_ns, simulation_.era(),
                   parts[i].controller_inputs, parts[i].sensor_outputs},
            bytes_);
-    put(channels_.parts[i]);
+    put(channels_.parts[i], time_ns);
   }
   bytes_.clear();
   encode(Tick{tick, simulation_.era(), time_ns, simulation_.state_hash(), simulation_.fault()}, bytes_);
-  put(channels_.ticks);
+  put(channels_.ticks, time_ns);
   if (time_ns_ < next_state_ns_ || simulation_.frozen()) return;
   put_state();
 }
 
-void Recorder::put_state() {
-  next_state_ns_ = time_ns_ + kStatePeriod_ns;
+void Recorder::take_state() {
   simulation_.keep(state_);
   bytes_.clear();
   encode(state_, bytes_);
-  put(channels_.states);
+}
+
+// For seeking only: better a recording without it than none.
+void Recorder::put_state() {
+  next_state_ns_ = time_ns_ + kStatePeriod_ns;
+  take_state();
+  if (scribe_->has_room_for(bytes_.size())) put(channels_.states, simulation_.sim_time_ns());
 }
 
 void Recorder::log(std::string_view level, std::string_view text) {

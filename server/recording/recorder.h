@@ -28,7 +28,8 @@ class Recorder : public cycle::Witness {
   void log(std::string_view level, std::string_view text);  // any thread
 
  private:
-  void put(std::uint16_t channel);  // what stands in bytes_
+  void put(std::uint16_t channel, std::int64_t publish_time_ns);  // what stands in bytes_
+  void take_state();                                              // into bytes_
   void put_state();
 
   cycle::Simulation& simulation_;

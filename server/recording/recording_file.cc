@@ -13,6 +13,12 @@ std::ifstream open(const std::filesystem::path& file) {
   return in;
 }
 
+// A part may have the name "description".
+bool is_of_description(std::string_view topic) {
+  const auto name = topic.substr(kPartTopic.size());
+  return name.size() > kDescriptionTopic.size() && name.ends_with(kDescriptionTopic);
+}
+
 }  // namespace
 
 RecordingFile::RecordingFile(const std::filesystem::path& file) try : in_(open(file)), reader_(in_) {
@@ -107,7 +113,7 @@ RecordingFile::Item RecordingFile::take(const Message& message) {
   if (topic == kStateTopic) return take_as(state_, message);
   if (topic == kTickTopic) return take_as(tick_, message);
   if (!topic.starts_with(kPartTopic)) return End{};
-  if (topic.ends_with(kDescriptionTopic)) return take_as(description_, message);
+  if (is_of_description(topic)) return take_as(description_, message);
   return take_as(sample_, message);
 }
 

@@ -1,5 +1,8 @@
 #include "server/recording/replay.h"
 
+#include <spdlog/spdlog.h>
+
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -16,6 +19,27 @@ std::uint64_t ticks_of(double seconds, std::int64_t tick_ns) {
   return ticks < 1e18 ? static_cast<std::uint64_t>(ticks) : kAll;
 }
 
+// Where a replay that did not come as far as it should has come to.
+std::string place_of(const Replay& replay) {
+  const auto time_ns = static_cast<double>(replay.ticks) * static_cast<double>(replay.header.tick_ns);
+  char text[64];
+  return {text, std::to_chars(text, text + sizeof text, time_ns / 1e9, std::chars_format::fixed).ptr};
+}
+
+void check_reach(const std::filesystem::path& file, const Replay& replay, std::uint64_t asked) {
+  if (replay.ticks >= asked) return;
+  const auto place = place_of(replay);
+  if (replay.damage.empty()) {
+    if (asked != kAll)
+      spdlog::warn("{}: it ends at {} s; the world goes on from there", file.string(), place);
+    return;
+  }
+  if (asked != kAll)
+    throw std::runtime_error(file.string() + ": it can be read up to " + place + " s only: " + replay.damage);
+  spdlog::warn("{}: it can be read up to {} s only, and the world goes on from there: {}", file.string(),
+               place, replay.damage);
+}
+
 }  // namespace
 
 Replay replay(const std::filesystem::path& file, const PluginFolders& plugins) {
@@ -27,12 +51,14 @@ Replay replay(const std::filesystem::path& file, const PluginFolders& plugins) {
 Rewound rewind(const std::filesystem::path& file, double at_s, const Adjust& adjust,
                const PluginFolders& plugins) {
   Replayer replayer(file, plugins, adjust);
-  replayer.run(ticks_of(at_s, replayer.result().header.tick_ns));
+  const auto asked = ticks_of(at_s, replayer.result().header.tick_ns);
+  replayer.run(asked);
   const auto& result = replayer.result();
   if (!result.equal)
     throw std::runtime_error(file.string() + ": not the same bits at tick " +
                              std::to_string(result.difference.tick) + ": " + result.difference.what +
                              "; `visum replay` shows more");
+  check_reach(file, result, asked);
   return replayer.take_world();
 }
 

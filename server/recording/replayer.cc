@@ -26,12 +26,29 @@ std::unique_ptr<cycle::Simulation> make_world(const Header& header, const config
   return std::make_unique<cycle::Simulation>(std::move(scene));
 }
 
+void without_real_time(scene::Scene& scene) {
+  scene.clock = scene::ClockKind::kFree;
+}
+
 Replayer::Replayer(const std::filesystem::path& file, const PluginFolders& plugins, const Adjust& adjust)
     : file_(file),
       files_(file_.take_files()),
       kept_(make_world(file_.header(), files_, plugins, adjust)),
       world_(*kept_) {
   result_.header = file_.header();
+  begin();
+}
+
+// The first tick may be asked for long after this, or never.
+void Replayer::begin() {
+  const config::FilesGiven given(files_);
+  do ahead_ = file_.next();
+  while (std::holds_alternative<const protocol::PartDescription*>(*ahead_));
+  if (std::holds_alternative<const State*>(*ahead_)) take(next());
+}
+
+RecordingFile::Item Replayer::next() {
+  return ahead_ ? *std::exchange(ahead_, {}) : file_.next();
 }
 
 Rewound Replayer::take_world() {
@@ -43,7 +60,7 @@ bool Replayer::run(std::uint64_t ticks) {
   const config::FilesGiven given(files_);
   const auto until = result_.ticks + std::min(ticks, UINT64_MAX - result_.ticks);
   while (!over_ && result_.ticks < until) {
-    const auto item = file_.next();
+    const auto item = next();
     if (std::holds_alternative<RecordingFile::End>(item)) {
       over_ = true;
       result_.damage = file_.damage();

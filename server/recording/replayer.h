@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "server/recording/recording_file.h"
@@ -17,10 +18,14 @@ namespace visum::recording {
 std::unique_ptr<cycle::Simulation> make_world(const Header& header, const config::Files& files,
                                               const PluginFolders& plugins, const Adjust& adjust);
 
+// Nothing beside the ticks: no thread paints pictures that nobody looks at.
+void without_real_time(scene::Scene& scene);
+
 class Replayer {
  public:
-  // Throws what replay() throws.
-  Replayer(const std::filesystem::path& file, const PluginFolders& plugins, const Adjust& adjust = {});
+  // At the state that the recording begins with, if it does. Throws what replay() throws.
+  Replayer(const std::filesystem::path& file, const PluginFolders& plugins,
+           const Adjust& adjust = without_real_time);
 
   // Goes on for so many ticks at most; false: it is over, at the file's end or where it differs.
   bool run(std::uint64_t ticks);
@@ -29,6 +34,8 @@ class Replayer {
   Rewound take_world();
 
  private:
+  void begin();
+  RecordingFile::Item next();
   void take(const RecordingFile::Item& item);
   void take(const TimedInput& input);
   void take(const State& state);
@@ -44,7 +51,8 @@ class Replayer {
   cycle::Simulation& world_;
   std::map<std::string, protocol::PartSample> samples_;
   Replay result_;
-  bool begun_ = false;  // something was taken
+  std::optional<RecordingFile::Item> ahead_;  // read and not taken yet
+  bool begun_ = false;                        // something was taken
   bool over_ = false;
 };
 

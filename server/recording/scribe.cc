@@ -64,6 +64,16 @@ void Scribe::start() {
   thread_ = std::thread([this] { run(); });
 }
 
+void Scribe::put_first(std::uint16_t channel, std::uint64_t publish_time_ns, Bytes data) {
+  writer_.write(channel, 0, publish_time_ns, data);
+  last_publish_ns_ = publish_time_ns;
+}
+
+// Where the tick waits for room anyway, the answer must not hang on the disk: equal runs are equal files.
+bool Scribe::has_room_for(std::size_t bytes) const {
+  return bytes <= (overflow_ == Overflow::kWait ? kQueueBytes : queue_.write_available()) / 2;
+}
+
 void Scribe::put(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
                  Bytes data) {
   if (ended()) return;
@@ -119,7 +129,8 @@ void Scribe::work() {
     queue_.pop(reinterpret_cast<std::byte*>(&head), sizeof head);
     taken_.resize(head.size);
     queue_.pop(taken_.data(), head.size);
-    last_time_ns_ = head.log_time_ns;
+    last_log_ns_ = head.log_time_ns;
+    last_publish_ns_ = head.publish_time_ns;
     writer_.write(head.channel, head.log_time_ns, head.publish_time_ns, taken_);
   }
 }
@@ -130,7 +141,7 @@ void Scribe::write_lines() {
     const std::lock_guard lock(mutex_);
     lines.swap(lines_);
   }
-  for (const auto& line : lines) writer_.write(line.channel, last_time_ns_, last_time_ns_, line.data);
+  for (const auto& line : lines) writer_.write(line.channel, last_log_ns_, last_publish_ns_, line.data);
 }
 
 void Scribe::write(Bytes bytes) {

@@ -34,11 +34,16 @@ class Scribe {
 
   // For what stands at the beginning; until start().
   McapWriter& writer() { return writer_; }
+  // The first message of a world with a past, which may be longer than the queue; until start().
+  void put_first(std::uint16_t channel, std::uint64_t publish_time_ns, Bytes data);
   void start();
 
   // One thread, the tick's. Does nothing once the recording has ended.
   void put(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data);
-  // Any thread. Stands in the file at the time of the message before it.
+  // The same thread. Whether a message that nobody needs may be put: it would wait for little, and leave
+  // room.
+  bool has_room_for(std::size_t bytes) const;
+  // Any thread. Stands in the file at the times of the message before it.
   void put_line(std::uint16_t channel, std::vector<std::byte> data);
 
   bool ended() const { return ended_.load(std::memory_order_relaxed); }
@@ -71,9 +76,9 @@ class Scribe {
   const Descriptor out_;
   McapWriter writer_;
   boost::lockfree::spsc_queue<std::byte> queue_{kQueueBytes};
-  std::vector<std::byte> message_;  // the tick's thread: in the making
-  std::vector<std::byte> taken_;    // the scribe's
-  std::uint64_t last_time_ns_ = 0;  // the scribe's
+  std::vector<std::byte> message_;                       // the tick's thread: in the making
+  std::vector<std::byte> taken_;                         // the scribe's
+  std::uint64_t last_log_ns_ = 0, last_publish_ns_ = 0;  // likewise: times of the last message
   std::atomic<bool> ended_{false};
   std::mutex mutex_;  // of lines_ and stopping_
   std::condition_variable stopped_;

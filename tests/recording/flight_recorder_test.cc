@@ -9,6 +9,8 @@
 #include "server/recording/replay.h"
 #include "server/scene/scene.h"
 #include "tests/recording/forge.h"
+#include "tests/recording/messages.h"
+#include "tests/recording/small_disk.h"
 #include "tests/support/temp_files.h"
 
 namespace visum::recording {
@@ -132,6 +134,48 @@ TEST_F(Flight, AWorldThatWasRewoundLeavesItsLastTicks) {
   EXPECT_TRUE(result.equal) << result.difference.what;
   EXPECT_EQ(result.ticks, 21u) << "from where it was put to where it froze";
   EXPECT_EQ(result.last_hash, again->state_hash());
+}
+
+// In a container each run has the same process number, and ticks are the same in each.
+TEST_F(Flight, ADumpTakesThePlaceOfNoOther) {
+  const auto explode_anew = [&] {
+    simulation_.emplace(
+        scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/two_link.yaml"));
+    flight_.emplace(*simulation_, Origin{}, files_.folder());
+    explode();
+    return flight_->dump();
+  };
+  flight_.reset();
+  const auto first = explode_anew();
+  flight_.reset();
+  const auto size = std::filesystem::file_size(first);
+  const auto second = explode_anew();
+  EXPECT_NE(second, first);
+  EXPECT_EQ(std::filesystem::file_size(first), size);
+  EXPECT_GT(std::filesystem::file_size(second), 0u);
+}
+
+TEST_F(Flight, NothingIsLeftOfADumpThatCannotBeWritten) {
+  run(1000);
+  {
+    const SmallDisk disk(10'000);
+    explode();
+  }
+  EXPECT_EQ(flight_->dump(), "");
+  EXPECT_TRUE(std::filesystem::is_empty(files_.folder() / "not" / "yet"));
+}
+
+TEST_F(Flight, EachInputHasTheSimulatedTimeOfItsEra) {
+  run(50);
+  world().reset();
+  run(20);
+  world().write_inputs(0, 0, std::vector{0.7, -0.3});
+  explode();
+  const auto inputs = messages_of(flight_->dump(), kInputTopic);
+  ASSERT_EQ(inputs.size(), 3u) << "the reset, the write, the push";
+  constexpr std::uint64_t kMs = 1'000'000;
+  EXPECT_EQ(inputs[0].times_ns, std::pair(50 * kMs, 50 * kMs));
+  EXPECT_EQ(inputs[1].times_ns, std::pair(70 * kMs, 20 * kMs));
 }
 
 TEST_F(Flight, MemoryIsBoundedHoweverMuchIsWritten) {

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <sstream>
+#include <stdexcept>
 
 #include "protocol/recording/mcap_reader.h"
 #include "protocol/recording/mcap_writer.h"
@@ -116,6 +118,15 @@ TEST(Mcap, LengthsBeyondTheFileAllocateNothing) {
   EXPECT_NE(read(file).damage.find("too long"), std::string::npos);
   EXPECT_EQ(read("no such thing at all").damage, "byte 0: this is no MCAP file");
   EXPECT_EQ(read("").damage, "byte 0: this is no MCAP file");
+}
+
+// Its bytes are not looked at.
+TEST(Mcap, AMessageThatNoReaderWouldTakeIsNotWritten) {
+  McapWriter writer([](Bytes) {}, "test");
+  const auto channel = writer.add_channel("/x", 0, "");
+  constexpr auto kTooLong = McapWriter::kMaxMessageBytes + 1;
+  const auto bytes = std::make_unique_for_overwrite<std::byte[]>(kTooLong);
+  EXPECT_THROW(writer.write(channel, 0, 0, {bytes.get(), kTooLong}), std::length_error);
 }
 
 TEST(Crc32, IsTheOneOfTheStandards) {

@@ -183,6 +183,24 @@ TEST(Player, ShowsPortsAsTheyWereRecordedWhereTheWorldGoesAnotherWay) {
   EXPECT_FALSE(replay(forged).equal);
 }
 
+// Nothing happened after it was rewound: what it shows is what it begins with.
+TEST(Player, ShowsTheStateThatIsAllThatThereIs) {
+  Life life;
+  life.world()->write_inputs(0, 0, std::vector{0.7, -0.3});
+  life.run(300);
+  const auto first = life.finish();
+  const auto second = first.parent_path() / "second.mcap";
+  {
+    auto [again, origin] = rewind(first, 0.2, {});
+    const Recorder recorder(*again, origin, second);
+  }
+  Player player(second, {});
+  EXPECT_EQ(player.ticks(), 0u);
+  EXPECT_EQ(player.position(), 0u);
+  expect_moment(player, life.moments[200]);
+  EXPECT_FALSE(player.advance());
+}
+
 // A state is believed no more than an input: it is restored whole, or not at all.
 TEST(Player, AStateThatIsNoneIsPassedOver) {
   Life life;

@@ -2,12 +2,14 @@
 #include "server/recording/scribe.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
-#include <csignal>
+#include <limits>
+#include <utility>
 
 #include "server/recording/replay.h"
+#include "tests/recording/messages.h"
 #include "tests/recording/recorded_world.h"
+#include "tests/recording/small_disk.h"
 
 namespace visum::recording {
 namespace {
@@ -20,25 +22,6 @@ TEST(Scribe, AFullDiskEndsTheRecordingAndNothingElse) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   EXPECT_THROW(Scribe("/dev/full", Scribe::Overflow::kWait), std::runtime_error) << "already the first byte";
 }
-
-// No file of this process may grow beyond `bytes` while the object lives; writing more is an error, as on a
-// full disk.
-class SmallDisk {
- public:
-  explicit SmallDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit small{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &small);
-  }
-  ~SmallDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  sighandler_t handler_;
-  rlimit before_{};
-};
 
 TEST(Recorder, ADiskThatFillsEndsTheRecordingAndTheTicksGoOn) {
   RecordedWorld world("amtec_arm.yaml");
@@ -72,6 +55,82 @@ TEST(Recorder, GoesOnTickingWhereTheRecordingEnded) {
   world.run(10);
   EXPECT_EQ(world->tick_count(), 20);
   EXPECT_EQ(replay(world.file()).ticks, 10u);
+}
+
+// Cameras whose pictures come late keep much, and each snapshot as much again.
+std::string much_to_keep() {
+  return R"(
+visum: 1
+clock: lockstep
+tick_ms: 50
+bodies:
+  - {name: "stone_${i}", repeat: {i: 100}, fixed: true, shapes: [{sphere: 0.1}], pose: {xyz: ["${i}", 0, 0]}}
+sensors:
+  - {name: "eye_${i}", repeat: {i: 4}, kind: camera, size: [1, 1], fov_deg: 60, latency_ms: 5000}
+)";
+}
+
+// A state is for seeking, unless the recording begins with it: it may be longer than what waits for the disk.
+TEST(Recorder, AStateThatIsTooLongIsLeftOutAndTheRecordingGoesOn) {
+  const test::TempFiles files;
+  const auto first = files.folder() / "first.mcap", second = files.folder() / "second.mcap";
+  config::FilesNoted noted;
+  cycle::Simulation simulation(scene::load_scene(files.write("scene.yaml", much_to_keep())));
+  {
+    Recorder recorder(simulation, {noted.files, ""}, first);
+    for (int i = 0; i < 110; ++i) simulation.tick();
+    for (int i = 0; i < 16; ++i) simulation.take_snapshot();
+    for (int i = 0; i < 30; ++i) simulation.tick();
+  }
+  State whole;
+  simulation.keep(whole);
+  std::vector<std::byte> bytes;
+  encode(whole, bytes);
+  ASSERT_GT(bytes.size(), Scribe::kQueueBytes);
+  auto [again, origin] = rewind(first, std::numeric_limits<double>::infinity(), {});
+  EXPECT_EQ(again->tick_count(), 140);
+  EXPECT_EQ(again->state_hash(), simulation.state_hash());
+  {
+    Recorder recorder(*again, origin, second);
+    for (int i = 0; i < 10; ++i) again->tick();
+    ASSERT_TRUE(again->restore_snapshot(16));
+    again->tick();
+  }
+  const auto result = replay(second);
+  EXPECT_TRUE(result.equal) << result.difference.what;
+  EXPECT_EQ(result.damage, "");
+  EXPECT_EQ(result.ticks, 11u);
+}
+
+TEST(Recorder, EachMessageHasTheSimulatedTimeOfItsEra) {
+  RecordedWorld world;
+  world.run(5);
+  world->write_inputs(0, 0, std::vector{0.7});
+  world->reset();
+  world.run(3);
+  world->write_inputs(0, 0, std::vector{0.1});
+  const auto inputs = messages_of(world.finish(), kInputTopic);
+  ASSERT_EQ(inputs.size(), 3u);
+  constexpr std::uint64_t kMs = 1'000'000;
+  EXPECT_EQ(inputs[0].times_ns, std::pair(5 * kMs, 5 * kMs));
+  EXPECT_EQ(inputs[1].times_ns, std::pair(5 * kMs, 5 * kMs)) << "the reset, in the era that it ended";
+  EXPECT_EQ(inputs[2].times_ns, std::pair(8 * kMs, 3 * kMs));
+}
+
+TEST(Scribe, ALineHasTheTimesOfTheMessageBeforeIt) {
+  const test::TempFiles files;
+  const auto file = files.folder() / "lines.mcap";
+  {
+    Scribe scribe(file, Scribe::Overflow::kWait);
+    const auto states = scribe.writer().add_channel(kStateTopic, 0, "");
+    const auto log = scribe.writer().add_channel(kLogTopic, 0, "");
+    scribe.put_first(states, 700, {});
+    scribe.put_line(log, {});
+    scribe.start();
+  }
+  const auto lines = messages_of(file, kLogTopic);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0].times_ns, std::pair(std::uint64_t{0}, std::uint64_t{700}));
 }
 
 }  // namespace
