@@ -74,6 +74,27 @@ TEST(Check, AWindowThatTheRunDidNotReachIsNotPassed) {
   EXPECT_EQ(result.failure, "z of box must be below 1 m from 5 s on, but the run had no step in that time");
 }
 
+// At 0.01 s the box stands at (1, 2), then the table goes, and at 0.02 s it stands at (3, 2).
+std::optional<double> covered_as_a_body_goes(const std::string& when) {
+  const CheckSpec spec = read_check(
+      config::load_text("{that: {" + std::string(kPillarFloor) + ", above: 0}, when: " + when + "}", "test"));
+  Catalogue catalogue = pillar_catalogue();
+  Check check(spec, catalogue);
+  check.observe(pillar_observation(0.01));
+  remove_table(catalogue);
+  check.tie_again(catalogue);
+  Observation now = pillar_observation(0.02);
+  remove_table(now);
+  now.world.poses[0] = 3;
+  check.observe(now);
+  return check.result().value;
+}
+
+TEST(Check, CoverageGoesOnWhereABodyWentAmongThePillars) {
+  EXPECT_EQ(covered_as_a_body_goes("end"), 8.0 / 15);
+  EXPECT_EQ(covered_as_a_body_goes("{from_s: 0.02}"), 4.0 / 15) << "begun when it was gone already";
+}
+
 TEST(Check, NamesOfTheWorldThatAreUnknownAreTheFilesFault) {
   const CheckSpec spec = read_check(config::load_text("that: {speed: {body: bax}, below: 1}", "file.yaml"));
   try {

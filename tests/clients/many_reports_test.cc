@@ -149,6 +149,26 @@ TEST(RunLine, SaysWhyItFailed) {
             "    FAILED  upright: tilt of box must be below 0.1 rad\n");
 }
 
+// A program that goes with its first run, which fails.
+TEST(RunMany, AProcessThatCannotBeStartedCostsNoRunThatIsDone) {
+  const cli::TempFolder folder;
+  ManyOptions options;
+  options.program = folder.path() / "visum";
+  std::ofstream(options.program) << "#!/bin/sh\nrm \"$0\"\nexit 4\n";
+  std::filesystem::permissions(options.program, std::filesystem::perms::owner_all);
+  options.runs = 3;
+  const auto reports = run_many(options);
+  ASSERT_EQ(reports.size(), 3u);
+  EXPECT_EQ(reports[0].code, cli::kLost);
+  EXPECT_THAT(reports[0].error, HasSubstr("exited with code 4"));
+  for (const std::size_t run : {2u, 3u}) {
+    EXPECT_EQ(reports[run - 1].run, run);
+    EXPECT_EQ(reports[run - 1].code, cli::kFailed);
+    EXPECT_THAT(reports[run - 1].error, HasSubstr("not started: cannot start"));
+  }
+  EXPECT_THAT(report_junit(reports), HasSubstr("errors=\"3\""));
+}
+
 TEST(RunMany, TheExitCodeIsTheOneThatSaysMost) {
   std::vector<Report> reports{run(1, true), run(2, true), run(3, true)};
   EXPECT_EQ(code_of(reports), cli::kDone);

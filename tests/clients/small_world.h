@@ -52,4 +52,37 @@ inline Observation small_observation(double time_s = 0.0) {
   return now;
 }
 
+// Beside the two a pillar, which stands fixed on a cell of the floor.
+inline Catalogue pillar_catalogue() {
+  Catalogue catalogue = small_catalogue();
+  protocol::ShapeDescription block;
+  block.kind = "box";
+  block.size = {1, 1, 2};
+  block.pose = {0, 0, 0, 1, 0, 0, 0};
+  protocol::BodyDescription pillar;
+  pillar.name = "pillar";
+  pillar.fixed = true;
+  pillar.shapes = {block};
+  catalogue.world.bodies.push_back(pillar);
+  return catalogue;
+}
+
+inline Observation pillar_observation(double time_s) {
+  Observation now = small_observation(time_s);
+  now.world.poses.insert(now.world.poses.end(), {3.5, 3.5, 0, 1, 0, 0, 0});
+  return now;
+}
+
+// The table, the second body, goes.
+inline void remove_table(Catalogue& catalogue) {
+  catalogue.world.bodies.erase(catalogue.world.bodies.begin() + 1);
+}
+inline void remove_table(Observation& now) {
+  now.world.poses.erase(now.world.poses.begin() + 7, now.world.poses.begin() + 14);
+}
+
+// 16 cells, on one of which the pillar stands; from (1, 2) and from (3, 2) four are near.
+inline constexpr const char* kPillarFloor =
+    "coverage: {body: box, within: 1, from: [0, 0], to: [4, 4], cell: 1}";
+
 }  // namespace visum::run

@@ -99,7 +99,9 @@ class Sweep(unittest.TestCase):
         self.assertIn("speed of box", (self.report / "report.html").read_text())
 
     def test_what_is_wrong_is_said_before_the_first_run(self):
-        wrong = visum("run", self.write(SLIDE.replace("{body: box, axis: x}", "{body: box, axis: w}")), expect=3)
+        junit = self.folder / "junit.xml"
+        wrong = visum("run", self.write(SLIDE.replace("{body: box, axis: x}", "{body: box, axis: w}")), "--junit", junit, expect=3)
+        self.assertFalse(junit.exists())
         self.assertRegex(wrong.stderr, r"scenario\.yaml:\d+: checks\[0\]")
         twice = visum("run", self.write(SLIDE + "    record: same.mcap\n"), expect=3)
         self.assertIn("two runs of the sweep would write 'same.mcap'", twice.stderr)
@@ -127,16 +129,37 @@ class Sweep(unittest.TestCase):
             sweep: {n: [1, 2, 3, 4]}
             controllers: [{name: c, joins: false, command: [touch, '{scenario_dir}/began_${n}']}]
         """
-        process = subprocess.Popen([BIN / "visum", "run", self.write(text), "--jobs", "2"], stdout=subprocess.PIPE,
+        self.interrupt(text, lambda: len(list(self.folder.glob("began_*"))) == 2, "--jobs", "2")
+
+    def interrupt(self, text, when, *options):
+        process = subprocess.Popen([BIN / "visum", "run", self.write(text), *options], stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, text=True)
         for _ in range(int(DEADLINE_S / 0.02)):
-            if len(list(self.folder.glob("began_*"))) == 2:
+            if when():
                 break
             subprocess.run(["sleep", "0.02"], check=True)
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=DEADLINE_S)
         self.assertEqual(process.returncode, 130, err)
         self.assert_nothing_left()
+
+    def test_an_interrupted_sweep_reports_the_runs_that_ended(self):
+        text = """
+            until: {at_s: "${(n - 1) * 1e5 + 0.1}"}
+            max_sim_s: 8e5
+            sweep: {n: [1, 2, 3]}
+            controllers: [{name: c, joins: false, command: [touch, '{scenario_dir}/began_${n}']}]
+            checks: [{that: {tilt: {body: box}, below: 1}}]
+        """
+        junit = self.folder / "junit.xml"
+        junit.write_text("of an earlier sweep")
+        self.interrupt(text, (self.folder / "began_2").exists, "--report", self.report, "--junit", junit)
+        self.assertEqual((self.report / "junit.xml").read_text(), junit.read_text())
+        suites = xml.parse(junit).getroot().findall("testsuite")
+        self.assertEqual([suite.get("errors") for suite in suites], ["0", "1", "1"])
+        self.assertEqual([error.get("message") for error in xml.parse(junit).iter("error")],
+                         ["interrupted", "not started: interrupted"])
+        self.assertIn("2 of 3 runs failed", (self.report / "report.html").read_text())
 
 
 if __name__ == "__main__":

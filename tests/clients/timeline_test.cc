@@ -44,6 +44,19 @@ TEST(Timeline, AConditionIsDueWhenItFirstHolds) {
   EXPECT_TRUE(timeline.due(now).empty());
 }
 
+TEST(Timeline, ACoverageGoesOnWhenABodyWent) {
+  const auto list = entries("[{when: {" + std::string(kPillarFloor) + ", above: 0.5}, say: half}]");
+  Catalogue catalogue = pillar_catalogue();
+  Timeline timeline(list, catalogue);
+  EXPECT_TRUE(timeline.due(pillar_observation(0.01)).empty());
+  remove_table(catalogue);
+  timeline.tie_again(catalogue);
+  Observation now = pillar_observation(0.02);
+  remove_table(now);
+  now.world.poses[0] = 3;
+  EXPECT_EQ(said(timeline.due(now)), (Texts{"half"})) << "4 cells of 15, and 4 more";
+}
+
 TEST(Timeline, WhatAnActionNamesMustBeThere) {
   const struct {
     const char* yaml;

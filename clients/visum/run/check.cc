@@ -27,9 +27,7 @@ Check::Check(const CheckSpec& spec, const Catalogue& catalogue)
     : spec_(spec), quantity_(tie(spec.that.quantity, catalogue)) {}
 
 void Check::tie_again(const Catalogue& catalogue) {
-  Coverage so_far = std::move(quantity_.coverage);
-  quantity_ = tie(spec_.that.quantity, catalogue);
-  quantity_.coverage = std::move(so_far);
+  run::tie_again(quantity_, catalogue);
 }
 
 void Check::keep(double value, double margin, double at_s) {

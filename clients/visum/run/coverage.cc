@@ -42,6 +42,12 @@ bool is_plain(const protocol::ShapeDescription& shape) {
 Coverage::Coverage(const FloorSpec& spec, std::vector<Obstacle> obstacles)
     : spec_(spec), obstacles_(std::move(obstacles)) {}
 
+void Coverage::go_on(Coverage&& earlier) {
+  open_ = std::move(earlier.open_);
+  free_ = earlier.free_;
+  known_ = earlier.known_;
+}
+
 void Coverage::find_free_cells(const std::vector<double>& poses) {
   const auto stands_in_the_way = [&](double x, double y) {
     return std::any_of(obstacles_.begin(), obstacles_.end(), [&](const Obstacle& obstacle) {

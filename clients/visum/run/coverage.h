@@ -27,6 +27,8 @@ class Coverage {
   Coverage() = default;
   Coverage(const FloorSpec& spec, std::vector<Obstacle> obstacles);
 
+  // What an earlier one has found, of the same floor and body: it may name other obstacles, by other numbers.
+  void go_on(Coverage&& earlier);
   // The body is here now. `poses` as in a WorldSample.
   void note(double x, double y, const std::vector<double>& poses);
   double share() const;  // of the free cells; NaN before the first note()

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "clients/visum/common/format.h"
+#include "clients/visum/common/interrupt.h"
 #include "clients/visum/common/temp_folder.h"
 #include "clients/visum/run/child_process.h"
 #include "clients/visum/run/report_file.h"
@@ -43,14 +44,14 @@ class Crew {
 
   std::vector<Report> work() {
     try {
-      while (started_ < options_.runs || !jobs_.empty()) {
-        while (started_ < options_.runs && jobs_.size() < options_.jobs) start(++started_);
+      while (begun_ < options_.runs || !jobs_.empty()) {
+        while (begun_ < options_.runs && jobs_.size() < options_.jobs) start(++begun_);
         vigil_.wait(-1, kRound);
         std::erase_if(jobs_, [this](Job& job) { return take_end(job); });
       }
-    } catch (const cli::ExitError&) {
+    } catch (const cli::ExitError& error) {
       end_all();
-      throw;
+      leave_out_from(begun_ + 1, error.code(), error.what());
     }
     return std::move(reports_);
   }
@@ -70,7 +71,7 @@ class Crew {
       job.process = std::make_unique<ChildProcess>("run " + std::to_string(run), words,
                                                    ChildProcess::OnLine{}, ChildProcess::OnLine{});
     } catch (const std::runtime_error& error) {
-      throw cli::ExitError(cli::kFailed, error.what());
+      return leave_out_from(run, cli::kFailed, error.what());
     }
     vigil_.watch(*job.process);
     jobs_.push_back(std::move(job));
@@ -104,13 +105,30 @@ class Crew {
     return true;
   }
 
-  // It ended without a word of its own: what it said last must do.
-  Report lost_report(const Job& job, const ExitStatus& exit) const {
+  Report report_of(std::size_t run) const {
     Report report;
     report.name = report.file = options_.file.string();
-    report.run = job.run;
+    report.run = run;
+    report.words = options_.words;
+    return report;
+  }
+
+  // No more of them begins.
+  void leave_out_from(std::size_t run, cli::ExitCode code, const std::string& why) {
+    for (begun_ = options_.runs; run <= options_.runs; ++run) {
+      Report& report = reports_[run - 1] = report_of(run);
+      report.code = code;
+      report.error = "not started: " + why;
+    }
+  }
+
+  // It ended without a word of its own: what it said last must do.
+  Report lost_report(const Job& job, const ExitStatus& exit) const {
+    Report report = report_of(job.run);
     const bool told = !exit.by_signal && exit.number != cli::kDone;
-    report.code = told ? static_cast<cli::ExitCode>(exit.number) : cli::kFailed;
+    report.code = cli::interrupted() ? cli::kInterrupted
+                  : told             ? static_cast<cli::ExitCode>(exit.number)
+                                     : cli::kFailed;
     report.error = "the run's process " + exit.text();
     for (const auto& line : job.process->last_lines()) report.error += "\n" + line;
     return report;
@@ -118,14 +136,18 @@ class Crew {
 
   void end_all() {
     for (const Job& job : jobs_) job.process->signal(SIGINT);
-    for (const Job& job : jobs_) job.process->stop(kFarewellOfRun);
+    for (Job& job : jobs_) {
+      job.process->stop(kFarewellOfRun);
+      take_end(job);
+    }
+    jobs_.clear();
   }
 
   const ManyOptions& options_;
   std::vector<Report> reports_;
   const cli::TempFolder results_;
   Vigil vigil_{kNoLimit_s};
-  std::size_t started_ = 0;
+  std::size_t begun_ = 0;  // or left out
   std::vector<Job> jobs_;
 };
 

@@ -22,7 +22,9 @@ struct ManyOptions {
   std::function<void(const Report&)> on_done;
 };
 
-// By run. Throws cli::ExitError(kInterrupted) once all that runs has been ended.
+// By run. After an interrupt, once all that ran has been ended, or where a process cannot be started (those
+// that run go on to their end), the rest is there as not started, with an error and without a call of
+// on_done.
 std::vector<Report> run_many(const ManyOptions& options);
 
 // 0 where all passed, else the code that says most: interrupted, then a wrong scenario, wrong options, the

@@ -1,6 +1,7 @@
 #include "clients/visum/run/quantity.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "clients/visum/run/lookup.h"
 #include "clients/visum/run/measures.h"
@@ -185,6 +186,12 @@ Quantity tie(const QuantitySpec& spec, const Catalogue& catalogue) {
   quantity.measure = kind->measure;
   kind->tie(catalogue, quantity);
   return quantity;
+}
+
+void tie_again(Quantity& quantity, const Catalogue& catalogue) {
+  Quantity tied = tie(*quantity.spec, catalogue);
+  tied.coverage.go_on(std::move(quantity.coverage));
+  quantity = std::move(tied);
 }
 
 }  // namespace visum::run

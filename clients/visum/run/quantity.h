@@ -51,5 +51,7 @@ std::span<const QuantityKind> quantity_kinds();
 QuantitySpec read_quantity(const std::string& kind, const config::Node& node);
 // `spec` must outlive the quantity.
 Quantity tie(const QuantitySpec& spec, const Catalogue& catalogue);
+// After bodies came or went; what was found so far stays.
+void tie_again(Quantity& quantity, const Catalogue& catalogue);
 
 }  // namespace visum::run

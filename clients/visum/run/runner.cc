@@ -87,7 +87,6 @@ class Run {
 
  private:
   void prepare();
-  void tie_until();
   void tie_again();
   void step();
   void pace();
@@ -122,7 +121,7 @@ void Run::prepare() {
   timeline_.emplace(scenario_.timeline, catalogue_);
   actions_.emplace(session_, controllers_, catalogue_,
                    [this](const std::string& text) { options_.on_line("scenario", text); });
-  tie_until();
+  if (scenario_.until.condition) until_ = tie(scenario_.until.condition->quantity, catalogue_);
   const double tick_ms = static_cast<double>(session_.tick_ns()) * 1e-6;
   step_ticks_ = std::max<std::int64_t>(1, std::llround(scenario_.check_every_ms / tick_ms));
   if (scenario_.max_sim_s * 1e3 / tick_ms > static_cast<double>(Session::kMostTicks)) {
@@ -132,16 +131,12 @@ void Run::prepare() {
   now_ = session_.look(parts_);
 }
 
-void Run::tie_until() {
-  if (scenario_.until.condition) until_ = tie(scenario_.until.condition->quantity, catalogue_);
-}
-
 // Bodies came or went: the same names have other places now.
 void Run::tie_again() {
   catalogue_ = session_.catalogue();
   for (Check& check : checks_) check.tie_again(catalogue_);
   timeline_->tie_again(catalogue_);
-  tie_until();
+  if (until_) run::tie_again(*until_, catalogue_);
 }
 
 // The scenario, aloud: what is due is done while the world stands, then a step, then everybody looks.

@@ -61,23 +61,25 @@ struct Inspector {
   void operator()(const Say&) const {}
 };
 
-}  // namespace
-
-void Timeline::tie_item(Item& item, const Catalogue& catalogue) {
-  std::visit(Inspector{catalogue, item.entry->place}, item.entry->action);
-  if (item.entry->when) item.quantity = tie(item.entry->when->quantity, catalogue);
+void inspect(const TimelineEntry& entry, const Catalogue& catalogue) {
+  std::visit(Inspector{catalogue, entry.place}, entry.action);
 }
+
+}  // namespace
 
 Timeline::Timeline(const std::vector<TimelineEntry>& entries, const Catalogue& catalogue) {
   for (const TimelineEntry& entry : entries) {
+    inspect(entry, catalogue);
     items_.push_back({&entry, std::nullopt});
-    tie_item(items_.back(), catalogue);
+    if (entry.when) items_.back().quantity = tie(entry.when->quantity, catalogue);
   }
 }
 
 void Timeline::tie_again(const Catalogue& catalogue) {
   for (Item& item : items_) {
-    if (!item.done) tie_item(item, catalogue);
+    if (item.done) continue;
+    inspect(*item.entry, catalogue);
+    if (item.quantity) run::tie_again(*item.quantity, catalogue);
   }
 }
 

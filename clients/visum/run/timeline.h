@@ -21,9 +21,6 @@ class Timeline {
   std::vector<const TimelineEntry*> missed() const;
 
  private:
-  struct Item;
-  static void tie_item(Item& item, const Catalogue& catalogue);
-
   struct Item {
     const TimelineEntry* entry;
     std::optional<Quantity> quantity;

@@ -51,10 +51,17 @@ std::size_t count_jobs(std::size_t wanted) {
 
 }  // namespace
 
+void check_writable(const std::string& file) {
+  if (file.empty()) return;
+  std::ofstream out(file, std::ios::app);
+  if (!out) throw ExitError(kUsage, file + ": cannot be written");
+}
+
 int run_many(const ManyWords& words, const config::Node& root) {
   const std::size_t runs = run::Sweep(root).runs();
   const bool recorded = check_runs(root, runs);
   make_folder(words.report);
+  check_writable(words.junit);
   catch_interrupts();
   std::FILE* people = words.json ? stderr : stdout;
   const Style style(people);
@@ -76,6 +83,7 @@ int run_many(const ManyWords& words, const config::Node& root) {
   if (!words.junit.empty()) write_file(words.junit, run::report_junit(reports));
   std::fputs(run::many_text(reports, wall_s, style).c_str(), people);
   if (words.json) std::printf("%s\n", run::many_json(reports, wall_s).c_str());
+  if (interrupted()) std::fputs("visum: interrupted\n", stderr);
   return run::code_of(reports);
 }
 

@@ -20,6 +20,9 @@ struct ManyWords {
   bool json = false;
 };
 
+// Before a run, so that a report that cannot be written does not cost one. Throws ExitError.
+void check_writable(const std::string& file);
+
 // `root`: what stands in the file. Returns the exit code; throws ExitError, config::ConfigError.
 int run_many(const ManyWords& words, const config::Node& root);
 
