@@ -81,6 +81,7 @@ class Camera : public Sensor {
   void show(std::span<const double> reading, std::span<double> outputs) override;
   void shown_again(std::span<const double> reading) override;
   const char* why_not(Failure failure) const override;
+  bool fills_blackboard() const override { return true; }
 
  private:
   std::size_t pixels_;

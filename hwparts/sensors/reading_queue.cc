@@ -27,6 +27,23 @@ void ReadingQueue::pop() {
   --count_;
 }
 
+std::size_t ReadingQueue::drop_overtaken(std::int64_t now_ns) {
+  std::size_t dropped = 0;
+  for (; count_ > 1 && due_ns_[slot(1)] <= now_ns; ++dropped) pop();
+  return dropped;
+}
+
+void ReadingQueue::hasten(std::int64_t late_ns, std::int64_t in_time_ns) {
+  std::int64_t behind_ns = 0;  // when the one behind was due
+  for (std::size_t place = count_; place-- > 0;) {
+    std::int64_t& due_ns = due_ns_[slot(place)];
+    // The first late one is due by more than that after the last usual one.
+    if (place + 1 == count_ ? due_ns <= in_time_ns : behind_ns - due_ns > late_ns) return;
+    behind_ns = due_ns;
+    due_ns -= late_ns;
+  }
+}
+
 void ReadingQueue::save(hwparts::StateWriter& to) const {
   to.put(static_cast<std::uint64_t>(count_));
   for (std::size_t i = 0; i < count_; ++i) {

@@ -20,6 +20,11 @@ class ReadingQueue {
   std::int64_t front_due_ns() const { return due_ns_[first_]; }
   std::span<const double> front() const;
   void pop();
+  // Of those that are due only the newest stays. How many went.
+  std::size_t drop_overtaken(std::int64_t now_ns);
+  // Those that were put in with `late_ns` more than usual, the newest ones, lose it. `in_time_ns`: when the
+  // newest one is due at most if it is none of them. They must follow each other sooner than after late_ns.
+  void hasten(std::int64_t late_ns, std::int64_t in_time_ns);
   void clear() { first_ = count_ = 0; }
 
   void save(hwparts::StateWriter& to) const;  // what is in it, wherever it lies

@@ -30,6 +30,7 @@ class Scanner : public Sensor {
   void shown_again(std::span<const double> reading) override {
     std::ranges::transform(reading, scan_.begin(), [](double m) { return static_cast<float>(m); });
   }
+  bool fills_blackboard() const override { return true; }
 
  private:
   std::vector<double> beams_;  // rad

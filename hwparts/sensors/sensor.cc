@@ -19,10 +19,11 @@ Failure read_failure(const config::Node& entry) {
 }
 
 // Those that a failed sensor holds back longest, and the one that is being taken. Samples are taken and shown
-// at the ends of ticks: each may be taken up to a tick late, and shown another one later.
+// at the ends of ticks: each may be taken up to a tick late, and shown another one later. One more waits for
+// the end of a silence.
 std::size_t slots(const Timing& timing) {
   const std::int64_t longest_ns = timing.latency_ns + 2 * timing.tick_ns;
-  return static_cast<std::size_t>(longest_ns / timing.period_ns) + kDelayedSamples + 2;
+  return static_cast<std::size_t>(longest_ns / timing.period_ns) + kDelayedSamples + 3;
 }
 
 protocol::Parameter fixed_number(const char* name, const char* unit, const char* help, double value) {
@@ -70,7 +71,8 @@ void Sensor::publish(std::span<const hwparts::JointSample>, std::span<double> se
   const bool samples = due();
   now_ns_ += timing_.tick_ns;
   if (samples) sample();
-  while (!queue_.empty() && queue_.front_due_ns() <= now_ns_) {
+  if (silent_) changed_ += queue_.drop_overtaken(now_ns_);
+  while (!silent_ && !queue_.empty() && queue_.front_due_ns() <= now_ns_) {
     std::ranges::copy(queue_.front(), shown_.begin());
     queue_.pop();
     show(shown_, sensor_outputs);
@@ -85,8 +87,7 @@ void Sensor::sample() {
     read(truth_, last_, random_);
     disturb(last_);
   }
-  const std::int64_t late_ns = failing() == Failure::kDelayed ? kDelayedSamples * timing_.period_ns : 0;
-  queue_.push(now_ns_ + timing_.latency_ns + late_ns, last_);
+  queue_.push(now_ns_ + timing_.latency_ns + late_ns(), last_);
 }
 
 bool Sensor::lost() {
@@ -152,7 +153,7 @@ std::optional<std::string> Sensor::set_parameter(const std::string& name,
   for (const auto& row : failure_names()) {
     if (word && *word == row.name) {
       if (const char* reason = why_not(row.failure)) return reason;
-      failure_ = row.failure;
+      fail(row.failure, suffered_);
       return std::nullopt;
     }
     known += (known.empty() ? "" : ", ") + std::string(row.name);
@@ -163,13 +164,30 @@ std::optional<std::string> Sensor::set_parameter(const std::string& name,
 std::optional<std::string> Sensor::refuse_fault(const hwparts::Fault& fault) const {
   if (auto reason = Part::refuse_fault(fault)) return reason;
   if (const char* reason = why_not(failure_of(fault.kind))) return reason;
+  const bool of_network =
+      fault.kind == hwparts::FaultKind::kNetworkDelay || fault.kind == hwparts::FaultKind::kNetworkLoss;
+  if (of_network && fills_blackboard())
+    return "its readings are on a blackboard, which comes in time and whole; sensor_delayed and "
+           "sensor_intermittent act on it";
   return std::nullopt;
 }
 
 void Sensor::suffer(std::span<const hwparts::ActiveFault> faults) {
-  suffered_ = Failure::kOk;
-  for (const auto& active : faults)
-    if (const auto failure = failure_of(active.fault.kind); failure != Failure::kOk) suffered_ = failure;
+  Failure suffered = Failure::kOk;
+  silent_ = false;
+  for (const auto& active : faults) {
+    if (const auto failure = failure_of(active.fault.kind); failure != Failure::kOk) suffered = failure;
+    if (active.fault.kind == hwparts::FaultKind::kPartSilent) silent_ = true;
+  }
+  fail(failure_, suffered);
+}
+
+// Fresh readings would queue behind the late ones.
+void Sensor::fail(Failure by_parameter, Failure by_fault) {
+  const std::int64_t late_so_far_ns = late_ns();
+  failure_ = by_parameter;
+  suffered_ = by_fault;
+  if (late_ns() < late_so_far_ns) queue_.hasten(late_so_far_ns, now_ns_ + timing_.latency_ns);
 }
 
 void Sensor::save(hwparts::StateWriter& to) const {

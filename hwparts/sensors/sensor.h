@@ -1,6 +1,7 @@
 // A hardware part that measures. The world says what is true, the sensor what is read of it: later, rounded,
 // noisy, failing. It drives no joint and takes no commands; its readings are sensor outputs, or a blackboard
-// where they are many. The last port, `Changed`, counts the readings shown: 0 means none yet.
+// where they are many. The last port, `Changed`, counts the readings shown: 0 means none yet. What a silent
+// one would have shown counts, too, and the newest of it is shown when the silence ends.
 //
 // Order of calls, beside a part's (hwparts/part.h): before each publish(), if due(), truth() is filled.
 #pragma once
@@ -68,6 +69,8 @@ class Sensor : public hwparts::Part {
   virtual void shown_again(std::span<const double>) {}
   // Why the kind does not fail in this way; null: it does.
   virtual const char* why_not(Failure) const { return nullptr; }
+  // Whether readings are seen on a blackboard.
+  virtual bool fills_blackboard() const { return false; }
   // Another reading than so far. Forgets what was read, and what is on its way.
   void set_numbers(std::vector<Accuracy> numbers);
 
@@ -76,6 +79,10 @@ class Sensor : public hwparts::Part {
 
  private:
   Failure failing() const { return suffered_ == Failure::kOk ? failure_ : suffered_; }
+  std::int64_t late_ns() const {
+    return failing() == Failure::kDelayed ? kDelayedSamples * timing_.period_ns : 0;
+  }
+  void fail(Failure by_parameter, Failure by_fault);
   void draw_offsets();
   void sample();
   void disturb(std::span<double> reading);
@@ -92,6 +99,7 @@ class Sensor : public hwparts::Part {
   Random random_;
   Failure failure_;                  // by the parameter
   Failure suffered_ = Failure::kOk;  // by a fault, which goes before; no state of the sensor
+  bool silent_ = false;              // likewise: nobody hears of a reading
   std::int64_t now_ns_ = 0;
   std::int64_t samples_ = 0;
   std::uint64_t changed_ = 0;

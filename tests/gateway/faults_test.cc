@@ -247,5 +247,20 @@ TEST(SensorFaults, AFrozenSensorRepeatsItsReadingUntilTheFaultEnds) {
             ErrorCode::kBadValue);
 }
 
+TEST(SensorFaults, ABlackboardComesInTimeAndWhole) {
+  RunningDaemon daemon("sensors.yaml", scene::ClockKind::kLockstep);
+  auto client = daemon.connect("breaker", Role::kAdmin);
+  const std::vector<protocol::FaultNumber> delay{{"ms", 20}}, loss{{"share", 0.5}};
+  for (const char* part : {"camera", "scan"}) {
+    for (const auto& fault :
+         {InjectFault{part, "network_delay", delay, 0}, InjectFault{part, "network_loss", loss, 0}}) {
+      const auto refusal = refusal_of([&] { client.request(fault); });
+      EXPECT_EQ(refusal.code(), ErrorCode::kBadValue);
+      EXPECT_NE(std::string(refusal.what()).find("on a blackboard"), std::string::npos) << refusal.what();
+    }
+  }
+  client.request(InjectFault{"tracker", "network_delay", delay, 0});
+}
+
 }  // namespace
 }  // namespace visum::gateway

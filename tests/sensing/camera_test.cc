@@ -174,6 +174,25 @@ TEST(Camera, ShowsThePastByItsLatencyAndNothingBefore) {
   EXPECT_EQ(bench.port("eye", "Changed"), 4.0);
 }
 
+// Pictures are shown at 50, 70, 90, ... ms.
+TEST(Camera, ASilentOneKeepsItsPictureThroughARestoreAndShowsTheNewestInTheEnd) {
+  WorldBench bench(kLockstep + kFalling);
+  bench.run(60);
+  const auto before = image_of(bench, "eye").pixels;
+  ASSERT_TRUE(bench.simulation.inject({0, {hwparts::FaultKind::kPartSilent, {}}, 100}));
+  bench.run(40);
+  EXPECT_EQ(image_of(bench, "eye").pixels, before);
+  const auto snapshot = bench.simulation.take_snapshot();
+  for (int i = 0; i < 2; ++i) {
+    bench.run(1);
+    EXPECT_EQ(image_of(bench, "eye").header.taken_ns, 60'000'000);
+    EXPECT_EQ(bench.port("eye", "Changed"), 3.0);
+    ASSERT_TRUE(bench.simulation.restore_snapshot(snapshot));
+    EXPECT_EQ(image_of(bench, "eye").header.taken_ns, 20'000'000);
+    EXPECT_EQ(image_of(bench, "eye").pixels, before);
+  }
+}
+
 TEST(Camera, PicturesAreTheSameInEveryRunLookedAtOrNotAndAfterARestore) {
   WorldBench looked(kLockstep + kFalling), once(kLockstep + kFalling);
   for (int i = 0; i < 137; ++i) {

@@ -93,5 +93,24 @@ TEST(Scanner, MeasuresAWallRayByRay) {
   EXPECT_EQ(bench.port("scan", "Rays In Range"), 181.0);
 }
 
+TEST(Scanner, ASilentOneKeepsItsScan) {
+  WorldBench bench(R"(
+gravity: [0, 0, 0]
+bodies: [{name: ball, mass: 1, pose: {xyz: [3, 0, 0]}, velocity: {linear: [1, 0, 0]}, shapes: [{sphere: 0.3}]}]
+sensors: [{name: scan, kind: scanner, range: [0.1, 50], rays: 3, angle: [-1, 1]}]
+)");
+  const auto scan = [&] {
+    const auto bytes = bench.part("scan").part->read_blackboard(0);
+    return std::vector(bytes.begin(), bytes.end());
+  };
+  bench.run(10);
+  const auto before = scan();
+  ASSERT_TRUE(bench.simulation.inject({0, {hwparts::FaultKind::kPartSilent, {}}, 20}));
+  bench.run(10);
+  EXPECT_EQ(scan(), before);
+  bench.run(1);
+  EXPECT_NE(scan(), before);
+}
+
 }  // namespace
 }  // namespace visum::sensing

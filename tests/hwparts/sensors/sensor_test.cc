@@ -232,6 +232,69 @@ TEST(Sensor, DelayedIsTenSamplesLate) {
       << "in time again, once what was on its way is through";
 }
 
+TEST(Sensor, WhenADelayEndsWhatIsUnderWayIsDueByItsLatencyAlone) {
+  Bench bench(kDistance + ", latency_ms: 2, failure: delayed");
+  for (int i = 1; i <= 40; ++i) bench.tick({0.1 * i});
+  bench.fail("ok");
+  bench.tick({4.1});
+  EXPECT_NEAR(bench.port("Distance"), 0.1 * 39, 1e-12);
+  EXPECT_EQ(bench.port("Changed"), 39.0) << "none is lost";
+}
+
+// What was under way before the delay is due by its latency, too: one that is shorter than that is never
+// seen.
+TEST(Sensor, ADelayThatIsOverBeforeItsFirstReadingIsDueIsNotSeen) {
+  Bench bench(kDistance + ", latency_ms: 7");
+  const hwparts::ActiveFault late{0, {hwparts::FaultKind::kSensorDelayed, {}}, 0};
+  for (int i = 1; i <= 40; ++i) {
+    if (i == 11) bench.sensor->suffer({&late, 1});
+    if (i == 16) bench.sensor->suffer({});
+    bench.tick({0.1 * i});
+    ASSERT_EQ(bench.port("Changed"), std::max(0, i - 7)) << i;
+    if (i > 7) {
+      ASSERT_EQ(bench.port("Distance"), std::clamp(0.1 * (i - 7), 0.1, 5.0)) << i;
+    }
+  }
+}
+
+TEST(Sensor, ASilentOneShowsWhatCameLastWhenTheSilenceEnds) {
+  const std::string slow = kDistance + ", rate_hz: 10, latency_ms: 7";
+  Bench bench(slow), restored(slow);
+  const hwparts::ActiveFault silent{0, {hwparts::FaultKind::kPartSilent, {}}, 0};
+  EXPECT_EQ(readings(bench, 1.0, 150).back(), 1.0);
+  for (auto* one : {&bench, &restored}) one->sensor->suffer({&silent, 1});
+  EXPECT_EQ(readings(bench, 2.0, 100).back(), 1.0);
+  EXPECT_EQ(readings(bench, 3.0, 100).back(), 1.0);
+  EXPECT_EQ(bench.port("Changed"), 1.0);
+  std::vector<std::byte> kept;
+  hwparts::StateWriter to(kept);
+  bench.sensor->save(to);
+  hwparts::StateReader from(kept);
+  restored.sensor->load(from);
+  for (auto* one : {&bench, &restored}) {
+    one->sensor->suffer({});
+    EXPECT_EQ(readings(*one, 4.0, 1).back(), 3.0) << "the next sample is 50 ticks away";
+    EXPECT_EQ(one->port("Changed"), 3.0) << "those that nobody heard count";
+  }
+}
+
+// At any rate the one that waits takes no place of those that are under way.
+TEST(Sensor, ASilenceOfALateOneLosesNoReadingThatComesAfterIt) {
+  for (const double hz : {1000.0, 666.0, 123.0}) {
+    Bench silent(kDistance + ", latency_ms: 7, failure: delayed, rate_hz: " + std::to_string(hz));
+    Bench heard(kDistance + ", latency_ms: 7, failure: delayed, rate_hz: " + std::to_string(hz));
+    const hwparts::ActiveFault fault{0, {hwparts::FaultKind::kPartSilent, {}}, 0};
+    for (int i = 0; i < 600; ++i) {
+      if (i == 200) silent.sensor->suffer({&fault, 1});
+      if (i == 400) silent.sensor->suffer({});
+      for (auto* one : {&silent, &heard}) one->tick({0.2 + 0.005 * i});
+      if (i >= 400) {
+        ASSERT_EQ(silent.outputs, heard.outputs) << i << " at " << hz << " Hz";
+      }
+    }
+  }
+}
+
 TEST(Sensor, IntermittentLosesHalfOfTheReadings) {
   Bench bench(kDistance + ", failure: intermittent");
   readings(bench, 1.0, 10'000);
