@@ -128,6 +128,7 @@ struct Daemon::Impl {
 
   void do_tick() {
     tick_side.tick();
+    ++ticks_made;
     if (buses) buses->after_tick();
     if (!threaded) tick_side.give_back();
   }
@@ -170,7 +171,7 @@ struct Daemon::Impl {
 
   bool ended() const {
     return stopping.load(std::memory_order_relaxed) || gateway.shutdown_asked() ||
-           (iterations > 0 && simulation.tick_count() >= iterations);
+           (iterations > 0 && ticks_made >= iterations);
   }
 
   bool has_something_to_send() {
@@ -186,6 +187,7 @@ struct Daemon::Impl {
   cycle::Simulation& simulation;
   std::atomic<bool>& stopping;
   const std::int64_t iterations;
+  std::int64_t ticks_made = 0;  // the world's own count begins where it was rewound to
   const std::function<void(Clock::time_point)> wait;
   const std::function<void(Published&)> show;
   const recording::FlightRecorder* const flight;

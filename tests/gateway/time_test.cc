@@ -37,6 +37,20 @@ TEST(Time, StepsExactlyWhilePaused) {
   EXPECT_EQ(admin.request_as<Advanced>(Step{3}).tick, tick + 3);
 }
 
+// A world that was rewound does not begin with tick 0.
+TEST(Time, AnEndAfterSoManyTicksCountsThoseThatAreMade) {
+  auto scene = scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/two_link.yaml");
+  scene.clock = scene::ClockKind::kFree;
+  cycle::Simulation simulation(std::move(scene));
+  for (int i = 0; i < 30; ++i) simulation.tick();
+  DaemonOptions options;
+  options.port = 0;
+  options.run_at_once = true;
+  options.iterations = 20;
+  Daemon(simulation, options).run();
+  EXPECT_EQ(simulation.tick_count(), 50);
+}
+
 TEST(Time, ReadsAreAnsweredWhilePaused) {
   RunningDaemon daemon(scene::ClockKind::kRealtime);
   auto reader = daemon.connect("reader", Role::kObserver);
