@@ -82,19 +82,18 @@ constexpr std::array<FaultInfo, 23> kFaultKinds{{
      "part_silent",
      FaultTarget::kAnyPart,
      {},
-     "the part hears nothing and shows nothing new: `Changed` and pictures stand, its drives do what they "
-     "were told last"},
+     "the part hears nothing and shows nothing new: `Changed` stands, its drives do what they were told "
+     "last"},
     {FaultKind::kNetworkDelay,
      "network_delay",
      FaultTarget::kAnyPart,
      {FaultNumber{"ms", "ms", 0.0, 1000.0, {}}, FaultNumber{"jitter_ms", "ms", 0.0, 1000.0, 0.0}},
-     "what is written acts so much later, and what is read is so old; each by up to the jitter more. Not of "
-     "cameras and scanners"},
+     "what is written acts so much later, and what is read is so old; each by up to the jitter more"},
     {FaultKind::kNetworkLoss,
      "network_loss",
      FaultTarget::kAnyPart,
      {kShare},
-     "so many of the writes never arrive, and of the readings as many do not. Not of cameras and scanners"},
+     "so many of the writes never arrive, and of the readings as many do not"},
     {FaultKind::kSensorOff,
      "sensor_off",
      FaultTarget::kSensor,

@@ -78,7 +78,10 @@ class GatewayRig {
     tick_side.empty_mailbox();
     tick_side.tick();
   }
-  void publish() { fill(copy_, simulation, tick_side.pace()); }
+  void publish() {
+    fill(copy_, simulation, tick_side.pace());
+    tick_side.give_back();
+  }
   void tell() {
     publish();
     gateway.serve();
