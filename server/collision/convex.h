@@ -49,7 +49,8 @@ struct Convex {
   Polytope polytope;         // of that family
   double radius = 0.0;       // cylinder, round
   double half_length = 0.0;  // cylinder, round: along z
-  double margin = 0.0;       // how much smaller its core is (penetration.h); 0 for round ones and triangles
+  double margin = 0.0;       // how far below its faces its core's are (penetration.h); 0 for round ones and
+                             // triangles
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
 
   Eigen::Vector3d farthest(const Eigen::Vector3d& direction) const;  // direction: unit

@@ -8,7 +8,7 @@
 #include <fcl/narrowphase/detail/convexity_based_algorithm/epa.h>
 #include <fcl/narrowphase/detail/convexity_based_algorithm/gjk.h>
 
-#include <variant>
+#include <algorithm>
 
 namespace visum::collision {
 namespace {
@@ -23,16 +23,37 @@ constexpr unsigned kEpaVertices = 128;
 constexpr unsigned kEpaIterations = 255;
 constexpr double kEpaTolerance = 1e-6;
 
-// A solid shrunk towards its centre so far that its nearest face goes back by `margin`.
+constexpr double kDepthSlackM = 1e-5;  // of what EPA says
+constexpr int kInsetSweeps = 32;
+constexpr double kInsetSlack = 1e-9;  // of the margin
+// A core's answer counts while its skin adds no more than so many margins: sqrt(3) at a box's corner.
+constexpr double kMostSkin = 2.0;
+
+// A vertex moved to below all faces by `margin`, not far: onto one face's inner plane after the other. What
+// is left to do at a sharp tip is done towards the centre, which lies below all of them by ten margins.
+Eigen::Vector3d inset(const Convex& convex, Eigen::Vector3d vertex, double margin) {
+  const Polytope& polytope = convex.polytope;
+  double most = margin;
+  for (int sweep = 0; sweep < kInsetSweeps && most > 0.0; ++sweep) {
+    most = 0.0;
+    for (const Polytope::Face& face : polytope.faces) {
+      const double excess =
+          face.normal.dot(vertex - polytope.vertices[polytope.corners[face.first]]) + margin;
+      if (excess <= kInsetSlack * margin) continue;
+      vertex -= excess * face.normal;
+      most = std::max(most, excess);
+    }
+  }
+  return convex.center + 9.0 * margin / (9.0 * margin + most) * (vertex - convex.center);
+}
+
+// A solid whose faces all went back by `margin`.
 ShapePtr make_fcl_polytope(const Convex& convex, double margin) {
   const Polytope& polytope = convex.polytope;
-  double inner = std::numeric_limits<double>::infinity();
-  for (const Polytope::Face& face : polytope.faces)
-    inner = std::min(inner, face.normal.dot(polytope.vertices[polytope.corners[face.first]] - convex.center));
-  const double scale = margin > 0.0 ? 1.0 - margin / inner : 1.0;
-  auto vertices = std::make_shared<std::vector<Eigen::Vector3d>>();
-  for (const auto& vertex : polytope.vertices)
-    vertices->push_back(convex.center + scale * (vertex - convex.center));
+  auto vertices = std::make_shared<std::vector<Eigen::Vector3d>>(polytope.vertices);
+  if (margin > 0.0) {
+    for (Eigen::Vector3d& vertex : *vertices) vertex = inset(convex, vertex, margin);
+  }
   auto faces = std::make_shared<std::vector<int>>();
   for (const Polytope::Face& face : polytope.faces) {
     faces->push_back(static_cast<int>(face.count));
@@ -87,36 +108,58 @@ void GjkShape::set_triangle(const std::array<Eigen::Vector3d, 3>& corners) {
 struct GjkSolver::Impl {
   fcl::detail::GJKd gjk{kGjkIterations, kGjkTolerance};
   fcl::detail::EPAd epa{kEpaFaces, kEpaVertices, kEpaIterations, kEpaTolerance};
+
+  struct Found {
+    Eigen::Vector3d unit;
+    double depth;  // of the shapes given; negative: apart
+  };
+  std::optional<Found> find(const Placed& a, const fcl::ShapeBased& shape_a, const Placed& b,
+                            const fcl::ShapeBased& shape_b);
 };
 
 GjkSolver::GjkSolver() : impl_(std::make_unique<Impl>()) {}
 GjkSolver::~GjkSolver() = default;
 
-std::optional<Eigen::Vector3d> GjkSolver::separating_direction(const Placed& a, const Placed& b) {
+std::optional<GjkSolver::Impl::Found> GjkSolver::Impl::find(const Placed& a, const fcl::ShapeBased& shape_a,
+                                                            const Placed& b, const fcl::ShapeBased& shape_b) {
   using fcl::detail::EPAd;
   using fcl::detail::GJKd;
-  // A round shape brings a margin of its own; then the other one takes part as it is.
-  const bool round = a.convex->family == Family::kRound || b.convex->family == Family::kRound;
-  const auto pick = [&](const Placed& side) {
-    const GjkShape::Impl& shapes = side.gjk->impl();
-    const bool core = side.convex->family == Family::kRound || (!round && shapes.core != nullptr);
-    return core ? shapes.core.get() : shapes.full.get();
-  };
   fcl::detail::MinkowskiDiffd difference;
-  difference.shapes[0] = pick(a);
-  difference.shapes[1] = pick(b);
+  difference.shapes[0] = &shape_a;
+  difference.shapes[1] = &shape_b;
   difference.toshape1 = b.R.transpose() * a.R;
   difference.toshape0.linear() = a.R.transpose() * b.R;
   difference.toshape0.translation() = a.R.transpose() * (b.p - a.p);
   difference.toshape0.makeAffine();
   const Eigen::Vector3d guess = a.R.transpose() * (a.center() - b.center());
-  const GJKd::Status status = impl_->gjk.evaluate(difference, guess);
-  if (status == GJKd::Valid && impl_->gjk.distance > 0.0) return a.R * impl_->gjk.ray.normalized();
-  if (status != GJKd::Inside || impl_->epa.evaluate(impl_->gjk, guess) == EPAd::Failed) return std::nullopt;
-  const Eigen::Vector3d normal = a.R * impl_->epa.normal;
+  const GJKd::Status status = gjk.evaluate(difference, guess);
+  if (status == GJKd::Valid && gjk.distance > 0.0) return Found{a.R * gjk.ray.normalized(), -gjk.distance};
+  if (status != GJKd::Inside || epa.evaluate(gjk, guess) == EPAd::Failed) return std::nullopt;
+  const Eigen::Vector3d normal = a.R * epa.normal;
   if (!normal.allFinite() || normal.squaredNorm() < 0.5) return std::nullopt;
   const Eigen::Vector3d unit = normal.normalized();
-  return overlap_along(a, b, unit) <= overlap_along(a, b, -unit) ? unit : (-unit).eval();
+  const bool turned = overlap_along(a, b, unit) > overlap_along(a, b, -unit);
+  return Found{turned ? (-unit).eval() : unit, epa.depth};
+}
+
+std::optional<Eigen::Vector3d> GjkSolver::separating_direction(const Placed& a, const Placed& b) {
+  const GjkShape::Impl &shapes_a = a.gjk->impl(), &shapes_b = b.gjk->impl();
+  // A round shape brings a margin of its own; then the other one takes part as it is.
+  const bool round = a.convex->family == Family::kRound || b.convex->family == Family::kRound;
+  const auto pick = [&](const Placed& side) -> const fcl::ShapeBased& {
+    const GjkShape::Impl& shapes = side.gjk->impl();
+    const bool core = side.convex->family == Family::kRound || (!round && shapes.core != nullptr);
+    return core ? *shapes.core : *shapes.full;
+  };
+  const auto by_cores = impl_->find(a, pick(a), b, pick(b));
+  if (round) return by_cores ? std::optional(by_cores->unit) : std::nullopt;
+  // Beside a sharp tip there is much skin, and the cores may lie otherwise than the shapes.
+  const double most_skin = kMostSkin * (a.convex->margin + b.convex->margin);
+  const auto overlap = [&](const Impl::Found& found) { return overlap_along(a, b, found.unit); };
+  if (by_cores && overlap(*by_cores) <= by_cores->depth + most_skin + kDepthSlackM) return by_cores->unit;
+  const auto by_shapes = impl_->find(a, *shapes_a.full, b, *shapes_b.full);
+  if (!by_shapes) return by_cores ? std::optional(by_cores->unit) : std::nullopt;
+  return by_cores && overlap(*by_cores) < overlap(*by_shapes) ? by_cores->unit : by_shapes->unit;
 }
 
 }  // namespace visum::collision

@@ -7,7 +7,6 @@ namespace visum::collision {
 namespace {
 
 constexpr double kLeastDoubleAreaM2 = 1e-16;
-constexpr double kSharpSine = 0.02;  // about one degree
 
 Eigen::AlignedBox3d box_of(const MeshTriangle& triangle) {
   Eigen::AlignedBox3d box;
@@ -28,11 +27,10 @@ struct EdgeKey {
   bool operator<(const EdgeKey& other) const { return ends < other.ends; }
 };
 
-// Marks the edges that a neighbour continues flat or upwards as not sharp.
-void find_sharp_edges(std::vector<MeshTriangle>& triangles) {
+void find_neighbours(std::vector<MeshTriangle>& triangles) {
   std::map<EdgeKey, EdgeSide> sides;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    triangles[t].sharp.fill(true);
+    triangles[t].across.fill(-triangles[t].normal);
     for (std::size_t i = 0; i < 3; ++i)
       sides.emplace(EdgeKey(triangles[t].corners[i], triangles[t].corners[(i + 1) % 3]), EdgeSide{t, i});
   }
@@ -43,9 +41,7 @@ void find_sharp_edges(std::vector<MeshTriangle>& triangles) {
     const auto other = sides.find(EdgeKey(to, from));
     if (other == sides.end()) continue;
     const MeshTriangle& neighbour = triangles[other->second.triangle];
-    const Eigen::Vector3d& apex = neighbour.corners[(other->second.edge + 2) % 3];
-    const double height = triangle.normal.dot(apex - from) / (apex - from).norm();
-    if (height > -kSharpSine) triangle.sharp[side.edge] = false;
+    triangle.across[side.edge] = neighbour.normal.cross((from - to).normalized());
   }
 }
 
@@ -61,7 +57,7 @@ Mesh::Mesh(const world::TriangleMesh& mesh) {
     triangle.normal = area.normalized();
     triangles_.push_back(triangle);
   }
-  find_sharp_edges(triangles_);
+  find_neighbours(triangles_);
   if (triangles_.empty()) return;
   nodes_.emplace_back();
   split(0, 0, static_cast<std::uint32_t>(triangles_.size()));

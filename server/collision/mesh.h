@@ -15,9 +15,15 @@ namespace visum::collision {
 struct MeshTriangle {
   std::array<Eigen::Vector3d, 3> corners;
   Eigen::Vector3d normal;  // unit, by the winding
-  // Edge i runs from corner i to i + 1. A sharp one (convex, or at the mesh's border) may push sideways; a
-  // flat or hollow one may not: what slides over it must not stumble.
-  std::array<bool, 3> sharp{};
+  // Edge i runs from corner i to i + 1. How the surface goes on beyond it: unit, in the neighbour's plane and
+  // square to the edge; straight down at the mesh's border.
+  std::array<Eigen::Vector3d, 3> across;
+
+  // A sharp edge (convex, or at the mesh's border) may push sideways; a flat or hollow one may not: what
+  // slides over it must not stumble.
+  bool is_sharp(std::size_t edge) const { return normal.dot(across[edge]) <= -kSharpSine; }
+
+  static constexpr double kSharpSine = 0.02;  // about one degree
 };
 
 class Mesh {

@@ -1,5 +1,6 @@
 #include "server/collision/narrow_phase.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -12,6 +13,8 @@ namespace {
 constexpr std::size_t kMostGathered = 256;
 constexpr std::size_t kLeftWhenThinned = 48;
 constexpr double kSameNormal = 1.0 - 1e-6;
+constexpr double kAtCornerM = 1e-6;
+constexpr double kRiseSine = 1e-4;  // less is no rise: rounding
 
 Eigen::AlignedBox3d in_frame_of(const PreparedShape& frame, const Eigen::AlignedBox3d& box_W) {
   const Eigen::Matrix3d R = frame.placed.R.transpose();
@@ -30,6 +33,40 @@ std::size_t nearest_edge(const MeshTriangle& triangle, const Eigen::Vector3d& po
     best = i;
   }
   return best;
+}
+
+// Whether something can stand on an edge in this direction: on neither side does the surface rise towards it.
+bool is_ridge(const MeshTriangle& triangle, std::size_t edge, const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d side = (triangle.corners[(edge + 1) % 3] - triangle.corners[edge]).normalized();
+  return direction.dot(triangle.normal.cross(side)) <= kRiseSine &&
+         direction.dot(triangle.across[edge]) <= kRiseSine;
+}
+
+// Likewise on a corner: none of the edges that meet there rises.
+bool is_peak(const Mesh& mesh, const Eigen::Vector3d& corner, const Eigen::Vector3d& direction) {
+  bool peak = true;
+  mesh.visit([&](const Eigen::AlignedBox3d& node) { return peak && node.contains(corner); },
+             [&](std::uint32_t i) {
+               const auto& corners = mesh.triangles()[i].corners;
+               if (std::find(corners.begin(), corners.end(), corner) == corners.end()) return;
+               for (const Eigen::Vector3d& other : corners)
+                 peak &= direction.dot(other - corner) <= kRiseSine * (other - corner).norm();
+             });
+  return peak;
+}
+
+// Whether a point on the triangle's border may push in a direction that is not its normal.
+bool may_push(const Mesh& mesh, const MeshTriangle& triangle, const Eigen::Vector3d& point,
+              const Eigen::Vector3d& direction) {
+  const bool from_front = direction.dot(triangle.normal) > 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Eigen::Vector3d& corner = triangle.corners[i];
+    if ((point - corner).squaredNorm() > kAtCornerM * kAtCornerM) continue;
+    return triangle.is_sharp(i) || triangle.is_sharp((i + 2) % 3) ||
+           (from_front && is_peak(mesh, corner, direction));
+  }
+  const std::size_t edge = nearest_edge(triangle, point);
+  return triangle.is_sharp(edge) || (from_front && is_ridge(triangle, edge, direction));
 }
 
 }  // namespace
@@ -109,14 +146,16 @@ void NarrowPhase::find_with_mesh(const PreparedShape& mesh, const PreparedShape&
   mesh.mesh->visit([&](const Eigen::AlignedBox3d& node) { return node.intersects(box); },
                    [&](std::uint32_t i) {
                      const MeshTriangle& triangle = mesh.mesh->triangles()[i];
-                     find_with_triangle(shape.placed, triangle_a_.place(mesh, triangle), triangle);
+                     find_with_triangle(shape.placed, triangle_a_.place(mesh, triangle), *mesh.mesh,
+                                        triangle);
                      thin_out();
                    });
 }
 
-// Sideways a triangle pushes only over a sharp edge. Over a flat or hollow one the surface goes on: then it
-// pushes along its own normal what stands over it, and leaves the rest to its neighbour.
-void NarrowPhase::find_with_triangle(const Placed& convex, const Placed& placed,
+// Sideways a triangle pushes only over a sharp edge, or what stands on an edge or corner itself. Elsewhere
+// the surface goes on: then it pushes along its own normal what stands over it, and leaves the rest to its
+// neighbour.
+void NarrowPhase::find_with_triangle(const Placed& convex, const Placed& placed, const Mesh& mesh,
                                      const MeshTriangle& triangle) {
   const Direction direction = find_direction(convex, placed, solver_);
   if (direction.apart) return;
@@ -124,8 +163,11 @@ void NarrowPhase::find_with_triangle(const Placed& convex, const Placed& placed,
   add_manifold(convex, placed, direction, points_);
   const Eigen::Vector3d up = placed.R * triangle.normal;
   if (std::abs(direction.normal_W.dot(up)) >= kSameNormal) return;
-  const Eigen::Vector3d at = placed.R.transpose() * (points_.back().p_W - placed.p);
-  if (triangle.sharp[nearest_edge(triangle, at)]) return;
+  const Point& last = points_.back();
+  const Eigen::Vector3d on_triangle_W = last.p_W + 0.5 * last.depth * last.normal_W;
+  if (may_push(mesh, triangle, placed.R.transpose() * (on_triangle_W - placed.p),
+               placed.R.transpose() * direction.normal_W))
+    return;
   points_.resize(first);
   const bool in_front = up.dot(convex.center() - placed.farthest(up)) >= 0.0;
   if (in_front) add_face_manifold(convex, placed, up, points_);

@@ -9,9 +9,9 @@ namespace visum::dynamics::testing {
 namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
-    {"OdeWorld", 0x5a5eefac70e12737ull},       {"OdeQuick", 0x714789e3752eab71ull},
-    {"Impulse", 0xe2055d8118acee99ull},        {"ImpulseOrder4", 0x79b2985220c84da5ull},
-    {"ImpulseIterate", 0xd3dce186bf1d59e4ull},
+    {"OdeWorld", 0x2b5fc3735ea0fb30ull},       {"OdeQuick", 0x51192a1216b7285dull},
+    {"Impulse", 0x3a8f52ccd7e13441ull},        {"ImpulseOrder4", 0xc0d3f5700c42614bull},
+    {"ImpulseIterate", 0xd029f66d687b0c81ull},
 };
 
 class Golden : public Contract {};
