@@ -32,6 +32,7 @@ constexpr TextRule kTexts[] = {
     {"length", 1, 1, NumberRule::kPositive},
     {"size", 2, 3, NumberRule::kPositive},
     {"scale", 3, 3, NumberRule::kNoneZero},
+    {"transparency", 0, 1, NumberRule::kNotNegative},
 };
 
 const std::vector<const char*> kUnread = {"sensor",       "plugin",     "light",   "particle_emitter",
@@ -50,9 +51,9 @@ void check_text(const XMLElement& element, const std::string& file) {
       check_numbers(element, rule.element, element.GetText(), rule.least, rule.most, rule.rule, file);
 }
 
-bool says_no(const XMLElement* element) {
+bool says(const char* word, const char* digit, const XMLElement* element) {
   const std::string text = element && element->GetText() ? element->GetText() : "";
-  return text == "false" || text == "0";
+  return text == word || text == digit;
 }
 
 void note_link_losses(const XMLElement& link, const std::string& name, ModelXml& xml) {
@@ -62,8 +63,10 @@ void note_link_losses(const XMLElement& link, const std::string& name, ModelXml&
                          "' gives no <inertial>: SDF's 1 kg and 1 kg·m² are used if it moves");
   else if (!inertial->FirstChildElement("inertia"))
     xml.losses.push_back("link '" + name + "' gives no <inertia>: SDF's 1 kg·m² is used if it moves");
-  if (says_no(link.FirstChildElement("gravity")))
+  if (says("false", "0", link.FirstChildElement("gravity")))
     xml.losses.push_back("link '" + name + "' falls as all do: a link without gravity is not simulated");
+  if (says("true", "1", link.FirstChildElement("kinematic")))
+    xml.losses.push_back("link '" + name + "' is moved by forces as all are: <kinematic> is not simulated");
 }
 
 // The scene's `pose` says where the model's frame is, as an <include>'s would.

@@ -175,13 +175,24 @@ class Placement {
 
   void read_collision_keys() {
     if (const auto pairs = node_.find("no_collision")) read_no_collision(draft_, *pairs, name_ + "/");
-    if (node_.boolean_or("self_collision", true)) return;
-    if (robot_.links.size() > kMaxLinksWithoutCollision)
+    if (node_.boolean_or("self_collision", false)) return;
+    const bool none = node_.find("self_collision").has_value();
+    if (none && robot_.links.size() > kMaxLinksWithoutCollision)
       node_.get("self_collision")
           .fail("can be off for models of at most " + std::to_string(kMaxLinksWithoutCollision) + " links");
     for (std::size_t a = 0; a < robot_.links.size(); ++a)
       for (std::size_t b = a + 1; b < robot_.links.size(); ++b)
-        draft_.forbid_collision(body(robot_.links[a].name), body(robot_.links[b].name));
+        if (none || stay_apart(robot_.links[a], robot_.links[b]))
+          draft_.forbid_collision(body(robot_.links[a].name), body(robot_.links[b].name));
+  }
+
+  // What the model's file says; nested models speak for themselves.
+  static bool stay_apart(const RobotLink& a, const RobotLink& b) {
+    const auto model_of = [](const std::string& link) {
+      const std::size_t end = link.rfind("::");
+      return end == std::string::npos ? std::string() : link.substr(0, end);
+    };
+    return !a.self_collides && !b.self_collides && model_of(a.name) == model_of(b.name);
   }
 
   static constexpr std::size_t kMaxLinksWithoutCollision = 500;  // pairs grow with the square

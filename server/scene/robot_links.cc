@@ -9,18 +9,29 @@ namespace visum::scene {
 namespace {
 
 constexpr double kSamePlace = 1e-9;
+constexpr double kSheetM = 1e-3;  // the thickness of a plane that is only seen
 
 bool same_pose(const world::Pose& a, const world::Pose& b) {
   return (a.p - b.p).norm() < kSamePlace && a.q.angularDistance(b.q) < kSamePlace;
 }
 
 bool same_form(const RobotShape& a, const RobotShape& b) {
-  return a.kind == b.kind && a.size == b.size && a.mesh == b.mesh && a.scale == b.scale &&
-         same_pose(a.X_LS, b.X_LS);
+  const bool same_size = a.size == b.size || a.kind == world::ShapeKind::kPlane;
+  return a.kind == b.kind && same_size && a.mesh == b.mesh && a.scale == b.scale && same_pose(a.X_LS, b.X_LS);
+}
+
+// A plane that collides has no end; one that is only seen has: a thin box below its face.
+RobotShape as_sheet(RobotShape visual) {
+  if (visual.kind != world::ShapeKind::kPlane) return visual;
+  visual.kind = world::ShapeKind::kBox;
+  visual.size[2] = kSheetM;
+  visual.X_LS = visual.X_LS * world::Pose{{0, 0, -kSheetM / 2}, Eigen::Quaterniond::Identity()};
+  return visual;
 }
 
 // Moves all of `lower` into `upper`, X_UL apart.
 void absorb(RobotLink& upper, const RobotLink& lower, const world::Pose& X_UL) {
+  upper.self_collides = upper.self_collides || lower.self_collides;
   upper.mass = together(upper.mass, moved(lower.mass, X_UL));
   for (RobotShape shape : lower.shapes) {
     shape.X_LS = X_UL * shape.X_LS;
@@ -93,7 +104,7 @@ void match_visuals(RobotLink& link) {
     const auto twin = std::find_if(kept.begin(), kept.end(),
                                    [&](const RobotShape& s) { return s.collides && same_form(s, visual); });
     if (twin == kept.end())
-      kept.push_back(std::move(visual));
+      kept.push_back(as_sheet(std::move(visual)));
     else
       twin->color = visual.color.value_or(world::Shape{}.color);
   }

@@ -7,6 +7,7 @@
 #include <sdf/Capsule.hh>
 #include <sdf/Collision.hh>
 #include <sdf/Cylinder.hh>
+#include <sdf/Element.hh>
 #include <sdf/Error.hh>
 #include <sdf/Geometry.hh>
 #include <sdf/Joint.hh>
@@ -108,8 +109,11 @@ class Reader {
   // X_TM: this model in the top one. What is nested in a static model is static.
   void read_model(const sdf::Model& model, const std::string& prefix, const world::Pose& X_TM,
                   bool is_static) {
-    for (std::uint64_t i = 0; i < model.LinkCount(); ++i)
-      read_link(*model.LinkByIndex(i), prefix, X_TM, is_static);
+    for (std::uint64_t i = 0; i < model.LinkCount(); ++i) {
+      const sdf::Link& link = *model.LinkByIndex(i);
+      read_link(link, prefix, X_TM, is_static);
+      model_.links.back().self_collides = xml_.urdf || self_collides(link, model);
+    }
     for (std::uint64_t i = 0; i < model.JointCount(); ++i) read_joint(*model.JointByIndex(i), prefix, X_TM);
     for (std::uint64_t i = 0; i < model.ModelCount(); ++i) {
       const sdf::Model& inner = *model.ModelByIndex(i);
@@ -117,6 +121,12 @@ class Reader {
       refuse(inner.SemanticPose().Resolve(pose), {file_, 0, "model '" + inner.Name() + "'"});
       read_model(inner, prefix + inner.Name() + "::", X_TM * to_pose(pose), is_static || inner.Static());
     }
+  }
+
+  // A link's own word goes before its model's.
+  static bool self_collides(const sdf::Link& link, const sdf::Model& model) {
+    const sdf::ElementPtr element = link.Element();
+    return element->HasElement("self_collide") ? element->Get<bool>("self_collide") : model.SelfCollide();
   }
 
   void read_link(const sdf::Link& from, const std::string& prefix, const world::Pose& X_TM, bool is_static) {
@@ -130,11 +140,11 @@ class Reader {
     if (xml_.massless.count(link.name) == 0) link.mass = read_mass(from);
     for (std::uint64_t i = 0; i < from.CollisionCount(); ++i) {
       const sdf::Collision& collision = *from.CollisionByIndex(i);
-      add_shape(collision.Name(), *collision.Geom(), collision.SemanticPose(), true, nullptr, link);
+      add_shape(collision.Name(), *collision.Geom(), collision.SemanticPose(), nullptr, link);
     }
     for (std::uint64_t i = 0; i < from.VisualCount(); ++i) {
       const sdf::Visual& visual = *from.VisualByIndex(i);
-      add_shape(visual.Name(), *visual.Geom(), visual.SemanticPose(), false, visual.Material(), link);
+      add_shape(visual.Name(), *visual.Geom(), visual.SemanticPose(), &visual, link);
     }
     match_visuals(link);
     model_.links.push_back(std::move(link));
@@ -150,25 +160,38 @@ class Reader {
     return mass;
   }
 
+  static double opacity_of(const sdf::Visual& visual) {
+    return std::clamp(1.0 - static_cast<double>(visual.Transparency()), 0.0, 1.0);
+  }
+
+  static void fade(RobotShape& shape, double opacity) {
+    if (opacity == 1.0) return;
+    if (!shape.color) shape.color = world::Shape{}.color;
+    (*shape.color)[3] *= opacity;
+  }
+
+  // `visual`: null for what collides.
   void add_shape(const std::string& name, const sdf::Geometry& geometry, const sdf::SemanticPose& where,
-                 bool collides, const sdf::Material* material, RobotLink& link) {
+                 const sdf::Visual* visual, RobotLink& link) {
     RobotShape shape;
     shape.name = xml_.urdf ? urdf_name(name, link.name) : name;
     shape.link = link.name;
-    shape.collides = collides;
+    shape.collides = visual == nullptr;
     ignition::math::Pose3d pose;
     refuse(where.Resolve(pose, link.name.substr(link.name.rfind(':') + 1)), link_place(link.name));
     shape.X_LS = to_pose(pose);
-    if (material) {
-      const auto& c = material->Diffuse();
+    const double opacity = visual ? opacity_of(*visual) : 1.0;
+    if (visual && visual->Material()) {
+      const auto& c = visual->Material()->Diffuse();
       shape.color = {c.R(), c.G(), c.B(), c.A()};
     }
     const std::string loss = read_geometry(geometry, link.name, shape);
     if (loss.empty() && is_collada(shape.mesh)) {
-      add_parts(shape, link);
+      add_parts(shape, opacity, link);
     } else if (loss.empty()) {
+      fade(shape, opacity);
       link.shapes.push_back(std::move(shape));
-    } else if (collides) {
+    } else if (shape.collides) {
       throw config::ConfigError(link_place(link.name), "collision '" + shape.name + "' " + loss);
     } else {
       lose(shape, loss);
@@ -181,12 +204,13 @@ class Reader {
   }
 
   // One shape for each material of a Collada file; the model's own material replaces them all.
-  void add_parts(const RobotShape& whole, RobotLink& link) {
+  void add_parts(const RobotShape& whole, double opacity, RobotLink& link) {
     const ColladaMesh& mesh = model_.converted.at(whole.mesh);
     for (std::size_t part = 0; part < mesh.parts.size(); ++part) {
       link.shapes.push_back(whole);
       link.shapes.back().mesh_part = part;
       if (!whole.color) link.shapes.back().color = mesh.parts[part].color;
+      fade(link.shapes.back(), opacity);
     }
     if (mesh.textured)
       model_.losses.push_back("visual '" + whole.name + "' of link '" + link.name +
@@ -215,7 +239,9 @@ class Reader {
         return "";
       case sdf::GeometryType::PLANE: {
         const Eigen::Vector3d normal = to_vector(geometry.PlaneShape()->Normal());
-        shape.kind = ShapeKind::kPlane;
+        const auto sides = geometry.PlaneShape()->Size();
+        set(shape, ShapeKind::kPlane, {});
+        if (!shape.collides) shape.size = {sides.X(), sides.Y(), 0};
         shape.X_LS.q = shape.X_LS.q * Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
         return "";
       }

@@ -20,7 +20,7 @@ struct RobotShape {
   std::string name;
   std::string link;  // the one in the file that it is of, also after links were joined
   world::ShapeKind kind = world::ShapeKind::kBox;
-  std::array<double, 3> size{};  // as in world::Shape
+  std::array<double, 3> size{};  // as in world::Shape; of a plane that does not collide its two sides
   std::filesystem::path mesh;    // resolved
   std::size_t mesh_part = 0;     // of a mesh in RobotModel::converted
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
@@ -35,6 +35,8 @@ struct RobotLink {
   MassProperties mass;     // in the link's frame; mass 0: the file gives none
   world::Pose X_ML;        // in the model, all joints at 0
   bool on_ground = false;  // fixed to the world by the model itself
+  // False: it never collides with others of its kind in the same (nested) model, unless the scene says so.
+  bool self_collides = true;
   std::vector<RobotShape> shapes;
 };
 
@@ -71,7 +73,7 @@ RobotModel read_robot_model(const std::filesystem::path& file, const std::string
 void join_links(RobotModel& model);
 
 // A visual shape of the same form and place as a colliding one gives it its colour and goes; colliding shapes
-// without a visual are not drawn (alpha 0) on links that have visuals.
+// without a visual are not drawn (alpha 0) on links that have visuals. Other visual planes become thin boxes.
 void match_visuals(RobotLink& link);
 
 }  // namespace visum::scene

@@ -120,6 +120,20 @@ TEST(Convert, OfModelsPartsAndSensorsYamlKeepsAll) {
   }
 }
 
+TEST(Convert, OfModelsYamlKeepsThePairsThatNeverCollide) {
+  const test::TempFiles files;
+  const auto robot = std::filesystem::path(VISUM_SOURCE_DIR) / "tests/scene/data/robot.urdf";
+  const auto entry = [&](const std::string& name) { return "{name: " + name + ", file: " + robot.string(); };
+  const auto first =
+      files.write("s.yaml", "visum: 1\nmodels:\n  - " + entry("arm") + "}\n  - " + entry("limp") +
+                                ", pose: {xyz: [3, 0, 0]}, self_collision: false}\n"
+                                "no_collision: [[arm/base, arm/finger], [arm/base, limp/finger]]\n");
+  const auto back = files.folder() / "back.yaml";
+  convert(first, back, {});
+  EXPECT_EQ(load_scene(first).world.no_collision, load_scene(back).world.no_collision);
+  EXPECT_THAT(text_of(back), testing::Not(HasSubstr("[\"limp/"))) << "the model's own entry says it";
+}
+
 TEST(Convert, SaysWhereYamlChangesTheOrderOfBodies) {
   const test::TempFiles files;
   const auto fleet = std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/cart_fleet.yaml";
@@ -220,6 +234,29 @@ sensors: [{name: eye, kind: distance, range: [0.1, 2]}]
                           "X3D has no sensors of Visum's: 'eye' is left out"));
 }
 
+TEST(Convert, X3dKeepsTheSurfacesOfPlanesAndCapsulesAndPairsBesideSprings) {
+  const test::TempFiles files;
+  const auto file = files.write("s.yaml", R"(
+visum: 1
+surfaces: {ice: {friction: 0.01}}
+bodies:
+  - {name: ground, fixed: true, shapes: [{plane: true, surface: ice}]}
+  - {name: pill, mass: 1, pose: {xyz: [0, 0, 1]}, shapes: [{capsule: {radius: 0.1, length: 0.2}, surface: ice}]}
+  - {name: cube, mass: 1, pose: {xyz: [1, 0, 1]}, shapes: [{box: [0.1, 0.1, 0.1]}]}
+  - {name: bead, mass: 1, pose: {xyz: [1, 0, 1.05]}, shapes: [{box: [0.1, 0.1, 0.1]}]}
+joints:
+  - {name: pull, type: spring, parent: cube, child: bead, child_point: [0, 0, 0], stiffness: 10, rest: 0.05}
+  - {name: weld, type: fixed, parent: pill, child: cube}
+no_collision: [[cube, bead]]
+)");
+  convert(file, files.folder() / "s.x3d", {});
+  const auto scene = read_any_scene(files.folder() / "s.x3d", {});
+  EXPECT_EQ(scene.world.no_collision, load_scene(file).world.no_collision);
+  ASSERT_EQ(scene.world.shapes.size(), 6u) << "a slab, a cylinder with two balls, two boxes";
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_EQ(scene.world.surfaces[scene.world.shapes[i].surface.index()].name, i < 4 ? "ice" : "default");
+}
+
 TEST(Convert, WhatAnEditorMovesStaysMoved) {
   const test::TempFiles files;
   const auto file = files.write(
@@ -294,6 +331,43 @@ TEST(Convert, WritesSdfThatSdfReadersTake) {
   EXPECT_EQ(load_scene(yaml).world.joints.size(), read_any_scene(robot, {}).world.joints.size());
   convert(robot, sdf, {});
   EXPECT_THAT(text_of(sdf), HasSubstr("<joint name=\"robot.shoulder\" type=\"revolute\">"));
+}
+
+TEST(Convert, SdfSaysWhoCollidesOrThatItCannot) {
+  const test::TempFiles files;
+  const auto file = files.write("s.yaml", R"(
+visum: 1
+bodies:
+  - {name: a, mass: 1, shapes: [{box: [1, 1, 1], color: [1, 0, 0, 0.25]}]}
+  - {name: b, mass: 1, shapes: [{box: [1, 1, 1]}], pose: {xyz: [0, 0, 0.5]}}
+  - {name: c, mass: 1, shapes: [{box: [1, 1, 1]}], pose: {xyz: [3, 0, 0]}}
+  - {name: d, mass: 1, shapes: [{box: [1, 1, 1]}], pose: {xyz: [5, 0, 0]}}
+  - {name: e, mass: 1, shapes: [{box: [1, 1, 1]}], pose: {xyz: [7, 0, 0]}}
+joints:
+  - {name: j1, type: hinge, parent: c, child: d, axis: [0, 1, 0], limits: [-1, 1], stop_restitution: 0.7}
+  - {name: j2, type: hinge, parent: d, child: e, axis: [0, 1, 0]}
+no_collision: [[a, b], [a, e]]
+)");
+  EXPECT_THAT(convert(file, files.folder() / "s.sdf", {}),
+              ElementsAre("the restitution of the stops of joint 'j1' is not written to SDF",
+                          "SDF has no pairs that never collide: 'a' and 'b' (and 1 more) do there"));
+  const std::string text = text_of(files.folder() / "s.sdf");
+  const auto said = text.find("<self_collide>true</self_collide>");
+  EXPECT_GT(said, text.find("<model name=\"c\">"));
+  EXPECT_EQ(text.find("<self_collide>", said + 1), std::string::npos)
+      << "once: a and b are links by themselves";
+  EXPECT_THAT(text, HasSubstr("<diffuse>1 0 0 1</diffuse>")) << "0.25 once, not twice";
+  EXPECT_THAT(text, HasSubstr("<transparency>0.75</transparency>"));
+}
+
+TEST(Convert, SdfHoldsModelsWhoseLinksNeverCollide) {
+  const test::TempFiles files;
+  const auto robot = std::filesystem::path(VISUM_SOURCE_DIR) / "tests/scene/data/robot.urdf";
+  const auto file = files.write(
+      "s.yaml", "visum: 1\nmodels: [{name: arm, self_collision: false, file: '" + robot.string() + "'}]\n");
+  EXPECT_THAT(convert(file, files.folder() / "s.sdf", {}),
+              testing::Not(testing::Contains(HasSubstr("never collide"))));
+  EXPECT_THAT(text_of(files.folder() / "s.sdf"), testing::Not(HasSubstr("self_collide")));
 }
 
 TEST(Convert, ReadsNoOtherFilesAndNoCode) {

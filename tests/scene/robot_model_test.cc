@@ -205,12 +205,54 @@ TEST(Sdf, LossesSayWhatWouldChangeThePhysics) {
   const RobotModel model =
       read_robot_model("m.sdf",
                        "<sdf version='1.8'><model name='cell'><pose>0 0 5 0 0 0</pose><link name='balloon'>"
-                       "<gravity>false</gravity><inertial><mass>0.05</mass></inertial></link></model></sdf>");
+                       "<gravity>false</gravity><kinematic>true</kinematic>"
+                       "<inertial><mass>0.05</mass></inertial></link></model></sdf>");
   EXPECT_THAT(model.losses,
               ElementsAre("the model's own <pose> is not read: the scene's 'pose' places it",
                           "link 'balloon' gives no <inertia>: SDF's 1 kg·m² is used if it moves",
-                          "link 'balloon' falls as all do: a link without gravity is not simulated"));
+                          "link 'balloon' falls as all do: a link without gravity is not simulated",
+                          "link 'balloon' is moved by forces as all are: <kinematic> is not simulated"));
   EXPECT_EQ(model.links[0].X_ML.p, Eigen::Vector3d::Zero());
+}
+
+RobotLink sdf_link(const std::string& inside) {
+  return read_robot_model(
+             "m.sdf", "<sdf version='1.9'><model name='m'><link name='a'>" + inside + "</link></model></sdf>")
+      .links.at(0);
+}
+
+TEST(Sdf, APlaneThatIsOnlySeenEndsWhereItsSizeSays) {
+  const RobotLink link = sdf_link(
+      "<visual name='sticker'><pose>1 0 0 0 0 0</pose><geometry><plane><normal>0 1 0</normal>"
+      "<size>0.1 0.2</size></plane></geometry></visual>");
+  ASSERT_EQ(link.shapes.size(), 1u);
+  const RobotShape& sheet = link.shapes[0];
+  EXPECT_EQ(sheet.kind, world::ShapeKind::kBox);
+  EXPECT_EQ(sheet.size[0], 0.1);
+  EXPECT_EQ(sheet.size[1], 0.2);
+  const Eigen::Vector3d face = sheet.X_LS * Eigen::Vector3d(0, 0, sheet.size[2] / 2);
+  EXPECT_TRUE(face.isApprox(Eigen::Vector3d(1, 0, 0))) << "its face is where the plane is";
+}
+
+TEST(Sdf, APlaneThatIsSeenWhereOneCollidesGivesItsColour) {
+  const std::string plane = "<geometry><plane><size>5 5</size></plane></geometry>";
+  const RobotLink link = sdf_link("<collision name='c'>" + plane + "</collision><visual name='v'>" + plane +
+                                  "<material><diffuse>0 1 0 1</diffuse></material></visual>");
+  ASSERT_EQ(link.shapes.size(), 1u);
+  EXPECT_EQ(link.shapes[0].kind, world::ShapeKind::kPlane);
+  EXPECT_EQ(link.shapes[0].size, (std::array<double, 3>{}));
+  EXPECT_THAT(*link.shapes[0].color, ElementsAre(0, 1, 0, 1));
+}
+
+TEST(Sdf, TransparencyTakesFromTheColour) {
+  const std::string box = "<geometry><box><size>1 1 1</size></box></geometry>";
+  const RobotLink link = sdf_link("<visual name='ghost'><transparency>1</transparency>" + box +
+                                  "</visual><visual name='pane'><pose>2 0 0 0 0 0</pose><transparency>0.5"
+                                  "</transparency><material><diffuse>1 0 0 0.5</diffuse></material>" +
+                                  box + "</visual>");
+  ASSERT_EQ(link.shapes.size(), 2u);
+  EXPECT_EQ((*link.shapes[0].color)[3], 0.0) << "sensors do not see what has no alpha";
+  EXPECT_THAT(*link.shapes[1].color, ElementsAre(1, 0, 0, 0.25));
 }
 
 TEST(Sdf, NestedModelsFramesAndLimitsAreRead) {

@@ -333,6 +333,25 @@ TEST(Scene, SelfCollisionCanBeSwitchedOff) {
   EXPECT_EQ(scene.world.no_collision.size(), 6u);
 }
 
+TEST(Scene, LinksOfAnSdfCollideAsItsFileSaysUnlessTheEntryDoes) {
+  const test::TempFiles files;
+  const auto pairs = [&](const std::string& top, const std::string& last_link, const std::string& entry) {
+    files.write("m.sdf",
+                "<sdf version='1.9'><model name='m'>" + top +
+                    "<link name='a'/><link name='b'/><link name='c'>" + last_link +
+                    "</link><model name='inner'><link name='d'/><link name='e'/></model></model></sdf>");
+    const auto scene = load_scene(
+        files.write("s.yaml", "visum: 1\nmodels: [{name: m, file: m.sdf, fixed: false" + entry + "}]"));
+    return scene.world.no_collision.size();
+  };
+  const std::string yes = "<self_collide>true</self_collide>";
+  EXPECT_EQ(pairs("", "", ""), 4u) << "three of the outer model, one of the inner one";
+  EXPECT_EQ(pairs(yes, "", ""), 1u);
+  EXPECT_EQ(pairs("", yes, ""), 2u) << "one link that says so meets all others of its model";
+  EXPECT_EQ(pairs("", "", ", self_collision: true"), 0u);
+  EXPECT_EQ(pairs(yes, "", ", self_collision: false"), 10u);
+}
+
 TEST(AddBody, AppendsToTheWorld) {
   Scene scene = load_scene(kData / "complete.yaml");
   const std::size_t before = scene.world.bodies.size();

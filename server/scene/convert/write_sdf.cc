@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "server/scene/convert/pairs.h"
 #include "server/world/joint_kinds.h"
 
 namespace visum::scene {
@@ -51,7 +52,11 @@ std::string flat(std::string name) {
 
 class SdfWriter {
  public:
-  SdfWriter(const Scene& scene, Output& output) : scene_(scene), world_(scene.world), output_(output) {}
+  SdfWriter(const Scene& scene, Output& output)
+      : scene_(scene),
+        world_(scene.world),
+        output_(output),
+        untold_(pairs_beside_joints(world_, [](const auto& joint) { return sdf_type(joint) != nullptr; })) {}
 
   std::string text() {
     out_.PushHeader(false, true);
@@ -114,6 +119,7 @@ class SdfWriter {
     open("model", "name", flat(world_.bodies[first].name).c_str());
     const bool fixed = std::ranges::all_of(members, [&](std::size_t i) { return world_.bodies[i].fixed; });
     if (fixed) element("static", "true");
+    if (members.size() > 1) self_collide(members);
     for (const std::size_t i : members) link(world::BodyId{static_cast<std::int32_t>(i)});
     for (const auto& joint : world_.joints)
       if (std::ranges::find(members, joint.child.index()) != members.end()) add_joint(joint);
@@ -121,6 +127,19 @@ class SdfWriter {
       for (const std::size_t i : members)
         if (world_.bodies[i].fixed) hold(world_.bodies[i]);
     close();
+  }
+
+  // SDF keeps all links of a model apart from each other, or only those that its joints connect.
+  void self_collide(const std::vector<std::size_t>& members) {
+    const auto within = [&](const auto& pair) {
+      return std::ranges::binary_search(members, pair.first.index()) &&
+             std::ranges::binary_search(members, pair.second.index());
+    };
+    const auto apart = static_cast<std::size_t>(std::ranges::count_if(world_.no_collision, within));
+    if (apart == members.size() * (members.size() - 1) / 2)
+      std::erase_if(untold_, within);
+    else
+      element("self_collide", std::string("true"));
   }
 
   // A link that stands still among others that move.
@@ -172,8 +191,9 @@ class SdfWriter {
     element("pose", pose_text(shape.X_BS));
     geometry(shape);
     open("material");
-    element("diffuse", exact(shape.color.data(), 4));
-    element("ambient", exact(shape.color.data(), 4));
+    // Opaque: a reader multiplies by what <transparency> leaves.
+    element("diffuse", exact(shape.color.data(), 3) + " 1");
+    element("ambient", exact(shape.color.data(), 3) + " 1");
     close();
     element("transparency", 1.0 - shape.color[3]);
     close();
@@ -249,6 +269,8 @@ class SdfWriter {
     close();
     if (joint.initial_position != 0.0)
       output_.lose("SDF has no initial positions: joint '" + joint.name + "' starts at 0");
+    if (joint.limited && joint.stop_restitution > 0.0)
+      output_.lose("the restitution of the stops of joint '" + joint.name + "' is not written to SDF");
   }
 
   void axis(const char* name, const world::Joint& joint, const Eigen::Vector3d& direction) {
@@ -292,7 +314,17 @@ class SdfWriter {
     close();
   }
 
+  void tell_pairs() {
+    if (untold_.empty()) return;
+    const auto name = [&](world::BodyId id) { return "'" + world_.bodies[id.index()].name + "'"; };
+    const std::size_t others = untold_.size() - 1;
+    output_.lose("SDF has no pairs that never collide: " + name(untold_[0].first) + " and " +
+                 name(untold_[0].second) + (others > 0 ? " (and " + std::to_string(others) + " more)" : "") +
+                 " do there");
+  }
+
   void tell_losses() {
+    tell_pairs();
     for (const auto& part : scene_.parts)
       output_.lose("SDF has no hardware parts: '" + part.context.name + "' is left out");
     for (const auto& sensor : scene_.sensors)
@@ -308,6 +340,7 @@ class SdfWriter {
   const Scene& scene_;
   const world::WorldModel& world_;
   Output& output_;
+  std::vector<std::pair<world::BodyId, world::BodyId>> untold_;  // that the file keeps apart by nothing
   tinyxml2::XMLPrinter out_;
   std::size_t lights_ = 0;
 };

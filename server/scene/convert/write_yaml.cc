@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <numbers>
+#include <set>
 
+#include "server/scene/convert/pairs.h"
 #include "server/scene/convert/yaml_text.h"
 #include "server/world/joint_kinds.h"
 
@@ -259,10 +261,14 @@ class YamlWriter {
   }
 
   void no_collision() {
-    list("no_collision", world_.no_collision, [&](const auto& pair) {
+    std::set<std::string> limp;  // models whose own entries say that none of their links collide
+    for (const ModelPlan& model : scene_.models)
+      if (!model.config.boolean_or("self_collision", true)) limp.insert(model.name);
+    const auto joined = [](const world::Joint& joint) { return world::info(joint.kind).holds_anything; };
+    list("no_collision", pairs_beside_joints(world_, joined), [&](const auto& pair) {
       const auto& a = world_.bodies[pair.first.index()];
       const auto& b = world_.bodies[pair.second.index()];
-      const bool known = !a.model.empty() && a.model == b.model;  // its model says so
+      const bool known = a.model == b.model && limp.contains(a.model);
       return known ? std::string() : "[" + yaml_text(a.name) + ", " + yaml_text(b.name) + "]";
     });
   }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/scene/convert/pairs.h"
 #include "server/scene/convert/write_yaml.h"
 #include "server/scene/convert/x3d_motors.h"
 #include "server/scene/convert/x3d_scene.h"
@@ -49,6 +50,22 @@ std::string color_text(const std::array<double, 4>& color) {
   return exact(color.data(), 3);
 }
 
+// Null: X3D has none.
+const char* x3d_type(const world::Joint& joint) {
+  switch (joint.kind) {
+    case JointKind::kHinge:
+      return "SingleAxisHingeJoint";
+    case JointKind::kSlider:
+      return "SliderJoint";
+    case JointKind::kBall:
+      return "BallJoint";
+    case JointKind::kUniversal:
+      return "UniversalJoint";
+    default:
+      return nullptr;
+  }
+}
+
 // One shape as X3D has it; some of ours are several.
 struct Form {
   X3dNode geometry;
@@ -88,21 +105,24 @@ class Exporter {
     return map.text();
   }
 
-  // Beside those that a joint keeps apart.
+  // Beside those that a joint of the file keeps apart.
   std::string no_collision() const {
     std::string pairs;
     const auto name = [&](world::BodyId id) { return yaml_text(flat_name(world_.bodies[id.index()].name)); };
-    for (const auto& [a, b] : world_.no_collision)
-      if (!joined(a, b)) pairs += (pairs.empty() ? "[" : ", [") + name(a) + ", " + name(b) + "]";
+    const auto written = [](const world::Joint& joint) { return x3d_type(joint) != nullptr; };
+    for (const auto& [a, b] : pairs_beside_joints(world_, written))
+      pairs += (pairs.empty() ? "[" : ", [") + name(a) + ", " + name(b) + "]";
     return pairs;
   }
 
+  // Of a form that stands for a part of the shape: the surface alone, or nothing.
   std::string shape_metadata(const world::Shape& shape) const {
+    const bool replaced = shape.kind == ShapeKind::kCapsule || shape.kind == ShapeKind::kPlane;
     YamlMap map;
-    map.add_text("name", shape.name).add_pose(shape.X_BS);
+    if (!replaced) map.add_text("name", shape.name).add_pose(shape.X_BS);
     if (shape.kind == ShapeKind::kConvex) map.add("convex", "true");
     if (shape.surface.index() != 0) map.add_text("surface", world_.surfaces[shape.surface.index()].name);
-    return map.text();
+    return map.empty() ? "" : map.text();
   }
 
   std::vector<Form> forms_of(const world::Shape& shape) {
@@ -170,7 +190,7 @@ class Exporter {
   }
 
   void add_shape(X3dNode& place, X3dNode& rigid, const world::Shape& shape) {
-    bool first = true;
+    const std::string metadata = shape_metadata(shape);
     for (Form& form : forms_of(shape)) {
       const world::Pose X_BF = shape.X_BS * form.X_SF;
       X3dNode visible = node_of("Shape");
@@ -180,9 +200,7 @@ class Exporter {
       X3dNode collidable = node_of("CollidableShape", {{"translation", text_of(X_BF.p)},
                                                        {"rotation", x3d_rotation(X_BF.q)},
                                                        {"enabled", shape.collides ? "true" : "false"}});
-      if (first && shape.kind != ShapeKind::kCapsule && shape.kind != ShapeKind::kPlane)
-        add_metadata(collidable, shape_metadata(shape));
-      first = false;
+      if (!metadata.empty()) add_metadata(collidable, metadata);
       collidable.add("shape", use_of(visible));
       X3dNode& turned = place.add("children", node_of("Transform", {{"translation", text_of(X_BF.p)},
                                                                     {"rotation", x3d_rotation(X_BF.q)}}));
@@ -212,11 +230,7 @@ class Exporter {
   }
 
   void add_joint(X3dNode& collection, const world::Joint& joint) {
-    const char* type = nullptr;
-    if (joint.kind == JointKind::kHinge) type = "SingleAxisHingeJoint";
-    if (joint.kind == JointKind::kSlider) type = "SliderJoint";
-    if (joint.kind == JointKind::kBall) type = "BallJoint";
-    if (joint.kind == JointKind::kUniversal) type = "UniversalJoint";
+    const char* type = x3d_type(joint);
     if (!type) {
       output_.lose("X3D has no joint of type " + std::string(world::info(joint.kind).name) + ": '" +
                    joint.name + "' is left out");
@@ -322,12 +336,6 @@ class Exporter {
     if (!scene_.looks.panels.empty()) output_.lose("X3D has no panels");
     if (!physics_ && !world_.bodies.empty())
       output_.lose("VRML97 has no bodies and joints: only what is to be seen is written");
-  }
-
-  bool joined(world::BodyId a, world::BodyId b) const {
-    return std::ranges::any_of(world_.joints, [&](const world::Joint& joint) {
-      return (joint.parent == a && joint.child == b) || (joint.parent == b && joint.child == a);
-    });
   }
 
   const Scene& scene_;
