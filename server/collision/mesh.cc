@@ -30,7 +30,6 @@ struct EdgeKey {
 void find_neighbours(std::vector<MeshTriangle>& triangles) {
   std::map<EdgeKey, EdgeSide> sides;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    triangles[t].across.fill(-triangles[t].normal);
     for (std::size_t i = 0; i < 3; ++i)
       sides.emplace(EdgeKey(triangles[t].corners[i], triangles[t].corners[(i + 1) % 3]), EdgeSide{t, i});
   }
@@ -55,6 +54,7 @@ Mesh::Mesh(const world::TriangleMesh& mesh) {
         (triangle.corners[1] - triangle.corners[0]).cross(triangle.corners[2] - triangle.corners[0]);
     if (!(area.norm() > kLeastDoubleAreaM2)) continue;
     triangle.normal = area.normalized();
+    triangle.across.fill(-triangle.normal);
     triangles_.push_back(triangle);
   }
   find_neighbours(triangles_);
