@@ -25,8 +25,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kIdle{20};  // how soon stop() is noticed while no tick is due
 constexpr std::chrono::milliseconds kNoTime{0};
-constexpr std::chrono::microseconds kTickingLook{100};  // likewise while it ticks as fast as it can
 constexpr std::chrono::milliseconds kPaceLook{1};       // sessions of a paced lockstep are served that often
+constexpr std::chrono::microseconds kTickingLook{100};  // and those of a world that ticks as fast as it can
 constexpr std::chrono::seconds kFarewell{2};            // for clients that read their last frames slowly
 
 std::size_t most_ports(const cycle::Simulation& simulation) {

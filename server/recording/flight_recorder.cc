@@ -94,14 +94,16 @@ void FlightRecorder::dump_now() {
 
 // Of a name that none has: in a container every run has the same process number.
 std::filesystem::path FlightRecorder::make_file() const {
+  const auto folder = std::filesystem::absolute(folder_).lexically_normal();
+  std::filesystem::create_directories(folder);
   for (int number = files_;; ++number) {
     const auto name = "frozen-" + std::to_string(::getpid()) + "-" + std::to_string(number) + "-tick-" +
                       std::to_string(simulation_.tick_count()) + ".mcap";
-    auto file = std::filesystem::absolute(folder_ / name).lexically_normal();
-    std::filesystem::create_directories(file.parent_path());
-    const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-    if (fd >= 0) ::close(fd);
-    if (fd >= 0) return file;
+    auto file = folder / name;
+    if (const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644); fd >= 0) {
+      ::close(fd);
+      return file;
+    }
     if (errno != EEXIST) throw std::system_error(errno, std::generic_category(), file.string());
   }
 }

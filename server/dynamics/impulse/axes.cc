@@ -26,7 +26,9 @@ namespace {
 
 constexpr double kAtLimit = 1.0 - 1e-9;  // share of the limit from which on a law starts as a row
 constexpr double kMoves = 1e-9;          // rad/s, m/s: faster, dry friction starts at its limit
-constexpr double kPassed = 1e-12;        // share of the limit, that is rounding
+// A stop that is farther off than the axis comes in two steps, and this, takes no part: rad, m.
+constexpr double kStopReach = 1e-3;
+constexpr double kPassed = 1e-12;  // share of the limit, that is rounding
 
 bool says_nothing(const hwparts::JointDrive& drive) {
   return drive.max_effort == 0.0 && drive.feedforward == 0.0;
@@ -99,6 +101,14 @@ bool suits(const Plant& plant, const Axis& axis, Moment moment, double h) {
 }
 
 }  // namespace
+
+double room(const Axis& axis, std::size_t side) {
+  return side == 0 ? axis.start - axis.model->lower : axis.model->upper - axis.start;
+}
+
+bool is_within_reach(const Axis& axis, std::size_t side, double h) {
+  return axis.model->limited && room(axis, side) <= 2.0 * h * std::abs(axis.rate) + kStopReach;
+}
 
 bool is_in_tree(const Axis& axis) {
   return axis.node >= 0 && (law_in_tree(axis) || damping_in_tree(axis));

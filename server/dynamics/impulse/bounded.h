@@ -7,11 +7,6 @@
 
 namespace visum::dynamics::impulse {
 
-// How far an axis is from its lower (0) or upper (1) stop.
-double room(const Axis& axis, std::size_t side);
-// Whether that stop may act in a step of length h.
-bool is_within_reach(const Axis& axis, std::size_t side, double h);
-
 // Overlap that is left alone, m: a contact at rest stays one from tick to tick.
 inline constexpr double kSurfaceLayerM = 5e-7;
 

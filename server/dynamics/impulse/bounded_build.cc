@@ -4,20 +4,6 @@
 #include "server/dynamics/impulse/bounded.h"
 
 namespace visum::dynamics::impulse {
-namespace {
-
-// A stop that is farther off than the axis comes in two steps, and this, takes no part: rad, m.
-constexpr double kStopReach = 1e-3;
-
-}  // namespace
-
-double room(const Axis& axis, std::size_t side) {
-  return side == 0 ? axis.start - axis.model->lower : axis.model->upper - axis.start;
-}
-
-bool is_within_reach(const Axis& axis, std::size_t side, double h) {
-  return axis.model->limited && room(axis, side) <= 2.0 * h * std::abs(axis.rate) + kStopReach;
-}
 
 Bounded::Bounded(Plant& plant)
     : plant_(plant), of_mechanism_(plant.mechanisms.size()), slot_(plant.bodies.size(), kNone) {}

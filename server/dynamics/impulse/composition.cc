@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "server/dynamics/impulse/bounded.h"
-
 namespace visum::dynamics::impulse {
 namespace {
 

@@ -109,6 +109,10 @@ struct Plant {
   double rate(const Axis& axis) const;  // of the bodies' velocities as they are
 };
 
+// How far an axis is from its lower (0) or upper (1) stop, and whether that may act in a step of length h.
+double room(const Axis& axis, std::size_t side);
+bool is_within_reach(const Axis& axis, std::size_t side, double h);
+
 // The tick's laws from drives or the model, and where the axes are.
 void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, const world::WorldState& state);
 // Where the bodies have been moved within a tick, in a step of length h: positions and velocities of the

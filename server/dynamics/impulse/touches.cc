@@ -65,9 +65,8 @@ bool find_hits(Plant& plant, double h) {
   for (Axis& axis : plant.axes) {
     for (const std::size_t side : {0u, 1u}) {
       const double speed = (side == 0 ? -1.0 : 1.0) * axis.rate;
-      const double room = side == 0 ? axis.start - axis.model->lower : axis.model->upper - axis.start;
-      axis.hits[side] =
-          axis.model->limited && axis.model->stop_restitution > 0.0 && speed > slow && room < h * speed;
+      axis.hits[side] = axis.model->limited && axis.model->stop_restitution > 0.0 && speed > slow &&
+                        room(axis, side) < h * speed;
       any = any || axis.hits[side];
     }
   }
