@@ -7,6 +7,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <cstddef>
 #include <cstdlib>
@@ -15,6 +16,7 @@
 #include <iostream>
 #include <new>
 #include <system_error>
+#include <thread>
 
 #include "protocol/config/config.h"
 #include "server/gateway/json.h"
@@ -22,13 +24,28 @@
 namespace visum::gateway {
 namespace {
 
-Daemon* running_daemon = nullptr;
-volatile std::sig_atomic_t caught_signal = 0;
+// A signal comes on any thread.
+std::atomic<Daemon*> running_daemon = nullptr;
+std::atomic<int> caught_signal = 0, handlers = 0;
+static_assert(std::atomic<Daemon*>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
 void on_signal(int signal) {
+  ++handlers;
   caught_signal = signal;
-  if (running_daemon) running_daemon->stop();
+  if (Daemon* const daemon = running_daemon) daemon->stop();
+  --handlers;
 }
+
+// What a signal stops. Once it is gone no handler knows the daemon, which may go, too.
+struct Stoppable {
+  explicit Stoppable(Daemon& daemon) { running_daemon = &daemon; }
+  Stoppable(const Stoppable&) = delete;
+  Stoppable& operator=(const Stoppable&) = delete;
+  ~Stoppable() {
+    running_daemon = nullptr;
+    while (handlers > 0) std::this_thread::yield();
+  }
+};
 
 void catch_signals() {
   struct sigaction action {};
@@ -147,7 +164,7 @@ int exit_code_of(const std::function<int()>& run) {
 
 int run_until_signal(Daemon& daemon, const cycle::Simulation& simulation, const DaemonOptions& options,
                      bool json) {
-  running_daemon = &daemon;
+  const Stoppable stoppable(daemon);
   catch_signals();
   if (json)
     print_ready(daemon, simulation, options);
@@ -155,7 +172,6 @@ int run_until_signal(Daemon& daemon, const cycle::Simulation& simulation, const 
     log_ready(daemon, simulation, options);
   notify_manager();
   daemon.run();
-  running_daemon = nullptr;
   return caught_signal;
 }
 

@@ -1,14 +1,17 @@
 #include "clients/visum/common/interrupt.h"
 
+#include <atomic>
 #include <csignal>
 
 namespace visum::cli {
 namespace {
 
-volatile std::sig_atomic_t flag = 0;
+// A signal comes on any thread.
+std::atomic<bool> flag = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 void on_signal(int) {
-  flag = 1;
+  flag = true;
 }
 
 }  // namespace
@@ -21,7 +24,7 @@ void catch_interrupts() {
 }
 
 bool interrupted() {
-  return flag != 0;
+  return flag;
 }
 
 }  // namespace visum::cli

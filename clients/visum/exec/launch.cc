@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -20,10 +21,11 @@ namespace {
 
 constexpr long kLongestPoll_ms = 1'000'000;
 
-volatile pid_t the_program = 0;
+std::atomic<pid_t> the_program = 0;  // a signal comes on any thread
+static_assert(std::atomic<pid_t>::is_always_lock_free);
 
 void hand_on(int number) {
-  if (the_program > 0) ::kill(the_program, number);
+  if (const pid_t program = the_program; program > 0) ::kill(program, number);
 }
 
 // Ctrl-C reaches the program from the terminal; who ends only us means it too.
