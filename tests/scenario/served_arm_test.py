@@ -76,8 +76,8 @@ class ServedArm:
             self.expect(lambda: self.state() == MOVING)
             self.expect(lambda: self.state() == READY)
             self.assertAlmostEqual(self.angles[0], 0.3, places=2)
-            for angle in self.truth(1):
-                self.assertAlmostEqual(angle, 0.3, places=2)
+            # A second arm behind the same part may arrive later.
+            self.expect(lambda: all(abs(angle - 0.3) < 0.005 for angle in self.truth(1)))
 
     def test_halt_and_reset(self) -> None:
         with self.arm.lease():
