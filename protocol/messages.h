@@ -232,6 +232,7 @@ struct ServerStatus {
   std::string stuck_node;  // empty: none
   std::int64_t stuck_ns = 0;
   std::vector<std::string> free_running{};
+  std::uint64_t solver_warnings = 0;
 };
 struct PartSummary {
   std::string name, kind, lease_owner;

@@ -130,6 +130,7 @@ void put(const ServerStatus& from, v1::ServerStatus& to) {
     w.set_name(bus.name);
   }
   for (const auto& client : from.free_running) to.add_free_running(client);
+  to.set_solver_warnings(from.solver_warnings);
 }
 
 void take(const v1::ServerStatus& from, ServerStatus& to) {
@@ -157,6 +158,7 @@ void take(const v1::ServerStatus& from, ServerStatus& to) {
   to.stuck_ns = from.stuck_ns();
   for (const auto& w : from.buses()) to.buses.push_back({w.part(), w.name()});
   to.free_running.assign(from.free_running().begin(), from.free_running().end());
+  to.solver_warnings = from.solver_warnings();
 }
 
 void put(const WorldDescription& from, v1::WorldDescription& to) {

@@ -272,10 +272,13 @@ void Simulation::step() {
   const dynamics::StepInput input{static_cast<double>(scene_.world.tick_ns) * 1e-9, contacts_, drives_,
                                   wrenches_};
   before_ = state_;
+  bool warned = false;
   for (auto& engine : engines_) {
     auto result = engine->step(input, state_);
     if (!result.ok) return freeze(std::move(result.fault));
+    warned = warned || result.warned;
   }
+  if (warned) ++solver_warnings_;
   world::measure_joints(scene_.world, state_, input.tick_s);
   if (std::string offender; !world::is_sane(scene_.world, state_, &offender))
     return freeze(std::move(offender));

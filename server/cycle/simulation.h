@@ -137,6 +137,8 @@ class Simulation {
   std::int64_t tick_count() const { return state_.tick; }
   std::int64_t sim_time_ns() const { return state_.tick * scene_.world.tick_ns; }
   std::uint64_t era() const { return era_; }
+  // Ticks in which an engine fell short of what it was set to (dynamics::StepResult), since the start.
+  std::uint64_t solver_warnings() const { return solver_warnings_; }
   std::uint64_t revision() const { return revision_; }  // changes when bodies come or go
   bool frozen() const { return !fault_.empty(); }
   const std::string& fault() const { return fault_; }
@@ -214,6 +216,7 @@ class Simulation {
   std::vector<Snapshot> snapshots_;
   std::shared_ptr<FlightRing> ring_;
   Phases phases_;
+  std::uint64_t solver_warnings_ = 0;
   Witness* witness_ = nullptr;
   std::uint64_t next_snapshot_ = 1;
   std::uint64_t era_ = 1;

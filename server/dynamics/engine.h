@@ -38,7 +38,8 @@ struct StepInput {
 
 struct StepResult {
   bool ok = true;
-  std::string fault;  // where !ok: names body or joint. The state is then not to be used.
+  std::string fault;    // where !ok: names body or joint. The state is then not to be used.
+  bool warned = false;  // where ok: the solver fell short of what it was set to, and went on with what it had
 };
 
 class Engine {
@@ -47,8 +48,6 @@ class Engine {
   // Moves this engine's bodies (Body::engine == its index) from t_k to t_k+1. Sets JointState::effort of its
   // joints; position and velocity of joints are measured by the caller.
   virtual StepResult step(const StepInput& input, world::WorldState& state) = 0;
-  // How often the solver has complained since the start and gone on with what it had.
-  virtual std::uint64_t solver_warnings() const { return 0; }
 };
 
 // The kinds of engine, by name: one line each in engine_kinds.cc.

@@ -56,6 +56,9 @@ void write_time(Page& page, const protocol::ServerStatus& status) {
            status.real_time_factor);
   page.one("visum_overruns_total", "counter", "Ticks that began more than a tick after their due time.",
            static_cast<double>(status.overruns));
+  page.one("visum_solver_warnings_total", "counter",
+           "Ticks whose step was cut in halves, ended with its budget, or was complained of by ODE.",
+           static_cast<double>(status.solver_warnings));
   page.head("visum_tick_lateness_seconds", "gauge", "How late ticks begin, in clock realtime.");
   const auto seconds = [](std::int64_t ns) { return static_cast<double>(ns) * kSecondsPerNs; };
   page.value(seconds(status.lateness_p50_ns), label("quantile", "0.5"));

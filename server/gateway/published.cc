@@ -47,6 +47,7 @@ void fill(Published& published, const cycle::Simulation& simulation, const Pace&
   published.fault = simulation.fault();
   published.pace = pace;
   published.phases = simulation.phases().summary();
+  published.solver_warnings = simulation.solver_warnings();
   published.ring = simulation.ring();
   const auto parts = simulation.parts();
   published.parts.resize(parts.size());

@@ -40,6 +40,7 @@ struct Published {
   std::vector<collision::Contact> contacts;
   std::vector<hwparts::ActiveFault> faults;
   cycle::Phases::Summary phases{};
+  std::uint64_t solver_warnings = 0;
   std::shared_ptr<const cycle::FlightRing> ring;  // shared: a change of the world makes a new one
   std::shared_ptr<const WorldView> shown;  // another server's world, in place of this one's; null: its own
 };

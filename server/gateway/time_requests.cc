@@ -29,6 +29,7 @@ protocol::ServerStatus Gateway::server_status(const Published& now) const {
   status.lateness_p999_ns = pacer_.lateness().quantile(0.999);
   status.lateness_max_ns = pacer_.lateness().max();
   status.state_hash = now.state_hash;
+  status.solver_warnings = now.solver_warnings;
   status.sessions = static_cast<std::uint32_t>(clients_.size());
   status.refused = refused_;
   status.buses = buses_;

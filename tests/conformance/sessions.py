@@ -20,7 +20,7 @@ MAY_CHANGE = {
     "Error": {"text"},
     "Event": {"text"},
     "ServerStatus": {"real_time_factor", "overruns", "lateness_p50_ns", "lateness_p999_ns", "lateness_max_ns", "state_hash", "phases",
-                     "own_allocations"},
+                     "own_allocations", "solver_warnings"},
     "PartSample": {"sensor_outputs"},
     "WorldSample": {"poses", "velocities", "joint_positions", "joint_velocities", "joint_efforts", "following_errors",
                     "peak_following_errors", "peak_contact_forces", "contacts", "state_hash"},

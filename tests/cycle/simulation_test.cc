@@ -48,6 +48,26 @@ TEST(Simulation, ABoxFallsAndComesToRestWithItsWeightOnTheFloor) {
   EXPECT_EQ(simulation.sim_time_ns(), 2'000'000'000);
 }
 
+TEST(Simulation, CountsTheTicksInWhichABudgetWasNotEnough) {
+  const auto warnings_with = [](const std::string& budget) {
+    const test::TempFiles files;
+    Simulation simulation(scene::load_scene(files.write("two_rods.yaml", R"(
+visum: 1
+engine: {kind: impulse, solver: iterate, d_max: 1e-9, budget: )" + budget + R"(}
+bodies:
+  - {name: upper, mass: 1, pose: {xyz: [0.5, 0, 2]}, shapes: [{box: [1, 0.1, 0.1]}]}
+  - {name: lower, mass: 1, pose: {xyz: [1.5, 0, 2]}, shapes: [{box: [1, 0.1, 0.1]}]}
+joints:
+  - {name: shoulder, type: hinge, child: upper, pose: {xyz: [-0.5, 0, 0]}, axis: [0, 1, 0]}
+  - {name: elbow, type: hinge, parent: upper, child: lower, pose: {xyz: [-0.5, 0, 0]}, axis: [0, 1, 0]}
+)")));
+    run(simulation, 50);
+    return simulation.solver_warnings();
+  };
+  EXPECT_EQ(warnings_with("1"), 50u);
+  EXPECT_EQ(warnings_with("10000"), 0u);
+}
+
 TEST(Simulation, TwoRunsHaveTheSameHashAtEveryTick) {
   Simulation a(arm()), b(arm());
   for (int i = 0; i < 300; ++i) {

@@ -25,9 +25,13 @@ Lab::Lab(world::WorldModel world_model)
 StepResult Lab::step() {
   stage_.find(state, contacts);
   const StepInput input{tick_s(), contacts, drives, wrenches};
+  bool warned = false;
   for (const auto& engine : engines) {
-    if (StepResult result = engine->step(input, state); !result.ok) return result;
+    const StepResult result = engine->step(input, state);
+    if (!result.ok) return result;
+    warned = warned || result.warned;
   }
+  if (warned) ++warned_ticks;
   ++state.tick;
   measure_joints(model, state, tick_s());
   return {};

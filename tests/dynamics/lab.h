@@ -39,6 +39,7 @@ class Lab {
   std::vector<Wrench> wrenches;
   std::vector<collision::Contact> contacts;
   std::vector<std::unique_ptr<Engine>> engines;
+  int warned_ticks = 0;
 
  private:
   collision::CollisionStage stage_;

@@ -44,6 +44,7 @@ std::string json_of(const Welcome& welcome, const ServerStatus& status) {
   json.member("paused", status.paused).member("frozen", status.frozen);
   json.member("frozen_reason", status.frozen_reason).member("speed", status.speed);
   json.member("real_time_factor", status.real_time_factor).member("overruns", status.overruns);
+  json.member("solver_warnings", status.solver_warnings);
   json.member("lateness_p50_ns", status.lateness_p50_ns).member("lateness_p999_ns", status.lateness_p999_ns);
   json.member("lateness_max_ns", status.lateness_max_ns).member("state_hash", hex(status.state_hash));
   json.member("sessions", status.sessions).member("refused", status.refused);
@@ -97,6 +98,8 @@ std::string text_of(const Welcome& welcome, const ServerStatus& status) {
                              fixed(milliseconds(status.lateness_p50_ns), 3) + " ms, p99.9 " +
                              fixed(milliseconds(status.lateness_p999_ns), 3) + " ms, max " +
                              fixed(milliseconds(status.lateness_max_ns), 3) + " ms"});
+  if (status.solver_warnings > 0)
+    table.row({"solver", "fell short in " + std::to_string(status.solver_warnings) + " ticks since start"});
   table.row({"state hash", hex(status.state_hash)});
   table.row({"sessions",
              std::to_string(status.sessions) + ", " + std::to_string(status.refused) + " requests refused"});

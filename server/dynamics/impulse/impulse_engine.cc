@@ -37,6 +37,7 @@ class ImpulseEngine : public Engine {
     if (std::string fault = find_input_fault(plant_.model, input, state); !fault.empty())
       return {false, fault};
     prepare(input, state);
+    warned_ = false;
     if (plant_.setting.order > 2) stepper_.factor(input.tick_s, state);
     bool ok = true;
     for (const double share : stages(plant_, input.tick_s))
@@ -44,8 +45,6 @@ class ImpulseEngine : public Engine {
     if (!ok) return {false, broken_text()};
     return store(input, state);
   }
-
-  std::uint64_t solver_warnings() const override { return halvings_; }
 
  private:
   void prepare(const StepInput& input, const world::WorldState& state) {
@@ -67,12 +66,13 @@ class ImpulseEngine : public Engine {
     Moving& before = before_[static_cast<std::size_t>(halvings)];
     before.keep(plant_);
     if (stepper_.step(h, input.wrenches, state)) {
+      warned_ = warned_ || stepper_.fell_short();
       moved_s_ = h;
       return true;
     }
     before.put_back(plant_);
     if (halvings == kMostHalvings) return false;
-    ++halvings_;
+    warned_ = true;
     return advance(0.5 * h, halvings + 1, input, state) && advance(0.5 * h, halvings + 1, input, state);
   }
 
@@ -113,7 +113,7 @@ class ImpulseEngine : public Engine {
     sleep_.write(kept);
     std::string offender;
     if (!is_sane(plant_.model, state, &offender)) return {false, offender};
-    return {};
+    return {.warned = warned_};
   }
 
   // What a step changes, to be put back.
@@ -139,7 +139,7 @@ class ImpulseEngine : public Engine {
   Sleep sleep_;
   double moved_s_ = 0.0;  // by the last step of this tick: where the axes are is to be measured
   std::array<Moving, kMostHalvings + 1> before_;
-  std::uint64_t halvings_ = 0;
+  bool warned_ = false;  // in this tick
 };
 
 }  // namespace

@@ -122,6 +122,7 @@ const JointSpec* Stepper::worst_joint(std::size_t m) const {
 
 bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
   save_velocities();
+  fell_short_ = false;
   if (!foresee(h, wrenches, state)) return false;
   commit(h);
   correct_velocities(h, wrenches, state);
@@ -171,6 +172,7 @@ void Stepper::match_velocities(std::size_t m, double h) {
     const double v_max = plant_.setting.v_max;
     for (int sweep = 0; sweep < most_passes_; ++sweep)
       if (corrector_->sweep_velocities(m, h, v_max, sweep) <= v_max) return;
+    fell_short_ = true;
     return;
   }
   Mechanism& mechanism = plant_.mechanisms[m];

@@ -18,6 +18,8 @@ class Stepper {
   // closed: the plant is then to be thrown back to where it was, and broken() tells which joint.
   bool step(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
   const JointSpec* broken() const { return broken_; }
+  // The last step ended with its passes, or its budget, before gaps and velocities were within their bounds.
+  bool fell_short() const { return fell_short_; }
   // Poses, directions and factors at t; step() does it, too.
   void factor(double h, const world::WorldState& state);
 
@@ -58,6 +60,7 @@ class Stepper {
   double d_max_, loop_d_max_;           // of mechanisms without and with loops
   int most_passes_;
   const JointSpec* broken_ = nullptr;
+  bool fell_short_ = false;
   std::vector<double> saved_rates_;
   std::vector<Vector3d> saved_v_, saved_w_;
 };

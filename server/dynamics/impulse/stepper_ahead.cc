@@ -138,6 +138,7 @@ bool Stepper::correct_alone(std::size_t m, double h, const world::WorldState& st
   double gap = 2.0 * d_max_;
   for (int sweep = 0; sweep < most_passes_ && gap > d_max_; ++sweep) gap = correct(m, h, state, sweep);
   fly(m, h);
+  fell_short_ = fell_short_ || gap > d_max_;
   broken_ = worst_joint(m);
   return std::isfinite(gap);
 }
@@ -161,7 +162,9 @@ bool Stepper::close_together(double h, const world::WorldState& state) {
     const double moved = h * bounded_.solve();
     if (!std::isfinite(moved)) return false;
     if (closed && moved <= d_max_) break;
-    if (!corrector_ && pass + 1 == most_passes_ && largest > std::sqrt(d_max_)) return false;
+    if (pass + 1 < most_passes_) continue;
+    if (!corrector_ && largest > std::sqrt(d_max_)) return false;
+    fell_short_ = true;
   }
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
     if (!bounded_.binds(m)) continue;

@@ -71,14 +71,11 @@ class OdeEngine : public Engine {
     } catch (const OdeError& error) {
       failure = error.what();
     }
-    warnings_ += ode_messages() - messages_before;
-    if (failure.empty()) return check(state);
+    if (failure.empty()) return check(state, ode_messages() != messages_before);
     failure += first_broken_body();
     rebuild();
     return {false, failure};
   }
-
-  std::uint64_t solver_warnings() const override { return warnings_; }
 
  private:
   const world::EngineSetting& setting() const {
@@ -133,10 +130,10 @@ class OdeEngine : public Engine {
     }
   }
 
-  StepResult check(const world::WorldState& state) const {
+  StepResult check(const world::WorldState& state, bool warned) const {
     std::string offender;
     const bool sane = is_sane(model_, state, &offender);
-    return {sane, offender};
+    return {sane, offender, warned};
   }
 
   // Where ODE gave up, for the fault's text.
@@ -161,7 +158,6 @@ class OdeEngine : public Engine {
   const world::WorldModel& model_;
   std::int32_t engine_index_;
   bool quick_;
-  std::uint64_t warnings_ = 0;
   std::unique_ptr<Mechanism> mechanism_;
 };
 

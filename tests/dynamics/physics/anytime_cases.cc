@@ -1,4 +1,4 @@
-// A: stopped after any number of corrections, a mechanism stays together and only loses energy.
+// A: stopped after any number of corrections, a mechanism stays together, only loses energy, and says so.
 #include <algorithm>
 #include <cmath>
 
@@ -38,6 +38,29 @@ std::vector<double> stop_anywhere(const world::EngineSetting& engine) {
   return {gap, std::max(0.0, widening), gain};
 }
 
+// Ticks with a gap that nobody has warned of, and warnings where there was budget enough. A gap's norm is up
+// to sqrt(3) times its largest coordinate, which d_max bounds.
+std::vector<double> tell(const world::EngineSetting& engine) {
+  constexpr double kDMax = 1e-8;
+  constexpr int kPlenty = 100'000;
+  double untold = 0.0, needless = 0.0;
+  for (const int budget : {1, 4, 16, 64, kPlenty}) {
+    world::EngineSetting setting = engine;
+    setting.d_max = kDMax;
+    setting.v_max = kDMax;
+    setting.budget = budget;
+    Lab lab(chain(setting, 1e-3, 8));
+    int warned = 0;
+    watch(lab, 0.2, [&] {
+      const bool told = lab.warned_ticks > warned;
+      warned = lab.warned_ticks;
+      if (!told && max_gap(lab.model, lab.state) > 2.0 * kDMax) ++untold;
+      if (told && budget == kPlenty) ++needless;
+    });
+  }
+  return {untold, needless};
+}
+
 }  // namespace
 
 std::vector<Case> anytime_cases() {
@@ -46,7 +69,13 @@ std::vector<Case> anytime_cases() {
        "FewerCorrectionsOnlyDamp",
        "closed form: E does not grow, and the gap does not grow with the corrections (1 to 128 per joint)",
        {{"gap_m", 0.1}, {"widening_m", 1e-6}, {"energy_gain", 1e-4}},
-       stop_anywhere}};
+       stop_anywhere},
+      {"A2",
+       "WhatItsBudgetLeavesIsTold",
+       "each tick whose joints are farther apart than d_max is warned of, and none where the budget is "
+       "enough",
+       {{"untold_ticks", 0.0}, {"needless_warnings", 0.0}},
+       tell}};
 }
 
 }  // namespace visum::physics

@@ -149,6 +149,7 @@ const std::vector<Line> kLines{
        {0.00015, 4e-08, 1e-12},
        {3e-5, 1e-12, 0.0005},
        {4e-5, 1e-12, 0.0004}}}},
+    {"A2", {{{0, 0}, {0, 0}, {0, 0}, {0, 0}, {}, {}}}},
     {"D1", {{{0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}}}},
     {"D2", {{{0, 0}, {}, {}, {0, 0}, {0, 0}, {0, 0}}}},
     {"P8", {{{1.5e-6, 0.0002}, {1e-8, 2e-8}, {3e-11, 4e-11}, {}, {0.3, 0.4}, {0.4, 0.4}}}},
@@ -166,6 +167,7 @@ bool is_of_higher_order(const std::string& row) {
 std::string why_not(const std::string& id, const std::string& row) {
   if (is_of_higher_order(row) && (std::string("KGS").find(id[0]) != std::string::npos || id == "D2"))
     return "with contacts, drives or stops a step is of order 2: as impulse";
+  if (id == "A2") return "has no bound for its joints' gaps";
   if (id == "L2" || id == "L4") return "has no springs";
   if (id == "L4" && row == "impulse-iterate")
     return "a shaft of 5e-6 kg·m² that carries 10 kg·m² is too much for joint after joint: it breaks, and "
