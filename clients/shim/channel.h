@@ -30,13 +30,14 @@ enum class State : std::uint32_t {
 };
 
 enum Flags : std::uint32_t {
-  kRecheck = 1,  // looks again when others have run, or a bus has spoken
-  kOnBus = 2,    // waits for a bus: the world may run though nobody waits for time
-  kSettle = 4,   // wants all that was sent over the buses obeyed and answered
-  kGranted = 8,  // what it waited for has been given to it
-  kAlarm = 16,   // told with its turn: send yourself SIGALRM
-  kAgain = 32,   // has looked again, in vain
-  kHold = 64,    // kBlocked: by an answer of the server's, for which the world waits
+  kRecheck = 1,        // looks again when others have run, or a bus has spoken
+  kOnBus = 2,          // waits for a bus: the world may run though nobody waits for time
+  kSettle = 4,         // wants all that was sent over the buses obeyed and answered
+  kGranted = 8,        // what it waited for has been given to it
+  kAlarm = 16,         // told with its turn: send yourself SIGALRM
+  kAgain = 32,         // has looked again, in vain
+  kHold = 64,          // kBlocked: by an answer of the server's, for which the world waits
+  kAwaitsChild = 128,  // kBlocked: until the child `key` ends, or, where that is 0, any child
 };
 
 struct Slot {
@@ -47,7 +48,7 @@ struct Slot {
   std::atomic<std::int64_t> deadline_ns;       // simulated
   std::atomic<std::uint64_t> checked;          // `activity` when it looked last
   std::atomic<std::uint64_t> ticket;           // order of waiting
-  std::atomic<std::uint64_t> key;              // the condition variable that it waits on
+  std::atomic<std::uint64_t> key;              // the condition variable, or child, that it waits for
   char doing[kNameSize];                       // "nanosleep", for messages
 };
 

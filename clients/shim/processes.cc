@@ -76,6 +76,12 @@ int starting(Call call, const pid_t* child) {
   return result;
 }
 
+// A wait for a child, as waitpid() names it; anything but a process is any child.
+template <typename Call>
+auto await_child(const char* doing, pid_t pid, Call call) {
+  return blocked(doing, call, kAwaitsChild, pid > 0 ? static_cast<std::uint64_t>(pid) : 0);
+}
+
 }  // namespace
 
 VISUM_EXPORT int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*routine)(void*),
@@ -132,7 +138,7 @@ VISUM_EXPORT int posix_spawnp(pid_t* child, const char* file, const posix_spawn_
 VISUM_EXPORT int system(const char* command) {
   if (!active() || !command) return VISUM_REAL(system)(command);
   auto* slot = keep_slot(0, ::getpid());
-  const int status = blocked("system", [&] { return VISUM_REAL(system)(command); });
+  const int status = await_child("system", -1, [&] { return VISUM_REAL(system)(command); });
   if (slot) drop_slot(*slot);
   return status;
 }
@@ -146,7 +152,7 @@ VISUM_EXPORT FILE* popen(const char* command, const char* mode) {
 
 VISUM_EXPORT int pclose(FILE* pipe) {
   if (!active()) return VISUM_REAL(pclose)(pipe);
-  return blocked("pclose", [&] { return VISUM_REAL(pclose)(pipe); });
+  return await_child("pclose", -1, [&] { return VISUM_REAL(pclose)(pipe); });
 }
 
 VISUM_EXPORT pid_t waitpid(pid_t pid, int* status, int options) {
@@ -154,7 +160,7 @@ VISUM_EXPORT pid_t waitpid(pid_t pid, int* status, int options) {
     if (active()) note_look("waitpid");
     return VISUM_REAL(waitpid)(pid, status, options);
   }
-  return blocked("waitpid", [&] { return VISUM_REAL(waitpid)(pid, status, options); });
+  return await_child("waitpid", pid, [&] { return VISUM_REAL(waitpid)(pid, status, options); });
 }
 
 VISUM_EXPORT pid_t wait(int* status) {
@@ -163,12 +169,13 @@ VISUM_EXPORT pid_t wait(int* status) {
 
 VISUM_EXPORT pid_t wait4(pid_t pid, int* status, int options, rusage* usage) noexcept {
   if (!active() || (options & WNOHANG)) return VISUM_REAL(wait4)(pid, status, options, usage);
-  return blocked("wait4", [&] { return VISUM_REAL(wait4)(pid, status, options, usage); });
+  return await_child("wait4", pid, [&] { return VISUM_REAL(wait4)(pid, status, options, usage); });
 }
 
 VISUM_EXPORT int waitid(idtype_t type, id_t id, siginfo_t* info, int options) {
   if (!active() || (options & WNOHANG)) return VISUM_REAL(waitid)(type, id, info, options);
-  return blocked("waitid", [&] { return VISUM_REAL(waitid)(type, id, info, options); });
+  return await_child("waitid", type == P_PID ? static_cast<pid_t>(id) : -1,
+                     [&] { return VISUM_REAL(waitid)(type, id, info, options); });
 }
 
 VISUM_EXPORT int pause() {

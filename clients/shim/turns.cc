@@ -207,18 +207,20 @@ bool park(const Wait& wait) {
   return park_announced();
 }
 
-void enter_blocked(const char* doing, std::uint32_t flags) {
+void enter_blocked(const char* doing, std::uint32_t flags, std::uint64_t key) {
   looks = 0;
   auto& slot = mine();
   ::strncpy(slot.doing, doing, kNameSize - 1);
   slot.ticket = the_shared->tickets.fetch_add(1);
   slot.flags = flags;
+  slot.key = key;
   slot.state = State::kBlocked;
   ring();
 }
 
 void leave_blocked() {
   begin_turn();
+  mine().key = 0;
 }
 
 void begin_turn() {

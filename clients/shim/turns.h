@@ -32,11 +32,11 @@ void announce(const Wait& wait);
 bool park_announced();
 
 // Around a call that may wait for what is not ours to drive.
-void enter_blocked(const char* doing, std::uint32_t flags);
+void enter_blocked(const char* doing, std::uint32_t flags, std::uint64_t key = 0);
 void leave_blocked();
 template <typename Call>
-auto blocked(const char* doing, Call call, std::uint32_t flags = 0) {
-  enter_blocked(doing, flags);
+auto blocked(const char* doing, Call call, std::uint32_t flags = 0, std::uint64_t key = 0) {
+  enter_blocked(doing, flags, key);
   const auto result = call();
   const int error = errno;
   leave_blocked();

@@ -21,7 +21,8 @@ constexpr std::int64_t kWatch_ns = 10'000'000;  // who runs is looked after that
 constexpr std::int64_t kSoon_ns = 50'000;       // somebody is about to be gone, or awake
 constexpr std::int64_t kMostTicks = 1000;       // at once: then we look who woke up by himself
 
-constexpr std::chrono::seconds kLastWords{5};  // for the world, once the program has ended
+constexpr std::chrono::seconds kLastWords{5};      // for the world, once the program has ended
+constexpr std::chrono::milliseconds kWaking{500};  // for who waits for a child that has ended
 
 bool is_ready(const Slot& slot, std::int64_t now_ns) {
   const auto state = slot.state.load();
@@ -122,9 +123,33 @@ bool Keeper::is_still(Slot& slot) {
   return state.sleeps() || on_its_way;
 }
 
+// The kernel shows that a process has ended before it wakes up who waits for that.
+bool Keeper::is_to_wake_parent(const Slot& ended, const ThreadState& state) {
+  if (state.letter != 'Z') return false;
+  const auto pid = ended.pid.load();
+  bool awaited = false;
+  for (auto& slot : channel_.slots()) {
+    if (slot.state == State::kFree || &slot == &ended) continue;
+    if (slot.pid == pid) return false;  // it has not: another of its threads is there
+    const bool waits = slot.state == State::kBlocked && (slot.flags & shim::kAwaitsChild) != 0;
+    const auto child = slot.key.load();
+    awaited |= waits && slot.pid == state.parent && (child == 0 || child == static_cast<std::uint64_t>(pid));
+  }
+  return awaited;
+}
+
 void Keeper::free_if_gone(Slot& slot) {
   const auto pid = slot.pid.load(), tid = slot.tid.load();
-  if (pid == 0 || !threads_.state(pid, tid != 0 ? tid : pid).gone()) return;
+  if (pid == 0) return;
+  const auto state = threads_.state(pid, tid != 0 ? tid : pid);
+  if (!state.gone()) return;
+  auto& ended = watched_[number(slot)].ended;
+  if (is_to_wake_parent(slot, state)) {
+    if (!ended) ended = Clock::now();
+    slot.state = State::kLeaving;
+    if (Clock::now() - *ended < kWaking) return;
+  }
+  ended.reset();
   threads_.forget(tid != 0 ? tid : pid);
   for (auto& alarm : memory_.alarms)
     if (alarm.pid == pid && tid == pid) alarm.pid = 0;

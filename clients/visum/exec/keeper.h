@@ -42,6 +42,7 @@ class Keeper {
     int still = 0;            // looks in a row at which it slept, without having told us
     bool unknown = false;     // it waits in a call that the shim does not know
     bool told = false;
+    std::optional<Clock::time_point> ended;  // it has, and who waits for that still sleeps
   };
 
   void await_quiet();
@@ -50,6 +51,7 @@ class Keeper {
   bool is_busy(shim::Slot& slot);
   bool is_still(shim::Slot& slot);
   void free_if_gone(shim::Slot& slot);
+  bool is_to_wake_parent(const shim::Slot& slot, const ThreadState& state);
   void watch();
   bool has_run_long(const shim::Slot& slot);
   void look_after(shim::Slot& slot);

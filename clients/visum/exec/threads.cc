@@ -11,15 +11,16 @@
 namespace visum::exec {
 namespace {
 
-// "1234 (a name) S 1 ...": utime and stime are the 12th and 13th field behind the letter's.
+// "1234 (a name) S 1 ...": the letter, the parent, and as the 12th and 13th behind the letter utime and
+// stime.
 ThreadState parse(std::string_view text) {
   const auto name_end = text.rfind(')');
   if (name_end == std::string_view::npos) return {};
   std::istringstream rest{std::string(text.substr(name_end + 1))};
   ThreadState state;
-  rest >> state.letter;
+  rest >> state.letter >> state.parent;
   std::string skipped;
-  for (int i = 0; i < 10; ++i) rest >> skipped;
+  for (int i = 0; i < 9; ++i) rest >> skipped;
   std::uint64_t user = 0, system = 0;
   rest >> user >> system;
   state.ticks = user + system;

@@ -11,6 +11,7 @@ namespace visum::exec {
 
 struct ThreadState {
   char letter = 'X';        // of /proc: R, S, D, T, t, Z; X: gone
+  pid_t parent = 0;         // of its process
   std::uint64_t ticks = 0;  // processor time used so far, in the kernel's unit
   bool gone() const { return letter == 'X' || letter == 'Z'; }
   bool sleeps() const { return letter == 'S'; }
