@@ -2,7 +2,7 @@
 // no socket.
 //
 // Order of calls: construction (may throw ConfigError); then, per tick, on the tick's thread: act(), and
-// after the engines moved, publish(). Between ticks, on the same thread: reset(), set_parameter(),
+// after the engines moved, publish(). Between ticks, on the same thread: latch(), reset(), set_parameter(),
 // controller_lost(), suffer(), save(), load(). refuse() and description() are constant and may be called from
 // any thread, and so may refuse_now(), which is not. Nothing here allocates after construction, except
 // description(), the parameter calls and refusals.
@@ -64,6 +64,10 @@ class Part {
                                                 std::span<const double> /*controller_inputs*/) const {
     return std::nullopt;
   }
+
+  // The inputs that the next act() will have, as they are after a write: for parts that are told things by
+  // another way as well, and where it matters which came last.
+  virtual void latch(std::span<const double> /*controller_inputs*/) {}
 
   // One tick's work of the drives: from inputs and what the joints do to what acts on them.
   virtual void act(std::span<const double> controller_inputs, std::span<const JointSample> samples,

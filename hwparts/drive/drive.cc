@@ -162,6 +162,8 @@ Setpoint Drive::follow_bus() {
       return stopping_inside(step_on(motion, from, target, limits, tick_s_), target, limits);
     }
     case MotionKind::kCurrent: {
+      watch_way(state_, motion.target);
+      if (has(state_, state_bit::kError)) return from;
       const bool moves = std::abs(state_.measured_speed) > kStillSpeed * limits.speed;
       return follow_axis(motion, state_.measured_position, state_.measured_speed, moves, tick_s_);
     }

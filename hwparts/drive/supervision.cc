@@ -139,11 +139,17 @@ void supervise(const DriveData& data, DriveState& state) {
   watch_following_error(data, state);
 }
 
-double reachable_target(const DriveData& data, DriveState& state, double target) {
-  if (!data.limits.limited || !state.referenced) return target;
-  const double way = target - state.setpoint.position;
+void watch_way(DriveState& state, double way) {
   if (state.soft_side * way > 0.0) trip(state, state_bit::kBeyondSoft);
-  if (state.hard_side * way > 0.0) trip(state, state_bit::kBeyondHard);
+  if (state.hard_side * way <= 0.0) return;
+  trip(state, state_bit::kBeyondHard);
+  open_loop(state);
+}
+
+double reachable_target(const DriveData& data, DriveState& state, double target) {
+  if (!data.limits.limited) return target;
+  watch_way(state, target - state.setpoint.position);
+  if (!state.referenced) return target;
   const double reachable = std::clamp(target, state.tuning.soft_minimum, state.tuning.soft_maximum);
   const bool stands_at_limit = state.setpoint.position == reachable && state.setpoint.speed == 0.0;
   if (reachable != target && stands_at_limit) trip(state, state_bit::kBeyondSoft);

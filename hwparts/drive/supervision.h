@@ -23,8 +23,10 @@ double switch_position(const DriveState& state);
 
 // Compares everything with its limit; latches and stops. Called once per tick, before the setpoint moves.
 void supervise(const DriveData& data, DriveState& state);
+// Beyond a limit already, what leads further out (`way`, by its sign) trips at once.
+void watch_way(DriveState& state, double way);
 // How far towards `target` the soft limits let the axis go. With a target beyond one it goes as far as the
-// limit, stops there on its ramp and trips; beyond a limit already, a target further out trips at once.
+// limit, stops there on its ramp and trips. With watch_way() of it.
 double reachable_target(const DriveData& data, DriveState& state, double target);
 // The brake follows the loop after its release and engage time.
 void move_brake(const BrakeData& brake, DriveState& state, double tick_s);

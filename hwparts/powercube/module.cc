@@ -26,7 +26,9 @@ void halt(const ModuleEdit& edit) {
   edit.module.deferred = false;
 }
 
+// Answered, but not done while nothing may move: it would begin unasked as soon as something may.
 void home(const ModuleEdit& edit) {
+  if (!edit.enabled) return;
   if (drive::has(edit.drive, bit::kError) || !edit.drive.loop_closed) return;
   drive::take_from_bus(edit.drive, {});
   drive::home(edit.drive);

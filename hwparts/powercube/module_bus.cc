@@ -66,6 +66,10 @@ void ModuleBus::suffer(const BusFaults& faults, std::uint64_t seed) {
   from_modules_ = sensors::Random(seed, "from the modules");
 }
 
+void ModuleBus::drop_deferred() {
+  for (auto& module : modules_) module.state.deferred = false;
+}
+
 bool ModuleBus::happens(double share, sensors::Random& chance) {
   return share > 0.0 && chance.uniform() < share;
 }

@@ -32,6 +32,11 @@ class ModuleBus {
   void connect(bool connected) { connected_ = connected; }
   bool connected() const { return connected_; }
 
+  // The part's Execution Enable, from now on. The part saves it.
+  void enable(bool enabled) { enabled_ = enabled; }
+  // The ports stopped or homed the drives: what SYNC_MOTION kept back is no longer to be started.
+  void drop_deferred();
+
   // What goes wrong from now on; {}: nothing. Chances are drawn anew from `seed`.
   void suffer(const BusFaults& faults, std::uint64_t seed);
 
@@ -60,12 +65,12 @@ class ModuleBus {
     ModuleState initial;
     ModuleState state;
   };
-  static ModuleEdit edit(Module& module) {
-    return {module.settings, module.drive->data(), module.drive->state(), module.state};
+  ModuleEdit edit(Module& module) const {
+    return {module.settings, module.drive->data(), module.drive->state(), module.state, enabled_};
   }
-  static ModuleView view(const Module& module) {
+  ModuleView view(const Module& module) const {
     const drive::Drive& drive = *module.drive;
-    return {module.settings, drive.data(), drive.state(), module.state};
+    return {module.settings, drive.data(), drive.state(), module.state, enabled_};
   }
   static void power_up(Module& module);
 
@@ -74,6 +79,7 @@ class ModuleBus {
 
   double tick_s_;
   bool connected_ = true;
+  bool enabled_ = true;
   BusFaults faults_;
   // One for each way.
   sensors::Random to_modules_{1, "to the modules"}, from_modules_{1, "from the modules"};

@@ -44,13 +44,15 @@ struct ModuleView {
   const drive::DriveData& data;
   const drive::DriveState& drive;
   const ModuleState& module;
+  bool enabled;  // the part's Execution Enable
 };
 struct ModuleEdit {
   const Settings& settings;
   const drive::DriveData& data;
   drive::DriveState& drive;
   ModuleState& module;
-  operator ModuleView() const { return {settings, data, drive, module}; }
+  bool enabled;
+  operator ModuleView() const { return {settings, data, drive, module, enabled}; }
 };
 
 // The state word (parameter 27): the drive's, and the switches that the configuration enables. The reference

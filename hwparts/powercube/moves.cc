@@ -125,6 +125,7 @@ std::optional<Move> read_move(const ModuleView& view, const Message& message) {
 
 bool accepts_motion(const ModuleView& view) {
   const auto& drive = view.drive;
+  if (!view.enabled) return false;
   const bool homed = drive::has(drive, bit::kHomeOk);
   if ((view.module.config & config_bit::kM3Compatible) && !homed) return false;
   return !drive::has(drive, bit::kError | bit::kHalted) && drive.loop_closed && !drive.homing;

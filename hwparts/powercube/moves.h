@@ -26,7 +26,8 @@ enum class MoveResult { kDone, kRefused };
 MoveResult start(const ModuleEdit& edit, const Move& move, bool deferred);
 // What SYNC_MOTION kept back.
 void start_deferred(const ModuleEdit& edit);
-// True while motion commands are taken: no fault, not halted, powered, not on the way home.
+// True while motion commands are taken: no fault, not halted, powered, Execution Enable 1, not on the way
+// home.
 bool accepts_motion(const ModuleView& view);
 
 }  // namespace visum::powercube

@@ -26,11 +26,15 @@ bool set_size(const ModuleEdit& edit, double& field, double value, double most) 
   return size > 0.0 && set_bounded(edit, field, size, 0.0, most);
 }
 
+// Limits are of homed positions: before that, as homing will have them.
+double offset_when_homed(const ModuleEdit& edit) {
+  return edit.drive.referenced ? edit.drive.zero_offset : edit.drive.home_offset;
+}
 double hard_minimum(const ModuleEdit& edit) {
-  return edit.data.limits.hard_minimum + edit.drive.zero_offset;
+  return edit.data.limits.hard_minimum + offset_when_homed(edit);
 }
 double hard_maximum(const ModuleEdit& edit) {
-  return edit.data.limits.hard_maximum + edit.drive.zero_offset;
+  return edit.data.limits.hard_maximum + offset_when_homed(edit);
 }
 
 // A binary32 value comes back a little beside the double that it was made of.

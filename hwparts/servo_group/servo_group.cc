@@ -56,6 +56,7 @@ ServoGroup::ServoGroup(const hwparts::PartContext& context, const std::string& k
   initial_.supply_voltage = axes_.front().drive.state().tuning.supply_voltage;
   initial_.on_controller_lost = options.on_controller_lost;
   state_ = initial_;
+  modules_.enable(state_.enabled);
   description_ = {context.name,           kind,         layout_.controller_inputs,
                   layout_.sensor_outputs, parameters(), {identity_board(identity_)}};
 }
@@ -71,7 +72,7 @@ std::optional<std::string> ServoGroup::refuse(std::span<const double> inputs) co
 
 void ServoGroup::act(std::span<const double> inputs, std::span<const hwparts::JointSample> samples,
                      std::span<hwparts::JointDrive> drives) {
-  state_.enabled = inputs[layout_.enable] >= 0.5;
+  latch(inputs);
   obey_counters(inputs);
   interlock(inputs);
   modules_.tick();
@@ -85,19 +86,29 @@ void ServoGroup::act(std::span<const double> inputs, std::span<const hwparts::Jo
   acted_ = true;
 }
 
+// Between ticks, too: a telegram that comes next counts as later than these inputs.
+void ServoGroup::latch(std::span<const double> inputs) {
+  state_.enabled = inputs[layout_.enable] >= 0.5;
+  modules_.enable(state_.enabled);
+  for (auto& axis : axes_) axis.drive.state().commanded = target(axis, inputs);
+}
+
 void ServoGroup::obey_counters(std::span<const double> inputs) {
   if (changes(state_.reset, inputs[layout_.reset])) {
     interlock(inputs);
+    modules_.drop_deferred();
     for (auto& axis : axes_) drive::reset(axis.drive.data(), axis.drive.state(), target(axis, inputs));
   }
   const bool may_move = state_.enabled && !any(bit::kError);
   if (changes(state_.home, inputs[layout_.home]) && may_move) {
+    modules_.drop_deferred();
     for (auto& axis : axes_) {
       drive::release_to_ports(axis.drive.state());
       drive::home(axis.drive.state());
     }
   }
   if (changes(state_.halt, inputs[layout_.halt])) {
+    modules_.drop_deferred();
     for (auto& axis : axes_) drive::halt(axis.drive.state(), target(axis, inputs));
   }
 }
@@ -208,6 +219,7 @@ void ServoGroup::reset() {
   for (auto& axis : axes_) axis.drive.restart();
   modules_.restart();
   state_ = initial_;
+  modules_.enable(state_.enabled);
   acted_ = false;
 }
 
@@ -230,6 +242,7 @@ void ServoGroup::load(hwparts::StateReader& from) {
   from.get(state_.reset), from.get(state_.home), from.get(state_.halt);
   from.get(state_.enabled), from.get(state_.on_controller_lost), from.get(state_.changed);
   from.get(state_.supply_voltage), from.get(state_.emergency_stop);
+  modules_.enable(state_.enabled);
   acted_ = false;
 }
 

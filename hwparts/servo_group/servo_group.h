@@ -43,6 +43,7 @@ class ServoGroup : public hwparts::Part {
   const protocol::PartDescription& description() const override { return description_; }
   std::span<const std::size_t> joints() const override { return joints_; }
   std::optional<std::string> refuse(std::span<const double> inputs) const override;
+  void latch(std::span<const double> inputs) override;
   void act(std::span<const double> inputs, std::span<const hwparts::JointSample> samples,
            std::span<hwparts::JointDrive> drives) override;
   void publish(std::span<const hwparts::JointSample> samples, std::span<double> outputs) override;

@@ -9,13 +9,17 @@ namespace visum::cycle {
 void BoundPart::hear(std::int64_t tick, std::size_t first, std::span<const double> values) {
   if (silent) return;
   if (!wire.ideal()) return wire.send(tick, first, values);
+  take(first, values);
+}
+
+void BoundPart::take(std::size_t first, std::span<const double> values) {
   std::ranges::copy(values, controller_inputs.begin() + static_cast<std::ptrdiff_t>(first));
+  part->latch(controller_inputs);
 }
 
 void BoundPart::deliver(std::int64_t until_tick) {
   if (wire.ideal()) return;
-  for (auto& lane = wire.writes(); lane.due(until_tick); lane.pop())
-    std::ranges::copy(lane.front(), controller_inputs.begin() + static_cast<std::ptrdiff_t>(lane.first()));
+  for (auto& lane = wire.writes(); lane.due(until_tick); lane.pop()) take(lane.first(), lane.front());
 }
 
 std::vector<double>& BoundPart::readings(std::vector<double>& lost) {

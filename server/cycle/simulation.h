@@ -50,6 +50,7 @@ struct BoundPart {
   Wire wire;
   bool silent = false;
   void hear(std::int64_t tick, std::size_t first, std::span<const double> values);  // a write
+  void take(std::size_t first, std::span<const double> values);                     // one that has arrived
   void deliver(std::int64_t until_tick);                     // what has arrived of the writes
   std::vector<double>& readings(std::vector<double>& lost);  // where they go; `lost`: where nobody sees them
   void set_wire(const Wire::Quality& quality, std::uint64_t seed);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hwparts/powercube/module_bus.h"
 #include "protocol/config/config.h"
 #include "tests/support/temp_files.h"
 
@@ -74,6 +75,21 @@ TEST(Simulation, TwoRunsHaveTheSameHashAtEveryTick) {
     a.tick();
     b.tick();
     ASSERT_EQ(a.state_hash(), b.state_hash()) << "tick " << i;
+  }
+}
+
+// A write and a telegram between the same two ticks count in their order.
+TEST(Simulation, OfAWriteAndATelegramTheLaterOneMovesTheDrive) {
+  const powercube::Telegram ramp{
+      powercube::Telegram::Kind::kSet, 1, {0x0B, 0x04, 0xCD, 0xCC, 0xCC, 0x3D}};  // to 0.1 rad
+  for (const bool bus_last : {true, false}) {
+    Simulation simulation(arm());
+    simulation.tick();
+    if (!bus_last) simulation.obey(0, ramp, powercube::Wire::kSerial);
+    simulation.write_inputs(0, 0, std::vector{0.3});
+    if (bus_last) simulation.obey(0, ramp, powercube::Wire::kSerial);
+    run(simulation, 2500);
+    EXPECT_NEAR(simulation.state().joints[0].position, bus_last ? 0.1 : 0.3, 5e-3);
   }
 }
 

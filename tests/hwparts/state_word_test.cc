@@ -177,9 +177,11 @@ TEST(StateWord, BeyondAHardLimitTheLoopOpensAtOnce) {
   rig.command.target = rig.state().measured_position + 0.1;
   rig.run(0.01);
   EXPECT_TRUE(rig.has(bit::kError));
+  rig.run(0.2);
+  EXPECT_TRUE(rig.has(bit::kBrakeActive)) << "as the first time";
   rig.reset();
   rig.command.target = 2.0;
-  rig.run(4.0);
+  rig.run(4.5);
   EXPECT_EQ(rig.state().setpoint.position, 2.0);
   EXPECT_EQ(rig.word(), bit::kHomeOk | bit::kRampEnd | (rig.word() & bit::kCurLimit));
 }

@@ -196,6 +196,58 @@ TEST(PowerCube, VelocityRunsIntoTheSoftLimitAndTrips) {
   EXPECT_NEAR(bench.position(1), 3.093, 2e-3);
 }
 
+// ---- beyond a limit already ----
+
+Message move(std::uint8_t mode, float target) {
+  return with_value({0x0B, mode}, target);
+}
+constexpr std::uint8_t kVelocityMode = 0x07, kCurrentMode = 0x08;
+
+TEST(PowerCube, ACurrentThatLeadsFurtherOutOfASoftLimitTripsAtOnce) {
+  BusBench bench("", 0.001, 2.1);
+  bench.ramp(1, 3.0f);
+  bench.run(3.0);
+  bench.send(1, move(kCurrentMode, 4.0f));
+  ASSERT_TRUE(bench.wait_for(1, bit::kBeyondSoft | bit::kError, 5.0));
+  bench.run(1.0);
+  bench.send(1, {0x00});
+  EXPECT_EQ(bench.word(1) & (bit::kError | bit::kBeyondSoft), bit::kBeyondSoft);
+  const float stood = bench.position(1);
+  bench.send(1, move(kCurrentMode, 4.0f));
+  bench.run(0.5);
+  EXPECT_TRUE(bench.word(1) & bit::kError);
+  EXPECT_NEAR(bench.position(1), stood, 1e-3);
+  bench.send(1, {0x00});
+  bench.send(1, move(kCurrentMode, -4.0f));  // the way back
+  ASSERT_TRUE(bench.wait_for(1, bit::kMotion, 0.1));
+  bench.run(1.0);
+  EXPECT_EQ(bench.word(1) & (bit::kError | bit::kBeyondSoft), 0u);
+}
+
+// Switches know no zero: the hard limits hold before homing, too, where nothing else does.
+TEST(PowerCube, BeyondAHardLimitNothingLeadsFurtherOutBeforeHomingEither) {
+  for (const std::uint8_t mode : {kVelocityMode, kCurrentMode}) {
+    SCOPED_TRACE(int(mode));
+    BusBench bench(kIncremental, 0.001, 2.1);
+    bench.send(1, move(kVelocityMode, 0.4f));
+    ASSERT_TRUE(bench.wait_for(1, bit::kBeyondHard | bit::kError, 8.0));
+    ASSERT_TRUE(bench.wait_for(1, bit::kBrakeActive, 1.0));
+    bench.send(1, {0x00});
+    bench.run(0.5);
+    const float stood = bench.position(1);
+    bench.send(1, move(mode, mode == kVelocityMode ? 0.2f : 4.0f));
+    bench.run(0.01);
+    EXPECT_TRUE(bench.word(1) & bit::kError);
+    ASSERT_TRUE(bench.wait_for(1, bit::kBrakeActive, 1.0)) << "the loop is open again";
+    EXPECT_NEAR(bench.position(1), stood, 2e-3);
+    bench.send(1, {0x00});
+    bench.send(1, move(kVelocityMode, -0.2f));
+    bench.run(2.0);
+    EXPECT_LT(bench.position(1), stood - 0.1f);
+    EXPECT_FALSE(bench.word(1) & (bit::kError | bit::kBeyondHard));
+  }
+}
+
 TEST(PowerCube, FollowingErrorTripsTowError) {
   BusBench bench;
   bench.plants[0].upper = 0.05;
@@ -436,48 +488,6 @@ TEST(PowerCube, AnotherAddressIsAnsweredAtOnce) {
   EXPECT_TRUE(bench.set<std::uint8_t>(7, 0x20, 12));
   EXPECT_EQ(bench.send(7, {0x0A, 0x1D}), std::nullopt);
   EXPECT_EQ(bench.get<std::uint8_t>(12, 0x20), 12);
-}
-
-// ---- ports and bus on one drive ----
-
-TEST(PowerCube, WhoSpokeLastMovesTheDrive) {
-  BusBench bench;
-  bench.in("Desired Angle 1") = 0.3;
-  bench.run(2.0);
-  EXPECT_NEAR(bench.position(1), 0.3, 1e-3);
-  bench.ramp(1, 0.1f);
-  bench.run(2.0);
-  EXPECT_NEAR(bench.out("Actual Angle 1"), 0.1, 1e-3);  // the old port value moves nothing
-  bench.in("Desired Angle 1") = 0.2;
-  bench.run(2.0);
-  EXPECT_NEAR(bench.position(1), 0.2, 1e-3);
-}
-
-TEST(PowerCube, AFaultOfOneModuleDoesNotStopTheOthersOnTheBus) {
-  BusBench bench;
-  bench.plants[0].upper = 0.05;
-  bench.ramp(1, 1.0f);
-  bench.ramp(2, 0.4f);
-  bench.run(3.0);
-  EXPECT_TRUE(bench.word(1) & bit::kTowError);
-  EXPECT_NEAR(bench.position(2), 0.4, 1e-3);
-}
-
-TEST(PowerCube, ExecutionEnableStopsTheBusToo) {
-  BusBench bench;
-  bench.ramp(1, 1.0f);
-  bench.run(0.5);
-  bench.in("Execution Enable") = 0.0;
-  bench.run(1.0);
-  EXPECT_LT(bench.position(1), 0.4f);
-  EXPECT_FALSE(bench.word(1) & bit::kMotion);
-}
-
-TEST(PowerCube, PortsAndBusShowTheSameStateWord) {
-  BusBench bench;
-  bench.ramp(1, 0.5f);
-  bench.run(0.5);
-  for (int id = 1; id <= 8; ++id) EXPECT_EQ(bench.module(id == 8 ? 9 : id), bench.word(id)) << id;
 }
 
 }  // namespace

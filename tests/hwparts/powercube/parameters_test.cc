@@ -244,6 +244,22 @@ TEST(PowerCubeParameters, LimitsAreThoseOfThePorts) {
   EXPECT_NEAR(bench.position(1), 0.4, 2e-3);
 }
 
+// They are those of homed positions, wherever it counts from until then.
+TEST(PowerCubeParameters, LimitsThatAreSetBeforeHomingAreTheSameAfterIt) {
+  BusBench bench("homed: false, modules: {counts_from_zero: true}", 0.001, 0.5);
+  const float least = bench.get<float>(1, 0x03), most = bench.get<float>(1, 0x04);
+  EXPECT_TRUE(bench.set(1, 0x45, -1.0f) && bench.set(1, 0x46, 1.0f));
+  EXPECT_TRUE(bench.set(1, 0x45, least) && bench.set(1, 0x46, most));
+  EXPECT_EQ(bench.get<float>(1, 0x45), least);
+  EXPECT_EQ(bench.get<float>(1, 0x46), most);
+  bench.set(1, 0x46, 6.0f);
+  const float highest = bench.get<float>(1, 0x46);
+  bench.send(1, {0x01});
+  ASSERT_TRUE(bench.wait_for(1, bit::kHomeOk, 10.0));
+  bench.set(1, 0x46, 6.0f);
+  EXPECT_EQ(bench.get<float>(1, 0x46), highest);
+}
+
 TEST(PowerCubeParameters, OutputsAndSwitchesAreInTheDigitalWord) {
   BusBench bench("modules: {config: 0x00004908}");
   EXPECT_TRUE(bench.set<std::uint32_t>(1, 0x26, 0xFF));
