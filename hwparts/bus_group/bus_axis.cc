@@ -98,7 +98,8 @@ void BusAxis::follow(double target, double speed) {
 }
 
 void BusAxis::stand() {
-  if (!target_wished_ && !target_sent_) return;
+  if (halt_wished_ || stand_wished_) return;
+  if (!target_wished_ && !target_sent_ && !ramp_sent_) return;
   forget_motion();
   stand_wished_ = true;
 }
@@ -121,24 +122,31 @@ bool BusAxis::has_wish() const {
 
 Message BusAxis::next_request() {
   if (!has_wish()) return next_reading();
-  if (std::exchange(halt_wished_, false)) return {command::kHalt};
+  if (std::exchange(halt_wished_, false)) {
+    ramp_sent_ = false;
+    return {command::kHalt};
+  }
   if (std::exchange(reset_wished_, false)) {
     halt_wished_ = std::exchange(halt_again_, false);
     return {command::kReset};
   }
   if (pause_ == 0 && std::exchange(stand_wished_, false)) {
     move_sent_ = true;
+    ramp_sent_ = false;
     return with_float(command::kSetMove, kVelocity, 0.0F);
   }
   if (settings_left_ > 0) return settings_[settings_.size() - settings_left_--];
-  if (std::exchange(home_wished_, false)) return {command::kHome};
+  if (std::exchange(home_wished_, false)) {
+    ramp_sent_ = false;
+    return {command::kHome};
+  }
   if (speed_sent_ != speed_wished_) {
     speed_sent_ = speed_wished_;
     return with_float(command::kSetParameter, kTargetSpeed, speed_wished_);
   }
   target_sent_ = *target_wished_;
   target_wished_.reset();
-  move_sent_ = true;
+  move_sent_ = ramp_sent_ = true;
   return with_float(command::kSetMove, kRamp, *target_sent_);
 }
 
@@ -169,6 +177,7 @@ void BusAxis::take_refusal(const Message& request) {
   const bool newer = halt_wished_ || reset_wished_ || home_wished_ || stand_wished_ || target_wished_;
   if (request.command() == command::kSetMove && parameter == kVelocity) {
     stand_wished_ |= !newer;
+    ramp_sent_ = true;
   } else if (request.command() == command::kSetMove) {
     if (!newer) target_wished_ = target_sent_;
     target_sent_.reset();
@@ -208,7 +217,8 @@ void BusAxis::take_reading(std::uint8_t parameter, const Message& answer) {
 void BusAxis::take_state(std::uint32_t state) {
   reading_.state = state;
   move_sent_ = false;
-  if (pause_ > 0 && !(state & bit::kMotion)) stand_wished_ = false;  // it was refused, and is not needed
+  if (pause_ > 0 && !(state & bit::kMotion))
+    stand_wished_ = ramp_sent_ = false;  // it was refused, and is not needed
   const bool wishes = halt_wished_ || reset_wished_ || home_wished_;
   if (state_asked_ && !wishes) unsettled_ = false;
   if (!homing_ || settling()) return;
@@ -227,6 +237,7 @@ void BusAxis::take_serial_number(std::uint32_t number) {
 void BusAxis::lose() {
   forget_motion();
   halt_wished_ = reset_wished_ = halt_again_ = false;
+  ramp_sent_ = false;  // it is halted when it is there again
   settings_left_ = 0;
   unsettled_ = false;
   homing_ = false;

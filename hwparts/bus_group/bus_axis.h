@@ -43,7 +43,7 @@ class BusAxis {
   void reset();  // also takes a module back that was lost and answers again
   void home();
   void follow(double target, double speed);  // [u], [u]/s: a ramp; the same again is nothing new
-  void stand();                              // stops what follow() began; once
+  void stand();                              // stops what follow() began, also before a reset; once
 
   // A setting of the module, as SETPARAM has it. [u]
   void set(std::uint8_t parameter, double value);
@@ -83,6 +83,7 @@ class BusAxis {
   std::optional<float> target_wished_;
   float speed_wished_ = 0.0F;
   std::optional<float> target_sent_;  // what it follows now
+  bool ramp_sent_ = false;            // and nothing since that stops it; a reset does not
   std::optional<float> speed_sent_;   // none: what the module has is not known
 };
 

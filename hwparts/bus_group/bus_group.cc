@@ -78,8 +78,8 @@ void BusGroup::act(std::span<const double> inputs, std::span<const hwparts::Join
   obey_counters(inputs);
   // While something is stopped, what is commanded does not count.
   if (!settling() && (controller_lost_ || any(bit::kError | bit::kHalted))) hold_all(inputs);
-  const bool may = may_move();
-  for (auto& axis : axes_) drive(axis, inputs, may);
+  const auto given = leave();
+  for (auto& axis : axes_) drive(axis, inputs, given);
   pump();
   ++changed_;
 }
@@ -108,19 +108,24 @@ void BusGroup::hold_all(std::span<const double> inputs) {
   }
 }
 
-bool BusGroup::may_move() const {
-  const auto ready = [](const Axis& axis) { return !axis.module.settling() && !axis.module.homing(); };
-  return enabled_ && !controller_lost_ && std::ranges::all_of(axes_, ready) &&
-         !any(bit::kError | bit::kHalted);
+// A Reset in good health settles, too, and disturbs no motion.
+BusGroup::Leave BusGroup::leave() const {
+  if (!enabled_ || controller_lost_ || any(bit::kError | bit::kHalted)) return Leave::kStand;
+  const auto busy = [](const Axis& axis) { return axis.module.settling() || axis.module.homing(); };
+  return std::ranges::any_of(axes_, busy) ? Leave::kWait : Leave::kMove;
 }
 
-void BusGroup::drive(Axis& axis, std::span<const double> inputs, bool may_move) {
+void BusGroup::drive(Axis& axis, std::span<const double> inputs, Leave leave) {
   const double desired = desired_value(layout_, axis.run, inputs);
   if (axis.held && desired != axis.ignored) axis.held = false;
   // On its way home a module takes no other motion: only HALT stops it.
-  if (axis.module.homing() && (!enabled_ || any(bit::kError))) return axis.module.halt();
-  if (!may_move || !axis.module.has(bit::kHomeOk)) return axis.module.stand();
-  if (!axis.held) axis.module.follow(desired, maximum_speed(layout_, axis.run, inputs));
+  if (axis.module.homing()) {
+    if (!enabled_ || any(bit::kError)) axis.module.halt();
+    return;
+  }
+  if (leave == Leave::kStand || !axis.module.has(bit::kHomeOk)) return axis.module.stand();
+  if (leave == Leave::kMove && !axis.held)
+    axis.module.follow(desired, maximum_speed(layout_, axis.run, inputs));
 }
 
 void BusGroup::publish(std::span<const hwparts::JointSample>, std::span<double> outputs) {

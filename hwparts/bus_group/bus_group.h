@@ -64,11 +64,12 @@ class BusGroup : public hwparts::Part {
 
   void obey_counters(std::span<const double> inputs);
   void hold_all(std::span<const double> inputs);
-  void drive(Axis& axis, std::span<const double> inputs, bool may_move);
+  enum class Leave { kStand, kWait, kMove };  // to move; kWait: begins nothing, stops nothing
+  Leave leave() const;
+  void drive(Axis& axis, std::span<const double> inputs, Leave leave);
   std::optional<std::string> set_tuning(Axis& axis, const servo_group::TuningField& field, double value);
   bool any(std::uint32_t bits) const;
   bool settling() const;
-  bool may_move() const;
   servo_group::PartState part_state() const;
   bool ask_one(bool wishes_only);
   void ask(Axis& axis);

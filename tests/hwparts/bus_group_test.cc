@@ -8,6 +8,7 @@
 namespace visum::test {
 namespace {
 
+using powercube::Message;
 using powercube::Wire;
 using servo_group::PartState;
 using testing::AllOf;
@@ -68,6 +69,10 @@ TEST(Survey, RefusesAModuleThatMoves) {
 TEST(Survey, RefusesAModuleThatDoesNotTakeItsLimits) {
   const auto text = refusal("", "", [](PartBench&, PluggedLine& line) { line.deaf_to = 0x4A; });
   EXPECT_THAT(text, HasSubstr("module 4 does not take 2.232 as its maximum acceleration and keeps 1"));
+}
+
+TEST(Survey, TakesModulesThatAreNotHomedAndCountFromWhereTheyWereSwitchedOn) {
+  EXPECT_EQ(refusal("homed: false, modules: {counts_from_zero: true}", "homed: false", nothing), "");
 }
 
 TEST(Survey, SurvivesLostRequests) {
@@ -284,6 +289,40 @@ TEST(BusGroup, AHaltGoesBeforeAResetThatStillWaitsAndBehindItAgain) {
     if (telegram.module == 3 && telegram.message.command() != command::kGetParameter)
       said.push_back(telegram.message.command());
   EXPECT_THAT(said, testing::ElementsAre(command::kHalt, command::kReset, command::kHalt));
+}
+
+// A RESET leaves the ramp of a module without a fault running, so that it must not be forgotten.
+TEST(BusGroup, AResetDuringAMotionLeavesItToBeStopped) {
+  for (const bool at_once : {true, false}) {
+    for (const auto wire : {Wire::kSerial, Wire::kCan}) {
+      RealBench arm(wire);
+      arm.inputs[0] = 1.5;
+      arm.run(0.8);
+      Ends{arm}.reset();
+      if (!at_once) {
+        arm.part->act(arm.inputs, {}, {});
+        ASSERT_EQ(arm.line.sent.back().message, Message{command::kReset});
+      }
+      arm.inputs.back() = 0.0;
+      arm.run(0.8);
+      EXPECT_NEAR(arm.behind.plants[0].joint.velocity, 0.0, 1e-3) << at_once;
+      EXPECT_LT(arm.behind.plants[0].joint.position, 0.6) << at_once;
+      arm.inputs.back() = 1.0;
+      arm.run(4.0);
+      EXPECT_NEAR(arm.behind.plants[0].joint.position, 1.5, 2e-3) << at_once;
+    }
+  }
+}
+
+TEST(BusGroup, AResetInGoodHealthDisturbsNoMotion) {
+  RealBench arm;
+  arm.inputs[0] = 1.5;
+  arm.run(1.2);
+  Ends{arm}.reset();
+  for (int i = 0; i < 300; ++i) {
+    arm.tick();
+    ASSERT_GT(arm.behind.plants[0].joint.velocity, 0.3) << i;
+  }
 }
 
 // ---- what a module refuses ----
