@@ -46,7 +46,9 @@ void PluggedSensor::measure(const plugin::Truth& world) {
     if (std::ranges::any_of(truth(), [](double value) { return std::isnan(value); }))
       throw plugin::Error("has measured what is not a number");
   });
-  if (!done) set_parameter("Failure", std::string("off"));
+  if (done) return;
+  std::ranges::fill(truth(), 0.0);
+  set_parameter("Failure", std::string("off"));
 }
 
 std::unique_ptr<sensors::Sensor> make_sensor(const plugin::SensorKind& kind,

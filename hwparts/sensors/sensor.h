@@ -78,7 +78,9 @@ class Sensor : public hwparts::Part {
   const Accuracy& accuracy(std::size_t number) const { return layout_.numbers[number]; }
 
  private:
-  Failure failing() const { return suffered_ == Failure::kOk ? failure_ : suffered_; }
+  Failure failing() const {
+    return suffered_ == Failure::kOk || failure_ == Failure::kOff ? failure_ : suffered_;
+  }
   std::int64_t late_ns() const {
     return failing() == Failure::kDelayed ? kDelayedSamples * timing_.period_ns : 0;
   }
@@ -98,7 +100,7 @@ class Sensor : public hwparts::Part {
   // What changes.
   Random random_;
   Failure failure_;                  // by the parameter
-  Failure suffered_ = Failure::kOk;  // by a fault, which goes before; no state of the sensor
+  Failure suffered_ = Failure::kOk;  // by a fault, which goes before all but off; no state of the sensor
   bool silent_ = false;              // likewise: nobody hears of a reading
   std::int64_t now_ns_ = 0;
   std::int64_t samples_ = 0;

@@ -98,7 +98,8 @@ class Onlooker final : public Agent {
 // How far its z axis is off the world's, rad.
 class Tilt final : public Sensor {
  public:
-  explicit Tilt(SensorContext& scene) : throws_(scene.settings().flag_or("throws", false)) {
+  explicit Tilt(SensorContext& scene)
+      : throws_(scene.settings().flag_or("throws", false)), nan_(scene.settings().flag_or("nan", false)) {
     scene.add_output({"Tilt", "rad", 0.0, 3.2, 0.0});
   }
   void measure(const Truth& truth, std::span<double> numbers) const override {
@@ -106,10 +107,11 @@ class Tilt final : public Sensor {
     const Pose pose = truth.pose();
     const double x = pose.q_wxyz[1], y = pose.q_wxyz[2];
     numbers[0] = std::acos(1.0 - 2.0 * (x * x + y * y));
+    if (nan_ && truth.time_ns() > 5'000'000) numbers[0] = std::nan("");
   }
 
  private:
-  const bool throws_;
+  const bool throws_, nan_;
 };
 
 // Straight down, to show rays.

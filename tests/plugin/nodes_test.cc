@@ -61,6 +61,26 @@ sensors: [{name: tilt, kind: tilt, body: ramp, throws: true}, {name: height, kin
   EXPECT_FALSE(simulation.frozen());
 }
 
+TEST(PluggedSensor, ThatFailsIsOffWhateverFaultActs) {
+  for (const char* fault : {"sensor_wrong", "sensor_intermittent", "sensor_slow"}) {
+    for (const char* fails : {"throws", "nan"}) {
+      SCOPED_TRACE(std::string(fault) + ", " + fails);
+      cycle::Simulation simulation(
+          kinds_scene("bodies: [{name: ramp, fixed: true}]\n"
+                      "sensors: [{name: tilt, kind: tilt, body: ramp, " +
+                      std::string(fails) + ": true}]"));
+      std::string why;
+      const auto made = hwparts::make_fault(fault, {}, why);
+      ASSERT_TRUE(made) << why;
+      ASSERT_TRUE(simulation.inject({0, *made, 1000}));
+      run(simulation, 50);
+      EXPECT_LE(output_of(simulation, "tilt", "Changed"), 5.0);
+      EXPECT_TRUE(std::isfinite(output_of(simulation, "tilt", "Tilt")));
+      EXPECT_NE(*part_of(simulation, "tilt").part->node_fault(), "");
+    }
+  }
+}
+
 TEST(PluggedPart, DrivesItsJoints) {
   cycle::Simulation simulation(kinds_scene(kRotor + "parts: [{name: motor, kind: motor, joints: [hinge]}]"));
   simulation.write_inputs(0, 0, std::vector{0.02});

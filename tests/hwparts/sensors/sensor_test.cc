@@ -193,6 +193,20 @@ TEST(Sensor, OffStandsStillAndGoesOnAgain) {
   EXPECT_EQ(readings(bench, 2.0, 1).back(), 2.0);
 }
 
+TEST(Sensor, OffStaysOffWhateverFaultActs) {
+  for (const char* fault : {"sensor_slow", "sensor_wrong", "sensor_delayed", "sensor_garbage"}) {
+    Bench bench(kDistance);
+    bench.fail("off");
+    std::string why;
+    const auto made = hwparts::make_fault(fault, {}, why);
+    ASSERT_TRUE(made) << why;
+    const hwparts::ActiveFault active{0, *made, 0};
+    bench.sensor->suffer({&active, 1});
+    readings(bench, 2.0, 40);
+    EXPECT_EQ(bench.port("Changed"), 0.0) << fault;
+  }
+}
+
 TEST(Sensor, StuckRepeatsTheLastReading) {
   Bench bench(kDistance + ", noise: 0.01");
   const double last = readings(bench, 1.0, 3).back();
