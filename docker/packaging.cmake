@@ -1,7 +1,8 @@
 # What `cmake --install` and CPack put where. Included by the top CMakeLists.txt after all programs are known.
 #   bin/                       visumd, visum, the example controllers
-#   share/visum/models/        robots, scenes, scenarios; share/visum/examples/: the controllers' sources;
-#   share/visum/clients/       those in Python; share/visum/server/scene/: the schema of scenes, for editors
+#   share/visum/models/        robots, scenes, scenarios
+#   share/visum/clients/       the example controllers' sources, with the headers that they include by their places
+#   share/visum/server/scene/  the schema of scenes, for editors
 #   lib/, include/visum/       the C++ client library: find_package(visum) gives visum::client, pkg-config knows visum
 #   include/visum/plugin.h     what plug-ins are built against (visum::plugin); lib/visum/plugins/: those that come along
 #   share/doc/visum/, and the shells' completion
@@ -50,9 +51,12 @@ file(RELATIVE_PATH prefix_from_pkgconfig /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconf
 configure_file(docker/visum.pc.in ${PROJECT_BINARY_DIR}/visum.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/visum.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
-install(DIRECTORY models DESTINATION ${CMAKE_INSTALL_DATADIR}/visum PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY models DESTINATION ${CMAKE_INSTALL_DATADIR}/visum PATTERN __pycache__ EXCLUDE
+        PATTERN "*.py" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 install(FILES server/scene/scene.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/server/scene)
-install(DIRECTORY clients/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/visum PATTERN CMakeLists.txt EXCLUDE)
+install(DIRECTORY clients/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/clients PATTERN CMakeLists.txt EXCLUDE)
+install(FILES clients/cpp/visum.h DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/clients/cpp)
+install(FILES protocol/plugin/plugin.h DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/protocol/plugin)
 
 # The shells' completion, as the program itself writes it.
 function(visum_completion shell folder file)
@@ -83,6 +87,12 @@ time at a desk and in lockstep in CI, with the same bits every time. With the co
 libraries for C++ and Python, models and example controllers.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
+# What folders.cmake does for the folders in it: CPack makes the prefix before.
+file(WRITE ${PROJECT_BINARY_DIR}/open_prefix.cmake [[
+file(CHMOD "${CPACK_TEMPORARY_DIRECTORY}${CPACK_PACKAGING_INSTALL_PREFIX}" PERMISSIONS
+     OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+]])
+set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_BINARY_DIR}/open_prefix.cmake)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)

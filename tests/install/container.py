@@ -72,6 +72,9 @@ def rules(prefix: Path) -> None:
     used = set(re.findall(r"docker/\S+\.txt", " ".join(image["RUN"] + image["COPY"])))
     expect(used == {"docker/packages.txt"}, f"the image installs from {used}, not from packages.txt alone")
     packages_are_there(DOCKER / "packages.txt")
+    recommended = re.search(r'CPACK_DEBIAN_PACKAGE_RECOMMENDS "(.*)"', (DOCKER / "packaging.cmake").read_text())
+    missing = set(recommended.group(1).split(", ")) - set(image["RUN"][-1].split())
+    expect(not missing, f"the image lacks {missing}, which the package's scenarios need")
     expect(image["USER"] == [NOBODY], f"the image runs as {image.get('USER')}")
     (entry,) = json.loads(image["ENTRYPOINT"][-1])
     for program in (entry, shlex.split(health_check(image))[0]):

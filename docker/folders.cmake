@@ -1,0 +1,30 @@
+# The folders that files are installed to. Those that are missing are made before all other rules run, for everybody to
+# enter: CMake leaves that to the umask of who installs or packs, CMAKE_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS or not.
+# Included by the top CMakeLists.txt before its folders.
+include(GNUInstallDirs)
+set(data ${CMAKE_INSTALL_DATADIR})
+set(folders
+  ${CMAKE_INSTALL_BINDIR} ${CMAKE_INSTALL_INCLUDEDIR}/visum ${CMAKE_INSTALL_LIBDIR}/cmake/visum ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+  lib/python3/dist-packages lib/visum/plugins lib/visum-can lib/visum-shim lib/visum-tty
+  ${data}/visum/clients/cpp ${data}/visum/clients/python/examples ${data}/visum/protocol/plugin ${data}/visum/server/scene
+  ${data}/bash-completion/completions ${data}/zsh/vendor-completions ${data}/fish/vendor_completions.d
+  ${CMAKE_INSTALL_DOCDIR}/server)
+install(CODE "set(folders \"${folders}\")")
+install(CODE [[
+function(make_folder folder)
+  if(IS_DIRECTORY "${folder}")
+    return()
+  endif()
+  cmake_path(GET folder PARENT_PATH parent)
+  make_folder("${parent}")
+  file(MAKE_DIRECTORY "${folder}")
+  file(CHMOD "${folder}" PERMISSIONS
+       OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+endfunction()
+foreach(folder IN LISTS folders)
+  cmake_path(ABSOLUTE_PATH folder BASE_DIRECTORY "${CMAKE_INSTALL_PREFIX}")
+  make_folder("$ENV{DESTDIR}${folder}")
+endforeach()
+]])
+unset(data)
+unset(folders)
