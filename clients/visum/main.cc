@@ -1,4 +1,7 @@
 // visum: the command line. Its verbs stand in the table below; each is a file in verbs/.
+#include <poll.h>
+#include <unistd.h>
+
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -84,10 +87,14 @@ int run(cli::Verb& verb) try { return verb.run(); } catch (const cli::ExitError&
   return complain(cli::kFailed, error.what());
 }
 
-}  // namespace
+// Whether all that was printed has arrived. A pipe whose reader has seen enough (| head) is no failure.
+bool is_printed() {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return true;
+  pollfd reader{STDOUT_FILENO, 0, 0};
+  return ::poll(&reader, 1, 0) == 1 && (reader.revents & (POLLERR | POLLHUP)) != 0;
+}
 
-int main(int argc, char** argv) {
-  std::signal(SIGPIPE, SIG_IGN);
+int act(int argc, char** argv) {
   CLI::App app{"visum: looks at and commands the parts of a Visum server, and runs scenarios"};
   app.set_version_flag("--version", "visum " VISUM_VERSION);
   app.require_subcommand(1);
@@ -111,4 +118,13 @@ int main(int argc, char** argv) {
     if (command->parsed()) return run(*verb);
   }
   return cli::kUsage;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);
+  const int code = act(argc, argv);
+  return code != cli::kDone || is_printed() ? code
+                                            : complain(cli::kFailed, "standard output: cannot be written");
 }

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 #include <png.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <cstring>
+#include <fstream>
 
 #include "tests/support/temp_files.h"
 
@@ -87,6 +90,31 @@ TEST(Picture, BytesThatAreNoneAreRefused) {
 
 TEST(Picture, AFileThatCannotBeWrittenSaysSo) {
   EXPECT_THROW(write_png(read_picture(blackboard({}, 18)), "/nowhere/a.png"), std::runtime_error);
+}
+
+TEST(Picture, AFullDiskLeavesTheEarlierOne) {
+  const test::TempFiles files;
+  const auto file = files.folder() / "a.png";
+  std::ofstream(file) << "mine";
+  const auto before = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit limit{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+  const rlimit full{0, limit.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &full), 0);
+  EXPECT_THROW(write_png(read_picture(blackboard({}, 18)), file), std::runtime_error);
+  ::setrlimit(RLIMIT_FSIZE, &limit);
+  std::signal(SIGXFSZ, before);
+  EXPECT_EQ(std::filesystem::file_size(file), 4u);
+  const std::filesystem::directory_iterator there(files.folder());
+  EXPECT_EQ(std::distance(begin(there), end(there)), 1);
+}
+
+TEST(Picture, WhatIsNoPlainFileIsNeverRemoved) {
+  const test::TempFiles files;
+  const auto link = files.folder() / "full";
+  std::filesystem::create_symlink("/dev/full", link);
+  EXPECT_THROW(write_png(read_picture(blackboard({}, 18)), link), std::runtime_error);
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
 }
 
 }  // namespace

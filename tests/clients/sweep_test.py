@@ -105,7 +105,7 @@ class Sweep(unittest.TestCase):
         self.assertRegex(wrong.stderr, r"scenario\.yaml:\d+: checks\[0\]")
         twice = visum("run", self.write(SLIDE + "    record: same.mcap\n"), expect=3)
         self.assertIn("two runs of the sweep would write 'same.mcap'", twice.stderr)
-        for option in (["--record", "x.mcap"], ["--keep"], ["--port", "7777"]):
+        for option in (["--record", "x.mcap"], ["--keep"], ["--progress"], ["--port", "7777"]):
             self.assertIn("are for one run", visum("run", self.write(SLIDE), *option, expect=2).stderr)
 
     def test_a_parameter_that_the_scene_does_not_have_is_refused(self):

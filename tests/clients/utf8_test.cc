@@ -34,6 +34,13 @@ TEST(Terminal, PrintableTextSteersNothing) {
   EXPECT_EQ(printable("a\033[2Jb\rc\td"), "a [2Jb c\td");
 }
 
+TEST(Terminal, TextIsCutToTheRowsAboveTheCursor) {
+  EXPECT_EQ(cut_to_rows("a\nb\nc\n", 4), "a\nb\nc\n");
+  EXPECT_EQ(cut_to_rows("a\nb\nc\n", 3), "a\n... 2 more lines\n");
+  EXPECT_EQ(cut_to_rows("a\nb\nc\n", 2), "... 3 more lines\n");
+  EXPECT_EQ(cut_to_rows("a\nb\nc\n", 0), "a\nb\nc\n") << "a terminal that does not say";
+}
+
 TEST(Terminal, StyleWithoutColoursIsTheTextAlone) {
   EXPECT_EQ(Style(false).red("x"), "x");
   EXPECT_EQ(Style(true).red("x"), "\033[31mx\033[0m");

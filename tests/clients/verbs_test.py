@@ -6,10 +6,15 @@ import pty
 import re
 import signal
 import subprocess
+import sys
 import tempfile
+import termios
 import unittest
 
 from programs import ARM, BIN, DEADLINE_S, Daemon, SOURCE, visum
+
+sys.path.insert(0, str(BIN.parent / "python"))
+from visum import Client, visum_pb2 as pb  # noqa: E402
 
 URDF = SOURCE / "models" / "amtec_arm" / "amtec_arm.urdf"
 QUERIES = [("parts",), ("describe", "arm"), ("get", "arm"), ("get", "arm", "Actual Angle"), ("params", "arm"), ("status",)]
@@ -84,6 +89,24 @@ class Queries(unittest.TestCase):
         status = self.daemon.json("status")
         self.assertEqual((status["clock"], status["tick"], status["simulated"]), ("lockstep", 0, True))
         self.assertRegex(status["state_hash"], r"^[0-9a-f]{16}$")
+
+    def test_status_shows_what_a_client_is_busy_with_without_what_steers_the_terminal(self):
+        with Client(self.daemon.connect, name="waiter") as client:
+            client.join()
+            client.connection.request(note=pb.Note(text="waits\033[2J for\nits turn"))
+            self.assertIn("waiter: L4 (steps of its own), lets the world run up to tick 0", text := self.daemon.visum("status").stdout)
+            self.assertRegex(text, r"; it waits \[2J for its turn\n")
+
+    def test_what_cannot_be_printed_is_1_but_for_a_reader_that_has_seen_enough(self):
+        for words in (["get", "arm", "--connect", self.daemon.connect], ["get", "--help"]):
+            with open("/dev/full", "w") as full:
+                done = subprocess.run([BIN / "visum", *words], stdout=full, stderr=subprocess.PIPE, text=True, timeout=DEADLINE_S)
+            self.assertEqual((done.returncode, done.stderr), (1, "visum: standard output: cannot be written\n"))
+            reader, writer = os.pipe()
+            os.close(reader)
+            done = subprocess.run([BIN / "visum", *words], stdout=writer, stderr=subprocess.PIPE, text=True, timeout=DEADLINE_S)
+            os.close(writer)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
 
     def test_no_colours_in_a_pipe(self):
         self.assertNotIn("\033", self.daemon.visum("status").stdout)
@@ -193,7 +216,8 @@ class Commands(unittest.TestCase):
         for words, reason in ((("encoder_stuck",), "needs the number 'joint'"), (("encoder_stuck", "joint"), "must be NAME=NUMBER"),
                               (("encoder_stuck", "joint=12"), "there is no drive 12"), (("bus_lost",), "on no field bus"),
                               (("stuck",), "there is no fault 'stuck'"), ((), "which fault?"),
-                              (("supply_dip", "volts=3", "--clear"), "takes no number but joint")):
+                              (("supply_dip", "volts=3", "--clear"), "takes no number but joint"),
+                              (("--clear", "--for", "1"), "--for excludes --clear")):
             self.assertIn(reason, self.daemon.visum("fault", "arm", *words, expect=2).stderr, words)
 
     def test_watch_prints_a_line_per_sample_and_ends_by_count(self):
@@ -214,10 +238,11 @@ class Commands(unittest.TestCase):
         process.stdout.close()
         self.assertEqual(process.wait(timeout=DEADLINE_S), 130)
 
-    def test_watch_draws_a_table_on_a_terminal_and_gives_the_cursor_back(self):
+    def watch_on_a_terminal(self, *words, size=(0, 0)):
         main, terminal = pty.openpty()
+        termios.tcsetwinsize(terminal, size)
         env = {**os.environ, "TERM": "xterm", "NO_COLOR": "1"}
-        with subprocess.Popen([BIN / "visum", "watch", "arm", "Actual Angle", "--count", "2", "--connect", self.daemon.connect],
+        with subprocess.Popen([BIN / "visum", "watch", "arm", *words, "--count", "2", "--connect", self.daemon.connect],
                               stdout=terminal, env=env) as process:
             self.assertEqual(process.wait(timeout=DEADLINE_S), 0)
         os.close(terminal)
@@ -228,11 +253,22 @@ class Commands(unittest.TestCase):
         except OSError:
             pass  # the other end is closed: all is read
         os.close(main)
-        text = shown.decode()
+        return shown.decode()
+
+    def test_watch_draws_a_table_on_a_terminal_and_gives_the_cursor_back(self):
+        text = self.watch_on_a_terminal("Actual Angle")
         self.assertIn("VIRTUAL  arm at ", text)
         self.assertTrue(text.startswith("\033[?25l") and text.endswith("\033[?25h"))
         self.assertIn("\033[8A", text, "the second table is drawn over the first")
         self.assertNotIn("\033[1m", text, "NO_COLOR")
+
+    def test_watch_cuts_the_table_to_the_terminals_rows(self):
+        ports = len(self.daemon.visum("describe", "arm", "--names").stdout.splitlines())
+        text = self.watch_on_a_terminal(size=(24, 80))
+        self.assertEqual(text.count("\n"), 2 * 23, "a row is the cursor's")
+        self.assertIn("\033[23A", text)
+        self.assertEqual(text.count(f"... {1 + ports - 22} more lines"), 2)
+        self.assertNotIn("more lines", self.watch_on_a_terminal(size=(ports + 2, 80)))
 
 
 class Refusals(unittest.TestCase):
@@ -284,6 +320,11 @@ class Files(unittest.TestCase):
             second = self.record("--port", str(daemon.ready["port"]), "--http", "off")
         self.assertEqual(second.returncode, 2, second.stderr)
         self.assertEqual(self.file.read_text(), "mine")
+
+    def test_a_report_that_cannot_be_written_is_1(self):
+        for option in ("--junit", "--result"):
+            done = visum("run", SOURCE / "models/scenarios/two_link_wave.yaml", "--recordings", "off", option, "/dev/full", expect=1)
+            self.assertEqual(done.stderr, "visum: /dev/full: cannot be written\n")
 
     def test_an_export_takes_the_place_of_a_file_once_it_is_whole(self):
         visum("run", SOURCE / "models/scenarios/two_link_wave.yaml", "--record", self.file)

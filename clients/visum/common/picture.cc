@@ -7,6 +7,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "clients/visum/common/whole_file.h"
+
 namespace visum::cli {
 namespace {
 
@@ -38,8 +40,11 @@ void write(const std::filesystem::path& file, const Picture& picture, std::uint3
   image.width = picture.width;
   image.height = picture.height;
   image.format = format;
-  if (png_image_write_to_file(&image, file.c_str(), 0, pixels, 0, nullptr) == 0)
+  png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(image);
+  std::vector<char> png(bytes);
+  if (png_image_write_to_memory(&image, png.data(), &bytes, 0, pixels, 0, nullptr) == 0)
     throw std::runtime_error("cannot write " + file.string() + ": " + image.message);
+  write_whole_file(file, std::span(png).first(bytes));
 }
 
 }  // namespace

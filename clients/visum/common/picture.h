@@ -21,7 +21,7 @@ struct Picture {
 Picture read_picture(std::span<const std::byte> blackboard);
 
 // Colours as 8-bit RGB; depths as 16-bit grey in mm, what is beyond 65.535 m as that; bodies as 16-bit grey.
-// Throws std::runtime_error with the reason.
+// Throws std::runtime_error with the reason; what stood in `file` before is there still, then.
 void write_png(const Picture& picture, const std::filesystem::path& file);
 
 }  // namespace visum::cli

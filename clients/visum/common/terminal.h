@@ -2,12 +2,14 @@
 // updated.
 #pragma once
 
+#include <cstddef>
 #include <cstdio>
 #include <string>
 
 namespace visum::cli {
 
 bool is_terminal(std::FILE* stream);
+std::size_t rows_of(std::FILE* stream);  // 0: it does not say
 
 class Style {
  public:
@@ -22,6 +24,9 @@ class Style {
   std::string wrap(const char* code, const std::string& text) const;
   bool colours_;
 };
+
+// As many lines as fit above the cursor's own; the last one says how many are left out.
+std::string cut_to_rows(const std::string& text, std::size_t rows);
 
 // Text from elsewhere (controllers, servers) without what could steer the terminal.
 std::string printable(const std::string& text);

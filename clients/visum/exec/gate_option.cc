@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t kMostModule = 31;
 constexpr std::size_t kMostBytes = 8;
 
-[[noreturn]] void fail(const std::string& text) {
+[[noreturn]] void refuse_gate(const std::string& text) {
   throw cli::ExitError(cli::kUsage,
                        "--gate " + text +
                            ": must be bus, bus:PART, bus:PART=MODULE:BYTES (a module from 1 to 31, "
@@ -45,14 +45,14 @@ GateOption parse_gate(const std::string& text) {
   const auto colon = text.find(':');
   const auto kind = text.substr(0, colon);
   const auto rest = colon == text.npos ? std::string() : text.substr(colon + 1);
-  if ((kind != "bus" && kind != "ports") || (colon != text.npos && rest.empty())) fail(text);
+  if ((kind != "bus" && kind != "ports") || (colon != text.npos && rest.empty())) refuse_gate(text);
   GateOption option{kind == "bus", {}};
   if (!option.on_bus) return option.gate.client = rest, option;
   const auto equals = rest.find('=');
   option.gate.part = rest.substr(0, equals);
   const bool good = equals == rest.npos ||
                     (equals > 0 && parse_frame(std::string_view(rest).substr(equals + 1), option.gate));
-  if (!good) fail(text);
+  if (!good) refuse_gate(text);
   return option;
 }
 

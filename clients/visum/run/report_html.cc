@@ -87,7 +87,7 @@ std::string table_of(const std::vector<const Report*>& reports) {
   return table + "</tbody></table>\n";
 }
 
-std::string measured(const CheckResult& check) {
+std::string measured_value(const CheckResult& check) {
   if (!check.value) return "never looked at";
   return cli::rounded(*check.value, 6) + (check.unit.empty() ? "" : " " + check.unit) + " at " +
          cli::fixed(check.at_s, 3) + " s";
@@ -98,8 +98,8 @@ std::string checks_of(const Report& report) {
   std::string text =
       "<table><thead><tr><th></th><th>check</th><th>of</th><th>is</th><th>must be</th></tr></thead>";
   for (const auto& check : report.checks)
-    text += "<tr>" + verdict(check.passed) + cell(check.name) + cell(check.text) + cell(measured(check)) +
-            cell(check.bound) + "</tr>\n";
+    text += "<tr>" + verdict(check.passed) + cell(check.name) + cell(check.text) +
+            cell(measured_value(check)) + cell(check.bound) + "</tr>\n";
   text += "</table>\n";
   for (const auto& check : report.checks)
     if (!check.passed)

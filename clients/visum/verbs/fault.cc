@@ -29,9 +29,10 @@ class Fault : public Verb {
     app.add_option("PART", part_, "the part's name")->required();
     app.add_option("KIND", kind_, "what breaks: `visum faults` lists them; with --clear: all, if left out");
     app.add_option("NUMBERS", words_, "of the kind, as joint=3")->type_name("NAME=NUMBER");
-    app.add_option("--for", duration_s_, "how long, in simulated seconds; else until it is cleared")
-        ->check(number_within(1e-9, 1e6));
-    app.add_flag("--clear", clear_, "ends it");
+    auto* lasting =
+        app.add_option("--for", duration_s_, "how long, in simulated seconds; else until it is cleared")
+            ->check(number_within(1e-9, 1e6));
+    app.add_flag("--clear", clear_, "ends it")->excludes(lasting);
     add_link_options(app, link_, false);
     app.footer(
         "Acts from the next tick on, whoever holds the part's lease. A reset ends all faults.\n\nExamples:\n"

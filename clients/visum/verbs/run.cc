@@ -94,10 +94,11 @@ class RunVerb : public Verb {
   }
 
   int run_all(const config::Node& root) const {
-    if (!record_.empty() || !result_.empty() || keep_ || port_ != 0)
-      throw ExitError(kUsage,
-                      "--record, --result, --port and --keep are for one run: --only says which of a sweep; "
-                      "--report records what fails");
+    if (!record_.empty() || !result_.empty() || keep_ || progress_ || port_ != 0)
+      throw ExitError(
+          kUsage,
+          "--record, --result, --port, --progress and --keep are for one run: --only says which of a "
+          "sweep; --report records what fails");
     ManyWords words{file_, report_, junit_, recordings_folder(), {}, jobs_, json_};
     if (!engine_.empty()) words.words.insert(words.words.end(), {"--engine", engine_});
     if (!clock_.empty()) words.words.insert(words.words.end(), {"--clock", clock_});
@@ -132,7 +133,7 @@ class RunVerb : public Verb {
     progress.finish();
     if (!told_) tell(report);
     spare_.reset();
-    return report.code;
+    return report.code == kDone && !written_ ? kFailed : report.code;
   }
 
   // Where runs that fail are recorded without a word of the scenario's; empty: nowhere.
@@ -177,17 +178,19 @@ class RunVerb : public Verb {
     if (spare_) report.recording = report.passed() ? std::string() : spare_->keep().string();
     std::FILE* people = json_ ? stderr : stdout;
     std::fputs(run::report_text(report, Style(people)).c_str(), people);
-    write(junit_, run::report_junit(report));
-    write(result_, run::report_as_json(report));
+    const bool junit = write(junit_, run::report_junit(report));
+    written_ = write(result_, run::report_as_json(report)) && junit;
     if (json_) std::printf("%s%s\n", run::checks_json(report).c_str(), run::report_json(report).c_str());
     std::fflush(stdout);
   }
 
-  static void write(const std::string& file, const std::string& text) {
-    if (file.empty()) return;
+  static bool write(const std::string& file, const std::string& text) {
+    if (file.empty()) return true;
     std::ofstream out(file, std::ios::trunc);
     out << text;
-    if (!out.flush()) std::fprintf(stderr, "visum: %s: cannot be written\n", file.c_str());
+    if (out.flush()) return true;
+    std::fprintf(stderr, "visum: %s: cannot be written\n", file.c_str());
+    return false;
   }
 
   void invite(std::uint16_t port, const run::Catalogue& catalogue) const {
@@ -202,7 +205,7 @@ class RunVerb : public Verb {
 
   std::string file_, junit_, engine_, clock_, record_, recordings_, report_, result_;
   std::size_t jobs_ = 1, only_ = 0;
-  bool json_ = false, progress_ = false, keep_ = false, told_ = false;
+  bool json_ = false, progress_ = false, keep_ = false, told_ = false, written_ = false;
   std::optional<run::SpareRecording> spare_;
   std::vector<std::string> plugins_;
   std::optional<double> node_timeout_s_;

@@ -2,6 +2,7 @@
 
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/json_writer.h"
+#include "clients/visum/common/terminal.h"
 #include "clients/visum/verbs/verbs.h"
 
 namespace visum::cli {
@@ -74,7 +75,7 @@ std::string waiting_text(const ServerStatus& status) {
             std::to_string(member.granted_tick);
     if (member.waiting_ns > 0)
       text += ", WAITED FOR since " + fixed(milliseconds(member.waiting_ns), 1) + " ms";
-    if (!member.note.empty()) text += "; it " + member.note;
+    if (!member.note.empty()) text += "; it " + printable(member.note);
     text += "\n";
   }
   if (!text.empty()) text = "clients that step with the world\n" + text;

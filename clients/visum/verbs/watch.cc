@@ -14,7 +14,8 @@ namespace {
 
 using protocol::PartSample;
 
-// A table that is drawn over itself.
+// A table that is drawn over itself, as far as the terminal has rows: it cannot go back to what scrolled
+// away.
 class LiveTable {
  public:
   LiveTable() { std::fputs("\033[?25l", stdout); }  // hides the cursor
@@ -22,11 +23,12 @@ class LiveTable {
   LiveTable(const LiveTable&) = delete;
   LiveTable& operator=(const LiveTable&) = delete;
 
-  void draw(const std::string& text) {
+  void draw(const std::string& whole) {
+    const std::string text = cut_to_rows(whole, rows_of(stdout));
     if (lines_ > 0) std::printf("\033[%ldA", lines_);
     std::string cleared;
     for (const char c : text) cleared += c == '\n' ? std::string("\033[K\n") : std::string(1, c);
-    std::fputs(cleared.c_str(), stdout);
+    std::fputs((cleared + "\033[J").c_str(), stdout);
     std::fflush(stdout);
     lines_ = std::count(text.begin(), text.end(), '\n');
   }
