@@ -99,7 +99,9 @@ class Applier {
     const auto fault = hwparts::make_fault(*kind, input.numbers, why);
     if (!fault) return why;
     if (input.until_tick < 0) return "a fault until tick " + std::to_string(input.until_tick);
-    if (auto reason = simulation_.parts()[*part].part->refuse_fault(*fault)) return *reason;
+    const auto& broken = *simulation_.parts()[*part].part;
+    if (auto reason = broken.refuse_fault(*fault)) return *reason;
+    if (auto reason = Wire::refuse(*fault, broken.description(), simulation_.model().tick_ns)) return *reason;
     return simulation_.inject({static_cast<std::uint32_t>(*part), *fault, input.until_tick})
                ? ""
                : "too many faults act at once";

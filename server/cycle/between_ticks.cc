@@ -154,7 +154,7 @@ std::string Simulation::remove_body(const std::string& name) {
   if (!body.valid()) return "there is no body '" + name + "'";
   if (auto reason = why_not_removable(scene_.world, body); !reason.empty()) return reason;
   for (const auto& push : pushes_)
-    if (push.wrench.body == body) return "'" + name + "' is being pushed";
+    if (push.wrench.body == body && push.until_tick > state_.tick) return "'" + name + "' is being pushed";
   for (const auto& sensor : scene_.sensors)
     if (sensor.body == body) return "it carries the sensor '" + sensor.name + "'";
   auto changed = scene_;
@@ -162,13 +162,14 @@ std::string Simulation::remove_body(const std::string& name) {
   for (auto& sensor : changed.sensors)
     if (sensor.body > body) --sensor.body.value;
   try {
-    change_scene(std::move(changed));
+    change_scene(std::move(changed), body);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
     return error.what();
   }
   state_.bodies.erase(state_.bodies.begin() + body.value);
+  std::erase_if(pushes_, [body](const Push& push) { return push.wrench.body == body; });
   for (auto& push : pushes_)
     if (push.wrench.body > body) --push.wrench.body.value;
   snapshots_.clear();

@@ -1,6 +1,7 @@
 // Faults on purpose: those that act, and what stands between a part and its controllers while they do.
 #include <algorithm>
 #include <limits>
+#include <stdexcept>
 
 #include "server/cycle/simulation.h"
 
@@ -54,6 +55,21 @@ void Simulation::clear_faults(std::size_t part, std::optional<hwparts::FaultKind
   hand_out_faults();
   tell(now(), recording::ClearFault{name_of(part), kind ? hwparts::fault_info(*kind).name : "",
                                     drive ? static_cast<std::uint32_t>(*drive) + 1 : 0});
+}
+
+void Simulation::end_faults() {
+  if (faults_.expire(state_.tick)) hand_out_faults();
+}
+
+void Simulation::load_faults(hwparts::StateReader& from) {
+  faults_.load(from, parts_.size());
+  for (const auto& active : faults_.all()) {
+    const auto& part = *parts_[active.part].part;
+    if (!part.has(hwparts::fault_info(active.fault.kind).target))
+      throw std::out_of_range("a fault of a part that has none of the kind");
+    if (const auto reason = Wire::refuse(active.fault, part.description(), scene_.world.tick_ns))
+      throw std::out_of_range(*reason);
+  }
 }
 
 void Simulation::hand_out_faults() {

@@ -4,12 +4,22 @@
 #include <cmath>
 
 namespace visum::cycle {
+namespace {
+
+std::int64_t ticks_with_room(std::size_t numbers) {
+  const auto row_bytes = std::max<std::size_t>(numbers, 1) * sizeof(double);
+  return std::clamp(static_cast<std::int64_t>(FlightRing::kMostBytes / row_bytes), FlightRing::kLeastTicks,
+                    FlightRing::kTicks);
+}
+
+}  // namespace
 
 FlightRing::FlightRing(std::size_t joints, std::size_t bodies)
     : joints_(joints),
       bodies_(bodies),
+      ticks_(ticks_with_room(joints + bodies)),
       numbers_(
-          std::make_unique<std::atomic<double>[]>(static_cast<std::size_t>(kTicks) * (joints + bodies))) {}
+          std::make_unique<std::atomic<double>[]>(static_cast<std::size_t>(ticks_) * (joints + bodies))) {}
 
 void FlightRing::record(std::int64_t tick, std::span<const double> errors, std::span<const double> forces) {
   auto* to = numbers_.get() + row(tick);
@@ -17,11 +27,28 @@ void FlightRing::record(std::int64_t tick, std::span<const double> errors, std::
   for (double force : forces) (to++)->store(std::abs(force), std::memory_order_relaxed);
 }
 
+void FlightRing::take_over(const FlightRing& other, std::int64_t until, world::BodyId gone) {
+  const auto before =
+      std::max(other.begin_.load(std::memory_order_relaxed), until - std::min(ticks_, other.ticks_));
+  begin(before);
+  const auto copy = [](std::atomic<double>& to, const std::atomic<double>& from) {
+    to.store(from.load(std::memory_order_relaxed), std::memory_order_relaxed);
+  };
+  for (std::int64_t tick = before + 1; tick <= until; ++tick) {
+    const auto* from = other.numbers_.get() + other.row(tick);
+    auto* to = numbers_.get() + row(tick);
+    for (std::size_t i = 0; i < std::min(joints_, other.joints_); ++i) copy(to[i], from[i]);
+    to += joints_, from += other.joints_;
+    for (std::size_t body = 0, kept = 0; body < other.bodies_ && kept < bodies_; ++body)
+      if (!gone.valid() || body != gone.index()) copy(to[kept++], from[body]);
+  }
+}
+
 void FlightRing::peaks(std::int64_t after, std::int64_t until, std::span<double> errors,
                        std::span<double> forces) const {
   std::ranges::fill(errors, 0.0);
   std::ranges::fill(forces, 0.0);
-  const std::int64_t first = std::max({after, until - kTicks, begin_.load(std::memory_order_relaxed)}) + 1;
+  const std::int64_t first = std::max({after, until - ticks_, begin_.load(std::memory_order_relaxed)}) + 1;
   for (std::int64_t tick = first; tick <= until; ++tick) {
     const auto* from = numbers_.get() + row(tick);
     for (double& peak : errors) peak = std::max(peak, (from++)->load(std::memory_order_relaxed));

@@ -186,10 +186,12 @@ void Simulation::use(Machinery machinery) {
 
 // Either the scene and all that is made of it, or nothing: what is made refers to scene_, so that the new one
 // stands there first, and the old one comes back where something cannot be made.
-void Simulation::change_scene(scene::Scene changed) {
+void Simulation::change_scene(scene::Scene changed, world::BodyId gone) {
   std::swap(scene_, changed);
   try {
-    use(make_machinery());
+    auto machinery = make_machinery();
+    machinery.ring->take_over(*ring_, state_.tick, gone);
+    use(std::move(machinery));
   } catch (...) {
     std::swap(scene_, changed);
     throw;
@@ -218,7 +220,7 @@ void Simulation::start_state() {
 
 void Simulation::tick() {
   if (frozen()) return;
-  if (faults_.expire(state_.tick)) hand_out_faults();
+  end_faults();  // a restored state may hold some that are over
   for (auto& bound : parts_) bound.deliver(state_.tick);
   phases_.begin();
   sense();
@@ -232,6 +234,7 @@ void Simulation::tick() {
   step();
   phases_.end(Phase::kStep);
   publish();
+  end_faults();  // what comes before the first tick without them is not for them
   phases_.end(Phase::kPublish);
   phases_.tick_done();
   if (witness_) witness_->ticked();
@@ -245,6 +248,8 @@ void Simulation::sense() {
 
 void Simulation::think() {
   for (AgentPart* agent : agents_) agent->think(sim_time_ns());
+  if (agents_.empty()) return;
+  for (auto& bound : parts_) bound.deliver(state_.tick);  // what they sent over wires that only lose
 }
 
 void Simulation::act() {
@@ -357,10 +362,7 @@ void Simulation::load_rest(std::span<const std::byte> bytes) {
   }
   for (auto& bound : parts_) bound.wire = {};
   faults_.clear_all();
-  if (!from.at_end()) faults_.load(from, parts_.size());
-  for (const auto& active : faults_.all())
-    if (!parts_[active.part].part->has(hwparts::fault_info(active.fault.kind).target))
-      throw std::out_of_range("a fault of a part that has none of the kind");
+  if (!from.at_end()) load_faults(from);
   hand_out_faults();
   for (auto& bound : parts_) {
     if (!bound.wire.ideal()) bound.wire.load(from);

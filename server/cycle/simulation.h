@@ -170,7 +170,7 @@ class Simulation {
   void make_agents();
   Machinery make_machinery() const;
   void use(Machinery machinery);
-  void change_scene(scene::Scene changed);
+  void change_scene(scene::Scene changed, world::BodyId gone = {});  // `gone`: it had it, the new one has not
   void start_state();
   void follow_parts();
   void forget_ticks();
@@ -186,6 +186,8 @@ class Simulation {
   recording::TimedInput now() const { return {state_.tick, era_, {}}; }
   void tell(recording::TimedInput now, const recording::Input& input);
   void hand_out_faults();
+  void end_faults();
+  void load_faults(hwparts::StateReader& from);
   void save_rest(std::vector<std::byte>& bytes) const;
   void load_rest(std::span<const std::byte> bytes);
   std::string load_all(const world::WorldState& state, std::span<const std::byte> rest);

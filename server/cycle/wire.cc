@@ -9,6 +9,11 @@ namespace {
 constexpr std::size_t kLeastWrites = 1024, kWritesPerTick = 4;  // that have room under way
 constexpr double kNsPerMs = 1e6;
 
+// That something can be under way, from its tick to the last one where it can arrive.
+std::size_t most_ticks(const Wire::Quality& quality) {
+  return static_cast<std::size_t>(quality.delay_ticks + quality.jitter_ticks) + 2;
+}
+
 }  // namespace
 
 void Lane::reset(std::size_t capacity, std::size_t width) {
@@ -85,14 +90,26 @@ Wire::Quality Wire::quality_of(std::span<const hwparts::ActiveFault> faults, std
   return quality;
 }
 
+std::optional<std::string> Wire::refuse(const hwparts::Fault& fault, const protocol::PartDescription& part,
+                                        std::int64_t tick_ns) {
+  if (fault.kind != hwparts::FaultKind::kNetworkDelay) return {};
+  const hwparts::ActiveFault alone{0, fault, 0};
+  const auto ticks = most_ticks(quality_of({&alone, 1}, tick_ns));
+  const auto room = kMostBytes / (kWritesPerTick * Lane::bytes_per_slot(part.controller_inputs.size()) +
+                                  Lane::bytes_per_slot(part.sensor_outputs.size()));
+  if (ticks <= room) return {};
+  return "with ticks of " + std::to_string(tick_ns) + " ns '" + part.name + "' would have " +
+         std::to_string(ticks) + " ticks under way, and there is room for " + std::to_string(room);
+}
+
 void Wire::begin(const Quality& quality, std::uint64_t seed, std::span<const double> shown,
                  std::size_t inputs) {
   quality_ = quality;
   chance_ = sensors::Random(seed, "wire");
   readings_.assign(shown.begin(), shown.end());
-  const auto most_ticks = static_cast<std::size_t>(quality.delay_ticks + quality.jitter_ticks) + 2;
-  writes_.reset(std::max(kLeastWrites, kWritesPerTick * most_ticks), inputs);
-  samples_.reset(most_ticks, shown.size());
+  const auto ticks = most_ticks(quality);
+  writes_.reset(std::max(kLeastWrites, kWritesPerTick * ticks), inputs);
+  samples_.reset(ticks, shown.size());
 }
 
 std::int64_t Wire::arrival(std::int64_t tick) {

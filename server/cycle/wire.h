@@ -4,12 +4,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "hwparts/fault_set.h"
 #include "hwparts/sensors/random.h"
 #include "hwparts/state_archive.h"
+#include "protocol/part_description.h"
 
 namespace visum::cycle {
 
@@ -17,6 +20,7 @@ namespace visum::cycle {
 class Lane {
  public:
   void reset(std::size_t capacity, std::size_t width);
+  static std::size_t bytes_per_slot(std::size_t width) { return sizeof(Slot) + width * sizeof(double); }
   // Not before those ahead of it. Where the lane is full it is lost.
   void push(std::int64_t due_tick, std::size_t first, std::span<const double> numbers);
   bool due(std::int64_t tick) const { return count_ > 0 && slots_[head_].due_tick <= tick; }
@@ -50,6 +54,11 @@ class Wire {
     bool operator==(const Quality&) const = default;
   };
   static Quality quality_of(std::span<const hwparts::ActiveFault> faults, std::int64_t tick_ns);
+
+  // Why a fault of a part cannot act: more would be under way than there is room for. Nothing: it can.
+  static std::optional<std::string> refuse(const hwparts::Fault& fault, const protocol::PartDescription& part,
+                                           std::int64_t tick_ns);
+  static constexpr std::size_t kMostBytes = std::size_t{64} << 20;  // of one part, there and back
 
   bool ideal() const { return quality_ == Quality{}; }
   const Quality& quality() const { return quality_; }

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstring>
+#include <limits>
 
 #include "server/world/world_state.h"
 
@@ -119,7 +120,9 @@ std::span<const std::byte> load(std::span<const std::byte> bytes, const WorldMod
   from.expect(model.engines.size());
   taken.engines.resize(model.engines.size());
   for (auto& engine : taken.engines) from.take_list(engine);
-  if (!from.complete() || taken.tick < 0) {
+  // From half of what nanoseconds can count on there is room to go on.
+  const std::int64_t last_tick = std::numeric_limits<std::int64_t>::max() / model.tick_ns / 2;
+  if (!from.complete() || taken.tick < 0 || taken.tick > last_tick) {
     fault = "the state is not one of this world";
     return {};
   }

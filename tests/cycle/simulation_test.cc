@@ -230,6 +230,35 @@ TEST(Simulation, BodiesComeAndGo) {
   EXPECT_EQ(simulation.remove_body("box"), "there is no body 'box'");
 }
 
+TEST(Simulation, PeaksOutliveBodiesThatComeAndGo) {
+  Simulation simulation(falling_box());
+  run(simulation, 450);
+  const auto peak_of_box = [&] {
+    std::vector<double> forces(simulation.model().bodies.size());
+    simulation.ring()->peaks(0, simulation.tick_count(), {}, forces);
+    return forces.at(simulation.model().find_body("box").index());
+  };
+  const double before = peak_of_box();
+  ASSERT_GT(before, 10.0 * 9.81) << "it has hit the floor";
+  simulation.add_body("{name: ball, mass: 0.5, pose: {xyz: [1, 0, 2]}, shapes: [{sphere: 0.1}]}");
+  EXPECT_EQ(peak_of_box(), before);
+  ASSERT_EQ(simulation.remove_body("ball"), "");
+  EXPECT_EQ(peak_of_box(), before);
+}
+
+TEST(Simulation, ABodyMayGoOnceItsPushIsOver) {
+  Simulation simulation(falling_box());
+  ASSERT_TRUE(simulation.push({{simulation.model().find_body("box"), {1, 0, 0}, {0, 0, 0}}, 1}));
+  EXPECT_EQ(simulation.remove_body("box"), "'box' is being pushed");
+  run(simulation, 1);
+  EXPECT_EQ(simulation.remove_body("box"), "");
+  const auto hash = simulation.state_hash();
+  recording::State whole;
+  simulation.keep(whole);
+  EXPECT_EQ(simulation.restore(whole), "") << "nothing is left of the push";
+  EXPECT_EQ(simulation.state_hash(), hash);
+}
+
 TEST(Simulation, ABadBodyChangesNothing) {
   Simulation simulation(falling_box());
   const auto before = simulation.state_hash();

@@ -19,5 +19,16 @@ TEST(Wire, ADelayIsWholeTicksAndNeverNone) {
   EXPECT_EQ(quality(0.0, 0.0), Wire::Quality{});
 }
 
+TEST(Wire, HasRoomForTheLongestDelayAtUsualTicks) {
+  protocol::PartDescription part{.name = "arm"};
+  part.controller_inputs.resize(70);
+  part.sensor_outputs.resize(400);
+  const hwparts::Fault longest{hwparts::FaultKind::kNetworkDelay, {1000, 1000}};
+  EXPECT_EQ(Wire::refuse(longest, part, 1'000'000), std::nullopt);
+  EXPECT_NE(Wire::refuse(longest, part, 10'000), std::nullopt);
+  EXPECT_NE(Wire::refuse(longest, part, 1), std::nullopt);
+  EXPECT_EQ(Wire::refuse({hwparts::FaultKind::kNetworkLoss, {1.0}}, part, 1), std::nullopt);
+}
+
 }  // namespace
 }  // namespace visum::cycle

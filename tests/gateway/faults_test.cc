@@ -72,11 +72,19 @@ TEST_F(Faults, AStuckEncoderStandsTripsAndIsListedUntilItIsCleared) {
 
 TEST_F(Faults, AFaultWithADurationEndsByItself) {
   inject("encoder_offset", {{"joint", 1}, {"offset", 0.01}}, 0.02);
-  advance(client, 20);
+  advance(client, 19);
   EXPECT_EQ(active(), 1u);
-  EXPECT_NEAR(read("Actual Angle 1") - truth("arm/joint_1"), 0.01, 2e-3);
   advance(client, 1);
-  EXPECT_EQ(active(), 0u);
+  EXPECT_NEAR(read("Actual Angle 1") - truth("arm/joint_1"), 0.01, 2e-3);
+  EXPECT_EQ(active(), 0u) << "none for the tick to come";
+}
+
+TEST_F(Faults, AWriteForTheFirstTickAfterASilenceIsHeard) {
+  inject("part_silent", {}, 0.02);
+  advance(client, 20);
+  write("Desired Angle 1", 0.3);
+  advance(client, 1);
+  EXPECT_EQ(client.request_as<PartSample>(Read{"arm"}).controller_inputs.at(0), 0.3);
 }
 
 TEST_F(Faults, EncoderNoiseHasTheDeviationThatWasAskedFor) {

@@ -48,7 +48,10 @@ class NotedSession final : public protocol::Session {
 
 class GatewayRig {
  public:
-  explicit GatewayRig(scene::ClockKind clock) : simulation(scene_of(clock)) { publish(); }
+  explicit GatewayRig(scene::ClockKind clock, std::int64_t tick_ns = 1'000'000)
+      : simulation(scene_of(clock, tick_ns)) {
+    publish();
+  }
 
   NotedSession& connect(const std::string& name, protocol::Role role = protocol::Role::kController) {
     auto& session = sessions_.emplace_back(sessions_.size() + 1, name, role);
@@ -93,9 +96,10 @@ class GatewayRig {
   TickSide tick_side{simulation, mailbox, true};
 
  private:
-  static scene::Scene scene_of(scene::ClockKind clock) {
+  static scene::Scene scene_of(scene::ClockKind clock, std::int64_t tick_ns) {
     auto scene = scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml");
     scene.clock = clock;
+    scene.world.tick_ns = tick_ns;
     return scene;
   }
   Published copy_;

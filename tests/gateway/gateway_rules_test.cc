@@ -147,6 +147,16 @@ TEST(MissedDeadline, OfALeaseWhoseLossWasToldIsNotToldAgain) {
   EXPECT_EQ(rig.gateway.metrics().lease_losses, 1u);
 }
 
+// At a microsecond's tick a second is a million of them.
+TEST(NetworkDelay, OfMoreTicksThanThereIsRoomForIsRefused) {
+  GatewayRig rig(ClockKind::kLockstep, 1'000);
+  auto& admin = rig.connect("admin", Role::kAdmin);
+  const auto refusal = rig.answer<Error>(admin, InjectFault{"arm", "network_delay", {{"ms", 1000}}, 0});
+  EXPECT_EQ(refusal.code, ErrorCode::kBadValue);
+  EXPECT_NE(refusal.text.find("ticks under way"), std::string::npos) << refusal.text;
+  rig.answer<Ok>(admin, InjectFault{"arm", "network_delay", {{"ms", 10}}, 0});
+}
+
 // Both fingers have one drive: their inputs must be equal.
 TEST(MissedDeadline, LeavesNothingBehindThatNeverCameIntoForce) {
   GatewayRig rig(ClockKind::kRealtime);

@@ -86,6 +86,16 @@ TEST(Agent, SpeaksAndHearsOverTheSameBrokenNetwork) {
   EXPECT_EQ(desired(), 0.004);
 }
 
+TEST(Agent, WhatALossyNetworkLetsThroughActsInItsTick) {
+  cycle::Simulation simulation(test::scene_with_arm(kStepper));
+  std::string why;
+  const auto lossy = hwparts::make_fault("network_loss", {{"share", 1e-9}}, why);
+  ASSERT_TRUE(lossy) << why;
+  ASSERT_TRUE(simulation.inject({0, *lossy, 0}));
+  run(simulation, 1);
+  EXPECT_EQ(part_of(simulation, "arm").controller_inputs[0], 0.001);
+}
+
 // As that of a client that goes.
 TEST(Agent, WhatIsUnderWayFromOneInFaultComesTooLate) {
   cycle::Simulation simulation(culprit("throws"));

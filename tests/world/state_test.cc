@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <functional>
+#include <limits>
 #include <set>
 
 #include "server/world/world_state.h"
@@ -78,6 +79,21 @@ TEST(Save, HoldsNothingButTheFields) {
   save(state, bytes);
   const std::size_t lists = 8 * (1 + 4 + state.engines.size());  // tick, lengths
   EXPECT_EQ(bytes.size(), lists + 13 * 8 * state.bodies.size() + 3 * 8 * state.joints.size() + 4 * 8 + 2);
+}
+
+TEST(Load, RefusesATickWhoseTimeCannotBeCounted) {
+  const WorldModel model = good_model();
+  const std::int64_t last = std::numeric_limits<std::int64_t>::max() / model.tick_ns / 2;
+  for (const std::int64_t tick : {std::int64_t{0}, last, last + 1, std::int64_t{-1}}) {
+    WorldState state = full_state(), loaded;
+    state.tick = tick;
+    state.engines.resize(model.engines.size());
+    std::vector<std::byte> bytes;
+    save(state, bytes);
+    std::string fault;
+    load(bytes, model, loaded, fault);
+    EXPECT_EQ(fault, tick >= 0 && tick <= last ? "" : "the state is not one of this world") << tick;
+  }
 }
 
 TEST(Sanity, AGoodStateIsSane) {
