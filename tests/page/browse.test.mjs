@@ -1,6 +1,8 @@
 // Browse: the tree with its search, editors, hold, parameters, blackboards, the cycle's profile.
 import assert from "node:assert/strict";
+import { join } from "node:path";
 import { button, control, pageTest, twoFrames, until } from "./harness.mjs";
+import { source } from "./programs.mjs";
 
 pageTest("browse: everything of a part is found, read and set", async (page, claim) => {
   const shown = () => page.locator(".port:visible").evaluateAll((rows) => rows.map((row) => row.dataset.port));
@@ -104,6 +106,11 @@ pageTest("a panel is edited, saved, loaded and shared", async (page, claim, daem
     await other.locator(".panel-grid").getByRole("group", { name: "Running", exact: true }).waitFor();
     await other.close();
   });
+  await claim("where the browser has no clipboard, it is not said to be there", async () => {
+    await page.evaluate(() => Object.defineProperty(navigator, "clipboard", { value: undefined }));
+    await button(page, "Copy a link to this panel").click();
+    await page.getByText("The address now holds this panel; copy it from there").waitFor();
+  });
 });
 
 pageTest("plots: full rate, zoom, cursor, phase, export", async (page, claim) => {
@@ -117,9 +124,12 @@ pageTest("plots: full rate, zoom, cursor, phase, export", async (page, claim) =>
   await control(page);
   await page.evaluate(() => visum.write("arm", "Desired Angle 1", 0.3));
   await passes(2);
-  await claim("a line a tick in the CSV", async () => {
+  const exported = async () => {
     const [download] = await Promise.all([page.waitForEvent("download"), button(page, "Export as CSV").click()]);
-    const lines = readFileSync(await download.path(), "utf8").trim().split("\n");
+    return readFileSync(await download.path(), "utf8").trim().split("\n");
+  };
+  await claim("a line a tick in the CSV", async () => {
+    const lines = await exported();
     assert.match(lines[0], /arm Desired Angle 1 \[rad\].*arm Actual Angle 1 \[rad\]/);
     const times = lines.slice(1).map((line) => Number(line.split(",")[0]));
     const gaps = times.slice(1).map((time, i) => time - times[i]).sort((a, b) => a - b);
@@ -157,10 +167,28 @@ pageTest("plots: full rate, zoom, cursor, phase, export", async (page, claim) =>
     });
     await button(page, "Phase").click();
   });
-  await claim("twenty ports dragged into one plot", async () => {
+  await claim("twenty ports dragged into one plot, which keeps what it has", async () => {
+    const first = (await exported())[1].split(",")[0];
     for (const group of ["Desired Angle", "Actual Angle", "Actual Speed"])
       await page.locator(".group > summary", { hasText: group }).first().dragTo(page.locator(".plot").first());
     await until(page, () => document.querySelectorAll(".plot .u-series").length >= 21);
     await passes(0.5);
+    assert.equal((await exported())[1].split(",")[0], first);
   });
 });
+
+pageTest("a phase plot of two parts names what it shows", async (page) => {
+  await page.evaluate(() => {
+    const write = CanvasRenderingContext2D.prototype.fillText;
+    window.written = new Set();
+    CanvasRenderingContext2D.prototype.fillText = function (text, ...place) {
+      if (this.canvas.className === "phase") written.add(text);
+      return write.call(this, text, ...place);
+    };
+  });
+  for (const [part, port] of [["eye", "Distance"], ["scan", "Nearest Distance"], ["eye", "In Range"]])
+    await page.getByRole("region", { name: `Part ${part}` }).getByRole("button", { name: `Plot ${port}`, exact: true }).click();
+  const traces = await page.locator(".plot .u-legend .u-label").allTextContents();
+  await button(page, "Phase").click();
+  await until(page, (names) => names.every((name) => [...written].some((text) => text.startsWith(`${name} [`))), traces.slice(1, 3));
+}, { daemon: [join(source, "models/scenes/sensors.yaml")] });

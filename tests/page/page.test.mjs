@@ -59,7 +59,10 @@ pageTest("a page that the machine keeps from running keeps its session and its l
 });
 
 pageTest("pauses, steps by one and by many, goes on, slower, and from the beginning", async (page) => {
-  await page.getByRole("button", { name: "Pause" }).click();
+  await page.keyboard.down(" ");
+  await page.getByRole("button", { name: "Run" }).waitFor();
+  await page.keyboard.down(" "); // held down, the key repeats: that is no press more
+  await page.keyboard.up(" ");
   const tick = page.getByRole("button", { name: "Single tick" });
   await tick.click({ trial: true }); // enabled once the pause is in force
   const shown = page.locator(".sim-time");

@@ -95,8 +95,10 @@ let stood = false; // time, when it was asked for last
 clock.status.watch((status) => {
   if (!status || !link.welcome) return;
   if (status.paused) world.catchUp(status.simTimeNs).catch(reportError);
-  if (status.paused && !stood) void recording.refresh().then(() => recording.refill());
-  stood = status.paused;
+  recording.playing = !status.paused && !status.frozen;
+  const stands = !recording.playing;
+  if (stands && !stood) void recording.refresh().then(() => recording.refill());
+  stood = stands;
   if (status.paused || status.realTimeFactor === 0) return;
   world.adaptTo(status.realTimeFactor).catch(reportError);
   parts.adaptTo(status.realTimeFactor).catch(reportError);
@@ -112,7 +114,7 @@ document.addEventListener("keydown", (event) => {
   const typing = target.closest("input, select, textarea, button, summary, [contenteditable]");
   if (event.key === " " && !typing) {
     event.preventDefault();
-    time.toggleRun();
+    if (!event.repeat) time.toggleRun();
   }
 });
 

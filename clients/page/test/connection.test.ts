@@ -34,12 +34,13 @@ function session() {
   const connection = new Connection("", { name: "page", role: Role.ADMIN, token: "" }, handler);
   socket.onopen();
   socket.answer(1, { case: "welcome", value: {} });
-  const ask = (request: Parameters<Connection["request"]>[0]) => connection.request(request, "ok").catch(() => undefined);
+  const request = (body: Parameters<Connection["request"]>[0]) => connection.request(body, "ok");
+  const ask = (body: Parameters<Connection["request"]>[0]) => request(body).catch(() => undefined);
   const looks = (count: number) => {
     for (let i = 0; i < count; ++i) connection.look();
     return isOpen;
   };
-  return { socket, ask, looks };
+  return { socket, request, ask, looks };
 }
 
 test("a server that leaves a question open is given up", () => {
@@ -57,4 +58,11 @@ test("while a Step waits for the world, what is open is no silence; after it, it
   socket.answer(2, { case: "advanced", value: { tick: 1n } });
   assert.ok(looks(6));
   assert.ok(!looks(1));
+});
+
+test("what cannot be written as a message is refused, and no answer to it is waited for", async () => {
+  const { request, looks } = session();
+  const value = { case: "integer", value: 2n ** 70n } as const;
+  await assert.rejects(request({ case: "setParameter", value: { part: "arm", name: "Count", value: { value } } }), /int64/);
+  assert.ok(looks(100));
 });

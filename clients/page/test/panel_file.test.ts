@@ -34,6 +34,9 @@ for (const [change, words] of [
 ] as const)
   test(`a bad panel is refused where it is bad: ${JSON.stringify(change)}`, () => assert.match(complaint(panel(change)), words));
 
+test("a widget has no more ports than can be recorded", () =>
+  assert.match(complaint(panel({ ports: Array(49).fill(kSlider.ports[0]) })), /widgets\[0\]\.ports: more than 48/));
+
 test("what is no panel is refused", () => {
   assert.match(complaint("{"), /this is no JSON/);
   assert.match(complaint("[]"), /the file: must be a map/);

@@ -94,3 +94,56 @@ test("holds end with the lease, which is told where it was lost, and not where i
   await released.part.release();
   assert.deepEqual([released.part.held.size, released.told], [0, []]);
 });
+
+// A part of 60 ports, and what it shows of them at a time in s: 100 times the port's place, and the time.
+function wide() {
+  const description = { name: "arm", controllerInputs: [], sensorOutputs: Array.from({ length: 60 }, (_, i) => ({ name: `Out ${i}` })) };
+  const part = new Part(server().link, description as unknown as PartDescription);
+  const goes = (seconds: number) => part.take({ ...sampleOf(), sensorOutputs: part.ports.map(({ index }) => 100 * index + seconds), simTimeNs: BigInt(Math.round(1e9 * seconds)) } as PartSample);
+  const seen = (i: number) => part.recordings()!.all([part.channel(part.ports[i]!)]).values[0];
+  return { part, goes, seen };
+}
+
+test("too many ports are refused as a whole, and nothing of them stays", () => {
+  const { part } = wide();
+  assert.throws(() => part.record(part.ports), /at most 48 ports of 'arm' are recorded at a time/);
+  assert.ok(!part.isPlotted);
+  const stop = part.record(part.ports.slice(0, 48));
+  assert.throws(() => part.record(part.ports.slice(48, 49)), /at most 48/);
+  stop();
+  assert.ok(!part.isPlotted);
+});
+
+test("a port that nobody plots any more makes room for another, which knows nothing of it", () => {
+  const { part, goes, seen } = wide();
+  part.record(part.ports.slice(1, 48));
+  const stop = part.record(part.ports.slice(0, 2));
+  goes(1);
+  stop();
+  part.record([part.ports[50]!]);
+  goes(2);
+  assert.deepEqual([seen(50), seen(1)], [[null, 5002], [101, 102]]);
+  assert.equal(part.channel(part.ports[0]!), -1);
+  assert.throws(() => part.record([part.ports[0]!]), /at most 48/);
+});
+
+test("what was written last is what is commanded, until a later sample has come or it was refused", async () => {
+  const errors: (Error | undefined)[] = [];
+  const { part } = await leased([], () => errors.shift());
+  const speed = part.port("Speed")!;
+  part.take(sampleOf(0, 0, 0, 1));
+  const written = part.write(speed, 2);
+  assert.equal(part.commanded(speed), 2);
+  await written;
+  part.take(sampleOf(0, 0, 0, 1)); // of the same tick
+  assert.equal(part.commanded(speed), 2);
+  part.take({ ...sampleOf(0, 0, 0, 1), simTimeNs: 1_000_000n } as PartSample);
+  assert.equal(part.commanded(speed), 1);
+  errors.push(refusal(ErrorCode.ERROR_BAD_VALUE, "too fast"));
+  await assert.rejects(part.write(speed, 9), /too fast/);
+  assert.equal(part.commanded(speed), 1);
+  await part.write(speed, 3);
+  errors.push(refusal(ErrorCode.ERROR_BAD_VALUE, "too fast"), refusal(ErrorCode.ERROR_BAD_VALUE, "too fast"));
+  await Promise.allSettled([part.write(speed, 9), part.write(speed, 10)]);
+  assert.equal(part.commanded(speed), 3);
+});

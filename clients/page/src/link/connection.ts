@@ -72,9 +72,10 @@ export class Connection {
     if (this.end) return Promise.reject(this.end);
     if (this.socket.readyState !== WebSocket.OPEN) return Promise.reject(new LostError("not connected"));
     const id = this.nextId++;
+    const bytes = encode(id, request); // may throw: then nothing is waited for
     const waitsForWorld = request.case === "step";
     const answer = new Promise<Body>((resolve, reject) => this.pending.set(id, { waitsForWorld, resolve, reject }));
-    this.socket.send(encode(id, request));
+    this.socket.send(bytes);
     return answer;
   }
 

@@ -53,8 +53,17 @@ export class History {
     return this.written === 0 ? NaN : this.times[this.first % this.capacity]!;
   }
 
+  get width(): number {
+    return this.channels.length;
+  }
+
   clear(): void {
     this.written = 0;
+  }
+
+  // From now on the channel is something else's.
+  forget(channel: number): void {
+    this.channels[channel] = new Channel(this.capacity);
   }
 
   // Times grow; a time that does not begins anew (a reset). `afterGap`: samples between the last one and this were lost.

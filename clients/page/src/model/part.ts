@@ -18,6 +18,13 @@ const kRecordedMost = 48; // ports per part
 const kIdlePeriodMs = 33;
 const kNsPerS = 1e9;
 
+// What this page wrote last to an input, until it is in force.
+interface Written {
+  value: number;
+  after: number; // s: a sample of a later time has it; Infinity: not answered yet, -Infinity: refused
+  before: Written | undefined;
+}
+
 export class Part {
   readonly ports: Port[] = [];
   readonly holder = new Signal<string>("");
@@ -29,7 +36,9 @@ export class Part {
   readonly gaveUp = new Emitter<string>(); // in words: what is held no longer though nobody let go of it, and why
   private keeping = false; // a write of held values is under way
   private history: History | null = null;
-  private recorded: Port[] = [];
+  private readonly written = new Map<number, Written>(); // by input
+  private recorded: Port[] = []; // by channel
+  private uses: number[] = []; // by channel: how many want it
   private recording = 0; // how many plots want it
   private everyTicks = 0;
   private reconnected = false; // since the last sample
@@ -53,6 +62,11 @@ export class Part {
     return vector?.[port.index] ?? NaN;
   }
 
+  // What relative controls count from: while time stands, or between two samples, what was written last is not in force yet.
+  commanded(port: Port): number {
+    return (port.side === "input" ? this.written.get(port.index)?.value : undefined) ?? this.value(port);
+  }
+
   async acquire(take = false): Promise<void> {
     await this.link.request({ case: "acquireLease", value: { part: this.name, deadlineNs: 0n, take } }, "lease");
     this.leased.value = true;
@@ -74,6 +88,7 @@ export class Part {
   leaseLost(): void {
     this.leased.value = false;
     this.holder.value = "";
+    this.written.clear();
     this.giveUp([...this.held.keys()], `the lease of '${this.name}' is lost`);
   }
 
@@ -108,8 +123,10 @@ export class Part {
     this.reconnected = false;
     this.conflated = Number(sample.conflated);
     const time = Number(sample.simTimeNs) / kNsPerS;
+    for (const [index, { after }] of this.written) if (time > after) this.written.delete(index);
     if (sample.era !== this.era) {
       this.era = sample.era;
+      this.written.clear();
       if (time !== this.history?.lastTime) this.history?.clear(); // else it was filled up to here, see refill()
     }
     const recorded = this.recorded;
@@ -131,16 +148,21 @@ export class Part {
     await this.link.request({ case: "subscribe", value: { part: this.name, everyNTicks: every } }, "ok");
   }
 
-  // A plot begins to want every tick of this part. Call what is returned when it does not any more.
+  // A plot begins to want every tick of this part. Call what is returned when it does not any more. Without ports: what is
+  // recorded stays meanwhile. Throws, and changes nothing, where they are too many.
   record(ports: readonly Port[]): () => void {
+    const wanted = new Set([...this.recorded.filter((_, channel) => this.uses[channel]! > 0), ...ports]);
+    if (wanted.size > kRecordedMost) throw new Error(`at most ${kRecordedMost} ports of '${this.name}' are recorded at a time`);
     this.recording += 1;
-    for (const port of ports) this.recordPort(port);
+    const [known, fresh] = [ports.filter((port) => this.channel(port) >= 0), ports.filter((port) => this.channel(port) < 0)];
+    for (const port of [...known, ...fresh]) this.uses[this.channelFor(port)]! += 1;
     return () => {
+      for (const port of ports) this.uses[this.channel(port)]! -= 1;
       this.recording -= 1;
-      if (this.recording === 0) {
-        this.history = null;
-        this.recorded = [];
-      }
+      if (this.recording > 0) return;
+      this.history = null;
+      this.recorded = [];
+      this.uses = [];
     };
   }
 
@@ -168,16 +190,42 @@ export class Part {
     return this.history;
   }
 
-  private recordPort(port: Port): void {
-    if (this.recorded.includes(port)) return;
-    if (this.recorded.length === kRecordedMost)
-      throw new Error(`at most ${kRecordedMost} ports of '${this.name}' are recorded at a time`);
-    this.recorded = [...this.recorded, port];
-    this.history = this.history?.widened(this.recorded.length) ?? new History(this.recorded.length, kHistorySamples);
+  // The port's own, a new one, or, where there are enough, one that nobody wants any more.
+  private channelFor(port: Port): number {
+    const own = this.channel(port);
+    if (own >= 0) return own;
+    const free = this.recorded.length < kRecordedMost ? this.recorded.length : this.uses.indexOf(0);
+    this.recorded[free] = port;
+    this.uses[free] = 0;
+    if (this.history && free < this.history.width) this.history.forget(free);
+    else this.history = this.history?.widened(free + 1) ?? new History(free + 1, kHistorySamples);
+    return free;
   }
 
   private async send(firstPort: number, values: number[]): Promise<void> {
-    await this.link.request({ case: "write", value: { part: this.name, firstPort, values, sequence: 0n } }, "ok");
+    const written = values.map((value, i) => ({ index: firstPort + i, value, after: Infinity, before: this.written.get(firstPort + i) }));
+    for (const entry of written) this.written.set(entry.index, entry);
+    try {
+      await this.link.request({ case: "write", value: { part: this.name, firstPort, values, sequence: 0n } }, "ok");
+      for (const entry of written) {
+        entry.after = Number(this.sample?.simTimeNs ?? -1n) / kNsPerS;
+        entry.before = undefined;
+      }
+    } catch (error) {
+      for (const entry of written) {
+        entry.after = -Infinity;
+        this.dropRefused(entry.index);
+      }
+      throw error;
+    }
+  }
+
+  // What was written before counts again.
+  private dropRefused(index: number): void {
+    let entry = this.written.get(index);
+    while (entry?.after === -Infinity) entry = entry.before;
+    if (entry) this.written.set(index, entry);
+    else this.written.delete(index);
   }
 
   private keepHeld(sample: PartSample): void {

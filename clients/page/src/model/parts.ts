@@ -10,7 +10,7 @@ const kRecording = "recording";
 
 export class Parts {
   readonly list = new Signal<Part[]>([]);
-  readonly plotsChanged = new Emitter<void>(); // more or other ports are plotted
+  readonly plotsChanged = new Emitter<void>(); // more or other ports are plotted: see plotted()
   steering: string | null = null; // the part that moves through a recording, which is not one of the list
   private realTimeFactor = 1;
 
@@ -63,9 +63,13 @@ export class Parts {
     await this.subscribe();
   }
 
-  // Also after a plot began or ended to want every tick.
-  async subscribe(): Promise<void> {
+  // After a plot began or ended to want every tick.
+  async plotted(): Promise<void> {
     this.plotsChanged.emit();
+    await this.subscribe();
+  }
+
+  private async subscribe(): Promise<void> {
     const welcome = this.link.welcome;
     if (!welcome) return;
     for (const part of this.list.value) await part.subscribe(Number(welcome.tickNs), this.realTimeFactor);

@@ -29,6 +29,7 @@ const kPlottedTicks = 10_000; // as many as the server gives at once
 export class Recording {
   readonly report = new Signal<Report | null>(null); // null: the world lives
   readonly position = new Signal<number>(0);
+  playing = false; // as the server's status told last
   private part = "";
   private wanted: number | null = null; // the latest of the jumps that are still to be made
   private jumping: Promise<void> | null = null;
@@ -58,9 +59,9 @@ export class Recording {
     return this.jumping;
   }
 
-  // Plots show what was before this position, too.
+  // Plots show what was before this position, too. Not while it moves on: what comes would be of a position that is past.
   async refill(): Promise<void> {
-    if (this.report.value === null) return;
+    if (this.report.value === null || this.playing) return;
     const to = this.position.value;
     for (const [number, part] of this.parts.list.value.entries()) {
       if (!part.isPlotted) continue;

@@ -1,7 +1,7 @@
 // Widgets that command: slider with jog buttons, number, push button, radio buttons, bit selector.
 import { h, setText } from "../ui/dom";
 import { formatOf, niceStep, share } from "../ui/numbers";
-import { limits, valueOf, writeAll, type Context, type Widget } from "./widget";
+import { commandedOf, limits, valueOf, writeAll, type Context, type Widget } from "./widget";
 
 const kTouchedMs = 600; // so long what is in force does not move a control under the hand
 
@@ -20,7 +20,7 @@ export function slider(context: Context): Widget {
   input.addEventListener("input", () => set(Number(input.value)));
   const jog = (sign: number) =>
     h("button", { type: "button", class: "small jog", "aria-label": `${data.label} ${sign < 0 ? "less" : "more"}`,
-      onclick: () => set(valueOf(ports[0]) + sign * (data.jog ?? 0)) }, sign < 0 ? "−" : "+");
+      onclick: () => set(commandedOf(ports[0]) + sign * (data.jog ?? 0)) }, sign < 0 ? "−" : "+");
   const buttons = data.jog ? [jog(-1), jog(1)] : [];
   return {
     body: h("div", { class: "w-slider" }, buttons[0], h("span", { class: "track" }, input, marker), buttons[1], shown),
@@ -61,7 +61,7 @@ export function button({ data, ports }: Context): Widget {
     element.addEventListener("keydown", (event) => [" ", "Enter"].includes(event.key) && !event.repeat && press());
     element.addEventListener("keyup", release);
   } else {
-    element.addEventListener("click", () => ports.forEach((port) => writeAll([port], valueOf(port) + 1)));
+    element.addEventListener("click", () => ports.forEach((port) => writeAll([port], commandedOf(port) + 1)));
   }
   return { body: element, update: () => undefined, setEnabled: (on) => (element.disabled = !on) };
 }
@@ -86,14 +86,15 @@ export function bits({ data, ports }: Context): Widget {
   const boxes = names.map((name, i) => {
     const box = h("input", { type: "checkbox" });
     box.addEventListener("change", () => {
-      const without = valueOf(ports[0]) - (bitOf(valueOf(ports[0]), i) ? 2 ** i : 0);
+      const before = commandedOf(ports[0]);
+      const without = before - (bitOf(before, i) ? 2 ** i : 0);
       writeAll(ports, without + (box.checked ? 2 ** i : 0));
     });
     return { box, label: h("label", {}, box, h("span", {}, name)) };
   });
   return {
     body: h("div", { class: "w-bits", role: "group", "aria-label": data.label }, ...boxes.map(({ label }) => label)),
-    update: () => boxes.forEach(({ box }, i) => (box.checked = bitOf(valueOf(ports[0]), i))),
+    update: () => boxes.forEach(({ box }, i) => (box.checked = bitOf(commandedOf(ports[0]), i))),
     setEnabled: (on) => boxes.forEach(({ box }) => (box.disabled = !on || !canWrite)),
   };
 }

@@ -4,8 +4,9 @@ import type { PortName } from "../ui/drag";
 export const kWidgetTypes = ["slider", "number", "button", "radio", "stick", "bits", "led", "lcd", "bar", "gauge", "scope", "label"] as const;
 export type WidgetType = (typeof kWidgetTypes)[number];
 export const kColumns = 12;
-const kMostRows = 200;
-const kMostWidgets = 200;
+export const kMostRows = 200;
+export const kMostWidgets = 200;
+export const kMostPorts = 48; // of a widget
 
 export interface Choice {
   label: string;
@@ -73,6 +74,7 @@ function parseWidget(entry: unknown, at: string): WidgetData {
   if (!kWidgetTypes.includes(type)) throw new PanelError(`${at}.type: must be one of ${kWidgetTypes.join(", ")}, is '${type}'`);
   const ports = data["ports"] ?? [];
   if (!Array.isArray(ports)) throw new PanelError(`${at}.ports: must be a list`);
+  if (ports.length > kMostPorts) throw new PanelError(`${at}.ports: more than ${kMostPorts}`);
   const widget: WidgetData = {
     type,
     label: text_(data["label"] ?? "", `${at}.label`),

@@ -94,8 +94,9 @@ export class PanelPane {
   private async share(): Promise<void> {
     const hash = await toHash(formatPanel(this.view.panel));
     history.replaceState(null, "", hash);
-    await navigator.clipboard?.writeText(location.href).catch(() => undefined);
-    report("The address now holds this panel, and is on the clipboard");
+    // Browsers have no clipboard for pages that come without TLS from another machine.
+    const copied = (await navigator.clipboard?.writeText(location.href).then(() => true, () => false)) ?? false;
+    report(`The address now holds this panel${copied ? ", and is on the clipboard" : "; copy it from there"}`);
   }
 
   private async openShared(): Promise<void> {

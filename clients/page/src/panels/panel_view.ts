@@ -5,7 +5,8 @@ import type { Unsubscribe } from "../model/signal";
 import { acceptPorts } from "../ui/drag";
 import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
-import { freePlace, kColumns, type PanelData, type WidgetData, type WidgetType } from "./file";
+import { reportError } from "../ui/toasts";
+import { freePlace, kColumns, kMostRows, kMostWidgets, type PanelData, type WidgetData, type WidgetType } from "./file";
 import { kKinds, newWidget, usualType } from "./kinds";
 import { bind, type Context, type Widget } from "./widget";
 
@@ -46,9 +47,15 @@ export class PanelView {
     for (const { element } of this.placed) element.tabIndex = on ? 0 : -1;
   }
 
-  add(type: WidgetType, ports: readonly Port[]): WidgetData {
+  // Null: the panel is full; with more of them it could not be loaded again.
+  add(type: WidgetType, ports: readonly Port[]): WidgetData | null {
     const [w, h] = kKinds[type].size;
-    const data = newWidget(type, ports, freePlace(this.panel.widgets, w, h));
+    const place = freePlace(this.panel.widgets, w, h);
+    if (this.panel.widgets.length >= kMostWidgets || place.y > kMostRows) {
+      reportError(new Error(`The panel is full: it has ${this.panel.widgets.length} widgets`));
+      return null;
+    }
+    const data = newWidget(type, ports, place);
     this.panel.widgets.push(data);
     this.changed();
     return data;
@@ -76,13 +83,15 @@ export class PanelView {
   }
 
   private build(): void {
+    const kept = this.parts.list.value.map((part) => part.record([])); // what scopes have recorded outlasts them
     for (const { widget } of this.placed) widget.dispose?.();
     for (const stop of this.leases) stop();
     this.placed = this.panel.widgets.map((data) => this.place(data));
+    for (const stop of kept) stop();
     this.element.replaceChildren(...this.placed.map(({ element }) => element));
     this.leases = this.parts.list.value.map((part) => part.leased.watch(() => this.enable()));
     this.setEditing(this.editing);
-    void this.parts.subscribe();
+    void this.parts.plotted();
   }
 
   private place(data: WidgetData): Placed {
@@ -152,10 +161,10 @@ export class PanelView {
   private move(data: WidgetData, element: HTMLElement, dx: number, dy: number, sizing: boolean): void {
     if (sizing) {
       data.w = Math.min(kColumns - data.x, Math.max(1, data.w + dx));
-      data.h = Math.max(1, data.h + dy);
+      data.h = Math.min(kMostRows, Math.max(1, data.h + dy));
     } else {
       data.x = Math.min(kColumns - data.w, Math.max(0, data.x + dx));
-      data.y = Math.max(0, data.y + dy);
+      data.y = Math.min(kMostRows, Math.max(0, data.y + dy));
     }
     lay(element, data);
     this.onChange();

@@ -5,6 +5,7 @@ import { formatInRange } from "../ui/numbers";
 import { cssColor, traceColor } from "../ui/palette";
 import { polyline } from "../ui/polyline";
 import { fit, leastSpan, type Range } from "../ui/range";
+import { reportError } from "../ui/toasts";
 import type { Context, Widget } from "./widget";
 
 interface Trace {
@@ -18,12 +19,22 @@ const kMargin = 0.08;
 export function scope({ data, ports }: Context): Widget {
   const canvas = h("canvas", { "aria-hidden": "true" });
   const legend = h("div", { class: "scope-legend" }, ...ports.map((port, i) => h("span", {}, swatch(i), port.description.name, data.scales?.[i] === 1 ? " ▸" : "")));
-  const stops = [...new Set(ports.map((port) => port.part))].map((part) => part.record(ports.filter((port) => port.part === part)));
+  const stops = ports.map((port) => record(port));
   return {
     body: h("div", { class: "w-scope" }, canvas, legend),
     update: () => draw(canvas, ports, data.scales ?? [], data.seconds ?? kSeconds),
     dispose: () => stops.forEach((stop) => stop()),
   };
+}
+
+// A port too many has no trace.
+function record(port: Port): () => void {
+  try {
+    return port.part.record([port]);
+  } catch (error) {
+    reportError(error);
+    return () => undefined;
+  }
 }
 
 function swatch(index: number): HTMLElement {

@@ -2,7 +2,7 @@
 import type { Parts } from "../model/parts";
 import { nameOf } from "../ui/drag";
 import { h } from "../ui/dom";
-import type { WidgetData } from "./file";
+import { kMostPorts, type WidgetData } from "./file";
 import { kKinds } from "./kinds";
 
 type NumberKey = "minimum" | "maximum" | "jog" | "value" | "release" | "threshold" | "bit" | "seconds";
@@ -54,7 +54,7 @@ function portChoice(data: WidgetData, parts: Parts, changed: () => void): HTMLEl
   const choice = h("select", { multiple: several, size: several ? 4 : 1 }, several ? null : h("option", { value: "" }, "none"),
     ...ports.map((port, i) => h("option", { value: i, selected: data.ports.some(({ part, port: name }) => part === port.part.name && name === port.description.name) }, `${port.part.name} · ${port.description.name}`)));
   choice.addEventListener("change", () => {
-    data.ports = [...choice.selectedOptions].filter((option) => option.value !== "").map((option) => nameOf(ports[Number(option.value)]!));
+    data.ports = [...choice.selectedOptions].filter((option) => option.value !== "").slice(0, kMostPorts).map((option) => nameOf(ports[Number(option.value)]!));
     changed();
   });
   return choice;

@@ -27,6 +27,11 @@ export function valueOf(port: Port | undefined): number {
   return port ? port.part.value(port) : NaN;
 }
 
+// What this page wrote last where that is not in force yet.
+export function commandedOf(port: Port | undefined): number {
+  return port ? port.part.commanded(port) : NaN;
+}
+
 export function limits({ data, ports }: Context): { minimum: number; maximum: number } {
   const description = ports[0]?.description;
   return { minimum: data.minimum ?? description?.minimum ?? 0, maximum: data.maximum ?? description?.maximum ?? 1 };

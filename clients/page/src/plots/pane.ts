@@ -31,7 +31,8 @@ export class PlotPane {
   }
 
   open(ports: Port[]): void {
-    const plot: Plot = new Plot([...ports], () => this.close(plot), () => this.parts.subscribe().catch(reportError));
+    const plot: Plot = new Plot(ports, () => this.close(plot), () => this.parts.plotted().catch(reportError));
+    if (plot.ports.length === 0) return plot.dispose();
     this.plots.push(plot);
     this.show();
   }
@@ -39,7 +40,7 @@ export class PlotPane {
   private close(plot: Plot): void {
     plot.dispose();
     this.plots.splice(this.plots.indexOf(plot), 1);
-    this.parts.subscribe().catch(reportError);
+    this.parts.plotted().catch(reportError);
     this.show();
   }
 

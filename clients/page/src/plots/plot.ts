@@ -8,6 +8,7 @@ import { icons } from "../ui/icons";
 import { formatOf } from "../ui/numbers";
 import { cssColor, traceColor, traceDash } from "../ui/palette";
 import { fit, leastSpan } from "../ui/range";
+import { reportError } from "../ui/toasts";
 import { toCsv } from "./csv";
 import { align, type Aligned } from "./merge";
 import { drawPhase } from "./phase";
@@ -17,15 +18,16 @@ const kAir = 0.08; // above and below, share of the span
 
 export class Plot {
   readonly element: HTMLElement;
+  readonly ports: Port[] = [];
   private readonly place = h("div", { class: "plot-place" });
   private readonly phaseCanvas = h("canvas", { class: "phase", hidden: true, role: "img", "aria-label": "Phase plot" });
   private readonly seconds = h("select", { "aria-label": "Length of the time axis" }, ...kWindows.map((s) => h("option", { value: s, selected: s === 10 }, s < 60 ? `${s} s` : `${s / 60} min`)));
   private readonly phase: HTMLButtonElement;
-  private readonly stops = new Map<Part, () => void>();
+  private readonly stops = new Map<Port, () => void>(); // recording
   private plot: uPlot | null = null;
   private zoom: { from: number; to: number } | null = null;
 
-  constructor(readonly ports: Port[], onClose: () => void, private readonly onChange: () => void) {
+  constructor(ports: readonly Port[], onClose: () => void, private readonly onChange: () => void) {
     this.phase = h("button", { type: "button", class: "small", "aria-pressed": "false", title: "The second port against the first", onclick: () => this.togglePhase() }, "Phase");
     this.element = h("section", { class: "plot", "aria-label": "Plot" },
       h("div", { class: "plot-tools" }, this.seconds, this.phase,
@@ -34,16 +36,12 @@ export class Plot {
         iconButton(icons.close, "Close the plot", onClose)),
       this.place, this.phaseCanvas);
     new ResizeObserver(() => this.resize()).observe(this.place);
-    this.rebuild();
+    this.add(ports);
   }
 
+  // As many as can be recorded.
   add(ports: readonly Port[]): void {
-    this.ports.push(...ports.filter((port) => !this.ports.includes(port)));
-    this.rebuild();
-  }
-
-  remove(port: Port): void {
-    this.ports.splice(this.ports.indexOf(port), 1);
+    for (const port of ports.filter((port) => !this.ports.includes(port))) this.take(port);
     this.rebuild();
   }
 
@@ -60,7 +58,7 @@ export class Plot {
     const from = this.zoom?.from ?? now - length;
     const to = this.zoom?.to ?? now;
     const data = this.window(from, to);
-    if (!this.phaseCanvas.hidden) return drawPhase(this.phaseCanvas, this.ports, data);
+    if (!this.phaseCanvas.hidden) return drawPhase(this.phaseCanvas, this.traced(), data);
     this.plot?.setData(data as uPlot.AlignedData, false);
     this.plot?.setScale("x", { min: from, max: to });
   }
@@ -73,6 +71,20 @@ export class Plot {
     }));
   }
 
+  private take(port: Port): void {
+    try {
+      this.stops.set(port, port.part.record([port]));
+      this.ports.push(port);
+    } catch (error) {
+      reportError(error);
+    }
+  }
+
+  // In the order of the traces.
+  private traced(): Port[] {
+    return this.byPart().flatMap(([, ports]) => ports);
+  }
+
   // Ports in the order of the traces: part by part.
   private byPart(): [Part, Port[]][] {
     const parts = [...new Set(this.ports.map((port) => port.part))];
@@ -80,9 +92,6 @@ export class Plot {
   }
 
   private rebuild(): void {
-    for (const stop of this.stops.values()) stop();
-    this.stops.clear();
-    for (const [part, ports] of this.byPart()) this.stops.set(part, part.record(ports));
     this.plot?.destroy();
     this.plot = this.ports.length > 0 ? new uPlot(this.options(), [[]], this.place) : null;
     this.phase.disabled = this.ports.length < 2;
@@ -92,7 +101,7 @@ export class Plot {
   private options(): uPlot.Options {
     const units = [...new Set(this.ports.map((port) => port.description.unit))];
     const axis = { stroke: cssColor("--ink-soft"), grid: { stroke: cssColor("--line"), width: 1 }, ticks: { stroke: cssColor("--line"), width: 1 }, font: "11px sans-serif" };
-    const ports = this.byPart().flatMap(([, list]) => list);
+    const ports = this.traced();
     return {
       ...this.size(),
       cursor: { drag: { x: true, y: false, setScale: false }, points: { size: 6 } },
@@ -156,7 +165,7 @@ export class Plot {
     context.fillRect(0, 0, canvas.width, canvas.height);
     context.drawImage(source, 0, 0);
     context.font = "13px sans-serif";
-    this.byPart().flatMap(([, ports]) => ports).forEach((port, i) => {
+    this.traced().forEach((port, i) => {
       const y = source.height + 22 * i + 14;
       context.fillStyle = traceColor(i);
       context.fillRect(16, y - 5, 22, 3);

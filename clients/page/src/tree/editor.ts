@@ -42,7 +42,7 @@ function switchEditor(port: Port): Editor {
 function counterEditor(port: Port): Editor {
   const { name } = port.description;
   const element = h("button", { type: "button", class: "small", "aria-label": `Trigger ${name}` }, "Trigger");
-  element.addEventListener("click", () => writePort(port, port.part.value(port) + 1));
+  element.addEventListener("click", () => writePort(port, port.part.commanded(port) + 1));
   return { element, show: () => undefined };
 }
 

@@ -43,8 +43,13 @@ function editorFor(parameter: ParameterDescription, set: (value: Value) => void)
   const shown = value.case === undefined ? "" : String(value.value);
   const box = h("input", { type: "number", value: shown, step: value.case === "integer" ? 1 : "any", disabled, ...limits });
   box.addEventListener("change", () => {
-    if (value.case === "integer") set({ case: "integer", value: BigInt(Math.round(box.valueAsNumber)) });
-    else set({ case: "number", value: box.valueAsNumber });
+    const typed = value.case === "integer" ? Math.round(box.valueAsNumber) : box.valueAsNumber;
+    const usable = value.case === "integer" ? Number.isSafeInteger(typed) : Number.isFinite(typed);
+    if (!usable) {
+      if (box.value !== "") reportError(new Error(`'${parameter.name}': whole numbers beyond ${Number.MAX_SAFE_INTEGER} cannot be sent from here`));
+      box.value = shown;
+    } else if (value.case === "integer") set({ case: "integer", value: BigInt(typed) });
+    else set({ case: "number", value: typed });
   });
   return box;
 }
