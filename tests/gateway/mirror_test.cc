@@ -4,10 +4,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
 #include <functional>
+#include <iterator>
 
 #include "hwparts/servo_group/part_state.h"
+#include "tests/gateway/relay.h"
 #include "tests/gateway/running_daemon.h"
+#include "tests/support/temp_files.h"
 
 namespace visum::gateway {
 namespace {
@@ -16,8 +21,23 @@ using namespace protocol;
 using servo_group::PartState;
 using ::testing::HasSubstr;
 
-std::string address_of(const RunningDaemon& daemon) {
-  return "127.0.0.1:" + std::to_string(daemon.port());
+template <typename Server>
+std::string address_of(const Server& server) {
+  return "127.0.0.1:" + std::to_string(server.port());
+}
+
+PartSample sample_of(Connection& link) {
+  return link.request_as<PartSample>(Read{"arm"});
+}
+
+// Lets the mirror work until it is so.
+void work_until(Mirror& mirror, const std::function<bool()>& holds, const char* what) {
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (!holds()) {
+    ASSERT_LT(std::chrono::steady_clock::now(), patience) << what;
+    mirror.pump();
+    mirror.wait_until(std::chrono::steady_clock::now() + std::chrono::milliseconds(1));
+  }
 }
 
 class TwoArms : public ::testing::Test {
@@ -41,15 +61,7 @@ class TwoArms : public ::testing::Test {
     return changed;
   }
 
-  // Lets the mirror work until it is so.
-  void expect(const std::function<bool()>& holds, const char* what) {
-    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-    while (!holds()) {
-      ASSERT_LT(std::chrono::steady_clock::now(), patience) << what;
-      mirror.pump();
-      mirror.wait_until(std::chrono::steady_clock::now() + std::chrono::milliseconds(1));
-    }
-  }
+  void expect(const std::function<bool()>& holds, const char* what) { work_until(mirror, holds, what); }
   void expect_state(RunningDaemon& daemon, PartState wanted) {
     expect([&] { return seen(daemon, "Part State") == static_cast<double>(wanted); }, "the state");
   }
@@ -66,7 +78,8 @@ class TwoArms : public ::testing::Test {
   }
 
   static PartSample sample(RunningDaemon& daemon) {
-    return daemon.connect("look", Role::kObserver).request_as<PartSample>(Read{"arm"});
+    auto look = daemon.connect("look", Role::kObserver);
+    return sample_of(look);
   }
   double seen(RunningDaemon& daemon, const std::string& port) const {
     return sample(daemon).sensor_outputs[index_of(mirror.description().sensor_outputs, port)];
@@ -142,6 +155,42 @@ TEST_F(MirrorOfWorlds, AHaltStandsInAWorldThatIsResetUntilTheControllersReset) {
   expect_state(*other, PartState::kReady);
 }
 
+// With what the shadow has counted so far, as the mirror knows by then.
+TEST_F(MirrorOfWorlds, ACountBelowThatOfAnArmIsAChangeThereAsWell) {
+  command("Reset", 5.0);
+  expect_in_force("Reset", 5.0);
+  admin.request(Reset{});
+  expect([&] { return sample(*other).era == 2; }, "its era");
+  command("Desired Angle 1", 0.05);
+  expect_angle(*other, 0.05);
+  command("Reset", 1.0);
+  expect_in_force("Reset", 1.0);
+  bump("Halt");
+  expect_state(*one, PartState::kHalted);
+  expect_state(*other, PartState::kHalted);
+  bump("Reset");
+  expect_state(*one, PartState::kReady);
+  expect_state(*other, PartState::kReady);
+  EXPECT_EQ(mirror.refusals(1), 0u) << mirror.why();
+}
+
+TEST_F(MirrorOfWorlds, ACountBeyondWhatAnArmTakesIsAChangeThereAsWell) {
+  command("Reset", 5.0);
+  expect_in_force("Reset", 5.0);
+  const auto snapshot = admin.request_as<SnapshotTaken>(TakeSnapshot{}).snapshot;
+  command("Reset", 1.0);
+  expect_in_force("Reset", 1.0);
+  admin.request(RestoreSnapshot{snapshot});
+  command("Desired Angle 1", 0.05);
+  expect_angle(*other, 0.05);
+  bump("Halt");
+  expect_state(*other, PartState::kHalted);
+  command("Reset", mirror.description().controller_inputs[index_of_input("Reset")].maximum);
+  expect_state(*one, PartState::kReady);
+  expect_state(*other, PartState::kReady);
+  EXPECT_EQ(mirror.refusals(1), 0u) << mirror.why();
+}
+
 TEST_F(MirrorOfArmsAway, CommandsAreRefusedWhileTheArmsOfALostControllerAreReconnected) {
   EXPECT_EQ(mirror.refuse_now(inputs, with_one_more("Reset")), std::nullopt);
   mirror.controller_lost();
@@ -214,6 +263,54 @@ TEST_F(MirrorParameters, AnEmergencyStopReachesTheShadowOfAPrimaryThatIsGone) {
   EXPECT_THAT(mirror.set_parameter("Emergency Stop", true).value_or(""), HasSubstr(address_of_one));
   EXPECT_EQ(parameter(*other, "Emergency Stop"), ParameterValue(true));
   EXPECT_NE(mirror.set_parameter("Emergency Stop", 1.0), std::nullopt);
+}
+
+// The primary behind a relay.
+class MirrorOfServers : public ::testing::Test {
+ protected:
+  void expect(const std::function<bool()>& holds, const char* what) { work_until(mirror, holds, what); }
+  // The same arm as a part of another kind: as many ports, with other names.
+  std::string scene_of_another_part() {
+    const std::string models = VISUM_SOURCE_DIR "/models/";
+    std::ifstream file(models + "scenes/amtec_arm.yaml");
+    std::string text{std::istreambuf_iterator<char>(file), {}};
+    const auto replace = [&text](const std::string& what, const std::string& with) {
+      for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + with.size()))
+        text.replace(at, what.size(), with);
+    };
+    replace("../", models);
+    replace("kind: amtec_arm", "kind: servo_group");
+    return files.write("scene.yaml", text);
+  }
+
+  test::TempFiles files;
+  RunningDaemon one{scene::ClockKind::kRealtime}, other{scene::ClockKind::kRealtime};
+  Relay relay{one.port()};
+  Mirror mirror{{address_of(relay), address_of(other)}, "arm", {}};
+};
+
+TEST_F(MirrorOfServers, OneThatComesBackWithAnotherPartStaysAway) {
+  RunningDaemon stranger(scene_of_another_part(), scene::ClockKind::kRealtime);
+  relay.lead_to(stranger.port());
+  expect([&] { return !mirror.connected(0); }, "it is gone");
+  expect([&] { return relay.ended() > 0 || mirror.connected(0); }, "it is looked at");
+  EXPECT_FALSE(mirror.connected(0));
+  auto look = stranger.connect("look", Role::kObserver);
+  EXPECT_EQ(sample_of(look).controller_inputs.size(), mirror.description().controller_inputs.size());
+  relay.lead_to(one.port());
+  expect([&] { return mirror.connected(0); }, "it is back");
+}
+
+// Which nobody's samples tell apart.
+TEST_F(MirrorOfServers, OneThatHangsIsAwayAndOneThatIsPausedIsNot) {
+  other.connect("admin", Role::kAdmin).request(Pause{});
+  relay.stand_still();
+  expect([&] { return !mirror.connected(0); }, "it is gone");
+  EXPECT_TRUE(mirror.connected(1));
+  const auto& ports = mirror.description().sensor_outputs;
+  std::vector<double> outputs(ports.size());
+  mirror.read(outputs);
+  EXPECT_EQ(outputs[index_of(ports, "Part State")], static_cast<double>(PartState::kFault));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -12,12 +13,35 @@ namespace {
 
 using protocol::Connection;
 
-constexpr std::chrono::milliseconds kConnect{1000};
+constexpr std::chrono::milliseconds kConnect{1000};  // also for an answer
+constexpr std::chrono::milliseconds kSilence{250};   // after which it is asked for one
 constexpr std::chrono::seconds kLookAgain{1};
 constexpr std::chrono::seconds kBackSoon{3};
 constexpr double kManyCounts = 1e15;      // only counters reach so far
 constexpr std::int64_t kLostTicks = 100;  // later than any answer
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+class OtherPart : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+std::optional<std::string> difference_of_ports(const std::vector<protocol::Port>& a,
+                                               const std::vector<protocol::Port>& b) {
+  if (a.size() != b.size())
+    return "not the same number of ports: " + std::to_string(a.size()) + " and " + std::to_string(b.size());
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (a[i].name != b[i].name || a[i].unit != b[i].unit)
+      return "port " + std::to_string(i) + " is not the same: '" + a[i].name + "' [" + a[i].unit + "] and '" +
+             b[i].name + "' [" + b[i].unit + "]";
+  return std::nullopt;
+}
+
+// A sample with a number for each port.
+bool fits(const protocol::PartSample& sample, const protocol::PartDescription& part) {
+  return sample.controller_inputs.size() == part.controller_inputs.size() &&
+         sample.sensor_outputs.size() == part.sensor_outputs.size();
+}
 
 }  // namespace
 
@@ -25,10 +49,17 @@ bool is_counter(const protocol::Port& port) {
   return port.unit.empty() && port.maximum > kManyCounts;
 }
 
+std::optional<std::string> difference(const protocol::PartDescription& a,
+                                      const protocol::PartDescription& b) {
+  if (a.kind != b.kind) return "not of one kind: " + a.kind + " and " + b.kind;
+  if (auto inputs = difference_of_ports(a.controller_inputs, b.controller_inputs)) return inputs;
+  return difference_of_ports(a.sensor_outputs, b.sensor_outputs);
+}
+
 ArmLink::ArmLink(std::string address, std::string part, Entry entry)
     : address_(std::move(address)), part_(std::move(part)), entry_(std::move(entry)) {
   try {
-    adopt(find(address_, part_, entry_));
+    adopt(find(address_, part_, entry_, {}));
   } catch (const std::exception& error) {
     throw std::runtime_error(address_ + ": " + error.what());
   }
@@ -36,23 +67,24 @@ ArmLink::ArmLink(std::string address, std::string part, Entry entry)
   sent_.assign(description_.controller_inputs.size(), kUnknown);
 }
 
-ArmLink::Found ArmLink::find(const std::string& address, const std::string& part, const Entry& entry) {
+ArmLink::Found ArmLink::find(const std::string& address, const std::string& part, const Entry& entry,
+                             const protocol::PartDescription& before) {
   const auto [host, port] = protocol::parse_address(address);
   Connection link(host, port, {1, 1, "visum-mirror", protocol::Role::kController, entry.token}, kConnect,
                   entry.tls);
   auto description =
       link.request_as<protocol::PartDescriptionReply>(protocol::DescribePart{part}).description;
+  if (const auto other = before.name.empty() ? std::nullopt : difference(before, description))
+    throw OtherPart("the part '" + part + "' is another one than before: " + *other);
   link.request(protocol::AcquireLease{part});
   auto sample = link.request_as<protocol::PartSample>(protocol::Read{part});
+  if (!fits(sample, description))
+    throw OtherPart("the part '" + part + "' has not the ports that it tells of");
   link.request(protocol::Subscribe{part, 1});
   return {std::move(link), std::move(description), std::move(sample)};
 }
 
-// Throws std::runtime_error where the part is another one than before.
 void ArmLink::adopt(Found found) {
-  const bool first = description_.name.empty();
-  if (!first && found.description.controller_inputs.size() != description_.controller_inputs.size())
-    throw std::runtime_error("the part '" + part_ + "' has other ports than before");
   sample_ = std::move(found.sample);
   simulated_ = found.connection.welcome().simulated;
   tick_ns_ = found.connection.welcome().tick_ns;
@@ -62,12 +94,16 @@ void ArmLink::adopt(Found found) {
   for (std::size_t i = 0; i < sample_.sensor_outputs.size(); ++i)
     description_.sensor_outputs[i].initial = sample_.sensor_outputs[i];
   connection_ = std::move(found.connection);
+  heard_at_ = Clock::now();
+  probe_.reset();
+  told_other_part_ = false;
 }
 
 bool ArmLink::poll() {
   if (!connected()) return look_again();
   try {
     while (auto reply = connection_->next(std::chrono::milliseconds(0))) {
+      heard_at_ = Clock::now();
       if (auto* sample = std::get_if<protocol::PartSample>(&*reply)) {
         take(std::move(*sample));
       } else if (const auto* error = std::get_if<protocol::Error>(&*reply)) {
@@ -81,15 +117,41 @@ bool ArmLink::poll() {
         return false;
       }
     }
+    check_answers();
   } catch (const std::exception& error) {
     lose(error.what());
     return false;
   }
-  return put_back_;
+  return connected() && put_back_;
+}
+
+// A world that is paused sends no samples, nor does a server that hangs: but that one answers nothing.
+void ArmLink::check_answers() {
+  const auto now = Clock::now();
+  if (probe_) {
+    bool answered = true;
+    try {
+      answered = connection_->wait_for(*probe_, std::chrono::milliseconds(0)).has_value();
+    } catch (const protocol::RequestError&) {
+      // a refusal is an answer
+    }
+    if (answered) {
+      heard_at_ = now;
+      probe_.reset();
+    }
+  }
+  if (now - heard_at_ < kSilence) return;
+  if (!probe_) {
+    probe_ = connection_->send(protocol::Status{});
+    probed_at_ = now;
+  } else if (now - std::max(probed_at_, heard_at_) > kConnect) {
+    lose("its server does not answer");
+  }
 }
 
 // A sample tells of an era as soon as the event does. What crossed the Reset under way shows in a later one.
 void ArmLink::take(protocol::PartSample sample) {
+  if (!fits(sample, description_)) return;
   const bool other_era = sample.era != sample_.era;
   sample_ = std::move(sample);
   if (other_era || (!counted_at_ && !same_counters(sample_.controller_inputs, sent_))) put_back_ = true;
@@ -102,20 +164,28 @@ void ArmLink::lose(const std::string& why) {
   left_at_ = {};
 }
 
+void ArmLink::lose_unless_refused(const std::exception& error) {
+  const auto* refusal = dynamic_cast<const protocol::RequestError*>(&error);
+  if (!refusal || refusal->code() == protocol::ErrorCode::kTimeout) lose(error.what());
+}
+
 bool ArmLink::look_again() {
   using namespace std::chrono_literals;
   if (!search_.valid()) {
     if (Clock::now() - tried_ < kLookAgain) return false;
     tried_ = Clock::now();
-    search_ = std::async(std::launch::async, [left = std::exchange(left_, std::nullopt), address = address_,
-                                              part = part_, entry = entry_]() mutable {
-      left.reset();  // first gives its lease back
-      return find(address, part, entry);
+    search_ = std::async(std::launch::async, [closing = std::move(closing_), address = address_, part = part_,
+                                              entry = entry_, before = description_] {
+      if (closing.valid()) closing.wait();  // what was left first gives its lease back
+      return find(address, part, entry, before);
     });
   }
   if (search_.wait_for(0s) != std::future_status::ready) return false;
   try {
     adopt(search_.get());
+  } catch (const OtherPart& error) {
+    if (!std::exchange(told_other_part_, true)) spdlog::error("{} stays away: {}", address_, error.what());
+    return false;
   } catch (const std::exception& error) {
     spdlog::debug("{}: {}", address_, error.what());
     return false;
@@ -124,9 +194,11 @@ bool ArmLink::look_again() {
   return true;
 }
 
+// At once: until its lease is back the arm goes on with its last command.
 void ArmLink::drop() {
   if (!connected()) return;
-  left_ = std::exchange(connection_, std::nullopt);
+  closing_ = std::async(std::launch::async,
+                        [left = std::exchange(connection_, std::nullopt)]() mutable { left.reset(); });
   tried_ = {};
   left_at_ = Clock::now();
 }
@@ -145,10 +217,18 @@ void ArmLink::rebase(std::span<const double> inputs, std::span<const double> ini
 }
 
 std::vector<double> ArmLink::as_the_arm_counts(std::span<const double> inputs,
-                                               std::span<const double> initial) const {
+                                               std::span<const double> initial) {
   std::vector<double> values(inputs.begin(), inputs.end());
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (is_counter_at(i)) values[i] += ahead_[i] - initial[i];
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!is_counter_at(i)) continue;
+    const auto& port = description_.controller_inputs[i];
+    const auto count = [&] { return inputs[i] + (ahead_[i] - initial[i]); };
+    if (count() < port.minimum || count() > port.maximum) {
+      ahead_[i] += std::ceil(port.minimum - count());
+      if (count() == sent_[i]) ahead_[i] += 1.0;  // or it would be no change
+    }
+    values[i] = count();
+  }
   return values;
 }
 
@@ -173,10 +253,11 @@ void ArmLink::write_counters(std::span<const double> inputs, std::span<const dou
   send_runs(as_the_arm_counts(inputs, initial), true);
 }
 
-// Neighbours that are all counters, or all none, are written together where one of them is new.
+// What is new: counters each by itself, neighbours that are none together.
 void ArmLink::send_runs(std::span<const double> values, bool of_counters) {
   for (std::size_t first = 0, end = 0; first < values.size(); first = end) {
-    for (end = first; end < values.size() && is_counter_at(end) == is_counter_at(first);) ++end;
+    end = first + 1;
+    while (!is_counter_at(first) && end < values.size() && !is_counter_at(end)) ++end;
     const auto run = values.subspan(first, end - first);
     const auto known = std::span<const double>(sent_).subspan(first, end - first);
     if (is_counter_at(first) == of_counters && !std::ranges::equal(run, known)) send(first, run);
@@ -205,7 +286,7 @@ std::vector<protocol::Parameter> ArmLink::parameters() {
   try {
     return connection_->request_as<protocol::ParameterList>(protocol::GetParameters{part_}).parameters;
   } catch (const std::exception& error) {
-    lose(error.what());
+    lose_unless_refused(error);
   }
   return description_.parameters;
 }
@@ -238,8 +319,7 @@ std::optional<std::string> ArmLink::answer() {
     connection_->wait(*asked_);
     return std::nullopt;
   } catch (const std::exception& error) {
-    const auto* refusal = dynamic_cast<const protocol::RequestError*>(&error);
-    if (!refusal || refusal->code() == protocol::ErrorCode::kTimeout) lose(error.what());
+    lose_unless_refused(error);
     return address_ + ": " + error.what();
   }
 }

@@ -18,6 +18,8 @@ namespace visum::gateway {
 
 // A counter among the controller inputs: acts when its number changes.
 bool is_counter(const protocol::Port& port);
+// In what two parts are not alike: their kind, or the names and units of their ports.
+std::optional<std::string> difference(const protocol::PartDescription& a, const protocol::PartDescription& b);
 
 class ArmLink {
  public:
@@ -35,9 +37,9 @@ class ArmLink {
   // As of the newest sample.
   std::span<const double> sensor_outputs() const { return sample_.sensor_outputs; }
 
-  // Takes in what came, without waiting, and looks for a server that is gone. True where the arm's counters
-  // are not as the mirror left them: it was found again, or its server has put its inputs back (Reset,
-  // RestoreSnapshot). rebase() is to be called then, before anything is written.
+  // Takes in what came, without waiting, and looks for a server that is gone, or hangs. True where the arm's
+  // counters are not as the mirror left them: it was found again, or its server has put its inputs back
+  // (Reset, RestoreSnapshot). rebase() is to be called then, before anything is written.
   bool poll();
   // Left a moment ago because its controller was lost, and being looked for: most likely it is back soon.
   bool comes_back() const;
@@ -47,11 +49,12 @@ class ArmLink {
 
   // All controller inputs in the mirror's count. Counters act on changes, and each arm has counted its own
   // way so far: `initial` are the mirror's own beginnings, from which the arm's are continued. Counters are
-  // sent only where one of them is due: a write that crosses a Reset of the arm's world changes none.
+  // sent only where one of them is due: a write that crosses a Reset of the arm's world changes none. Where
+  // the mirror's count would lead out of the arm's range, the arm's begins anew from below.
   void write(std::span<const double> inputs, std::span<const double> initial);
   void rebase(std::span<const double> inputs, std::span<const double> initial);
-  // The same with only the counters of `inputs`: all other inputs stay as the arm has them, so that it cannot
-  // refuse them.
+  // The same with only the counters of `inputs`, each by itself: all other inputs stay as the arm has them,
+  // and none that it refuses keeps another from it.
   void write_counters(std::span<const double> inputs, std::span<const double> initial);
   // Leaves as a controller that is lost does: the arm stops as it would then. Comes back at the next poll().
   void drop();
@@ -72,12 +75,15 @@ class ArmLink {
     protocol::PartDescription description;
     protocol::PartSample sample;
   };
-  static Found find(const std::string& address, const std::string& part, const Entry& entry);
+  // `before`: what the part has to be like; an empty name: like anything. Throws OtherPart where it is not.
+  static Found find(const std::string& address, const std::string& part, const Entry& entry,
+                    const protocol::PartDescription& before);
   void adopt(Found found);
   void lose(const std::string& why);
+  void lose_unless_refused(const std::exception& error);
+  void check_answers();
   bool look_again();
-  std::vector<double> as_the_arm_counts(std::span<const double> inputs,
-                                        std::span<const double> initial) const;
+  std::vector<double> as_the_arm_counts(std::span<const double> inputs, std::span<const double> initial);
   bool is_counter_at(std::size_t port) const { return is_counter(description_.controller_inputs[port]); }
   bool same_counters(std::span<const double> a, std::span<const double> b) const;
   void take(protocol::PartSample sample);
@@ -99,8 +105,11 @@ class ArmLink {
   bool put_back_ = false;                   // the arm's counters are not as they were sent: rebase() is due
   std::optional<std::uint64_t> asked_;      // to set a parameter
   Clock::time_point tried_{}, left_at_{};
-  std::optional<protocol::Connection> left_;  // to be closed: that waits for the server
+  Clock::time_point heard_at_{}, probed_at_{};  // of this connection
+  std::optional<std::uint64_t> probe_;          // a request that only asks whether the server answers
+  std::future<void> closing_;                   // what was left: that waits for the server
   std::future<Found> search_;
+  bool told_other_part_ = false;
 };
 
 }  // namespace visum::gateway

@@ -30,17 +30,6 @@ std::size_t need(const std::vector<Port>& ports, const std::string& name) {
   throw std::runtime_error("the part has no port '" + name + "': it cannot be stopped when the arms diverge");
 }
 
-void check_ports(const std::vector<Port>& a, const std::vector<Port>& b) {
-  if (a.size() != b.size())
-    throw std::runtime_error("the two arms have not the same number of ports: " + std::to_string(a.size()) +
-                             " and " + std::to_string(b.size()));
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (a[i].name == b[i].name && a[i].unit == b[i].unit) continue;
-    throw std::runtime_error("port " + std::to_string(i) + " of the two arms is not the same: '" + a[i].name +
-                             "' [" + a[i].unit + "] and '" + b[i].name + "' [" + b[i].unit + "]");
-  }
-}
-
 }  // namespace
 
 Mirror::Mirror(const std::array<std::string, kArms>& addresses, const std::string& part, const Entry& entry)
@@ -80,11 +69,8 @@ void Mirror::show_world(Published& published) const {
 }
 
 void Mirror::check_alike() const {
-  const auto &a = arms_[0].description(), &b = arms_[1].description();
-  if (a.kind != b.kind)
-    throw std::runtime_error("the two arms are not of one kind: " + a.kind + " and " + b.kind);
-  check_ports(a.controller_inputs, b.controller_inputs);
-  check_ports(a.sensor_outputs, b.sensor_outputs);
+  if (const auto unlike = difference(arms_[0].description(), arms_[1].description()))
+    throw std::runtime_error("the two arms are not alike: " + *unlike);
 }
 
 void Mirror::pump() {
