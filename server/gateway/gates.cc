@@ -108,6 +108,12 @@ bool Gateway::holds(Client& client, std::uint64_t id, const protocol::Request& r
   return true;
 }
 
+// In another era: what was held is asked in the cycle that begins with it.
+void Gateway::hold_no_longer(Client& client) {
+  client.step_until = now_->tick;
+  if (auto* member = gate_of(client)) member->gate->ends_cycle(client.backlog.front().second);
+}
+
 // What a gate held is served once the world is there, or never will be.
 void Gateway::release(Client& client) {
   if (!client.step_until || (now_->tick < *client.step_until && now_->fault.empty())) return;

@@ -197,9 +197,11 @@ void Gateway::follow_eras(const Published& now) {
     end_late_writes(part);  // what came after what began the era
     latched_[part] = now.parts[part].controller_inputs;
   }
+  for (auto& member : members_.all())
+    if (member.gate) member.gate->restart();
   for (auto& [id, client] : clients_) {
     client.peaks_from = now.tick;
-    if (client.step_until) client.step_until = now.tick;
+    if (client.step_until) hold_no_longer(client);
     for (auto& subscription : client.subscriptions) subscription.next_tick = now.tick;
   }
   broadcast({"era", "the world was reset or restored", {}, now.era, now.tick});

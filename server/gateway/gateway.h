@@ -212,6 +212,7 @@ class Gateway : public protocol::SessionHandler {
   Member* gate_of(const Client& client);
   bool is_gated(const Client& client) const;
   bool holds(Client& client, std::uint64_t id, const protocol::Request& request);
+  void hold_no_longer(Client& client);
   void release(Client& client);
   void stop_part(std::uint32_t part);
 

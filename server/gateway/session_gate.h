@@ -22,7 +22,7 @@ class SessionGate {
   // Whether this was asked already in this cycle: then the cycle is over, and another begins with it. Only
   // what reads or writes the world's state belongs to a cycle.
   bool ends_cycle(const protocol::Request& request);
-  void restart() { asked_.clear(); }
+  void restart() { asked_.clear(); }  // another era: a cycle begins
 
  private:
   std::string client_;

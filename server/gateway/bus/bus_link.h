@@ -24,6 +24,9 @@ class BusLink {
   virtual int listener() const { return -1; }
   // A new one, if one came.
   virtual std::unique_ptr<Channel> accept() { return nullptr; }
+  // The last accept() failed though somebody waits: no descriptor is left. Who asks again at once asks in
+  // vain.
+  virtual bool is_short() const { return false; }
 };
 
 struct BusKind {

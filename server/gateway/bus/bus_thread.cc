@@ -14,6 +14,16 @@ namespace visum::gateway {
 using powercube::Telegram;
 using powercube::Wire;
 
+namespace {
+
+constexpr std::chrono::milliseconds kRest{100};  // of a listener, once no descriptor is left
+
+bool rests(const BusThread::Wiring& wiring) {
+  return std::chrono::steady_clock::now() < wiring.rests_until;
+}
+
+}  // namespace
+
 BusThread::BusThread(std::vector<Wiring> wirings, std::function<void()> on_request)
     : wirings_(std::move(wirings)),
       on_request_(std::move(on_request)),
@@ -62,7 +72,8 @@ void BusThread::run() {
 // For wake(), any listener, or any channel, in this order.
 std::vector<pollfd> BusThread::watched() const {
   std::vector<pollfd> set{{wake_fd_, POLLIN, 0}};
-  for (const auto& wiring : wirings_) set.push_back({wiring.link->listener(), POLLIN, 0});
+  for (const auto& wiring : wirings_)
+    set.push_back({rests(wiring) ? -1 : wiring.link->listener(), POLLIN, 0});
   for (const auto& [number, line] : lines_) set.push_back({line.channel->fd(), POLLIN, 0});
   return set;
 }
@@ -70,9 +81,10 @@ std::vector<pollfd> BusThread::watched() const {
 // Until there is something to do. Who takes turns with us may add or remove lines meanwhile, and wakes us.
 void BusThread::wait() {
   std::unique_lock turn(turn_);
+  const bool somebody_rests = std::ranges::any_of(wirings_, rests);
   auto set = watched();
   turn.unlock();
-  ::poll(set.data(), set.size(), -1);
+  ::poll(set.data(), set.size(), somebody_rests ? static_cast<int>(kRest.count()) : -1);
 }
 
 // What is there now.
@@ -163,9 +175,17 @@ void BusThread::fill_in(std::vector<protocol::Stream>& streams) {
       stream = {stream.port, channel->written(), channel->heard()};
 }
 
-// False where nobody came.
+// False where nobody came, or nobody could be let in.
 bool BusThread::admit(std::uint32_t link) {
-  auto channel = wirings_[link].link->accept();
+  auto& wiring = wirings_[link];
+  auto channel = wiring.link->accept();
+  if (wiring.link->is_short()) {
+    const bool is_new = wiring.rests_until == std::chrono::steady_clock::time_point{};
+    if (is_new) spdlog::warn("{}: somebody waits, and no descriptor is left for him", wiring.link->name());
+    wiring.rests_until = std::chrono::steady_clock::now() + kRest;
+  } else if (channel) {
+    wiring.rests_until = {};
+  }
   const auto of_link = [link](const auto& entry) { return entry.second.link == link; };
   const auto count = static_cast<std::size_t>(std::ranges::count_if(lines_, of_link));
   if (!channel) return false;

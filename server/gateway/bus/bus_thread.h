@@ -32,7 +32,8 @@ class BusThread {
   struct Wiring {
     std::unique_ptr<BusLink> link;
     std::uint32_t part = 0;
-    bool warned = false;  // of a client that discards its output
+    bool warned = false;                                  // of a client that discards its output
+    std::chrono::steady_clock::time_point rests_until{};  // who waits at its listener is not looked at
   };
   // `on_request` is called on the thread, after requests were queued.
   BusThread(std::vector<Wiring> wirings, std::function<void()> on_request);

@@ -199,7 +199,7 @@ void Buses::follow_era() {
     line.requests.clear();
     line.answers.clear();
   }
-  for (auto& [part, gate] : gates_) gate.restart(simulation_.tick_count());
+  for (auto& [part, gate] : gates_) gate.begin_era(simulation_.tick_count());
 }
 
 // Requests that have come in are obeyed, answers that have gone out are written.

@@ -43,8 +43,14 @@ class CycleGate {
   // Those that may leave at `tick`.
   std::vector<Answer> released(std::int64_t tick);
 
-  // The world stands at `tick` now, whatever was granted: after a reset, or where it will not move again.
+  // The world stands at `tick` now, whatever was granted: it will not move again.
   void restart(std::int64_t tick) { granted_tick_ = tick; }
+  // The same after a reset or restore: a cycle begins, with what waits. Answers that wait leave.
+  void begin_era(std::int64_t tick) {
+    restart(tick);
+    asked_.clear();
+    paid_ = false;
+  }
   // What still waits, once the gate is no more.
   std::deque<BusItem>& requests() { return requests_; }
 

@@ -44,19 +44,18 @@ std::pair<std::string, std::string> split(const std::string& where, const std::s
   return {where.substr(0, comma), where.substr(comma + 1)};
 }
 
-// Raw, 8N1, no handshake, for us alone.
+// Raw, 8N1, no handshake, for us alone: where another has it, nothing of it is changed.
 int open_tty(const std::string& path, speed_t speed) {
   const int fd = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0) fail("cannot open " + path);
   termios settings{};
-  bool good = ::tcgetattr(fd, &settings) == 0;
+  bool good = ::flock(fd, LOCK_EX | LOCK_NB) == 0 && ::tcgetattr(fd, &settings) == 0;
   if (good) {
     ::cfmakeraw(&settings);
     settings.c_cflag |= CLOCAL | CREAD;
     settings.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS | CSTOPB);
     good = ::cfsetispeed(&settings, speed) == 0 && ::cfsetospeed(&settings, speed) == 0 &&
-           ::tcsetattr(fd, TCSANOW, &settings) == 0 && ::flock(fd, LOCK_EX | LOCK_NB) == 0 &&
-           ::tcflush(fd, TCIFLUSH) == 0;
+           ::tcsetattr(fd, TCSANOW, &settings) == 0 && ::tcflush(fd, TCIFLUSH) == 0;
   }
   if (good) return fd;
   const int error = errno;

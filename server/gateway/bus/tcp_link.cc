@@ -56,14 +56,17 @@ class TcpLink : public BusLink {
     sockaddr_in peer{};
     socklen_t size = sizeof peer;
     const int fd = ::accept4(fd_, reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    short_ = fd < 0 && (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM);
     if (fd < 0) return nullptr;
     const int on = 1;
     ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     return std::make_unique<Channel>(fd, Speech::kUndecided, Channel::Reads::kBytes, ntohs(peer.sin_port));
   }
+  bool is_short() const override { return short_; }
 
  private:
   int fd_;
+  bool short_ = false;
   std::uint16_t port_ = 0;
 };
 

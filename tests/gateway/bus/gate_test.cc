@@ -60,6 +60,22 @@ TEST(CycleGate, ANamedFrameIsObeyedAndItsAnswerWaits) {
   EXPECT_TRUE(gate.next(120));
 }
 
+TEST(CycleGate, AnEraBeginsWithACycle) {
+  CycleGate gate({10, 0, {}}, 0);
+  gate.ask(item(get(1, kStateId)));
+  EXPECT_TRUE(gate.next(0));
+  gate.begin_era(0);
+  gate.ask(item(get(1, kStateId)));
+  EXPECT_TRUE(gate.next(0)) << "nothing was asked in this world";
+  gate.ask(item(get(1, kStateId)));
+  EXPECT_FALSE(gate.next(0));
+  gate.begin_era(0);
+  EXPECT_TRUE(gate.next(0)) << "what waits is the first";
+  gate.ask(item(get(1, kStateId)));
+  EXPECT_FALSE(gate.next(0)) << "and is asked again";
+  EXPECT_EQ(gate.granted_tick(), 10);
+}
+
 class Gates : public testing::Test {
  protected:
   DaemonOptions with_bus(BusTiming timing = {}) const {
@@ -141,10 +157,14 @@ TEST_F(Gates, AResetHoldsNobody) {
   auto client = keeper(daemon, {0, 1, OnTimeout::kHold, Gate{"arm", "", 20'000'000}});
   auto line = this->line();
   for (int i = 0; i < 5; ++i) line.ask(get(1, kStateId));
-  admin.request(protocol::Reset{});
-  EXPECT_EQ(tick_of(admin), 0);
-  for (int i = 0; i < 2; ++i) line.ask(get(2, kStateId));
-  EXPECT_EQ(tick_of(admin), 20);
+  for (const std::uint8_t module : {2, 1}) {
+    admin.request(protocol::Reset{});
+    EXPECT_EQ(tick_of(admin), 0);
+    line.ask(get(module, kStateId));
+    EXPECT_EQ(tick_of(admin), 0) << "as in a fresh world";
+    line.ask(get(module, kStateId));
+    EXPECT_EQ(tick_of(admin), 20);
+  }
 }
 
 TEST_F(Gates, APausedWorldHoldsTheAnswer) {
@@ -175,6 +195,37 @@ TEST_F(Gates, OfSessionsHoldWhatIsAskedAgain) {
   }
   const auto status = keeper.request_as<ServerStatus>(Status{});
   EXPECT_TRUE(status.free_running.empty()) << "it keeps in step";
+}
+
+TEST_F(Gates, OfSessionsBeginACycleWithAnEra) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto admin = daemon.connect("admin", protocol::Role::kAdmin);
+  auto keeper = daemon.connect("visum exec");
+  keeper.request(Join{0, 1, OnTimeout::kHold, Gate{"", "poller", 10'000'000}});
+  auto poller = daemon.connect("poller");
+  const auto read = [&poller] { return poller.request_as<protocol::PartSample>(protocol::Read{"arm"}).tick; };
+  read();
+  read();
+  admin.request(protocol::Reset{});
+  EXPECT_EQ(read(), 0);
+  EXPECT_EQ(read(), 10);
+}
+
+TEST_F(Gates, OfSessionsThatHoldARequestAskItAnewInAnotherEra) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto admin = daemon.connect("admin", protocol::Role::kAdmin);
+  auto other = daemon.connect("other");
+  other.request(Join{});  // holds the world
+  auto keeper = daemon.connect("visum exec");
+  keeper.request(Join{0, 1, OnTimeout::kHold, Gate{"", "poller", 10'000'000}});
+  auto poller = daemon.connect("poller");
+  poller.request(protocol::Read{"arm"});
+  const auto held = poller.send(protocol::Read{"arm"});
+  EXPECT_FALSE(poller.wait_for(held, std::chrono::milliseconds(50)));
+  admin.request(protocol::Reset{});
+  EXPECT_EQ(std::get<protocol::PartSample>(poller.wait(held)).tick, 0);
+  const auto again = poller.send(protocol::Read{"arm"});
+  EXPECT_FALSE(poller.wait_for(again, std::chrono::milliseconds(50))) << "its period is not over";
 }
 
 TEST_F(Gates, OfSessionsThatCloseServeWhatWaits) {
