@@ -21,18 +21,22 @@ namespace {
 constexpr const char* kVariable = "VISUM_CAN";
 constexpr std::size_t kMostText = 4096;  // without an end of line: no slcan
 
-int connect_to(const std::string& host, const std::string& port) {
+// -1, and why not.
+int connect_to(const std::string& host, const std::string& port, std::string& why) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  if (::getaddrinfo(host.c_str(), port.c_str(), &hints, &found) != 0) return -1;
+  if (const int error = ::getaddrinfo(host.c_str(), port.c_str(), &hints, &found); error != 0) {
+    why = ::gai_strerror(error);
+    return -1;
+  }
   int fd = -1;
   for (const auto* address = found; address && fd < 0; address = address->ai_next) {
     fd = ::socket(address->ai_family, address->ai_socktype | SOCK_CLOEXEC, address->ai_protocol);
-    if (fd >= 0 && ::connect(fd, address->ai_addr, address->ai_addrlen) != 0) {
-      ::close(fd);
-      fd = -1;
-    }
+    if (fd >= 0 && ::connect(fd, address->ai_addr, address->ai_addrlen) == 0) break;
+    why = std::strerror(errno);
+    if (fd >= 0) ::close(fd);
+    fd = -1;
   }
   ::freeaddrinfo(found);
   const int on = 1;
@@ -85,10 +89,12 @@ std::unique_ptr<CanLine> CanLine::open(const char* library) {
                  library, kVariable);
     return nullptr;
   }
-  const int fd = connect_to(text.substr(0, colon), text.substr(colon + 1));
+  std::string why;
+  const int fd = connect_to(text.substr(0, colon), text.substr(colon + 1), why);
   constexpr char kOpening[] = "C\rO\r";
   if (fd < 0 || !send_all(fd, kOpening, sizeof kOpening - 1)) {
-    std::fprintf(stderr, "%s: no bus at %s: %s\n", library, text.c_str(), std::strerror(errno));
+    if (fd >= 0) why = std::strerror(errno);
+    std::fprintf(stderr, "%s: no bus at %s: %s\n", library, text.c_str(), why.c_str());
     if (fd >= 0) ::close(fd);
     return nullptr;
   }

@@ -45,7 +45,8 @@ NTCAN_RESULT receive(CanLine& line, CMSG* messages, int32_t* count, CanLine::Clo
     if (!frame) break;
     messages[(*count)++] = to_message(*frame);
   }
-  return *count > 0 ? NTCAN_SUCCESS : NTCAN_RX_TIMEOUT;
+  if (*count > 0) return NTCAN_SUCCESS;
+  return line.gone() ? NTCAN_CONTR_OFF_BUS : NTCAN_RX_TIMEOUT;
 }
 
 }  // namespace
@@ -120,8 +121,8 @@ NTCAN_RESULT canTake(NTCAN_HANDLE handle, CMSG* messages, int32_t* count) {
   const auto opened = find(handle);
   if (!opened) return NTCAN_INVALID_HANDLE;
   if (!messages || !count || *count < 1) return NTCAN_INVALID_PARAMETER;
-  receive(*opened->line, messages, count, CanLine::Clock::now());
-  return NTCAN_SUCCESS;
+  const auto result = receive(*opened->line, messages, count, CanLine::Clock::now());
+  return result == NTCAN_RX_TIMEOUT ? NTCAN_SUCCESS : result;
 }
 
 NTCAN_RESULT canWrite(NTCAN_HANDLE handle, CMSG* messages, int32_t* count, void*) {

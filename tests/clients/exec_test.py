@@ -10,7 +10,7 @@ import sys
 import tempfile
 import unittest
 
-from programs import BIN, DEADLINE_S, Daemon, visum
+from programs import ARM, BIN, DEADLINE_S, Daemon, visum
 
 SERIAL_ARM = BIN / "visum-serial-arm"
 UNUSED = "ttyVisum0"  # no driver makes a device of that name
@@ -135,6 +135,10 @@ class WrongUse(unittest.TestCase):
         self.assertIn("DEVICE=PART", self.refused("--tty", "ttyS0"))
         self.assertIn("/dev itself", self.refused("--tty", "/tmp/ttyS0=arm"))
         self.assertIn("--tty", self.refused())
+
+    def test_a_server_of_its_own_is_no_other_server(self):
+        self.assertIn("--connect", self.refused("--scene", ARM, "--connect", self.daemon.connect))
+        visum("exec", "--scene", ARM, "--lockstep", "--", "true", env={"VISUM_CONNECT": self.daemon.connect})
 
 
 if __name__ == "__main__":

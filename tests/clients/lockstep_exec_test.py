@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -169,6 +170,19 @@ class EveryKindOfProgram(unittest.TestCase):
         text, figures, _ = self.same_twice("bash", "-c", script)
         self.assertEqual(text, "137")
         self.assertEqual(figures["ticks"], 100)
+
+
+class Installed(unittest.TestCase):
+    def test_in_a_folder_with_a_space(self):
+        with tempfile.TemporaryDirectory(prefix="a place ") as folder, Daemon("--clock", "lockstep") as daemon:
+            place = pathlib.Path(folder)
+            (place / "bin").mkdir()
+            (place / "lib").symlink_to(BIN.parent / "lib")
+            visum = shutil.copy(BIN / "visum", place / "bin")
+            words = [visum, "exec", "--connect", daemon.connect, "--lockstep", "--json", "--timeout", DEADLINE_S, "--"]
+            done = subprocess.run([*map(str, words), "sleep", "0.05"], capture_output=True, text=True, timeout=2 * DEADLINE_S)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertEqual(json.loads(done.stdout)["ticks"], 50)
 
 
 class Ends(unittest.TestCase):

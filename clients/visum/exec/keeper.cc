@@ -237,6 +237,7 @@ void Keeper::advance() {
   const auto until = earliest();
   if (awaits_answer() || (until == shim::kNever && !somebody_on_bus())) {
     if (memory_.dirty) advance_by(0);
+    complain_of_nobody();
     shim::futex_wait(memory_.bell, quiet_bell_, kWatch_ns);
     return;
   }

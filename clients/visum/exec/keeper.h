@@ -57,6 +57,7 @@ class Keeper {
   void look_after(shim::Slot& slot);
   void drop_if_late(shim::Slot& slot);
   void complain(shim::Slot& slot);
+  void complain_of_nobody();
   shim::Slot* next_ready();
   shim::Slot* next_to_recheck();
   void give_turn(shim::Slot& slot, bool again);
@@ -88,6 +89,8 @@ class Keeper {
   shim::Slot* rechecking_ = nullptr;  // has its turn only to look again
   Clock::time_point quiet_since_ = Clock::now();
   Clock::time_point noted_ = Clock::now();
+  Clock::time_point started_ = Clock::now();
+  bool told_of_nobody_ = false;
 };
 
 }  // namespace visum::exec

@@ -71,6 +71,18 @@ void Keeper::drop_if_late(Slot& slot) {
   slot.state = State::kFree;
 }
 
+// Who loads the shim has a slot before anything of its own runs.
+void Keeper::complain_of_nobody() {
+  if (memory_.used != 0 || told_of_nobody_ || Clock::now() - started_ < kComplain) return;
+  told_of_nobody_ = true;
+  world_.note("waits for a program that does not load the time shim");
+  std::fprintf(
+      stderr,
+      "visum: %s (%d) does not load the time shim, and the world waits for it: is it linked statically, "
+      "or setuid? --gate needs no shim\n",
+      process_name(program_).c_str(), static_cast<int>(program_));
+}
+
 void Keeper::complain(Slot& slot) {
   const auto now = Clock::now();
   const auto busy_for = std::chrono::duration_cast<seconds>(now - quiet_since_);

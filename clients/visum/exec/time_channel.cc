@@ -51,7 +51,7 @@ void TimeChannel::add_port(std::uint16_t port) {
 }
 
 void TimeChannel::export_to_environment() const {
-  preload("visum-shim", "libvisum-shim.so");
+  preload("visum-shim", "libvisum-shim.so", folder_.path());
   ::setenv(shim::kVariable, path_.c_str(), 1);
 }
 

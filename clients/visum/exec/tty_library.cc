@@ -2,13 +2,23 @@
 
 #include <sys/stat.h>
 
+#include <cstdio>
 #include <string>
 
 #include "clients/visum/exec/preload.h"
 
 namespace visum::exec {
 void load_tty_library(const std::vector<Placement>& placements) {
-  preload("visum-tty", "libvisum-tty.so");
+  const auto library = own_library("visum-tty", "libvisum-tty.so");
+  // We may become the program: nobody would be left to remove a link.
+  if (!is_preloadable(library)) {
+    std::fprintf(stderr,
+                 "visum: the loader cannot preload %s, whose path holds a space or a colon: what the program "
+                 "writes just before it discards its output (tcflush) may be lost\n",
+                 library.c_str());
+    return;
+  }
+  append_to_variable("LD_PRELOAD", library.string(), ':');
   for (const auto& placement : placements) {
     struct stat status {};
     if (::stat(placement.source.c_str(), &status) != 0) continue;  // place_devices() says so

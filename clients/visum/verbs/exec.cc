@@ -1,5 +1,6 @@
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
@@ -66,8 +67,8 @@ class ExecVerb : public Verb {
   void declare(CLI::App& app) override {
     add_link_options(app, link_);
     app.add_option("--scene", scene_, "start a server of its own with this scene, on free ports")
-        ->type_name("SCENE.yaml")
-        ->excludes("--connect");
+        ->type_name("SCENE.yaml");
+    app_ = &app;
     app.add_option("--tty", ttys_,
                    "DEVICE=PART: the part's modules stand where the program opens /dev/DEVICE")
         ->type_name("DEVICE=PART")
@@ -166,7 +167,15 @@ class ExecVerb : public Verb {
   bool in_step() const { return lockstep_ || parsed_gate_.has_value(); }
   bool stays() const { return in_step() || !scene_.empty() || timeout_s_ > 0.0 || link_.json; }
 
+  // Not by VISUM_CONNECT, which CLI11's excludes() would count as well.
+  bool has_said_connect() const {
+    const auto& said = app_->parse_order();
+    return std::ranges::find(said, app_->get_option("--connect")) != said.end();
+  }
+
   void read_options() {
+    if (!scene_.empty() && has_said_connect())
+      throw ExitError(kUsage, "--scene starts a server of its own: --connect names another");
     if (!gate_.empty()) parsed_gate_ = exec::parse_gate(gate_);
     if (!in_step() && (period_ms_ > 0.0 || wait_s_ > 0.0 || on_timeout_ != "end"))
       throw ExitError(kUsage, "--period, --wait and --on-timeout: only with --lockstep or --gate");
@@ -306,6 +315,7 @@ class ExecVerb : public Verb {
     std::printf("%s\n", json.text().c_str());
   }
 
+  const CLI::App* app_ = nullptr;
   LinkOptions link_;
   std::string scene_, name_, gate_, on_timeout_ = "end";
   std::optional<exec::GateOption> parsed_gate_;
