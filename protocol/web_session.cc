@@ -139,13 +139,14 @@ void WebSession::flush() {
   if (window_.ping_due()) ping();
 }
 
-// Each batch of whole frames is one message, sent in pieces.
+// Each piece is a message of its own: a browser tells its page of a message when all of it is there, and a
+// page that heard nothing of a long frame would take the session for dead.
 void WebSession::write() {
   const auto batch = out().front();
   const std::size_t bytes = std::min(batch.size(), ReadingWindow::kPiece);
   writing_since_ = context().now;
   ++operations_;
-  stream_.async_write_some(bytes == batch.size(), asio::buffer(batch.data(), bytes),
+  stream_.async_write_some(true, asio::buffer(batch.data(), bytes),
                            [this, bytes](const error_code& error, std::size_t) {
                              --operations_;
                              writing_since_.reset();

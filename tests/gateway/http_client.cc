@@ -66,7 +66,7 @@ struct WebClient::Impl {
   asio::io_context io;
   websocket::stream<tcp::socket> stream{io};
   beast::flat_buffer received;
-  std::uint64_t received_bytes = 0;
+  std::uint64_t received_bytes = 0, longest_message = 0;
 };
 
 WebClient::WebClient(std::uint16_t port, const std::string& origin) : impl_(std::make_unique<Impl>()) {
@@ -107,7 +107,9 @@ protocol::ReplyFrame WebClient::next() {
         return std::move(*frame);
       }
     }
-    impl_->received_bytes += impl_->stream.read(received);
+    const std::uint64_t message = impl_->stream.read(received);
+    impl_->received_bytes += message;
+    impl_->longest_message = std::max(impl_->longest_message, message);
   }
 }
 
@@ -117,6 +119,10 @@ void WebClient::say_goodbye() {
 
 std::uint64_t WebClient::received_bytes() const {
   return impl_->received_bytes;
+}
+
+std::uint64_t WebClient::longest_message() const {
+  return impl_->longest_message;
 }
 
 int WebClient::closing_code() {

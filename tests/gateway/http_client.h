@@ -47,8 +47,9 @@ class WebClient {
   }
   // What the server says as it closes the connection: the code of RFC 6455. Reads what comes before.
   int closing_code();
-  void say_goodbye();                    // the closing handshake, begun by the page
-  std::uint64_t received_bytes() const;  // so far
+  void say_goodbye();                     // the closing handshake, begun by the page
+  std::uint64_t received_bytes() const;   // so far
+  std::uint64_t longest_message() const;  // bytes, of those that were received
 
  private:
   struct Impl;

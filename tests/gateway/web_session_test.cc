@@ -151,6 +151,7 @@ TEST_F(WebSession, APageThatAsksForMuchBehindAStepKeepsItsLease) {
   advance(member, 1);
   for (std::uint64_t i = 0; i <= kMany; ++i) EXPECT_EQ(page.next().reply_to, 100 + i);
   EXPECT_GT(page.received_bytes() - before, 3 * Limits().max_queued_bytes) << "more than may wait";
+  EXPECT_LE(page.longest_message(), ReadingWindow::kPiece) << "a browser shows its page whole ones only";
   page.ask<Ok>(ReleaseLease{"arm"});
 }
 

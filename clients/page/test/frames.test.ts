@@ -20,6 +20,17 @@ test("frames come out whole, wherever the stream is cut into messages", () => {
   }
 });
 
+test("a frame that comes in many messages is one, and the next begins behind it", () => {
+  const long = Uint8Array.from({ length: 1000 }, (_, i) => i % 251);
+  const stream = Uint8Array.from([...frame(long), ...frame(bytes(1, 2))]);
+  for (const size of [1, 3, 7, 64]) {
+    const reader = new FrameReader();
+    const payloads: number[][] = [];
+    for (let at = 0; at < stream.length; at += size) payloads.push(...read(reader, stream.slice(at, at + size)));
+    assert.deepEqual(payloads, [[...long], [1, 2]], `messages of ${size}`);
+  }
+});
+
 test("a frame beyond the limit is refused before its payload comes", () => {
   const header = new Uint8Array(4);
   new DataView(header.buffer).setUint32(0, kMaxPayload + 1, true);

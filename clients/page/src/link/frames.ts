@@ -12,25 +12,40 @@ export function frame(payload: Uint8Array): Uint8Array<ArrayBuffer> {
 
 // Cuts a byte stream into payloads, however it is split into messages. Throws where a length is beyond the limit.
 export class FrameReader {
-  private held = new Uint8Array(0);
+  private chunks: Uint8Array[] = []; // joined when a frame is whole: a long one comes in thousands
+  private held = 0; // bytes in them
+  private wanted = kHeaderBytes; // with fewer there is nothing new to see
 
   *read(message: ArrayBuffer): Generator<Uint8Array> {
-    let bytes: Uint8Array = new Uint8Array(message);
-    if (this.held.length > 0) {
-      const joined = new Uint8Array(this.held.length + bytes.length);
-      joined.set(this.held);
-      joined.set(bytes, this.held.length);
-      bytes = joined;
-    }
+    this.chunks.push(new Uint8Array(message));
+    this.held += message.byteLength;
+    if (this.held < this.wanted) return;
+    const bytes = join(this.chunks, this.held);
+    this.wanted = kHeaderBytes;
     const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
     let at = 0;
     while (bytes.length - at >= kHeaderBytes) {
       const length = view.getUint32(at, true);
       if (length > kMaxPayload) throw new Error(`a frame of ${length} bytes`);
-      if (bytes.length - at - kHeaderBytes < length) break;
+      if (bytes.length - at - kHeaderBytes < length) {
+        this.wanted = kHeaderBytes + length;
+        break;
+      }
       yield bytes.subarray(at + kHeaderBytes, at + kHeaderBytes + length);
       at += kHeaderBytes + length;
     }
-    this.held = bytes.slice(at);
+    this.chunks = [bytes.slice(at)];
+    this.held = bytes.length - at;
   }
+}
+
+function join(chunks: readonly Uint8Array[], size: number): Uint8Array {
+  if (chunks.length === 1) return chunks[0]!;
+  const joined = new Uint8Array(size);
+  let at = 0;
+  for (const chunk of chunks) {
+    joined.set(chunk, at);
+    at += chunk.length;
+  }
+  return joined;
 }
