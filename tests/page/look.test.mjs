@@ -1,10 +1,11 @@
 // Look: the world on the screen is the world of the ports; bodies, viewpoints.
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { join } from "node:path";
-import { body, drawn, isBlue, isRed, look, pageTest, until } from "./harness.mjs";
+import { body, button, drawn, isBlue, isRed, look, pageTest, until } from "./harness.mjs";
 import { linkPositions, readArm } from "./kinematics.mjs";
 import { colourAt } from "./picture.mjs";
-import { source } from "./programs.mjs";
+import { bin, source } from "./programs.mjs";
 
 pageTest("loads, and shows the arm where the ports say that it is", async (page, claim) => {
   await claim("names the world and what it is", async () => {
@@ -76,9 +77,36 @@ pageTest("a body is clicked, and pulled", async (page, claim) => {
     await page.keyboard.down("Control");
     await page.mouse.move(from.x, from.y);
     await page.mouse.down();
-    await page.mouse.move(from.x + 30, from.y - 60, { steps: 3 });
-    await until(page, (y) => visum.project("box").y < y - 20, from.y);
+    await page.mouse.move(from.x + 120, from.y - 60, { steps: 3 });
+    await until(page, (x) => visum.project("box").x > x + 20, from.x);
     await page.mouse.up();
     await page.keyboard.up("Control");
+  });
+});
+
+// Whatever comes behind it has another number then.
+const removeBody = (daemon, name) =>
+  execFileSync(process.env.VISUM_PYTHON ?? "/usr/bin/python3", ["-c", "import sys, visum; visum.Client(sys.argv[1], role='admin').remove_body(sys.argv[2])", `127.0.0.1:${daemon.port}`, name],
+    { env: { ...process.env, PYTHONPATH: join(bin, "../python") } });
+
+pageTest("a body goes while time stands: the others stay where they are, and the one that is followed is", async (page, claim, daemon) => {
+  const follow = page.getByRole("button", { name: "Follow" });
+  const select = () => page.getByRole("combobox", { name: "Selected body" }).selectOption({ label: "box" });
+  await button(page, "Pause").click();
+  await page.getByRole("button", { name: "Single tick" }).click({ trial: true }); // enabled once the pause is in force
+  await select();
+  await follow.click();
+  await drawn(page);
+  const before = await body(page, "box");
+  removeBody(daemon, "table");
+  await until(page, () => !visum.bodies().includes("table") && document.querySelector(".body-card").hidden);
+  await drawn(page);
+  await claim("it is drawn where it was", async () => {
+    const after = await body(page, "box");
+    assert.ok(Math.hypot(after.x - before.x, after.y - before.y) < 1, JSON.stringify([before, after]));
+  });
+  await claim("and followed", async () => {
+    await select();
+    assert.equal(await follow.getAttribute("aria-pressed"), "true");
   });
 });

@@ -55,7 +55,7 @@ layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element,
 layout.panes.parts.append(tree.element);
 const ghost = new Ghost(viewer, world, parts);
 const overlays = new Overlays(viewer, world, new SensorOverlay(viewer, world, parts), ghost, layout.view);
-const selection = new Selection(viewer, world, parts, link, layout.view);
+const selection = new Selection(viewer, world, parts, link, clock, layout.view);
 const notShown = h("p", { class: "not-shown", hidden: true });
 layout.view.append(viewToolbar(viewer, world, overlays, selection, layout.view), notShown, ghost.sign, lostBanner(link));
 world.description.watch((description) => {

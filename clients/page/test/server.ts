@@ -1,20 +1,23 @@
 // A server behind a Link, for the tests of the model: what was asked of it, and what it answers.
 import type { Link } from "../src/link/link";
-import { RequestError, type ErrorCode, type RequestInit } from "../src/link/messages";
+import { RequestError, type Body, type ErrorCode, type RequestInit } from "../src/link/messages";
+import { Emitter } from "../src/model/signal";
 
 // `answer` of a request's body; what it throws is the refusal.
 export function server(answer: (request: RequestInit) => unknown = () => ({})) {
   const asked: RequestInit[] = [];
+  const told = new Emitter<Body>();
   const link = {
     name: "page",
     welcome: { tickNs: 1_000_000n },
-    told: { on: () => () => undefined },
+    told,
     request: async (request: RequestInit) => {
       asked.push(request);
       return answer(request);
     },
   };
-  return { asked, link: link as unknown as Link, cases: () => asked.map((request) => request.case) };
+  const tell = (body: Body) => told.emit(body);
+  return { asked, tell, link: link as unknown as Link, cases: () => asked.map((request) => request.case) };
 }
 
 export const refusal = (code: ErrorCode, text: string) => new RequestError({ code, text, owner: "" });

@@ -1,6 +1,7 @@
 // All parts of the server, kept up to date: who holds which lease, and samples as often as somebody needs them.
+import { clone, equals } from "@bufbuild/protobuf";
 import type { Link } from "../link/link";
-import type { Event } from "../link/messages";
+import { PartDescriptionSchema, type Event, type PartDescription } from "../link/messages";
 import { Part, type Port } from "./part";
 import { poll } from "./poll";
 import { Emitter, Signal } from "./signal";
@@ -32,7 +33,7 @@ export class Parts {
       if (kind === kRecording) continue;
       const description = await this.link.request({ case: "describePart", value: { part: name } }, "partDescription");
       const before = this.find(name);
-      const same = before && sameLayout(before, new Part(this.link, description));
+      const same = before && equals(PartDescriptionSchema, lasting(before.description), lasting(description));
       const part = same ? before : new Part(this.link, description);
       part.holder.value = description.leaseOwner;
       part.forgetSubscription();
@@ -94,7 +95,11 @@ export class Parts {
   }
 }
 
-function sameLayout(a: Part, b: Part): boolean {
-  const names = (part: Part) => part.ports.map((port) => `${port.side} ${port.description.name}`).join("\n");
-  return names(a) === names(b);
+// Without what comes and goes while the part is the same.
+function lasting(description: PartDescription): PartDescription {
+  const bare = clone(PartDescriptionSchema, description);
+  bare.leaseOwner = "";
+  for (const parameter of bare.parameters) delete parameter.value;
+  for (const board of bare.blackboards) board.elements = 0n;
+  return bare;
 }

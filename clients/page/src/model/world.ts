@@ -69,7 +69,13 @@ export class World {
   }
 
   private async describe(): Promise<void> {
-    this.description.value = await this.link.request({ case: "describeWorld", value: {} }, "worldDescription");
+    const description = await this.link.request({ case: "describeWorld", value: {} }, "worldDescription");
+    // While time stands, nobody tells the poses. Those that were told are of bodies that had these numbers before.
+    const sample = await this.link.request({ case: "readWorld", value: {} }, "worldSample");
+    this.buffer.clear();
+    this.sample = null;
+    this.description.value = description;
+    this.take(sample);
   }
 
   private take(sample: WorldSample): void {
@@ -80,7 +86,8 @@ export class World {
     }
     const time = Number(sample.simTimeNs) / kNsPerMs;
     // Before the description of a changed world is here, its samples mean nothing.
-    if (sample.poses.length !== 7 * (this.description.value?.bodies.length ?? 0)) return;
+    const description = this.description.value;
+    if (sample.revision !== description?.revision || sample.poses.length !== 7 * description.bodies.length) return;
     this.sample = sample;
     this.buffer.add(time, sample.poses);
     this.playhead.heard(time, performance.now());

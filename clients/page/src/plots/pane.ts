@@ -20,6 +20,7 @@ export class PlotPane {
       if (over) over.add(ports);
       else this.open(ports);
     });
+    parts.list.watch(() => this.plots.forEach((plot) => plot.rebind(parts)));
     setInterval(() => this.update(), kPeriodMs);
   }
 

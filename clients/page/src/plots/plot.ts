@@ -2,6 +2,7 @@
 // stops following, a double click goes on. The cursor shows values in the legend.
 import uPlot from "uplot";
 import type { Part, Port } from "../model/part";
+import type { Parts } from "../model/parts";
 import { h, iconButton } from "../ui/dom";
 import { download } from "../ui/files";
 import { icons } from "../ui/icons";
@@ -42,6 +43,14 @@ export class Plot {
   // As many as can be recorded.
   add(ports: readonly Port[]): void {
     for (const port of ports.filter((port) => !this.ports.includes(port))) this.take(port);
+    this.rebuild();
+  }
+
+  // After a restart, parts may be others: the same ports of those.
+  rebind(parts: Parts): void {
+    const now = this.ports.map((port) => parts.port(port.part.name, port.description.name) ?? port);
+    if (now.every((port, i) => port === this.ports[i])) return;
+    this.ports.splice(0, this.ports.length, ...now);
     this.rebuild();
   }
 

@@ -1,7 +1,8 @@
 // The bodies of the world as objects to draw: one group per body, moved as a whole; one mesh per shape.
-import { Color, GridHelper, Group, Mesh, type MeshStandardMaterial, type Object3D } from "three";
-import type { BodyDescription, MeshData, ShapeDescription, WorldDescription } from "../link/messages";
+import { Color, GridHelper, Group, Mesh, type MeshStandardMaterial } from "three";
+import { LostError, type BodyDescription, type MeshData, type ShapeDescription, type WorldDescription } from "../link/messages";
 import type { World } from "../model/world";
+import { disposeOf } from "./dispose";
 import { Materials } from "./materials";
 import { geometryOf } from "./shapes";
 
@@ -20,17 +21,19 @@ export class Bodies {
   private generation = 0;
   private readonly materials: Materials;
 
-  constructor(private readonly world: World) {
-    this.materials = new Materials((texture) => world.texture(texture));
+  // `tell`: in words, what a body is drawn without.
+  constructor(private readonly world: World, private readonly tell: (words: string) => void) {
+    this.materials = new Materials((texture) => world.texture(texture), (error) => this.leaveOut("a texture", error));
   }
 
-  // Replaces all by what is described. Resolves when meshes are there, too.
-  async build(description: WorldDescription): Promise<void> {
+  // Replaces all by what is described. Resolves when meshes are there, too; false: what is newer has come before.
+  async build(description: WorldDescription): Promise<boolean> {
     const generation = ++this.generation;
     const [meshes] = await Promise.all([this.fetchMeshes(description), this.materials.load(description)]);
-    if (generation !== this.generation) return;
+    if (generation !== this.generation) return false;
     this.dispose();
     for (const [index, body] of description.bodies.entries()) this.addBody(index, body, meshes);
+    return true;
   }
 
   // `poses`: seven numbers per body.
@@ -70,12 +73,24 @@ export class Bodies {
   }
 
   private async fetchMeshes(description: WorldDescription): Promise<Map<number, MeshData>> {
-    const wanted = new Set<number>();
+    const wanted = new Map<number, string>(); // with a body that it is of
     for (const body of description.bodies)
-      for (const shape of body.shapes) if (shape.kind === "mesh" || shape.kind === "convex") wanted.add(shape.mesh);
+      for (const shape of body.shapes) if (shape.kind === "mesh" || shape.kind === "convex") wanted.set(shape.mesh, body.name);
     const meshes = new Map<number, MeshData>();
-    await Promise.all([...wanted].map(async (index) => meshes.set(index, await this.world.mesh(index))));
+    await Promise.all([...wanted].map(async ([index, body]) => {
+      try {
+        meshes.set(index, await this.world.mesh(index));
+      } catch (error) {
+        this.leaveOut(`a mesh of '${body}'`, error);
+      }
+    }));
     return meshes;
+  }
+
+  // One thing less, and not the whole world. Where the connection is lost, the next one brings all.
+  private leaveOut(what: string, error: unknown): void {
+    if (error instanceof LostError) throw error;
+    this.tell(`Drawn without ${what}: ${error instanceof Error ? error.message : String(error)}`);
   }
 
   private tint(body: number, intensity: number): void {
@@ -87,11 +102,7 @@ export class Bodies {
   }
 
   private dispose(): void {
-    this.root.traverse((object: Object3D) => {
-      if (!(object instanceof Mesh)) return;
-      object.geometry.dispose();
-      (object.material as MeshStandardMaterial).dispose();
-    });
+    disposeOf(this.root);
     this.root.clear();
     this.groups = [];
     this.shapes = [];

@@ -32,7 +32,6 @@ export class ViewCamera {
 
   setHome(viewpoint: Viewpoint): void {
     this.home = viewpoint;
-    this.goHome();
   }
   goHome(): void {
     this.look(this.home);

@@ -1,6 +1,7 @@
 // Lights: the scene's, or where it has none, those of a studio: sky, a sun with shadows, and a weak one from behind.
 import { AmbientLight, Color, DirectionalLight, Group, HemisphereLight, PointLight, SpotLight, SRGBColorSpace, type Light, type LightShadow } from "three";
 import type { LightDescription } from "../link/messages";
+import { disposeOf } from "./dispose";
 
 const kFull = 2.6; // three.js' intensity of a light that lights white paper fully, under the view's exposure
 
@@ -9,6 +10,7 @@ export class Lights {
 
   // `radius`: of what shadows are to be seen of, around the origin, m.
   build(descriptions: readonly LightDescription[], radius: number): void {
+    disposeOf(this.root);
     this.root.clear();
     if (descriptions.length === 0) this.buildStudio(radius);
     for (const description of descriptions) this.add(description, radius);

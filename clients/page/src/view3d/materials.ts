@@ -6,14 +6,22 @@ export class Materials {
   private textures = new Map<number, Texture>();
   private list: MaterialDescription[] = [];
 
-  constructor(private readonly fetch: (texture: number) => Promise<TextureData>) {}
+  // `leaveOut` tells why a texture is none.
+  constructor(private readonly fetch: (texture: number) => Promise<TextureData>, private readonly leaveOut: (error: unknown) => void) {}
 
   async load(description: WorldDescription): Promise<void> {
     for (const texture of this.textures.values()) texture.dispose();
     this.textures = new Map();
     this.list = description.materials;
     const wanted = new Set(this.list.map((material) => material.texture).filter((texture) => texture > 0));
-    await Promise.all([...wanted].map(async (texture) => this.textures.set(texture, await decode(await this.fetch(texture - 1)))));
+    const textures = this.textures;
+    await Promise.all([...wanted].map(async (texture) => {
+      try {
+        textures.set(texture, await decode(await this.fetch(texture - 1)));
+      } catch (error) {
+        this.leaveOut(error);
+      }
+    }));
   }
 
   of(shape: ShapeDescription): MeshStandardMaterial {

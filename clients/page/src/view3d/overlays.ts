@@ -1,16 +1,15 @@
 // What can be laid over the world: frames, centres of mass, joint axes with their angles, contacts with their forces,
 // trails, what sensors see. Drawn through bodies, so that nothing hides.
-import {
-  ArrowHelper, AxesHelper, BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, Quaternion,
-  SphereGeometry, Vector3,
-} from "three";
+import { ArrowHelper, AxesHelper, Group, Mesh, MeshBasicMaterial, Quaternion, SphereGeometry, Vector3 } from "three";
 import type { JointDescription, WorldDescription } from "../link/messages";
 import type { World } from "../model/world";
 import { formatInRange } from "../ui/numbers";
+import { disposeOf } from "./dispose";
 import type { Ghost } from "./ghost";
 import { Labels } from "./labels";
 import { onTop } from "./on_top";
 import type { SensorOverlay } from "./sensors";
+import { Trails } from "./trails";
 import type { Viewer } from "./viewer";
 
 export const kOverlays = {
@@ -29,7 +28,6 @@ export type OverlayName = keyof typeof kOverlays;
 const kAxisLength = 0.12; // m
 const kArrowMetresPerNewton = 0.004;
 const kLongestArrow = 0.5;
-const kTrailPoints = 600;
 
 export class Overlays {
   readonly on: Record<OverlayName, boolean> = {
@@ -41,11 +39,11 @@ export class Overlays {
   private frames: AxesHelper[] = [];
   private centres: Mesh[] = [];
   private axes: { arrow: ArrowHelper; joint: JointDescription; parent: number; child: number; index: number }[] = [];
-  private trails: { line: Line; body: number; count: number }[] = [];
+  private readonly trails = new Trails();
 
   constructor(private readonly viewer: Viewer, private readonly world: World, private readonly sensors: SensorOverlay, private readonly ghost: Ghost, container: HTMLElement) {
     this.labels = new Labels(container, viewer);
-    viewer.scene.add(this.root, this.contacts, sensors.root);
+    viewer.scene.add(this.root, this.contacts, this.trails.root, sensors.root);
     viewer.rebuilt.on((description) => this.build(description));
     viewer.beforeDraw.on(() => this.place());
   }
@@ -56,11 +54,12 @@ export class Overlays {
     if (name === "cameras") this.sensors.showFrusta(on);
     if (name === "ghost") this.ghost.set(on);
     if (name === "collision") this.viewer.bodies.showCollisionShapes(on);
-    if (name === "trails" && !on) for (const trail of this.trails) trail.count = 0;
+    if (name === "trails" && !on) this.trails.forget();
     this.viewer.redraw();
   }
 
   private build(description: WorldDescription): void {
+    disposeOf(this.root);
     this.root.clear();
     this.frames = description.bodies.map(() => onTop(new AxesHelper(kAxisLength)));
     this.centres = description.bodies.map(() => onTop(new Mesh(new SphereGeometry(0.012, 12, 8), new MeshBasicMaterial({ color: 0xb0499a }))));
@@ -69,8 +68,8 @@ export class Overlays {
       joint, index, parent: bodyOf(joint.parent), child: bodyOf(joint.child),
       arrow: arrow(joint.type === "slider" ? 0x009e73 : 0x0072b2),
     }));
-    this.trails = description.bodies.flatMap((body, i) => (body.fixed ? [] : [{ line: trailLine(), body: i, count: 0 }]));
-    this.root.add(...this.frames, ...this.centres, ...this.axes.map(({ arrow }) => arrow), ...this.trails.map(({ line }) => line));
+    this.trails.build(description);
+    this.root.add(...this.frames, ...this.centres, ...this.axes.map(({ arrow }) => arrow));
     this.sensors.build(description);
     this.viewer.bodies.showCollisionShapes(this.on.collision);
   }
@@ -92,7 +91,8 @@ export class Overlays {
     });
     this.placeAxes();
     this.placeContacts();
-    this.placeTrails();
+    this.trails.root.visible = this.on.trails;
+    if (this.on.trails) this.trails.extend(groups, this.world.sample?.era);
     this.sensors.place();
   }
 
@@ -133,13 +133,6 @@ export class Overlays {
       (child as ArrowHelper).setLength(length, 0.025, 0.016);
     });
   }
-
-  private placeTrails(): void {
-    for (const trail of this.trails) {
-      trail.line.visible = this.on.trails;
-      if (this.on.trails) extend(trail, this.viewer.bodies.groups[trail.body]!.position);
-    }
-  }
 }
 
 function arrow(color: number): ArrowHelper {
@@ -147,24 +140,4 @@ function arrow(color: number): ArrowHelper {
   onTop(made.line);
   onTop(made.cone);
   return made;
-}
-
-function trailLine(): Line {
-  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(3 * kTrailPoints), 3));
-  const line = onTop(new Line(geometry, new LineBasicMaterial({ color: 0xb0499a })));
-  line.frustumCulled = false;
-  return line;
-}
-
-// Adds where the body is now, if it moved; the oldest falls out.
-function extend(trail: { line: Line; count: number }, { x, y, z }: Vector3): void {
-  const positions = trail.line.geometry.getAttribute("position") as BufferAttribute;
-  const array = positions.array as Float32Array;
-  const last = 3 * (trail.count - 1);
-  if (trail.count > 0 && Math.hypot(array[last]! - x, array[last + 1]! - y, array[last + 2]! - z) < 0.002) return;
-  if (trail.count === kTrailPoints) array.copyWithin(0, 3);
-  else trail.count += 1;
-  array.set([x, y, z], 3 * (trail.count - 1));
-  positions.needsUpdate = true;
-  trail.line.geometry.setDrawRange(0, trail.count);
 }

@@ -2,6 +2,7 @@
 // (Ctrl or Alt with the pointer), as if by hand.
 import { Plane, Vector3 } from "three";
 import type { Link } from "../link/link";
+import type { Clock } from "../model/clock";
 import type { Parts } from "../model/parts";
 import { Emitter } from "../model/signal";
 import type { World } from "../model/world";
@@ -10,18 +11,17 @@ import { icons } from "../ui/icons";
 import { formatInRange, formatValue } from "../ui/numbers";
 import { reportError } from "../ui/toasts";
 import { drivingPorts } from "./driving_ports";
+import { kPullMs, PushTimes, springPerKg } from "./pull";
 import type { Viewer } from "./viewer";
 
 const kClickPixels = 4;
-const kStiffnessPerKg = 60; // N/m for each kg: a pulled body of any mass follows alike
-const kDampingPerKg = 12; // N·s/m
-const kPullMs = 40;
 
 interface Pull {
   body: number;
   local: Vector3; // the point held, in the body's frame
   plane: Plane; // what the pointer moves in
   target: Vector3;
+  times: PushTimes;
   timer: number;
 }
 
@@ -34,13 +34,14 @@ export class Selection {
   private readonly card: HTMLElement;
   private readonly follow = h("button", { type: "button", class: "small", "aria-pressed": "false" }, "Follow");
 
-  constructor(private readonly viewer: Viewer, private readonly world: World, private readonly parts: Parts, private readonly link: Link, container: HTMLElement) {
+  constructor(private readonly viewer: Viewer, private readonly world: World, private readonly parts: Parts, private readonly link: Link, private readonly clock: Clock, container: HTMLElement) {
     this.card = h("section", { class: "body-card", hidden: true, "aria-label": "Selected body" },
       h("header", {}, this.title, this.follow, iconButton(icons.close, "Close", () => this.select(-1))), this.facts);
     container.append(this.card);
     this.follow.addEventListener("click", () => this.toggleFollow());
     this.listen(viewer.canvas);
-    viewer.rebuilt.on(() => this.select(-1));
+    world.description.watch(() => this.letGo());
+    viewer.rebuilt.on(() => this.letGo());
     setInterval(() => this.refresh(), 100);
   }
 
@@ -49,10 +50,16 @@ export class Selection {
     this.viewer.bodies.select(body);
     this.selected.emit(body);
     this.card.hidden = body < 0;
-    setText(this.title, this.world.description.value?.bodies[body]?.name ?? "");
-    this.follow.setAttribute("aria-pressed", String(this.viewer.followed === body));
+    setText(this.title, this.name);
+    this.follow.setAttribute("aria-pressed", String(this.isFollowed()));
     this.refresh();
     this.viewer.redraw();
+  }
+
+  // The numbers of bodies are those of others now.
+  private letGo(): void {
+    this.endPull();
+    this.select(-1);
   }
 
   private listen(canvas: HTMLCanvasElement): void {
@@ -71,11 +78,19 @@ export class Selection {
   }
 
   private toggleFollow(): void {
-    this.viewer.followed = this.viewer.followed === this.body ? -1 : this.body;
-    this.follow.setAttribute("aria-pressed", String(this.viewer.followed === this.body));
+    this.viewer.followed = this.isFollowed() ? "" : this.name;
+    this.follow.setAttribute("aria-pressed", String(this.isFollowed()));
+  }
+
+  private get name(): string {
+    return this.world.description.value?.bodies[this.body]?.name ?? "";
+  }
+  private isFollowed(): boolean {
+    return this.name !== "" && this.viewer.followed === this.name;
   }
 
   private hit(event: PointerEvent): { body: number; point: Vector3 } | null {
+    if (!this.viewer.isUpToDate) return null;
     const found = this.viewer.rayAt(event.clientX, event.clientY).intersectObjects(this.viewer.bodies.groups, true).find(({ object }) => object.visible);
     return found ? { body: Number(found.object.parent?.userData["body"] ?? -1), point: found.point } : null;
   }
@@ -88,7 +103,8 @@ export class Selection {
     const normal = this.viewer.view.camera.getWorldDirection(new Vector3());
     const local = this.viewer.bodies.groups[hit.body]!.worldToLocal(hit.point.clone());
     const plane = new Plane().setFromNormalAndCoplanarPoint(normal, hit.point);
-    this.pull = { body: hit.body, local, plane, target: hit.point.clone(), timer: window.setInterval(() => this.push(), kPullMs) };
+    const timer = window.setInterval(() => this.push(), kPullMs);
+    this.pull = { body: hit.body, local, plane, target: hit.point.clone(), times: new PushTimes(), timer };
     this.viewer.canvas.setPointerCapture(event.pointerId);
     this.viewer.view.controls.enabled = false;
     return true;
@@ -104,16 +120,19 @@ export class Selection {
     this.viewer.view.controls.enabled = true;
   }
 
-  // A damped spring between the pointer and the point held, as pushes that overlap no longer than they must.
   private push(): void {
-    const { body, local, target } = this.pull!;
+    const { body, local, target, times } = this.pull!;
     const description = this.world.description.value?.bodies[body];
-    const velocities = this.world.sample?.velocities;
-    if (!description || !velocities) return;
+    const { sample } = this.world;
+    const { paused = false, realTimeFactor = 1 } = this.clock.status.value ?? {};
+    if (!description || !sample || paused) return;
+    const durationNs = times.next(sample.tick, this.link.welcome?.tickNs ?? 1_000_000n, realTimeFactor);
+    if (durationNs === null) return;
+    const { stiffness, damping } = springPerKg(realTimeFactor);
     const point = this.viewer.bodies.groups[body]!.localToWorld(local.clone());
-    const speed = new Vector3().fromArray(velocities, 6 * body);
-    const force = target.clone().sub(point).multiplyScalar(kStiffnessPerKg * description.massKg).addScaledVector(speed, -kDampingPerKg * description.massKg);
-    const push = { body: description.name, forceN: force.toArray(), pointM: point.toArray(), durationNs: BigInt(kPullMs) * 1_000_000n };
+    const speed = new Vector3().fromArray(sample.velocities, 6 * body);
+    const force = target.clone().sub(point).multiplyScalar(stiffness * description.massKg).addScaledVector(speed, -damping * description.massKg);
+    const push = { body: description.name, forceN: force.toArray(), pointM: point.toArray(), durationNs };
     this.link.request({ case: "pushBody", value: push }, "ok").catch((error: unknown) => (this.endPull(), reportError(error)));
   }
 

@@ -6,6 +6,7 @@ import type { Part } from "../model/part";
 import type { Parts } from "../model/parts";
 import type { World } from "../model/world";
 import { reportError } from "../ui/toasts";
+import { disposeOf } from "./dispose";
 import { onTop } from "./on_top";
 import { frustumEdges, hits, type Point } from "./sight";
 import type { Viewer } from "./viewer";
@@ -44,7 +45,7 @@ export class SensorOverlay {
   }
 
   build(description: WorldDescription): void {
-    for (const { place } of this.sights) place.children.forEach((child) => (child as LineSegments).geometry.dispose());
+    disposeOf(this.root);
     this.sights = description.sensors.filter(({ range }) => range.length > 0).map(sightOf);
     this.root.clear();
     for (const { place } of this.sights) this.root.add(place);

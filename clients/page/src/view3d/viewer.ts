@@ -3,6 +3,7 @@ import { ACESFilmicToneMapping, Box3, Color, PCFSoftShadowMap, Raycaster, Scene,
 import type { WorldDescription } from "../link/messages";
 import { Emitter } from "../model/signal";
 import type { World } from "../model/world";
+import { report, reportError } from "../ui/toasts";
 import { Bodies } from "./bodies";
 import { ViewCamera } from "./camera";
 import { Lights } from "./lights";
@@ -22,14 +23,16 @@ export class Viewer {
   readonly rebuilt = new Emitter<WorldDescription>();
   readonly beforeDraw = new Emitter<void>(); // for overlays, when poses are placed
   readonly stereo: StereoSettings = { mode: "off", eyes: 0.065, screen: 1.5, swapped: false };
-  followed = -1; // body
+  followed = ""; // the body's name: its number is another's once bodies come or go
   private readonly lights = new Lights();
   private readonly resolution = new Resolution();
   private poses = new Float64Array(0);
   private shown = new Float64Array(0);
   private dirty = true;
   private pictures = 0;
-  private framed = "";
+  private framed = ""; // the scene that was looked at first
+  private unlit = false; // a world that has no light yet
+  private built: WorldDescription | null = null;
 
   constructor(container: HTMLElement, private readonly world: World) {
     this.renderer = new WebGLRenderer({ antialias: true, powerPreference: "high-performance" });
@@ -43,13 +46,18 @@ export class Viewer {
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", "3D view of the world. Arrow keys orbit, Shift with arrow keys pans, plus and minus zoom.");
     container.prepend(this.canvas);
-    this.bodies = new Bodies(world);
+    this.bodies = new Bodies(world, (words) => report(words, "error"));
     this.view = new ViewCamera(this.canvas, () => this.redraw());
     this.scene.add(this.bodies.root, this.lights.root);
     new ResizeObserver(() => this.resize(container)).observe(container);
     this.resize(container);
-    world.description.watch((description) => description && void this.rebuild(description));
+    world.description.watch((description) => description && this.rebuild(description).catch(reportError));
     requestAnimationFrame((now) => this.frame(now));
+  }
+
+  // Bodies have the numbers of the description: else those that are shown are of the world before.
+  get isUpToDate(): boolean {
+    return this.built !== null && this.built === this.world.description.value;
   }
 
   redraw(): void {
@@ -100,7 +108,10 @@ export class Viewer {
   }
 
   private async rebuild(description: WorldDescription): Promise<void> {
-    await this.bodies.build(description);
+    this.poses = this.shown = new Float64Array(0); // what comes now is not of the bodies that are still there
+    if (!(await this.bodies.build(description))) return;
+    this.built = description;
+    this.unlit = true;
     this.poses = new Float64Array(7 * description.bodies.length);
     this.shown = new Float64Array(this.poses.length).fill(NaN);
     this.rebuilt.emit(description);
@@ -114,13 +125,13 @@ export class Viewer {
       this.shown.set(this.poses);
       this.renderer.shadowMap.needsUpdate = true;
       this.redraw();
-      this.frameOnce();
+      if (this.unlit) this.light();
     }
     const share = this.resolution.frame(now, this.dirty);
     if (share === null) return;
     this.usePixels(share);
     this.dirty = false;
-    const followed = this.bodies.groups[this.followed];
+    const followed = this.bodies.groups.find(({ name }) => name === this.followed);
     this.view.follow(followed ? followed.position : null);
     this.draw();
     this.drawn.emit(++this.pictures);
@@ -141,16 +152,17 @@ export class Viewer {
     drawStereo(this.renderer, this.scene, this.view.camera, this.stereo);
   }
 
-  // The first look at a scene shows all that is no scenery without end.
-  private frameOnce(): void {
-    const scene = this.world.description.value?.scene ?? "";
-    if (this.framed === scene) return;
-    this.framed = scene;
+  // Home shows all that is no scenery without end, and so does the first look at a scene.
+  private light(): void {
+    this.unlit = false;
     const sphere = this.extent();
-    this.lights.build(this.world.description.value?.lights ?? [], Math.max(0.5, sphere.radius + sphere.center.length()));
+    this.lights.build(this.built?.lights ?? [], Math.max(0.5, sphere.radius + sphere.center.length()));
     const arm = new Vector3(0.62, -0.68, 0.42).normalize().multiplyScalar((2.35 * sphere.radius) / Math.min(1, this.view.camera.aspect)); // further away where the view is narrow
     const position = sphere.center.clone().add(arm);
     this.view.setHome({ name: "Home", position: position.toArray(), target: sphere.center.toArray(), fov: 40 });
+    const scene = this.built?.scene ?? "";
+    if (this.framed !== scene) this.view.goHome();
+    this.framed = scene;
   }
 
   private extent(): Sphere {
