@@ -207,7 +207,7 @@ int check(int argc, char** argv) {
   app.footer(
       "Example:\n"
       "  visum check models/scenes/cart.yaml\n"
-      "Exit codes: 0 the scene is right, 2 bad usage, 3 the scene is wrong.");
+      "Exit codes: 0 the scene is right, 2 bad usage, 3 the scene is wrong, 124 a plug-in hangs.");
   return gateway::run_command(app, argc, argv, "visumd", talk, [&] {
     const gateway::NodeWatch watch(plugins.node_timeout());
     gateway::check_scene(scene, with_plugins(of_scene, plugins), talk.json);
@@ -272,7 +272,8 @@ int replay(int argc, char** argv) {
       "  visum replay run.mcap --view --listen 0.0.0.0 --token-file tokens     for others, too\n"
       "Exit codes: 0 the same bits in every tick, 1 the same as far as the file can be read, 2 bad usage, 3 "
       "no "
-      "recording\nor the scene in it is wrong, 5 the first tick that differs is shown.");
+      "recording\nor the scene in it is wrong, 5 the first tick that differs is shown, 124 a plug-in hangs, "
+      "130 interrupted (--view).");
   return gateway::run_command(app, argc, argv, "visumd", talk, [&] {
     const gateway::NodeWatch watch(plugins.node_timeout());
     if (view) {

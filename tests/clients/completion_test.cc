@@ -20,6 +20,14 @@ TEST(Completion, EveryShellKnowsVerbsAndOptions) {
   EXPECT_THAT(shell().fish(), HasSubstr("-l junit -d 'a file'"));
 }
 
+TEST(Completion, EveryShellOffersFilesAndParts) {
+  EXPECT_THAT(shell().bash(), HasSubstr("complete -o default -F _visum visum"));
+  EXPECT_THAT(shell().bash(), HasSubstr("|--tls-ca|--tls-cert|--tls-key)"));
+  EXPECT_THAT(shell().zsh(), HasSubstr("|replay|rewind|export|mirror|exec) _files"));
+  EXPECT_THAT(shell().fish(), HasSubstr("replay rewind export mirror exec' -F"));
+  EXPECT_THAT(shell().fish(), HasSubstr("param-set fault faults' -a '(visum parts"));
+}
+
 TEST(Completion, QuotesWhatAShellWouldRead) {
   EXPECT_THAT(shell().zsh(), HasSubstr(R"('run:it'\''s a run')"));
 }

@@ -24,6 +24,10 @@ WRONG = [
     {"until": "never"}, {"until": {"at_s": -1}}, {"until": {"at_s": 1, "below": 1}}, {"until": {"below": 1}},
     {"controllers": {}}, {"controllers": [{}]}, {"controllers": [{"name": "a"}]},
     {"controllers": [{"name": "a", "command": []}]}, {"controllers": [{"name": "a", "command": ["a"], "joins": "no"}]},
+    {"controllers": [{"name": "a", "command": ["a"], "shim": True, "gate": "bus:arm"}]},
+    {"controllers": [{"name": "a", "command": ["a"], "period_ms": 10}]},
+    {"controllers": [{"name": "a", "command": ["a"], "shim": False, "wait_s": 1}]},
+    {"controllers": [{"name": "a", "command": ["a"], "gate": "", "on_timeout": "end"}]},
     {"timeline": [{}]}, {"timeline": [{"at_s": 1}]}, {"timeline": [{"say": "x"}]},
     {"timeline": [{"at_s": 1, "say": "x", "kill": "y"}]}, {"timeline": [{"at_s": 1, "when": {}, "say": "x"}]},
     {"timeline": [{"at_s": 1, "set": {"part": "arm", "port": "Halt"}}]},
@@ -33,6 +37,7 @@ WRONG = [
     {"timeline": [{"at_s": 1, "fault": {"part": "arm", "kind": "encoder_stuck", "numbers": {"joint": "x"}}}]},
     {"timeline": [{"at_s": 1, "fault": {"part": "arm", "kind": "emergency_stop", "for_s": 0}}]},
     {"timeline": [{"at_s": 1, "clear_fault": {"part": "arm", "joint": 0}}]},
+    {"timeline": [{"at_s": 1, "clear_fault": {"part": "arm", "joint": 1001}}]},
     {"timeline": [{"at_s": 1, "signal": {"controller": "a", "signal": "STOP"}}]},
     {"checks": [{}]}, {"checks": [{"that": {}}]}, {"checks": [{"that": {"below": 1}}]},
     {"checks": [{"that": {"speed": {"body": "box"}}}]},
@@ -41,11 +46,21 @@ WRONG = [
     {"checks": [{"that": {"speed": {"body": "box", "axis": "z"}, "below": 1}}]},
     {"checks": [{"that": {"distance": {"body": "box", "to": [1, 2]}, "below": 1}}]},
     {"checks": [{"that": {"position": {"body": "box"}, "below": 1}}]},
+    {"checks": [{"that": {"coverage": {"body": "box", "within": 0, "from": [0, 0], "to": [1, 1]}, "below": 1}}]},
+    {"checks": [{"that": {"coverage": {"body": "box", "within": 1, "cell": 10001, "from": [0, 0], "to": [1, 1]}, "below": 1}}]},
     {"checks": [{"that": {"speed": {"body": "box"}, "below": 1, "within": 1}}]},
     {"checks": [{"that": {"peak_following_error": {"part": "arm", "joint": "j"}, "below": 1}}]},
     {"checks": [{"that": {"port": {"part": "arm", "name": "Part State", "mask": 0}, "below": 1}}]},
     {"checks": [{"that": {"speed": {"body": "box"}, "below": 1}, "when": "sometimes"}]},
     {"checks": [{"that": {"speed": {"body": "box"}, "below": 1}, "when": {"by_s": 1, "to_s": 2}}]},
+]
+
+# Right for the program and for the schema: a text may look like a number or a truth value, as in YAML.
+RIGHT = [
+    {"name": 7}, {"description": True}, {"checks": [{"name": 1, "that": {"speed": {"body": "box"}, "above": -1}}]},
+    {"controllers": [{"name": 1, "command": ["sleep", 9], "joins": False}],
+     "timeline": [{"at_s": 0, "say": 5}, {"at_s": 0, "kill": 1}]},
+    {"controllers": [{"name": "a", "command": ["sleep", 0], "shim": True, "wait_s": 10}]},
 ]
 
 
@@ -74,6 +89,15 @@ class Schema(unittest.TestCase):
                 file.write_text(yaml.safe_dump(scenario, sort_keys=False))
                 error = visum("run", file, expect=3).stderr
                 self.assertRegex(error, rf"^visum: {re.escape(str(file))}:\d+: ", addition)
+
+    def test_takes_what_the_program_takes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "right.yaml"
+            for addition in RIGHT:
+                scenario = {**HEAD, **addition}
+                validator().validate(scenario)
+                file.write_text(yaml.safe_dump(scenario, sort_keys=False))
+                visum("run", file)
 
     def test_names_every_quantity_and_action_of_the_page(self):
         condition = SCHEMA["$defs"]["condition"]["properties"]

@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 """Runs the explorer on several seeds, each checked as its scenario says, and prints what it has covered.
 
     explorer_seeds.py VISUM [--scenario NAME] [--engine KIND] [--seeds N] [--time S] [--covers SHARE]

@@ -22,7 +22,8 @@ std::string command_words(const std::vector<Shell::Command>& commands) {
   return words;
 }
 
-// Candidates with blanks ("Actual Angle 1") are escaped, unless the user has opened a quote.
+// Candidates with blanks ("Actual Angle 1") are escaped, unless the user has opened a quote. Where there are
+// none bash offers files.
 constexpr const char* kBashHead = R"(_visum_candidates() {
   local cur="$1" quote=''
   case "$cur" in [\'\"]*) quote=1; cur="${cur:1}" ;; esac
@@ -38,7 +39,8 @@ _visum() {
   COMPREPLY=()
   for ((i = 1; i < COMP_CWORD; i++)); do
     case "${COMP_WORDS[i]}" in
-      --connect|--token-file) link+=("${COMP_WORDS[i]}" "${COMP_WORDS[i+1]}"); i=$((i + 1)) ;;
+      --connect|--token-file|--tls-ca|--tls-cert|--tls-key)
+        link+=("${COMP_WORDS[i]}" "${COMP_WORDS[i+1]}"); i=$((i + 1)) ;;
       -*) ;;
       *) if [[ -z "$verb" ]]; then verb="${COMP_WORDS[i]}"; else part="${part:-${COMP_WORDS[i]}}"; count=$((count + 1)); fi ;;
     esac
@@ -49,7 +51,6 @@ constexpr const char* kBashTail = R"(    esac
     return
   fi
   case "$verb" in
-    run) COMPREPLY=($(compgen -f -- "$cur")) ;;
     completion) COMPREPLY=($(compgen -W 'bash zsh fish' -- "$cur")) ;;
     get|set|watch|describe|params|param-set|fault|faults)
       if ((count == 0)); then
@@ -59,7 +60,7 @@ constexpr const char* kBashTail = R"(    esac
       fi ;;
   esac
 }
-complete -F _visum visum
+complete -o default -F _visum visum
 )";
 
 constexpr const char* kZshTail = R"(    esac
@@ -67,7 +68,7 @@ constexpr const char* kZshTail = R"(    esac
   fi
   local -a names
   case $words[2] in
-    run) _files ;;
+    run|check|convert|record|replay|rewind|export|mirror|exec) _files ;;
     completion) compadd bash zsh fish ;;
     get|set|watch|describe|params|param-set|fault|faults)
       if (( CURRENT == 3 )); then
@@ -123,10 +124,13 @@ std::string Shell::fish() const {
                 option.name.substr(2) + " -d " + quoted(option.help) + "\n";
     }
   }
-  script += "complete -c visum -n '__fish_seen_subcommand_from run' -F\n";
+  script +=
+      "complete -c visum -n '__fish_seen_subcommand_from run check convert record replay rewind export "
+      "mirror exec' -F\n";
   script += "complete -c visum -n '__fish_seen_subcommand_from completion' -a 'bash zsh fish'\n";
   script +=
-      "complete -c visum -n '__fish_seen_subcommand_from get set watch describe params param-set' "
+      "complete -c visum -n '__fish_seen_subcommand_from get set watch describe params param-set fault "
+      "faults' "
       "-a '(visum parts --names 2>/dev/null)'\n";
   script +=
       "complete -c visum -n '__fish_seen_subcommand_from get set watch; and test (count (commandline -opc)) "

@@ -36,7 +36,7 @@ constexpr double kLongestPeriod_ms = 1e6;
 const char* const kFooter =
     "Runs a program that knows nothing of Visum with a part's field bus where it looks for its device.\n"
     "The exit code is the program's own; 126, 127: it cannot be run, is not found; 125: visum itself "
-    "failed.\n"
+    "failed;\n2: wrong options; 3: the scene is wrong.\n"
     "Without --lockstep, --gate, --scene, --timeout and --json visum becomes the program, and signals are "
     "its "
     "own too.\n\n"
