@@ -3,6 +3,8 @@
     run_twice.py VISUM SCENARIO.yaml [OPTIONS OF visum run...]
 """
 
+import os
+import pathlib
 import subprocess
 import sys
 import tempfile
@@ -13,6 +15,9 @@ from scenario_runs import run_scenario
 
 def main() -> int:
     program, scenario, *options = sys.argv[1:]
+    if "shim: true" in pathlib.Path(scenario).read_text(encoding="utf-8"):
+        # At the end of a program LeakSanitizer waits, which lets time pass: some ticks in one run, none in the next.
+        os.environ["ASAN_OPTIONS"] = "detect_leaks=0"
     with tempfile.NamedTemporaryFile(suffix=".xml") as report:
         first = run_scenario(program, scenario, *options, "--junit", report.name)
         suite = ElementTree.parse(report.name).getroot()
