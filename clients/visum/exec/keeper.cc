@@ -130,7 +130,8 @@ bool Keeper::is_to_wake_parent(const Slot& ended, const ThreadState& state) {
   bool awaited = false;
   for (auto& slot : channel_.slots()) {
     if (slot.state == State::kFree || &slot == &ended) continue;
-    if (slot.pid == pid) return false;  // it has not: another of its threads is there
+    // Only its first thread has ended: the parent is woken by the end of the last.
+    if (slot.pid == pid && !threads_.state(pid, slot.tid).gone()) return false;
     const bool waits = slot.state == State::kBlocked && (slot.flags & shim::kAwaitsChild) != 0;
     const auto child = slot.key.load();
     awaited |= waits && slot.pid == state.parent && (child == 0 || child == static_cast<std::uint64_t>(pid));
