@@ -1,7 +1,9 @@
 #include "hwparts/drive/portable_tanh.h"
 
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 namespace visum::drive {
 namespace {
@@ -34,9 +36,11 @@ double expm1_positive(double y) {
   constexpr double kInvLn2 = 1.4426950408889634;
   constexpr double kLn2High = 6.93147180369123816490e-01;
   constexpr double kLn2Low = 1.90821492927058770002e-10;
-  const double n = std::floor(y * kInvLn2 + 0.5);
+  const auto whole = static_cast<std::int64_t>(y * kInvLn2 + 0.5);
+  const auto n = static_cast<double>(whole);
   const double r = (y - n * kLn2High) - n * kLn2Low;
-  const double scale = std::ldexp(1.0, static_cast<int>(n));
+  constexpr int kExponentBias = 1023, kMantissaBits = 52;
+  const auto scale = std::bit_cast<double>((whole + kExponentBias) << kMantissaBits);  // 2^n
   return scale * small_expm1(r) + (scale - 1.0);
 }
 

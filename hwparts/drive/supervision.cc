@@ -117,14 +117,6 @@ void shift_zero(DriveState& state, double change) {
 
 }  // namespace
 
-bool has(const DriveState& state, std::uint32_t bits) {
-  return (state.latched & bits) != 0;
-}
-
-bool ready(const DriveState& state) {
-  return state.loop_closed && !state.brake_closed;
-}
-
 double switch_position(const DriveState& state) {
   return state.measured_position - state.zero_offset;
 }

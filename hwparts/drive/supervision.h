@@ -15,9 +15,13 @@
 
 namespace visum::drive {
 
-bool has(const DriveState& state, std::uint32_t bits);  // any of them, latched
+inline bool has(const DriveState& state, std::uint32_t bits) {  // any of them, latched
+  return (state.latched & bits) != 0;
+}
 // Power on, brake open: the loop moves the rotor.
-bool ready(const DriveState& state);
+inline bool ready(const DriveState& state) {
+  return state.loop_closed && !state.brake_closed;
+}
 // The rotor's own position, as far as the encoder tells: limit and reference switches know no zero.
 double switch_position(const DriveState& state);
 

@@ -24,28 +24,37 @@ constexpr double kAtan[] = {
     6.66107313738753120669e-02,  -5.83357013379057348645e-02, 4.97687799461593236017e-02,
     -3.65315727442169155270e-02, 1.62858201153657823623e-02};
 
-// x - atan(x) for |x| <= 7/16.
+// x - atan(x) for |x| <= 7/16. In two sums that do not wait for each other.
 double atan_rest(double x) {
-  const double z = x * x;
-  double sum = 0.0;
-  for (int i = 10; i >= 0; --i) sum = kAtan[i] + z * sum;
-  return x * z * sum;
+  const double z = x * x, w = z * z;
+  const auto& a = kAtan;
+  const double even = z * (a[0] + w * (a[2] + w * (a[4] + w * (a[6] + w * (a[8] + w * a[10])))));
+  const double odd = w * (a[1] + w * (a[3] + w * (a[5] + w * (a[7] + w * a[9]))));
+  return x * (even + odd);
 }
 
-double atan_positive(double x) {
-  if (x < 0.4375) return x - atan_rest(x);
-  int part = 3;
-  double t = -1.0 / x;
-  if (x < 0.6875) {
-    part = 0;
-    t = (2.0 * x - 1.0) / (2.0 + x);
-  } else if (x < 1.1875) {
-    part = 1;
-    t = (x - 1.0) / (x + 1.0);
-  } else if (x < 2.4375) {
-    part = 2;
-    t = (x - 1.5) / (1.0 + 1.5 * x);
+// atan(y/x) for y, x >= 0, not both 0. One division: atan(y/x) = atan(c) + atan((y - c x)/(x + c y)).
+double atan_positive(double y, double x) {
+  if (y < 0.4375 * x) {
+    const double t = y / x;
+    return t - atan_rest(t);
   }
+  int part = 3;
+  double above = -x, below = y;
+  if (y < 0.6875 * x) {
+    part = 0;
+    above = 2.0 * y - x;
+    below = 2.0 * x + y;
+  } else if (y < 1.1875 * x) {
+    part = 1;
+    above = y - x;
+    below = y + x;
+  } else if (y < 2.4375 * x) {
+    part = 2;
+    above = y - 1.5 * x;
+    below = x + 1.5 * y;
+  }
+  const double t = above / below;
   return kAtanHigh[part] - ((atan_rest(t) - kAtanLow[part]) - t);
 }
 
@@ -74,7 +83,7 @@ double tangent(double x) {
 
 double arc_tangent(double y, double x) {
   if (y == 0.0 && x >= 0.0) return 0.0;
-  const double angle = x == 0.0 ? 0.5 * kPi : atan_positive(std::abs(y / x));
+  const double angle = atan_positive(std::abs(y), std::abs(x));
   const double turned = x < 0.0 ? kPi - angle : angle;
   return y < 0.0 ? -turned : turned;
 }

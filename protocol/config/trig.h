@@ -16,19 +16,21 @@ SinCos sin_cos_large(double x);
 double tangent(double x);                // likewise
 double arc_tangent(double y, double x);  // as std::atan2
 
+// sin x = x + x z S(z),  cos x = 1 - (z/2 - z^2 C(z)),  z = x^2, |x| <= pi/4: the coefficients of S and C.
+inline constexpr double kSine[] = {-1.66666666666666324348e-01, 8.33333333332248946124e-03,
+                                   -1.98412698298579493134e-04, 2.75573137070700676789e-06,
+                                   -2.50507602534068634195e-08, 1.58969099521155010221e-10};
+inline constexpr double kCosine[] = {4.16666666666666019037e-02, -1.38888888888741095749e-03,
+                                     2.48015872894767294178e-05, -2.75573143513906633035e-07,
+                                     2.08757232129817482790e-09, -1.13596475577881948265e-11};
+
 // For |x| <= pi/4.
 inline SinCos sin_cos_small(double x) {
   const double z = x * x;
-  const double s = -1.66666666666666324348e-01 +
-                   z * (8.33333333332248946124e-03 +
-                        z * (-1.98412698298579493134e-04 +
-                             z * (2.75573137070700676789e-06 +
-                                  z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10))));
-  const double c = 4.16666666666666019037e-02 +
-                   z * (-1.38888888888741095749e-03 +
-                        z * (2.48015872894767294178e-05 +
-                             z * (-2.75573143513906633035e-07 +
-                                  z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))));
+  const auto& S = kSine;
+  const auto& C = kCosine;
+  const double s = S[0] + z * (S[1] + z * (S[2] + z * (S[3] + z * (S[4] + z * S[5]))));
+  const double c = C[0] + z * (C[1] + z * (C[2] + z * (C[3] + z * (C[4] + z * C[5]))));
   return {x + x * z * s, 1.0 - (0.5 * z - z * z * c)};
 }
 

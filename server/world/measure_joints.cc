@@ -17,7 +17,8 @@ struct Side {
   Eigen::Vector3d w_W = Eigen::Vector3d::Zero();
 };
 
-Side side_of(const WorldModel& model, const WorldState& state, BodyId id, const Pose& X_BJ) {
+[[gnu::always_inline]] inline Side side_of(const WorldModel& model, const WorldState& state, BodyId id,
+                                           const Pose& X_BJ) {
   if (!id.valid()) return {X_BJ};
   const Body& body = model.bodies[id.index()];
   const BodyState& motion = state.bodies[id.index()];
@@ -30,30 +31,43 @@ Eigen::Vector3d relative_velocity(const Side& parent, const Side& child) {
   return child.v_WJ - parent.v_WJ - parent.w_W.cross(child.X_WJ.p - parent.X_WJ.p);
 }
 
-// Likewise, as far as it turns.
-struct Turn {
-  Eigen::Quaterniond q_WJ;
-  Eigen::Vector3d w_W = Eigen::Vector3d::Zero();
-};
-
-Turn turn_of(const WorldState& state, BodyId id, const Pose& X_BJ) {
-  if (!id.valid()) return {X_BJ.q};
-  const BodyState& motion = state.bodies[id.index()];
-  return {motion.q_WB * X_BJ.q, motion.w_WB};
+// Most joints' frames are turned as their body is.
+const Eigen::Quaterniond& turned_by(const Eigen::Quaterniond& q_WB, const Eigen::Quaterniond& q_BJ,
+                                    Eigen::Quaterniond& product) {
+  if (q_BJ.w() == 1.0 && q_BJ.vec().isZero(0.0)) return q_WB;
+  product = q_WB * q_BJ;
+  return product;
 }
 
-void measure_angle(const Joint& joint, const Turn& parent, const Turn& child, double elapsed_s,
-                   JointState& state) {
-  const Eigen::Quaterniond turned = parent.q_WJ.conjugate() * child.q_WJ;
-  const double angle = 2.0 * config::arc_tangent(joint.axis_J.dot(turned.vec()), turned.w());
-  const double velocity = (parent.q_WJ * joint.axis_J).dot(child.w_W - parent.w_W);
+// As std::round, which is a call; seldom is more than half a turn to be gone back.
+double nearest(double turns) {
+  return std::abs(turns) < 0.5 ? std::copysign(0.0, turns) : std::round(turns);
+}
+
+void measure_angle(const Joint& joint, const WorldState& world, double elapsed_s, JointState& state) {
+  static const BodyState kStill{Eigen::Vector3d::Zero(), Eigen::Quaterniond::Identity(),
+                                Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  const BodyState& child = world.bodies[joint.child.index()];
+  const BodyState& parent = joint.parent.valid() ? world.bodies[joint.parent.index()] : kStill;
+  Eigen::Quaterniond parent_product, child_product;
+  const Eigen::Quaterniond& p = turned_by(parent.q_WB, joint.X_PJ.q, parent_product);
+  const Eigen::Quaterniond& c = turned_by(child.q_WB, joint.X_CJ.q, child_product);
+  const Eigen::Vector3d u = p.vec(), t = c.vec(), &axis = joint.axis_J;
+  // Of conj(p) c, the share about the axis, and the rest.
+  const double along = axis.dot(p.w() * t - c.w() * u - u.cross(t));
+  const double angle = 2.0 * config::arc_tangent(along, p.w() * c.w() + u.dot(t));
+  const Eigen::Vector3d across = 2.0 * u.cross(axis);
+  const Eigen::Vector3d axis_W = axis + p.w() * across + u.cross(across);
+  const double velocity = axis_W.dot(child.w_WB - parent.w_WB);
   // Of the angles that look the same, the one nearest to where the mean velocity leads.
   const double expected = state.position + 0.5 * elapsed_s * (state.velocity + velocity);
-  state.position = angle + kTurn * std::round((expected - angle) / kTurn);
+  state.position = angle + kTurn * nearest((expected - angle) * (1.0 / kTurn));
   state.velocity = velocity;
 }
 
-void measure_distance(const Joint& joint, const Side& parent, const Side& child, JointState& state) {
+// By force: of a side only what is asked for is then worked out.
+[[gnu::always_inline]] inline void measure_distance(const Joint& joint, const Side& parent, const Side& child,
+                                                    JointState& state) {
   const Eigen::Vector3d axis_W = parent.X_WJ.q * joint.axis_J;
   state.position = axis_W.dot(child.X_WJ.p - parent.X_WJ.p);
   state.velocity = axis_W.dot(relative_velocity(parent, child));
@@ -72,15 +86,17 @@ void measure_place(const Joint& joint, const Side& parent, const Side& child, Jo
   state.velocity = tangent.dot(to_J * relative_velocity(parent, child)) / tangent.squaredNorm();
 }
 
-void measure(const Joint& joint, const Side& parent, const Side& child, JointState& state) {
+void measure(const WorldModel& model, const WorldState& world, const Joint& joint, JointState& state) {
+  const auto parent = [&] { return side_of(model, world, joint.parent, joint.X_PJ); };
+  const auto child = [&] { return side_of(model, world, joint.child, joint.X_CJ); };
   switch (joint.kind) {
     case JointKind::kSlider:
     case JointKind::kPointOnLine:
-      return measure_distance(joint, parent, child, state);
+      return measure_distance(joint, parent(), child(), state);
     case JointKind::kSpring:
-      return measure_length(parent, child, state);
+      return measure_length(parent(), child(), state);
     case JointKind::kPointOnCurve:
-      return measure_place(joint, parent, child, state);
+      return measure_place(joint, parent(), child(), state);
     case JointKind::kHinge:
     case JointKind::kScrew:
     case JointKind::kTorsionSpring:
@@ -99,11 +115,9 @@ void measure_joints(const WorldModel& model, WorldState& state, double elapsed_s
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     const Joint& joint = model.joints[i];
     if (info(joint.kind).is_angle)
-      measure_angle(joint, turn_of(state, joint.parent, joint.X_PJ), turn_of(state, joint.child, joint.X_CJ),
-                    elapsed_s, state.joints[i]);
+      measure_angle(joint, state, elapsed_s, state.joints[i]);
     else
-      measure(joint, side_of(model, state, joint.parent, joint.X_PJ),
-              side_of(model, state, joint.child, joint.X_CJ), state.joints[i]);
+      measure(model, state, joint, state.joints[i]);
   }
 }
 
