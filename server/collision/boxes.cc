@@ -37,11 +37,11 @@ struct TwoBoxes {
         f(a.convex->polytope.box),
         g(b.convex->polytope.box) {}
 
-  // False where it parts them.
+  // False where it parts them: then it is the best.
   static bool take(Axis& best, const Axis& axis, double margin = 0.0) {
-    if (axis.depth <= kTouchM) return false;
-    if (axis.depth < best.depth - margin) best = axis;
-    return true;
+    const bool parts = axis.depth <= kTouchM;
+    if (parts || axis.depth < best.depth - margin) best = axis;
+    return !parts;
   }
 
   bool take_faces(Axis& best) const {
@@ -82,7 +82,8 @@ bool is_box(const Convex& convex) {
 Direction find_direction_of_boxes(const Placed& a, const Placed& b) {
   const TwoBoxes boxes(a, b);
   Axis face, edge;
-  if (!boxes.take_faces(face) || !boxes.take_edges(edge)) return {};
+  if (!boxes.take_faces(face)) return Direction::apart_by(-face.depth);
+  if (!boxes.take_edges(edge)) return Direction::apart_by(-edge.depth);
   const Axis& best = is_better(edge.depth, face.depth) ? edge : face;
   return {false, best.direction(a, b), best.depth};
 }

@@ -13,6 +13,8 @@ namespace visum::collision {
 namespace {
 
 constexpr double kRoundingM = 1e-6;  // more than what gaps and paths are wrong by
+// Of shapes that are this far apart a fresh look says so, too.
+constexpr double kSurelyApartM = 1e-4;
 
 }  // namespace
 
@@ -102,6 +104,7 @@ bool CollisionStage::find(const world::WorldState& state, std::vector<Contact>& 
       if (contacts.size() == kMaxContacts) return false;
       contacts.push_back(make_contact(a, b, points[k], k));
     }
+    near.apart_until = path + of.narrow.gap() - kSurelyApartM;
   }
   return true;
 }

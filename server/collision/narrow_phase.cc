@@ -87,6 +87,7 @@ NarrowPhase::NarrowPhase() {
 const std::vector<Point>& NarrowPhase::find(const PreparedShape& a, const PreparedShape& b) {
   using enum world::ShapeKind;
   points_.clear();
+  gap_ = 0.0;
   const auto turn = [this] {
     for (Point& point : points_) point.normal_W = -point.normal_W;
   };
@@ -105,6 +106,7 @@ const std::vector<Point>& NarrowPhase::find(const PreparedShape& a, const Prepar
   } else {
     const Direction direction = find_direction(a.placed, b.placed, solver_);
     if (!direction.apart) add_manifold(a.placed, b.placed, direction, points_);
+    gap_ = direction.gap;
   }
   reduce(points_, 0, kMaxContactsPerPair);
   return points_;

@@ -16,6 +16,8 @@ class NarrowPhase {
   // At most kMaxContactsPerPair points, normals from b to a. Valid until the next call. Does not allocate
   // once warm.
   const std::vector<Point>& find(const PreparedShape& a, const PreparedShape& b);
+  // By how much at least the two of the last call are apart, m; 0 or less: they touch, or it is not known.
+  double gap() const { return gap_; }
 
  private:
   // A triangle of a mesh, moved from one to the next.
@@ -39,6 +41,7 @@ class NarrowPhase {
   GjkSolver solver_;
   MovingTriangle triangle_a_, triangle_b_;
   std::vector<Point> points_;
+  double gap_ = 0.0;
 };
 
 }  // namespace visum::collision

@@ -8,6 +8,8 @@
 namespace visum::collision {
 namespace {
 
+// Nearer than this GJK may find no direction where it has found one before: who counts on a gap looks again.
+constexpr double kGjkSlackM = 1e-3;
 constexpr std::size_t kMaxSatDirections = 12;  // of faces, and of edges: 24 + 144 axes at most
 constexpr double kFaceBonus = 0.95;
 constexpr double kFaceSlackM = 1e-6;
@@ -21,11 +23,13 @@ bool has_few_axes(const Convex& convex) {
 struct Least {
   double depth = std::numeric_limits<double>::infinity();
   Eigen::Vector3d normal_W = Eigen::Vector3d::Zero();
+  double gap = 0.0;  // along the axis that parts them
 
   // False once the shapes are found apart.
   bool take(const Placed& a, const Placed& b, const Eigen::Vector3d& axis_W) {
     for (const Eigen::Vector3d& direction : {axis_W, Eigen::Vector3d(-axis_W)}) {
       const double overlap = overlap_along(a, b, direction);
+      if (overlap <= 0.0) gap = -overlap;
       if (overlap <= 0.0) return false;
       if (overlap < depth) *this = {overlap, direction};
     }
@@ -37,13 +41,14 @@ Direction along_separating_axes(const Placed& a, const Placed& b) {
   Least face, edge;
   for (const Placed* side : {&a, &b}) {
     for (const Eigen::Vector3d& normal : side->convex->polytope.normals) {
-      if (!face.take(a, b, side->R * normal)) return {};
+      if (!face.take(a, b, side->R * normal)) return Direction::apart_by(face.gap);
     }
   }
   for (const Eigen::Vector3d& edge_a : a.convex->polytope.edges) {
     for (const Eigen::Vector3d& edge_b : b.convex->polytope.edges) {
       const Eigen::Vector3d axis = (a.R * edge_a).cross(b.R * edge_b);
-      if (axis.squaredNorm() > kParallelSquared && !edge.take(a, b, axis.normalized())) return {};
+      if (axis.squaredNorm() > kParallelSquared && !edge.take(a, b, axis.normalized()))
+        return Direction::apart_by(edge.gap);
     }
   }
   const Least& best = is_better(edge.depth, face.depth) ? edge : face;
@@ -99,7 +104,7 @@ Direction find_direction(const Placed& a, const Placed& b, GjkSolver& solver) {
   if (!normal) normal = along_frames(a, b);
   if (!normal) return {};
   const Direction found{false, *normal, overlap_along(a, b, *normal)};
-  return found.depth > 0.0 ? prefer_features(a, b, found) : Direction{};
+  return found.depth > 0.0 ? prefer_features(a, b, found) : Direction::apart_by(-found.depth - kGjkSlackM);
 }
 
 }  // namespace visum::collision

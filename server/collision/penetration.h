@@ -32,9 +32,12 @@ struct Placed {
 double overlap_along(const Placed& a, const Placed& b, const Eigen::Vector3d& direction_W);
 
 struct Direction {
-  bool apart = true;         // the shapes do not touch; the rest is then not set
+  bool apart = true;         // the shapes do not touch; of the rest only `gap` is then set
   Eigen::Vector3d normal_W;  // unit, from b to a
   double depth = 0.0;        // overlap_along(normal_W)
+  double gap = 0.0;          // they are this far apart, or farther; 0 or less: not known
+
+  static Direction apart_by(double gap) { return {.gap = gap}; }
 };
 
 inline constexpr double kParallelSquared = 1e-8;  // of the sine of two edges that give no axis
