@@ -59,4 +59,8 @@ struct EngineKind {
 std::span<const EngineKind> engine_kinds();
 std::unique_ptr<Engine> make_engine(const world::WorldModel& model, std::int32_t engine_index);
 
+// For which processors the hot loops that this process takes are compiled: x86-64 or x86-64-v3. The bits are
+// the same. Throws where the environment's VISUM_KERNELS names others.
+const char* processor_build();
+
 }  // namespace visum::dynamics

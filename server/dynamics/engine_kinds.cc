@@ -3,6 +3,7 @@
 
 #include "server/dynamics/engine.h"
 #include "server/dynamics/engine_factories.h"
+#include "server/dynamics/impulse/lanes/kernels.h"
 
 namespace visum::dynamics {
 namespace {
@@ -35,6 +36,10 @@ std::unique_ptr<Engine> make_engine(const world::WorldModel& model, std::int32_t
     if (name == kind.name) return kind.make(model, engine_index);
   }
   throw std::runtime_error("there is no engine '" + name + "'; there are: " + known_names());
+}
+
+const char* processor_build() {
+  return impulse::kernels().build;
 }
 
 }  // namespace visum::dynamics

@@ -24,11 +24,10 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kAtLimit = 1.0 - 1e-9;  // share of the limit from which on a law starts as a row
-constexpr double kMoves = 1e-9;          // rad/s, m/s: faster, dry friction starts at its limit
-// A stop that is farther off than the axis comes in two steps, and this, takes no part: rad, m.
-constexpr double kStopReach = 1e-3;
-constexpr double kPassed = 1e-12;  // share of the limit, that is rounding
+constexpr double kMostCompliance = 1e30;  // (rad/s)/(N·m): gives way to all, and is a single-precision number
+constexpr double kAtLimit = 1.0 - 1e-9;   // share of the limit from which on a law starts as a row
+constexpr double kMoves = 1e-9;           // rad/s, m/s: faster, dry friction starts at its limit
+constexpr double kPassed = 1e-12;         // share of the limit, that is rounding
 
 bool says_nothing(const hwparts::JointDrive& drive) {
   return drive.max_effort == 0.0 && drive.feedforward == 0.0;
@@ -46,7 +45,10 @@ void take_limit(Axis& axis, bool as_row, bool driven) {
 void take_law(Axis& axis, const hwparts::JointDrive& drive, double last_effort, bool as_row) {
   const bool driven = !says_nothing(drive);
   axis.target = driven ? drive.target_velocity : 0.0;
-  axis.compliance_s = driven ? drive.compliance : 0.0;
+  // To single precision: what changes by less from tick to tick (a winding that warms up) keeps the tree's
+  // factors.
+  axis.compliance_s =
+      driven ? static_cast<double>(static_cast<float>(std::min(drive.compliance, kMostCompliance))) : 0.0;
   axis.most = driven ? drive.max_effort : axis.model->friction;
   axis.feedforward = drive.feedforward;
   axis.damping = driven ? 0.0 : axis.model->damping;
@@ -55,34 +57,31 @@ void take_law(Axis& axis, const hwparts::JointDrive& drive, double last_effort, 
   take_limit(axis, as_row, driven);
 }
 
-double position(const JointSpec& joint, const JointPose& pose, double near) {
-  return world::info(joint.kind).is_angle ? joint_angle(joint, pose, near) : pose.a.dot(pose.pb - pose.pa);
+void take_axis(Axis& axis, const hwparts::JointDrive& drive, const world::JointState& joint, bool as_row) {
+  axis.start = joint.position;
+  axis.rate = joint.velocity;
+  axis.total = 0.0;
+  take_law(axis, drive, joint.effort, as_row);
 }
 
-bool law_in_tree(const Axis& axis) {
-  return axis.acts && !axis.boxed && axis.at_limit == 0;
+double position(const Axis& axis, const JointPose& pose, double near) {
+  return axis.turns ? joint_angle(*axis.spec, pose, near) : pose.a.dot(pose.pb - pose.pa);
 }
-bool damping_in_tree(const Axis& axis) {
-  return axis.damping > 0.0 && !law_in_tree(axis) && axis.node >= 0;
+
+double mean_rate(const Axis& axis, const JointPose& ahead, double h) {
+  return (position(axis, ahead, axis.start + h * axis.rate) - axis.start) / h;
 }
 
 // Of a law that wants `target`, has given `done`, and gives way by k for each N·m·s.
-double missing(const Plant& plant, const Axis& axis, Moment moment, double target, double k,
-               const std::array<double, kMoments>& done) {
+inline double missing(const Plant& plant, const Axis& axis, Moment moment, double target, double k,
+                      const std::array<double, kMoments>& done) {
   if (moment == kAhead)
     return 0.5 * (target + axis.rate) - axis.mean_rate - k * (done[kAhead] + 0.5 * done[kHit]);
   return target - plant.rate(axis) - k * (done[kHit] + done[kAhead] + done[kAfter]);
 }
 
-double missing_of_law(const Plant& plant, const Axis& axis, Moment moment, double h) {
+inline double missing_of_law(const Plant& plant, const Axis& axis, Moment moment, double h) {
   return missing(plant, axis, moment, axis.target, axis.compliance_s / h, axis.law);
-}
-
-// What the law gives at this moment where it is at its limit; nothing in the instant of a hit.
-double limit_impulse(const Axis& axis, Moment moment, double h) {
-  if (axis.at_limit == 0 || moment == kHit) return 0.0;
-  const double most = axis.at_limit * h * axis.most;
-  return moment == kAhead ? 0.5 * most : most - axis.law[kHit] - axis.law[kAhead];
 }
 
 // The limit that the law has passed, -1 or 1; 0: none.
@@ -100,98 +99,91 @@ bool suits(const Plant& plant, const Axis& axis, Moment moment, double h) {
   return !law_in_tree(axis) || passed_limit(axis, moment, h) == 0;
 }
 
-}  // namespace
-
-double room(const Axis& axis, std::size_t side) {
-  return side == 0 ? axis.start - axis.model->lower : axis.model->upper - axis.start;
-}
-
-bool is_within_reach(const Axis& axis, std::size_t side, double h) {
-  return axis.model->limited && room(axis, side) <= 2.0 * h * std::abs(axis.rate) + kStopReach;
-}
-
-bool is_in_tree(const Axis& axis) {
-  return axis.node >= 0 && (law_in_tree(axis) || damping_in_tree(axis));
-}
-
-double law_compliance(const Axis& axis, double h) {
-  return law_in_tree(axis) ? axis.compliance_s / h : 1.0 / (axis.damping * h);
-}
-
-double missing_rate(const Plant& plant, const Axis& axis, Moment moment, double h) {
+inline double missing_in_tree(const Plant& plant, const Axis& axis, Moment moment, double h) {
   if (damping_in_tree(axis)) return missing(plant, axis, moment, 0.0, law_compliance(axis, h), axis.damped);
   return missing_of_law(plant, axis, moment, h);
 }
 
-double known_impulse(const Axis& axis, Moment moment, double h) {
-  return 0.5 * h * axis.feedforward + limit_impulse(axis, moment, h);
-}
+}  // namespace
 
-void take_law_impulse(Axis& axis, Moment moment, double impulse) {
-  (law_in_tree(axis) ? axis.law : axis.damped)[moment] += impulse;
+double missing_rate(const Plant& plant, const Axis& axis, Moment moment, double h) {
+  return missing_in_tree(plant, axis, moment, h);
 }
 
 void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, const world::WorldState& state) {
-  for (Axis& axis : plant.axes) {
-    const world::JointState& joint = state.joints[axis.joint.index()];
-    axis.start = joint.position;
-    axis.rate = joint.velocity;
-    axis.total = 0.0;
-    take_law(axis, drives[axis.joint.index()], joint.effort, plant.setting.solver == "iterate");
+  const bool as_row = plant.setting.solver == "iterate";
+  plant.acting.clear();
+  for (std::size_t m = 0; m < plant.mechanisms.size(); ++m) {
+    plant.first_acting[m] = plant.acting.size();
+    for (std::size_t i = plant.first_axis[m]; i < plant.first_axis[m + 1]; ++i) {
+      Axis& axis = plant.axes[i];
+      const hwparts::JointDrive& drive = drives[axis.joint.index()];
+      const bool was_idle = axis.idle;
+      axis.idle = axis.is_free && says_nothing(drive);
+      if (axis.idle && was_idle) continue;
+      take_axis(axis, drive, state.joints[axis.joint.index()], as_row);
+      if (!axis.idle && !plant.mechanism_asleep[m]) plant.acting.push_back(i);
+      if (axis.idle && axis.node >= 0) plant.mechanisms[m].set_axis(static_cast<std::size_t>(axis.node), {});
+    }
   }
+  plant.first_acting.back() = plant.acting.size();
 }
 
 void measure_axes(Plant& plant, double h) {
-  for (Axis& axis : plant.axes) {
-    if (plant.mechanism_asleep[axis.mechanism]) continue;
-    const JointSpec& joint = plant.spec(axis);
+  for (Axis& axis : plant.acting_axes()) {
     const double last = axis.rate;
     axis.rate = plant.rate(axis);
     const double expected = axis.start + 0.5 * h * (last + axis.rate);
-    axis.start = position(joint, pose_now(joint, plant.bodies, axis.start), expected);
+    axis.start = position(axis, pose_now(*axis.spec, plant.bodies, axis.start), expected);
   }
 }
 
 void measure_ahead(const Plant& plant, Axis& axis, const JointPose& ahead, double h) {
-  axis.mean_rate = (position(plant.spec(axis), ahead, axis.start + h * axis.rate) - axis.start) / h;
+  axis.mean_rate = mean_rate(axis, ahead, h);
   axis.bias = axis.mean_rate - plant.rate(axis);
 }
 
 void measure_ahead(Plant& plant, std::size_t mechanism, double h) {
-  for (Axis& axis : plant.axes_of(mechanism))
-    if (axis.acts || axis.damping > 0.0 || axis.model->limited)
-      measure_ahead(plant, axis, plant.pose_ahead(axis), h);
+  const bool bound = plant.mechanism_bound[mechanism] != 0;
+  for (Axis& axis : plant.acting_axes_of(mechanism)) {
+    if (!axis.acts && axis.damping == 0.0 && !axis.model->limited) continue;
+    if (bound)
+      measure_ahead(plant, axis, *axis.ahead, h);
+    else
+      axis.mean_rate = mean_rate(axis, *axis.ahead, h);
+  }
 }
 
 void set_tree_axes(Plant& plant, double h) {
-  for (const Axis& axis : plant.axes) {
+  for (const Axis& axis : plant.acting_axes()) {
     if (axis.node < 0) continue;
-    TreeAxis& tree = plant.mechanisms[axis.mechanism].axes[static_cast<std::size_t>(axis.node)];
-    tree.implicit = is_in_tree(axis);
-    tree.compliance = tree.implicit ? law_compliance(axis, h) : 0.0;
+    const bool implicit = is_in_tree(axis);
+    plant.mechanisms[axis.mechanism].set_axis(static_cast<std::size_t>(axis.node),
+                                              {implicit, implicit ? law_compliance(axis, h) : 0.0});
   }
 }
 
 double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h) {
   double largest = 0.0;
-  for (const Axis& axis : plant.axes_of(mechanism)) {
+  Tree& tree = plant.mechanisms[mechanism].tree();
+  for (const Axis& axis : plant.acting_axes_of(mechanism)) {
     if (!is_in_tree(axis)) continue;
-    const double missing = missing_rate(plant, axis, moment, h);
-    plant.mechanisms[mechanism].tree().ask_axis(static_cast<std::size_t>(axis.node), missing);
-    largest = std::max(largest, std::abs(missing));
+    const double missing = missing_in_tree(plant, axis, moment, h);
+    tree.ask_axis(static_cast<std::size_t>(axis.node), missing);
+    if (!(std::abs(missing) <= largest) && !std::isnan(largest)) largest = std::abs(missing);
   }
   return largest;
 }
 
 void take_axis_impulses(Plant& plant, std::size_t mechanism, Moment moment) {
   const Tree& tree = plant.mechanisms[mechanism].tree();
-  for (Axis& axis : plant.axes_of(mechanism))
+  for (Axis& axis : plant.acting_axes_of(mechanism))
     if (is_in_tree(axis))
       take_law_impulse(axis, moment, tree.axis_impulse(static_cast<std::size_t>(axis.node)));
 }
 
 void reset_impulses(Plant& plant) {
-  for (Axis& axis : plant.axes) {
+  for (Axis& axis : plant.acting_axes()) {
     axis.law = {};
     axis.damped = {};
     axis.stopped = {};
@@ -201,8 +193,7 @@ void reset_impulses(Plant& plant) {
 
 bool change_laws(Plant& plant, Moment moment, double h, bool as_rows) {
   bool any = false;
-  for (Axis& axis : plant.axes) {
-    if (plant.mechanism_asleep[axis.mechanism]) continue;
+  for (Axis& axis : plant.acting_axes()) {
     if (axis.at_limit != 0) axis.law[moment] = limit_impulse(axis, moment, h);
     if (suits(plant, axis, moment, h)) continue;
     axis.at_limit = axis.at_limit != 0 || as_rows ? 0 : passed_limit(axis, moment, h);

@@ -1,16 +1,37 @@
 #include "server/dynamics/impulse/bodies.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
-#include "server/dynamics/impulse/free_flight.h"
-#include "server/dynamics/impulse/symmetric.h"
+#include "server/dynamics/impulse/lanes/kernels.h"
 
 namespace visum::dynamics::impulse {
 namespace {
 
 constexpr double kSameMoment = 1e-12;  // relative: what rounding leaves of a symmetry
+
+using Bits = long long __attribute__((vector_size(16)));
+
+Bits bits_at(const double* from) {
+  Bits bits;
+  std::memcpy(&bits, from, sizeof(bits));
+  return bits;
+}
+
+bool are_same_bits(const Quaterniond& a, const Quaterniond& b) {
+  const double *x = a.coeffs().data(), *y = b.coeffs().data();
+  const Bits differ = (bits_at(x) ^ bits_at(y)) | (bits_at(x + 2) ^ bits_at(y + 2));
+  return (differ[0] | differ[1]) == 0;
+}
+
+bool are_same_bits(const Vector3d& a, const Vector3d& b) {
+  const Bits differ = bits_at(a.data()) ^ bits_at(b.data());
+  return (differ[0] | differ[1]) == 0 &&
+         std::bit_cast<std::uint64_t>(a.z()) == std::bit_cast<std::uint64_t>(b.z());
+}
 
 bool same(double a, double b) {
   return std::abs(a - b) <= kSameMoment * std::max(a, b);
@@ -38,27 +59,10 @@ void find_principal_axes(const Matrix3d& inertia, BodyConstants& body) {
   body.q_BP = Quaterniond(axes).normalized();
 }
 
-// m E + (n - m) a a^T: of a top with its axis a.
-Matrix3d turned_top(double along, double across, const Vector3d& a) {
-  const Vector3d s = (along - across) * a;
-  return Symmetric3{s.x() * a.x() + across, s.y() * a.y() + across, s.z() * a.z() + across,
-                    s.x() * a.y(),          s.y() * a.z(),          s.z() * a.x()}
-      .full();
-}
-
-// R diag(moments) R^T.
-Matrix3d turned(const BodyConstants& body, const Vector3d& moments, const Matrix3d& R) {
-  switch (body.symmetry) {
-    case Symmetry::kBall:
-      return moments.asDiagonal();
-    case Symmetry::kTop:
-      return turned_top(moments[body.axis], moments[(body.axis + 1) % 3], R.col(body.axis));
-    case Symmetry::kNone:
-      break;
-  }
-  const Matrix3d s = R * moments.asDiagonal();
-  const auto dot = [&](int i, int j) { return s(i, 0) * R(j, 0) + s(i, 1) * R(j, 1) + s(i, 2) * R(j, 2); };
-  return Symmetric3{dot(0, 0), dot(1, 1), dot(2, 2), dot(0, 1), dot(1, 2), dot(2, 0)}.full();
+// What the kernels call alike: bodies that move by the same formulas.
+constexpr int kGroups = 8;
+int group(const BodyConstants& body) {
+  return 2 * (body.symmetry == Symmetry::kNone ? 3 : body.axis) + (body.aligned ? 0 : 1);
 }
 
 }  // namespace
@@ -80,43 +84,83 @@ Bodies::Bodies(const world::WorldModel& model, std::int32_t engine_index)
   }
   const std::size_t n = constants.size();
   is_oriented_.assign(n, 0);
-  for (auto* list : {&x, &v, &w, &x1}) list->assign(n, Vector3d::Zero());
-  for (auto* list : {&q, &q_WB, &q1}) list->assign(n, Quaterniond::Identity());
-  for (auto* list : {&R, &R1, &inertia, &inverse_inertia}) list->assign(n, Matrix3d::Identity());
+  // The last one stands still: whatever is not ours.
+  for (auto* list : {&x, &v, &w, &x1}) list->assign(n + 1, Vector3d::Zero());
+  for (auto* list : {&q, &q_WB, &q1}) list->assign(n + 1, Quaterniond::Identity());
+  for (auto* list : {&R, &R1, &inertia, &inverse_inertia}) list->assign(n + 1, Matrix3d::Identity());
+  const auto numbers = [](auto& list) { return reinterpret_cast<double*>(list.data()); };
+  arrays_ = {numbers(x),    numbers(v),  numbers(w),       numbers(q),
+             numbers(q_WB), numbers(R),  numbers(inertia), numbers(inverse_inertia),
+             numbers(x1),   numbers(q1), numbers(R1)};
+  for (std::size_t i = 0; i < n; ++i) {
+    const int number = static_cast<int>(i);
+    alone_.push_back(block({&number, 1}, {&number, 1}));
+  }
 }
 
-void Bodies::orient(std::size_t i) {
-  q[i] = constants[i].aligned ? q_WB[i] : q_WB[i] * constants[i].q_BP;
-  R[i] = q[i].toRotationMatrix();
-  turn_inertia(i);
+// A ball is a top about any axis.
+BodyBlock Bodies::block(std::span<const int> numbers, std::span<const int> places) const {
+  BodyBlock result;
+  for (std::size_t lane = 0; lane < 4; ++lane) {
+    const std::size_t k = std::min(lane, numbers.size() - 1);
+    const BodyConstants& body = constants[static_cast<std::size_t>(numbers[k])];
+    result.vector[lane] = 3L * numbers[k];
+    result.quaternion[lane] = 4L * numbers[k];
+    result.matrix[lane] = 9L * numbers[k];
+    result.answer[lane] = places[k];
+    result.top = body.symmetry != Symmetry::kNone;
+    result.aligned = body.aligned;
+    result.axis = body.axis;
+    for (int i = 0; i < 3; ++i) {
+      const int from = result.top ? (body.axis + 1 + i) % 3 : i;  // of a top its axis is the last
+      result.moments[i][lane] = body.moments[from];
+      result.inverse_moments[i][lane] = body.inverse_moments[from];
+    }
+    for (int i = 0; i < 4; ++i) result.q_BP[i][lane] = body.q_BP.coeffs()[i];
+  }
+  return result;
 }
 
-void Bodies::turn_inertia(std::size_t i) {
-  const BodyConstants& body = constants[i];
-  inertia[i] = turned(body, body.moments, R[i]);
-  inverse_inertia[i] = turned(body, body.inverse_moments, R[i]);
+std::vector<BodyBlock> Bodies::blocks_of(std::span<const int> numbers) const {
+  std::vector<BodyBlock> blocks;
+  for (int wanted = 0; wanted < kGroups; ++wanted) {
+    std::vector<int> members, places;
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      if (group(constants[static_cast<std::size_t>(numbers[i])]) != wanted) continue;
+      members.push_back(numbers[i]);
+      places.push_back(static_cast<int>(i));
+    }
+    for (std::size_t i = 0; i < members.size(); i += 4) {
+      const std::size_t count = std::min<std::size_t>(4, members.size() - i);
+      blocks.push_back(block({&members[i], count}, {&places[i], count}));
+    }
+  }
+  return blocks;
 }
 
 void Bodies::load(const world::WorldState& state) {
-  for (std::size_t i = 0; i < size(); ++i) {
+  const std::size_t count = size();
+  for (std::size_t i = 0; i < count; ++i) {
     const world::BodyState& from = state.bodies[constants[i].id.index()];
-    x[i] = from.p_WC;
     v[i] = from.v_WC;
     w[i] = from.w_WB;
-    if (is_oriented_[i] &&
-        std::memcmp(q_WB[i].coeffs().data(), from.q_WB.coeffs().data(), 4 * sizeof(double)) == 0)
-      continue;
+    if (!are_same_bits(x[i], from.p_WC)) {
+      x[i] = from.p_WC;
+      ++placements_;
+    }
+    if (is_oriented_[i] && are_same_bits(q_WB[i], from.q_WB)) continue;
     q_WB[i] = from.q_WB;
-    orient(i);
+    kernels_.orient(arrays_, &alone_[i], 1);
     is_oriented_[i] = true;
+    ++placements_;
   }
 }
 
 void Bodies::keep(BodiesMotion& motion) const {
-  motion.x = x;
-  motion.v = v;
-  motion.w = w;
-  motion.q_WB = q_WB;
+  copy(x, motion.x);
+  copy(v, motion.v);
+  copy(w, motion.w);
+  copy(q_WB, motion.q_WB);
 }
 
 void Bodies::put_back(const BodiesMotion& motion) {
@@ -124,44 +168,29 @@ void Bodies::put_back(const BodiesMotion& motion) {
   v = motion.v;
   w = motion.w;
   q_WB = motion.q_WB;
-  for (std::size_t i = 0; i < size(); ++i) orient(i);
+  kernels_.orient(arrays_, alone_.data(), alone_.size());
+  ++placements_;
 }
 
 void Bodies::store(world::WorldState& state) const {
-  for (std::size_t i = 0; i < size(); ++i)
-    state.bodies[constants[i].id.index()] = {x[i], q_WB[i], v[i], w[i]};
+  const std::size_t count = size();
+  for (std::size_t i = 0; i < count; ++i) {
+    world::BodyState& to = state.bodies[constants[i].id.index()];
+    to.p_WC = x[i];
+    to.q_WB = q_WB[i];
+    to.v_WC = v[i];
+    to.w_WB = w[i];
+  }
 }
 
-void Bodies::look_ahead(std::size_t i, double h, const Vector3d& gravity) {
-  x1[i] = x[i] + h * v[i] + (0.5 * h * h) * gravity;
-  q1[i] = fly(constants[i], q[i], R[i], w[i], h);
-  R1[i] = q1[i].toRotationMatrix();
-}
-
-void Bodies::nudge(std::size_t i, const Vector3d& shift, const Vector3d& turn) {
-  x1[i] += shift;
-  q1[i] = renormalised(Quaterniond(1.0, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z()) * q1[i]);
-  R1[i] = q1[i].toRotationMatrix();
+void Bodies::look_ahead(std::span<const BodyBlock> blocks, double h, const Vector3d& gravity) {
+  kernels_.fly(arrays_, blocks.data(), blocks.size(), h, gravity.data());
 }
 
 // What is kept from step to step is the link's orientation, so that a restored state goes on with the same
-// bits: P's is made from it here as load() does.
-void Bodies::commit(std::size_t i, double h, const Vector3d& gravity) {
-  const Vector3d momentum = inertia[i] * w[i];
-  x[i] = x1[i];
-  v[i] += h * gravity;
-  if (constants[i].aligned) {
-    q_WB[i] = q[i] = q1[i];
-    R[i] = R1[i];
-    turn_inertia(i);
-  } else {
-    q_WB[i] = (q1[i] * constants[i].q_BP.conjugate()).normalized();
-    orient(i);
-  }
-  w[i] = inverse_inertia[i] * momentum;
-  // Where the moments differ, what the rounded inverse has lost is given back: the momentum is kept to
-  // rounding.
-  if (constants[i].symmetry == Symmetry::kNone) w[i] += inverse_inertia[i] * (momentum - inertia[i] * w[i]);
+// bits: P's is made from it as load() does.
+bool Bodies::commit(std::span<const BodyBlock> blocks, double h, const Vector3d& gravity) {
+  return kernels_.commit(arrays_, blocks.data(), blocks.size(), h, gravity.data());
 }
 
 }  // namespace visum::dynamics::impulse

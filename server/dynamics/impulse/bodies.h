@@ -4,8 +4,11 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstring>
+#include <span>
 #include <vector>
 
+#include "server/dynamics/impulse/lanes/kernels.h"
 #include "server/world/world_model.h"
 #include "server/world/world_state.h"
 
@@ -37,8 +40,13 @@ struct BodiesMotion {
 class Bodies {
  public:
   Bodies(const world::WorldModel& model, std::int32_t engine_index);
+  Bodies(const Bodies&) = delete;
+  Bodies& operator=(const Bodies&) = delete;
 
   std::size_t size() const { return constants.size(); }
+  int still() const {
+    return static_cast<int>(size());
+  }  // a number for what is not ours: it stands, at the origin
   int number(world::BodyId id) const { return id.valid() ? numbers_[id.index()] : -1; }  // -1: not ours
 
   void load(const world::WorldState& state);
@@ -46,12 +54,19 @@ class Bodies {
   void keep(BodiesMotion& motion) const;
   void put_back(const BodiesMotion& motion);
 
+  // The bodies of a list, as the kernels take them. `answer`: each one's place in the list.
+  std::vector<BodyBlock> blocks_of(std::span<const int> numbers) const;
+  // One body.
+  std::span<const BodyBlock> block_of(std::size_t i) const { return {&alone_[i], 1}; }
+
   // Where free flight over h leads from the state at t.
-  void look_ahead(std::size_t i, double h, const Vector3d& gravity);
-  // Where it leads is moved on by a little, rad and m, to first order.
-  void nudge(std::size_t i, const Vector3d& shift, const Vector3d& turn);
-  // The state becomes that of the last look-ahead; angular momentum is kept.
-  void commit(std::size_t i, double h, const Vector3d& gravity);
+  void look_ahead(std::span<const BodyBlock> blocks, double h, const Vector3d& gravity);
+  // The state becomes that of the last look-ahead; angular momentum is kept. Whether that moved any.
+  bool commit(std::span<const BodyBlock> blocks, double h, const Vector3d& gravity);
+  const BodyArrays& arrays() const { return arrays_; }
+  const Kernels& kernels() const { return kernels_; }
+  // Goes on when load() or put_back() finds a body elsewhere.
+  std::uint64_t placements() const { return placements_; }
 
   std::vector<BodyConstants> constants;
   // State at t, W: centre of mass, velocity, orientation of P and its matrix, angular velocity, inertia.
@@ -64,11 +79,23 @@ class Bodies {
   std::vector<Matrix3d> R1;
 
  private:
-  void orient(std::size_t i);  // q, R and inertia from q_WB
-  void turn_inertia(std::size_t i);
+  BodyBlock block(std::span<const int> numbers, std::span<const int> places) const;
 
   std::vector<int> numbers_;       // by BodyId
   std::vector<char> is_oriented_;  // what is made from q_WB is made
+  std::uint64_t placements_ = 1;
+  const Kernels& kernels_ = impulse::kernels();
+  BodyArrays arrays_{};
+  std::vector<BodyBlock> alone_;  // by body
 };
+
+// As an assignment; Eigen's would go number by number.
+template <typename T>
+void copy(const std::vector<T>& from, std::vector<T>& to) {
+  to.resize(from.size());
+  if (!from.empty())
+    std::memcpy(static_cast<void*>(to.data()), static_cast<const void*>(from.data()),
+                from.size() * sizeof(T));
+}
 
 }  // namespace visum::dynamics::impulse

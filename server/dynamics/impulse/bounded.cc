@@ -82,6 +82,7 @@ void Bounded::store_velocities() {
     bodies.w[slotted_[i]] = Vector3d(from[0], from[1], from[2]);
     bodies.v[slotted_[i]] = Vector3d(from[3], from[4], from[5]);
   }
+  if (rows_.responses.empty()) return;
   for (std::size_t m = 0; m < of_mechanism_.size(); ++m)
     if (binds(m)) plant_.mechanisms[m].clear();
   for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
@@ -108,33 +109,30 @@ void Bounded::store_velocities() {
 }
 
 void Bounded::aim_touch(RowBlock& block, const Touch& touch) const {
-  const Vector3d foreign = touch.frame.transpose() * touch.foreign;
-  const Vector3d bias = 0.5 * h_ * (touch.frame.transpose() * touch.bias);
   block.friction = touch.friction;
   block.low = 0.0;
   const double layer = touch.yields ? kYieldingLayerM : kSurfaceLayerM;
   const double yield = touch.yields ? kYield / h_ : 0.0;
+  // What moves by another engine is what yields.
+  Eigen::Map<Vector3d> target(block.target.data());
+  target.setZero();
+  if (touch.yields) target -= touch.frame.transpose() * touch.foreign;
   block.compliance = moment_ == kAhead ? 2.0 * yield : yield;
   switch (moment_) {
     case kHit:
-      for (std::size_t i = 0; i < 3; ++i) block.target[i] = -foreign[static_cast<int>(i)];
       // Poisson's law first brings them to rest.
-      if (plant_.setting.impact != "poisson") block.target[0] += touch.bounce;
+      if (plant_.setting.impact != "poisson") target[0] += touch.bounce;
       return;
     case kAhead: {
-      for (std::size_t i = 0; i < 3; ++i)
-        block.target[i] = -foreign[static_cast<int>(i)] - bias[static_cast<int>(i)];
+      target -= 0.5 * h_ * (touch.frame.transpose() * touch.bias);
       // Sinks into the layer, or is driven out of an overlap.
       const double beyond = beyond_noise(touch.depth - layer);
-      block.target[0] += std::min((beyond < 0.0 ? 1.0 : kPushShare) * beyond / h_, kMostPush);
+      target[0] += std::min((beyond < 0.0 ? 1.0 : kPushShare) * beyond / h_, kMostPush);
       return;
     }
     default:
-      for (std::size_t i = 0; i < 3; ++i) {
-        block.target[i] = -foreign[static_cast<int>(i)];
-        block.base[i] = touch.impulse[kHit][static_cast<int>(i)] + touch.impulse[kAhead][static_cast<int>(i)];
-      }
-      block.target[0] -= yield * block.base[0];
+      Eigen::Map<Vector3d>(block.base.data()) = touch.impulse[kHit] + touch.impulse[kAhead];
+      target[0] -= yield * block.base[0];
       block.low = -touch.impulse[kAhead][0];
   }
 }

@@ -43,12 +43,6 @@ class Bounded {
     std::size_t offset = 0, response = 0;
   };
 
-  // What a block's rows reach on one body: their directions there.
-  struct Reach {
-    int body = -1;
-    std::array<Vector3d, 3> angular, linear;
-  };
-
   void reset(Moment moment, double h);
   void add_touch(std::size_t index);
   void add_twist(std::size_t index);
@@ -58,11 +52,14 @@ class Bounded {
   void add_spring(std::size_t index);
   RowBlock& add_block(Owner owner, std::size_t dim);
   void connect_axis(RowBlock& block, const Axis& axis);
-  void connect_bodies(RowBlock& block, const Reach& a, const Reach& b);
-  void connect_free(RowBlock& block, const Reach& reach);
-  void connect_mechanism(RowBlock& block, const Reach* a, const Reach* b);
+  template <typename FindA, typename FindB>
+  void connect_bodies(RowBlock& block, int a, int b, FindA find_a, FindB find_b);
+  RowEnd& add_free_end(RowBlock& block, std::size_t body);
+  void respond(RowBlock& block, RowEnd& end, int body) const;
+  void connect_mechanism(RowBlock& block, int a, const Reach* at_a, int b, const Reach* at_b);
   RowEnd& add_mechanism_end(RowBlock& block, int mechanism);
   void finish();
+  void connect_responses();
   void find_response(std::size_t mechanism);
 
   void aim();

@@ -5,6 +5,21 @@
 
 namespace visum::dynamics::impulse {
 
+namespace {
+
+auto angular(const std::array<double, 6>& row) {
+  return Eigen::Map<const Vector3d>(row.data());
+}
+auto linear(const std::array<double, 6>& row) {
+  return Eigen::Map<const Vector3d>(row.data() + 3);
+}
+void put(std::array<double, 6>& row, const Vector3d& angular, const Vector3d& linear) {
+  Eigen::Map<Vector3d>(row.data()) = angular;
+  Eigen::Map<Vector3d>(row.data() + 3) = linear;
+}
+
+}  // namespace
+
 Bounded::Bounded(Plant& plant)
     : plant_(plant), of_mechanism_(plant.mechanisms.size()), slot_(plant.bodies.size(), kNone) {}
 
@@ -22,7 +37,10 @@ void Bounded::build(Moment moment, double h) {
   reset(moment, h);
   if (moment == kAhead) rests_ = true;
   for (std::size_t i = 0; i < plant_.touches.size(); ++i) add_touch(i);
-  for (std::size_t i = 0; i < plant_.axes.size(); ++i) add_axis(i);
+  for (const std::size_t i : plant_.acting) {
+    const Axis& axis = plant_.axes[i];
+    if (axis.boxed || axis.loop >= 0 || is_within_reach(axis, h)) add_axis(i);
+  }
   if (moment == kAhead)
     for (std::size_t i = 0; i < plant_.springs.size(); ++i) add_spring(i);
   finish();
@@ -35,6 +53,52 @@ RowBlock& Bounded::add_block(Owner owner, std::size_t dim) {
   return block;
 }
 
+// `find_a` and `find_b` set J and what follows from it (Rows::respond()) of the block's end on each body,
+// right where that is kept if the body stands free.
+template <typename FindA, typename FindB>
+void Bounded::connect_bodies(RowBlock& block, int a, int b, FindA find_a, FindB find_b) {
+  const int of_a = a < 0 ? -1 : plant_.places[static_cast<std::size_t>(a)].mechanism;
+  const int of_b = b < 0 ? -1 : plant_.places[static_cast<std::size_t>(b)].mechanism;
+  if (of_a < 0 && of_b < 0) {
+    if (a >= 0) find_a(block, add_free_end(block, static_cast<std::size_t>(a)));
+    if (b >= 0) find_b(block, add_free_end(block, static_cast<std::size_t>(b)));
+    return;
+  }
+  RowBlock alone;
+  alone.dim = block.dim;
+  RowEnd at_a, at_b;
+  if (of_a >= 0) find_a(alone, at_a);
+  if (of_b >= 0) find_b(alone, at_b);
+  if (of_a >= 0 && of_a == of_b) return connect_mechanism(block, a, &at_a.J, b, &at_b.J);
+  if (of_a >= 0)
+    connect_mechanism(block, a, &at_a.J, -1, nullptr);
+  else if (a >= 0)
+    find_a(block, add_free_end(block, static_cast<std::size_t>(a)));
+  if (of_b >= 0)
+    connect_mechanism(block, -1, nullptr, b, &at_b.J);
+  else if (b >= 0)
+    find_b(block, add_free_end(block, static_cast<std::size_t>(b)));
+}
+
+RowEnd& Bounded::add_free_end(RowBlock& block, std::size_t body) {
+  if (slot_[body] == kNone) {
+    slot_[body] = 6 * slotted_.size();
+    slotted_.push_back(body);
+    FreeBody& free = rows_.bodies.emplace_back();
+    free.mass = plant_.bodies.constants[body].mass;
+    const Matrix3d& inertia = plant_.bodies.inertia[body];
+    std::copy(inertia.data(), inertia.data() + 9, free.inertia.begin());
+  }
+  RowEnd& end = block.ends[block.end_count++];
+  end.offset = slot_[body];
+  return end;
+}
+
+void Bounded::respond(RowBlock& block, RowEnd& end, int body) const {
+  const auto i = static_cast<std::size_t>(body);
+  rows_.respond(block, end, plant_.bodies.inverse_inertia[i].data(), plant_.bodies.constants[i].inverse_mass);
+}
+
 void Bounded::add_touch(std::size_t index) {
   const Touch& touch = plant_.touches[index];
   if (touch.asleep) return;
@@ -43,18 +107,17 @@ void Bounded::add_touch(std::size_t index) {
   block.gives = moment_ != kHit;
   if (moment_ == kAfter) block.rest = touch.impulse[kAhead][0];
   for (int i = 0; i < 3; ++i) block.lambda[static_cast<std::size_t>(i)] = touch.impulse[moment_][i];
-  Reach a{touch.a, {}, {}}, b{touch.b, {}, {}};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vector3d direction = touch.frame.col(static_cast<int>(i));
-    a.angular[i] = touch.ra.cross(direction);
-    a.linear[i] = direction;
-    b.angular[i] = -touch.rb.cross(direction);
-    b.linear[i] = -direction;
-  }
   for (const int body : {touch.a, touch.b})
     if (body >= 0)
       block.free_response += plant_.bodies.constants[static_cast<std::size_t>(body)].inverse_mass;
-  connect_bodies(block, a, b);
+  const auto find = [&](RowBlock& of, RowEnd& end, int body, const Vector3d& lever, double sign) {
+    const auto i = static_cast<std::size_t>(body);
+    rows_.respond_at_point(of, end, touch.frame.data(), lever.data(), sign,
+                           plant_.bodies.inverse_inertia[i].data(), plant_.bodies.constants[i].inverse_mass);
+  };
+  connect_bodies(
+      block, touch.a, touch.b, [&](RowBlock& of, RowEnd& end) { find(of, end, touch.a, touch.ra, 1.0); },
+      [&](RowBlock& of, RowEnd& end) { find(of, end, touch.b, touch.rb, -1.0); });
   if (is_held_from_turning(touch)) add_twist(index);
 }
 
@@ -67,22 +130,22 @@ void Bounded::add_twist(std::size_t index) {
   block.friction = touch.rolling_friction;
   block.torsion = touch.torsional_friction;
   for (int i = 0; i < 3; ++i) block.lambda[static_cast<std::size_t>(i)] = touch.twist[moment_][i];
-  Reach a{touch.a, {}, {}}, b{touch.b, {}, {}};
-  for (std::size_t i = 0; i < 3; ++i) {
-    a.angular[i] = touch.frame.col(static_cast<int>(i));
-    b.angular[i] = -a.angular[i];
-    a.linear[i] = b.linear[i] = Vector3d::Zero();
-  }
   for (const int body : {touch.a, touch.b})
     if (body >= 0)
       block.free_response +=
           plant_.bodies.constants[static_cast<std::size_t>(body)].inverse_moments.sum() / 3.0;
-  connect_bodies(block, a, b);
+  const auto find = [&](RowBlock& of, RowEnd& end, int body, double sign) {
+    for (std::size_t i = 0; i < 3; ++i)
+      put(end.J[i], sign * touch.frame.col(static_cast<int>(i)), Vector3d::Zero());
+    respond(of, end, body);
+  };
+  connect_bodies(
+      block, touch.a, touch.b, [&](RowBlock& of, RowEnd& end) { find(of, end, touch.a, 1.0); },
+      [&](RowBlock& of, RowEnd& end) { find(of, end, touch.b, -1.0); });
 }
 
 void Bounded::add_axis(std::size_t index) {
   const Axis& axis = plant_.axes[index];
-  if (plant_.mechanism_asleep[axis.mechanism]) return;
   if (axis.boxed) add_law(index);
   if (axis.loop >= 0 && axis.damping > 0.0 && moment_ != kHit)
     connect_axis(add_block({Of::kDamping, index}, 1), axis);
@@ -109,15 +172,18 @@ void Bounded::add_stop(std::size_t index, std::size_t side) {
 
 void Bounded::add_spring(std::size_t index) {
   const JointSpec& spec = plant_.springs[index].spec;
-  const auto& [w, v, pa, pb] = plant_.springs[index].pull;
+  const Pull& pull = plant_.springs[index].pull;
+  const Vector3d &w = pull.w, &v = pull.v, &pa = pull.pa, &pb = pull.pb;
   if (!plant_.springs[index].acts) return;
   RowBlock& block = add_block({Of::kSpring, index}, 1);
-  Reach a{spec.a, {}, {}}, b{spec.b, {}, {}};
-  if (spec.a >= 0) a.angular[0] = -w - (pa - plant_.bodies.x[static_cast<std::size_t>(spec.a)]).cross(v);
-  a.linear[0] = -v;
-  b.angular[0] = w + (pb - plant_.bodies.x[static_cast<std::size_t>(spec.b)]).cross(v);
-  b.linear[0] = v;
-  connect_bodies(block, a, b);
+  const auto find = [&](RowBlock& of, RowEnd& end, int body, const Vector3d& at, double sign) {
+    const Vector3d lever = at - plant_.bodies.x[static_cast<std::size_t>(body)];
+    put(end.J[0], sign * (w + lever.cross(v)), sign * v);
+    respond(of, end, body);
+  };
+  connect_bodies(
+      block, spec.a, spec.b, [&](RowBlock& of, RowEnd& end) { find(of, end, spec.a, pa, -1.0); },
+      [&](RowBlock& of, RowEnd& end) { find(of, end, spec.b, pb, 1.0); });
 }
 
 void Bounded::connect_axis(RowBlock& block, const Axis& axis) {
@@ -128,50 +194,11 @@ void Bounded::connect_axis(RowBlock& block, const Axis& axis) {
     return;
   }
   const Mechanism& mechanism = plant_.mechanisms[axis.mechanism];
-  const JointSpec& joint = plant_.spec(axis);
+  const JointSpec& joint = *axis.spec;
   const JointPose& pose = mechanism.loop_pose(static_cast<std::size_t>(axis.loop));
   const AxisDirection along = axis_direction(joint, pose);
   rows.rows.push_back(
       {nullptr, line_at(mechanism, plant_.bodies, joint.a, joint.b, pose.pb, along.w, along.v)});
-}
-
-void Bounded::connect_bodies(RowBlock& block, const Reach& a, const Reach& b) {
-  const auto mechanism = [&](const Reach& reach) {
-    return reach.body < 0 ? -1 : plant_.places[static_cast<std::size_t>(reach.body)].mechanism;
-  };
-  if (mechanism(a) >= 0 && mechanism(a) == mechanism(b)) return connect_mechanism(block, &a, &b);
-  for (const Reach* reach : {&a, &b}) {
-    if (reach->body < 0) continue;
-    if (mechanism(*reach) < 0)
-      connect_free(block, *reach);
-    else
-      connect_mechanism(block, reach == &a ? reach : nullptr, reach == &b ? reach : nullptr);
-  }
-}
-
-void Bounded::connect_free(RowBlock& block, const Reach& reach) {
-  const auto body = static_cast<std::size_t>(reach.body);
-  if (slot_[body] == kNone) {
-    slot_[body] = 6 * slotted_.size();
-    slotted_.push_back(body);
-    FreeBody& free = rows_.bodies.emplace_back();
-    free.mass = plant_.bodies.constants[body].mass;
-    const Matrix3d& inertia = plant_.bodies.inertia[body];
-    std::copy(inertia.data(), inertia.data() + 9, free.inertia.begin());
-  }
-  RowEnd& end = block.ends[block.end_count++];
-  end.offset = slot_[body];
-  for (std::size_t row = 0; row < block.dim; ++row) {
-    const Vector3d turned = plant_.bodies.inverse_inertia[body] * reach.angular[row];
-    const Vector3d moved = plant_.bodies.constants[body].inverse_mass * reach.linear[row];
-    for (int k = 0; k < 3; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      end.J[row][i] = reach.angular[row][k];
-      end.J[row][i + 3] = reach.linear[row][k];
-      end.MJ[row][i] = turned[k];
-      end.MJ[row][i + 3] = moved[k];
-    }
-  }
 }
 
 // Its offset is known in finish().
@@ -183,26 +210,28 @@ RowEnd& Bounded::add_mechanism_end(RowBlock& block, int mechanism) {
   return end;
 }
 
-void Bounded::connect_mechanism(RowBlock& block, const Reach* a, const Reach* b) {
-  const Place& any = plant_.places[static_cast<std::size_t>((a != nullptr ? a : b)->body)];
+void Bounded::connect_mechanism(RowBlock& block, int a, const Reach* at_a, int b, const Reach* at_b) {
+  const Place& any = plant_.places[static_cast<std::size_t>(at_a != nullptr ? a : b)];
   add_mechanism_end(block, any.mechanism);
   for (std::size_t row = 0; row < block.dim; ++row) {
     Line line;
-    if (a != nullptr) {
-      line.node_a = plant_.places[static_cast<std::size_t>(a->body)].node;
-      line.angular_a = a->angular[row];
-      line.linear_a = a->linear[row];
+    if (at_a != nullptr) {
+      line.node_a = plant_.places[static_cast<std::size_t>(a)].node;
+      line.angular_a = angular((*at_a)[row]);
+      line.linear_a = linear((*at_a)[row]);
     }
-    if (b != nullptr) {
-      line.node_b = plant_.places[static_cast<std::size_t>(b->body)].node;
-      line.angular_b = b->angular[row];
-      line.linear_b = b->linear[row];
+    if (at_b != nullptr) {
+      line.node_b = plant_.places[static_cast<std::size_t>(b)].node;
+      line.angular_b = angular((*at_b)[row]);
+      line.linear_b = linear((*at_b)[row]);
     }
     of_mechanism_[static_cast<std::size_t>(any.mechanism)].rows.push_back({nullptr, line});
   }
 }
 
 void Bounded::finish() {
+  for (std::size_t m = 0; m < of_mechanism_.size(); ++m) plant_.mechanism_bound[m] = binds(m);
+  if (empty()) return;
   std::size_t offset = 6 * slotted_.size(), response = 0;
   for (MechanismRows& rows : of_mechanism_) {
     rows.offset = offset;
@@ -212,6 +241,12 @@ void Bounded::finish() {
   }
   rows_.velocities.resize(offset);
   rows_.responses.resize(response);
+  if (response > 0) connect_responses();
+  rows_.prepare();
+  before_.resize(rows_.blocks.size());
+}
+
+void Bounded::connect_responses() {
   for (RowBlock& block : rows_.blocks) {
     for (std::size_t e = 0; e < block.end_count; ++e) {
       RowEnd& end = block.ends[e];
@@ -223,8 +258,6 @@ void Bounded::finish() {
     }
   }
   for (std::size_t m = 0; m < of_mechanism_.size(); ++m) find_response(m);
-  rows_.prepare();
-  before_.resize(rows_.blocks.size());
 }
 
 // W, a row for each unit impulse.

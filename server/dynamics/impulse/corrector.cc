@@ -95,7 +95,7 @@ void Corrector::look_ahead(int body, double h) {
   if (body < 0) return;
   const auto i = static_cast<std::size_t>(body);
   if (is_ahead_[i] != 0) return;
-  plant_.bodies.look_ahead(i, h, plant_.model.gravity);
+  plant_.bodies.look_ahead(plant_.bodies.block_of(i), h, plant_.model.gravity);
   is_ahead_[i] = 1;
 }
 

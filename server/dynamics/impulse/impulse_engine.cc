@@ -48,6 +48,7 @@ class ImpulseEngine : public Engine {
 
  private:
   void prepare(const StepInput& input, const world::WorldState& state) {
+    has_moved_ = false;
     moved_s_ = 0.0;
     plant_.bodies.load(state);
     const std::vector<std::byte>& kept = state.engines[index_];
@@ -64,13 +65,17 @@ class ImpulseEngine : public Engine {
     if (moved_s_ != 0.0) measure_axes(plant_, moved_s_);
     moved_s_ = 0.0;
     Moving& before = before_[static_cast<std::size_t>(halvings)];
-    before.keep(plant_);
+    if (has_moved_) before.keep(plant_);
     if (stepper_.step(h, input.wrenches, state)) {
       warned_ = warned_ || stepper_.fell_short();
+      has_moved_ = true;
       moved_s_ = h;
       return true;
     }
-    before.put_back(plant_);
+    if (has_moved_)
+      before.put_back(plant_);
+    else
+      prepare(input, state);
     if (halvings == kMostHalvings) return false;
     warned_ = true;
     return advance(0.5 * h, halvings + 1, input, state) && advance(0.5 * h, halvings + 1, input, state);
@@ -97,7 +102,8 @@ class ImpulseEngine : public Engine {
     plant_.bodies.store(state);
     for (const Axis& axis : plant_.axes)
       if (!plant_.mechanism_asleep[axis.mechanism])
-        state.joints[axis.joint.index()].effort = axis.total / input.tick_s + axis.feedforward;
+        state.joints[axis.joint.index()].effort =
+            axis.idle ? 0.0 : axis.total / input.tick_s + axis.feedforward;
     for (const Spring& spring : plant_.springs)
       if (!is_asleep(plant_, spring))
         state.joints[spring.spec.id.index()].effort = spring.total / input.tick_s;
@@ -116,20 +122,22 @@ class ImpulseEngine : public Engine {
     return {.warned = warned_};
   }
 
-  // What a step changes, to be put back.
+  // What a step changes, to be put back where the tick has moved it already.
   struct Moving {
-    void keep(const Plant& plant) {
+    void keep(Plant& plant) {
       plant.bodies.keep(bodies);
-      axes = plant.axes;
+      axes.clear();
+      for (const Axis& axis : plant.acting_axes()) axes.push_back(axis);
       touches = plant.touches;
     }
     void put_back(Plant& plant) const {
       plant.bodies.put_back(bodies);
-      plant.axes = axes;
+      std::size_t i = 0;
+      for (Axis& axis : plant.acting_axes()) axis = axes[i++];
       plant.touches = touches;
     }
     BodiesMotion bodies;
-    std::vector<Axis> axes;
+    std::vector<Axis> axes;  // that are not idle
     std::vector<Touch> touches;
   };
 
@@ -137,7 +145,8 @@ class ImpulseEngine : public Engine {
   Plant plant_;
   Stepper stepper_;
   Sleep sleep_;
-  double moved_s_ = 0.0;  // by the last step of this tick: where the axes are is to be measured
+  bool has_moved_ = false;  // in this tick
+  double moved_s_ = 0.0;    // by the last step of this tick: where the axes are is to be measured
   std::array<Moving, kMostHalvings + 1> before_;
   bool warned_ = false;  // in this tick
 };

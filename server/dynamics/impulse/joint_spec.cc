@@ -40,8 +40,7 @@ JointPose pose_of(const JointSpec& joint, const std::vector<Vector3d>& x, const 
   pose.Rb = &R[b];
   pose.pb = x[b] + R[b] * joint.point_b;
   pose.b = R[b] * joint.axis_b;
-  if (joint.kind == JointKind::kScrew) pose.angle = joint_angle(joint, pose, position);
-  if (joint.kind == JointKind::kPointOnCurve) pose.angle = point_on_curve::parameter(joint, pose, position);
+  find_angle(joint, position, pose);
   return pose;
 }
 
@@ -166,15 +165,24 @@ JointPose pose_now(const JointSpec& joint, const Bodies& bodies, double position
 }
 
 JointPose pose_ahead(const JointSpec& joint, const Bodies& bodies, const world::JointState& last, double h) {
-  // A screw lifts by all that it turns, be it more than half a turn.
-  const double turned = joint.kind == JointKind::kScrew ? h * last.velocity : 0.0;
-  return pose_of(joint, bodies.x1, bodies.R1, last.position + turned);
+  return pose_of(joint, bodies.x1, bodies.R1, position_ahead(joint, last, h));
+}
+
+// A screw lifts by all that it turns, be it more than half a turn.
+double position_ahead(const JointSpec& joint, const world::JointState& last, double h) {
+  return last.position + (joint.kind == JointKind::kScrew ? h * last.velocity : 0.0);
+}
+
+void find_angle(const JointSpec& joint, double position, JointPose& pose) {
+  if (joint.kind == JointKind::kScrew) pose.angle = joint_angle(joint, pose, position);
+  if (joint.kind == JointKind::kPointOnCurve) pose.angle = point_on_curve::parameter(joint, pose, position);
 }
 
 double joint_angle(const JointSpec& joint, const JointPose& pose, double near) {
   const Vector3d u = *pose.Ra * joint.zero_a, w = *pose.Rb * joint.zero_b;
   const double angle = config::arc_tangent(pose.a.dot(u.cross(w)), u.dot(w));
-  return angle + kTurn * std::round((near - angle) / kTurn);
+  const double off = near - angle;
+  return std::abs(off) < 0.5 * kTurn ? angle : angle + kTurn * std::round(off / kTurn);
 }
 
 }  // namespace visum::dynamics::impulse

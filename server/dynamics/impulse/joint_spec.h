@@ -26,6 +26,11 @@ JointSpec make_spec(const world::WorldModel& model, const Bodies& bodies, world:
 JointPose pose_now(const JointSpec& joint, const Bodies& bodies, double position);
 JointPose pose_ahead(const JointSpec& joint, const Bodies& bodies, const world::JointState& last, double h);
 
+// Where a joint's position is expected there.
+double position_ahead(const JointSpec& joint, const world::JointState& last, double h);
+// What a pose says besides points and axes, from them: `position` as above.
+void find_angle(const JointSpec& joint, double position, JointPose& pose);
+
 // The angle from A to B about the axis that is nearest to `near`.
 double joint_angle(const JointSpec& joint, const JointPose& pose, double near);
 

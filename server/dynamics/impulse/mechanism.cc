@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "server/dynamics/impulse/lanes/kernels.h"
 #include "server/world/joint_kinds.h"
 #include "server/world/joint_tree.h"
 
@@ -22,18 +23,26 @@ int representative(std::vector<int>& leader, int i) {
   return i;
 }
 
-bool are_same(const std::vector<TreeAxis>& now, const std::vector<TreeAxis>& then) {
-  return std::equal(now.begin(), now.end(), then.begin(), then.end(),
-                    [](const TreeAxis& a, const TreeAxis& b) {
-                      return a.implicit == b.implicit && a.compliance == b.compliance;
-                    });
-}
-
 // Whether the joint's pose follows from where its bodies are, and from nothing that the world's state counts
 // on (turns, a place along a curve).
 bool is_of_bodies_alone(const JointSpec& joint) {
   return joint.kind != world::JointKind::kScrew && joint.kind != world::JointKind::kPointOnCurve;
 }
+
+// A NaN is the larger one.
+double larger(double gap, double largest) {
+  return gap <= largest || std::isnan(largest) ? largest : gap;
+}
+
+double gap_size(const Gap& gap) {
+  double size = 0.0;
+  for (const Vector3d& part : {gap.turn, gap.shift})
+    for (const double number : part) size = larger(std::abs(number), size);
+  return size;
+}
+
+template <typename Item>
+constexpr long kNumbers = sizeof(Item) / sizeof(double);
 
 }  // namespace
 
@@ -48,7 +57,7 @@ Mechanism::Mechanism(const world::WorldModel& model, const Bodies& bodies, std::
   };
   for (const int body : body_numbers) {
     if (carrying[bodies.constants[static_cast<std::size_t>(body)].id.index()].valid()) continue;
-    nodes.push_back({body, -1, -1});
+    nodes.push_back({.body = body, .mass = bodies.constants[static_cast<std::size_t>(body)].mass});
     specs_.emplace_back();
   }
   for (const world::JointId id : joints) {
@@ -57,16 +66,17 @@ Mechanism::Mechanism(const world::WorldModel& model, const Bodies& bodies, std::
       loops_.push_back(spec);
       continue;
     }
-    nodes.push_back({spec.b, spec.a < 0 ? -1 : node_with(spec.a), static_cast<int>(nodes.size())});
+    nodes.push_back({.body = spec.b,
+                     .parent = spec.a < 0 ? -1 : node_with(spec.a),
+                     .joint = static_cast<int>(nodes.size()),
+                     .freedoms = motion_directions(spec, pose_now(spec, bodies, 0.0)).count,
+                     .mass = bodies.constants[static_cast<std::size_t>(spec.b)].mass});
     specs_.push_back(spec);
   }
   poses_.resize(nodes.size());
   poses_ahead_.resize(nodes.size());
   motions_.resize(nodes.size());
-  axes.resize(nodes.size());
-  placed_axes_.resize(nodes.size());
-  placed_x_.resize(nodes.size());
-  placed_q_.resize(nodes.size());
+  axes_.resize(nodes.size());
   loop_poses_.resize(loops_.size());
   loop_poses_ahead_.resize(loops_.size());
   loop_held_.resize(loops_.size());
@@ -75,15 +85,74 @@ Mechanism::Mechanism(const world::WorldModel& model, const Bodies& bodies, std::
   for (std::size_t i = 0; i < nodes.size(); ++i)
     node_by_body_.emplace_back(nodes[i].body, static_cast<int>(i));
   std::sort(node_by_body_.begin(), node_by_body_.end());
-  foreseen_.resize(nodes.size());
   foreseen_axis_.resize(nodes.size());
-  unpushed_v_.resize(nodes.size());
-  unpushed_w_.resize(nodes.size());
   of_bodies_alone_ = std::ranges::all_of(loops_, is_of_bodies_alone);
   for (std::size_t i = 0; i < nodes.size(); ++i)
     of_bodies_alone_ = of_bodies_alone_ && (nodes[i].joint < 0 || is_of_bodies_alone(specs_[i]));
+  std::vector<int> numbers;
+  for (const TreeNode& node : nodes) numbers.push_back(node.body);
+  blocks_ = bodies.blocks_of(numbers);
   tree_.assign(std::move(nodes));
+  for (BodyBlock& block : blocks_)
+    for (long& answer : block.answer) answer = tree_.answer(static_cast<std::size_t>(answer));
+  find_blocks(bodies);
   find_loop_neighbours();
+}
+
+void Mechanism::find_blocks(const Bodies& bodies) {
+  std::vector<std::size_t> hinge_nodes;
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (carrying(i) == nullptr) {
+      free_roots_.push_back(i);
+      continue;
+    }
+    (specs_[i].kind == world::JointKind::kHinge ? hinge_nodes : other_nodes_).push_back(i);
+    poses_[i] = pose_now(specs_[i], bodies, 0.0);
+    poses_ahead_[i] = impulse::pose_ahead(specs_[i], bodies, {}, 0.0);
+    motions_[i] = motion_directions(specs_[i], poses_[i]);
+    JointEnds& ends = ends_.emplace_back();
+    const int a = specs_[i].a, b = specs_[i].b;
+    ends.pose = static_cast<long>(i) * kNumbers<JointPose>;
+    ends.impulse = static_cast<long>(i) * kNumbers<JointImpulse>;
+    ends.vector_b = 3L * b;
+    ends.matrix_b = 9L * b;
+    ends.inverse_mass_b = bodies.constants[static_cast<std::size_t>(b)].inverse_mass;
+    ends.has_a = a >= 0;
+    if (!ends.has_a) continue;
+    ends.vector_a = 3L * a;
+    ends.matrix_a = 9L * a;
+    ends.inverse_mass_a = bodies.constants[static_cast<std::size_t>(a)].inverse_mass;
+  }
+  hinges_ = joint_blocks(hinge_nodes, bodies);
+  others_ = joint_blocks(other_nodes_, bodies);
+}
+
+std::vector<JointBlock> Mechanism::joint_blocks(const std::vector<std::size_t>& nodes,
+                                                const Bodies& bodies) const {
+  std::vector<JointBlock> blocks((nodes.size() + 3) / 4);
+  for (std::size_t i = 0; i < 4 * blocks.size(); ++i) {
+    JointBlock& block = blocks[i / 4];
+    const std::size_t node = nodes[std::min(i, nodes.size() - 1)], lane = i % 4;
+    const JointSpec& spec = specs_[node];
+    for (int k = 0; k < 3; ++k) {
+      block.point_a[k][lane] = spec.point_a[k];
+      block.axis_a[k][lane] = spec.axis_a[k];
+      block.point_b[k][lane] = spec.point_b[k];
+      block.axis_b[k][lane] = spec.axis_b[k];
+    }
+    const int a = spec.a < 0 ? bodies.still() : spec.a;
+    block.vector_a[lane] = 3L * a;
+    block.matrix_a[lane] = 9L * a;
+    block.vector_b[lane] = 3L * spec.b;
+    block.matrix_b[lane] = 9L * spec.b;
+    const auto number = static_cast<long>(node);
+    block.node[lane] = number;
+    block.pose[lane] = number * kNumbers<JointPose>;
+    block.free[lane] = number * kNumbers<Motion>;
+    block.impulse[lane] = number * kNumbers<JointImpulse>;
+    block.request[lane] = tree_.request(node);
+  }
+  return blocks;
 }
 
 int Mechanism::node_of(int body) const {
@@ -91,32 +160,18 @@ int Mechanism::node_of(int body) const {
   return found != node_by_body_.end() && found->first == body ? found->second : -1;
 }
 
-bool Mechanism::is_placed(const Bodies& bodies) const {
-  if (!placed_) return false;
-  for (std::size_t i = 0; i < size(); ++i) {
-    const auto body = static_cast<std::size_t>(tree_.node(i).body);
-    if (bodies.x[body] != placed_x_[i] || bodies.q[body].coeffs() != placed_q_[i]) return false;
-  }
-  return true;
-}
-
-void Mechanism::remember(const Bodies& bodies) {
-  for (std::size_t i = 0; i < size(); ++i) {
-    const auto body = static_cast<std::size_t>(tree_.node(i).body);
-    placed_x_[i] = bodies.x[body];
-    placed_q_[i] = bodies.q[body].coeffs();
-    placed_axes_[i] = axes[i];
-  }
-  placed_ = true;
-  factored_ = false;
-}
-
 bool Mechanism::place(const Bodies& bodies, const world::WorldState& state) {
-  const bool stands = is_placed(bodies);
-  if (stands && of_bodies_alone_ && are_same(axes, placed_axes_)) return false;
-  for (std::size_t i = 0; i < size(); ++i) {
-    if (carrying(i) == nullptr || (stands && is_of_bodies_alone(specs_[i]))) continue;
-    poses_[i] = pose_now(specs_[i], bodies, state.joints[specs_[i].id.index()].position);
+  const bool stands = placed_at_ == bodies.placements();
+  if (stands && of_bodies_alone_ && !axes_changed_) return false;
+  const BodyArrays& of = bodies.arrays();
+  if (!stands) {
+    bodies.kernels().place_hinges(of.x, of.R, hinges_.data(), hinges_.size(), poses_[0].pa.data(),
+                                  motions_[0].w[0].data());
+    bodies.kernels().place_joints(of.x, of.R, others_.data(), others_.size(), poses_[0].pa.data());
+  }
+  for (const std::size_t i : other_nodes_) {
+    if (stands && is_of_bodies_alone(specs_[i])) continue;
+    find_angle(specs_[i], state.joints[specs_[i].id.index()].position, poses_[i]);
     motions_[i] = motion_directions(specs_[i], poses_[i]);
   }
   for (std::size_t i = 0; i < loops_.size(); ++i) {
@@ -124,13 +179,15 @@ bool Mechanism::place(const Bodies& bodies, const world::WorldState& state) {
     loop_poses_[i] = pose_now(loops_[i], bodies, state.joints[loops_[i].id.index()].position);
     loop_held_[i] = held_directions(loops_[i], loop_poses_[i]);
   }
-  remember(bodies);
+  axes_changed_ = false;
+  placed_at_ = bodies.placements();
+  factored_ = false;
   return true;
 }
 
 void Mechanism::factor(const Bodies& bodies) {
   if (factored_) return;
-  tree_.factor(bodies, poses_, motions_, axes);
+  tree_.factor(bodies, poses_, motions_, axes_);
   if (!loops_.empty()) {
     place_loop_rows(bodies);
     factor_loops();
@@ -138,33 +195,22 @@ void Mechanism::factor(const Bodies& bodies) {
   factored_ = true;
 }
 
-double Mechanism::note_gap(const Gap& gap, const JointSpec& joint, double largest) {
-  const double size = std::max(gap.turn.cwiseAbs().maxCoeff(), gap.shift.cwiseAbs().maxCoeff());
-  if (size <= largest || std::isnan(largest)) return largest;
-  worst_ = &joint;  // a NaN is the worst
-  return size;
-}
-
-void Mechanism::place_ahead(const Bodies& bodies, const world::WorldState& state, double h) {
-  for (std::size_t i = 0; i < size(); ++i)
-    if (carrying(i) != nullptr)
-      poses_ahead_[i] = impulse::pose_ahead(specs_[i], bodies, state.joints[specs_[i].id.index()], h);
-  for (std::size_t i = 0; i < loops_.size(); ++i)
-    loop_poses_ahead_[i] = impulse::pose_ahead(loops_[i], bodies, state.joints[loops_[i].id.index()], h);
-}
-
-double Mechanism::ask_gaps(double h) {
-  double largest = -1.0;  // so that a joint without a gap is one to name, where an axis of it misses its aim
-  for (std::size_t i = 0; i < size(); ++i) {
-    if (carrying(i) == nullptr) continue;
+double Mechanism::ask_gaps(const Bodies& bodies, const world::WorldState& state, double h) {
+  const BodyArrays& of = bodies.arrays();
+  double largest = bodies.kernels().ask_hinges_gaps(of.x1, of.R1, hinges_.data(), hinges_.size(), h,
+                                                    poses_ahead_[0].pa.data(), tree_.asks());
+  bodies.kernels().place_joints(of.x1, of.R1, others_.data(), others_.size(), poses_ahead_[0].pa.data());
+  for (const std::size_t i : other_nodes_) {
+    find_angle(specs_[i], position_ahead(specs_[i], state.joints[specs_[i].id.index()], h), poses_ahead_[i]);
     const Gap gap = joint_gap(specs_[i], poses_ahead_[i]);
     tree_.ask(i, gap.turn / h, gap.shift / h);
-    largest = note_gap(gap, specs_[i], largest);
+    largest = larger(gap_size(gap), largest);
   }
   std::size_t row = 0;
   for (std::size_t i = 0; i < loops_.size(); ++i) {
+    loop_poses_ahead_[i] = impulse::pose_ahead(loops_[i], bodies, state.joints[loops_[i].id.index()], h);
     const Gap gap = joint_gap(loops_[i], loop_poses_ahead_[i]);
-    largest = note_gap(gap, loops_[i], largest);
+    largest = larger(gap_size(gap), largest);
     const Held& held = loop_held_[i];
     for (std::size_t k = 0; k < static_cast<std::size_t>(held.count); ++k)
       loop_rows_[row++].wanted = (held.w[k].dot(gap.turn) + held.v[k].dot(gap.shift)) / h;
@@ -172,10 +218,25 @@ double Mechanism::ask_gaps(double h) {
   return largest;
 }
 
-double Mechanism::ask_velocities(const Bodies& bodies) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < size(); ++i) {
-    if (carrying(i) == nullptr) continue;
+const JointSpec* Mechanism::worst_joint() const {
+  const JointSpec* worst = nullptr;
+  double largest = -1.0;  // so that joints without a gap have one to name, where an axis misses its aim
+  const auto look = [&](const JointSpec& joint, const JointPose& pose) {
+    const double gap = gap_size(joint_gap(joint, pose));
+    if (gap <= largest || std::isnan(largest)) return;
+    largest = gap;
+    worst = &joint;
+  };
+  for (std::size_t i = 0; i < size(); ++i)
+    if (carrying(i) != nullptr) look(specs_[i], poses_ahead_[i]);
+  for (std::size_t i = 0; i < loops_.size(); ++i) look(loops_[i], loop_poses_ahead_[i]);
+  return worst;
+}
+
+void Mechanism::ask_velocities(const Bodies& bodies) {
+  bodies.kernels().ask_hinges_velocities(bodies.arrays(), hinges_.data(), hinges_.size(), poses_[0].pa.data(),
+                                         tree_.asks());
+  for (const std::size_t i : other_nodes_) {
     const JointPose& pose = poses_[i];
     const auto b = static_cast<std::size_t>(specs_[i].b);
     Vector3d w = bodies.w[b], v = bodies.v[b] + bodies.w[b].cross(pose.pb - bodies.x[b]);
@@ -193,7 +254,6 @@ double Mechanism::ask_velocities(const Bodies& bodies) {
       v -= rate * free.v[0];
     }
     tree_.ask(i, -w, -v);
-    if (free.count <= 1) largest = std::max({largest, w.cwiseAbs().maxCoeff(), v.cwiseAbs().maxCoeff()});
   }
   for (std::size_t row = 0; row < loop_row_count_; ++row) {
     const Line& line = loop_rows_[row].line;
@@ -205,22 +265,12 @@ double Mechanism::ask_velocities(const Bodies& bodies) {
       rate += angular.dot(bodies.w[body]) + linear.dot(bodies.v[body]);
     }
     loop_rows_[row].wanted = -rate;
-    largest = std::max(largest, std::abs(rate));
   }
-  return largest;
 }
 
 void Mechanism::clear() {
   tree_.clear();
   for (LoopRow& row : loop_rows_) row.wanted = 0.0;
-}
-
-void Mechanism::apply(Bodies& bodies) const {
-  for (std::size_t i = 0; i < size(); ++i) {
-    const auto body = static_cast<std::size_t>(tree_.node(i).body);
-    bodies.v[body] += tree_.dv(i);
-    bodies.w[body] += tree_.dw(i);
-  }
 }
 
 std::vector<Mechanism> find_mechanisms(const world::WorldModel& model, const Bodies& bodies) {

@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "server/dynamics/impulse/lanes/joints_data.h"
 #include "server/dynamics/impulse/loop_factor.h"
 #include "server/dynamics/impulse/prediction.h"
 #include "server/dynamics/impulse/tree.h"
@@ -28,6 +29,7 @@ class Mechanism {
   std::size_t loop_count() const { return loops_.size(); }
   int body(std::size_t node) const { return tree_.node(node).body; }
   int node_of(int body) const;
+  std::span<const BodyBlock> blocks() const { return blocks_; }
   const JointSpec* carrying(std::size_t node) const {  // null: a free root
     return tree_.node(node).joint < 0 ? nullptr : &specs_[node];
   }
@@ -38,23 +40,28 @@ class Mechanism {
 
   // Poses and directions at t. False, and nothing done, where neither bodies nor axes have changed since.
   bool place(const Bodies& bodies, const world::WorldState& state);
+  void forget_place() { placed_at_ = 0; }  // its bodies have moved
   // The factors there, if they are not yet made. What asks and answers below needs them.
   void factor(const Bodies& bodies);
-  std::vector<TreeAxis> axes;  // by node; read by place()
+  // How the drive of a node's axis takes part, from the next place() on.
+  void set_axis(std::size_t node, const TreeAxis& axis) {
+    if (axes_[node].implicit == axis.implicit && axes_[node].compliance == axis.compliance) return;
+    axes_[node] = axis;
+    axes_changed_ = true;
+  }
 
   // Near a pose where its loops lose their grip: all bars of a four-bar on one line. As factored.
   bool is_nearly_singular() const;
 
-  // Poses where the look-ahead has led.
-  void place_ahead(const Bodies& bodies, const world::WorldState& state, double h);
+  // Poses where the look-ahead has led, and the request that would close their gaps in h. Returns the largest
+  // gap.
+  double ask_gaps(const Bodies& bodies, const world::WorldState& state, double h);
   const JointPose& pose_ahead(std::size_t node) const { return poses_ahead_[node]; }
   const JointPose& loop_pose_ahead(std::size_t i) const { return loop_poses_ahead_[i]; }
-  // The largest gap there, and the request that would close it in h.
-  double ask_gaps(double h);
-  // The request that makes the joints' velocities agree; returns the largest disagreement.
-  double ask_velocities(const Bodies& bodies);
-  // Which joint's gap the last ask_gaps() found to be the largest; null where no joint is.
-  const JointSpec* worst_joint() const { return worst_; }
+  // The request that makes the joints' velocities agree.
+  void ask_velocities(const Bodies& bodies);
+  // Whose gap is the largest in those poses; null where no joint is.
+  const JointSpec* worst_joint() const;
 
   void clear();
   void push(const Line& line, double impulse);
@@ -62,8 +69,8 @@ class Mechanism {
   const Tree& tree() const { return tree_; }
   // Answers what has been asked and pushed since clear(), loops included.
   void solve();
-  double rate(const Line& line) const;  // in the answer
-  void apply(Bodies& bodies) const;     // the answer to the bodies' velocities
+  double rate(const Line& line) const;                       // in the answer
+  void apply(Bodies& bodies) const { tree_.apply(bodies); }  // the answer to the bodies' velocities
 
   // What the joints will have to give at t (predicting.cc). Only where asked for, and of mechanisms without
   // loops.
@@ -72,18 +79,16 @@ class Mechanism {
   Prediction& prediction() { return prediction_; }
   const Prediction& prediction() const { return prediction_; }
   // Foresees it, nothing along free directions; false where too little is known.
-  bool predict();
+  bool predict(const Bodies& bodies);
   // On a node's one axis, what its free direction would go on to get, and what it is to get, N·m·s or N·s.
   double predicted_axis(std::size_t node) const { return foreseen_axis_[node]; }
   void push_predicted_axis(std::size_t node, double impulse) { add_along(node, 0, impulse); }
   void give_predicted(Bodies& bodies);
-  void take_back(Bodies& bodies) const;  // to the bit
-  // Counts the answer to what has been asked among what the joints give in this step, at its start or its
-  // end.
-  void note_ahead(const Bodies& bodies);
-  void note_after(const Bodies& bodies);
+  // apply(), and the answer counts among what the joints give in this step, at its start or its end.
+  void apply_ahead(Bodies& bodies);
+  void apply_after(Bodies& bodies);
   // The largest change of velocity in the answer, m/s or rad/s, and the fastest turn.
-  double largest_answer() const;
+  double largest_answer() const { return tree_.largest_answer(); }
   double largest_turn(const Bodies& bodies) const;
   // The look-ahead over h follows the answer, to first order.
   void nudge(Bodies& bodies, double h) const;
@@ -96,19 +101,21 @@ class Mechanism {
     double wanted = 0.0;
   };
 
-  bool is_placed(const Bodies& bodies) const;
-  void remember(const Bodies& bodies);
   void find_loop_neighbours();
   void place_loop_rows(const Bodies& bodies);
   void factor_loops();
   void find_response(std::size_t row, const std::array<int, 2>& parts);
   std::array<int, 2> parts(const JointSpec& loop) const;
   double rate_of_parts(const Line& line, const std::array<int, 2>& parts) const;
-  double note_gap(const Gap& gap, const JointSpec& joint, double largest);
-  void find_given(const Bodies& bodies);
+  void find_blocks(const Bodies& bodies);
+  std::vector<JointBlock> joint_blocks(const std::vector<std::size_t>& nodes, const Bodies& bodies) const;
   void add_along(std::size_t i, std::size_t k, double impulse);
 
   Tree tree_;
+  std::vector<BodyBlock> blocks_;            // its bodies, by node
+  std::vector<JointBlock> hinges_, others_;  // its carrying joints
+  std::vector<std::size_t> other_nodes_, free_roots_;
+  std::vector<JointEnds> ends_;
   std::vector<std::pair<int, int>> node_by_body_;  // body, node: sorted
   std::vector<JointSpec> specs_;                   // by node; of a free root unused
   std::vector<JointPose> poses_, poses_ahead_;
@@ -123,18 +130,15 @@ class Mechanism {
   std::size_t loop_row_count_ = 0;
   LoopFactor loop_factor_;
   std::vector<double> loop_errors_;
-  const JointSpec* worst_ = nullptr;
   Prediction prediction_;
-  std::vector<JointImpulse> foreseen_;  // by node
   std::vector<double> foreseen_axis_;
-  std::vector<Vector3d> unpushed_v_, unpushed_w_;
 
   // What poses and factors were made of.
   bool of_bodies_alone_ = true;  // all its joints' poses
-  bool placed_ = false, factored_ = false;
-  std::vector<Vector3d> placed_x_;
-  std::vector<Eigen::Vector4d> placed_q_;
-  std::vector<TreeAxis> placed_axes_;
+  bool factored_ = false;
+  std::uint64_t placed_at_ = 0;  // of the bodies' placements; 0: nowhere
+  std::vector<TreeAxis> axes_;   // by node
+  bool axes_changed_ = false;
 };
 
 // All of an engine's bodies that are jointed to anything, by connected parts; what is left stands free.

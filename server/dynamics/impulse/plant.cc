@@ -14,7 +14,8 @@ Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
       mechanisms(find_mechanisms(world_model, bodies)),
       places(bodies.size()),
       asleep(bodies.size(), 0),
-      mechanism_asleep(mechanisms.size(), 0) {
+      mechanism_asleep(mechanisms.size(), 0),
+      mechanism_bound(mechanisms.size(), 0) {
   if (setting.solver != "iterate")
     for (Mechanism& mechanism : mechanisms) mechanism.start_predicting();
   std::vector<std::pair<std::size_t, int>> loops(model.joints.size(), {0, -1});
@@ -24,6 +25,10 @@ Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
     for (std::size_t i = 0; i < mechanisms[m].loop_count(); ++i)
       loops[mechanisms[m].loop(i).id.index()] = {m, static_cast<int>(i)};
   }
+  std::vector<int> free;
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    if (places[i].mechanism < 0) free.push_back(static_cast<int>(i));
+  free_blocks = bodies.blocks_of(free);
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     const world::Joint& joint = model.joints[i];
     const world::JointId id{static_cast<std::int32_t>(i)};
@@ -34,6 +39,7 @@ Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
     Axis axis;
     axis.model = &joint;
     axis.joint = id;
+    axis.is_free = joint.friction == 0.0 && joint.damping == 0.0 && !joint.limited;
     if (loops[i].second >= 0) {
       axis.mechanism = loops[i].first;
       axis.loop = loops[i].second;
@@ -42,6 +48,14 @@ Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
       axis.mechanism = static_cast<std::size_t>(place.mechanism);
       axis.node = place.node;
     }
+    const Mechanism& mechanism = mechanisms[axis.mechanism];
+    const auto node = static_cast<std::size_t>(axis.node), loop = static_cast<std::size_t>(axis.loop);
+    axis.spec = axis.node >= 0 ? mechanism.carrying(node) : &mechanism.loop(loop);
+    axis.pose = axis.node >= 0 ? &mechanism.pose(node) : &mechanism.loop_pose(loop);
+    axis.ahead = axis.node >= 0 ? &mechanism.pose_ahead(node) : &mechanism.loop_pose_ahead(loop);
+    axis.a = axis.spec->a;
+    axis.b = axis.spec->b;
+    axis.turns = world::info(joint.kind).is_angle;
     axes.push_back(axis);
   }
   std::stable_sort(axes.begin(), axes.end(),
@@ -49,33 +63,8 @@ Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
   first_axis.assign(mechanisms.size() + 1, 0);
   for (const Axis& axis : axes) ++first_axis[axis.mechanism + 1];
   std::partial_sum(first_axis.begin(), first_axis.end(), first_axis.begin());
-}
-
-const JointSpec& Plant::spec(const Axis& axis) const {
-  const Mechanism& mechanism = mechanisms[axis.mechanism];
-  return axis.node >= 0 ? *mechanism.carrying(static_cast<std::size_t>(axis.node))
-                        : mechanism.loop(static_cast<std::size_t>(axis.loop));
-}
-
-const JointPose& Plant::pose_ahead(const Axis& axis) const {
-  const Mechanism& mechanism = mechanisms[axis.mechanism];
-  return axis.node >= 0 ? mechanism.pose_ahead(static_cast<std::size_t>(axis.node))
-                        : mechanism.loop_pose_ahead(static_cast<std::size_t>(axis.loop));
-}
-
-double Plant::rate(const Axis& axis) const {
-  const JointSpec& joint = spec(axis);
-  const Mechanism& mechanism = mechanisms[axis.mechanism];
-  const JointPose& pose = axis.node >= 0 ? mechanism.pose(static_cast<std::size_t>(axis.node))
-                                         : mechanism.loop_pose(static_cast<std::size_t>(axis.loop));
-  const auto b = static_cast<std::size_t>(joint.b);
-  const bool turns = world::info(joint.kind).is_angle;
-  Vector3d motion = turns ? bodies.w[b] : bodies.v[b] + bodies.w[b].cross(pose.pb - bodies.x[b]);
-  if (joint.a >= 0) {
-    const auto a = static_cast<std::size_t>(joint.a);
-    motion -= turns ? bodies.w[a] : bodies.v[a] + bodies.w[a].cross(pose.pb - bodies.x[a]);
-  }
-  return pose.a.dot(motion);
+  acting.reserve(axes.size());
+  first_acting.assign(mechanisms.size() + 1, 0);
 }
 
 }  // namespace visum::dynamics::impulse

@@ -2,6 +2,8 @@
 // else.
 #pragma once
 
+#include <cmath>
+
 #include "server/dynamics/engine.h"
 #include "server/dynamics/impulse/mechanism.h"
 
@@ -18,6 +20,14 @@ struct Axis {
   std::size_t mechanism = 0;
   int node = -1;  // of the tree; -1: the joint closes a loop
   int loop = -1;
+  // Of its joint: what it is, its poses at t and where the look-ahead has led, its bodies, whether it is an
+  // angle.
+  const JointSpec* spec = nullptr;
+  const JointPose *pose = nullptr, *ahead = nullptr;
+  int a = -1, b = -1;
+  bool turns = false;
+  bool is_free = false;  // as the model has it: no stops, friction or damping
+  bool idle = false;     // in this tick: is free, and nothing is given to it
 
   // hwparts/joint.h, or the model's friction as a drive that wants to stand.
   bool acts = false;
@@ -39,8 +49,29 @@ struct Axis {
   double total = 0.0;                                     // of drive, friction and damping in this tick
 };
 
+// The axes of some numbers, to be gone through.
+struct AxesOf {
+  struct Iterator {
+    Axis* axes;
+    const std::size_t* number;
+    Axis& operator*() const { return axes[*number]; }
+    Iterator& operator++() {
+      ++number;
+      return *this;
+    }
+    bool operator==(const Iterator&) const = default;
+  };
+  Iterator begin() const { return {axes, numbers.data()}; }
+  Iterator end() const { return {axes, numbers.data() + numbers.size()}; }
+
+  Axis* axes;
+  std::span<const std::size_t> numbers;
+};
+
 // A contact in one tick. Frame: columns n, t1, t2 in W.
 struct Touch {
+  Touch() {}  // what has no value below is not set
+
   std::size_t contact = 0;  // index in the tick's list
   int a = -1, b = -1;       // numbers of bodies; -1: not ours
   Vector3d ra, rb;          // from the centres of mass (-1: unused)
@@ -94,42 +125,101 @@ struct Plant {
   Bodies bodies;
   std::vector<Mechanism> mechanisms;
   std::vector<Place> places;            // by body
+  std::vector<BodyBlock> free_blocks;   // of bodies that stand free
   std::vector<Axis> axes;               // of one mechanism after the other
   std::vector<std::size_t> first_axis;  // by mechanism, and one beyond
+  // Of this tick: the numbers of the axes that are not idle, of mechanisms that are awake; ranges as above.
+  std::vector<std::size_t> acting, first_acting;
   std::vector<Spring> springs;
   std::vector<Touch> touches;
   bool rested = false;  // the contacts' impulses of the last tick were left as they were
   std::vector<char> asleep, mechanism_asleep;  // by body, by mechanism (sleep.h)
+  std::vector<char> mechanism_bound;           // of the moment: rows act on it (bounded.h)
 
-  std::span<Axis> axes_of(std::size_t mechanism) {
-    return {axes.data() + first_axis[mechanism], axes.data() + first_axis[mechanism + 1]};
+  AxesOf acting_axes() { return {axes.data(), acting}; }
+  AxesOf acting_axes_of(std::size_t mechanism) {
+    const std::size_t first = first_acting[mechanism];
+    return {axes.data(), std::span(acting).subspan(first, first_acting[mechanism + 1] - first)};
   }
-  const JointSpec& spec(const Axis& axis) const;
-  const JointPose& pose_ahead(const Axis& axis) const;
+  // All that stands free and does not sleep, by blocks.
+  template <typename Act>
+  void for_free(Act act) const {
+    if (setting.sleep_s == 0.0) return act(std::span<const BodyBlock>(free_blocks));
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      if (places[i].mechanism < 0 && !asleep[i]) act(bodies.block_of(i));
+  }
   double rate(const Axis& axis) const;  // of the bodies' velocities as they are
+  Vector3d parting(const Axis& axis) const;
 };
 
-// How far an axis is from its lower (0) or upper (1) stop, and whether that may act in a step of length h.
-double room(const Axis& axis, std::size_t side);
-bool is_within_reach(const Axis& axis, std::size_t side, double h);
+// Velocity of B against A at the joint's point.
+inline Vector3d Plant::parting(const Axis& axis) const {
+  const auto at = [&](int number) -> Vector3d {
+    const auto i = static_cast<std::size_t>(number);
+    return bodies.v[i] + bodies.w[i].cross(axis.pose->pb - bodies.x[i]);
+  };
+  return axis.a < 0 ? at(axis.b) : at(axis.b) - at(axis.a);
+}
 
-// The tick's laws from drives or the model, and where the axes are.
+inline double Plant::rate(const Axis& axis) const {
+  const Vector3d& along = axis.pose->a;
+  if (!axis.turns) return along.dot(parting(axis));
+  const Vector3d& w = bodies.w[static_cast<std::size_t>(axis.b)];
+  return axis.a < 0 ? along.dot(w) : along.dot(w - bodies.w[static_cast<std::size_t>(axis.a)]);
+}
+
+// How far an axis is from its lower (0) or upper (1) stop, and whether that may act in a step of length h.
+inline double room(const Axis& axis, std::size_t side) {
+  return side == 0 ? axis.start - axis.model->lower : axis.model->upper - axis.start;
+}
+// A stop that is farther off than the axis comes in two steps, and this, takes no part: rad, m.
+inline constexpr double kStopReach = 1e-3;
+inline bool is_within_reach(const Axis& axis, std::size_t side, double h) {
+  return axis.model->limited && room(axis, side) <= 2.0 * h * std::abs(axis.rate) + kStopReach;
+}
+inline bool is_within_reach(const Axis& axis, double h) {
+  return is_within_reach(axis, 0, h) || is_within_reach(axis, 1, h);
+}
+
+// The tick's laws from drives or the model, where the axes are, and which of them are not idle. Nothing is
+// known of the others.
 void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, const world::WorldState& state);
 // Where the bodies have been moved within a tick, in a step of length h: positions and velocities of the
 // axes.
 void measure_axes(Plant& plant, double h);
 // Where the look-ahead leads them; of a mechanism, once it is placed there.
+// `bias`: for its rows, if it has any.
 void measure_ahead(const Plant& plant, Axis& axis, const JointPose& ahead, double h);
 void measure_ahead(Plant& plant, std::size_t mechanism, double h);
 
 // A law that is not at its limit takes part where joints are solved for: its axis gives way by k for each
 // N·m·s, and misses a rate. Its impulses are counted by moment. A law at its limit gives known_impulse(),
 // with what is given beside the law.
-bool is_in_tree(const Axis& axis);
-double law_compliance(const Axis& axis, double h);
+inline bool law_in_tree(const Axis& axis) {
+  return axis.acts && !axis.boxed && axis.at_limit == 0;
+}
+inline bool damping_in_tree(const Axis& axis) {
+  return axis.damping > 0.0 && !law_in_tree(axis) && axis.node >= 0;
+}
+inline bool is_in_tree(const Axis& axis) {
+  return axis.node >= 0 && (law_in_tree(axis) || damping_in_tree(axis));
+}
+inline double law_compliance(const Axis& axis, double h) {
+  return law_in_tree(axis) ? axis.compliance_s / h : 1.0 / (axis.damping * h);
+}
 double missing_rate(const Plant& plant, const Axis& axis, Moment moment, double h);
-void take_law_impulse(Axis& axis, Moment moment, double impulse);
-double known_impulse(const Axis& axis, Moment moment, double h);
+inline void take_law_impulse(Axis& axis, Moment moment, double impulse) {
+  (law_in_tree(axis) ? axis.law : axis.damped)[moment] += impulse;
+}
+// What the law gives at this moment where it is at its limit; nothing in the instant of a hit.
+inline double limit_impulse(const Axis& axis, Moment moment, double h) {
+  if (axis.at_limit == 0 || moment == kHit) return 0.0;
+  const double most = axis.at_limit * h * axis.most;
+  return moment == kAhead ? 0.5 * most : most - axis.law[kHit] - axis.law[kAhead];
+}
+inline double known_impulse(const Axis& axis, Moment moment, double h) {
+  return 0.5 * h * axis.feedforward + limit_impulse(axis, moment, h);
+}
 
 // Puts those laws into the mechanisms' trees.
 void set_tree_axes(Plant& plant, double h);

@@ -5,6 +5,7 @@
 // all of it. Both bodies get it at the same point: momentum is kept to rounding.
 #include <algorithm>
 
+#include "server/dynamics/impulse/lanes/kernels.h"
 #include "server/dynamics/impulse/mechanism.h"
 
 namespace visum::dynamics::impulse {
@@ -13,13 +14,15 @@ void Mechanism::start_predicting() {
   if (loops_.empty()) prediction_ = Prediction(size());
 }
 
-bool Mechanism::predict() {
+bool Mechanism::predict(const Bodies& bodies) {
   if (!prediction_.is_ready()) return false;
-  for (std::size_t i = 0; i < size(); ++i) {
-    if (carrying(i) == nullptr) continue;
-    JointImpulse& f = foreseen_[i] = prediction_.at(i);
+  for (const std::size_t root : free_roots_) prediction_.foreseen()[root] = {};
+  bodies.kernels().free_hinges_impulses(hinges_.data(), hinges_.size(), poses_[0].pa.data(),
+                                        prediction_.foreseen()[0].w.data(), foreseen_axis_.data());
+  for (const std::size_t i : other_nodes_) {
     const Motion& free = motions_[i];
     for (std::size_t k = 0; k < static_cast<std::size_t>(free.count); ++k) {
+      const JointImpulse& f = prediction_.at(i);
       const double share = free.w[k].dot(f.w) + free.v[k].dot(f.v);
       foreseen_axis_[i] = share;
       add_along(i, k, -share);
@@ -32,83 +35,32 @@ bool Mechanism::predict() {
 void Mechanism::add_along(std::size_t i, std::size_t k, double impulse) {
   const Vector3d &w = motions_[i].w[k], &v = motions_[i].v[k];
   const double share = impulse / (w.squaredNorm() + v.squaredNorm());
-  foreseen_[i].w += share * w;
-  foreseen_[i].v += share * v;
-}
-
-void Mechanism::take_back(Bodies& bodies) const {
-  for (std::size_t i = 0; i < size(); ++i) {
-    bodies.v[static_cast<std::size_t>(body(i))] = unpushed_v_[i];
-    bodies.w[static_cast<std::size_t>(body(i))] = unpushed_w_[i];
-  }
+  JointImpulse& foreseen = prediction_.foreseen()[i];
+  foreseen.w += share * w;
+  foreseen.v += share * v;
 }
 
 void Mechanism::give_predicted(Bodies& bodies) {
-  for (std::size_t i = 0; i < size(); ++i) {
-    unpushed_v_[i] = bodies.v[static_cast<std::size_t>(body(i))];
-    unpushed_w_[i] = bodies.w[static_cast<std::size_t>(body(i))];
-  }
-  for (std::size_t i = 0; i < size(); ++i) {
-    if (carrying(i) == nullptr) continue;
-    const JointImpulse& f = foreseen_[i];
-    prediction_.add_ahead(i, f);
-    const Vector3d& p = poses_[i].pb;
-    const auto give = [&](int number, double sign) {
-      if (number < 0) return;
-      const auto b = static_cast<std::size_t>(number);
-      bodies.v[b] += (sign * bodies.constants[b].inverse_mass) * f.v;
-      bodies.w[b] += sign * (bodies.inverse_inertia[b] * (f.w + (p - bodies.x[b]).cross(f.v)));
-    };
-    give(specs_[i].b, 1.0);
-    give(specs_[i].a, -1.0);
-  }
+  prediction_.give_foreseen();
+  bodies.kernels().push_joints(bodies.arrays(), ends_.data(), ends_.size(), poses_[0].pa.data(),
+                               prediction_.foreseen()[0].w.data());
 }
 
-// From the tips to the root: what a joint gives is what all beyond it got, and was not pushed with.
-void Mechanism::find_given(const Bodies& bodies) {
-  std::fill(foreseen_.begin(), foreseen_.end(), JointImpulse{});
-  for (std::size_t i = size(); i-- > 0;) {
-    const auto body = static_cast<std::size_t>(tree_.node(i).body);
-    JointImpulse& f = foreseen_[i];
-    const Vector3d momentum = bodies.constants[body].mass * tree_.dv(i) - tree_.pushed_linear(i);
-    f.v += momentum;
-    f.w += bodies.inertia[body] * tree_.dw(i) - tree_.pushed_angular(i) + tree_.c(i).cross(momentum);
-    if (tree_.node(i).parent < 0) continue;
-    JointImpulse& up = foreseen_[static_cast<std::size_t>(tree_.node(i).parent)];
-    up.v += f.v;
-    up.w += f.w + tree_.r(i).cross(f.v);
-  }
+void Mechanism::apply_ahead(Bodies& bodies) {
+  predicts() ? tree_.apply_and_note(bodies, prediction_.ahead()) : apply(bodies);
 }
 
-void Mechanism::note_ahead(const Bodies& bodies) {
-  if (!predicts()) return;
-  find_given(bodies);
-  for (std::size_t i = 0; i < size(); ++i) prediction_.add_ahead(i, foreseen_[i]);
-}
-
-void Mechanism::note_after(const Bodies& bodies) {
-  if (!predicts()) return;
-  find_given(bodies);
-  for (std::size_t i = 0; i < size(); ++i) prediction_.add_after(i, foreseen_[i]);
-}
-
-double Mechanism::largest_answer() const {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < size(); ++i)
-    largest = std::max({largest, tree_.dw(i).cwiseAbs().maxCoeff(), tree_.dv(i).cwiseAbs().maxCoeff()});
-  return largest;
+void Mechanism::apply_after(Bodies& bodies) {
+  predicts() ? tree_.apply_and_note(bodies, prediction_.after()) : apply(bodies);
 }
 
 double Mechanism::largest_turn(const Bodies& bodies) const {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < size(); ++i)
-    largest = std::max(largest, bodies.w[static_cast<std::size_t>(body(i))].cwiseAbs().maxCoeff());
-  return largest;
+  return bodies.kernels().largest_turn(bodies.arrays(), blocks_.data(), blocks_.size());
 }
 
 void Mechanism::nudge(Bodies& bodies, double h) const {
-  for (std::size_t i = 0; i < size(); ++i)
-    bodies.nudge(static_cast<std::size_t>(body(i)), h * tree_.dv(i), h * tree_.dw(i));
+  bodies.kernels().nudge(bodies.arrays(), blocks_.data(), blocks_.size(), h, tree_.answers()->dv,
+                         tree_.answers()->w);
 }
 
 }  // namespace visum::dynamics::impulse

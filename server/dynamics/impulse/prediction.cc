@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "server/dynamics/impulse/lanes/kernels.h"
+
 namespace visum::dynamics::impulse {
 namespace {
 
@@ -16,56 +18,44 @@ struct Header {
   double lengths[2];
 };
 
-JointImpulse wide(const std::array<float, 6>& from) {
-  return {{from[0], from[1], from[2]}, {from[3], from[4], from[5]}};
-}
+// As the kernels have it.
+static_assert(sizeof(JointImpulse) == 6 * sizeof(double));
 
-std::array<float, 6> narrow(const JointImpulse& from) {
-  const auto to = [](double value) { return static_cast<float>(value); };
-  return {to(from.w.x()), to(from.w.y()), to(from.w.z()), to(from.v.x()), to(from.v.y()), to(from.v.z())};
-}
-
-JointImpulse sum(double a, const JointImpulse& x, double b, const JointImpulse& y) {
-  return {a * x.w + b * y.w, a * x.v + b * y.v};
+const double* numbers(const JointImpulse* from) {
+  return from->w.data();
 }
 
 }  // namespace
 
 Prediction::Prediction(std::size_t joints)
-    : ahead_(joints), after_(joints), line_(joints), past_(2 * joints) {}
+    : given_(2 * joints), line_(joints), foreseen_(joints), past_(2 * joints) {
+  static_assert(sizeof(Past) == 12 * sizeof(float));
+}
 
 // The line F(s) = f + g s, with the means f - g h1/2 over step 1 and f - g (h1 + h2/2) over step 2, gives
 // lambda = h (f/2 + g h/6).
 void Prediction::begin(double h) {
-  std::fill(ahead_.begin(), ahead_.end(), JointImpulse{});
-  std::fill(after_.begin(), after_.end(), JointImpulse{});
+  if (empty()) return;
+  std::memset(static_cast<void*>(given_.data()), 0, given_.size() * sizeof(JointImpulse));
   h_ = h;
   ready_ = count_ >= kLine;
   if (!ready_) return;
   const double h1 = lengths_[newest_], h2 = lengths_[1 - newest_];
   const double slope = h * (0.25 * h1 + h / 6.0) / (0.5 * (h1 + h2));
-  given_weights_ = {(0.5 * h + slope) / h1, -slope / h2};
+  const std::array<double, 2> given_weights{(0.5 * h + slope) / h1, -slope / h2};
   const double on = h1 / h2;
-  missed_weights_ = {(1.0 + on) * (h / h1) * (h / h1), -on * (h / h2) * (h / h2)};
-  if (count_ < kKnown) missed_weights_ = {count_ > kLine ? (h / h1) * (h / h1) : 0.0, 0.0};
+  std::array<double, 2> missed_weights{(1.0 + on) * (h / h1) * (h / h1), -on * (h / h2) * (h / h2)};
+  if (count_ < kKnown) missed_weights = {count_ > kLine ? (h / h1) * (h / h1) : 0.0, 0.0};
   ready_ = std::isfinite(slope + on);
-  for (std::size_t i = 0; i < line_.size(); ++i)
-    line_[i] = sum(given_weights_[0], wide(last(i).given), given_weights_[1], wide(before(i).given));
-}
-
-JointImpulse Prediction::at(std::size_t i) const {
-  JointImpulse impulse = line_[i];
-  add(impulse, sum(missed_weights_[0], wide(last(i).missed), missed_weights_[1], wide(before(i).missed)));
-  return impulse;
+  kernels().foresee_joints(line_.size(), given_weights.data(), missed_weights.data(), last()->given.data(),
+                           before()->given.data(), line_.front().w.data(), foreseen_.front().w.data());
 }
 
 void Prediction::end() {
-  for (std::size_t i = 0; i < ahead_.size(); ++i) {
-    Past past{};
-    if (ready_) past.missed = narrow(sum(1.0, ahead_[i], -1.0, line_[i]));
-    past.given = narrow(sum(1.0, ahead_[i], 1.0, after_[i]));
-    past_[(1 - newest_) * ahead_.size() + i] = past;
-  }
+  if (empty()) return;
+  const JointImpulse *ahead = given_.data(), *after = ahead + line_.size();
+  kernels().keep_joints(line_.size(), numbers(ahead), numbers(after),
+                        ready_ ? numbers(line_.data()) : nullptr, before()->given.data());
   newest_ = 1 - newest_;
   lengths_[newest_] = h_;
   count_ = std::min(count_ + 1, kKnown);

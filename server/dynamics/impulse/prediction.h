@@ -32,15 +32,20 @@ struct JointImpulse {
 class Prediction {
  public:
   explicit Prediction(std::size_t joints = 0);
-  bool empty() const { return ahead_.empty(); }
+  bool empty() const { return line_.empty(); }
 
   // A step of length h starts (again).
   void begin(double h);
   bool is_ready() const { return ready_; }  // enough is known for at()
-  JointImpulse at(std::size_t i) const;
+  const JointImpulse& at(std::size_t i) const { return foreseen_[i]; }
+  std::span<JointImpulse> foreseen() { return foreseen_; }  // to be changed before it is given
+  void give_foreseen() { std::copy(foreseen_.begin(), foreseen_.end(), given_.begin()); }  // before all else
   // What joint i gives in the step, at its start (ahead) or its end, one call for each time that it does.
-  void add_ahead(std::size_t i, const JointImpulse& given) { add(ahead_[i], given); }
-  void add_after(std::size_t i, const JointImpulse& given) { add(after_[i], given); }
+  void add_ahead(std::size_t i, const JointImpulse& given) { add(given_[i], given); }
+  void add_after(std::size_t i, const JointImpulse& given) { add(given_[line_.size() + i], given); }
+  // The sums of them, by joint.
+  std::span<JointImpulse> ahead() { return std::span(given_).first(line_.size()); }
+  std::span<JointImpulse> after() { return std::span(given_).subspan(line_.size()); }
   // The step is done. forget(): by something that the next step knows nothing of.
   void end();
   void forget() { count_ = 0; }
@@ -61,18 +66,19 @@ class Prediction {
     sum.w += given.w;
     sum.v += given.v;
   }
-  const Past& last(std::size_t i) const { return past_[newest_ * ahead_.size() + i]; }
-  const Past& before(std::size_t i) const { return past_[(1 - newest_) * ahead_.size() + i]; }
+  // Of the last step, and of the one before it.
+  const Past* last() const { return past_.data() + newest_ * line_.size(); }
+  Past* before() { return past_.data() + (1 - newest_) * line_.size(); }
   void clear();
 
-  std::vector<JointImpulse> ahead_, after_;
+  std::vector<JointImpulse> given_;     // in the step, ahead of all joints, then after
   std::vector<JointImpulse> line_;      // the first part of what is foreseen, of the step that began
+  std::vector<JointImpulse> foreseen_;  // all of it
   std::vector<Past> past_;              // of two steps, by joint
   std::array<double, 2> lengths_{};     // of those, s
   std::size_t newest_ = 0, count_ = 0;  // which of the two is the last one, how many steps are known
   double h_ = 0.0;
   bool ready_ = false;
-  std::array<double, 2> given_weights_{}, missed_weights_{};  // of the last one, of the one before
 };
 
 }  // namespace visum::dynamics::impulse

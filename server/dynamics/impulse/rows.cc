@@ -27,12 +27,29 @@ constexpr int kMostPoints = 4;
 constexpr int kMostRounds = 8;  // of sweeps and a solution of what they leave within its bounds
 
 double stiffness_of(const RowBlock& block) {
-  return block.K[0][0] + block.compliance + block.softness[0];
+  return block.K[0] + block.compliance + block.softness[0];
 }
 
 // Where nothing can move a contact, none of its impulses is defined.
 bool has_tangents(const RowBlock& block) {
   return block.kind != RowBlock::Kind::kBounded && stiffness_of(block) > kRigid * block.free_response;
+}
+
+// 1 over the larger eigenvalue of the tangents' response.
+double sliding_step(const RowBlock& block) {
+  const double a = block.K[1] + block.softness[1], b = block.K[3], c = block.K[2] + block.softness[2];
+  return 2.0 / (a + c + std::sqrt((a - c) * (a - c) + 4.0 * b * b));
+}
+
+// Adds what impulses on the rows of an end do to its free body.
+void push_body(const RowEnd& end, const std::array<double, 3>& by, double* velocities) {
+  std::array<double, 6> now;
+  std::copy(velocities, velocities + 6, now.begin());
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (by[i] == 0.0) continue;
+    for (std::size_t j = 0; j < 6; ++j) now[j] += end.MJ[i][j] * by[i];
+  }
+  std::copy(now.begin(), now.end(), velocities);
 }
 
 void move_centre(RowBlock& block) {
@@ -52,49 +69,42 @@ void Rows::clear() {
 
 void Rows::prepare() {
   for (RowBlock& block : blocks) {
-    for (auto& row : block.K) row.fill(0.0);
     for (std::size_t e = 0; e < block.end_count; ++e) {
       const RowEnd& end = block.ends[e];
-      for (std::size_t i = 0; i < block.dim; ++i)
-        for (std::size_t j = i; j < block.dim; ++j)
-          block.K[i][j] += end.free ? dot(end.J[i], end.MJ[j].data())
-                                    : responses[end.response + (end.first + i) * end.size + end.first + j];
+      if (end.free) continue;
+      const double* W = &responses[end.response + end.first * end.size + end.first];
+      for (std::size_t i = 0; i < block.dim; ++i) block.K[i] += W[i * end.size + i];
+      if (block.dim == 3) block.K[3] += W[end.size + 2];
     }
-    block.softness[0] = (block.gives ? kGive : kSoftness) * block.K[0][0];
+    block.softness[0] = (block.gives ? kGive : kSoftness) * block.K[0];
     if (block.kind == RowBlock::Kind::kBounded) continue;
     block.softness[1] = block.softness[2] =
-        0.5 * kSoftness * (block.K[1][1] + block.K[2][2]) + kRigid * block.free_response;
-    const double a = block.K[1][1] + block.softness[1], b = block.K[1][2];
-    const double c = block.K[2][2] + block.softness[2];
-    const double determinant = a * c - b * b;
-    block.inverse_tangential = {c / determinant, -b / determinant, a / determinant};
-    block.sliding_step = 2.0 / (a + c + std::sqrt((a - c) * (a - c) + 4.0 * b * b));
+        0.5 * kSoftness * (block.K[1] + block.K[2]) + kRigid * block.free_response;
+    const double a = block.K[1] + block.softness[1], b = block.K[3], c = block.K[2] + block.softness[2];
+    const double share = 1.0 / (a * c - b * b);
+    block.inverse_tangential = {share * c, -share * b, share * a};
   }
 }
 
-double Rows::velocity(const RowBlock& block, std::size_t row) const {
-  double sum = 0.0;
+// Impulses, to the velocities.
+void Rows::push(const RowBlock& block, const std::array<double, 3>& by) {
   for (std::size_t e = 0; e < block.end_count; ++e) {
     const RowEnd& end = block.ends[e];
-    sum += end.free ? dot(end.J[row], &velocities[end.offset]) : velocities[end.offset + end.first + row];
+    double* velocity = &velocities[end.offset];
+    if (end.free) {
+      push_body(end, by, velocity);
+      continue;
+    }
+    for (std::size_t i = 0; i < block.dim; ++i) {
+      if (by[i] == 0.0) continue;
+      const double* response = &responses[end.response + (end.first + i) * end.size];
+      for (std::size_t j = 0; j < end.size; ++j) velocity[j] += response[j] * by[i];
+    }
   }
-  return sum;
 }
 
 void Rows::change(RowBlock& block, const std::array<double, 3>& by) {
-  for (std::size_t e = 0; e < block.end_count; ++e) {
-    const RowEnd& end = block.ends[e];
-    for (std::size_t i = 0; i < block.dim; ++i) {
-      if (by[i] == 0.0) continue;
-      double* velocity = &velocities[end.offset];
-      if (end.free) {
-        for (std::size_t j = 0; j < 6; ++j) velocity[j] += end.MJ[i][j] * by[i];
-      } else {
-        const double* response = &responses[end.response + (end.first + i) * end.size];
-        for (std::size_t j = 0; j < end.size; ++j) velocity[j] += response[j] * by[i];
-      }
-    }
-  }
+  push(block, by);
   for (std::size_t i = 0; i < block.dim; ++i) {
     block.lambda[i] += by[i];
     block.applied[i] += by[i];
@@ -137,8 +147,10 @@ Tangential Rows::tangents_step(const RowBlock& block) const {
   const auto& inverse = block.inverse_tangential;
   Tangential held{start[0] + inverse[0] * e1 + inverse[1] * e2, start[1] + inverse[1] * e1 + inverse[2] * e2};
   // Where it slides, friction is to lie along the sliding: a step of one size for both directions.
-  if (!is_within_disc(held, radius))
-    held = within_disc({start[0] + block.sliding_step * e1, start[1] + block.sliding_step * e2}, radius);
+  if (!is_within_disc(held, radius)) {
+    const double step = sliding_step(block);
+    held = within_disc({start[0] + step * e1, start[1] + step * e2}, radius);
+  }
   return {held[0] - start[0], held[1] - start[1]};
 }
 
@@ -150,7 +162,7 @@ double Rows::relax(RowBlock& block) {
   if (!has_tangents(block)) return normal;
   const Tangential along = tangents_step(block);
   change(block, {0.0, along[0], along[1]});
-  return std::max({normal, std::abs(along[0]) * block.K[1][1], std::abs(along[1]) * block.K[2][2]});
+  return std::max({normal, std::abs(along[0]) * block.K[1], std::abs(along[1]) * block.K[2]});
 }
 
 // As a sweep finds it, but that its blocks move nothing on the way.
@@ -160,7 +172,7 @@ double Rows::largest_miss() const {
     largest = std::max(largest, std::abs(normal_step(block)) * stiffness_of(block));
     if (!has_tangents(block)) continue;
     const Tangential along = tangents_step(block);
-    largest = std::max({largest, std::abs(along[0]) * block.K[1][1], std::abs(along[1]) * block.K[2][2]});
+    largest = std::max({largest, std::abs(along[0]) * block.K[1], std::abs(along[1]) * block.K[2]});
   }
   return largest;
 }
@@ -172,13 +184,14 @@ double Rows::sweep(bool forwards) {
   return largest;
 }
 
-// Puts into the velocities what lambda starts with.
+// Puts into the velocities what lambda starts with, which is the first proximal point's centre.
 void Rows::start() {
   for (RowBlock& block : blocks) {
     std::array<double, 3> by{};
     for (std::size_t i = 0; i < block.dim; ++i) by[i] = block.lambda[i] - block.applied[i];
-    for (std::size_t i = 0; i < block.dim; ++i) block.lambda[i] -= by[i];
-    change(block, by);
+    push(block, by);
+    block.applied = block.lambda;
+    move_centre(block);
   }
 }
 
@@ -186,7 +199,7 @@ double Rows::largest_change() const {
   double largest = 0.0;
   for (const RowBlock& block : blocks)
     for (std::size_t i = 0; i < block.dim; ++i)
-      largest = std::max(largest, block.K[i][i] * std::abs(block.lambda[i]));
+      largest = std::max(largest, block.K[i] * std::abs(block.lambda[i]));
   return largest;
 }
 
@@ -200,7 +213,6 @@ bool Rows::is_at_rest(double least, double share, double rest) {
 
 double Rows::solve(int most_sweeps, double least, double share, double rest) {
   start();
-  for (RowBlock& block : blocks) move_centre(block);
   rests_ = is_at_rest(least, share, rest);
   if (rests_) return 0.0;
   const double missed = sweep(true);

@@ -13,6 +13,7 @@
 #include "server/dynamics/impulse/body_factor.h"
 #include "server/dynamics/impulse/envelope_lu.h"
 #include "server/dynamics/impulse/friction_cone.h"
+#include "server/dynamics/impulse/lanes/kernels.h"
 
 namespace visum::dynamics::impulse {
 
@@ -20,16 +21,19 @@ namespace visum::dynamics::impulse {
 // and no impulse of a contact is defined there.
 inline constexpr double kRigid = 1e-9;
 
+// What a block's rows reach on a free body: directions there, angular and linear.
+using Reach = std::array<std::array<double, 6>, 3>;
+
 // One end of a row's block. `sign`s are in J.
 struct RowEnd {
   RowEnd() {}  // J and MJ are not set: most of what a block weighs
 
   std::size_t offset = 0;  // of the body's or mechanism's velocities
   bool free = true;
-  std::array<std::array<double, 6>, 3> J, MJ;  // free body: directions, and what an impulse along them does
-  std::size_t mechanism = 0;                   // mechanism: its number
-  std::size_t first = 0, size = 0;             // mechanism: the first of its rows, and how many it has
-  std::size_t response = 0;                    // of W in Rows::responses
+  Reach J, MJ;                      // free body: directions, and what an impulse along them does
+  std::size_t mechanism = 0;        // mechanism: its number
+  std::size_t first = 0, size = 0;  // mechanism: the first of its rows, and how many it has
+  std::size_t response = 0;         // of W in Rows::responses
 };
 
 // Of a direction and a free body's velocities.
@@ -38,6 +42,8 @@ inline double dot(const std::array<double, 6>& a, const double* b) {
 }
 
 struct RowBlock {
+  RowBlock() {}  // likewise
+
   enum class Kind { kContact, kTwist, kBounded };
   Kind kind = Kind::kBounded;
   std::size_t dim = 1;  // contact, twist: 3, about or along the normal first
@@ -60,10 +66,10 @@ struct RowBlock {
   double free_response =
       0.0;  // contact: of its bodies, were they not jointed: what a response is measured by
 
-  // Made by Rows::prepare().
-  std::array<std::array<double, 3>, 3> K{};    // response to itself; the upper half
-  std::array<double, 3> inverse_tangential{};  // of K's tangential part: 11, 12, 22
-  double sliding_step = 0.0;                   // 1 over its larger eigenvalue
+  // Response of each row to itself, and of the tangents to each other: of free bodies by Rows::respond(), of
+  // mechanisms by Rows::prepare(), which makes what follows.
+  std::array<double, 4> K{};
+  std::array<double, 3> inverse_tangential{};  // of their part of K, softened: 11, 12, 22
   std::array<double, 3> softness{};            // of the proximal point, rows.cc
   std::array<double, 3> centre{};
   bool drags = false;     // rows_active.cc: slides, its friction follows its normal
@@ -72,7 +78,19 @@ struct RowBlock {
 
 class Rows {
  public:
+  explicit Rows(const Kernels& by = kernels()) : kernels_(&by) {}
   void clear();  // keeps the memory
+  // Of a block's end on a free body, whose J is set: MJ, and its share of the block's K. Of three rows along
+  // a frame's columns, or against them, at a lever from the centre of mass: J, too.
+  void respond(RowBlock& block, RowEnd& end, const double* inverse_inertia, double inverse_mass) const {
+    kernels_->respond_to_rows(end.J[0].data(), block.dim, inverse_inertia, inverse_mass, end.MJ[0].data(),
+                              block.K.data());
+  }
+  void respond_at_point(RowBlock& block, RowEnd& end, const double* frame, const double* lever, double sign,
+                        const double* inverse_inertia, double inverse_mass) const {
+    kernels_->respond_at_point(frame, lever, sign, inverse_inertia, inverse_mass, end.J[0].data(),
+                               end.MJ[0].data(), block.K.data());
+  }
 
   std::vector<RowBlock> blocks;
   std::vector<double> velocities;
@@ -111,6 +129,7 @@ class Rows {
   // The contact's normal impulse so far; of a twist that of its contact.
   double pressure(const RowBlock& block) const;
   double velocity(const RowBlock& block, std::size_t row) const;
+  void push(const RowBlock& block, const std::array<double, 3>& by);
   void change(RowBlock& block, const std::array<double, 3>& by);
   void start();
 
@@ -139,6 +158,7 @@ class Rows {
   bool factor_bodies(std::size_t most_entries);
   void solve_bodies();
 
+  const Kernels* kernels_;
   static constexpr std::size_t kNoBlock = static_cast<std::size_t>(-1);
   std::vector<Row> active_;
   EnvelopeLu factor_;
@@ -152,5 +172,14 @@ class Rows {
   double largest_ = 0.0;  // change that a solution began with since clear()
   std::vector<double> last_lambda_, last_velocities_, direction_lambda_, direction_velocities_;
 };
+
+inline double Rows::velocity(const RowBlock& block, std::size_t row) const {
+  double sum = 0.0;
+  for (std::size_t e = 0; e < block.end_count; ++e) {
+    const RowEnd& end = block.ends[e];
+    sum += end.free ? dot(end.J[row], &velocities[end.offset]) : velocities[end.offset + end.first + row];
+  }
+  return sum;
+}
 
 }  // namespace visum::dynamics::impulse

@@ -74,7 +74,7 @@ double Rows::dragged(const Row& a, const Row& b) const {
 // What slides takes part with its normal, and with its tangents again where it is asked to slide less.
 void Rows::add_contact(std::size_t index) {
   RowBlock& block = blocks[index];
-  if (block.K[0][0] <= kRigid * block.free_response || !(block.lambda[0] > block.low)) return;
+  if (block.K[0] <= kRigid * block.free_response || !(block.lambda[0] > block.low)) return;
   const double radius = block.friction * pressure(block);
   const Tangential held{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
   const bool slides = radius == 0.0 || block.at_bound ||
@@ -92,7 +92,7 @@ void Rows::add_contact(std::size_t index) {
 // What rolls or spins against its friction is left at the bound.
 void Rows::add_twist(std::size_t index) {
   const RowBlock& block = blocks[index];
-  if (block.K[0][0] <= kRigid * block.free_response) return;
+  if (block.K[0] <= kRigid * block.free_response) return;
   const double radius = block.friction * pressure(block), most = block.torsion * pressure(block);
   const double spun = block.lambda[0] + block.base[0];
   if (most > 0.0 && (std::abs(spun) < kInside * most || spun * error(block, 0) < 0.0))
@@ -114,7 +114,7 @@ void Rows::find_active() {
       add_contact(i);
     else if (block.kind == RowBlock::Kind::kTwist)
       add_twist(i);
-    else if (block.lambda[0] > block.low && block.lambda[0] < block.high && block.K[0][0] > 0.0)
+    else if (block.lambda[0] > block.low && block.lambda[0] < block.high && block.K[0] > 0.0)
       active_.push_back({i, 0});
   }
 }

@@ -1,7 +1,5 @@
 #include "server/dynamics/impulse/stepper.h"
 
-#include "server/world/joint_kinds.h"
-
 namespace visum::dynamics::impulse {
 namespace {
 
@@ -12,8 +10,9 @@ constexpr int kFreeChanges = 2;   // of those, before what changes becomes a row
 // What suits the error of a step at 1 ms; of the iteration, what it reaches. Around a loop small gaps add up.
 double default_d_max(const world::EngineSetting& setting, bool in_loops) {
   if (setting.solver == "iterate") return 1e-6;
-  if (setting.order == 2) return in_loops ? 5e-11 : 1e-9;
-  return setting.order == 4 ? 1e-11 : 1e-13;
+  if (setting.order == 2) return in_loops ? 5e-11 : 1e-7;
+  if (setting.order == 4) return in_loops ? 1e-11 : 1e-10;
+  return 1e-13;
 }
 
 // At rest, what was given at t+h is half of the tick's.
@@ -24,11 +23,11 @@ void count(Touch& touch) {
     touch.total_twist = 2.0 * touch.kept_twist;
     return;
   }
-  for (const Vector3d& impulse : touch.impulse) {
-    touch.total_normal += impulse[0];
-    touch.total += touch.frame * impulse;
-  }
-  for (const Vector3d& twist : touch.twist) touch.total_twist += touch.frame * twist;
+  const Vector3d impulse = touch.impulse[kHit] + touch.impulse[kAhead] + touch.impulse[kAfter];
+  touch.total_normal += impulse[0];
+  touch.total += touch.frame * impulse;
+  if (is_held_from_turning(touch))
+    touch.total_twist += touch.frame * (touch.twist[kHit] + touch.twist[kAhead] + touch.twist[kAfter]);
 }
 
 }  // namespace
@@ -48,10 +47,9 @@ Stepper::Stepper(Plant& plant)
 }
 
 void Stepper::push_axis(const Axis& axis, double impulse) {
-  const JointSpec& joint = plant_.spec(axis);
   Bodies& bodies = plant_.bodies;
-  const JointPose pose = pose_now(joint, bodies, axis.start);
-  const bool turns = world::info(joint.kind).is_angle;
+  const JointPose pose = pose_now(*axis.spec, bodies, axis.start);
+  const bool turns = axis.turns;
   const auto push = [&](int number, double sign) {
     if (number < 0) return;
     const auto i = static_cast<std::size_t>(number);
@@ -59,8 +57,8 @@ void Stepper::push_axis(const Axis& axis, double impulse) {
     const Vector3d twist = turns ? pose.a : (pose.pb - bodies.x[i]).cross(pose.a);
     bodies.w[i] += sign * impulse * (bodies.inverse_inertia[i] * twist);
   };
-  push(joint.a, -1.0);
-  push(joint.b, 1.0);
+  push(axis.a, -1.0);
+  push(axis.b, 1.0);
 }
 
 // Half of what forces give in a step, at either end of it. What a drive gives beside its law would throw its
@@ -75,14 +73,13 @@ void Stepper::push(double h, std::span<const Wrench> wrenches) {
     bodies.v[i] += 0.5 * h * bodies.constants[i].inverse_mass * wrench.force_n;
     bodies.w[i] += 0.5 * h * (bodies.inverse_inertia[i] * wrench.torque_nm);
   }
-  for (const Axis& axis : plant_.axes)
-    if (axis.feedforward != 0.0 && (corrector_ || axis.node < 0) && !plant_.mechanism_asleep[axis.mechanism])
-      push_axis(axis, 0.5 * h * axis.feedforward);
+  for (const Axis& axis : plant_.acting_axes())
+    if (axis.feedforward != 0.0 && (corrector_ || axis.node < 0)) push_axis(axis, 0.5 * h * axis.feedforward);
 }
 
 bool Stepper::push_known(std::size_t m, Moment moment, double h) {
   bool any = false;
-  for (const Axis& axis : plant_.axes_of(m)) {
+  for (const Axis& axis : plant_.acting_axes_of(m)) {
     if (axis.node < 0) continue;
     const double impulse = known_impulse(axis, moment, h);
     if (impulse == 0.0) continue;
@@ -92,14 +89,16 @@ bool Stepper::push_known(std::size_t m, Moment moment, double h) {
   return any;
 }
 
+// A moment is solved again only where a law takes part otherwise.
 void Stepper::save_velocities() {
-  for (std::size_t i = 0; i < plant_.axes.size(); ++i) saved_rates_[i] = plant_.axes[i].rate;
-  saved_v_ = plant_.bodies.v;
-  saved_w_ = plant_.bodies.w;
+  if (plant_.acting.empty()) return;
+  for (const std::size_t i : plant_.acting) saved_rates_[i] = plant_.axes[i].rate;
+  copy(plant_.bodies.v, saved_v_);
+  copy(plant_.bodies.w, saved_w_);
 }
 
 void Stepper::restore_velocities() {
-  for (std::size_t i = 0; i < plant_.axes.size(); ++i) plant_.axes[i].rate = saved_rates_[i];
+  for (const std::size_t i : plant_.acting) plant_.axes[i].rate = saved_rates_[i];
   plant_.bodies.v = saved_v_;
   plant_.bodies.w = saved_w_;
 }
@@ -158,13 +157,15 @@ void Stepper::hit(double h) {
   bounded_.solve();
   if (plant_.setting.impact == "poisson") bounded_.restore_by_poisson();
   bounded_.report();
-  for (Axis& axis : plant_.axes)
-    if (!plant_.mechanism_asleep[axis.mechanism]) axis.rate = plant_.rate(axis);
+  for (Axis& axis : plant_.acting_axes()) axis.rate = plant_.rate(axis);
 }
 
 void Stepper::commit(double h) {
-  for (std::size_t i = 0; i < plant_.bodies.size(); ++i)
-    if (!plant_.asleep[i]) plant_.bodies.commit(i, h, plant_.model.gravity);
+  for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
+    if (!plant_.mechanism_asleep[m] &&
+        plant_.bodies.commit(plant_.mechanisms[m].blocks(), h, plant_.model.gravity))
+      plant_.mechanisms[m].forget_place();
+  plant_.for_free([&](auto blocks) { plant_.bodies.commit(blocks, h, plant_.model.gravity); });
 }
 
 void Stepper::match_velocities(std::size_t m, double h) {
@@ -203,7 +204,7 @@ void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, con
       bounded_.report();
     }
     if (!change_laws(plant_, kAfter, h, corrector_ || i >= kFreeChanges)) return;
-    for (Axis& axis : plant_.axes) axis.law[kAfter] = axis.damped[kAfter] = 0.0;
+    for (Axis& axis : plant_.acting_axes()) axis.law[kAfter] = axis.damped[kAfter] = 0.0;
   }
 }
 
@@ -221,7 +222,7 @@ void Stepper::note_joints() {
 }
 
 void Stepper::count_impulses() {
-  for (Axis& axis : plant_.axes)
+  for (Axis& axis : plant_.acting_axes())
     for (std::size_t k = 0; k < kMoments; ++k) axis.total += axis.law[k] + axis.damped[k];
   for (Touch& touch : plant_.touches) count(touch);
 }

@@ -63,6 +63,7 @@ class Stepper {
   bool fell_short_ = false;
   std::vector<double> saved_rates_;
   std::vector<Vector3d> saved_v_, saved_w_;
+  std::vector<Vector3d> unpushed_v_, unpushed_w_;  // without what is foreseen of joints
 };
 
 }  // namespace visum::dynamics::impulse

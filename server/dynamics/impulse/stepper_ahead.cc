@@ -17,16 +17,14 @@ constexpr double kStandstill = 1e-9;  // m, rad: a gap below, which no longer sh
 
 void Stepper::fly(std::size_t m, double h) {
   if (corrector_) return corrector_->look_ahead(m, h);
-  const Mechanism& mechanism = plant_.mechanisms[m];
-  for (std::size_t i = 0; i < mechanism.size(); ++i)
-    plant_.bodies.look_ahead(static_cast<std::size_t>(mechanism.body(i)), h, plant_.model.gravity);
+  plant_.bodies.look_ahead(plant_.mechanisms[m].blocks(), h, plant_.model.gravity);
 }
 
 // What the joints and their drives gave in the last steps goes on; false where that is not known.
 bool Stepper::predict(std::size_t m, double h) {
   Mechanism& mechanism = plant_.mechanisms[m];
-  if (!mechanism.predict()) return false;
-  for (Axis& axis : plant_.axes_of(m)) {
+  if (!mechanism.predict(plant_.bodies)) return false;
+  for (Axis& axis : plant_.acting_axes_of(m)) {
     const auto node = static_cast<std::size_t>(axis.node);
     const double known = known_impulse(axis, kAhead, h);
     const double impulse = is_in_tree(axis) ? mechanism.predicted_axis(node) : known;
@@ -39,19 +37,22 @@ bool Stepper::predict(std::size_t m, double h) {
 
 void Stepper::take_back(std::size_t m, double h) {
   Mechanism& mechanism = plant_.mechanisms[m];
-  mechanism.take_back(plant_.bodies);
+  for (std::size_t i = 0; i < mechanism.size(); ++i) {
+    const auto body = static_cast<std::size_t>(mechanism.body(i));
+    plant_.bodies.v[body] = unpushed_v_[body];
+    plant_.bodies.w[body] = unpushed_w_[body];
+  }
   mechanism.prediction().begin(h);
-  for (Axis& axis : plant_.axes_of(m)) axis.law[kAhead] = axis.damped[kAhead] = 0.0;
+  for (Axis& axis : plant_.acting_axes_of(m)) axis.law[kAhead] = axis.damped[kAhead] = 0.0;
 }
 
 // The gap that a look-ahead finds, asked of the tree.
 double Stepper::find_gap(std::size_t m, double h, const world::WorldState& state, double law_share) {
   Mechanism& mechanism = plant_.mechanisms[m];
   fly(m, h);
-  mechanism.place_ahead(plant_.bodies, state, h);
-  measure_ahead(plant_, m, h);
   mechanism.clear();
-  const double gap = mechanism.ask_gaps(h);
+  const double gap = mechanism.ask_gaps(plant_.bodies, state, h);
+  measure_ahead(plant_, m, h);
   const double missing = h * ask_axes(plant_, m, kAhead, h) / law_share;
   return missing > gap || std::isnan(missing) ? missing : gap;
 }
@@ -59,11 +60,10 @@ double Stepper::find_gap(std::size_t m, double h, const world::WorldState& state
 void Stepper::give_answer(std::size_t m, Moment moment) {
   Mechanism& mechanism = plant_.mechanisms[m];
   mechanism.solve();
-  mechanism.apply(plant_.bodies);
   if (moment == kAhead)
-    mechanism.note_ahead(plant_.bodies);
+    mechanism.apply_ahead(plant_.bodies);
   else
-    mechanism.note_after(plant_.bodies);
+    mechanism.apply_after(plant_.bodies);
   take_axis_impulses(plant_, m, moment);
 }
 
@@ -104,7 +104,7 @@ bool Stepper::close_foreseen(std::size_t m, double h, const world::WorldState& s
   const double left = 4.0 * h * h * mechanism.largest_answer() * mechanism.largest_turn(plant_.bodies);
   if (!(std::abs(left) <= d_max_)) return close_by_newton(m, h, state, true);
   mechanism.nudge(plant_.bodies, h);
-  for (Axis& axis : plant_.axes_of(m))
+  for (Axis& axis : plant_.acting_axes_of(m))
     axis.mean_rate += mechanism.tree().axis_rate(static_cast<std::size_t>(axis.node));
   return true;
 }
@@ -126,7 +126,7 @@ double Stepper::correct(std::size_t m, double h, const world::WorldState& state,
   const double gap = corrector_->sweep_gaps(m, h, d_max_, state, sweep);
   if (bounded_.binds(m)) {
     fly(m, h);
-    plant_.mechanisms[m].place_ahead(plant_.bodies, state, h);
+    plant_.mechanisms[m].ask_gaps(plant_.bodies, state, h);
     measure_ahead(plant_, m, h);
   }
   return gap;
@@ -145,6 +145,11 @@ bool Stepper::correct_alone(std::size_t m, double h, const world::WorldState& st
 
 // Mechanisms that share contacts, or have bounds of their own.
 bool Stepper::close_together(double h, const world::WorldState& state) {
+  std::size_t worst = plant_.mechanisms.size();
+  const auto fail = [&] {
+    broken_ = worst < plant_.mechanisms.size() ? worst_joint(worst) : nullptr;
+    return false;
+  };
   for (int pass = 0; pass < most_passes_; ++pass) {
     double largest = 0.0;
     bool closed = true;
@@ -153,17 +158,17 @@ bool Stepper::close_together(double h, const world::WorldState& state) {
       if (corrector_) corrector_->forget_look_ahead(m);
       const double gap = corrector_ ? correct(m, h, state, pass) : close(m, h, state, pass);
       closed = closed && gap <= d_max(m);
-      if (!(gap <= largest)) {
+      if (!(gap <= largest) && !std::isnan(largest)) {
         largest = gap;
-        broken_ = worst_joint(m);
+        worst = m;
       }
     }
-    if (!std::isfinite(largest)) return false;
+    if (!std::isfinite(largest)) return fail();
     const double moved = h * bounded_.solve();
-    if (!std::isfinite(moved)) return false;
+    if (!std::isfinite(moved)) return fail();
     if (closed && moved <= d_max_) break;
     if (pass + 1 < most_passes_) continue;
-    if (!corrector_ && largest > std::sqrt(d_max_)) return false;
+    if (!corrector_ && largest > std::sqrt(d_max_)) return fail();
     fell_short_ = true;
   }
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
@@ -175,12 +180,14 @@ bool Stepper::close_together(double h, const world::WorldState& state) {
 }
 
 bool Stepper::look_ahead(double h, const world::WorldState& state) {
+  if (!corrector_) {
+    copy(plant_.bodies.v, unpushed_v_);
+    copy(plant_.bodies.w, unpushed_w_);
+  }
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
     if (!plant_.mechanism_asleep[m] && !bounded_.binds(m) && !close_alone(m, h, state)) return false;
   if (!bounded_.empty() && !close_together(h, state)) return false;
-  for (std::size_t i = 0; i < plant_.bodies.size(); ++i)
-    if (plant_.places[i].mechanism < 0 && !plant_.asleep[i])
-      plant_.bodies.look_ahead(i, h, plant_.model.gravity);
+  plant_.for_free([&](auto blocks) { plant_.bodies.look_ahead(blocks, h, plant_.model.gravity); });
   return true;
 }
 

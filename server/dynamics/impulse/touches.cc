@@ -1,21 +1,19 @@
 // The tick's contacts as the solver takes them.
 #include <cmath>
 
-#include "server/dynamics/impulse/free_flight.h"
 #include "server/dynamics/impulse/joints/directions.h"
 #include "server/dynamics/impulse/plant.h"
+#include "server/dynamics/impulse/rotation.h"
 
 namespace visum::dynamics::impulse {
 namespace {
 
 // What moves by another engine moves as it moves.
 struct Foreign {
-  Vector3d velocity = Vector3d::Zero(), turn = Vector3d::Zero();
+  Vector3d velocity, turn;
 };
 
-Foreign foreign_motion(const world::WorldModel& model, const world::WorldState& state, world::BodyId id,
-                       const Vector3d& p) {
-  if (model.bodies[id.index()].fixed) return {};
+Foreign foreign_motion(const world::WorldState& state, world::BodyId id, const Vector3d& p) {
   const world::BodyState& body = state.bodies[id.index()];
   return {body.v_WC + body.w_WB.cross(p - body.p_WC), body.w_WB};
 }
@@ -53,20 +51,21 @@ bool find_hits(Plant& plant, double h) {
   bool any = false;
   for (Touch& touch : plant.touches) {
     if (touch.asleep) continue;
-    const double speed = -normal_speed(plant, touch);
     touch.bounce = 0.0;
     touch.returned = touch.restitution;
-    if (touch.restitution == 0.0 || speed <= slow) continue;
+    if (touch.restitution == 0.0) continue;
+    const double speed = -normal_speed(plant, touch);
+    if (speed <= slow) continue;
     touch.bounce =
         speed_after_hit(speed, touch.restitution, touch.depth, -touch.frame.col(0).dot(touch.bias));
     touch.returned = touch.bounce / speed;
     any = true;
   }
-  for (Axis& axis : plant.axes) {
+  for (Axis& axis : plant.acting_axes()) {
+    if (!axis.model->limited || axis.model->stop_restitution == 0.0) continue;
     for (const std::size_t side : {0u, 1u}) {
       const double speed = (side == 0 ? -1.0 : 1.0) * axis.rate;
-      axis.hits[side] = axis.model->limited && axis.model->stop_restitution > 0.0 && speed > slow &&
-                        room(axis, side) < h * speed;
+      axis.hits[side] = speed > slow && room(axis, side) < h * speed;
       any = any || axis.hits[side];
     }
   }
@@ -104,26 +103,29 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
   plant.touches.clear();
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const collision::Contact& contact = contacts[i];
-    Touch touch;
+    const int number_a = bodies.number(contact.body_a), number_b = bodies.number(contact.body_b);
+    if (number_a < 0 && number_b < 0) continue;
+    Touch& touch = plant.touches.emplace_back();
     touch.contact = i;
-    touch.a = bodies.number(contact.body_a);
-    touch.b = bodies.number(contact.body_b);
-    if (touch.a < 0 && touch.b < 0) continue;
+    touch.a = number_a;
+    touch.b = number_b;
     touch.asleep = plant.asleep[static_cast<std::size_t>(std::max(touch.a, touch.b))] != 0;
     touch.kept_impulse = touch.kept_twist = Vector3d::Zero();
     const Across tangents = across(contact.normal_W);
-    touch.frame << contact.normal_W, tangents.first, tangents.second;
-    touch.foreign.setZero();
-    touch.foreign_turn.setZero();
+    touch.frame.col(0) = contact.normal_W;
+    touch.frame.col(1) = tangents.first;
+    touch.frame.col(2) = tangents.second;
+    touch.foreign = touch.foreign_turn = Vector3d::Zero();
     touch.ra = touch.rb = touch.bias = Vector3d::Zero();
-    Vector3d turn_a, turn_b;
+    Vector3d turn_a = Vector3d::Zero(), turn_b = Vector3d::Zero();
     if (touch.a >= 0) {
       const auto a = static_cast<std::size_t>(touch.a);
       touch.ra = contact.p_W - bodies.x[a];
       touch.bias += plant.model.gravity;
       turn_a = bodies.w[a];
-    } else {
-      const Foreign motion = foreign_motion(plant.model, state, contact.body_a, contact.p_W);
+    } else if (!plant.model.bodies[contact.body_a.index()].fixed) {
+      const Foreign motion = foreign_motion(state, contact.body_a, contact.p_W);
+      touch.yields = true;
       touch.foreign += motion.velocity;
       touch.foreign_turn += motion.turn;
       turn_a = motion.turn;
@@ -133,8 +135,9 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
       touch.rb = contact.p_W - bodies.x[b];
       touch.bias -= plant.model.gravity;
       turn_b = bodies.w[b];
-    } else {
-      const Foreign motion = foreign_motion(plant.model, state, contact.body_b, contact.p_W);
+    } else if (!plant.model.bodies[contact.body_b.index()].fixed) {
+      const Foreign motion = foreign_motion(state, contact.body_b, contact.p_W);
+      touch.yields = true;
       touch.foreign -= motion.velocity;
       touch.foreign_turn -= motion.turn;
       turn_b = motion.turn;
@@ -145,15 +148,12 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
     // Two bodies that turn together fly on straight lines until their next impulse: h/2 times this is how
     // fast they part.
     if (touch.a >= 0 && touch.b >= 0) touch.bias += touch.turn.cross(touch.turn.cross(touch.ra - touch.rb));
-    for (const world::BodyId id : {contact.body_a, contact.body_b})
-      touch.yields = touch.yields || (bodies.number(id) < 0 && !plant.model.bodies[id.index()].fixed);
     touch.depth = contact.depth;
     touch.friction = contact.friction;
     touch.restitution = contact.restitution;
     touch.rolling_friction = contact.rolling_friction;
     touch.torsional_friction = contact.torsional_friction;
     for (std::size_t k = 0; k < kMoments; ++k) touch.impulse[k] = touch.twist[k] = Vector3d::Zero();
-    plant.touches.push_back(touch);
   }
 }
 

@@ -8,31 +8,34 @@
 //   (A B; B^T C)   inertia of all that hangs on P:  f_w = A w + B v,  f_v = B^T w + C v
 //   U = I S,  D = S^T U,  lambda the impulse on the axis, (beta, alpha) the relative velocity asked for
 //   w = w_p + beta + Sw q',  v = v_p + w_p x r + alpha + Sv q'
+// A joint with several free directions is taken as a chain of joints with one, and nothing between them.
 // An axis whose drive acts as  q' + k lambda = b  (k its compliance, b its target) has 1/(D + 1/k) in place
 // of 1/D: hwparts/joint.h as a part of the tree. k = 0 locks the axis to b.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "server/dynamics/impulse/joint_spec.h"
-#include "server/dynamics/impulse/symmetric.h"
+#include "server/dynamics/impulse/lanes/kernels.h"
+#include "server/dynamics/impulse/prediction.h"
 
 namespace visum::dynamics::impulse {
 
 struct TreeNode {
-  int body = -1;    // number among the engine's bodies
-  int parent = -1;  // node; -1: what stands still, or nothing for a free root
-  int joint = -1;   // index of its spec; -1: a free root
-};
-
-// How the drive of a node's axis takes part. Only of joints with one axis.
-struct TreeAxis {
-  bool implicit = false;
-  double compliance = 0.0;  // k, (rad/s)/(N·m·s)
+  int body = -1;      // number among the engine's bodies
+  int parent = -1;    // node; -1: what stands still, or nothing for a free root
+  int joint = -1;     // index of its spec; -1: a free root
+  int freedoms = 0;   // of the joint
+  double mass = 0.0;  // of the body, kg
 };
 
 class Tree {
  public:
+  using VectorView = Eigen::Map<const Vector3d>;
+
+  explicit Tree(const Kernels& by = kernels()) : kernels_(&by) {}
+
   void assign(std::vector<TreeNode> nodes);
   std::size_t size() const { return nodes_.size(); }
   const TreeNode& node(std::size_t i) const { return nodes_[i]; }
@@ -47,80 +50,78 @@ class Tree {
   void clear();
   void clear_part(int part);
   void ask(std::size_t i, const Vector3d& beta, const Vector3d& alpha) {
-    asked_[i].beta = beta;
-    asked_[i].alpha = alpha;
+    TreeAsked& asked = asked_[row_of_[i]];
+    Eigen::Map<Vector3d>(asked.beta) = beta;
+    Eigen::Map<Vector3d>(asked.alpha) = alpha;
   }
-  void ask_axis(std::size_t i, double target) { asked_[i].target = target; }
-  void push_axis(std::size_t i, double impulse) { asked_[i].axis_impulse += impulse; }
+  // Where that is to be written, for kernels, and how far a node's is from there.
+  Asks asks() { return {asked_[0].beta, asked_[0].alpha}; }
+  long request(std::size_t i) const {
+    return static_cast<long>(row_of_[i] * (sizeof(TreeAsked) / sizeof(double)));
+  }
+  void ask_axis(std::size_t i, double target) { asked_[row_of_[i]].target = target; }
+  void push_axis(std::size_t i, double impulse) { asked_[row_of_[i]].axis_impulse += impulse; }
   void push_body(std::size_t i, const Vector3d& angular, const Vector3d& linear) {  // at its centre of mass
-    asked_[i].angular += angular;
-    asked_[i].linear += linear;
+    TreeAsked& asked = asked_[row_of_[i]];
+    Eigen::Map<Vector3d>(asked.angular) += angular;
+    Eigen::Map<Vector3d>(asked.linear) += linear;
+    asked.pushed = true;
   }
 
   void solve();
   void solve_part(int part);  // of what is asked of it; the answers of other parts stay as they are
 
-  // The answer, by node: changes of velocity of the centre of mass, and of the axis.
-  const Vector3d& dw(std::size_t i) const { return answer_[i].w; }
-  const Vector3d& dv(std::size_t i) const { return answer_[i].dv; }
-  double axis_rate(std::size_t i) const { return answer_[i].rate; }
+  // The answer, by node: changes of velocity of the centre of mass, and of the axis of a joint with one.
+  VectorView dw(std::size_t i) const { return VectorView(answers_[row_of_[i]].w); }
+  VectorView dv(std::size_t i) const { return VectorView(answers_[row_of_[i]].dv); }
+  double axis_rate(std::size_t i) const { return answers_[row_of_[i]].rate; }
+  // How far a node's are from the first one's.
+  long answer(std::size_t i) const {
+    return static_cast<long>(row_of_[i] * (sizeof(TreeAnswer) / sizeof(double)));
+  }
+  const TreeAnswer* answers() const { return answers_.data(); }
   // What an implicit drive has given in this solution, N·m·s.
   double axis_impulse(std::size_t i) const;
+  // The largest change of velocity, m/s or rad/s.
+  double largest_answer() const;
 
-  const Vector3d& c(std::size_t i) const { return factors_[i].c; }
-  const Vector3d& r(std::size_t i) const { return factors_[i].r; }
-  const Vector3d& pushed_angular(std::size_t i) const { return asked_[i].angular; }
-  const Vector3d& pushed_linear(std::size_t i) const { return asked_[i].linear; }
+  // The answer, to the bodies' velocities.
+  void apply(Bodies& bodies) const;
+  // And what the joints give in it, added to `given` by node; of a free root what is left: rounding.
+  void apply_and_note(Bodies& bodies, std::span<JointImpulse> given);
 
  private:
-  struct FreeAxis {
-    Vector3d Sw, Sv, Uw, Uv;
+  struct Root {
+    std::size_t row = 0;
+    Eigen::Matrix<double, 6, 6> inverse = Eigen::Matrix<double, 6, 6>::Identity();  // of the inertia
   };
-  struct Factor {
-    Vector3d r, c;
-    int dof = 0;
-    bool implicit = false;
-    bool turns_only = false;  // one axis, with Sv = 0
-    double inverse_D = 0.0;   // of one axis: effective, of what is left free
-    double D = 0.0;           // without its drive
-    double gain = 0.0;        // share of a drive's target that the axis takes up
-    std::array<FreeAxis, 3> axes;
-    Symmetric3 A, C;  // what the parent feels: the axes' freedom taken out
-    Matrix3d B;
-    Matrix3d inverse_Ds;  // of several axes
+  struct Run {
+    std::size_t begin = 0, end = 0;
   };
-  struct Asked {
-    Vector3d beta = Vector3d::Zero(), alpha = Vector3d::Zero();
-    Vector3d angular = Vector3d::Zero(), linear = Vector3d::Zero();
-    double target = 0.0, axis_impulse = 0.0;
-  };
-  struct Answer {
-    Vector3d w, v;  // at P
-    Vector3d dv;    // of the centre of mass
-    double rate = 0.0, axis_load = 0.0;
+  struct Part {
+    std::vector<Run> runs;  // of rows, parents first
+    int root = -1;          // index into roots_
   };
 
-  void eliminate(Factor& factor, const TreeAxis& axis);
-  void eliminate_one(Factor& factor, const TreeAxis& axis);
-  void add_to_parent(std::size_t i);
-  static double along_axis(const Factor& factor, const Vector3d& pw, const Vector3d& pv);
-  void load(std::size_t i);
-  void load_up(std::size_t i);
-  void spread_down(std::size_t i);
-  void spread_root(std::size_t i);
-  void spread_joint(std::size_t i);
+  void add_rows(std::size_t node);
+  void find_ways();
+  void find_parts();
+  void factor_root(Root& root);
+  void spread_root(const Root& root);
+  TreeData data();
 
+  const Kernels* kernels_;
   std::vector<TreeNode> nodes_;
-  std::vector<int> part_of_;
-  std::vector<std::vector<std::size_t>> parts_;  // nodes, parents first
-  std::vector<Factor> factors_;
-  std::vector<Eigen::Matrix<double, 6, 6>>
-      roots_;                 // by node that is a free root: inverse inertia, else empty
-  std::vector<int> root_of_;  // index into roots_, -1
-  std::vector<Asked> asked_;
-  std::vector<Vector3d> load_w_, load_v_;         // p
-  std::vector<std::array<double, 3>> own_rates_;  // t, the part of q' that the parent does not decide
-  std::vector<Answer> answer_;
+  std::vector<int> part_of_;  // by node
+  std::vector<Part> parts_;
+  std::vector<Root> roots_;
+  std::vector<std::size_t> row_of_;  // by node, that of its body
+  std::vector<TreeRow> rows_;        // parents first
+  // By row.
+  std::vector<TreeFactor> factors_;
+  std::vector<TreeAsked> asked_;
+  std::vector<TreeAnswer> answers_;
+  std::vector<TreeLoad> loads_;
 };
 
 }  // namespace visum::dynamics::impulse

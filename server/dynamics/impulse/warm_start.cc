@@ -53,10 +53,10 @@ bool is_jointed(const Plant& plant, int body) {
   return body >= 0 && plant.places[static_cast<std::size_t>(body)].mechanism >= 0;
 }
 
-// Where joints take part, drives start from what they gave for the look-ahead, and so do contacts.
-Vector3d to_start_from(const Plant& plant, const Touch& touch, const std::array<Vector3d, kMoments>& given) {
-  if (is_jointed(plant, touch.a) || is_jointed(plant, touch.b)) return given[kAhead];
-  return 0.5 * (given[kAhead] + given[kAfter]);
+// Where joints take part, drives start from what they gave for the look-ahead, and so do contacts. In W.
+Vector3d to_start_from(const Touch& touch, const std::array<Vector3d, kMoments>& given, bool jointed) {
+  if (jointed) return touch.frame * given[kAhead];
+  return touch.frame * (0.5 * (given[kAhead] + given[kAfter]));
 }
 
 }  // namespace
@@ -70,9 +70,12 @@ void read_warm_start(std::span<const std::byte> bytes, std::span<const collision
   std::size_t i = 0;
   for (Touch& touch : plant.touches) {
     const collision::Contact& contact = contacts[touch.contact];
-    while (i < count && key(record_at(bytes, i)) < key(contact)) ++i;
     if (i == count) return;
-    const Record record = record_at(bytes, i);
+    Record record = record_at(bytes, i);
+    while (key(record) < key(contact)) {
+      if (++i == count) return;
+      record = record_at(bytes, i);
+    }
     const Vector3d impulse = vector(record.impulse), twist = vector(record.twist);
     if (key(record) != key(contact) || !impulse.allFinite() || !twist.allFinite()) continue;
     plant.rested = plant.rested || record.rested != 0;
@@ -96,10 +99,13 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
   for (std::size_t i = 0; i < plant.touches.size(); ++i) {
     const Touch& touch = plant.touches[i];
     const collision::Contact& contact = contacts[touch.contact];
-    const Vector3d impulse =
-        touch.asleep ? touch.kept_impulse : touch.frame * to_start_from(plant, touch, touch.impulse);
-    const Vector3d twist =
-        touch.asleep ? touch.kept_twist : touch.frame * to_start_from(plant, touch, touch.twist);
+    const bool jointed = is_jointed(plant, touch.a) || is_jointed(plant, touch.b);
+    Vector3d impulse = touch.kept_impulse, twist = touch.kept_twist;
+    if (!touch.asleep) {
+      impulse = to_start_from(touch, touch.impulse, jointed);
+      twist.setZero();
+      if (is_held_from_turning(touch)) twist = to_start_from(touch, touch.twist, jointed);
+    }
     const Record record{contact.shape_a.value,
                         contact.shape_b.value,
                         contact.feature,

@@ -9,9 +9,9 @@ namespace visum::dynamics::testing {
 namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
-    {"OdeWorld", 0x2b5fc3735ea0fb30ull},       {"OdeQuick", 0x51192a1216b7285dull},
-    {"Impulse", 0x3a8f52ccd7e13441ull},        {"ImpulseOrder4", 0xc0d3f5700c42614bull},
-    {"ImpulseIterate", 0xd029f66d687b0c81ull},
+    {"OdeWorld", 0x104bf19a5993ab77ull},       {"OdeQuick", 0xcd99abfa3f8f7fe2ull},
+    {"Impulse", 0xd2e8cc00488f6653ull},        {"ImpulseOrder4", 0xfd16675fb0d9fa85ull},
+    {"ImpulseIterate", 0x26caeaf39ba8b9ceull},
 };
 
 class Golden : public Contract {};

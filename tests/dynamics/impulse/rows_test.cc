@@ -13,6 +13,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
+using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
@@ -80,8 +81,8 @@ class Grasp {
     double largest = 0.0;
     for (const RowBlock& block : rows_.blocks) {
       const auto& lambda = block.lambda;
-      const double K = std::max({block.K[0][0], block.K[1][1], block.K[2][2]});
-      const double normal = lambda[0] - (velocity(block, 0) + kGive * block.K[0][0] * lambda[0]) / K;
+      const double K = std::max({block.K[0], block.K[1], block.K[2]});
+      const double normal = lambda[0] - (velocity(block, 0) + kGive * block.K[0] * lambda[0]) / K;
       const double along = lambda[1] - velocity(block, 1) / K, across = lambda[2] - velocity(block, 2) / K;
       const double held = std::hypot(along, across), most = kGrip * lambda[0];
       const double share = held > most ? most / held : 1.0;
@@ -111,10 +112,9 @@ class Grasp {
       for (int j = 0; j < 3; ++j) {
         box.J[i][static_cast<std::size_t>(j)] = turns[j];
         box.J[i][static_cast<std::size_t>(3 + j)] = corner.axes[i][j];
-        box.MJ[i][static_cast<std::size_t>(j)] = turns[j] / 3e-4;
-        box.MJ[i][static_cast<std::size_t>(3 + j)] = corner.axes[i][j] / 0.5;
       }
     }
+    rows_.respond(block, box, Matrix3d(Matrix3d::Identity() / 3e-4).data(), 1.0 / 0.5);
     hand.free = false;
     hand.offset = 6;
     hand.first = 3 * k;
@@ -169,13 +169,13 @@ TEST(Rows, WhatIsSolvedAtOnceTakesNoGraspApart) {
 }
 
 // A row on the velocity of a free body of 1 kg.
-RowBlock row_along(const Vector3d& direction, double low) {
+RowBlock row_along(const Rows& rows, const Vector3d& direction, double low) {
   RowBlock block;
   block.low = low;
   block.high = std::numeric_limits<double>::infinity();
   block.end_count = 1;
   block.ends[0].J[0] = {0.0, 0.0, 0.0, direction.x(), direction.y(), direction.z()};
-  block.ends[0].MJ[0] = block.ends[0].J[0];
+  rows.respond(block, block.ends[0], Matrix3d(Matrix3d::Identity()).data(), 1.0);
   return block;
 }
 
@@ -191,8 +191,8 @@ TEST(Rows, OnlyWhatIsLedToItsBoundStopsThere) {
   Rows rows;
   rows.velocities = {0.0, 0.0, 0.0, u, (leaning - lean * u) / rise, 0.3};
   rows.bodies.push_back({1.0, {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}});
-  rows.blocks = {row_along(Vector3d::UnitX(), 0.0), row_along({lean, rise, 0.0}, -kEndless),
-                 row_along(Vector3d::UnitZ(), -kEndless)};
+  rows.blocks = {row_along(rows, Vector3d::UnitX(), 0.0), row_along(rows, {lean, rise, 0.0}, -kEndless),
+                 row_along(rows, Vector3d::UnitZ(), -kEndless)};
   rows.prepare();
   rows.solve(0, 1e-14, 0.0, 0.0);
   EXPECT_NEAR(rows.blocks[0].lambda[0], 0.0, 1e-8);

@@ -29,7 +29,8 @@ struct JointSpec {
   const world::Joint* model = nullptr;
 };
 
-// A joint with its bodies in a certain pose.
+// A joint with its bodies in a certain pose. The four vectors stand together, as kernels write them
+// (lanes/joints_kernels.h).
 struct JointPose {
   Vector3d pa, pb;  // P_A, P
   Vector3d a, b;    // the axis, as A and as B carry it

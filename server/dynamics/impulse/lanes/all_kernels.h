@@ -1,0 +1,44 @@
+// All kernels, in a file of their own for each build (kernels_baseline.cc, kernels_wide.cc).
+#pragma once
+
+#include <cstddef>
+
+#include "server/dynamics/impulse/lanes/kernels.h"
+
+#include "server/dynamics/impulse/lanes/bodies_kernels.h"
+#include "server/dynamics/impulse/lanes/joints_kernels.h"
+#include "server/dynamics/impulse/lanes/lanes.h"
+#include "server/dynamics/impulse/lanes/prediction_kernels.h"
+#include "server/dynamics/impulse/lanes/rows_kernels.h"
+#include "server/dynamics/impulse/lanes/tree_kernels.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+constexpr Kernels make_kernels(const char* build) {
+  return {.build = build,
+          .fly = fly,
+          .nudge = nudge,
+          .commit = commit,
+          .largest_turn = largest_turn,
+          .orient = orient,
+          .place_joints = place_joints,
+          .place_hinges = place_hinges,
+          .ask_hinges_gaps = ask_hinges_gaps,
+          .free_hinges_impulses = free_hinges_impulses,
+          .push_joints = push_joints,
+          .ask_hinges_velocities = ask_hinges_velocities,
+          .foresee_joints = foresee_joints,
+          .keep_joints = keep_joints,
+          .respond_to_rows = respond_to_rows,
+          .respond_at_point = respond_at_point,
+          .factor_tree = factor_tree,
+          .load_tree = load_tree,
+          .spread_tree = spread_tree,
+          .apply_tree = apply_tree,
+          .apply_and_note_tree = apply_and_note_tree,
+          .largest_answer_of_tree = largest_answer_of_tree};
+}
+
+}  // namespace
+}  // namespace visum::dynamics::impulse

@@ -1,0 +1,35 @@
+#include "server/dynamics/impulse/lanes/kernels.h"
+
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+namespace visum::dynamics::impulse {
+namespace {
+
+bool has_wide() {
+#if defined(__x86_64__)
+  return kWideKernels != nullptr && __builtin_cpu_supports("avx2") != 0;
+#else
+  return false;
+#endif
+}
+
+const Kernels& choose() {
+  const char* wanted = std::getenv("VISUM_KERNELS");
+  if (wanted == nullptr || *wanted == '\0') return has_wide() ? *kWideKernels : kBaselineKernels;
+  if (std::string(wanted) == kBaselineKernels.build) return kBaselineKernels;
+  if (has_wide() && std::string(wanted) == kWideKernels->build) return *kWideKernels;
+  throw std::runtime_error("VISUM_KERNELS is '" + std::string(wanted) + "': here are '" +
+                           kBaselineKernels.build +
+                           (has_wide() ? std::string("' and '") + kWideKernels->build : std::string()) + "'");
+}
+
+}  // namespace
+
+const Kernels& kernels() {
+  static const Kernels& chosen = choose();
+  return chosen;
+}
+
+}  // namespace visum::dynamics::impulse

@@ -1,0 +1,65 @@
+// The hot loops of the engine over many bodies or joints, compiled twice: for every x86-64 processor, and for
+// those with AVX2. The process takes one of the two when it starts. Both give the same bits: no fused
+// multiply-add, the same order of operations.
+#pragma once
+
+#include <cstddef>
+
+#include "server/dynamics/impulse/lanes/bodies_data.h"
+#include "server/dynamics/impulse/lanes/joints_data.h"
+#include "server/dynamics/impulse/lanes/tree_data.h"
+
+namespace visum::dynamics::impulse {
+
+struct Kernels {
+  const char* build;
+
+  // Bodies (bodies.h), blocks of four.
+  void (*fly)(const BodyArrays&, const BodyBlock*, std::size_t count, double h, const double* gravity);
+  void (*nudge)(const BodyArrays&, const BodyBlock*, std::size_t count, double h, const double* dv,
+                const double* dw);
+  bool (*commit)(const BodyArrays&, const BodyBlock*, std::size_t count, double h, const double* gravity);
+  double (*largest_turn)(const BodyArrays&, const BodyBlock*, std::size_t count);
+  void (*orient)(const BodyArrays&, const BodyBlock*, std::size_t count);
+
+  // Joints (mechanism.h), blocks of four. x, R: of the bodies, now or where the look-ahead leads.
+  void (*place_joints)(const double* x, const double* R, const JointBlock*, std::size_t count, double* poses);
+  void (*place_hinges)(const double* x, const double* R, const JointBlock*, std::size_t count, double* poses,
+                       double* free);
+  double (*ask_hinges_gaps)(const double* x, const double* R, const JointBlock*, std::size_t count, double h,
+                            double* poses, Asks);
+  void (*free_hinges_impulses)(const JointBlock*, std::size_t count, double* poses, double* impulses,
+                               double* shares);
+  void (*push_joints)(const BodyArrays&, const JointEnds*, std::size_t count, double* poses,
+                      double* impulses);
+  void (*ask_hinges_velocities)(const BodyArrays&, const JointBlock*, std::size_t count, double* poses, Asks);
+  // The prediction (prediction.h), over all joints.
+  void (*foresee_joints)(std::size_t count, const double* given_weights, const double* missed_weights,
+                         const float* last, const float* before, double* line, double* foreseen);
+  void (*keep_joints)(std::size_t count, const double* ahead, const double* after, const double* line,
+                      float* past);
+  // Rows of contacts (rows.h).
+  void (*respond_to_rows)(const double* J, std::size_t rows, const double* inverse_inertia,
+                          double inverse_mass, double* MJ, double* K);
+  void (*respond_at_point)(const double* frame, const double* lever, double sign,
+                           const double* inverse_inertia, double inverse_mass, double* J, double* MJ,
+                           double* K);
+  // Of a tree (tree.h): all its rows, or those from `begin` on to before `end`.
+  void (*factor_tree)(const TreeRow* rows, TreeFactor* factors, TreePlace place, std::size_t count);
+  void (*load_tree)(TreeData tree, std::size_t begin, std::size_t end);
+  void (*spread_tree)(TreeData tree, std::size_t begin, std::size_t end);
+  void (*apply_tree)(const TreeRow* rows, const TreeAnswer* answers, std::size_t count, double* v, double* w);
+  void (*apply_and_note_tree)(TreeData tree, const double* inertia, std::size_t count, double* v, double* w,
+                              double* given);
+  double (*largest_answer_of_tree)(const TreeAnswer* answers, std::size_t count);
+};
+
+// What this processor takes, or the environment's VISUM_KERNELS names: x86-64 or x86-64-v3. Throws where it
+// names what is not here.
+const Kernels& kernels();
+
+// Those compiled; the second is null where the compiler has none.
+extern const Kernels kBaselineKernels;
+extern const Kernels* const kWideKernels;
+
+}  // namespace visum::dynamics::impulse

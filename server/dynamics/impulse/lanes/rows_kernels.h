@@ -1,0 +1,52 @@
+// Rows on free bodies (rows.h). A row is six doubles, its direction on a body: angular, linear. For each row
+// of a block J is that, MJ what an impulse along it does to the body, and K, to which it is added, its
+// response J MJ to itself; of three rows K's fourth is the last two's response to each other.
+#pragma once
+
+#include "server/dynamics/impulse/lanes/lanes.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+struct LanesRow {
+  Lanes angular, linear;
+};
+
+VISUM_LANES_INLINE LanesRow respond(LanesRow J, const double* inverse_inertia, double inverse_mass) {
+  return {matrix_times(inverse_inertia, J.angular), inverse_mass * J.linear};
+}
+VISUM_LANES_INLINE double dot(LanesRow a, LanesRow b) {
+  return first(sum3(a.angular * b.angular + a.linear * b.linear));
+}
+
+void respond_to_rows(const double* J, std::size_t rows, const double* inverse_inertia, double inverse_mass,
+                     double* MJ, double* K) {
+  LanesRow response{};
+  for (std::size_t i = 0; i < rows; ++i) {
+    const LanesRow row{load(J + 6 * i), load3(J + 6 * i + 3)};
+    response = respond(row, inverse_inertia, inverse_mass);
+    store6(MJ + 6 * i, response.angular, response.linear);
+    K[i] += dot(row, response);
+  }
+  if (rows == 3) K[3] += dot({load(J + 6), load3(J + 9)}, response);
+}
+
+// Three rows along the columns of a frame, or against them (sign), at a lever from the centre of mass. What
+// has just been written would be slow to read: J is made here, too.
+void respond_at_point(const double* frame, const double* lever, double sign, const double* inverse_inertia,
+                      double inverse_mass, double* J, double* MJ, double* K) {
+  const Lanes r = load3(lever), signs = all(sign);
+  LanesRow row[3], response[3];
+  for (int i = 0; i < 3; ++i) {
+    row[i].linear = signs * load3(frame + 3 * i);
+    row[i].angular = cross(r, row[i].linear);
+    response[i] = respond(row[i], inverse_inertia, inverse_mass);
+    store6(J + 6 * i, row[i].angular, row[i].linear);
+    store6(MJ + 6 * i, response[i].angular, response[i].linear);
+    K[i] += dot(row[i], response[i]);
+  }
+  K[3] += dot(row[1], response[2]);
+}
+
+}  // namespace
+}  // namespace visum::dynamics::impulse

@@ -1,0 +1,301 @@
+// The recursions over a tree's rows (tree.h has the symbols, tree_data.h the rows). A vector is one Lanes.
+//
+// In a chain each row waits for the one before it, so the way from row to row is kept short: what a row has
+// is taken at its parent's point before its axis is eliminated, not after, for the axis is the longest part.
+// With X^T the move of a velocity to that point,
+//   T = X U,   X (I - U D^-1 U^T) X^T = X I X^T - T D^-1 T^T,   U^T (w1, v1) = T^T X^T (w1, v1).
+#pragma once
+
+#include "server/dynamics/impulse/lanes/lanes.h"
+#include "server/dynamics/impulse/lanes/tree_data.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+// By cyclic diagonals. A symmetric one's third is after_next() of its second.
+struct LanesSymmetric {
+  Lanes diagonal, off;
+};
+struct LanesMatrix {
+  Lanes d0, d1, d2;
+};
+struct LanesInertia {
+  LanesSymmetric A;
+  LanesMatrix B;
+  LanesSymmetric C;
+};
+struct LanesPair {
+  Lanes w, v;
+};
+
+VISUM_LANES_INLINE LanesSymmetric operator+(LanesSymmetric a, LanesSymmetric b) {
+  return {a.diagonal + b.diagonal, a.off + b.off};
+}
+VISUM_LANES_INLINE LanesMatrix operator+(LanesMatrix a, LanesMatrix b) {
+  return {a.d0 + b.d0, a.d1 + b.d1, a.d2 + b.d2};
+}
+VISUM_LANES_INLINE LanesInertia operator+(const LanesInertia& a, const LanesInertia& b) {
+  return {a.A + b.A, a.B + b.B, a.C + b.C};
+}
+VISUM_LANES_INLINE LanesPair operator+(LanesPair a, LanesPair b) {
+  return {a.w + b.w, a.v + b.v};
+}
+
+VISUM_LANES_INLINE Lanes times(const LanesSymmetric& m, Lanes u) {  // M u
+  return m.diagonal * u + (m.off * next(u) + after_next(m.off * u));
+}
+VISUM_LANES_INLINE Lanes times(const LanesMatrix& m, Lanes u) {
+  return m.d0 * u + (m.d1 * next(u) + m.d2 * after_next(u));
+}
+VISUM_LANES_INLINE Lanes transposed_times(const LanesMatrix& m, Lanes u) {  // M^T u
+  return m.d0 * u + (after_next(m.d1 * u) + next(m.d2 * u));
+}
+VISUM_LANES_INLINE LanesPair times(const LanesInertia& m, LanesPair u) {
+  return {times(m.A, u.w) + times(m.B, u.v), transposed_times(m.B, u.w) + times(m.C, u.v)};
+}
+
+VISUM_LANES_INLINE LanesInertia load_inertia(const TreeFactor& f) {
+  return {
+      {load(f.A[0]), load(f.A[1])}, {load(f.B[0]), load(f.B[1]), load(f.B[2])}, {load(f.C[0]), load(f.C[1])}};
+}
+VISUM_LANES_INLINE void store_inertia(TreeFactor& f, const LanesInertia& m) {
+  store(f.A[0], m.A.diagonal);
+  store(f.A[1], m.A.off);
+  store(f.B[0], m.B.d0);
+  store(f.B[1], m.B.d1);
+  store(f.B[2], m.B.d2);
+  store(f.C[0], m.C.diagonal);
+  store(f.C[1], m.C.off);
+}
+VISUM_LANES_INLINE LanesInertia no_inertia() {
+  const Lanes none = all(0.0);
+  return {{none, none}, {none, none, none}, {none, none}};
+}
+
+// With a body about the point from which it is c away: A = I + m (c.c E - c c^T), B = [m c]x, C = m E.
+VISUM_LANES_INLINE LanesInertia with_body(const LanesInertia& m, double mass, const double* inertia,
+                                          Lanes c) {
+  const Lanes lever = mass * c, far = dot(lever, c);
+  const Lanes diagonal = lanes(inertia[0], inertia[4], inertia[8], 0.0);
+  const Lanes off = lanes(inertia[3], inertia[7], inertia[2], 0.0);
+  return {{m.A.diagonal + (diagonal + (far - lever * c)), m.A.off + (off - lever * next(c))},
+          {m.B.d0, m.B.d1 - after_next(lever), m.B.d2 + next(lever)},
+          {m.C.diagonal + all(mass), m.C.off}};
+}
+
+// At the parent's point: B' = B + r x C,  A' = A + r x B'^T + (r x B^T)^T,  C' = C. Of a product r x M the
+// diagonals are next(r) after_next(d[k+1]) - after_next(r) next(d[k-1]).
+VISUM_LANES_INLINE LanesInertia at_parent(const LanesInertia& m, Lanes r) {
+  const Lanes r1 = next(r), r2 = after_next(r);
+  const auto& [c0, c1] = m.C;
+  const LanesMatrix& B = m.B;
+  const LanesMatrix M = B + LanesMatrix{r1 * after_next(c1) - r2 * c1, r1 * next(c1) - r2 * next(c0),
+                                        r1 * after_next(c0) - r2 * next(c1)};
+  return {{m.A.diagonal + (r1 * (M.d2 + B.d2) - r2 * (M.d1 + B.d1)),
+           m.A.off + ((r1 * next(M.d1) - r2 * next(M.d0)) + (r2 * B.d0 - r * B.d2))},
+          M,
+          m.C};
+}
+
+// I - T D^-1 T^T.
+VISUM_LANES_INLINE LanesInertia without_axis(const LanesInertia& m, LanesPair T, double inverse_D) {
+  const Lanes gw = inverse_D * T.w, gv = inverse_D * T.v, w1 = next(T.w), v1 = next(T.v);
+  return {{m.A.diagonal - gw * T.w, m.A.off - gw * w1},
+          {m.B.d0 - gw * T.v, m.B.d1 - gw * v1, m.B.d2 - gw * after_next(T.v)},
+          {m.C.diagonal - gv * T.v, m.C.off - gv * v1}};
+}
+
+VISUM_LANES_INLINE const double* point_of(const TreePlace& place, const TreeRow& row) {
+  return row.root ? place.x + 3 * static_cast<std::size_t>(row.body)
+                  : place.points + place.point_stride * static_cast<std::size_t>(row.node);
+}
+
+VISUM_LANES_INLINE void divide(TreeFactor& f, const TreeAxis* axis) {
+  f.implicit = axis != nullptr && axis->implicit;
+  if (f.implicit) {
+    const double divisor = 1.0 + axis->compliance * f.D;
+    f.inverse_D = axis->compliance / divisor;
+    f.gain = 1.0 / divisor;
+  } else {
+    f.inverse_D = 1.0 / f.D;
+    f.gain = 0.0;
+  }
+}
+
+// What the parent feels of m. A row without an axis keeps S = T = 0.
+VISUM_LANES_INLINE LanesInertia eliminate(const TreePlace& place, const TreeRow& row, TreeFactor& f,
+                                          const LanesInertia& m, Lanes r) {
+  const LanesInertia moved = at_parent(m, r);
+  if (row.axis < 0) return moved;
+  const auto node = static_cast<std::size_t>(row.node);
+  const std::size_t at = place.free_stride * node + 3 * static_cast<std::size_t>(row.axis);
+  const LanesPair S{load3(place.free_w + at), load3(place.free_v + at)};
+  LanesPair U{times(m.A, S.w), transposed_times(m.B, S.w)};
+  Lanes D = S.w * U.w;
+  if (!is_zero(S.v)) {  // more than a turn
+    U = U + LanesPair{times(m.B, S.v), times(m.C, S.v)};
+    D = S.w * U.w + S.v * U.v;
+  }
+  f.D = first(sum3(D));
+  const LanesPair T{U.w + cross(r, U.v), U.v};
+  divide(f, row.alone ? place.axes + node : nullptr);
+  store(f.Sw, S.w);
+  store(f.Sv, S.v);
+  store(f.Tw, T.w);
+  store(f.Tv, T.v);
+  return without_axis(moved, T, f.inverse_D);
+}
+
+void factor_tree(const TreeRow* rows, TreeFactor* factors, TreePlace place, std::size_t count) {
+  LanesInertia m = no_inertia();  // of what hangs on the row
+  Lanes p = all(0.0);
+  for (std::size_t i = count; i-- > 0;) {
+    const TreeRow& row = rows[i];
+    TreeFactor& f = factors[i];
+    if (row.tip) {
+      m = no_inertia();
+      p = load3(point_of(place, row));
+    }
+    if (row.collects) m = m + load_inertia(f);
+    if (row.body >= 0) {
+      const auto body = static_cast<std::size_t>(row.body);
+      const Lanes c = load3(place.x + 3 * body) - p;
+      store(f.c, c);
+      m = with_body(m, row.mass, place.inertia + 9 * body, c);
+    }
+    const Lanes up_p = row.parent < 0 ? p : load3(point_of(place, rows[row.parent])), r = p - up_p;
+    store(f.r, r);
+    m = eliminate(place, row, f, m, r);
+    store_inertia(f, m);
+    p = up_p;
+    if (row.way == TreeRow::kOn || row.way == TreeRow::kNowhere) continue;
+    TreeFactor& up = factors[row.parent];
+    store_inertia(up, row.way == TreeRow::kSet ? m : load_inertia(up) + m);
+  }
+}
+
+VISUM_LANES_INLINE LanesPair load_pair(const TreeLoad& from) {
+  return {load(from.w), load(from.v)};
+}
+VISUM_LANES_INLINE void store_pair(TreeLoad& to, LanesPair from) {
+  store(to.w, from.w);
+  store(to.v, from.v);
+}
+
+VISUM_LANES_INLINE LanesPair no_pair() {
+  return {all(0.0), all(0.0)};
+}
+
+// What the next row gets of it; else it goes to a sum in memory.
+VISUM_LANES_INLINE LanesPair hand_on(const TreeData& tree, const TreeRow& row, LanesPair given) {
+  if (row.way == TreeRow::kOn) return given;
+  if (row.way != TreeRow::kNowhere) {
+    TreeLoad& up = tree.loads[row.parent];
+    store_pair(up, row.way == TreeRow::kSet ? given : load_pair(up) + given);
+  }
+  return no_pair();
+}
+
+// t = -D^-1 (S^T p - lambda) + gain b,  f = X (I (beta, alpha) + p + U t), handed to the parent.
+void load_tree(TreeData tree, std::size_t begin, std::size_t end) {
+  LanesPair p = no_pair();  // of what hangs on the row
+  for (std::size_t i = end; i-- > begin;) {
+    const TreeRow& row = tree.rows[i];
+    const TreeFactor& f = tree.factors[i];
+    const TreeAsked& asked = tree.asked[i];
+    TreeAnswer& answer = tree.answers[i];
+    const Lanes r = load(f.r), beta = load(asked.beta), alpha = load(asked.alpha) + cross(r, beta);
+    store(answer.alpha, alpha);
+    const LanesPair held = times(load_inertia(f), {beta, alpha});
+    const double inverse_D = f.inverse_D;
+    const Lanes known = all(f.gain * asked.target + inverse_D * asked.axis_impulse);
+    if (asked.pushed) {
+      const Lanes linear = load(asked.linear);
+      p = {p.w - (load(asked.angular) + cross(load(f.c), linear)), p.v - linear};
+    }
+    if (row.sums) {
+      if (row.collects) p = p + load_pair(tree.loads[i]);
+      store_pair(tree.loads[i], p);
+    }
+    const Lanes s = sum3(load(f.Sw) * p.w + load(f.Sv) * p.v), t = known - inverse_D * s;
+    answer.rate = first(t);
+    answer.axis_load = first(s);
+    p = {(held.w + (p.w + cross(r, p.v))) + t * load(f.Tw), (held.v + p.v) + t * load(f.Tv)};
+    p = hand_on(tree, row, p);
+  }
+}
+
+// q' = t - D^-1 U^T (w1, v1),  (w1, v1) the velocity of P before the axis moves.
+void spread_tree(TreeData tree, std::size_t begin, std::size_t end) {
+  LanesPair up = no_pair();
+  for (std::size_t i = begin; i < end; ++i) {
+    const TreeRow& row = tree.rows[i];
+    const TreeFactor& f = tree.factors[i];
+    TreeAnswer& answer = tree.answers[i];
+    if (row.way != TreeRow::kOn) {
+      const TreeAnswer* from = row.root ? &answer : row.parent >= 0 ? tree.answers + row.parent : nullptr;
+      up = no_pair();
+      if (from != nullptr) up = {load(from->w), load(from->v)};
+    }
+    const Lanes w1 = up.w + load(tree.asked[i].beta), v = up.v + load(answer.alpha);  // v: at the parent's P
+    const Lanes e = sum3(load(f.Tw) * w1 + load(f.Tv) * v);
+    const Lanes rate = all(answer.rate) - f.inverse_D * e;
+    up = {w1 + rate * load(f.Sw), (v + cross(w1, load(f.r))) + rate * load(f.Sv)};
+    store(answer.w, up.w);
+    store(answer.v, up.v);
+    store(answer.dv, up.v + cross(up.w, load(f.c)));
+    answer.rate = first(rate);
+    answer.axis_load += first(e);
+  }
+}
+
+VISUM_LANES_INLINE void apply_row(const TreeRow& row, Lanes dv, Lanes dw, double* v, double* w) {
+  const std::size_t at = 3 * static_cast<std::size_t>(row.body);
+  store3(v + at, load3(v + at) + dv);
+  store3(w + at, load3(w + at) + dw);
+}
+
+// The answers, to the bodies' velocities.
+void apply_tree(const TreeRow* rows, const TreeAnswer* answers, std::size_t count, double* v, double* w) {
+  for (std::size_t i = 0; i < count; ++i)
+    if (rows[i].body >= 0) apply_row(rows[i], load(answers[i].dv), load(answers[i].w), v, w);
+}
+
+// The same, and what the joints give in it, added to `given` by node. From the tips to the root: what a joint
+// gives is what all beyond it got, and was not pushed with.
+void apply_and_note_tree(TreeData tree, const double* inertia, std::size_t count, double* v, double* w,
+                         double* given) {
+  LanesPair f = no_pair();  // of what hangs on the row
+  for (std::size_t i = count; i-- > 0;) {
+    const TreeRow& row = tree.rows[i];
+    if (row.collects) f = f + load_pair(tree.loads[i]);
+    if (row.body >= 0) {
+      const double* I = inertia + 9 * static_cast<std::size_t>(row.body);
+      const Lanes dv = load(tree.answers[i].dv), dw = load(tree.answers[i].w);
+      apply_row(row, dv, dw, v, w);
+      Lanes linear = row.mass * dv;
+      Lanes angular = load(I) * each<0>(dw) + (load(I + 3) * each<1>(dw) + load3(I + 6) * each<2>(dw));
+      if (tree.asked[i].pushed) {
+        linear = linear - load(tree.asked[i].linear);
+        angular = angular - load(tree.asked[i].angular);
+      }
+      f = f + LanesPair{angular + cross(load(tree.factors[i].c), linear), linear};
+      double* to = given + 6 * static_cast<std::size_t>(row.node);
+      store6(to, load(to) + f.w, load3(to + 3) + f.v);
+    }
+    f.w = f.w + cross(load(tree.factors[i].r), f.v);
+    f = hand_on(tree, row, f);
+  }
+}
+
+double largest_answer_of_tree(const TreeAnswer* answers, std::size_t count) {
+  Lanes largest = all(0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    largest = larger(magnitude(load(answers[i].w)), largest);
+    largest = larger(magnitude(load(answers[i].dv)), largest);
+  }
+  return first(larger(each<2>(largest), larger(each<1>(largest), largest)));
+}
+
+}  // namespace
+}  // namespace visum::dynamics::impulse

@@ -1,0 +1,75 @@
+#include "server/dynamics/impulse/tree.h"
+
+namespace visum::dynamics::impulse {
+
+void Tree::assign(std::vector<TreeNode> nodes) {
+  nodes_ = std::move(nodes);
+  rows_.clear();
+  row_of_.clear();
+  roots_.clear();
+  for (std::size_t i = 0; i < size(); ++i) add_rows(i);
+  find_ways();
+  find_parts();
+  factors_.assign(rows_.size(), {});
+  asked_.assign(rows_.size(), {});
+  answers_.assign(rows_.size(), {});
+  loads_.assign(rows_.size(), {});
+}
+
+void Tree::add_rows(std::size_t i) {
+  const TreeNode& node = nodes_[i];
+  TreeRow row;
+  row.node = static_cast<int>(i);
+  row.parent = node.parent < 0 ? -1 : static_cast<int>(row_of_[static_cast<std::size_t>(node.parent)]);
+  row.root = node.joint < 0;
+  row.alone = node.freedoms == 1;
+  if (row.root) roots_.emplace_back().row = rows_.size();
+  for (int axis = 0; axis + 1 < node.freedoms; ++axis) {
+    row.axis = axis;
+    rows_.push_back(row);
+    row.parent = static_cast<int>(rows_.size()) - 1;
+  }
+  row.axis = node.freedoms - 1;
+  row.body = node.body;
+  row.mass = node.mass;
+  row_of_.push_back(rows_.size());
+  rows_.push_back(row);
+}
+
+void Tree::find_ways() {
+  for (std::size_t i = rows_.size(); i-- > 0;) {
+    TreeRow& row = rows_[i];
+    row.sums = row.root || row.collects;
+    row.tip = i + 1 == rows_.size() || rows_[i + 1].way != TreeRow::kOn;
+    if (row.parent < 0) continue;
+    TreeRow& up = rows_[static_cast<std::size_t>(row.parent)];
+    if (static_cast<std::size_t>(row.parent) + 1 == i) {
+      row.way = TreeRow::kOn;
+    } else {
+      row.way = up.collects ? TreeRow::kAdd : TreeRow::kSet;
+      up.collects = true;
+    }
+  }
+}
+
+void Tree::find_parts() {
+  parts_.clear();
+  part_of_.clear();
+  for (const TreeNode& node : nodes_) {
+    part_of_.push_back(node.parent < 0 ? static_cast<int>(parts_.size())
+                                       : part_of_[static_cast<std::size_t>(node.parent)]);
+    if (node.parent < 0) parts_.emplace_back();
+  }
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    std::vector<Run>& runs =
+        parts_[static_cast<std::size_t>(part_of_[static_cast<std::size_t>(rows_[i].node)])].runs;
+    if (runs.empty() || runs.back().end != i) runs.push_back({i, i});
+    runs.back().end = i + 1;
+  }
+  for (std::size_t k = 0; k < roots_.size(); ++k) {
+    const auto node = static_cast<std::size_t>(rows_[roots_[k].row].node);
+    parts_[static_cast<std::size_t>(part_of_[node])].root = static_cast<int>(k);
+  }
+}
+
+}  // namespace visum::dynamics::impulse
