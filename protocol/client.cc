@@ -28,7 +28,7 @@ struct Connection::Impl {
       : timeout_(timeout),
         socket_(host, port, tls, steady_clock::now() + timeout),
         in_(kReceiveBytes, kReceiveBytes) {}
-  ~Impl() { socket_.finish(); }
+  ~Impl();
 
   void say_hello(const Hello& hello, Deadline deadline);
   std::uint64_t encode(const Request& request);  // as one more request in flight; its id
@@ -46,7 +46,7 @@ struct Connection::Impl {
   const milliseconds timeout_;
   ClientSocket socket_;
   FrameBuffer in_;
-  std::vector<std::byte> out_;
+  std::vector<std::byte> out_, leaving_;
   ClientInbox inbox_;
   Welcome welcome_;
   std::uint64_t last_id_ = 0;
@@ -62,9 +62,22 @@ std::uint64_t Connection::Impl::encode(const Request& request) {
   return id;
 }
 
-// While the server is slow to read, it may be waiting for us to read: so both at once.
+// What waits is handed to the socket, as far as that takes it at once.
+Connection::Impl::~Impl() {
+  try {
+    if (!out_.empty()) socket_.send(out_);
+  } catch (const std::runtime_error&) {
+    // the connection is gone, and with it what waited
+  }
+  socket_.finish();
+}
+
+// While the server is slow to read, it may be waiting for us to read: so both at once. What could not be sent
+// is not sent again: some of it may have left.
 void Connection::Impl::flush() {
-  std::span<const std::byte> left(out_);
+  leaving_.clear();
+  leaving_.swap(out_);
+  std::span<const std::byte> left(leaving_);
   while (!left.empty() || socket_.has_unsent()) {
     const std::size_t sent = explained([&] { return socket_.send(left); });
     left = left.subspan(sent);
@@ -74,10 +87,10 @@ void Connection::Impl::flush() {
     taken(explained([&] { return socket_.receive(in_.space()); }));
     if (socket_.is_secure()) drain();
   }
-  out_.clear();
 }
 
 bool Connection::Impl::receive(Deadline deadline) {
+  if (!out_.empty()) flush();
   const bool any = taken(explained([&] { return socket_.receive(in_.space(), deadline, spin_); }));
   if (any && socket_.is_secure()) drain();
   return any;
@@ -199,6 +212,10 @@ std::uint64_t Connection::send(const Request& request) {
   const std::uint64_t id = impl_->encode(request);
   impl_->flush();
   return id;
+}
+
+std::uint64_t Connection::send_along(const Request& request) {
+  return impl_->encode(request);
 }
 
 std::vector<std::uint64_t> Connection::send_together(const std::vector<Request>& requests) {

@@ -62,6 +62,8 @@ class Connection {
   void post(const Request& request);
   // Several requests in flight: send() now, wait() for the reply to that id later.
   std::uint64_t send(const Request& request);
+  // The same, which leaves with what is sent next, or once something is waited for.
+  std::uint64_t send_along(const Request& request);
   // The same for several at once, which leave, and mostly arrive, together. Their ids, in the same order.
   std::vector<std::uint64_t> send_together(const std::vector<Request>& requests);
   Reply wait(std::uint64_t id);

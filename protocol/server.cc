@@ -75,7 +75,9 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   void arm_sweep();
   void sweep();
 
-  void settle();
+  enum class Held { kStay, kLeave };
+  void settle(Held held = Held::kLeave);
+  bool serve_ready();
   void count_open();
   bool over() const { return stopping_ && sessions_.empty(); }
 
@@ -259,17 +261,34 @@ void Server::Impl::sweep() {
 
 // The end of an event: closes are told, batches written, the finished freed. Whatever this wakes is settled
 // as well.
-void Server::Impl::settle() {
+void Server::Impl::settle(Held held) {
   if (woken_.empty()) return;
   bool any_closed = false;
+  std::size_t stayed = 0;
   for (std::size_t i = 0; i < woken_.size(); ++i) {
     WireSession& session = *woken_[i];
+    if (held == Held::kStay && session.held()) {
+      woken_[stayed++] = &session;
+      continue;
+    }
     session.work();
     any_closed |= session.closing();
     if (session.finished() && !session.is_woken()) sessions_.erase(session.id());
   }
-  woken_.clear();
+  woken_.resize(stayed);
   if (any_closed) count_open();
+}
+
+// Bounded, so that no client can hold the caller here.
+bool Server::Impl::serve_ready() {
+  bool any = false;
+  const std::size_t connections = http_ ? http_->connection_count() : 0;
+  for (std::size_t left = sessions_.size() + connections + kSpareEvents; left > 0 && io_.poll_one() > 0;
+       --left) {
+    any = true;
+    settle(Held::kStay);
+  }
+  return any;
 }
 
 Server::Server(const ListenOptions& options, SessionHandler& handler)
@@ -296,21 +315,21 @@ void Server::run() {
 
 bool Server::poll() {
   impl_->settle();
-  bool any = false;
-  // Bounded, so that no client can hold the caller here.
-  const std::size_t connections = impl_->http_ ? impl_->http_->connection_count() : 0;
-  for (std::size_t left = impl_->sessions_.size() + connections + kSpareEvents;
-       left > 0 && impl_->io_.poll_one() > 0; --left) {
-    any = true;
-    impl_->settle();
-  }
-  return any;
+  return impl_->serve_ready();
 }
 
 void Server::poll_for(std::chrono::nanoseconds at_most) {
   impl_->settle();
-  if (at_most.count() > 0 && impl_->io_.run_one_for(at_most) == 0) return;
-  poll();
+  const bool waits = at_most.count() > 0;
+  if (waits && impl_->io_.run_one_for(at_most) == 0) return;
+  impl_->settle(Impl::Held::kStay);
+  const bool others =
+      !waits || impl_->sessions_.size() > 1 || (impl_->http_ && impl_->http_->connection_count() > 0);
+  if (others) impl_->serve_ready();
+}
+
+void Server::write() {
+  impl_->settle();
 }
 
 void Server::stop() {

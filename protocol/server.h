@@ -46,6 +46,8 @@ class Session {
   virtual bool send_latest(std::uint32_t stream, const Reply& sample) = 0;
   // True while no sample of this stream waits to be written: a sender may spare itself the encoding.
   virtual bool ready_for(std::uint32_t stream) const = 0;
+  // What is queued by now may leave together with what follows it: at the server's next poll() at the latest.
+  virtual void hold() {}
   // Sends what is queued, then closes.
   virtual void close(CloseReason reason) = 0;
 };
@@ -84,6 +86,7 @@ class Server {
   void start();                     // begins to accept
   void run();                       // until stop(); on a thread of its own (clock realtime)
   bool poll();                      // handles what is ready, bounded; true if there was anything
+  void write();                     // sends what is queued, and reads nothing
   // Waits for something to be ready, handles it. The wait is rounded up to whole milliseconds.
   void poll_for(std::chrono::nanoseconds at_most);
   void stop();         // closes sessions after their queued replies; any thread. run() returns

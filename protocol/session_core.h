@@ -39,6 +39,7 @@ class SessionCore : public Session {
   bool behind() const override;
   bool send_latest(std::uint32_t stream, const Reply& sample) override;
   bool ready_for(std::uint32_t stream) const override { return !out_.has_waiting(stream); }
+  void hold() override { held_ = phase_ == Phase::kOpen; }
   void close(CloseReason reason) override;
 
   // Says why, and closes.
@@ -46,6 +47,7 @@ class SessionCore : public Session {
 
   bool awaits_hello() const { return phase_ == Phase::kHello; }
   bool closing() const { return phase_ == Phase::kClosing; }
+  bool held() const { return held_ && phase_ == Phase::kOpen && !owes_room_; }
   CloseReason close_reason() const { return reason_; }
 
   // Tells the handler of a close, once, outside of the call that caused it.
@@ -59,6 +61,7 @@ class SessionCore : public Session {
     kNone,    // closing
   };
 
+  void end_hold() { held_ = false; }
   // There is something to write or to close; comes at most once per batch of calls.
   virtual void wake() = 0;
   // Writes now what can be written without waiting.
@@ -97,6 +100,7 @@ class SessionCore : public Session {
   bool granted_ = false;
   bool told_ = false;
   bool owes_room_ = false;
+  bool held_ = false;
   const ServedTime opened_;
   std::optional<ServedTime> frame_began_;
   FrameBuffer in_;

@@ -44,6 +44,7 @@ void WireSession::work() {
   // keep a session that is about to be freed.
   if (!is_open()) close(CloseReason::kLost);
   woken_ = false;
+  end_hold();
   tell_closed();
   flush();
   if (tell_room()) proceed_if_due();

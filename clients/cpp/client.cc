@@ -112,9 +112,11 @@ void Client::join(std::chrono::milliseconds timeout) {
   const auto now = state_->request_as<protocol::Advanced>(protocol::Join{wall_ns});
   state_->set_time(now.tick, now.sim_time_ns, now.era);
   state_->ahead_ns = 0;
+  state_->holds_world = state_->server.clock == "lockstep";
 }
 
 void Client::leave() {
+  state_->holds_world = false;  // also where the server has let it go by itself
   state_->request(protocol::Leave{});
   state_->throw_refusals();
 }

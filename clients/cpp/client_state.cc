@@ -70,7 +70,9 @@ void ClientState::post(const PartState& part, protocol::Write write) {
     if (auto refusal = settle_oldest()) throw *refusal;
   }
   try {
-    pending.push_back({link().send(write), part.name, write.first_port, write.values.size()});
+    // No tick comes before this member's next Advance, which takes the write along.
+    const auto id = holds_world ? link().send_along(write) : link().send(write);
+    pending.push_back({id, part.name, write.first_port, write.values.size()});
   } catch (const protocol::ConnectionError& error) {
     throw Error(ErrorCode::kConnection, error.what(), part.name);
   }
@@ -131,7 +133,10 @@ void ClientState::advance(std::int64_t ticks) {
   std::vector<protocol::Reply> samples;
   for (std::size_t i = 1; i < ids.size(); ++i) samples.push_back(wait(ids[i]));
 
-  if (const auto* error = std::get_if<protocol::Error>(&advanced)) throw explain(*error);
+  if (const auto* error = std::get_if<protocol::Error>(&advanced)) {
+    holds_world = false;  // perhaps: the server lets members go that do not come
+    throw explain(*error);
+  }
   const auto now = as<protocol::Advanced>(advanced);
   set_time(now.tick, now.sim_time_ns, now.era);
   for (std::size_t i = 0; i < parts.size(); ++i) take_sample(*parts[i], std::move(samples[i]));

@@ -182,7 +182,8 @@ class Part {
   // call of this client (the next advance or read at the latest). One all-or-nothing message, if all ports
   // between the first and the last of them have been set under this lease; else one for each run of such
   // ports, which may come to different ticks. With nothing set it repeats the last write, as a sign of life
-  // for a deadline.
+  // for a deadline. A member of a lockstep sends it with its next call: as long as the server waits for it,
+  // no tick comes before that. Who stops advancing for good calls leave() or read() once.
   void write();
   // Makes the outputs current. Costs nothing right after an advance, otherwise one round trip.
   void read();

@@ -225,8 +225,10 @@ void Simulation::tick() {
   phases_.begin();
   sense();
   phases_.end(Phase::kSense);
-  think();
-  phases_.end(Phase::kThink);
+  if (!agents_.empty()) {
+    think();
+    phases_.end(Phase::kThink);
+  }
   act();
   phases_.end(Phase::kAct);
   collide();
@@ -248,7 +250,6 @@ void Simulation::sense() {
 
 void Simulation::think() {
   for (AgentPart* agent : agents_) agent->think(sim_time_ns());
-  if (agents_.empty()) return;
   for (auto& bound : parts_) bound.deliver(state_.tick);  // what they sent over wires that only lose
 }
 

@@ -154,7 +154,7 @@ struct Daemon::Impl {
   }
 
   void fill_copy(Published& copy) {
-    fill(copy, simulation, tick_side.pace());
+    (threaded ? fill : fill_unhashed)(copy, simulation, tick_side.pace());
     if (flight) copy.dump = flight->dump();
     if (show) show(copy);
   }
@@ -313,10 +313,9 @@ bool Daemon::Impl::await_due() {
 
 void Daemon::Impl::run_inline() {
   if (paced) prctl(PR_SET_TIMERSLACK, 1UL);
-  Clock::time_point polled;
-  bool polls = true;
+  auto now = Clock::now(), polled = now - kTickingLook;
   while (!ended()) {
-    if (const auto now = Clock::now(); polls || now - polled >= kTickingLook) {
+    if (now - polled >= kTickingLook) {
       server.poll();
       polled = now;
     }
@@ -331,12 +330,14 @@ void Daemon::Impl::run_inline() {
       if (gateway.complete_writes()) tick_side.empty_mailbox();
       if (wait) wait(Clock::now());
       do_tick();
-      polls = has_something_to_send();
-      if (polls) gateway.serve();
+      now = tick_side.ticked_at();
+      if (!has_something_to_send()) continue;
+      gateway.serve();
+      server.write();
     } else {
-      polls = true;
       gateway.serve();
       server.poll_for(is_paced_now ? kPaceLook : kIdle);
+      now = polled = Clock::now();
     }
   }
   gateway.end();

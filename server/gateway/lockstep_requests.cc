@@ -82,6 +82,7 @@ void Gateway::handle(const Call& call, const protocol::Advance& request) {
   start_asked_ = true;
   mailbox_.wake();
   answer(*member, now);
+  if (member->advance) call.session.hold();  // what was answered to writes before it leaves with its answer
 }
 
 void Gateway::handle(const Call& call, const protocol::Leave&) {

@@ -19,6 +19,7 @@
 #include <thread>
 
 #include "protocol/config/config.h"
+#include "server/dynamics/engine.h"
 #include "server/gateway/json.h"
 
 namespace visum::gateway {
@@ -111,6 +112,7 @@ void print_ready(const Daemon& daemon, const cycle::Simulation& simulation, cons
 void log_ready(const Daemon& daemon, const cycle::Simulation& simulation, const DaemonOptions& options) {
   spdlog::info("{}: {} parts, listening on {}:{}", simulation.scene().name, simulation.parts().size(),
                options.address, daemon.port());
+  spdlog::info("the engines' loops are those for {}", dynamics::processor_build());
   if (const auto http = daemon.http_port(); http != 0) {
     if (options.http.port != 0 && http != options.http.port)
       spdlog::warn("port {} is taken; the page is at {}", options.http.port, http);

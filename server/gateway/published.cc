@@ -38,12 +38,22 @@ std::string frozen_reason(const Published& published) {
   return published.fault + "; the ticks before it are in " + published.dump;
 }
 
+std::uint64_t state_hash(const Published& published) {
+  return published.hashed_by ? published.hashed_by->state_hash() : published.state_hash;
+}
+
 void fill(Published& published, const cycle::Simulation& simulation, const Pace& pace) {
+  fill_unhashed(published, simulation, pace);
+  published.state_hash = simulation.state_hash();
+  published.hashed_by = nullptr;
+}
+
+void fill_unhashed(Published& published, const cycle::Simulation& simulation, const Pace& pace) {
+  published.hashed_by = &simulation;
   published.tick = simulation.tick_count();
   published.sim_time_ns = simulation.sim_time_ns();
   published.era = simulation.era();
   published.revision = simulation.revision();
-  published.state_hash = simulation.state_hash();
   published.fault = simulation.fault();
   published.pace = pace;
   published.phases = simulation.phases().summary();

@@ -29,9 +29,10 @@ struct Published {
   std::int64_t sim_time_ns = 0;
   std::uint64_t era = 0;
   std::uint64_t revision = 0;
-  std::uint64_t state_hash = 0;
-  std::string fault;  // empty: not frozen
-  std::string dump;   // the file that holds the ticks before it froze; empty: none
+  std::uint64_t state_hash = 0;                  // where `hashed_by` is null
+  const cycle::Simulation* hashed_by = nullptr;  // it stands as this copy shows it, and tells its hash
+  std::string fault;                             // empty: not frozen
+  std::string dump;                              // the file that holds the ticks before it froze; empty: none
   Pace pace;
   std::vector<Part> parts;
   std::vector<double> poses;       // 7 per body: x y z qw qx qy qz of the link frame
@@ -49,5 +50,8 @@ struct Published {
 std::string frozen_reason(const Published& published);
 
 void fill(Published& published, const cycle::Simulation& simulation, const Pace& pace);
+// Likewise for readers on the tick's thread, before its next tick: the hash is made where it is asked for.
+void fill_unhashed(Published& published, const cycle::Simulation& simulation, const Pace& pace);
+std::uint64_t state_hash(const Published& published);
 
 }  // namespace visum::gateway

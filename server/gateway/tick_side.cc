@@ -140,7 +140,7 @@ void TickSide::tell(const Notice& notice) {
 }
 
 void TickSide::measure_speed() {
-  const auto now = Clock::now();
+  const auto now = ticked_at_ = Clock::now();
   if (now - measured_at_ < std::chrono::seconds(1)) return;
   const auto sim_ns =
       static_cast<double>((simulation_.tick_count() - measured_tick_) * simulation_.model().tick_ns);

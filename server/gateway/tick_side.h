@@ -48,6 +48,9 @@ class TickSide {
   std::uint64_t version() const { return version_; }
   void touch() { ++version_; }  // something beside the mailbox changed the world between ticks
 
+  // When the last tick was over.
+  std::chrono::steady_clock::time_point ticked_at() const { return ticked_at_; }
+
   // True once after the tick's side gave something to the sessions' side that waits to be sent on.
   bool has_told() { return std::exchange(told_, false); }
 
@@ -111,7 +114,7 @@ class TickSide {
   std::uint64_t version_ = 0;
   bool told_ = false;
   double real_time_factor_ = 0.0;
-  Clock::time_point measured_at_ = Clock::now();
+  Clock::time_point measured_at_ = Clock::now(), ticked_at_ = measured_at_;
   std::int64_t measured_tick_ = 0;
 };
 

@@ -28,7 +28,7 @@ protocol::ServerStatus Gateway::server_status(const Published& now) const {
   status.lateness_p50_ns = pacer_.lateness().quantile(0.5);
   status.lateness_p999_ns = pacer_.lateness().quantile(0.999);
   status.lateness_max_ns = pacer_.lateness().max();
-  status.state_hash = now.state_hash;
+  status.state_hash = gateway::state_hash(now);
   status.solver_warnings = now.solver_warnings;
   status.sessions = static_cast<std::uint32_t>(clients_.size());
   status.refused = refused_;

@@ -74,7 +74,7 @@ protocol::WorldSample Gateway::world_sample(Client& client, const Published& now
     client.peaks_from = now.tick;
   }
   for (const auto& contact : now.contacts) sample.contacts.push_back(to_sample(contact));
-  sample.state_hash = now.state_hash;
+  sample.state_hash = gateway::state_hash(now);
   sample.revision = now.revision;
   return sample;
 }

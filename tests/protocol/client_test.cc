@@ -117,6 +117,25 @@ TEST_F(Client, ARefusalCarriesCodeTextAndOwner) {
   connection.request_as<Ok>(Status{});
 }
 
+TEST_F(Client, WhatIsSentAlongLeavesWithTheNextRequestOrOnceItIsWaitedFor) {
+  Connection connection = connect();
+  const auto along = connection.send_along(Status{});
+  connection.request_as<Ok>(Status{});
+  EXPECT_TRUE(connection.wait_for(along, milliseconds(0))) << "it came before";
+  EXPECT_TRUE(std::holds_alternative<Ok>(connection.wait(connection.send_along(Status{}))));
+}
+
+TEST_F(Client, WhatIsSentAlongLeavesBeforeTheConnectionEnds) {
+  {
+    Connection connection = connect();
+    connection.send_along(Status{});
+  }
+  server->stop();
+  thread.join();
+  server.reset();
+  EXPECT_EQ(handler.asked.size(), 1u);
+}
+
 TEST_F(Client, AnAnswerOfAnotherKindIsAnError) {
   Connection connection = connect();
   EXPECT_THROW(connection.request_as<PartList>(Status{}), RequestError);

@@ -138,6 +138,30 @@ TEST_F(Serving, ThousandsOfRequestsAtOnceAreAllAnswered) {
   }));
 }
 
+TEST_F(Serving, WhatIsHeldLeavesWithWhatFollowsItOrAtTheNextPoll) {
+  RawClient client(port());
+  auto& session = greet(client);
+  handler.answer = [](Session& to, std::uint64_t id, const Request&) {
+    to.send(id, Ok{});
+    to.hold();
+  };
+  const auto ask = [&](std::uint64_t id) {
+    client.send(id, Status{});
+    const std::size_t before = handler.asked.size();
+    while (handler.asked.size() == before) server().poll();
+  };
+  ask(1);
+  EXPECT_FALSE(client.reply()) << "it is held";
+  session.send(2, Ok{});
+  EXPECT_FALSE(client.reply());
+  server().write();
+  EXPECT_EQ(next(client).reply_to, 1u);
+  EXPECT_EQ(next(client).reply_to, 2u);
+  ask(3);
+  server().poll();
+  EXPECT_EQ(next(client).reply_to, 3u);
+}
+
 TEST_F(Serving, AFloodingClientDoesNotHoldPoll) {
   RawClient flooder(port()), other(port());
   greet(flooder);
