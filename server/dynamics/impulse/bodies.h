@@ -44,9 +44,8 @@ class Bodies {
   Bodies& operator=(const Bodies&) = delete;
 
   std::size_t size() const { return constants.size(); }
-  int still() const {
-    return static_cast<int>(size());
-  }  // a number for what is not ours: it stands, at the origin
+  // A number for what is not ours: it stands, at the origin.
+  int still() const { return static_cast<int>(size()); }
   int number(world::BodyId id) const { return id.valid() ? numbers_[id.index()] : -1; }  // -1: not ours
 
   void load(const world::WorldState& state);

@@ -14,6 +14,7 @@
 // III.1), with the weight (t + h - s) of a position in place of a velocity's 1.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -40,10 +41,7 @@ class Prediction {
   const JointImpulse& at(std::size_t i) const { return foreseen_[i]; }
   std::span<JointImpulse> foreseen() { return foreseen_; }  // to be changed before it is given
   void give_foreseen() { std::copy(foreseen_.begin(), foreseen_.end(), given_.begin()); }  // before all else
-  // What joint i gives in the step, at its start (ahead) or its end, one call for each time that it does.
-  void add_ahead(std::size_t i, const JointImpulse& given) { add(given_[i], given); }
-  void add_after(std::size_t i, const JointImpulse& given) { add(given_[line_.size() + i], given); }
-  // The sums of them, by joint.
+  // What the joints give in the step, at its start and at its end: nothing after begin(), to be added to.
   std::span<JointImpulse> ahead() { return std::span(given_).first(line_.size()); }
   std::span<JointImpulse> after() { return std::span(given_).subspan(line_.size()); }
   // The step is done. forget(): by something that the next step knows nothing of.
@@ -62,10 +60,6 @@ class Prediction {
     std::array<float, 6> given, missed;
   };
 
-  static void add(JointImpulse& sum, const JointImpulse& given) {
-    sum.w += given.w;
-    sum.v += given.v;
-  }
   // Of the last step, and of the one before it.
   const Past* last() const { return past_.data() + newest_ * line_.size(); }
   Past* before() { return past_.data() + (1 - newest_) * line_.size(); }

@@ -24,8 +24,8 @@ JointImpulse along_x(double size) {
 
 void take_step(Prediction& prediction, double t, double h) {
   prediction.begin(h);
-  prediction.add_ahead(0, along_x(closing(t, h)));
-  prediction.add_after(0, along_x(given(t, h) - closing(t, h)));
+  prediction.ahead()[0] = along_x(closing(t, h));
+  prediction.after()[0] = along_x(given(t, h) - closing(t, h));
   prediction.end();
 }
 
