@@ -66,7 +66,7 @@ world.description.watch((description) => {
 });
 window.visum = makeApi(parts, world, viewer, ghost);
 
-// Live means: connected, and a picture of this connection's data drawn.
+// Live means: connected, a picture of this connection's data drawn, and known whether time runs.
 let fresh = false;
 link.state.watch((state) => {
   fresh = false;
@@ -78,7 +78,7 @@ world.sampled.on((sample) => {
   time.showTime(Number(sample.simTimeNs) / 1e9);
 });
 viewer.drawn.on(() => {
-  if (fresh && link.welcome) document.documentElement.dataset["visum"] = "live";
+  if (fresh && link.welcome && clock.status.value) document.documentElement.dataset["visum"] = "live";
 });
 
 async function begin(): Promise<void> {

@@ -25,7 +25,7 @@ export class TimeControls {
   private readonly lateness = meter("Late p99.9", "How late ticks begin: of a thousand, one is later");
 
   constructor(private readonly link: Link, private readonly clock: Clock, private readonly recording: Recording) {
-    this.run = iconButton(icons.play, "Run", () => this.toggle(), { class: "icon primary" });
+    this.run = iconButton(icons.play, "Run", () => this.toggle(), { class: "icon primary", disabled: true }); // until it is known whether time runs
     this.runIcon = this.run.querySelector("path")!;
     this.speed.addEventListener("change", () => this.clock.setSpeed(Number(this.speed.value)).catch(reportError));
     this.element = h(
@@ -77,7 +77,7 @@ export class TimeControls {
 
   private toggle(): void {
     const status = this.clock.status.value;
-    const stands = status === null || (status.paused && !this.clock.stepping.value);
+    const stands = status?.paused && !this.clock.stepping.value;
     (stands ? this.resume() : this.clock.pause()).catch(reportError);
   }
   // A recording that is over begins anew.
