@@ -3,7 +3,9 @@
 // Contacts. Symbols: u = (u_n, u_t) velocity of A against B at the contact, d depth of the overlap, s the
 // layer that is left alone, h step, a relative acceleration in free flight, P0 P1 P2 impulses of the three
 // moments.
-//   hit    u_n >= e |u_n| (Newton), or twice: to 0, then at least (1 + e) of that impulse (Poisson)
+//   hit    u_n >= e |u_n| (Newton), or twice: to 0, then at least (1 + e) of that impulse (Poisson).
+//          Where friction turns the other way in a hit, Newton's law can gain energy (Kane, Levinson,
+//          Dynamics: Theory and Applications, 1985): there e is cut back to where the hit gains none.
 //   ahead  the look-ahead's displacement: h u_n + h^2 a_n / 2 >= -max(0, s - d),  u_t + h a_t / 2 = 0 or
 //   slides after  u_n >= 0 with P1 + P2 >= 0,  u_t = 0 or slides with the cone of all three impulses
 // That P2 may take back what P1 gave makes what rests have velocity zero at the end of each step, and an
@@ -24,6 +26,7 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kMostSweeps = 200;
+constexpr int kGentleSweeps = 10;
 constexpr double kEnough = 1e-11;  // m/s, rad/s
 constexpr double kShare = 1e-7;    // of what impulses change, that may be left; a hit bounces exactly
 // (m/s)/N of a contact with what moves by another engine, and the layer that is left alone there, m: that
@@ -31,6 +34,8 @@ constexpr double kShare = 1e-7;    // of what impulses change, that may be left;
 // alone.
 constexpr double kYield = 1e-4;
 constexpr double kYieldingLayerM = 2e-5;
+constexpr double kSameEnergy = 1e-7;  // share of what a hit gives and takes, that is rounding
+constexpr int kMostCuts = 12;         // halvings of where a bounce may lie
 constexpr double kComesToRest = 0.1;  // of what may be left at rest: below, what has moved begins to rest
 constexpr double kPushShare = 0.2;    // of an overlap, per step
 constexpr double kMostPush = 0.5;     // m/s: what starts inside another thing is not shot out of it
@@ -108,7 +113,7 @@ void Bounded::store_velocities() {
   }
 }
 
-void Bounded::aim_touch(RowBlock& block, const Touch& touch) const {
+void Bounded::aim_touch(RowBlock& block, const Touch& touch, double bounce) const {
   block.friction = touch.friction;
   block.low = 0.0;
   const double layer = touch.yields ? kYieldingLayerM : kSurfaceLayerM;
@@ -120,8 +125,7 @@ void Bounded::aim_touch(RowBlock& block, const Touch& touch) const {
   block.compliance = moment_ == kAhead ? 2.0 * yield : yield;
   switch (moment_) {
     case kHit:
-      // Poisson's law first brings them to rest.
-      if (plant_.setting.impact != "poisson") target[0] += touch.bounce;
+      target[0] += bounce * touch.bounce;
       return;
     case kAhead: {
       target -= 0.5 * h_ * (touch.frame.transpose() * touch.bias);
@@ -208,7 +212,7 @@ void Bounded::aim() {
     const Owner& owner = owners_[k];
     switch (owner.of) {
       case Of::kTouch:
-        aim_touch(block, plant_.touches[owner.index]);
+        aim_touch(block, plant_.touches[owner.index], moment_ == kHit ? shares_[k].now : 0.0);
         break;
       case Of::kTwist:
         aim_twist(block, plant_.touches[owner.index]);
@@ -242,11 +246,21 @@ double Bounded::solve_rows() {
   load_velocities();
   for (std::size_t k = 0; k < rows_.blocks.size(); ++k) before_[k] = rows_.blocks[k].applied;
   const double share = moment_ == kHit ? 0.0 : kShare;
-  const double missed = rows_.solve(kMostSweeps, kEnough, share, rest());
+  const double missed =
+      gently_ ? rows_.sweep_gently(kGentleSweeps) : rows_.solve(kMostSweeps, kEnough, share, rest());
   if (moment_ == kAhead) rests_ = rests_ && rows_.rests();
   if (moment_ == kAfter) plant_.rested = rows_.rests();
   store_velocities();
   return missed;
+}
+
+void Bounded::start_gently(std::span<const Vector3d> v, std::span<const Vector3d> w) {
+  gently_ = true;
+  for (const std::size_t i : slotted_) {
+    plant_.bodies.v[i] = v[i];
+    plant_.bodies.w[i] = w[i];
+  }
+  for (RowBlock& block : rows_.blocks) block.lambda = block.applied = {};
 }
 
 double Bounded::solve() {
@@ -254,6 +268,49 @@ double Bounded::solve() {
   return solve_rows();
 }
 
+// Poisson's law brings all to rest first.
+void Bounded::bounce() {
+  const bool poisson = plant_.setting.impact == "poisson";
+  shares_.assign(rows_.blocks.size(), {.now = poisson ? 0.0 : 1.0});
+  met_.resize(rows_.blocks.size());
+  load_velocities();
+  for (std::size_t k = 0; k < rows_.blocks.size(); ++k)
+    for (std::size_t i = 0; i < rows_.blocks[k].dim; ++i) met_[k][i] = rows_.velocity(rows_.blocks[k], i);
+  solve();
+  poisson ? restore_by_poisson() : keep_energy();
+}
+
+// What a block's impulses do on its bodies, J, where that is more than rounding.
+double Bounded::work(std::size_t k) const {
+  const RowBlock& block = rows_.blocks[k];
+  double work = 0.0, size = 0.0;
+  for (std::size_t i = 0; i < block.dim; ++i) {
+    const double now = rows_.velocity(block, i);
+    work += 0.5 * block.lambda[i] * (met_[k][i] + now);
+    size += 0.5 * std::abs(block.lambda[i]) * (std::abs(met_[k][i]) + std::abs(now));
+  }
+  return work > kSameEnergy * size ? work : 0.0;
+}
+
+// Halves, for each contact by itself, the interval in which the largest bounce without a gain lies.
+void Bounded::keep_energy() {
+  for (int cut = 0; cut <= kMostCuts; ++cut) {
+    bool changed = false;
+    for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
+      if (owners_[k].of != Of::kTouch || plant_.touches[owners_[k].index].bounce == 0.0) continue;
+      Share& share = shares_[k];
+      const double now = share.now;
+      (work(k) > 0.0 ? share.most : share.least) = now;
+      share.now =
+          cut == kMostCuts || share.least == share.most ? share.least : 0.5 * (share.least + share.most);
+      changed = changed || share.now != now;
+    }
+    if (!changed) return;
+    solve();
+  }
+}
+
+// The second half: at least (1 + e) of the impulse of the first.
 void Bounded::restore_by_poisson() {
   for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
     if (owners_[k].of != Of::kTouch) continue;

@@ -22,10 +22,13 @@ class Bounded {
   // Solves with the bodies' velocities as they are, and changes them. Returns by how much they were not as
   // the rows ask.
   double solve();
+  // Takes back all that solve() has done, its bodies' velocities being `v` and `w` again; from now on, and at
+  // the end of the step, it only comes near an answer.
+  void start_gently(std::span<const Vector3d> v, std::span<const Vector3d> w);
   // Impulses of the rows into the touches, axes and springs they are of.
   void report();
-  // The second half of a collision by Poisson's law: at least (1 + e) of the impulse of the first.
-  void restore_by_poisson();
+  // A collision, after build(kHit): by Newton's law of restitution, or by Poisson's.
+  void bounce();
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
@@ -63,13 +66,16 @@ class Bounded {
   void find_response(std::size_t mechanism);
 
   void aim();
-  void aim_touch(RowBlock& block, const Touch& touch) const;
+  void aim_touch(RowBlock& block, const Touch& touch, double bounce) const;
   void aim_twist(RowBlock& block, const Touch& touch) const;
   void aim_law(RowBlock& block, const Axis& axis) const;
   void aim_damping(RowBlock& block, const Axis& axis) const;
   void aim_stop(RowBlock& block, const Axis& axis, std::size_t side) const;
   void aim_spring(RowBlock& block, const Spring& spring) const;
   double solve_rows();
+  void restore_by_poisson();
+  void keep_energy();
+  double work(std::size_t block) const;
   double rest() const;  // Rows::solve()
   void load_velocities();
   void store_velocities();
@@ -82,7 +88,15 @@ class Bounded {
   std::vector<std::size_t> slot_;  // by body that stands free: its offset in the velocities
   std::vector<std::size_t> slotted_;
   std::vector<std::array<double, 3>> before_;  // by block: lambda before solve()
-  bool rests_ = false;                         // the look-ahead had nothing to solve
+  // Of a hit, by block: velocities before it, and the share of Newton's bounce that is asked for, with what
+  // it is known to lie between.
+  std::vector<std::array<double, 3>> met_;
+  struct Share {
+    double now = 1.0, least = 0.0, most = 1.0;
+  };
+  std::vector<Share> shares_;
+  bool gently_ = false;  // solves by a few sweeps
+  bool rests_ = false;   // the look-ahead had nothing to solve
   Moment moment_ = kAhead;
   double h_ = 0.0;
 };

@@ -36,6 +36,7 @@ void Bounded::reset(Moment moment, double h) {
 void Bounded::build(Moment moment, double h) {
   reset(moment, h);
   if (moment == kAhead) rests_ = true;
+  gently_ = gently_ && moment == kAfter;
   for (std::size_t i = 0; i < plant_.touches.size(); ++i) add_touch(i);
   for (const std::size_t i : plant_.acting) {
     const Axis& axis = plant_.axes[i];

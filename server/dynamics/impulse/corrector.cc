@@ -162,8 +162,7 @@ double Corrector::match_velocity(Joint& joint, double h, double v_max) {
   for (std::size_t k = 0; k < joint.count; ++k) errors[k] = -joint.w[k].dot(w) - joint.v[k].dot(v);
   if (joint.axis != nullptr) errors[joint.count - 1] = missing_rate(plant_, *joint.axis, kAfter, h);
   double largest = 0.0;
-  for (std::size_t k = 0; k < joint.count; ++k)
-    if (!(std::abs(errors[k]) <= largest)) largest = std::abs(errors[k]);
+  for (std::size_t k = 0; k < joint.count; ++k) largest = larger(std::abs(errors[k]), largest);
   if (!(largest <= v_max)) push(joint, errors, kAfter);
   return largest;
 }
@@ -188,7 +187,7 @@ double Corrector::sweep_velocities(std::size_t m, double h, double v_max, int sw
   double largest = 0.0;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const double found = match_velocity(joints[sweep % 2 == 0 ? i : joints.size() - 1 - i], h, v_max);
-    if (!(found <= largest)) largest = found;
+    largest = larger(found, largest);
   }
   return largest;
 }

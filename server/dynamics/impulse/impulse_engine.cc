@@ -66,7 +66,7 @@ class ImpulseEngine : public Engine {
     moved_s_ = 0.0;
     Moving& before = before_[static_cast<std::size_t>(halvings)];
     if (has_moved_) before.keep(plant_);
-    if (stepper_.step(h, input.wrenches, state)) {
+    if (stepper_.step(h, input.wrenches, state, halvings < kMostHalvings)) {
       warned_ = warned_ || stepper_.fell_short();
       has_moved_ = true;
       moved_s_ = h;

@@ -2,11 +2,18 @@
 // in the bodies' present pose or where the look-ahead has led.
 #pragma once
 
+#include <cmath>
+
 #include "server/dynamics/impulse/bodies.h"
 #include "server/dynamics/impulse/joints/joint.h"
 #include "server/world/world_model.h"
 
 namespace visum::dynamics::impulse {
+
+// Of two gaps; a NaN is the larger one.
+inline double larger(double gap, double largest) {
+  return gap <= largest || std::isnan(largest) ? largest : gap;
+}
 
 // What a kind says. `motion` only of kinds that carry (world/joint_kinds.h).
 Held held_directions(const JointSpec& joint, const JointPose& pose);

@@ -29,11 +29,6 @@ bool is_of_bodies_alone(const JointSpec& joint) {
   return joint.kind != world::JointKind::kScrew && joint.kind != world::JointKind::kPointOnCurve;
 }
 
-// A NaN is the larger one.
-double larger(double gap, double largest) {
-  return gap <= largest || std::isnan(largest) ? largest : gap;
-}
-
 double gap_size(const Gap& gap) {
   double size = 0.0;
   for (const Vector3d& part : {gap.turn, gap.shift})

@@ -74,7 +74,7 @@ class Mechanism {
 
   // What the joints will have to give at t (predicting.cc). Only where asked for, and of mechanisms without
   // loops.
-  void start_predicting();
+  void start_predicting(const Bodies& bodies);
   bool predicts() const { return !prediction_.empty(); }
   Prediction& prediction() { return prediction_; }
   const Prediction& prediction() const { return prediction_; }
@@ -92,6 +92,9 @@ class Mechanism {
   double largest_turn(const Bodies& bodies) const;
   // The look-ahead over h follows the answer, to first order.
   void nudge(Bodies& bodies, double h) const;
+  // Whether what the joints give at t, over a step of length h, makes a link swing about a joint too fast for
+  // such steps.
+  bool is_too_taut(double h) const;
 
  private:
   struct LoopRow {
@@ -132,6 +135,7 @@ class Mechanism {
   std::vector<double> loop_errors_;
   Prediction prediction_;
   std::vector<double> foreseen_axis_;
+  std::vector<double> tautness_;  // by node: the square of a swing over the tension, 1/(kg·m)
 
   // What poses and factors were made of.
   bool of_bodies_alone_ = true;  // all its joints' poses

@@ -17,7 +17,7 @@ Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
       mechanism_asleep(mechanisms.size(), 0),
       mechanism_bound(mechanisms.size(), 0) {
   if (setting.solver != "iterate")
-    for (Mechanism& mechanism : mechanisms) mechanism.start_predicting();
+    for (Mechanism& mechanism : mechanisms) mechanism.start_predicting(bodies);
   std::vector<std::pair<std::size_t, int>> loops(model.joints.size(), {0, -1});
   for (std::size_t m = 0; m < mechanisms.size(); ++m) {
     for (std::size_t i = 0; i < mechanisms[m].size(); ++i)

@@ -4,14 +4,64 @@
 // drives give there: whatever is wrong with it does no work on the joints' motion, and the joints' gaps show
 // all of it. Both bodies get it at the same point: momentum is kept to rounding.
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
 #include "server/dynamics/impulse/lanes/kernels.h"
 #include "server/dynamics/impulse/mechanism.h"
 
 namespace visum::dynamics::impulse {
+namespace {
 
-void Mechanism::start_predicting() {
-  if (loops_.empty()) prediction_ = Prediction(size());
+constexpr double kMostSwing =
+    1.5;  // rad in a step, of the 2 that a symmetric one can follow at the very most
+
+// A body that hangs in a joint turns about it, under a tension F, as a string's bead does: with the frequency
+// 2 sqrt(F r / (m r^2 + J)), r from the axis to its centre of mass. Returns its square over F.
+double square_of_swing(const BodyConstants& body, const Vector3d& lever, const Vector3d& axis) {
+  const Vector3d across = lever - lever.dot(axis) * axis;
+  const double moment = body.moments.dot(axis.cwiseAbs2()) + body.mass * across.squaredNorm();
+  return 4.0 * across.norm() / moment;
+}
+
+double square_of_swing(const BodyConstants& body, const Motion& free, const Vector3d& lever,
+                       const Vector3d& axis) {
+  if (free.count == 0 || free.w[0].isZero(0.0)) return 0.0;  // it cannot turn there
+  if (free.count == 1) return square_of_swing(body, lever, axis);
+  const Vector3d one = lever.unitOrthogonal(), other = lever.cross(one).normalized();
+  return std::max(square_of_swing(body, lever, one), square_of_swing(body, lever, other));
+}
+
+}  // namespace
+
+void Mechanism::start_predicting(const Bodies& bodies) {
+  if (!loops_.empty()) return;
+  prediction_ = Prediction(size());
+  tautness_.assign(size(), 0.0);
+  for (std::size_t i = 0; i < size(); ++i) {
+    const JointSpec* spec = carrying(i);
+    if (spec == nullptr) continue;
+    const auto of = [&](int number, const Vector3d& lever, const Vector3d& axis) {
+      return square_of_swing(bodies.constants[static_cast<std::size_t>(number)], motions_[i], lever, axis);
+    };
+    tautness_[i] = of(spec->b, spec->point_b, spec->axis_b);
+    if (spec->a >= 0) tautness_[i] = std::max(tautness_[i], of(spec->a, spec->point_a, spec->axis_a));
+  }
+}
+
+// What is given at t is half of what a step takes: F = 2 lambda/h. One sum says that no joint is.
+bool Mechanism::is_too_taut(double h) const {
+  const double most = 0.5 * kMostSwing * kMostSwing / std::abs(h);
+  const std::span<const JointImpulse> given = prediction_.ahead();
+  const auto square = [&](const JointImpulse& one, double tautness) {
+    return tautness * tautness * one.v.squaredNorm();
+  };
+  if (std::transform_reduce(given.begin(), given.end(), tautness_.begin(), 0.0, std::plus<>(), square) <=
+      most * most)
+    return false;
+  for (std::size_t i = 0; i < given.size(); ++i)
+    if (square(given[i], tautness_[i]) > most * most) return true;
+  return false;
 }
 
 bool Mechanism::predict(const Bodies& bodies) {

@@ -43,6 +43,7 @@ class Prediction {
   void give_foreseen() { std::copy(foreseen_.begin(), foreseen_.end(), given_.begin()); }  // before all else
   // What the joints give in the step, at its start and at its end: nothing after begin(), to be added to.
   std::span<JointImpulse> ahead() { return std::span(given_).first(line_.size()); }
+  std::span<const JointImpulse> ahead() const { return std::span(given_).first(line_.size()); }
   std::span<JointImpulse> after() { return std::span(given_).subspan(line_.size()); }
   // The step is done. forget(): by something that the next step knows nothing of.
   void end();

@@ -233,6 +233,14 @@ double Rows::solve(int most_sweeps, double least, double share, double rest) {
   return missed;
 }
 
+double Rows::sweep_gently(int sweeps) {
+  start();
+  rests_ = false;
+  const double missed = sweep(true);
+  for (int k = 1; k < sweeps; ++k) sweep(k % 2 == 0);
+  return missed;
+}
+
 // After a sweep, which has found out what is at its bounds. Where mechanisms take part more sweeps come
 // before a solution at once, which is dear there, and after it: what they smooth is not left to the next
 // look-ahead. Returns how much is missing at the end.

@@ -102,7 +102,10 @@ class Rows {
   // velocities and `applied` follow. Returns by how much the rows were not as they ask to be before.
   // If no more is missing than the share `rest` of what may be left at rest, nothing is done; 0: solves.
   double solve(int most_sweeps, double least, double share, double rest);
+  // A few sweeps alone: what impulses hold against each other stays small, be it far from what is asked.
+  double sweep_gently(int sweeps);
   bool rests() const { return rests_; }  // nothing was to be done in the last solve()
+  double velocity(const RowBlock& block, std::size_t row) const;  // relative, along the row
 
  private:
   // A row that is solved for; the normal of what slides carries its friction along.
@@ -128,7 +131,6 @@ class Rows {
   double largest_change() const;
   // The contact's normal impulse so far; of a twist that of its contact.
   double pressure(const RowBlock& block) const;
-  double velocity(const RowBlock& block, std::size_t row) const;
   void push(const RowBlock& block, const std::array<double, 3>& by);
   void change(RowBlock& block, const std::array<double, 3>& by);
   void start();

@@ -15,6 +15,23 @@ double default_d_max(const world::EngineSetting& setting, bool in_loops) {
   return 1e-13;
 }
 
+// A spring between two bodies of a mechanism closes a loop, too.
+std::vector<double> find_d_max(const Plant& plant, double without_loops) {
+  std::vector<double> found(plant.mechanisms.size(), without_loops);
+  if (plant.setting.d_max > 0.0) return found;
+  const double in_loops = default_d_max(plant.setting, true);
+  for (std::size_t m = 0; m < found.size(); ++m)
+    if (plant.mechanisms[m].loop_count() > 0) found[m] = in_loops;
+  const auto mechanism_of = [&](int body) {
+    return body < 0 ? -1 : plant.places[static_cast<std::size_t>(body)].mechanism;
+  };
+  for (const Spring& spring : plant.springs) {
+    const int m = mechanism_of(spring.spec.b);
+    if (m >= 0 && m == mechanism_of(spring.spec.a)) found[static_cast<std::size_t>(m)] = in_loops;
+  }
+  return found;
+}
+
 // At rest, what was given at t+h is half of the tick's.
 void count(Touch& touch) {
   if (touch.asleep) {
@@ -36,7 +53,7 @@ Stepper::Stepper(Plant& plant)
     : plant_(plant),
       bounded_(plant),
       d_max_(plant.setting.d_max > 0.0 ? plant.setting.d_max : default_d_max(plant.setting, false)),
-      loop_d_max_(plant.setting.d_max > 0.0 ? plant.setting.d_max : default_d_max(plant.setting, true)),
+      d_max_by_mechanism_(find_d_max(plant, d_max_)),
       most_passes_(kMostPasses),
       saved_rates_(plant.axes.size()),
       saved_v_(plant.bodies.size()),
@@ -119,10 +136,21 @@ const JointSpec* Stepper::worst_joint(std::size_t m) const {
   return corrector_ ? corrector_->worst_joint() : plant_.mechanisms[m].worst_joint();
 }
 
-bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
+bool Stepper::is_too_taut(double h) const {
+  for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
+    const Mechanism& mechanism = plant_.mechanisms[m];
+    if (mechanism.predicts() && !plant_.mechanism_asleep[m] && mechanism.is_too_taut(h)) return true;
+  }
+  return false;
+}
+
+bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::WorldState& state,
+                   bool divisible) {
+  divisible_ = divisible;
   save_velocities();
   fell_short_ = false;
   if (!foresee(h, wrenches, state)) return false;
+  if (divisible && is_too_taut(h)) return false;
   commit(h);
   correct_velocities(h, wrenches, state);
   count_impulses();
@@ -147,15 +175,15 @@ bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::W
     bounded_.build(kAhead, h);
     if (!look_ahead(h, state)) return false;
     bounded_.report();
-    if (!change_laws(plant_, kAhead, h, corrector_ || i >= kFreeChanges)) break;
+    if (!change_laws(plant_, kAhead, h, corrector_ || i >= kFreeChanges)) return true;
   }
+  fell_short_ = true;
   return true;
 }
 
 void Stepper::hit(double h) {
   bounded_.build(kHit, h);
-  bounded_.solve();
-  if (plant_.setting.impact == "poisson") bounded_.restore_by_poisson();
+  bounded_.bounce();
   bounded_.report();
   for (Axis& axis : plant_.acting_axes()) axis.rate = plant_.rate(axis);
 }
@@ -204,8 +232,10 @@ void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, con
       bounded_.report();
     }
     if (!change_laws(plant_, kAfter, h, corrector_ || i >= kFreeChanges)) return;
+    if (i + 1 == kMostChanges) break;
     for (Axis& axis : plant_.acting_axes()) axis.law[kAfter] = axis.damped[kAfter] = 0.0;
   }
+  fell_short_ = true;
 }
 
 // What has rows may do something else in the next step: nothing is foreseen of the joints that it pushes.

@@ -15,8 +15,9 @@ class Stepper {
   explicit Stepper(Plant& plant);
 
   // Moves the plant's bodies by h; forces and drives act as they were prepared. False where a joint cannot be
-  // closed: the plant is then to be thrown back to where it was, and broken() tells which joint.
-  bool step(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
+  // closed: the plant is then to be thrown back to where it was, and broken() tells which joint. False, too,
+  // where shorter steps are at hand (`divisible`) and called for.
+  bool step(double h, std::span<const Wrench> wrenches, const world::WorldState& state, bool divisible);
   const JointSpec* broken() const { return broken_; }
   // The last step ended with its passes, or its budget, before gaps and velocities were within their bounds.
   bool fell_short() const { return fell_short_; }
@@ -30,9 +31,8 @@ class Stepper {
   void save_velocities();
   void restore_velocities();
   const JointSpec* worst_joint(std::size_t mechanism) const;
-  double d_max(std::size_t mechanism) const {
-    return plant_.mechanisms[mechanism].loop_count() > 0 ? loop_d_max_ : d_max_;
-  }
+  double d_max(std::size_t mechanism) const { return d_max_by_mechanism_[mechanism]; }
+  bool is_too_taut(double h) const;
   void hit(double h);
   bool foresee(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
   bool look_ahead(double h, const world::WorldState& state);
@@ -47,6 +47,8 @@ class Stepper {
   bool close_alone(std::size_t mechanism, double h, const world::WorldState& state);
   bool correct_alone(std::size_t mechanism, double h, const world::WorldState& state);
   bool close_together(double h, const world::WorldState& state);
+  enum class Closed { kYes, kNearly, kNo };
+  Closed close_with_rows(double h, const world::WorldState& state, bool gently);
   void match_velocities(std::size_t mechanism, double h);
   void fly(std::size_t mechanism, double h);
   void commit(double h);
@@ -57,10 +59,11 @@ class Stepper {
   Plant& plant_;
   Bounded bounded_;
   std::optional<Corrector> corrector_;  // solver: iterate
-  double d_max_, loop_d_max_;           // of mechanisms without and with loops
+  double d_max_;
+  std::vector<double> d_max_by_mechanism_;  // smaller with loops
   int most_passes_;
   const JointSpec* broken_ = nullptr;
-  bool fell_short_ = false;
+  bool fell_short_ = false, divisible_ = false;
   std::vector<double> saved_rates_;
   std::vector<Vector3d> saved_v_, saved_w_;
   std::vector<Vector3d> unpushed_v_, unpushed_w_;  // without what is foreseen of joints

@@ -1,6 +1,7 @@
 // How a step finds the impulses at t: look ahead, and close what opens there.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "server/dynamics/impulse/stepper.h"
 
@@ -11,6 +12,8 @@ constexpr double kPushed = 1.0;     // m, rad: where drives have pushed, the gap
 constexpr double kLawShare = 1e-3;  // of D_max, that a drive's law may miss over a step without a solution
 constexpr double kUntouched = 0.1;  // of D_max: a gap of what was foreseen, below which nothing is solved for
 constexpr double kFar = 1e-3;       // m, rad: a gap of what was foreseen, beyond which it is of no use
+constexpr double kApart = 3e-5;   // m, rad: beyond this it is broken, where shorter steps do not help, either
+constexpr int kGentlePasses = 5;  // in which contacts have their say
 constexpr double kStandstill = 1e-9;  // m, rad: a gap below, which no longer shrinks, is rounding
 
 }  // namespace
@@ -84,6 +87,7 @@ bool Stepper::close_by_newton(std::size_t m, double h, const world::WorldState& 
     if (gap <= d_max(m)) return true;
     if (!std::isfinite(gap)) return false;
     if (pass > 2 && gap <= kStandstill && gap > 0.5 * last) {
+      fell_short_ = true;
       fly(m, h);
       return true;
     }
@@ -97,12 +101,12 @@ bool Stepper::close_by_newton(std::size_t m, double h, const world::WorldState& 
 // over for the turned levers of both bodies. False where nothing of it is of use.
 bool Stepper::close_foreseen(std::size_t m, double h, const world::WorldState& state) {
   const double gap = find_gap(m, h, state, kLawShare);
-  if (gap <= kUntouched * d_max_) return true;
+  if (gap <= kUntouched * d_max(m)) return true;
   if (!(gap <= kFar)) return false;
   give_answer(m, kAhead);
   const Mechanism& mechanism = plant_.mechanisms[m];
   const double left = 4.0 * h * h * mechanism.largest_answer() * mechanism.largest_turn(plant_.bodies);
-  if (!(std::abs(left) <= d_max_)) return close_by_newton(m, h, state, true);
+  if (!(std::abs(left) <= d_max(m))) return close_by_newton(m, h, state, true);
   mechanism.nudge(plant_.bodies, h);
   for (Axis& axis : plant_.acting_axes_of(m))
     axis.mean_rate += mechanism.tree().axis_rate(static_cast<std::size_t>(axis.node));
@@ -143,34 +147,45 @@ bool Stepper::correct_alone(std::size_t m, double h, const world::WorldState& st
   return std::isfinite(gap);
 }
 
-// Mechanisms that share contacts, or have bounds of their own.
-bool Stepper::close_together(double h, const world::WorldState& state) {
-  std::size_t worst = plant_.mechanisms.size();
-  const auto fail = [&] {
-    broken_ = worst < plant_.mechanisms.size() ? worst_joint(worst) : nullptr;
-    return false;
-  };
+// Newton's passes over the joints of what has rows, and over the rows. Gently, what the rows miss is left.
+Stepper::Closed Stepper::close_with_rows(double h, const world::WorldState& state, bool gently) {
+  double largest = 0.0, moved = 0.0;
+  bool closed = false;
   for (int pass = 0; pass < most_passes_; ++pass) {
-    double largest = 0.0;
-    bool closed = true;
+    largest = 0.0;
+    closed = true;
     for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
       if (!bounded_.binds(m)) continue;
       if (corrector_) corrector_->forget_look_ahead(m);
       const double gap = corrector_ ? correct(m, h, state, pass) : close(m, h, state, pass);
       closed = closed && gap <= d_max(m);
-      if (!(gap <= largest) && !std::isnan(largest)) {
-        largest = gap;
-        worst = m;
-      }
+      if (gap <= largest || std::isnan(largest)) continue;
+      largest = gap;
+      broken_ = worst_joint(m);
     }
-    if (!std::isfinite(largest)) return fail();
-    const double moved = h * bounded_.solve();
-    if (!std::isfinite(moved)) return fail();
-    if (closed && moved <= d_max_) break;
-    if (pass + 1 < most_passes_) continue;
-    if (!corrector_ && largest > std::sqrt(d_max_)) return fail();
+    if (!std::isfinite(largest)) return Closed::kNo;
+    moved = gently && pass >= kGentlePasses ? 0.0 : h * bounded_.solve();
+    if (!std::isfinite(moved)) return Closed::kNo;
+    if (closed && (gently || moved <= d_max_)) return Closed::kYes;
+  }
+  const double most = divisible_ ? 0.0 : kApart;
+  return corrector_ || (moved <= kApart && (closed || largest <= most)) ? Closed::kNearly : Closed::kNo;
+}
+
+// Mechanisms that share contacts, or have bounds of their own. Contacts that wedge joints may have no answer,
+// or only with impulses that hold each other beyond all measure: then what comes near one is taken.
+bool Stepper::close_together(double h, const world::WorldState& state) {
+  broken_ = nullptr;
+  Closed closed = close_with_rows(h, state, false);
+  if (closed == Closed::kNo && !corrector_) {
+    for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
+      if (bounded_.binds(m)) take_back(m, h);
+    bounded_.start_gently(unpushed_v_, unpushed_w_);
+    closed = close_with_rows(h, state, true);
     fell_short_ = true;
   }
+  if (closed == Closed::kNo) return false;
+  fell_short_ = fell_short_ || closed == Closed::kNearly;
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
     if (!bounded_.binds(m)) continue;
     if (corrector_) corrector_->forget_look_ahead(m);
