@@ -1,5 +1,7 @@
 #include "server/dynamics/impulse/stepper.h"
 
+#include <numbers>
+
 namespace visum::dynamics::impulse {
 namespace {
 
@@ -11,15 +13,21 @@ constexpr int kFreeChanges = 2;   // of those, before what changes becomes a row
 double default_d_max(const world::EngineSetting& setting, bool in_loops) {
   if (setting.solver == "iterate") return 1e-6;
   if (setting.order == 2) return in_loops ? 5e-11 : 1e-7;
-  if (setting.order == 4) return in_loops ? 1e-11 : 1e-10;
-  return 1e-13;
+  if (in_loops) return 1e-11;
+  return setting.order == 4 ? 1e-10 : 1e-13;
+}
+
+// Of a gap along each axis of W.
+double find_d_max(const Plant& plant, bool in_loops) {
+  const double whole =
+      plant.setting.d_max > 0.0 ? plant.setting.d_max : default_d_max(plant.setting, in_loops);
+  return whole / std::numbers::sqrt3;
 }
 
 // A spring between two bodies of a mechanism closes a loop, too.
-std::vector<double> find_d_max(const Plant& plant, double without_loops) {
-  std::vector<double> found(plant.mechanisms.size(), without_loops);
-  if (plant.setting.d_max > 0.0) return found;
-  const double in_loops = default_d_max(plant.setting, true);
+std::vector<double> find_d_max_by_mechanism(const Plant& plant) {
+  std::vector<double> found(plant.mechanisms.size(), find_d_max(plant, false));
+  const double in_loops = find_d_max(plant, true);
   for (std::size_t m = 0; m < found.size(); ++m)
     if (plant.mechanisms[m].loop_count() > 0) found[m] = in_loops;
   const auto mechanism_of = [&](int body) {
@@ -52,8 +60,8 @@ void count(Touch& touch) {
 Stepper::Stepper(Plant& plant)
     : plant_(plant),
       bounded_(plant),
-      d_max_(plant.setting.d_max > 0.0 ? plant.setting.d_max : default_d_max(plant.setting, false)),
-      d_max_by_mechanism_(find_d_max(plant, d_max_)),
+      d_max_(find_d_max(plant, false)),
+      d_max_by_mechanism_(find_d_max_by_mechanism(plant)),
       most_passes_(kMostPasses),
       saved_rates_(plant.axes.size()),
       saved_v_(plant.bodies.size()),

@@ -58,8 +58,8 @@ class Stepper {
 
   Plant& plant_;
   Bounded bounded_;
-  std::optional<Corrector> corrector_;  // solver: iterate
-  double d_max_;
+  std::optional<Corrector> corrector_;      // solver: iterate
+  double d_max_;                            // along each axis, as the mechanisms' are
   std::vector<double> d_max_by_mechanism_;  // smaller with loops
   int most_passes_;
   const JointSpec* broken_ = nullptr;

@@ -10,8 +10,8 @@ namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x104bf19a5993ab77ull},       {"OdeQuick", 0xcd99abfa3f8f7fe2ull},
-    {"Impulse", 0xd2e8cc00488f6653ull},        {"ImpulseOrder4", 0xfd16675fb0d9fa85ull},
-    {"ImpulseIterate", 0x26caeaf39ba8b9ceull},
+    {"Impulse", 0xc12f82b7019f0b0dull},        {"ImpulseOrder4", 0x50855736f6b7bd37ull},
+    {"ImpulseIterate", 0xa196ff31814b7154ull},
 };
 
 class Golden : public Contract {};
