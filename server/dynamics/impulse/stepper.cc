@@ -131,6 +131,19 @@ bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::Worl
   return true;
 }
 
+// A law that holds its axis in the tree may ask for what cannot be: where loops move that axis on, as a
+// crank does a piston with friction at its dead centre, and where they leave nothing free that could close
+// them. As a row it knows its limit. False: there is no such law.
+bool Stepper::take_laws_as_rows(std::size_t m) {
+  if (m >= plant_.mechanisms.size() || plant_.mechanisms[m].loop_count() == 0) return false;
+  bool any = false;
+  for (Axis& axis : plant_.acting_axes_of(m)) {
+    if (!law_in_tree(axis)) continue;
+    axis.boxed = any = true;
+  }
+  return any;
+}
+
 // Impulses at t. Again from the start where a law turns out to be at its limit.
 bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
   for (int i = 0; i < kMostChanges; ++i) {
@@ -145,7 +158,10 @@ bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::W
       if (i + 1 < kMostChanges && change_laws(plant_, kHit, h, true)) continue;
     }
     bounded_.build(kAhead, h);
-    if (!look_ahead(h, state)) return false;
+    if (!look_ahead(h, state)) {
+      if (i + 1 < kMostChanges && take_laws_as_rows(broken_mechanism_)) continue;
+      return false;
+    }
     bounded_.report();
     if (!change_laws(plant_, kAhead, h, corrector_ || i >= kFreeChanges)) break;
   }

@@ -30,6 +30,8 @@ class Stepper {
   void save_velocities();
   void restore_velocities();
   const JointSpec* worst_joint(std::size_t mechanism) const;
+  bool break_at(std::size_t mechanism);
+  bool take_laws_as_rows(std::size_t mechanism);
   double d_max(std::size_t mechanism) const {
     return plant_.mechanisms[mechanism].loop_count() > 0 ? loop_d_max_ : d_max_;
   }
@@ -60,6 +62,7 @@ class Stepper {
   double d_max_, loop_d_max_;           // of mechanisms without and with loops
   int most_passes_;
   const JointSpec* broken_ = nullptr;
+  std::size_t broken_mechanism_ = 0;  // or beyond the last one
   bool fell_short_ = false;
   std::vector<double> saved_rates_;
   std::vector<Vector3d> saved_v_, saved_w_;

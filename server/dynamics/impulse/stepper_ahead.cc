@@ -109,6 +109,13 @@ bool Stepper::close_foreseen(std::size_t m, double h, const world::WorldState& s
   return true;
 }
 
+// Returns false.
+bool Stepper::break_at(std::size_t m) {
+  broken_ = m < plant_.mechanisms.size() ? worst_joint(m) : nullptr;
+  broken_mechanism_ = m;
+  return false;
+}
+
 // From what is foreseen; from nothing where that is not known, or leads nowhere.
 bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& state) {
   if (corrector_) return correct_alone(m, h, state);
@@ -116,9 +123,7 @@ bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& stat
     if (close_foreseen(m, h, state)) return true;
     take_back(m, h);
   }
-  if (close_by_newton(m, h, state, false)) return true;
-  broken_ = worst_joint(m);
-  return false;
+  return close_by_newton(m, h, state, false) || break_at(m);
 }
 
 // One correction of each joint; what has bounds is told where that leads.
@@ -139,17 +144,12 @@ bool Stepper::correct_alone(std::size_t m, double h, const world::WorldState& st
   for (int sweep = 0; sweep < most_passes_ && gap > d_max_; ++sweep) gap = correct(m, h, state, sweep);
   fly(m, h);
   fell_short_ = fell_short_ || gap > d_max_;
-  broken_ = worst_joint(m);
-  return std::isfinite(gap);
+  return std::isfinite(gap) || break_at(m);
 }
 
 // Mechanisms that share contacts, or have bounds of their own.
 bool Stepper::close_together(double h, const world::WorldState& state) {
   std::size_t worst = plant_.mechanisms.size();
-  const auto fail = [&] {
-    broken_ = worst < plant_.mechanisms.size() ? worst_joint(worst) : nullptr;
-    return false;
-  };
   for (int pass = 0; pass < most_passes_; ++pass) {
     double largest = 0.0;
     bool closed = true;
@@ -163,12 +163,12 @@ bool Stepper::close_together(double h, const world::WorldState& state) {
         worst = m;
       }
     }
-    if (!std::isfinite(largest)) return fail();
+    if (!std::isfinite(largest)) return break_at(worst);
     const double moved = h * bounded_.solve();
-    if (!std::isfinite(moved)) return fail();
+    if (!std::isfinite(moved)) return break_at(worst);
     if (closed && moved <= d_max_) break;
     if (pass + 1 < most_passes_) continue;
-    if (!corrector_ && largest > std::sqrt(d_max_)) return fail();
+    if (!corrector_ && largest > std::sqrt(d_max_)) return break_at(worst);
     fell_short_ = true;
   }
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
