@@ -259,7 +259,7 @@ void Bounded::connect_responses() {
   }
   for (std::size_t m = 0; m < of_mechanism_.size(); ++m) find_response(m);
   for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
-    if (owners_[k].of != Of::kStop) continue;
+    if (owners_[k].of != Of::kStop && owners_[k].of != Of::kLaw) continue;
     const RowEnd& end = rows_.blocks[k].ends[0];
     rows_.blocks[k].free_response = of_mechanism_[end.mechanism].rows[end.first].without_loops;
   }

@@ -44,6 +44,7 @@ class Prediction {
   // What the joints give in the step, at its start and at its end: nothing after begin(), to be added to.
   std::span<JointImpulse> ahead() { return std::span(given_).first(line_.size()); }
   std::span<JointImpulse> after() { return std::span(given_).subspan(line_.size()); }
+  void take_back_after() { std::ranges::fill(after(), JointImpulse{}); }  // its end starts again
   // The step is done. forget(): by something that the next step knows nothing of.
   void end();
   void forget() { count_ = 0; }

@@ -63,8 +63,8 @@ struct RowBlock {
   bool gives = false;  // contact: its normal yields a little (rows.cc), not at all at the impulse `rest`
   double rest = 0.0;
 
-  // What a response is measured by. Contact, twist: of its bodies, were they not jointed; stop: of its axis,
-  // were there no loops.
+  // What a response is measured by. Contact, twist: of its bodies, were they not jointed; stop, law: of its
+  // axis, were there no loops.
   double free_response = 0.0;
 
   // Response of each row to itself, and of the tangents to each other: of free bodies by Rows::respond(), of
@@ -122,6 +122,7 @@ class Rows {
   double settle(double enough);
   double error(const RowBlock& block, std::size_t row) const;
   double relax(RowBlock& block);
+  double step_of_rigid(const RowBlock& block) const;
   double normal_step(const RowBlock& block) const;
   Tangential tangents_step(const RowBlock& block) const;
   bool is_at_rest(double least, double share, double rest);

@@ -221,6 +221,7 @@ void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, con
     }
     if (!change_laws(plant_, kAfter, h, corrector_ || i >= kFreeChanges)) return;
     for (Axis& axis : plant_.acting_axes()) axis.law[kAfter] = axis.damped[kAfter] = 0.0;
+    for (Mechanism& mechanism : plant_.mechanisms) mechanism.prediction().take_back_after();
   }
 }
 

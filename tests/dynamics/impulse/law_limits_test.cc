@@ -102,6 +102,35 @@ TEST(LawLimits, LawsThatChangeSidesTakeNothingFromSprings) {
   }
 }
 
+// With two rods that swing far away, or those alone.
+world::WorldModel with_rods(bool beside_the_arm) {
+  using dynamics::testing::at;
+  dynamics::testing::ModelBuilder b(physics::engine_row("impulse").setting);
+  const auto first = b.add_rotor("first", 1.0, 0.1, at(5.5, 0.0, 0.0));
+  const auto second = b.add_rotor("second", 1.0, 0.1, at(6.5, 0.0, 0.0));
+  b.add_joint("upper", world::JointKind::kHinge, {}, first, {5.0, 0.0, 0.0}, Eigen::Vector3d::UnitY());
+  b.add_joint("lower", world::JointKind::kHinge, first, second, {6.0, 0.0, 0.0}, Eigen::Vector3d::UnitY());
+  if (!beside_the_arm) return b.model;
+  world::WorldModel model = arm();
+  const auto bodies = static_cast<std::int32_t>(model.bodies.size());
+  model.bodies.insert(model.bodies.end(), b.model.bodies.begin(), b.model.bodies.end());
+  for (world::Joint joint : b.model.joints) {
+    if (joint.parent.valid()) joint.parent.value += bodies;
+    joint.child.value += bodies;
+    model.joints.push_back(joint);
+  }
+  return model;
+}
+
+TEST(LawLimits, LawsThatChangeSidesTakeNothingFromWhatIsForeseen) {
+  dynamics::testing::Lab alone(with_rods(false)), beside(with_rods(true));
+  for (int tick = 0; tick < 2000; ++tick) {
+    ASSERT_TRUE(alone.step().ok);
+    step(beside);
+    ASSERT_EQ(alone.body("second").p_WC, beside.body("second").p_WC) << "tick " << tick;
+  }
+}
+
 // A crank that turns freely pushes a piston with friction through a rod. In the ticks in which the piston
 // turns back its friction cannot hold it: the crank moves it on.
 dynamics::testing::Lab slider_crank(double friction, double tick_s, double speed) {
@@ -195,6 +224,34 @@ TEST(LawLimits, AStopOfWhatIsHeldTwiceGivesNothing) {
       EXPECT_LT(drift.linear, 1e-12) << solver;
       EXPECT_LT(drift.angular, 1e-12) << solver;
     }
+}
+
+TEST(LawLimits, ADriveOfWhatIsHeldTwiceGivesAllThatItMay) {
+  for (const auto second : {world::JointKind::kHinge, world::JointKind::kSlider, world::JointKind::kScrew})
+    for (const char* driven : {"screw", "bolt"}) {
+      dynamics::testing::Lab lab(held_twice("direct", second).model);
+      for (int tick = 0; tick < 100; ++tick) {
+        const double sign = tick % 7 < 3 ? -1.0 : 1.0;
+        lab.drive(driven) = {2.0 * sign, 0.0, kMost, 0.0};
+        ASSERT_TRUE(lab.step().ok);
+        ASSERT_NEAR(lab.joint(driven).effort, sign * kMost, 1e-9) << driven << ", tick " << tick;
+      }
+    }
+}
+
+// The law holds for the turn of a screw, whatever it lifts.
+TEST(LawLimits, TheLawHoldsForAScrew) {
+  auto b = held_twice("direct", world::JointKind::kBall);
+  b.model.joints.pop_back();
+  b.model.tick_ns = 10'000'000;
+  b.body({0}).inertia_C.diagonal() = Eigen::Vector3d(0.1, 0.15, 0.2);
+  dynamics::testing::Lab lab(b.model);
+  lab.drive("screw") = {1.0, 0.5, 100.0, 0.0};
+  for (int tick = 0; tick < 200; ++tick) {
+    ASSERT_TRUE(lab.step().ok);
+    const world::JointState& joint = lab.joint("screw");
+    ASSERT_NEAR(joint.effort, (1.0 - joint.velocity) / 0.5, 1e-9) << tick;
+  }
 }
 
 }  // namespace
