@@ -40,6 +40,8 @@ class Bounded {
   struct MechanismRow {
     const Axis* axis = nullptr;  // of the tree; else a line
     Line line;
+    // An axis' response to itself, were there no loops; of one that closes a loop, no joints. 0: not known.
+    double without_loops = 0.0;
   };
   struct MechanismRows {
     std::vector<MechanismRow> rows;
@@ -64,6 +66,7 @@ class Bounded {
   void finish();
   void connect_responses();
   void find_response(std::size_t mechanism);
+  double rate_in_answer(std::size_t mechanism, const MechanismRow& row) const;
 
   void aim();
   void aim_touch(RowBlock& block, const Touch& touch, double bounce) const;

@@ -191,15 +191,15 @@ void Bounded::connect_axis(RowBlock& block, const Axis& axis) {
   MechanismRows& rows = of_mechanism_[axis.mechanism];
   add_mechanism_end(block, static_cast<int>(axis.mechanism));
   if (axis.node >= 0) {
-    rows.rows.push_back({&axis, {}});
+    rows.rows.push_back({.axis = &axis});
     return;
   }
   const Mechanism& mechanism = plant_.mechanisms[axis.mechanism];
   const JointSpec& joint = *axis.spec;
   const JointPose& pose = mechanism.loop_pose(static_cast<std::size_t>(axis.loop));
   const AxisDirection along = axis_direction(joint, pose);
-  rows.rows.push_back(
-      {nullptr, line_at(mechanism, plant_.bodies, joint.a, joint.b, pose.pb, along.w, along.v)});
+  const Line line = line_at(mechanism, plant_.bodies, joint.a, joint.b, pose.pb, along.w, along.v);
+  rows.rows.push_back({.line = line, .without_loops = mechanism.free_response(line, plant_.bodies)});
 }
 
 // Its offset is known in finish().
@@ -226,7 +226,7 @@ void Bounded::connect_mechanism(RowBlock& block, int a, const Reach* at_a, int b
       line.angular_b = angular((*at_b)[row]);
       line.linear_b = linear((*at_b)[row]);
     }
-    of_mechanism_[static_cast<std::size_t>(any.mechanism)].rows.push_back({nullptr, line});
+    of_mechanism_[static_cast<std::size_t>(any.mechanism)].rows.push_back({.line = line});
   }
 }
 
@@ -259,28 +259,39 @@ void Bounded::connect_responses() {
     }
   }
   for (std::size_t m = 0; m < of_mechanism_.size(); ++m) find_response(m);
+  for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
+    if (owners_[k].of != Of::kStop && owners_[k].of != Of::kLaw) continue;
+    const RowEnd& end = rows_.blocks[k].ends[0];
+    rows_.blocks[k].free_response = of_mechanism_[end.mechanism].rows[end.first].without_loops;
+  }
+}
+
+double Bounded::rate_in_answer(std::size_t m, const MechanismRow& row) const {
+  const Mechanism& mechanism = plant_.mechanisms[m];
+  return row.axis != nullptr ? mechanism.tree().axis_rate(static_cast<std::size_t>(row.axis->node))
+                             : mechanism.rate(row.line);
 }
 
 // W, a row for each unit impulse.
 void Bounded::find_response(std::size_t m) {
-  const MechanismRows& rows = of_mechanism_[m];
+  MechanismRows& rows = of_mechanism_[m];
   Mechanism& mechanism = plant_.mechanisms[m];
   const std::size_t n = rows.rows.size();
   if (n > 0) mechanism.factor(plant_.bodies);
   for (std::size_t i = 0; i < n; ++i) {
     mechanism.clear();
-    const MechanismRow& row = rows.rows[i];
+    MechanismRow& row = rows.rows[i];
     if (row.axis != nullptr)
       mechanism.tree().push_axis(static_cast<std::size_t>(row.axis->node), 1.0);
     else
       mechanism.push(row.line, 1.0);
-    mechanism.solve();
-    for (std::size_t j = 0; j < n; ++j) {
-      const MechanismRow& other = rows.rows[j];
-      rows_.responses[rows.response + i * n + j] =
-          other.axis != nullptr ? mechanism.tree().axis_rate(static_cast<std::size_t>(other.axis->node))
-                                : mechanism.rate(other.line);
+    if (mechanism.loop_count() > 0 && row.axis != nullptr) {
+      mechanism.tree().solve();
+      row.without_loops = rate_in_answer(m, row);
     }
+    mechanism.solve();
+    for (std::size_t j = 0; j < n; ++j)
+      rows_.responses[rows.response + i * n + j] = rate_in_answer(m, rows.rows[j]);
   }
 }
 

@@ -17,6 +17,10 @@ namespace {
 
 constexpr int kMostHalvings = 6;
 
+bool counts_turns(const world::Joint& joint) {
+  return joint.kind == world::JointKind::kScrew || joint.kind == world::JointKind::kTorsionSpring;
+}
+
 class ImpulseEngine : public Engine {
  public:
   ImpulseEngine(const world::WorldModel& model, std::int32_t engine_index)
@@ -24,6 +28,9 @@ class ImpulseEngine : public Engine {
         plant_(model, engine_index),
         stepper_(plant_),
         sleep_(plant_) {
+    within_.joints.resize(model.joints.size());
+    for (std::size_t i = 0; i < model.joints.size(); ++i)
+      if (counts_turns(model.joints[i])) turning_.push_back(i);
     if (plant_.setting.solver != "direct" && plant_.setting.solver != "iterate")
       throw std::runtime_error("engine 'impulse' has no solver '" + plant_.setting.solver +
                                "', only 'direct' and 'iterate'");
@@ -66,8 +73,10 @@ class ImpulseEngine : public Engine {
     moved_s_ = 0.0;
     Moving& before = before_[static_cast<std::size_t>(halvings)];
     if (has_moved_) before.keep(plant_);
-    if (stepper_.step(h, input.wrenches, state, halvings < kMostHalvings)) {
+    const world::WorldState& joints = has_moved_ && !turning_.empty() ? within_ : state;
+    if (stepper_.step(h, input.wrenches, joints, halvings < kMostHalvings)) {
       warned_ = warned_ || stepper_.fell_short();
+      turn_on(h, state);
       has_moved_ = true;
       moved_s_ = h;
       return true;
@@ -79,6 +88,13 @@ class ImpulseEngine : public Engine {
     if (halvings == kMostHalvings) return false;
     warned_ = true;
     return advance(0.5 * h, halvings + 1, input, state) && advance(0.5 * h, halvings + 1, input, state);
+  }
+
+  // Several steps of a tick may together turn a joint by more than half a turn.
+  void turn_on(double h, const world::WorldState& state) {
+    if (turning_.empty()) return;
+    if (!has_moved_) within_.joints = state.joints;
+    for (const std::size_t i : turning_) within_.joints[i].position += h * state.joints[i].velocity;
   }
 
   std::string broken_text() const {
@@ -145,8 +161,10 @@ class ImpulseEngine : public Engine {
   Plant plant_;
   Stepper stepper_;
   Sleep sleep_;
-  bool has_moved_ = false;  // in this tick
-  double moved_s_ = 0.0;    // by the last step of this tick: where the axes are is to be measured
+  world::WorldState within_;          // the joints alone, where the tick has led them so far
+  std::vector<std::size_t> turning_;  // of those that matter
+  bool has_moved_ = false;            // in this tick
+  double moved_s_ = 0.0;              // by the last step of this tick: where the axes are is to be measured
   std::array<Moving, kMostHalvings + 1> before_;
   bool warned_ = false;  // in this tick
 };

@@ -70,13 +70,17 @@ void Mechanism::find_loop_neighbours() {
   }
 }
 
-void Mechanism::place_loop_rows(const Bodies& bodies) {
-  const auto free_response = [&](int node, const Vector3d& angular, const Vector3d& linear) {
+double Mechanism::free_response(const Line& line, const Bodies& bodies) const {
+  const auto of = [&](int node, const Vector3d& angular, const Vector3d& linear) {
     if (node < 0) return 0.0;
     const auto body = static_cast<std::size_t>(tree_.node(static_cast<std::size_t>(node)).body);
     return angular.dot(bodies.inverse_inertia[body] * angular) +
            bodies.constants[body].inverse_mass * linear.squaredNorm();
   };
+  return of(line.node_a, line.angular_a, line.linear_a) + of(line.node_b, line.angular_b, line.linear_b);
+}
+
+void Mechanism::place_loop_rows(const Bodies& bodies) {
   loop_row_count_ = 0;
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     const Held& held = loop_held_[i];
@@ -85,8 +89,7 @@ void Mechanism::place_loop_rows(const Bodies& bodies) {
       LoopRow& row = loop_rows_[loop_row_count_++];
       row.loop = i;
       row.line = line_at(*this, bodies, loops_[i].a, loops_[i].b, loop_poses_[i].pb, held.w[k], held.v[k]);
-      row.free_response = free_response(row.line.node_a, row.line.angular_a, row.line.linear_a) +
-                          free_response(row.line.node_b, row.line.angular_b, row.line.linear_b);
+      row.free_response = free_response(row.line, bodies);
     }
   }
 }

@@ -240,11 +240,13 @@ void Mechanism::ask_velocities(const Bodies& bodies) {
       w -= bodies.w[a];
       v -= bodies.v[a] + bodies.w[a].cross(pose.pb - bodies.x[a]);
     }
-    // What the axes already do is no error: the rest must go.
+    // What the axes already do is no error: the rest must go. The rate is the one that drives know: of a
+    // screw that of its turn.
     const Motion& free = motions_[i];
     if (free.count == 1) {
-      const double rate =
-          (free.w[0].dot(w) + free.v[0].dot(v)) / (free.w[0].squaredNorm() + free.v[0].squaredNorm());
+      const bool turns = !free.w[0].isZero(0.0);
+      const Vector3d& along = turns ? free.w[0] : free.v[0];
+      const double rate = along.dot(turns ? w : v) / along.squaredNorm();
       w -= rate * free.w[0];
       v -= rate * free.v[0];
     }

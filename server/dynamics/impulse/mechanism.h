@@ -69,8 +69,9 @@ class Mechanism {
   const Tree& tree() const { return tree_; }
   // Answers what has been asked and pushed since clear(), loops included.
   void solve();
-  double rate(const Line& line) const;                       // in the answer
-  void apply(Bodies& bodies) const { tree_.apply(bodies); }  // the answer to the bodies' velocities
+  double rate(const Line& line) const;                                 // in the answer
+  double free_response(const Line& line, const Bodies& bodies) const;  // to itself, were nothing jointed
+  void apply(Bodies& bodies) const { tree_.apply(bodies); }            // the answer to the bodies' velocities
 
   // What the joints will have to give at t (predicting.cc). Only where asked for, and of mechanisms without
   // loops.

@@ -45,6 +45,7 @@ class Prediction {
   std::span<JointImpulse> ahead() { return std::span(given_).first(line_.size()); }
   std::span<const JointImpulse> ahead() const { return std::span(given_).first(line_.size()); }
   std::span<JointImpulse> after() { return std::span(given_).subspan(line_.size()); }
+  void take_back_after() { std::ranges::fill(after(), JointImpulse{}); }  // its end starts again
   // The step is done. forget(): by something that the next step knows nothing of.
   void end();
   void forget() { count_ = 0; }

@@ -118,10 +118,18 @@ double Rows::error(const RowBlock& block, std::size_t row) const {
   return row == 0 ? error - block.compliance * block.lambda[0] : error;
 }
 
-// The change that brings the row to its equation, or to its bound; none where nothing can move it.
+// Where nothing can move the row: a drive gives what it may against what it misses, a stop nothing.
+double Rows::step_of_rigid(const RowBlock& block) const {
+  if (block.kind != RowBlock::Kind::kBounded) return 0.0;
+  const double least = kRigid * block.free_response, now = block.lambda[0];
+  const bool may = least > 0.0 && std::isfinite(block.high - block.low);
+  return std::clamp(may ? now + error(block, 0) / least : now, block.low, block.high) - now;
+}
+
+// The change that brings the row to its equation, or to its bound.
 double Rows::normal_step(const RowBlock& block) const {
   const double stiffness = stiffness_of(block);
-  if (!(stiffness > kRigid * block.free_response)) return 0.0;
+  if (!(stiffness > kRigid * block.free_response)) return step_of_rigid(block);
   const double now = block.lambda[0], next = now + error(block, 0) / stiffness;
   switch (block.kind) {
     case RowBlock::Kind::kContact:

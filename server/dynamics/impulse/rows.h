@@ -17,8 +17,8 @@
 
 namespace visum::dynamics::impulse {
 
-// Share of its bodies' free response below which a contact has none: what joints hold fast cannot be moved,
-// and no impulse of a contact is defined there.
+// Share of a free response below which a row has none: what joints hold fast cannot be moved, and no impulse
+// of a contact or a stop is defined there.
 inline constexpr double kRigid = 1e-9;
 
 // What a block's rows reach on a free body: directions there, angular and linear.
@@ -63,8 +63,9 @@ struct RowBlock {
   bool gives = false;  // contact: its normal yields a little (rows.cc), not at all at the impulse `rest`
   double rest = 0.0;
 
-  double free_response =
-      0.0;  // contact: of its bodies, were they not jointed: what a response is measured by
+  // What a response is measured by. Contact, twist: of its bodies, were they not jointed; stop, law: of its
+  // axis, were there no loops.
+  double free_response = 0.0;
 
   // Response of each row to itself, and of the tangents to each other: of free bodies by Rows::respond(), of
   // mechanisms by Rows::prepare(), which makes what follows.
@@ -124,6 +125,7 @@ class Rows {
   double settle(double enough);
   double error(const RowBlock& block, std::size_t row) const;
   double relax(RowBlock& block);
+  double step_of_rigid(const RowBlock& block) const;
   double normal_step(const RowBlock& block) const;
   Tangential tangents_step(const RowBlock& block) const;
   bool is_at_rest(double least, double share, double rest);

@@ -114,7 +114,8 @@ void Rows::find_active() {
       add_contact(i);
     else if (block.kind == RowBlock::Kind::kTwist)
       add_twist(i);
-    else if (block.lambda[0] > block.low && block.lambda[0] < block.high && block.K[0] > 0.0)
+    else if (block.lambda[0] > block.low && block.lambda[0] < block.high &&
+             block.K[0] > kRigid * block.free_response)
       active_.push_back({i, 0});
   }
 }

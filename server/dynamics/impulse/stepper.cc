@@ -167,6 +167,22 @@ bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::Worl
   return true;
 }
 
+// A law that holds its axis in the tree may ask for what cannot be: where loops move that axis on, as a
+// crank does a piston with friction at its dead centre, and where they leave nothing free that could close
+// them. As a row it knows its limit.
+bool Stepper::has_laws_to_box(std::size_t m) const {
+  bool any = false;
+  if (plant_.mechanisms[m].loop_count() > 0)
+    for (const Axis& axis : plant_.acting_axes_of(m)) any = any || law_in_tree(axis);
+  return any;
+}
+
+bool Stepper::take_laws_as_rows(std::size_t m) {
+  if (!has_laws_to_box(m)) return false;
+  for (Axis& axis : plant_.acting_axes_of(m)) axis.boxed = axis.boxed || law_in_tree(axis);
+  return true;
+}
+
 // Impulses at t. Again from the start where a law turns out to be at its limit.
 bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
   for (int i = 0; i < kMostChanges; ++i) {
@@ -181,7 +197,10 @@ bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::W
       if (i + 1 < kMostChanges && change_laws(plant_, kHit, h, true)) continue;
     }
     bounded_.build(kAhead, h);
-    if (!look_ahead(h, state)) return false;
+    if (!look_ahead(h, state)) {
+      if (i + 1 < kMostChanges && broken_ != nullptr && take_laws_as_rows(broken_mechanism_)) continue;
+      return false;
+    }
     bounded_.report();
     if (!change_laws(plant_, kAhead, h, corrector_ || i >= kFreeChanges)) return true;
   }
@@ -242,6 +261,7 @@ void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, con
     if (!change_laws(plant_, kAfter, h, corrector_ || i >= kFreeChanges)) return;
     if (i + 1 == kMostChanges) break;
     for (Axis& axis : plant_.acting_axes()) axis.law[kAfter] = axis.damped[kAfter] = 0.0;
+    for (Mechanism& mechanism : plant_.mechanisms) mechanism.prediction().take_back_after();
   }
   fell_short_ = true;
 }

@@ -31,6 +31,9 @@ class Stepper {
   void save_velocities();
   void restore_velocities();
   const JointSpec* worst_joint(std::size_t mechanism) const;
+  bool break_at(std::size_t mechanism);
+  bool has_laws_to_box(std::size_t mechanism) const;
+  bool take_laws_as_rows(std::size_t mechanism);
   double d_max(std::size_t mechanism) const { return d_max_by_mechanism_[mechanism]; }
   bool is_too_taut(double h) const;
   void hit(double h);
@@ -63,6 +66,7 @@ class Stepper {
   std::vector<double> d_max_by_mechanism_;  // smaller with loops
   int most_passes_;
   const JointSpec* broken_ = nullptr;
+  std::size_t broken_mechanism_ = 0;
   bool fell_short_ = false, divisible_ = false;
   std::vector<double> saved_rates_;
   std::vector<Vector3d> saved_v_, saved_w_;

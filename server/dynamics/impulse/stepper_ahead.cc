@@ -113,6 +113,13 @@ bool Stepper::close_foreseen(std::size_t m, double h, const world::WorldState& s
   return true;
 }
 
+// Returns false.
+bool Stepper::break_at(std::size_t m) {
+  broken_ = worst_joint(m);
+  broken_mechanism_ = m;
+  return false;
+}
+
 // From what is foreseen; from nothing where that is not known, or leads nowhere.
 bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& state) {
   if (corrector_) return correct_alone(m, h, state);
@@ -120,9 +127,7 @@ bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& stat
     if (close_foreseen(m, h, state)) return true;
     take_back(m, h);
   }
-  if (close_by_newton(m, h, state, false)) return true;
-  broken_ = worst_joint(m);
-  return false;
+  return close_by_newton(m, h, state, false) || break_at(m);
 }
 
 // One correction of each joint; what has bounds is told where that leads.
@@ -143,8 +148,7 @@ bool Stepper::correct_alone(std::size_t m, double h, const world::WorldState& st
   for (int sweep = 0; sweep < most_passes_ && gap > d_max_; ++sweep) gap = correct(m, h, state, sweep);
   fly(m, h);
   fell_short_ = fell_short_ || gap > d_max_;
-  broken_ = worst_joint(m);
-  return std::isfinite(gap);
+  return std::isfinite(gap) || break_at(m);
 }
 
 // Newton's passes over the joints of what has rows, and over the rows. Gently, what the rows miss is left.
@@ -161,7 +165,7 @@ Stepper::Closed Stepper::close_with_rows(double h, const world::WorldState& stat
       closed = closed && gap <= d_max(m);
       if (gap <= largest || std::isnan(largest)) continue;
       largest = gap;
-      broken_ = worst_joint(m);
+      break_at(m);
     }
     if (!std::isfinite(largest)) return Closed::kNo;
     moved = gently && pass >= kGentlePasses ? 0.0 : h * bounded_.solve();
@@ -177,6 +181,7 @@ Stepper::Closed Stepper::close_with_rows(double h, const world::WorldState& stat
 bool Stepper::close_together(double h, const world::WorldState& state) {
   broken_ = nullptr;
   Closed closed = close_with_rows(h, state, false);
+  if (closed == Closed::kNo && broken_ != nullptr && has_laws_to_box(broken_mechanism_)) return false;
   if (closed == Closed::kNo && !corrector_) {
     for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
       if (bounded_.binds(m)) take_back(m, h);

@@ -57,5 +57,22 @@ TEST(Iterate, WithATightBoundItGoesWhereTheDirectSolverGoes) {
     EXPECT_LT((joint_by_joint.state.bodies[i].p_WC - at_once.state.bodies[i].p_WC).norm(), 1e-8) << i;
 }
 
+// A door at its stop that a bolt holds as well, pushed to and fro.
+TEST(Iterate, ABoltedDoorAtItsStopStaysInItsHinge) {
+  ModelBuilder b(iterate(100));
+  const BodyId door = b.add_rotor("door", 1.0, 0.05, at(0.4, 0.1, 0.2, 0.3, {1, 2, 3}));
+  b.add_joint("hinge", world::JointKind::kHinge, {}, door, {0.05, 0.02, 0.1},
+              Eigen::Vector3d(1, 2, 3).normalized())
+      .limited = true;
+  b.add_joint("bolt", world::JointKind::kPointOnPlane, {}, door, {0.7, 0.2, 0.3},
+              Eigen::Vector3d(0.3, 1.0, 0.2).normalized());
+  Lab lab(b.model);
+  for (int i = 0; i < 20; ++i) {
+    const double sign = i % 2 == 0 ? 1.0 : -1.0;
+    lab.wrenches = {{door, sign * Eigen::Vector3d(30, -20, 10), {1, 2, -3}}};
+    EXPECT_LT(largest_gap(lab, 100), 1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace visum::dynamics::testing

@@ -48,6 +48,18 @@ TEST_P(FastTurns, AreCountedForwardsAndLiftAScrew) {
 }
 INSTANTIATE_TEST_SUITE_P(Solvers, FastTurns, ::testing::Values("direct", "iterate"));
 
+TEST(Orders, LiftAScrewByTheTurnsOfAllTheirSteps) {
+  for (const int order : {4, 6}) {
+    auto b = wheel(of_order(order), JointKind::kScrew, 5e-3);
+    b.body({0}).w_WB *= 4.0;
+    b.body({0}).v_WB *= 4.0;
+    Lab lab(b.model);
+    lab.run(0.1);
+    EXPECT_NEAR(lab.joint("axle").position, 160.0, 1e-9) << order;
+    EXPECT_NEAR(lab.body("wheel").p_WC.z(), 160.0 * 5e-3 / (2.0 * std::numbers::pi), 1e-9) << order;
+  }
+}
+
 TEST(Orders, StopsThatAreFarOffCostNoAccuracy) {
   const auto swing = [](bool limited) {
     ModelBuilder b(of_order(6));
