@@ -88,7 +88,7 @@ recording::Rewound make_world(const Options& options) {
       throw std::runtime_error("--record " + options.record + " is the recording to go on from");
     return recording::rewind(
         options.rewound, options.at_s, [&](scene::Scene& scene) { set_clock(options, scene); },
-        plugin::plugin_folders(options.plugins.folders));
+        plugin::plugin_folders(options.plugins.folders), options.of_scene.engine);
   }
   config::FilesNoted noted;
   auto world = std::make_unique<cycle::Simulation>(load(options));
@@ -137,7 +137,7 @@ int run(Options options) {
   return simulation.frozen() ? gateway::kFailed : gateway::kPassed;
 }
 
-// What the world is made of: a scene, or a recording of one, which fixes engine and seed.
+// What the world is made of: a scene, or a recording of one, which fixes the seed.
 void declare_world(CLI::App& app, Options& options, std::string_view verb) {
   if (verb == "record")
     app.add_option("recording", options.record, kRecordHelp)->required()->type_name("FILE.mcap");
@@ -152,6 +152,8 @@ void declare_world(CLI::App& app, Options& options, std::string_view verb) {
     app.add_option("recording", options.rewound, "the run to go on from")->required()->type_name("FILE.mcap");
     app.add_option("--at", options.at_s, "simulated seconds from its beginning; default: its end")
         ->check(CLI::NonNegativeNumber);
+    app.add_option("--engine", options.of_scene.engine,
+                   "moves all bodies from there on, instead of the run's");
     return;
   }
   app.add_option("scene", options.scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
@@ -185,8 +187,8 @@ void declare(CLI::App& app, Options& options) {
       "  visumd models/scenes/amtec_arm.yaml --bus arm=pty:arm.tty   with its modules on a serial line, too\n"
       "  visumd models/scenes/amtec_arm.yaml --record run.mcap     `visum replay run.mcap` goes through it "
       "again\n"
-      "  visumd rewind run.mcap --at 12.5                          goes on from there; engine and seed are "
-      "the run's\n"
+      "  visumd rewind run.mcap --at 12.5                          goes on from there; with another\n"
+      "                                                            engine: --engine NAME\n"
       "  visumd check models/scenes/amtec_arm.yaml                 says what is wrong with a scene, no more\n"
       "Exit codes: 0 ended in good order, 1 the world froze, 2 bad usage, 3 the scene is wrong, 124 a\n"
       "plug-in hangs, 130 interrupted.");

@@ -5,9 +5,11 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <stdexcept>
 
 #include "server/recording/replayer.h"
+#include "server/world/world_state.h"
 
 namespace visum::recording {
 namespace {
@@ -40,6 +42,32 @@ void check_reach(const std::filesystem::path& file, const Replay& replay, std::u
                place, replay.damage);
 }
 
+// The state in these bytes without what the engines kept for themselves.
+std::vector<std::byte> for_other_engines(std::span<const std::byte> bytes, const world::WorldModel& model) {
+  world::WorldState state;
+  std::string fault;
+  const auto rest = world::load(bytes, model, state, fault);
+  if (!fault.empty()) throw std::runtime_error(fault);
+  for (auto& kept : state.engines) kept.clear();
+  std::vector<std::byte> result;
+  world::save(state, result);
+  result.insert(result.end(), rest.begin(), rest.end());
+  return result;
+}
+
+void hand_over(Rewound& rewound, std::unique_ptr<cycle::Simulation> to, const std::string& engine) {
+  const config::FilesGiven given(rewound.origin.files);
+  State whole;
+  rewound.world->keep(whole);
+  const auto& model = rewound.world->model();
+  whole.state = for_other_engines(whole.state, model);
+  for (auto& kept : whole.snapshots) kept.state = for_other_engines(kept.state, model);
+  if (const auto why = to->restore(whole); !why.empty())
+    throw std::runtime_error("engine '" + engine + "' cannot go on from there: " + why);
+  rewound.world = std::move(to);
+  rewound.origin.engine = engine;
+}
+
 }  // namespace
 
 Replay replay(const std::filesystem::path& file, const PluginFolders& plugins) {
@@ -49,7 +77,7 @@ Replay replay(const std::filesystem::path& file, const PluginFolders& plugins) {
 }
 
 Rewound rewind(const std::filesystem::path& file, double at_s, const Adjust& adjust,
-               const PluginFolders& plugins) {
+               const PluginFolders& plugins, const std::string& engine) {
   Replayer replayer(file, plugins, adjust);
   const auto asked = ticks_of(at_s, replayer.result().header.tick_ns);
   replayer.run(asked);
@@ -59,7 +87,12 @@ Rewound rewind(const std::filesystem::path& file, double at_s, const Adjust& adj
                              std::to_string(result.difference.tick) + ": " + result.difference.what +
                              "; `visum replay` shows more");
   check_reach(file, result, asked);
-  return replayer.take_world();
+  auto header = result.header;
+  auto rewound = replayer.take_world();
+  if (engine.empty()) return rewound;
+  header.engine = engine;
+  hand_over(rewound, make_world(header, rewound.origin.files, plugins, adjust), engine);
+  return rewound;
 }
 
 }  // namespace visum::recording

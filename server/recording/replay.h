@@ -59,9 +59,10 @@ struct Rewound {
 // The world of a recording as it was `at_s` simulated seconds after the beginning (over all eras), or at its
 // end where that is sooner, which the log says: to go on from there with other inputs. Infinite: the end,
 // also of what can be read of a damaged file. `adjust` may change what does not belong to the world: its
-// clock. Throws what replay() throws, and std::runtime_error where the ticks up to there differ or cannot be
-// read.
+// clock. With another engine (empty: as recorded) its bodies and joints go on from where they were; what the
+// recorded engines kept for themselves is dropped. Throws what replay() throws, and std::runtime_error where
+// the ticks up to there differ or cannot be read.
 Rewound rewind(const std::filesystem::path& file, double at_s, const Adjust& adjust,
-               const PluginFolders& plugins = {});
+               const PluginFolders& plugins = {}, const std::string& engine = {});
 
 }  // namespace visum::recording

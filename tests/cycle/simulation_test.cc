@@ -69,6 +69,51 @@ joints:
   EXPECT_EQ(warnings_with("10000"), 0u);
 }
 
+// Two rods that fall from level, in ticks that are too long for their second turn.
+TEST(Simulation, CountsTheTicksThatWereCutInHalves) {
+  const auto warnings_with = [](const std::string& tick_ms) {
+    const test::TempFiles files;
+    Simulation simulation(scene::load_scene(files.write("two_rods.yaml", R"(
+visum: 1
+engine: impulse
+tick_ms: )" + tick_ms + R"(
+bodies:
+  - {name: upper, mass: 1, pose: {xyz: [0.5, 0, 2]}, shapes: [{box: [1, 0.1, 0.1]}]}
+  - {name: lower, mass: 1, pose: {xyz: [1.5, 0, 2]}, shapes: [{box: [1, 0.1, 0.1]}]}
+joints:
+  - {name: shoulder, type: hinge, child: upper, pose: {xyz: [-0.5, 0, 0]}, axis: [0, 1, 0]}
+  - {name: elbow, type: hinge, parent: upper, child: lower, pose: {xyz: [-0.5, 0, 0]}, axis: [0, 1, 0]}
+)")));
+    run(simulation, 50);
+    EXPECT_EQ(simulation.fault(), "");
+    return simulation.solver_warnings();
+  };
+  EXPECT_GT(warnings_with("100"), 0u);
+  EXPECT_EQ(warnings_with("1"), 0u);
+}
+
+TEST(Simulation, AJointThatCannotBeHeldStopsTheWorldWithItsNameAndItsLastGoodState) {
+  const test::TempFiles files;
+  auto scene = scene::load_scene(files.write("bar.yaml", R"(
+visum: 1
+engine: impulse
+bodies:
+  - {name: bar, mass: 1, pose: {xyz: [0, 0, 2]}, shapes: [{box: [1, 0.1, 0.1]}]}
+joints:
+  - {name: left, type: ball, child: bar, pose: {xyz: [-0.5, 0, 0]}}
+  - {name: right, type: ball, child: bar, pose: {xyz: [0.5, 0, 0]}}
+)"));
+  scene.world.joints.at(1).X_PJ.p.x() += 0.2;  // farther from the left one than the bar is long
+  Simulation simulation(std::move(scene));
+  const auto before = simulation.state_hash();
+  run(simulation, 3);
+  EXPECT_TRUE(simulation.frozen());
+  EXPECT_NE(simulation.fault().find("on body 'bar' cannot be held together"), std::string::npos)
+      << simulation.fault();
+  EXPECT_EQ(simulation.tick_count(), 0);
+  EXPECT_EQ(simulation.state_hash(), before);
+}
+
 TEST(Simulation, TwoRunsHaveTheSameHashAtEveryTick) {
   Simulation a(arm()), b(arm());
   for (int i = 0; i < 300; ++i) {

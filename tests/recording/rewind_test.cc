@@ -79,6 +79,38 @@ TEST(Rewind, TheBeginningIsTheStateThatARecordingBeginsWith) {
   EXPECT_EQ(replay(second).ticks, 20u);
 }
 
+TEST(Rewind, AnotherEngineGoesOnFromTheSameBodies) {
+  RecordedWorld world("two_link.yaml", "ode");
+  world->write_inputs(0, 0, std::vector{0.7, -0.3});
+  world.run(30);
+  world->add_body(kBall);
+  world.run(30);
+  const world::WorldState before = world->state();
+  world.run(20);
+  const auto first = world.finish();
+  const auto second = first.parent_path() / "second.mcap";
+  auto [other, origin] = rewind(first, 0.060, {}, {}, "impulse");
+  EXPECT_EQ(other->model().engines.at(0).name, "impulse");
+  EXPECT_EQ(other->tick_count(), 60);
+  EXPECT_TRUE(other->state().engines.at(0).empty()) << "ODE's is nothing to go on from";
+  ASSERT_EQ(other->state().bodies.size(), before.bodies.size());
+  for (std::size_t i = 0; i < before.bodies.size(); ++i) {
+    EXPECT_EQ(other->state().bodies[i].p_WC, before.bodies[i].p_WC) << i;
+    EXPECT_EQ(other->state().bodies[i].w_WB, before.bodies[i].w_WB) << i;
+  }
+  {
+    Recorder recorder(*other, origin, second);
+    for (int i = 0; i < 20; ++i) other->tick();
+  }
+  EXPECT_EQ(other->fault(), "");
+  for (std::size_t i = 0; i < before.joints.size(); ++i)
+    EXPECT_NEAR(other->state().joints[i].position, world->state().joints[i].position, 1e-3) << i;
+  const auto result = replay(second);
+  EXPECT_TRUE(result.equal) << result.difference.what;
+  EXPECT_EQ(result.last_hash, other->state_hash());
+  EXPECT_THROW(rewind(first, 0.060, {}, {}, "clockwork"), std::runtime_error);
+}
+
 // Where the last chunk of a recording begins.
 std::size_t last_chunk_of(const std::string& bytes) {
   std::size_t last = 0;

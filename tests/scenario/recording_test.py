@@ -62,9 +62,9 @@ def check_reader(node: str, reader: str, file: Path, again: dict) -> None:
     print(f"read by MCAP's own library: {seen['chunks']} chunks, {seen['messages']}")
 
 
-def check_rewind(visum: str, file: Path, at_s: float) -> None:
+def check_rewind(visum: str, file: Path, at_s: float, *options: str) -> None:
     """A daemon goes on from a moment of the run."""
-    command = [visum, "rewind", str(file), "--at", str(at_s), "--clock", "lockstep", "--port", "0", "--http", "off", "--json"]
+    command = [visum, "rewind", str(file), "--at", str(at_s), "--clock", "lockstep", "--port", "0", "--http", "off", "--json", *options]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as daemon:
         try:
             assert daemon.stdout is not None
@@ -100,6 +100,7 @@ def main() -> int:
         if reader:
             check_reader(*reader, folder / "wave.mcap", again)
         check_rewind(visum, folder / "wave.mcap", 0.5)
+        check_rewind(visum, folder / "wave.mcap", 0.5, "--engine", "impulse")
         check_run(visum, "pick_and_place", folder / "pick.mcap")
         check_bus(visum, folder / "serial.mcap")
         check_killed_daemon(visum, folder / "killed.mcap")

@@ -44,7 +44,9 @@ std::vector<double> tell(const world::EngineSetting& engine) {
   constexpr double kDMax = 1e-8;
   constexpr int kPlenty = 100'000;
   double untold = 0.0, needless = 0.0;
-  for (const int budget : {1, 4, 16, 64, kPlenty}) {
+  const std::vector<int> budgets =
+      engine.solver == "iterate" ? std::vector{1, 4, 16, 64, kPlenty} : std::vector{kPlenty};
+  for (const int budget : budgets) {
     world::EngineSetting setting = engine;
     setting.d_max = kDMax;
     setting.v_max = kDMax;

@@ -43,8 +43,12 @@ TEST_P(Physics, IsAsRightAsExpected) {
   const auto& [what, row, expectation] = GetParam();
   const std::vector<double> figures = run(*what, row->setting);
   ASSERT_EQ(expectation->bounds.size(), what->figures.size());
-  for (std::size_t i = 0; i < figures.size(); ++i)
+  for (std::size_t i = 0; i < figures.size(); ++i) {
     EXPECT_LE(figures[i], expectation->bounds[i]) << what->figures[i].name << ", against " << what->source;
+    if (is_expected_right(*what, i, *row)) continue;
+    EXPECT_GT(figures[i], what->figures[i].demand(row->setting))
+        << what->figures[i].name << " is as demanded by now, and so should its bound be";
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, Physics, ::testing::ValuesIn(runs()),
@@ -57,6 +61,44 @@ TEST(PhysicsSuite, EveryCaseSaysWhatItExpectsOfEveryEngine) {
       ASSERT_TRUE(expectation) << what.id << " says nothing of " << row.name;
       EXPECT_EQ(expectation->bounds.empty(), !expectation->reason.empty()) << what.id << ", " << row.name;
     }
+  }
+}
+
+bool is_direct_impulse(const EngineRow& row) {
+  return row.setting.name == "impulse" && row.setting.solver == "direct";
+}
+
+const Miss* find_miss(const Case& what, const Figure& figure, const EngineRow& row) {
+  const auto found = std::ranges::find_if(declared_misses(), [&](const Miss& miss) {
+    return std::string(miss.id) == what.id && std::string(miss.figure) == figure.name && miss.row == row.name;
+  });
+  return found == declared_misses().end() ? nullptr : &*found;
+}
+
+// What is expected of it is what the cases demand, but for what expectations.cc declares.
+TEST(PhysicsSuite, TheImpulseEngineIsExpectedToBeRight) {
+  for (const Case& what : cases()) {
+    for (const EngineRow& row : engine_rows()) {
+      const Expectation* expectation = find_expectation(what.id, row.name);
+      if (!is_direct_impulse(row) || !expectation || expectation->bounds.empty()) continue;
+      ASSERT_EQ(expectation->bounds.size(), what.figures.size()) << what.id;
+      for (std::size_t i = 0; i < what.figures.size(); ++i)
+        EXPECT_NE(is_expected_right(what, i, row), find_miss(what, what.figures[i], row) != nullptr)
+            << what.id << " " << what.figures[i].name << " with " << row.name
+            << ": a bound above the demand is to be declared, and no other";
+    }
+  }
+}
+
+TEST(PhysicsSuite, EveryDeclaredMissIsOfAFigureThatIsThere) {
+  for (const Miss& miss : declared_misses()) {
+    const Case& what = find_case(miss.id);
+    EXPECT_TRUE(is_direct_impulse(engine_row(miss.row))) << miss.row;
+    EXPECT_EQ(std::ranges::count_if(what.figures,
+                                    [&](const Figure& one) { return std::string(one.name) == miss.figure; }),
+              1)
+        << miss.id << " " << miss.figure;
+    EXPECT_STRNE(miss.reason, "");
   }
 }
 
