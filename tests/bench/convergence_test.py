@@ -4,8 +4,16 @@ import unittest
 
 from convergence import convergence, cost, growth, order
 from plots import numbers_of, plots_of
+from report_page import page
 
 STEPS_S = (1e-2, 5e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)
+
+
+def known_benchmarks():
+    """Of order 2, with 0.01 m at 10 ms, and four-bars whose cost grows with their number."""
+    found = {f"Swing/arm7/e/{1e6 * h:.0f}us": {"cpu_us": 1e3 / h, "real_us": 1e3 / h, "tip_error_m": 100.0 * h**2}
+             for h in STEPS_S}
+    return found | {f"Step/fourbars{n}/e": {"cpu_us": 2.0 * n, "real_us": 2.0 * n} for n in (10, 20, 40)}
 
 
 class Convergence(unittest.TestCase):
@@ -43,13 +51,22 @@ class Convergence(unittest.TestCase):
         self.assertAlmostEqual(growth([("e", n, 7.0 * n**3) for n in (8, 64, 512)])["e"], 3.0, places=9)
 
     def test_report_and_legend_show_what_was_found(self):
-        benchmarks = {f"Swing/arm7/e/{1e6 * h:.0f}us": {"cpu_us": 1.0 / h, "tip_error_m": 100.0 * h**2} for h in STEPS_S}
-        benchmarks |= {f"Step/fourbars{n}/e": {"cpu_us": 2.0 * n} for n in (10, 20, 40)}
+        benchmarks = known_benchmarks()
         self.assertAlmostEqual(numbers_of(benchmarks)["convergence"]["e"]["order"], 2.0)
         pictures = dict(plots_of(benchmarks))
         self.assertIn("h^2.00", pictures["convergence"])
         self.assertIn("n^1.00", pictures["fourbars"])
         self.assertEqual(convergence([]), {})
+
+    def test_page_shows_it_too_and_what_failed(self):
+        benchmarks = known_benchmarks() | {"Step/chain512/f": {"error": "breaks"}}
+        results = {"machine": {"cpu": "c", "cores": 2, "load_average": [0.5]}, "compiler": "g", "commit": "1", "date": "d",
+                   "benchmarks": benchmarks} | numbers_of(benchmarks)
+        text = page(results, {"convergence": "c.svg"})
+        self.assertIn("| e | 2.00 | 316 | 1e+03 | not reached |", text)
+        self.assertIn("| e | — | 1 |", text)
+        self.assertIn("| Step/chain512/f | breaks |", text)
+        self.assertIn("(c.svg)", text)
 
 
 if __name__ == "__main__":

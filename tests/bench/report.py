@@ -3,7 +3,8 @@
 
 usage: report.py SCRATCH OUT --compiler-from BUILD
 SCRATCH holds bench.json (Google Benchmark's) and perhaps load.json (visum-load's). Writes OUT/<machine>.json,
-OUT/<machine>-*.svg and, with all of it to read, OUT/<machine>.md; prints tables. Of several repetitions the fastest time and the median counter count.
+OUT/<machine>-*.svg and, with all of it to read, OUT/<machine>.md; prints tables. Of several
+repetitions the fastest time and the median counter count.
 """
 
 import argparse

@@ -1,7 +1,5 @@
 """The results as a page of Markdown, with the plots beside it."""
 
-from itertools import groupby
-
 TIMES = ("cpu_us", "real_us")
 
 
@@ -48,8 +46,10 @@ def growth_lines(growth):
 def benchmark_lines(benchmarks):
     """A table for each family, with the counters that its members have."""
     lines = ["## All benchmarks", ""]
-    for _, members in groupby(benchmarks.items(), key=lambda item: item[0].rsplit("/", 1)[0]):
-        members = list(members)
+    families = {}
+    for name, row in benchmarks.items():
+        families.setdefault(name.split("/", 1)[0], []).append((name, row))
+    for members in families.values():
         counters = list(dict.fromkeys(key for _, row in members for key in row if key not in (*TIMES, "error")))
         rows = [[name, row["error"], *[""] * (1 + len(counters))] if "error" in row else
                 [name, *(shown(row[key]) for key in TIMES), *(shown(row.get(key)) for key in counters)]
@@ -68,5 +68,6 @@ def page(results, plot_files):
     lines += convergence_lines(results["convergence"]) + growth_lines(results["growth"])
     lines += [f"![{name}]({file})\n" for name, file in plot_files.items()]
     if "load" in results:
-        lines += ["## Load", "", *table(["figure", "value"], [[name, f"{value:g}"] for name, value in results["load"].items()])]
+        rows = [[name, f"{value:g}"] for name, value in results["load"].items()]
+        lines += ["## Load", "", *table(["figure", "value"], rows)]
     return "\n".join(lines + benchmark_lines(results["benchmarks"]))
