@@ -20,11 +20,17 @@ def slope(points):
     return sum((x - mean_x) * (y - mean_y) for x, y in logs) / spread if spread > 0.0 else None
 
 
-def order(points):
-    """Of (step, error): the slope over the finest decade of steps whose errors tell of it."""
+def order(points, finest=False):
+    """Of (step, error): the slope over the coarsest decade of steps whose errors tell of it, where the step's own error
+    is seen; over the finest decade it may be less, where what is left of gaps is."""
     telling = [(h, error) for h, error in points if REFERENCE_KNOWN_TO_M < error < CONVERGES_BELOW_M]
-    finest = min((h for h, _ in telling), default=0.0)
-    return slope([(h, error) for h, error in telling if h <= DECADE * finest])
+    if not telling:
+        return None
+    if finest:
+        least = min(h for h, _ in telling)
+        return slope([(h, error) for h, error in telling if h <= DECADE * least])
+    most = max(h for h, _ in telling)
+    return slope([(h, error) for h, error in telling if DECADE * h >= most])
 
 
 def cost(points, wanted):
@@ -47,8 +53,8 @@ def cost(points, wanted):
 
 
 def convergence(runs):
-    """By engine, from (engine, step in s, CPU s per simulated s, tip error in m): `order`, None where it cannot be
-    told, and `cpu_s_at`, by tip error."""
+    """By engine, from (engine, step in s, CPU s per simulated s, tip error in m): `order` over the coarsest and
+    `order_finest` over the finest decade of steps, None where it cannot be told, and `cpu_s_at`, by tip error."""
     by_engine = defaultdict(list)
     for engine, h, cpu, error in runs:
         by_engine[engine].append((h, cpu, error))
@@ -58,7 +64,8 @@ def convergence(runs):
         for wanted in ASKED_ERRORS_M:
             seconds, at_most = cost(points, wanted)
             costs[f"{wanted:.0e}"] = None if seconds is None else {"cpu_s": seconds, "at_most": at_most}
-        found[engine] = {"order": order([(h, error) for h, _, error in points]), "cpu_s_at": costs}
+        errors = [(h, error) for h, _, error in points]
+        found[engine] = {"order": order(errors), "order_finest": order(errors, finest=True), "cpu_s_at": costs}
     return found
 
 

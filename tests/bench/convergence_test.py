@@ -26,6 +26,12 @@ class Convergence(unittest.TestCase):
         points = [(h, max(1e6 * h**6, 2e-11)) for h in STEPS_S]
         self.assertLess(min(error for _, error in points), 1e-10)
         self.assertAlmostEqual(order(points), 6.0, places=9)
+        self.assertAlmostEqual(order(points, finest=True), 6.0, places=9)
+
+    def test_a_floor_of_gaps_shows_in_the_finest_decade_only(self):
+        points = [(h, 4e4 * h**4 + 1e-8) for h in STEPS_S]
+        self.assertAlmostEqual(order(points), 4.0, delta=0.1)
+        self.assertLess(order(points, finest=True), 3.5)
 
     def test_what_does_not_converge_has_no_order(self):
         self.assertIsNone(order([(h, 0.6) for h in STEPS_S]))
@@ -63,7 +69,7 @@ class Convergence(unittest.TestCase):
         results = {"machine": {"cpu": "c", "cores": 2, "load_average": [0.5]}, "compiler": "g", "commit": "1", "date": "d",
                    "benchmarks": benchmarks} | numbers_of(benchmarks)
         text = page(results, {"convergence": "c.svg"})
-        self.assertIn("| e | 2.00 | 316 | 1e+03 | not reached |", text)
+        self.assertIn("| e | 2.00 | 2.00 | 316 | 1e+03 | not reached |", text)
         self.assertIn("| e | — | 1 |", text)
         self.assertIn("| Step/chain512/f | breaks |", text)
         self.assertIn("(c.svg)", text)

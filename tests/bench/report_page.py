@@ -24,13 +24,14 @@ def convergence_lines(convergence):
     if not convergence:
         return []
     errors = list(next(iter(convergence.values()))["cpu_s_at"])
-    rows = [[engine, "—" if found["order"] is None else f'{found["order"]:.2f}',
+    rows = [[engine, *("—" if found[of] is None else f"{found[of]:.2f}" for of in ("order", "order_finest")),
              *(seconds_at(found["cpu_s_at"][error]) for error in errors)] for engine, found in convergence.items()]
     return ["## Convergence and the cost of precision", "",
-            "arm7 swings free for 1 s. Order: slope of the tip's error over the step, in the finest decade of steps "
-            "whose error is above 1e-10 m; — where no three errors are below 0.1 m. Then CPU ms per simulated second "
+            "arm7 swings free for 1 s. Order: slope of the tip's error over the step, in the coarsest decade of steps "
+            "with errors from 0.1 m to 1e-10 m, and in the finest, where gaps that joints may have (`d_max`) weigh "
+            "more; — where there are no three such errors. Then CPU ms per simulated second "
             "at which the tip's error is so many metres, interpolated.", "",
-            *table(["engine", "order", *(f"ms at {error} m" for error in errors)], rows)]
+            *table(["engine", "order", "in the finest decade", *(f"ms at {error} m" for error in errors)], rows)]
 
 
 def growth_lines(growth):
