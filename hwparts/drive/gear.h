@@ -1,22 +1,32 @@
 // The gear between rotor and joint: torsion, backlash, friction, rotor inertia and brake, coupled implicitly
 // to whatever the joint hangs on. Stable at any stiffness, inertia and tick.
 //
+// clang-format off
 // Symbols (module's coordinate, see drive_data.h; ⁺ marks the tick's end):
-//   h        tick                                      θ, ω    rotor's position and speed
-//   q, q̇     joint's position and speed                φ       torsion, θ - q, less half the backlash when
-//   engaged k, d     stiffness and damping of the gear         J       reflected rotor inertia, N² J_rotor τ
-//   effort transmitted to the joint           τm      motor effort, k_m N I S        secant of friction, S ω
-//   = friction effort (friction.h), plus the back-EMF's slope where the supply limits
+//   h      tick
+//   θ, ω   rotor's position and speed
+//   q, q̇   joint's position and speed
+//   φ      torsion, θ - q, less half the backlash when engaged
+//   k, d   stiffness and damping of the gear
+//   J      reflected rotor inertia, N² J_rotor
+//   τ      effort transmitted to the joint
+//   τm     motor effort, k_m N I
+//   S      secant of friction, S ω = friction effort (friction.h), plus the back-EMF's slope where the supply
+//          limits
 //
-// Rotor, semi-implicitly:   J (ω⁺ - ω) = h (τm - S ω⁺ - τ)
-//   with  Jₑ = J + h S  and the speed without a load  ωf = (J ω + h τm) / Jₑ :      ω⁺ = ωf - h τ / Jₑ (1)
+// Rotor, semi-implicitly:
+//   J (ω⁺ - ω) = h (τm - S ω⁺ - τ);  with  Jₑ = J + h S  and the speed without a load  ωf = (J ω + h τm) / Jₑ :
+//   ω⁺ = ωf - h τ / Jₑ                                                                                  (1)
 // Spring and damper at the tick's end, φ⁺ = φ + h (ω⁺ - q̇⁺):
-//   τ = k φ⁺ + d (ω⁺ - q̇⁺) = k φ + κ (ω⁺ - q̇⁺),   κ = h k + d (2)
+//   τ = k φ⁺ + d (ω⁺ - q̇⁺) = k φ + κ (ω⁺ - q̇⁺),   κ = h k + d                                          (2)
 // (1) in (2), with everything that the drive knows on one side:
-//   τ = (v* - q̇⁺) / c,    v* = ωf + k φ / κ,    c = 1/κ + h/Jₑ (3)
+//   τ = (v* - q̇⁺) / c,    v* = ωf + k φ / κ,    c = 1/κ + h/Jₑ                                          (3)
 // which is what a JointDrive says: target_velocity = v*, compliance = c. The engine finds q̇⁺ together with
 // contacts and all other joints, reports τ, and (1) moves the rotor: θ⁺ = θ + h ω⁺. A rigid gear is k ->
-// infinity: c = h/Jₑ, v* = ωf, and the rotor is where the joint is.
+// infinity: c = h/Jₑ, v* = ωf, and the rotor is where the joint is. 1/κ is the CFM by which Hsu and Peters
+// give ODE a spring with a damper (Extending Open Dynamics Engine for the DARPA Virtual Robotics Challenge,
+// SIMPAR 2014); h/Jₑ is the rotor's part.
+// clang-format on
 //
 // Backlash b: within |θ - q| <= b/2 nothing is transmitted. The flank that the motion runs towards is a
 // spring that can push but not pull: with side s, φ = θ - q - s b/2, and s τ in [0, F], F the breaking

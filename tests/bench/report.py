@@ -2,8 +2,9 @@
 """What tests/bench/run measured, as a file of results, tables and plots.
 
 usage: report.py SCRATCH OUT --compiler-from BUILD
-SCRATCH holds bench.json (Google Benchmark's) and perhaps load.json (visum-load's). Writes OUT/<machine>.json
-and OUT/<machine>-*.svg, prints tables. Of several repetitions the fastest time and the median counter count.
+SCRATCH holds bench.json (Google Benchmark's) and perhaps load.json (visum-load's). Writes OUT/<machine>.json,
+OUT/<machine>-*.svg and, with all of it to read, OUT/<machine>.md; prints tables. Of several
+repetitions the fastest time and the median counter count.
 """
 
 import argparse
@@ -15,7 +16,8 @@ from datetime import datetime, timezone
 from pathlib import Path
 from statistics import median
 
-from plots import plots_of
+from plots import numbers_of, plots_of
+from report_page import convergence_lines, growth_lines, page
 
 ROOT = Path(__file__).resolve().parents[2]
 NO_COUNTERS = {"name", "run_name", "run_type", "repetitions", "repetition_index", "threads", "iterations", "real_time",
@@ -79,6 +81,7 @@ def collect(scratch, build):
                            "load_average": raw["context"].get("load_avg", [])},
                "compiler": compiler(build), "commit": commit(),
                "date": datetime.now(timezone.utc).isoformat(timespec="seconds"), "benchmarks": benchmarks(raw)}
+    results |= numbers_of(results["benchmarks"])
     if (scratch / "load.json").exists():
         results["load"] = json.loads((scratch / "load.json").read_text(encoding="utf-8"))
     return results
@@ -99,6 +102,8 @@ def print_tables(results):
         print(f'{name:44} {row["cpu_us"]:12.3f} us CPU {row["real_us"]:12.3f} us  {counters}')
     for name, value in results.get("load", {}).items():
         print(f"Load: {name:28} {value:g}")
+    print()
+    print("\n".join(convergence_lines(results["convergence"]) + growth_lines(results["growth"])))
 
 
 def main():
@@ -112,10 +117,13 @@ def main():
     options.out.mkdir(parents=True, exist_ok=True)
     path = options.out / f"{machine}.json"
     path.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    plot_files = {}
     for name, picture in plots_of(results["benchmarks"]):
-        (options.out / f"{machine}-{name}.svg").write_text(picture, encoding="utf-8")
+        plot_files[name] = f"{machine}-{name}.svg"
+        (options.out / plot_files[name]).write_text(picture, encoding="utf-8")
+    (options.out / f"{machine}.md").write_text(page(results, plot_files), encoding="utf-8")
     print_tables(results)
-    print(f"\nwritten: {path}")
+    print(f"\nwritten: {path}, and beside it the page and the plots")
 
 
 if __name__ == "__main__":

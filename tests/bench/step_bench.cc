@@ -37,6 +37,8 @@ std::vector<StepCase> step_cases() {
           {"chain8", chain(any_engine(), kTick, 8), 1000, kChainTip, nullptr},
           {"chain64", chain(any_engine(), kTick, 64), 100, kChainTip, nullptr},
           {"chain512", chain(any_engine(), kTick, 512), 10, kChainTip, nullptr},
+          {"fourbars10", four_bars(any_engine(), kTick, 10), 200, none, nullptr},
+          {"fourbars20", four_bars(any_engine(), kTick, 20), 200, none, nullptr},
           {"fourbars40", four_bars(any_engine(), kTick, 40), 200, none, nullptr},
           {"stack10", stack(any_engine(), kTick, 10), 1000, none, nullptr}};
 }

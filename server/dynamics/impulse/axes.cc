@@ -1,20 +1,32 @@
 // Drives, friction and damping of the joints' axes: hwparts/joint.h in impulses.
 //
-// Symbols: h step, q position at t, q' velocity at t, q'+ velocity at t+h, q~ mean velocity of the
-// look-ahead, c compliance, k = c/h, v* target, L0 L1 L2 impulses of the law when things hit, at t and at
-// t+h.
-//   the law         L0 + L1 + L2 = h clamp((v* - q'+)/c)                             (hwparts/joint.h)
-//   when things hit |L0| <= h most; in the tree the law answers what the hit changes, and one that passes its
-//   limit
-//                   there is a row for the whole tick
-//   at t            half of it, with q'+ foreseen as 2 q~ - q':  q~ + k (L1 + L0/2) = (v* + q')/2,
-//                   |L1| <= h most/2
-//   at t+h          what is missing:  q'+ + k (L0 + L1 + L2) = v*,  |L0 + L1 + L2| <= h most
-//   at the limit    L1 = s h most/2 and L0 + L1 + L2 = s h most, s = -1 or 1, as long as s times what is then
-//                   missing is not below 0: a backlash that is crossed, a motor that gives all that it can
-// A rotor geared to the joint is such a law with k = 1/J and v* its own speed (hwparts/drive/gear.h): that q~
-// is taken from the look-ahead lets the rotor feel how the axis' speed changes in free flight. Damping d: the
-// law with v* = 0, c = 1/d, no limit. Dry friction: v* = 0, c = 0, most = friction.
+// clang-format off
+// Symbols:
+//   h      step                                  q, q'      position and velocity at t
+//   q'+    velocity at t+h                       q~         mean velocity of the look-ahead
+//   v*     the law's target                      c, k       its compliance, and k = c/h
+//   most   its largest effort                    s          the sign of the limit that it is at, -1 or 1
+//   L0, L1, L2                                   impulses of the law: when things hit, at t, at t+h
+//
+//   the law           L0 + L1 + L2 = h clamp((v* - q'+)/c, -most, most)                    (hwparts/joint.h)
+//   when things hit   |L0| <= h most. In the tree the law answers what the hit changes; one that passes its
+//                     limit there is a row for the whole tick
+//   at t              half of it, with q'+ foreseen as 2 q~ - q':
+//                     q~ + k (L1 + L0/2) = (v* + q')/2,  |L1| <= h most/2
+//   at t+h            what is missing:
+//                     q'+ + k (L0 + L1 + L2) = v*,  |L0 + L1 + L2| <= h most
+//   at the limit      L1 = s h most/2 and L0 + L1 + L2 = s h most, as long as s times what is then missing is
+//                     not below 0: a backlash that is crossed, a motor that gives all that it can
+//   damping d         the law with v* = 0, c = 1/d, without a limit
+//   dry friction      the law with v* = 0, c = 0, most = friction
+//   a geared rotor    the law with k = 1/J and v* its own speed (hwparts/drive/gear.h): that q~ is taken from
+//                     the look-ahead lets the rotor feel how the axis' speed changes in free flight
+//
+// Sources: half of the law at t and the rest at t+h, as forces in RATTLE (Andersen, J. Comput. Phys. 52, 1983);
+// a compliance on the diagonal, as CFM in Hsu, Peters, Extending Open Dynamics Engine for the DARPA Virtual
+// Robotics Challenge, SIMPAR 2014; the rotor as a coordinate that is geared to the axis and answers with it,
+// as gears in Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 9.
+// clang-format on
 #include <algorithm>
 #include <cmath>
 

@@ -1,18 +1,32 @@
 // What the rows of each moment ask, and what becomes of their impulses.
 //
-// Contacts. Symbols: u = (u_n, u_t) velocity of A against B at the contact, d depth of the overlap, s the
-// layer that is left alone, h step, a relative acceleration in free flight, P0 P1 P2 impulses of the three
-// moments.
-//   hit    u_n >= e |u_n| (Newton), or twice: to 0, then at least (1 + e) of that impulse (Poisson).
-//          Where friction turns the other way in a hit, Newton's law can gain energy (Kane, Levinson,
-//          Dynamics: Theory and Applications, 1985): there e is cut back to where the hit gains none.
-//   ahead  the look-ahead's displacement: h u_n + h^2 a_n / 2 >= -max(0, s - d),  u_t + h a_t / 2 = 0 or
-//   slides after  u_n >= 0 with P1 + P2 >= 0,  u_t = 0 or slides with the cone of all three impulses
+// clang-format off
+// Contacts. Symbols:
+//   u = (u_n, u_t)   velocity of A against B at the contact, along its normal and across
+//   a = (a_n, a_t)   relative acceleration in free flight
+//   d, s             depth of the overlap, and the layer that is left alone
+//   h, e             step, and restitution
+//   P0, P1, P2       impulses of the three moments
+//
+//   hit     u_n >= e |u_n before| (Newton); or twice: to 0, then at least (1 + e) of that impulse (Poisson).
+//           Where friction turns the other way in a hit, Newton's law can gain energy (Kane, Levinson,
+//           Dynamics: Theory and Applications, 1985): there e is cut back to where the hit gains none.
+//   ahead   the look-ahead's displacement:
+//           h u_n + h^2 a_n/2 >= d - s; beyond the layer a share of it, and with no more than kMostPush
+//           u_t + h a_t/2 = 0, or slides
+//   after   u_n >= 0 with P1 + P2 >= 0;  u_t = 0, or slides with the cone of all three impulses
+//
 // That P2 may take back what P1 gave makes what rests have velocity zero at the end of each step, and an
 // impulse of h m g: half of it at t, half at t+h, as everything else has it.
 // Rolling and torsional friction, where surfaces have them: the bodies' relative angular velocity w, held
-// against w = 0 by torques of at most  r P_n about the tangents (a disc, as friction), s P_n about the
-// normal; r, s in m. Johnson, Contact Mechanics (1985), sections 8.3 and 9.1; as MuJoCo's condim 6.
+// against w = 0 by torques of at most  rho P_n about the tangents (a disc, as friction), tau P_n about the
+// normal; rho, tau in m.
+//
+// Sources: impulses for collisions and contacts alike, Mirtich, Canny, Impulse-based simulation of rigid
+// bodies, SI3D 1995; contacts beside joints that impulses hold, Bender, Schmitt, Constraint-based collision and
+// contact handling using impulses, CASA 2006; rolling and torsional friction, Johnson, Contact Mechanics
+// (1985), sections 8.3 and 9.1, as MuJoCo's condim 6.
+// clang-format on
 #include "server/dynamics/impulse/bounded.h"
 
 #include <algorithm>

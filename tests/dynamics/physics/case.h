@@ -27,6 +27,9 @@ struct Figure {
   double demand(const world::EngineSetting& engine) const {
     return demands[engine.order == 6 ? 2 : engine.order == 4 ? 1 : 0];
   }
+  double demand(const std::string& row) const {
+    return demands[row == "impulse-order6" ? 2 : row == "impulse-order4" ? 1 : 0];
+  }
 
   const char* name;  // with its unit: "tip_1s_m"
   std::array<double, 3> demands;

@@ -1,9 +1,9 @@
-// Ball: B turns freely about P. Three rows: T3, the spherical joint of the paper (section 5):
-//   place   delta = P_A - P = 0            v = 0
+// Ball: B turns freely about P. Three rows: T3, the spherical joint of the paper's definitions (7) and (8):
+//   place   P_A - P = 0                    v = 0
 //   free    w, all three directions
-// Its impulse F alone solves (K_A + K_B) F = delta/h, K = E/m - r~ J^-1 r~ (r~ the matrix of r x): the
-// paper's formulas for the correcting impulse, with the two signs that slipped in print put right. Symbols:
-// joint.h.
+// Its impulse F alone solves (K_A + K_B) F = (P_A - P)/h, both at t+h, with K = E/m - r~ J~^-1 r~, r from the
+// centre of mass to the point at t, J~ the inertia in W: the paper's formulas for Delta v_1 and Delta v_2,
+// with the two signs that slipped in print put right. Symbols, sources: joint.h.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

@@ -1,8 +1,8 @@
 // Cylindrical: B turns about the axis a of A and slides along it. Four rows: T2 + R2.
-//   place   t_i . (P_A - P) = 0 across a   t_i . v = 0
+//   place   t_i . (P_A - P) = 0            t_i . v = 0,  t_i across a
 //   axis    b x a = 0                      t_i . w = 0
 //   free    w = q1' a,  v = q2' a
-// Symbols: joint.h. Source: Featherstone, table 4.1.
+// Symbols, sources: joint.h. Source: Featherstone.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

@@ -49,7 +49,8 @@ inline Vector3d without(const Vector3d& axis, const Vector3d& u) {
   return u - axis * axis.dot(u);
 }
 
-// Turns the frame of B onto that of A: half the sum over the axes b_i x a_i is sin(angle) times the axis.
+// Turns the frame of B onto that of A: half the sum over the axes b_i x a_i is sin(angle) times the axis of
+// the turn; 0 at 180 degrees, too (fixed.h). Luh (joint.h).
 inline Vector3d turn_onto(const JointSpec& joint, const JointPose& pose) {
   const Matrix3d to = *pose.Ra * joint.frame_a, from = *pose.Rb * joint.frame_b;
   return 0.5 * (from.col(0).cross(to.col(0)) + from.col(1).cross(to.col(1)) + from.col(2).cross(to.col(2)));

@@ -1,8 +1,10 @@
 // Fixed: B keeps its place and its orientation in A. Six rows: T3 + R3.
-//   place         P_A - P = 0                                   v = 0
-//   orientation   rotation vector of R_A J_A (R_B J_B)^T = 0    w = 0
-// Symbols: joint.h. Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 4.1; the paper's
-// joint of spherical pairs taken to rows of full rank.
+//   place         P_A - P = 0                           v = 0
+//   orientation   (b_1 x a_1 + b_2 x a_2 + b_3 x a_3)/2 = 0,  a_i the columns of R_A J_A, b_i of R_B J_B
+//                                                       w = 0
+// The sum is sin(angle) times the axis of the turn that is missing. It is good for small gaps, as a step's
+// are; from 90 degrees on it falls, and at 180 it is 0: a joint that far apart does not feel it. Symbols,
+// sources: joint.h. Source: Luh; of the rows Shabana.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

@@ -1,9 +1,10 @@
 // Hinge: B turns about the axis a through P. Five rows: T3 + R2.
 //   place   P_A - P = 0                    v = 0
-//   axis    b x a = 0 (b the axis in B)    t_i . w = 0 for the two directions t_i across a
+//   axis    b x a = 0                      t_i . w = 0,  t_i across a
 //   free    w = q' a,  angle q
-// The paper (section 5) makes a revolute joint of two spherical ones: six rows of rank five, which
-// Gauss-Seidel can take and a direct solution cannot. Symbols: joint.h. Source: Featherstone, table 4.1.
+// The paper (section 5, below definition (8)) makes a revolute joint of two spherical ones: six rows of rank
+// five, which Gauss-Seidel can take and a direct solution cannot. Symbols, sources: joint.h. Source:
+// Featherstone.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

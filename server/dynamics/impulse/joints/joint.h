@@ -1,9 +1,34 @@
 // A joint as the solvers see it: where it sits on its two bodies, and what its kind says about a relative
-// motion. The kinds' formulas are beside this, one page each.
+// motion. The kinds' formulas are beside this, one page each. The pages use these symbols, all in W:
 //
-// Symbols, all in W: A the parent (or the world), B the child; P the joint's point on B, P_A its counterpart
-// on A; a the axis fixed to A, b the same axis fixed to B. A relative motion of B against A is the pair
-// (w, v): the angular velocity, and the velocity of P with both bodies taken at P.
+// clang-format off
+//   A, B          the parent (or the world), and the child
+//   x_A, x_B      their centres of mass
+//   R_A, R_B      their orientations;  J_A, J_B  the joint's axes in A and in B: R_A J_A and R_B J_B are the
+//                 joint's axes as the one and the other carries them (frame_a, frame_b)
+//   P, P_A        the joint's point on B, and its counterpart on A
+//   a, b          the axis as A carries it, and as B does;  c  a second one, that B carries
+//   t_i           t_1 and t_2: unit vectors across an axis, and across each other (across(), directions.h)
+//   (w, v)        relative motion of B against A: the angular velocity, and the velocity of P with both bodies
+//                 taken at P: A's lever is P - x_A, not P_A - x_A
+//   q, q'         coordinate of a free direction, and its rate
+//   n~            the matrix of the cross product: n~ u = n x u
+//
+//   Rows, by what they hold (T translation, R rotation, and how many):
+//   T3  the point P_A = P                             R3  the orientation
+//   T2  the point on a line of A                      R2  two axes parallel
+//   T1  the point in a plane of A                     R1  two axes perpendicular
+//
+// A page states what is zero in place when the joint is closed, what is zero in velocity (the rows of Held),
+// and what is free (the columns of Motion). Its gap, the motion of B that would close it, has the sign of
+// P_A - P and of b x a. Sources, by what the pages call them:
+//   the paper     VISUM: A VR system for the interactive and dynamics simulation of mechatronic systems,
+//                 section 5. Numbered there are definitions only, (1) to (8); formulas have no numbers.
+//   Featherstone  Rigid Body Dynamics Algorithms, Springer 2008: table 4.1, joints by their free directions
+//   Shabana       Computational Dynamics, 3rd edition, Wiley 2010: chapter 7, joints by what they hold
+//   Luh           Luh, Walker, Paul, Resolved-Acceleration Control of Mechanical Manipulators, IEEE
+//                 Transactions on Automatic Control 25 (1980): an orientation's error by three cross products
+// clang-format on
 #pragma once
 
 #include <Eigen/Core>

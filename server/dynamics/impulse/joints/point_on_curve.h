@@ -1,8 +1,8 @@
-// Point on curve: P stays on the curve c(u) of A (world/curve.h). Two rows across the tangent at the nearest
-// u:
+// Point on curve: P stays on the curve c(u) of A (world/curve.h), here given in W. Two rows across the
+// tangent c' at the nearest u:
 //   place   c(u) - P = 0, u from (P - c) . c' = 0        t_i . v = 0,  t_i across c'
-// u is followed from step to step, so that a curve may cross itself. Symbols: joint.h. Source: Shabana,
-// section 7.2, with u eliminated by the foot of the perpendicular.
+// u is followed from step to step, so that a curve may cross itself. Symbols, sources: joint.h. Source:
+// Shabana, with u eliminated by the foot of the perpendicular.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

@@ -1,6 +1,6 @@
 // Point on line: P stays on the line of A through P_A along a. Two rows: T2.
-//   place   t_i . (P_A - P) = 0 across a   t_i . v = 0
-// v is taken at P on both bodies. Symbols: joint.h. Source: Shabana, section 7.2.
+//   place   t_i . (P_A - P) = 0            t_i . v = 0,  t_i across a
+// v is taken at P on both bodies. Symbols, sources: joint.h. Source: Shabana.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

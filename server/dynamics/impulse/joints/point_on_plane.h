@@ -1,7 +1,7 @@
 // Point on plane: P stays in the plane of A through P_A with the normal a. One row: T1.
 //   place   a . (P_A - P) = 0              a . v = 0
-// v is taken at P on both bodies, so that the turning of the normal is in it. Symbols: joint.h.
-// Source: Shabana, section 7.2.
+// v is taken at P on both bodies, so that the turning of the normal is in it. Symbols, sources: joint.h.
+// Source: Shabana.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

@@ -2,7 +2,7 @@
 // those of the cylindrical joint and
 //   lift    s - k q = 0,  s = a . (P - P_A), q the unwrapped angle          a . v - k a . w = 0
 //   free    w = q' a,  v = k q' a
-// Symbols: joint.h. Source: Featherstone, table 4.1 (helical).
+// Symbols, sources: joint.h. Source: Featherstone (helical).
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

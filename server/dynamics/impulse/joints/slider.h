@@ -1,9 +1,10 @@
 // Slider: B moves along the axis a of A and keeps its orientation. Five rows: T2 + R3.
-//   place         t_i . (P_A - P) = 0 across a                  t_i . v = 0
-//   orientation   rotation vector of R_A J_A (R_B J_B)^T = 0    w = 0
+//   place         t_i . (P_A - P) = 0                   t_i . v = 0,  t_i across a
+//   orientation   (b_1 x a_1 + b_2 x a_2 + b_3 x a_3)/2 = 0, sin(angle) times an axis: fixed.h
+//                                                       w = 0
 //   free          v = q' a,  distance q = a . (P - P_A)
-// v is taken at P on both bodies: A's lever is P - x_A, which grows with q. Symbols: joint.h.
-// Source: Featherstone, table 4.1.
+// v is taken at P on both bodies: A's lever is P - x_A, which grows with q. Symbols, sources: joint.h.
+// Source: Featherstone (prismatic); of the orientation Luh.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

@@ -3,8 +3,7 @@
 //   place   P_A - P = 0                    v = 0
 //   cross   e = a . c = 0                  e' = (w x c) . a = -n . w,  n = a x c
 //   free    w = q1' a + q2' c
-// The turn about n that closes e is n e/|n|^2. Symbols: joint.h. Source: Shabana, Computational Dynamics
-// (2010), section 7.2.
+// The turn about n that closes e is n e/|n|^2. Symbols, sources: joint.h. Source: Shabana.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"
