@@ -176,5 +176,9 @@ TEST(Restitution, PoissonsLawWinsNoEnergy) {
   expect_no_gain("poisson");
 }
 
+TEST(Restitution, NewtonsLawWinsNoEnergy) {
+  expect_no_gain("newton");
+}
+
 }  // namespace
 }  // namespace visum::dynamics::impulse

@@ -38,6 +38,7 @@ std::vector<Case> pendulum_cases();
 std::vector<Case> accuracy_cases();
 std::vector<Case> coarse_cases();
 std::vector<Case> chain_cases();
+std::vector<Case> heavy_cases();
 std::vector<Case> loop_cases();
 std::vector<Case> kind_cases();
 std::vector<Case> kind_pair_cases();
