@@ -41,8 +41,8 @@ inline Figure gap_figure(const char* name) {
 }
 
 struct Case {
-  const char* id;      // letter and number: F free, P pendulums, C chains, L loops, K contacts, G grasps,
-                       // S servos, A anytime, D determinism
+  const char* id;      // letter and number: F free, P pendulums, C chains, L loops, J joints, K contacts, G
+                       // grasps, S servos, A anytime, D determinism
   const char* claim;   // as a test's name
   const char* source;  // the closed form, or where the reference values come from
   std::vector<Figure> figures;
@@ -51,15 +51,21 @@ struct Case {
 };
 
 std::vector<Case> free_cases();
+std::vector<Case> flip_cases();
 std::vector<Case> pendulum_cases();
 std::vector<Case> accuracy_cases();
+std::vector<Case> coarse_cases();
 std::vector<Case> chain_cases();
+std::vector<Case> heavy_cases();
 std::vector<Case> loop_cases();
+std::vector<Case> kind_cases();
+std::vector<Case> kind_pair_cases();
 std::vector<Case> sliding_cases();
 std::vector<Case> bounce_cases();
 std::vector<Case> crowd_cases();
 std::vector<Case> legged_cases();
 std::vector<Case> grasp_cases();
+std::vector<Case> lift_cases();
 std::vector<Case> servo_cases();
 std::vector<Case> anytime_cases();
 std::vector<Case> determinism_cases();

@@ -88,6 +88,11 @@ std::vector<double> hold_tree(const world::EngineSetting& engine) {
   return {held.gap_m, held.energy};
 }
 
+std::vector<double> hold_wide_tree(const world::EngineSetting& engine) {
+  const Held held = hold(mobile(engine, 255), 0.05);
+  return {held.gap_m, held.energy};
+}
+
 }  // namespace
 
 std::vector<Case> chain_cases() {
@@ -118,6 +123,11 @@ std::vector<Case> chain_cases() {
        "closed form: gap 0, E constant (the mobiles of Bender and Deul)",
        {gap_figure("gap_m"), {"energy", 1e-4}},
        hold_tree},
+      {"C3w",
+       "MobileOf255BarsHolds",
+       "closed form: gap 0, E constant (the mobiles of Bender and Deul)",
+       {{"gap_m", 1e-5}, {"energy", 1e-4}},
+       hold_wide_tree},
   };
 }
 

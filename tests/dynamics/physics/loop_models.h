@@ -14,6 +14,7 @@ namespace visum::physics {
 world::WorldModel four_bars(const world::EngineSetting& engine, double tick_s, int loops);
 inline const Eigen::Vector3d kFourBarsB0{0.0, 0.0, 1.0};  // in "rod_0"
 const std::vector<TipAt>& four_bars_tips();               // of B0, for two loops
+Eigen::Vector3d four_bars_tip(int loops, double time_s);  // of B0, integrated
 
 // IFToMM A04: Bricard's mechanism: five rods of 1 m and 1 kg, 0.1 m square, six hinges whose axes are
 // perpendicular in turn. By count it cannot move; it can.

@@ -1,6 +1,7 @@
 // S: drives at joints.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tests/dynamics/physics/case.h"
 
@@ -32,6 +33,42 @@ std::vector<double> reach_speed(const world::EngineSetting& engine) {
   // Time is counted in ticks: half of one is the finest that a ramp made of constant torques can be right.
   return {std::abs(lab.joint("axle").position - 0.75), std::max(0.0, speed - 1.0),
           std::max(0.0, torque - 2.0), std::abs(lab.joint("axle").effort)};
+}
+
+// A quarter turn by a profile of speed: as much as the cap on the torque gives, 1 rad/s, and down again so
+// late that the cap stops it at the end. Between two ticks the wheel's speed changes evenly.
+struct Trapezoid {
+  static constexpr double kEnd = 0.5 * std::numbers::pi, kFastest = 1.0, kMost = 2.0;    // rad, rad/s, N·m
+  static constexpr double kRamp = kFastest / kMost, kArrives = kEnd / kFastest + kRamp;  // s
+
+  // As fast as what is left can be braked away, and not past the end within a tick of length h.
+  static double speed(double angle, double h) {
+    const double left = kEnd - angle, away = std::abs(left);
+    return std::copysign(std::min({kFastest, std::sqrt(2.0 * kMost * away), away / h}), left);
+  }
+  static double angle(double t) {
+    if (t < kRamp) return 0.5 * kMost * t * t;
+    if (t < kArrives - kRamp) return 0.5 * kFastest * kRamp + kFastest * (t - kRamp);
+    const double left = std::max(0.0, kArrives - t);
+    return kEnd - 0.5 * kMost * left * left;
+  }
+};
+
+std::vector<double> turn_a_quarter(const world::EngineSetting& engine) {
+  Lab lab(wheel(engine));
+  const auto& axle = lab.joint("axle");
+  double over = 0.0, fast = 0.0, torque = 0.0, place = 0.0;
+  for (int i = 0; i < 3000; ++i) {
+    lab.drive("axle") = {Trapezoid::speed(axle.position, lab.tick_s()), 0.0, Trapezoid::kMost, 0.0};
+    lab.run_ticks(1);
+    const double t = lab.tick_s() * static_cast<double>(lab.state.tick);
+    over = std::max(over, (axle.position - Trapezoid::kEnd) / kDegree);
+    fast = std::max(fast, axle.velocity - Trapezoid::kFastest);
+    torque = std::max(torque, std::abs(axle.effort) - Trapezoid::kMost);
+    place = std::max(place, std::abs(axle.position - Trapezoid::angle(t)));
+  }
+  return {std::max(0.0, over), std::max(0.0, fast), std::max(0.0, torque), place,
+          std::abs(axle.position - Trapezoid::kEnd)};
 }
 
 std::vector<double> saturate(const world::EngineSetting& engine) {
@@ -77,6 +114,15 @@ std::vector<Case> servo_cases() {
         {"over_torque_nm", 1e-9},
         {"idle_torque_nm", 1e-6}},
        reach_speed},
+      {"S1t",
+       "ServoTurnsAQuarterByATrapezoid",
+       "closed form: 90° at up to 1 rad/s and 2 N·m on 1 kg·m²; a tick at full speed is 1 mrad",
+       {{"overshoot_deg", 0.1},
+        {"over_speed_rad_per_s", 1e-9},
+        {"over_torque_nm", 1e-9},
+        {"place_rad", 2e-3},
+        {"held_rad", 1e-5}},
+       turn_a_quarter},
       {"S2",
        "SaturatedServoIsAConstantTorque",
        "closed form: t² / 2",

@@ -79,6 +79,10 @@ std::vector<double> stand_ten(const world::EngineSetting& engine) {
   return stand(stack(engine, 1e-3, 10), 2.0);
 }
 
+std::vector<double> stand_twenty(const world::EngineSetting& engine) {
+  return stand(stack(engine, 1e-3, 20), 0.3);
+}
+
 std::vector<double> stand_ten_long(const world::EngineSetting& engine) {
   return stand(stack(engine, 1e-3, 10), 60.0);
 }
@@ -112,6 +116,11 @@ std::vector<Case> sliding_cases() {
        "closed form: no motion",
        {{"sideways_m", 1e-6}, {"down_m", 1e-6}},
        stand_ten},
+      {"K7t",
+       "StackOf20Stands",
+       "closed form: no motion",
+       {{"sideways_m", 1e-6}, {"down_m", 1e-6}},
+       stand_twenty},
       {"K7l",
        "StackOf10StandsForAMinute",
        "closed form: no motion",
