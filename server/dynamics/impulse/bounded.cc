@@ -41,6 +41,7 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kMostSweeps = 200;
 constexpr int kGentleSweeps = 10;
+constexpr double kGentleSoftness = 1.0;
 constexpr double kEnough = 1e-11;  // m/s, rad/s
 constexpr double kShare = 1e-7;    // of what impulses change, that may be left; a hit bounces exactly
 // (m/s)/N of a contact with what moves by another engine, and the layer that is left alone there, m: that
@@ -52,7 +53,6 @@ constexpr double kSameEnergy = 1e-7;  // share of what a hit gives and takes, th
 constexpr int kMostCuts = 12;         // halvings of where a bounce may lie
 constexpr double kComesToRest = 0.1;  // of what may be left at rest: below, what has moved begins to rest
 constexpr double kPushShare = 0.2;    // of an overlap, per step
-constexpr double kMostPush = 0.5;     // m/s: what starts inside another thing is not shot out of it
 
 // Depths are known to rounding. Without this the corners of a face would ask for motions that contradict each
 // other by that over h, and their impulses would drift apart.
@@ -122,7 +122,7 @@ void Bounded::store_velocities() {
   for (std::size_t m = 0; m < of_mechanism_.size(); ++m) {
     if (!binds(m)) continue;
     plant_.mechanisms[m].solve();
-    plant_.mechanisms[m].apply(bodies);
+    moment_ == kAhead ? plant_.mechanisms[m].apply_ahead(bodies) : plant_.mechanisms[m].apply(bodies);
     take_axis_impulses(plant_, m, moment_);
   }
 }
@@ -275,6 +275,7 @@ void Bounded::start_gently(std::span<const Vector3d> v, std::span<const Vector3d
     plant_.bodies.w[i] = w[i];
   }
   for (RowBlock& block : rows_.blocks) block.lambda = block.applied = {};
+  rows_.soften(kGentleSoftness);
 }
 
 double Bounded::solve() {

@@ -10,6 +10,8 @@ namespace visum::dynamics::impulse {
 // Overlap that is left alone, m: a contact at rest stays one from tick to tick.
 inline constexpr double kSurfaceLayerM = 5e-7;
 
+inline constexpr double kMostPush = 0.5;  // m/s: what starts inside another thing is not shot out of it
+
 class Bounded {
  public:
   explicit Bounded(Plant& plant);
@@ -17,6 +19,7 @@ class Bounded {
   // The rows that may bind at this moment, starting from what the last step found. Mechanisms are factored.
   void build(Moment moment, double h);
   bool empty() const { return rows_.blocks.empty(); }
+  std::span<const std::size_t> free_bodies() const { return slotted_; }  // that have rows
   bool binds(std::size_t mechanism) const { return !of_mechanism_[mechanism].rows.empty(); }
 
   // Solves with the bodies' velocities as they are, and changes them. Returns by how much they were not as

@@ -74,7 +74,7 @@ class ImpulseEngine : public Engine {
     Moving& before = before_[static_cast<std::size_t>(halvings)];
     if (has_moved_) before.keep(plant_);
     const world::WorldState& joints = has_moved_ && !turning_.empty() ? within_ : state;
-    if (stepper_.step(h, input.wrenches, joints, halvings < kMostHalvings)) {
+    if (stepper_.step(h, input.wrenches, joints, kMostHalvings - halvings)) {
       warned_ = warned_ || stepper_.fell_short();
       turn_on(h, state);
       has_moved_ = true;

@@ -52,6 +52,12 @@ void push_body(const RowEnd& end, const std::array<double, 3>& by, double* veloc
   std::copy(now.begin(), now.end(), velocities);
 }
 
+void invert_tangents(RowBlock& block) {
+  const double a = block.K[1] + block.softness[1], b = block.K[3], c = block.K[2] + block.softness[2];
+  const double share = 1.0 / (a * c - b * b);
+  block.inverse_tangential = {share * c, -share * b, share * a};
+}
+
 void move_centre(RowBlock& block) {
   block.centre = block.lambda;
   if (block.gives) block.centre[0] = block.rest;
@@ -80,9 +86,14 @@ void Rows::prepare() {
     if (block.kind == RowBlock::Kind::kBounded) continue;
     block.softness[1] = block.softness[2] =
         0.5 * kSoftness * (block.K[1] + block.K[2]) + kRigid * block.free_response;
-    const double a = block.K[1] + block.softness[1], b = block.K[3], c = block.K[2] + block.softness[2];
-    const double share = 1.0 / (a * c - b * b);
-    block.inverse_tangential = {share * c, -share * b, share * a};
+    invert_tangents(block);
+  }
+}
+
+void Rows::soften(double share) {
+  for (RowBlock& block : blocks) {
+    for (std::size_t i = 0; i < block.dim; ++i) block.softness[i] += share * block.free_response;
+    if (block.kind != RowBlock::Kind::kBounded) invert_tangents(block);
   }
 }
 

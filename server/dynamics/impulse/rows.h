@@ -103,6 +103,8 @@ class Rows {
   // velocities and `applied` follow. Returns by how much the rows were not as they ask to be before.
   // If no more is missing than the share `rest` of what may be left at rest, nothing is done; 0: solves.
   double solve(int most_sweeps, double least, double share, double rest);
+  // What joints all but block gives way from now on, by a share of what its bodies would, were they free.
+  void soften(double share);
   // A few sweeps alone: what impulses hold against each other stays small, be it far from what is asked.
   double sweep_gently(int sweeps);
   bool rests() const { return rests_; }  // nothing was to be done in the last solve()

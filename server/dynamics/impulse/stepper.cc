@@ -5,15 +5,17 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr int kMostPasses = 40;   // of Newton, each closes the joints to second order
-constexpr int kMostChanges = 12;  // repetitions because laws reached their limit, or left it
-constexpr int kFreeChanges = 2;   // of those, before what changes becomes a row
+constexpr int kMostPasses = 40;     // of Newton, each closes the joints to second order
+constexpr int kMostChanges = 12;    // repetitions because laws reached their limit, or left it
+constexpr int kTautCutsLeft = 3;    // tension asks for no more: where contacts wedge joints it has no end
+constexpr double kMostGain = 0.02;  // of the motion there is: more energy than that does not come by rounding
+constexpr int kFreeChanges = 2;     // of those, before what changes becomes a row
 
 // What suits the error of a step at 1 ms; of the iteration, what it reaches. Around a loop small gaps add up.
 double default_d_max(const world::EngineSetting& setting, bool in_loops) {
   if (setting.solver == "iterate") return 1e-6;
-  if (setting.order == 2) return in_loops ? 5e-11 : 1e-7;
-  if (in_loops) return 1e-11;
+  if (setting.order == 2) return in_loops ? 8e-11 : 1e-7;
+  if (in_loops) return 2e-11;
   return setting.order == 4 ? 1e-10 : 1e-13;
 }
 
@@ -153,14 +155,15 @@ bool Stepper::is_too_taut(double h) const {
 }
 
 bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::WorldState& state,
-                   bool divisible) {
-  divisible_ = divisible;
+                   int cuts_left) {
+  divisible_ = cuts_left > 0;
   save_velocities();
   fell_short_ = false;
   if (!foresee(h, wrenches, state)) return false;
-  if (divisible && is_too_taut(h)) return false;
+  if (cuts_left > kTautCutsLeft && is_too_taut(h)) return false;
   commit(h);
   correct_velocities(h, wrenches, state);
+  if (gains_energy(h)) calm();
   count_impulses();
   note_joints();
   carry_touches(plant_, h);
@@ -197,6 +200,7 @@ bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::W
       if (i + 1 < kMostChanges && change_laws(plant_, kHit, h, true)) continue;
     }
     bounded_.build(kAhead, h);
+    note_energy(wrenches);
     if (!look_ahead(h, state)) {
       if (i + 1 < kMostChanges && broken_ != nullptr && take_laws_as_rows(broken_mechanism_)) continue;
       return false;
@@ -213,6 +217,59 @@ void Stepper::hit(double h) {
   bounded_.bounce();
   bounded_.report();
   for (Axis& axis : plant_.acting_axes()) axis.rate = plant_.rate(axis);
+}
+
+void Stepper::note_energy(std::span<const Wrench> wrenches) {
+  bound_bodies_.clear();
+  const auto is_pushed = [](const Touch& touch) { return !touch.foreign.isZero(0.0); };
+  if (bounded_.empty() || !wrenches.empty() || !plant_.acting.empty() || !plant_.springs.empty() ||
+      std::ranges::any_of(plant_.touches, is_pushed))
+    return;
+  for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
+    for (std::size_t node = 0; bounded_.binds(m) && node < plant_.mechanisms[m].size(); ++node)
+      bound_bodies_.push_back(static_cast<std::size_t>(plant_.mechanisms[m].body(node)));
+  if (bound_bodies_.empty()) return;
+  for (const std::size_t i : bounded_.free_bodies()) bound_bodies_.push_back(i);
+  energy_before_ = bound_energy();
+}
+
+// Kinetic, and in gravity.
+double Stepper::bound_energy() const {
+  const Bodies& bodies = plant_.bodies;
+  double energy = 0.0;
+  for (const std::size_t i : bound_bodies_)
+    energy +=
+        bodies.constants[i].mass * (0.5 * bodies.v[i].squaredNorm() - plant_.model.gravity.dot(bodies.x[i])) +
+        0.5 * bodies.w[i].dot(bodies.inertia[i] * bodies.w[i]);
+  return energy;
+}
+
+// More than what lifts things out of each other.
+bool Stepper::gains_energy(double h) const {
+  if (bound_bodies_.empty()) return false;
+  double weight = 0.0, kinetic = 0.0;
+  for (const std::size_t i : bound_bodies_) {
+    const BodyConstants& body = plant_.bodies.constants[i];
+    weight += body.mass * plant_.model.gravity.norm();
+    kinetic += 0.5 * body.mass * plant_.bodies.v[i].squaredNorm();
+  }
+  return bound_energy() - energy_before_ > kMostGain * kinetic + std::abs(h) * kMostPush * weight;
+}
+
+// Where shorter steps do not help, all motion is slowed down alike: joints allow that.
+void Stepper::calm() {
+  Bodies& bodies = plant_.bodies;
+  const double gained = bound_energy() - energy_before_;
+  double kinetic = 0.0;
+  for (const std::size_t i : bound_bodies_)
+    kinetic += 0.5 * (bodies.constants[i].mass * bodies.v[i].squaredNorm() +
+                      bodies.w[i].dot(bodies.inertia[i] * bodies.w[i]));
+  const double share = std::sqrt(std::max(0.0, 1.0 - gained / kinetic));
+  for (const std::size_t i : bound_bodies_) {
+    bodies.v[i] *= share;
+    bodies.w[i] *= share;
+  }
+  fell_short_ = true;
 }
 
 void Stepper::commit(double h) {

@@ -16,8 +16,8 @@ class Stepper {
 
   // Moves the plant's bodies by h; forces and drives act as they were prepared. False where a joint cannot be
   // closed: the plant is then to be thrown back to where it was, and broken() tells which joint. False, too,
-  // where shorter steps are at hand (`divisible`) and called for.
-  bool step(double h, std::span<const Wrench> wrenches, const world::WorldState& state, bool divisible);
+  // where shorter steps are called for; `cuts_left`: how often it may still be cut in halves.
+  bool step(double h, std::span<const Wrench> wrenches, const world::WorldState& state, int cuts_left);
   const JointSpec* broken() const { return broken_; }
   // The last step ended with its passes, or its budget, before gaps and velocities were within their bounds.
   bool fell_short() const { return fell_short_; }
@@ -52,6 +52,10 @@ class Stepper {
   bool close_together(double h, const world::WorldState& state);
   enum class Closed { kYes, kNearly, kNo };
   Closed close_with_rows(double h, const world::WorldState& state, bool gently);
+  void note_energy(std::span<const Wrench> wrenches);
+  double bound_energy() const;
+  bool gains_energy(double h) const;
+  void calm();
   void match_velocities(std::size_t mechanism, double h);
   void fly(std::size_t mechanism, double h);
   void commit(double h);
@@ -68,6 +72,8 @@ class Stepper {
   const JointSpec* broken_ = nullptr;
   std::size_t broken_mechanism_ = 0;
   bool fell_short_ = false, divisible_ = false;
+  std::vector<std::size_t> bound_bodies_;  // of what has rows, where nothing but gravity can move them
+  double energy_before_ = 0.0;             // theirs
   std::vector<double> saved_rates_;
   std::vector<Vector3d> saved_v_, saved_w_;
   std::vector<Vector3d> unpushed_v_, unpushed_w_;  // without what is foreseen of joints

@@ -14,6 +14,7 @@ constexpr double kUntouched = 0.1;  // of D_max: a gap of what was foreseen, bel
 constexpr double kFar = 1e-3;       // m, rad: a gap of what was foreseen, beyond which it is of no use
 constexpr double kApart = 3e-5;   // m, rad: beyond this it is broken, where shorter steps do not help, either
 constexpr int kGentlePasses = 5;  // in which contacts have their say
+constexpr double kRounding = 4.0;     // of D_max: a gap that does not, and is let be
 constexpr double kStandstill = 1e-9;  // m, rad: a gap below, which no longer shrinks, is rounding
 
 }  // namespace
@@ -81,12 +82,15 @@ double Stepper::close(std::size_t m, double h, const world::WorldState& state, i
 
 // Newton's passes. False where the joints do not close.
 bool Stepper::close_by_newton(std::size_t m, double h, const world::WorldState& state, bool foreseen) {
+  // Where loops lose their grip a shorter step may find it.
+  const bool may_cut = divisible_ && plant_.mechanisms[m].loop_count() > 0;
   double last = 0.0;
   for (int pass = foreseen ? 1 : 0; pass < most_passes_; ++pass) {
     const double gap = close(m, h, state, pass);
     if (gap <= d_max(m)) return true;
     if (!std::isfinite(gap)) return false;
     if (pass > 2 && gap <= kStandstill && gap > 0.5 * last) {
+      if (may_cut && gap > kRounding * d_max(m)) return false;
       fell_short_ = true;
       fly(m, h);
       return true;

@@ -112,7 +112,7 @@ std::vector<Case> loop_cases() {
       {"L1n",
        "FortyFourBarsTurn",
        "IFToMM A02, forty loops; one degree of freedom integrated to 1e-12",
-       {{"b0_1s_m", 1e-5}, {"energy_j", 3e-3}, {"gap_m", 1e-10}},
+       {{"b0_1s_m", 1e-5}, {"energy_j", 6e-2}, {"gap_m", 1e-10}},  // L1's energy, of twenty times the bars
        turn_forty_four_bars,
        true},
       {"L1m",

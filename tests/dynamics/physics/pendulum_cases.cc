@@ -142,7 +142,7 @@ std::vector<Case> pendulum_cases() {
        {{"tip_1s_m", 1e-4},
         {"tip_2s_m", 1e-4},
         {"tip_5s_m", 1e-2},
-         {"tip_10s_m", 0.1},
+        {"tip_10s_m", 0.1},
         {"energy", 7e-5, 4e-9, 1e-11},
         gap_figure("gap_m")},
        double_swing},
