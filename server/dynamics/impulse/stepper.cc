@@ -68,6 +68,7 @@ Stepper::Stepper(Plant& plant)
       saved_rates_(plant.axes.size()),
       saved_v_(plant.bodies.size()),
       saved_w_(plant.bodies.size()) {
+  bound_bodies_.reserve(plant.bodies.size());
   if (plant.setting.solver != "iterate") return;
   corrector_.emplace(plant);
   most_passes_ = plant.setting.budget;
@@ -163,7 +164,7 @@ bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::Worl
   if (cuts_left > kTautCutsLeft && is_too_taut(h)) return false;
   commit(h);
   correct_velocities(h, wrenches, state);
-  if (gains_energy(h)) calm();
+  give_back_energy(h);
   count_impulses();
   note_joints();
   carry_touches(plant_, h);
@@ -230,44 +231,34 @@ void Stepper::note_energy(std::span<const Wrench> wrenches) {
       bound_bodies_.push_back(static_cast<std::size_t>(plant_.mechanisms[m].body(node)));
   if (bound_bodies_.empty()) return;
   for (const std::size_t i : bounded_.free_bodies()) bound_bodies_.push_back(i);
-  energy_before_ = bound_energy();
+  const Energy energy = bound_energy();
+  energy_before_ = energy.kinetic + energy.potential;
 }
 
-// Kinetic, and in gravity.
-double Stepper::bound_energy() const {
+Stepper::Energy Stepper::bound_energy() const {
   const Bodies& bodies = plant_.bodies;
-  double energy = 0.0;
-  for (const std::size_t i : bound_bodies_)
-    energy +=
-        bodies.constants[i].mass * (0.5 * bodies.v[i].squaredNorm() - plant_.model.gravity.dot(bodies.x[i])) +
-        0.5 * bodies.w[i].dot(bodies.inertia[i] * bodies.w[i]);
+  Energy energy;
+  for (const std::size_t i : bound_bodies_) {
+    const double mass = bodies.constants[i].mass;
+    energy.kinetic +=
+        0.5 * (mass * bodies.v[i].squaredNorm() + bodies.w[i].dot(bodies.inertia[i] * bodies.w[i]));
+    energy.potential -= mass * plant_.model.gravity.dot(bodies.x[i]);
+    energy.weight += mass * plant_.model.gravity.norm();
+  }
   return energy;
 }
 
-// More than what lifts things out of each other.
-bool Stepper::gains_energy(double h) const {
-  if (bound_bodies_.empty()) return false;
-  double weight = 0.0, kinetic = 0.0;
+// What came only near an answer may have gained energy, more than what lifts things out of each other: then
+// all motion is slowed down alike, which joints allow.
+void Stepper::give_back_energy(double h) {
+  if (bound_bodies_.empty()) return;
+  const Energy now = bound_energy();
+  const double gained = now.kinetic + now.potential - energy_before_;
+  if (!(gained > kMostGain * now.kinetic + std::abs(h) * kMostPush * now.weight)) return;
+  const double share = std::sqrt(std::max(0.0, 1.0 - gained / now.kinetic));
   for (const std::size_t i : bound_bodies_) {
-    const BodyConstants& body = plant_.bodies.constants[i];
-    weight += body.mass * plant_.model.gravity.norm();
-    kinetic += 0.5 * body.mass * plant_.bodies.v[i].squaredNorm();
-  }
-  return bound_energy() - energy_before_ > kMostGain * kinetic + std::abs(h) * kMostPush * weight;
-}
-
-// Where shorter steps do not help, all motion is slowed down alike: joints allow that.
-void Stepper::calm() {
-  Bodies& bodies = plant_.bodies;
-  const double gained = bound_energy() - energy_before_;
-  double kinetic = 0.0;
-  for (const std::size_t i : bound_bodies_)
-    kinetic += 0.5 * (bodies.constants[i].mass * bodies.v[i].squaredNorm() +
-                      bodies.w[i].dot(bodies.inertia[i] * bodies.w[i]));
-  const double share = std::sqrt(std::max(0.0, 1.0 - gained / kinetic));
-  for (const std::size_t i : bound_bodies_) {
-    bodies.v[i] *= share;
-    bodies.w[i] *= share;
+    plant_.bodies.v[i] *= share;
+    plant_.bodies.w[i] *= share;
   }
   fell_short_ = true;
 }

@@ -53,9 +53,12 @@ class Stepper {
   enum class Closed { kYes, kNearly, kNo };
   Closed close_with_rows(double h, const world::WorldState& state, bool gently);
   void note_energy(std::span<const Wrench> wrenches);
-  double bound_energy() const;
-  bool gains_energy(double h) const;
-  void calm();
+  struct Energy {
+    double kinetic = 0.0, potential = 0.0;  // J, in gravity
+    double weight = 0.0;                    // N, of all of them
+  };
+  Energy bound_energy() const;
+  void give_back_energy(double h);
   void match_velocities(std::size_t mechanism, double h);
   void fly(std::size_t mechanism, double h);
   void commit(double h);
@@ -73,7 +76,7 @@ class Stepper {
   std::size_t broken_mechanism_ = 0;
   bool fell_short_ = false, divisible_ = false;
   std::vector<std::size_t> bound_bodies_;  // of what has rows, where nothing but gravity can move them
-  double energy_before_ = 0.0;             // theirs
+  double energy_before_ = 0.0;             // theirs, before the look-ahead
   std::vector<double> saved_rates_;
   std::vector<Vector3d> saved_v_, saved_w_;
   std::vector<Vector3d> unpushed_v_, unpushed_w_;  // without what is foreseen of joints
