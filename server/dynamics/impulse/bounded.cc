@@ -211,11 +211,9 @@ void Bounded::aim_stop(RowBlock& block, const Axis& axis, std::size_t side) cons
 void Bounded::aim_spring(RowBlock& block, const Spring& spring) const {
   const world::Joint& joint = *spring.spec.model;
   const double grip = 0.5 * h_ * joint.stiffness + joint.damping;
-  Vector3d falls = Vector3d::Zero();
-  if (spring.spec.a < 0) falls = plant_.model.gravity;
+  const double bias = spring.mean_rate - rows_.velocity(block, 0);
   block.compliance = 2.0 / (h_ * grip);
-  block.target[0] =
-      -joint.stiffness * (spring.length - joint.rest) / grip - 0.5 * h_ * spring.pull.v.dot(falls);
+  block.target[0] = -joint.stiffness * (spring.length - joint.rest) / grip - bias;
   block.low = -kInfinite;
   block.high = kInfinite;
 }
@@ -279,6 +277,7 @@ void Bounded::start_gently(std::span<const Vector3d> v, std::span<const Vector3d
 }
 
 double Bounded::solve() {
+  if (!plant_.springs.empty()) load_velocities();
   aim();
   return solve_rows();
 }

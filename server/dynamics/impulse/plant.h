@@ -107,8 +107,9 @@ struct Spring {
   JointSpec spec;
   bool acts = false;
   Pull pull;
-  double length = 0.0;   // or angle, at t
-  double impulse = 0.0;  // of the look-ahead, repeated at the end
+  double length = 0.0;     // or angle, at t
+  double mean_rate = 0.0;  // of it, over the look-ahead
+  double impulse = 0.0;    // of the look-ahead, repeated at the end
   double total = 0.0;
 };
 
@@ -236,6 +237,8 @@ bool change_laws(Plant& plant, Moment moment, double h, bool as_rows);
 bool is_asleep(const Plant& plant, const Spring& spring);
 // Where the springs are at t, and what they pull on.
 void measure_springs(Plant& plant, const world::WorldState& state);
+// Their rates over the look-ahead, where it has led.
+void measure_springs_ahead(Plant& plant, const world::WorldState& state, double h);
 void push_by_springs(Plant& plant, const world::WorldState& state);  // what the look-ahead found, once more
 
 // Which contacts and stops are hit hard enough to bounce; true if any.

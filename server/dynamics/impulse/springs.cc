@@ -4,8 +4,10 @@
 // in the look-ahead, L impulse at t (and the same again at t+h), h step.
 //   F = -k (l + h q~/2 - l0) - d q~,  L = h F/2                 the force at the middle of the step
 //   q~ + 2/(h g) L = -k (l - l0)/g,  g = k h/2 + d              as a row
-// The implicit midpoint rule: second order, stable at any k, and no energy is lost that d does not take.
-// Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.
+// The implicit midpoint rule: second order, the same backwards in time, stable at any k, and no energy is
+// lost that d does not take. q~ is what the length does, not the velocity at t along the direction at t: that
+// differs where the spring turns, and by what falls. Look-aheads find the difference, as they do joints'
+// gaps. Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.
 #include "server/dynamics/impulse/plant.h"
 
 namespace visum::dynamics::impulse {
@@ -13,18 +15,21 @@ namespace {
 
 constexpr double kNoLengthM = 1e-12;  // a spring so short has no direction
 
+double length_of(const JointSpec& spec, const JointPose& pose, double last) {
+  return spec.kind == world::JointKind::kTorsionSpring ? joint_angle(spec, pose, last)
+                                                       : (pose.pb - pose.pa).norm();
+}
+
 void measure(Spring& spring, const Bodies& bodies, const world::WorldState& state) {
   const JointSpec& spec = spring.spec;
   const double last = state.joints[spec.id.index()].position;
   const JointPose pose = pose_now(spec, bodies, last);
+  spring.length = length_of(spec, pose, last);
   Vector3d w = Vector3d::Zero(), v = Vector3d::Zero();
   if (spec.kind == world::JointKind::kTorsionSpring) {
     w = pose.a;
-    spring.length = joint_angle(spec, pose, last);
-  } else {
-    const Vector3d along = pose.pb - pose.pa;
-    spring.length = along.norm();
-    if (spring.length > kNoLengthM) v = along / spring.length;
+  } else if (spring.length > kNoLengthM) {
+    v = (pose.pb - pose.pa) / spring.length;
   }
   spring.pull = {w, v, pose.pa, pose.pb};
   spring.acts =
@@ -42,6 +47,14 @@ void measure_springs(Plant& plant, const world::WorldState& state) {
   for (Spring& spring : plant.springs) {
     measure(spring, plant.bodies, state);
     spring.acts = spring.acts && !is_asleep(plant, spring);
+  }
+}
+
+void measure_springs_ahead(Plant& plant, const world::WorldState& state, double h) {
+  for (Spring& spring : plant.springs) {
+    if (!spring.acts) continue;
+    const JointPose ahead = pose_ahead(spring.spec, plant.bodies, state.joints[spring.spec.id.index()], h);
+    spring.mean_rate = (length_of(spring.spec, ahead, spring.length) - spring.length) / h;
   }
 }
 

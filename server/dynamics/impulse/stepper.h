@@ -50,6 +50,7 @@ class Stepper {
   bool close_alone(std::size_t mechanism, double h, const world::WorldState& state);
   bool correct_alone(std::size_t mechanism, double h, const world::WorldState& state);
   bool close_together(double h, const world::WorldState& state);
+  void look_at_springs(double h, const world::WorldState& state);
   enum class Closed { kYes, kNearly, kNo };
   Closed close_with_rows(double h, const world::WorldState& state, bool gently);
   void note_energy(std::span<const Wrench> wrenches);

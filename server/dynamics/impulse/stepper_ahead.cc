@@ -155,6 +155,12 @@ bool Stepper::correct_alone(std::size_t m, double h, const world::WorldState& st
   return std::isfinite(gap) || break_at(m);
 }
 
+void Stepper::look_at_springs(double h, const world::WorldState& state) {
+  if (plant_.springs.empty()) return;
+  plant_.for_free([&](auto blocks) { plant_.bodies.look_ahead(blocks, h, plant_.model.gravity); });
+  measure_springs_ahead(plant_, state, h);
+}
+
 // Newton's passes over the joints of what has rows, and over the rows. Gently, what the rows miss is left.
 Stepper::Closed Stepper::close_with_rows(double h, const world::WorldState& state, bool gently) {
   double largest = 0.0, moved = 0.0;
@@ -172,7 +178,8 @@ Stepper::Closed Stepper::close_with_rows(double h, const world::WorldState& stat
       break_at(m);
     }
     if (!std::isfinite(largest)) return Closed::kNo;
-    moved = gently && pass >= kGentlePasses ? 0.0 : h * bounded_.solve();
+    look_at_springs(h, state);
+    moved = gently && pass >= kGentlePasses ? 0.0 : std::abs(h) * bounded_.solve();
     if (!std::isfinite(moved)) return Closed::kNo;
     if (closed && (gently || moved <= d_max_)) return Closed::kYes;
   }
