@@ -9,6 +9,8 @@ namespace visum::world {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
+const BodyState kStill{Eigen::Vector3d::Zero(), Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero(),
+                       Eigen::Vector3d::Zero()};
 
 // A joint's frame as one of its bodies carries it, and that body's motion.
 struct Side {
@@ -32,8 +34,9 @@ Eigen::Vector3d relative_velocity(const Side& parent, const Side& child) {
 }
 
 // Most joints' frames are turned as their body is.
-const Eigen::Quaterniond& turned_by(const Eigen::Quaterniond& q_WB, const Eigen::Quaterniond& q_BJ,
-                                    Eigen::Quaterniond& product) {
+[[gnu::always_inline]] inline const Eigen::Quaterniond& turned_by(const Eigen::Quaterniond& q_WB,
+                                                                  const Eigen::Quaterniond& q_BJ,
+                                                                  Eigen::Quaterniond& product) {
   if (q_BJ.w() == 1.0 && q_BJ.vec().isZero(0.0)) return q_WB;
   product = q_WB * q_BJ;
   return product;
@@ -45,8 +48,6 @@ double nearest(double turns) {
 }
 
 void measure_angle(const Joint& joint, const WorldState& world, double elapsed_s, JointState& state) {
-  static const BodyState kStill{Eigen::Vector3d::Zero(), Eigen::Quaterniond::Identity(),
-                                Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   const BodyState& child = world.bodies[joint.child.index()];
   const BodyState& parent = joint.parent.valid() ? world.bodies[joint.parent.index()] : kStill;
   Eigen::Quaterniond parent_product, child_product;

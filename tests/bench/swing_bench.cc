@@ -13,7 +13,7 @@
 namespace visum::bench {
 namespace {
 
-constexpr int kSteps_us[] = {10'000, 5000, 4000, 2000, 1000, 500, 250};
+constexpr int kSteps_us[] = {12'500, 10'000, 5000, 4000, 2000, 1000, 500, 250};
 
 void swing(benchmark::State& state, const StepperKind& kind, int step_us) {
   const auto model = physics::arm7(physics::engine_rows().front().setting, 1e-6 * step_us);

@@ -123,7 +123,9 @@ double missing_rate(const Plant& plant, const Axis& axis, Moment moment, double 
 }
 
 void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, const world::WorldState& state) {
+  if (plant.all_idle && std::ranges::all_of(drives, says_nothing)) return;
   const bool as_row = plant.setting.solver == "iterate";
+  plant.all_idle = true;
   plant.acting.clear();
   for (std::size_t m = 0; m < plant.mechanisms.size(); ++m) {
     plant.first_acting[m] = plant.acting.size();
@@ -132,6 +134,7 @@ void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, con
       const hwparts::JointDrive& drive = drives[axis.joint.index()];
       const bool was_idle = axis.idle;
       axis.idle = axis.is_free && says_nothing(drive);
+      plant.all_idle = plant.all_idle && axis.idle;
       if (axis.idle && was_idle) continue;
       take_axis(axis, drive, state.joints[axis.joint.index()], as_row);
       if (!axis.idle && !plant.mechanism_asleep[m]) plant.acting.push_back(i);

@@ -131,6 +131,7 @@ struct Plant {
   std::vector<std::size_t> first_axis;  // by mechanism, and one beyond
   // Of this tick: the numbers of the axes that are not idle, of mechanisms that are awake; ranges as above.
   std::vector<std::size_t> acting, first_acting;
+  bool all_idle = false;  // all axes, in the last tick
   std::vector<Spring> springs;
   std::vector<Touch> touches;
   bool rested = false;  // the contacts' impulses of the last tick were left as they were
