@@ -144,10 +144,11 @@ std::string not_run_text() {
       found->second.push_back(id);
     }
     for (const auto& [reason, ids] : reasons) {
-      const auto same = [&](const Said& one) { return one.reason == reason && one.ids == joined(ids); };
+      const Said said{reason, joined(ids), "`" + row + "`"};
+      const auto same = [&](const Said& one) { return one.reason == said.reason && one.ids == said.ids; };
       const auto found = std::ranges::find_if(all, same);
       if (found == all.end())
-        all.push_back({reason, joined(ids), "`" + row + "`"});
+        all.push_back(said);
       else
         found->rows += ", `" + row + "`";
     }
