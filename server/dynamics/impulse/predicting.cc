@@ -13,8 +13,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kMostSwing =
-    1.5;  // rad in a step, of the 2 that a symmetric one can follow at the very most
+constexpr double kMostSwing = 1.5;  // rad in a step: a symmetric one follows 2 at the very most
 
 // A body that hangs in a joint turns about it, under a tension F, as a string's bead does: with the frequency
 // 2 sqrt(F r / (m r^2 + J)), r from the axis to its centre of mass. Returns its square over F.

@@ -8,11 +8,10 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kPushed = 1.0;     // m, rad: where drives have pushed, the gap is not yet known
-constexpr double kLawShare = 1e-3;  // of D_max, that a drive's law may miss over a step without a solution
-constexpr double kUntouched =
-    0.17;                         // of D_max: a gap of what was foreseen, below which nothing is solved for
-constexpr double kFar = 1e-3;     // m, rad: a gap of what was foreseen, beyond which it is of no use
+constexpr double kPushed = 1.0;      // m, rad: where drives have pushed, the gap is not yet known
+constexpr double kLawShare = 1e-3;   // of D_max, that a drive's law may miss over a step without a solution
+constexpr double kUntouched = 0.17;  // of D_max: below such a gap of what was foreseen nothing is solved for
+constexpr double kFar = 1e-3;        // m, rad: a gap of what was foreseen, beyond which it is of no use
 constexpr double kApart = 3e-5;   // m, rad: beyond this it is broken, where shorter steps do not help, either
 constexpr int kGentlePasses = 5;  // in which contacts have their say
 constexpr double kRounding = 4.0;     // of D_max: a gap that does not, and is let be
