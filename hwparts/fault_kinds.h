@@ -1,5 +1,5 @@
 // What can be broken on purpose: one table, with what a kind breaks, by which numbers, and how it shows. Who
-// is broken (Part::suffer, the simulation) takes it from there.
+// is broken (Part::set_faults, the simulation) takes it from there.
 #pragma once
 
 #include <array>

@@ -3,8 +3,8 @@
 //
 // Order of calls: construction (may throw ConfigError); then, per tick, on the tick's thread: act(), and
 // after the engines moved, publish(). Between ticks, on the same thread: latch(), reset(), set_parameter(),
-// controller_lost(), suffer(), save(), load(). refuse() and description() are constant and may be called from
-// any thread, and so may refuse_now(), which is not. Nothing here allocates after construction, except
+// controller_lost(), set_faults(), save(), load(). refuse() and description() are constant and may be called
+// from any thread, and so may refuse_now(), which is not. Nothing here allocates after construction, except
 // description(), the parameter calls and refusals.
 #pragma once
 
@@ -22,7 +22,7 @@
 #include "protocol/part_description.h"
 
 namespace visum::powercube {
-class Line;
+class BusConnection;
 class ModuleBus;
 }  // namespace visum::powercube
 
@@ -99,7 +99,7 @@ class Part {
   // nothing if it can: constant, any thread. And all that act on it from now on, in place of those before.
   virtual bool has(FaultTarget target) const { return target == FaultTarget::kAnyPart; }
   virtual std::optional<std::string> refuse_fault(const Fault& fault) const;
-  virtual void suffer(std::span<const ActiveFault>) {}
+  virtual void set_faults(std::span<const ActiveFault>) {}
 
   // The part's modules on a field bus, to be talked to between ticks; none: it has no bus.
   virtual powercube::ModuleBus* modules() { return nullptr; }
@@ -132,12 +132,12 @@ struct PartKind {
   std::unique_ptr<Part> (*make)(const PartContext&);
   // The same part in front of real modules on a bus. Throws std::runtime_error where the bus is not this
   // part's.
-  std::unique_ptr<Part> (*make_real)(const PartContext&, powercube::Line&, const RealOptions&);
+  std::unique_ptr<Part> (*make_real)(const PartContext&, powercube::BusConnection&, const RealOptions&);
 };
 std::span<const PartKind> part_kinds();
 // Throws ConfigError at context.config's `kind` where there is no such kind.
 std::unique_ptr<Part> make_part(const std::string& kind, const PartContext& context);
 std::unique_ptr<Part> make_real_part(const std::string& kind, const PartContext& context,
-                                     powercube::Line& line, const RealOptions& options);
+                                     powercube::BusConnection& line, const RealOptions& options);
 
 }  // namespace visum::hwparts

@@ -36,7 +36,7 @@ std::unique_ptr<Part> make_part(const std::string& kind, const PartContext& cont
 }
 
 std::unique_ptr<Part> make_real_part(const std::string& kind, const PartContext& context,
-                                     powercube::Line& line, const RealOptions& options) {
+                                     powercube::BusConnection& line, const RealOptions& options) {
   return row_of(kind, context).make_real(context, line, options);
 }
 

@@ -67,7 +67,7 @@ struct Stream {
 
 struct Shared {
   std::uint32_t magic;
-  std::int32_t keeper;  // process
+  std::int32_t scheduler;  // process
   std::int64_t tick_ns;
   std::uint32_t tty_count, port_count;
   std::uint32_t session_port;       // the server's own, for the ports over TCP

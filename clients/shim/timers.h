@@ -1,5 +1,5 @@
-// Timers of this process: timerfd, as descriptors that count; setitimer and alarm, as entries that the keeper
-// looks at.
+// Timers of this process: timerfd, as descriptors that count; setitimer and alarm, as entries that the
+// scheduler looks at.
 #pragma once
 
 #include <cstdint>

@@ -21,7 +21,7 @@ namespace {
 // Without a wait. Who only starts looks often, too: Python reads a clock 1161 times to import its client.
 constexpr int kMostLooks = 20'000;
 constexpr int kMostRequests = 1000;                   // while no time passes
-constexpr std::int64_t kPatience_ns = 1'000'000'000;  // then we look whether the keeper lives
+constexpr std::int64_t kPatience_ns = 1'000'000'000;  // then we look whether the scheduler lives
 
 Shared* the_shared = nullptr;
 __thread Slot* my_slot = nullptr;
@@ -44,7 +44,7 @@ bool somebody_runs() {
   return false;
 }
 
-// The last who runs wakes the keeper.
+// The last who runs wakes the scheduler.
 void ring() {
   if (somebody_runs()) return;
   the_shared->bell.fetch_add(1);
@@ -52,12 +52,12 @@ void ring() {
 }
 
 void look_after_keeper() {
-  if (::kill(the_shared->keeper, 0) == 0 || errno != ESRCH) return;
+  if (::kill(the_shared->scheduler, 0) == 0 || errno != ESRCH) return;
   say("the process that drives the time is gone");
   ::_exit(125);
 }
 
-// Until the keeper has given us our turn after it was `before`. False: a signal was handled meanwhile.
+// Until the scheduler has given us our turn after it was `before`. False: a signal was handled meanwhile.
 bool await_turn(Slot& slot, std::uint32_t before) {
   bool undisturbed = true;
   while (slot.go.load() == before) {

@@ -1,5 +1,5 @@
-// A thread's turn: it runs until it waits, and waits until whoever drives the time (the keeper) gives it its
-// turn again. Any thread; what a function says of "us" is the calling thread.
+// A thread's turn: it runs until it waits, and waits until whoever drives the time (the scheduler) gives it
+// its turn again. Any thread; what a function says of "us" is the calling thread.
 #pragma once
 
 #include <cerrno>
@@ -9,7 +9,7 @@
 
 namespace visum::shim {
 
-// Null where the program was started without a keeper: then the shim passes everything through.
+// Null where the program was started without a scheduler: then the shim passes everything through.
 Shared* shared();
 inline bool active() {
   return shared() != nullptr;

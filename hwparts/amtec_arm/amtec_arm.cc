@@ -52,7 +52,7 @@ std::unique_ptr<hwparts::Part> make(const hwparts::PartContext& context) {
   return std::make_unique<servo_group::ServoGroup>(context, "amtec_arm", drives, options, std::move(layout));
 }
 
-std::unique_ptr<hwparts::Part> make_real(const hwparts::PartContext& context, powercube::Line& line,
+std::unique_ptr<hwparts::Part> make_real(const hwparts::PartContext& context, powercube::BusConnection& line,
                                          const hwparts::RealOptions& options) {
   return bus_group::make({"amtec_arm", check_drives, blocks}, context, line, options);
 }

@@ -14,7 +14,7 @@ namespace visum::amtec_arm {
 std::unique_ptr<hwparts::Part> make(const hwparts::PartContext& context);
 
 // The same in front of real modules. Throws std::runtime_error where the bus is not this arm's.
-std::unique_ptr<hwparts::Part> make_real(const hwparts::PartContext& context, powercube::Line& line,
+std::unique_ptr<hwparts::Part> make_real(const hwparts::PartContext& context, powercube::BusConnection& line,
                                          const hwparts::RealOptions& options);
 
 }  // namespace visum::amtec_arm

@@ -40,7 +40,8 @@ std::string identity_of(const std::string& kind, const servo_group::DriveList& d
 
 BusGroup::BusGroup(const hwparts::PartContext& context, const std::string& kind,
                    const servo_group::DriveList& drives, const std::vector<Found>& found,
-                   const hwparts::RealOptions& options, servo_group::PortLayout layout, powercube::Line& line)
+                   const hwparts::RealOptions& options, servo_group::PortLayout layout,
+                   powercube::BusConnection& line)
     : tick_s_(context.tick_s),
       layout_(std::move(layout)),
       asker_(line, {options.answer_ns, options.tries}),
@@ -75,7 +76,7 @@ void BusGroup::act(std::span<const double> inputs, std::span<const hwparts::Join
                    std::span<hwparts::JointDrive>) {
   pump();
   enabled_ = inputs[layout_.enable] >= 0.5;
-  obey_counters(inputs);
+  apply_counters(inputs);
   // While something is stopped, what is commanded does not count.
   if (!settling() && (controller_lost_ || any(bit::kError | bit::kHalted))) hold_all(inputs);
   const auto given = leave();
@@ -84,7 +85,7 @@ void BusGroup::act(std::span<const double> inputs, std::span<const hwparts::Join
   ++changed_;
 }
 
-void BusGroup::obey_counters(std::span<const double> inputs) {
+void BusGroup::apply_counters(std::span<const double> inputs) {
   if (changes(reset_, inputs[layout_.reset])) {
     if (controller_lost_ || any(bit::kError | bit::kHalted)) hold_all(inputs);
     controller_lost_ = false;
@@ -280,7 +281,7 @@ void refuse_speed_control(const hwparts::PartContext& planned, const servo_group
 }  // namespace
 
 std::unique_ptr<hwparts::Part> make(const Kind& kind, const hwparts::PartContext& planned,
-                                    powercube::Line& line, const hwparts::RealOptions& options) {
+                                    powercube::BusConnection& line, const hwparts::RealOptions& options) {
   servo_group::read_options(planned.config);
   auto drives = servo_group::load_drives(planned);
   refuse_speed_control(planned, drives);
@@ -304,7 +305,8 @@ std::unique_ptr<hwparts::Part> make(const Kind& kind, const hwparts::PartContext
   return std::make_unique<BusGroup>(context, kind.name, drives, found, options, std::move(layout), line);
 }
 
-std::unique_ptr<hwparts::Part> make_servo_group(const hwparts::PartContext& context, powercube::Line& line,
+std::unique_ptr<hwparts::Part> make_servo_group(const hwparts::PartContext& context,
+                                                powercube::BusConnection& line,
                                                 const hwparts::RealOptions& options) {
   static constexpr Kind kKind{"servo_group",
                               [](const hwparts::PartContext&, const servo_group::DriveList&) {},

@@ -32,7 +32,7 @@ class BusGroup : public hwparts::Part {
   // `found`: of the survey, in the order of `drives`. The line outlives the part.
   BusGroup(const hwparts::PartContext& context, const std::string& kind, const servo_group::DriveList& drives,
            const std::vector<Found>& found, const hwparts::RealOptions& options,
-           servo_group::PortLayout layout, powercube::Line& line);
+           servo_group::PortLayout layout, powercube::BusConnection& line);
 
   const protocol::PartDescription& description() const override { return description_; }
   std::span<const std::size_t> joints() const override { return {}; }  // none of a world's
@@ -62,7 +62,7 @@ class BusGroup : public hwparts::Part {
     std::int64_t asked_ns = 0;  // while lost: when it was last asked whether it is there again
   };
 
-  void obey_counters(std::span<const double> inputs);
+  void apply_counters(std::span<const double> inputs);
   void hold_all(std::span<const double> inputs);
   enum class Leave { kStand, kWait, kMove };  // to move; kWait: begins nothing, stops nothing
   Leave leave() const;
@@ -103,9 +103,10 @@ struct Kind {
 // Surveys the line and makes the part. Throws ConfigError, and std::runtime_error where the bus is not this
 // part's.
 std::unique_ptr<hwparts::Part> make(const Kind& kind, const hwparts::PartContext& context,
-                                    powercube::Line& line, const hwparts::RealOptions& options);
+                                    powercube::BusConnection& line, const hwparts::RealOptions& options);
 // Kind `servo_group`.
-std::unique_ptr<hwparts::Part> make_servo_group(const hwparts::PartContext& context, powercube::Line& line,
+std::unique_ptr<hwparts::Part> make_servo_group(const hwparts::PartContext& context,
+                                                powercube::BusConnection& line,
                                                 const hwparts::RealOptions& options);
 
 }  // namespace visum::bus_group

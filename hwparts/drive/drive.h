@@ -31,7 +31,7 @@ class Drive {
   // joints are. `encoder_noise`: what this reading is off by, [u].
   void publish(std::span<const hwparts::JointSample> joints, double encoder_noise = 0.0);
   // From now on; {} is whole again. What it did to the state (heat, a gear that slipped) stays.
-  void suffer(const Broken& broken) { broken_ = broken; }
+  void set_broken(const Broken& broken) { broken_ = broken; }
   const Broken& broken() const { return broken_; }
   // Back to the state after construction.
   void restart();

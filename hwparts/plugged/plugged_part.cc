@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "hwparts/plugged/node_keeper.h"
+#include "hwparts/plugged/node_guard.h"
 #include "protocol/plugin/node_settings.h"
 
 namespace visum::plugged {
@@ -47,7 +47,7 @@ class PluggedPart final : public hwparts::Part {
   PluggedPart(const hwparts::PartContext& from, const char* kind, const ContextOfPart& made,
               std::unique_ptr<plugin::Part> node)
       : node_(std::move(node)),
-        keeper_("part '" + from.name + "'"),
+        guard_("part '" + from.name + "'"),
         joints_(from.joints.size()),
         samples_(from.joints.size()),
         drives_(from.joints.size()),
@@ -66,7 +66,7 @@ class PluggedPart final : public hwparts::Part {
            std::span<hwparts::JointDrive> drives) override {
     take(samples);
     std::ranges::fill(drives_, plugin::JointDrive{});
-    const bool done = keeper_.run([&] {
+    const bool done = guard_.run([&] {
       node_->act(inputs, samples_, drives_);
       std::ranges::for_each(drives_, check);
     });
@@ -81,26 +81,26 @@ class PluggedPart final : public hwparts::Part {
   void publish(std::span<const hwparts::JointSample> samples, std::span<double> sensor_outputs) override {
     take(samples);
     std::ranges::copy(sensor_outputs.first(outputs_.size()), outputs_.begin());
-    const bool done = keeper_.run([&] {
+    const bool done = guard_.run([&] {
       node_->publish(samples_, outputs_);
       check_values(description_.sensor_outputs, outputs_);
     });
     if (done) std::ranges::copy(outputs_, sensor_outputs.begin());
-    sensor_outputs.back() = keeper_.works() ? 0.0 : 1.0;
+    sensor_outputs.back() = guard_.works() ? 0.0 : 1.0;
   }
 
   void following_errors(std::span<double> errors) const override { std::ranges::fill(errors, 0.0); }
   void controller_lost() override {
-    keeper_.run([&] { node_->controller_lost(); });
+    guard_.run([&] { node_->controller_lost(); });
   }
   void reset() override {
     start_outputs();
-    keeper_.reset(*node_);
+    guard_.reset(*node_);
   }
-  std::span<const std::byte> read_blackboard(std::size_t) const override { return keeper_.blackboard(); }
-  const std::string* node_fault() const override { return &keeper_.fault(); }
-  void save(hwparts::StateWriter& to) const override { keeper_.save(*node_, to); }
-  void load(hwparts::StateReader& from) override { keeper_.load(*node_, from); }
+  std::span<const std::byte> read_blackboard(std::size_t) const override { return guard_.blackboard(); }
+  const std::string* node_fault() const override { return &guard_.fault(); }
+  void save(hwparts::StateWriter& to) const override { guard_.save(*node_, to); }
+  void load(hwparts::StateReader& from) override { guard_.load(*node_, from); }
 
  private:
   void take(std::span<const hwparts::JointSample> samples) {
@@ -112,7 +112,7 @@ class PluggedPart final : public hwparts::Part {
   }
 
   std::unique_ptr<plugin::Part> node_;
-  NodeKeeper keeper_;
+  NodeGuard guard_;
   std::vector<std::size_t> joints_;
   std::vector<plugin::JointSample> samples_;
   std::vector<plugin::JointDrive> drives_;

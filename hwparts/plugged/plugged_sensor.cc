@@ -35,12 +35,12 @@ PluggedSensor::PluggedSensor(const sensors::SensorContext& context, sensors::Lay
                              std::unique_ptr<plugin::Sensor> node)
     : Sensor(context, std::move(layout)),
       node_(std::move(node)),
-      keeper_("sensor '" + context.name + "'"),
+      guard_("sensor '" + context.name + "'"),
       wants_rays_(wants_rays) {}
 
 void PluggedSensor::measure(const plugin::Truth& world) {
-  if (!keeper_.works()) keeper_.forgive();  // somebody has set `Failure` back
-  const bool done = keeper_.run([&] {
+  if (!guard_.works()) guard_.forgive();  // somebody has set `Failure` back
+  const bool done = guard_.run([&] {
     std::ranges::fill(truth(), 0.0);
     node_->measure(world, truth());
     if (std::ranges::any_of(truth(), [](double value) { return std::isnan(value); }))

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "hwparts/plugged/node_keeper.h"
+#include "hwparts/plugged/node_guard.h"
 #include "hwparts/sensors/sensor.h"
 #include "protocol/plugin/plugin.h"
 
@@ -20,15 +20,15 @@ class PluggedSensor final : public sensors::Sensor {
   // Fills truth(); turns the sensor off where that fails.
   void measure(const plugin::Truth& world);
 
-  std::span<const std::byte> read_blackboard(std::size_t) const override { return keeper_.blackboard(); }
-  const std::string* node_fault() const override { return &keeper_.fault(); }
+  std::span<const std::byte> read_blackboard(std::size_t) const override { return guard_.blackboard(); }
+  const std::string* node_fault() const override { return &guard_.fault(); }
 
  protected:
-  void shown_again(std::span<const double>) override { keeper_.forgive(); }
+  void shown_again(std::span<const double>) override { guard_.forgive(); }
 
  private:
   std::unique_ptr<plugin::Sensor> node_;
-  NodeKeeper keeper_;
+  NodeGuard guard_;
   const bool wants_rays_;
 };
 

@@ -20,7 +20,7 @@ bool answers(const Message& request, const Message& answer) {
 }  // namespace
 
 bool Asker::may_ask(int module) const {
-  if (line_.wire() == Wire::kSerial) return count_ == 0;
+  if (line_.framing() == BusFraming::kSerial) return count_ == 0;
   return !out_[static_cast<std::size_t>(module)].waits;
 }
 

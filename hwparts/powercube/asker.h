@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "hwparts/powercube/line.h"
+#include "hwparts/powercube/bus_connection.h"
 
 namespace visum::powercube {
 
@@ -20,7 +20,7 @@ struct Patience {
 
 class Asker {
  public:
-  explicit Asker(Line& line, const Patience& patience = {}) : line_(line), patience_(patience) {}
+  explicit Asker(BusConnection& line, const Patience& patience = {}) : line_(line), patience_(patience) {}
 
   // True while `module` may be asked something.
   bool may_ask(int module) const;
@@ -44,7 +44,7 @@ class Asker {
   // When something will be overdue; int64's maximum: nothing is out.
   std::int64_t next_due_ns() const;
 
-  Line& line() { return line_; }
+  BusConnection& line() { return line_; }
   const Patience& patience() const { return patience_; }
 
  private:
@@ -57,7 +57,7 @@ class Asker {
   };
   void send(int module);
 
-  Line& line_;
+  BusConnection& line_;
   Patience patience_;
   std::array<Out, kMaxModule + 1> out_;  // by module id
   int count_ = 0;                        // that wait

@@ -62,10 +62,10 @@ Message extended_answer(const ModuleView& view, const Message& message, const Mo
   return answer;
 }
 
-std::optional<Message> obey_move(const ModuleEdit& edit, const Message& message, Wire wire) {
+std::optional<Message> execute_move(const ModuleEdit& edit, const Message& message, BusFraming framing) {
   const auto move = read_move(edit, message);
   if (!move) return std::nullopt;
-  const bool deferred = wire == Wire::kCan && (edit.module.config & config_bit::kSyncMotion) != 0;
+  const bool deferred = framing == BusFraming::kCan && (edit.module.config & config_bit::kSyncMotion) != 0;
   const bool done = start(edit, *move, deferred) == MoveResult::kDone;
   if (done) edit.module.move_mode = message.data[1];
   if (!done && !edit.settings.answers_refused) return std::nullopt;
@@ -74,7 +74,7 @@ std::optional<Message> obey_move(const ModuleEdit& edit, const Message& message,
   return Message{command::kSetMove, message.data[1], kDone};
 }
 
-std::optional<Message> carry_out(const ModuleEdit& edit, const Message& message, Wire wire) {
+std::optional<Message> carry_out(const ModuleEdit& edit, const Message& message, BusFraming framing) {
   switch (message.command()) {
     case command::kReset:
       reset(edit);
@@ -94,7 +94,7 @@ std::optional<Message> carry_out(const ModuleEdit& edit, const Message& message,
     case command::kSetParameter:
       return obey_parameter(edit, message);
     case command::kSetMove:
-      return obey_move(edit, message, wire);
+      return execute_move(edit, message, framing);
     default:
       return std::nullopt;
   }
@@ -102,18 +102,18 @@ std::optional<Message> carry_out(const ModuleEdit& edit, const Message& message,
 
 }  // namespace
 
-std::optional<Message> obey(const ModuleEdit& edit, const Message& message, Wire wire) {
+std::optional<Message> execute(const ModuleEdit& edit, const Message& message, BusFraming framing) {
   if (message.size == 0) return std::nullopt;
   if (message.command() == command::kGetParameter)
     return message.size == 2 ? get_parameter(edit, message.data[1]) : std::nullopt;
-  const bool mute = wire == Wire::kCan && (edit.module.config & config_bit::kDisableAck) != 0;
-  const auto answer = carry_out(edit, message, wire);
+  const bool mute = framing == BusFraming::kCan && (edit.module.config & config_bit::kDisableAck) != 0;
+  const auto answer = carry_out(edit, message, framing);
   return mute ? std::nullopt : answer;
 }
 
 // m5api sends these with a zero behind the command, KTH and Georgia Tech without.
-void obey_broadcast(const ModuleEdit& edit, const Message& message, Wire wire) {
-  if (message.size == 0 || (wire == Wire::kSerial && !edit.settings.serial_broadcasts)) return;
+void execute_broadcast(const ModuleEdit& edit, const Message& message, BusFraming framing) {
+  if (message.size == 0 || (framing == BusFraming::kSerial && !edit.settings.serial_broadcasts)) return;
   switch (message.command()) {
     case command::kReset:
       return reset(edit);

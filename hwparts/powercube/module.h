@@ -10,12 +10,12 @@
 
 namespace visum::powercube {
 
-enum class Wire { kSerial, kCan };
+enum class BusFraming { kSerial, kCan };
 
 // The answer to a message for this module; nothing where a real one would be silent.
-std::optional<Message> obey(const ModuleEdit& edit, const Message& message, Wire wire);
+std::optional<Message> execute(const ModuleEdit& edit, const Message& message, BusFraming framing);
 // A message for everybody; never answered.
-void obey_broadcast(const ModuleEdit& edit, const Message& message, Wire wire);
+void execute_broadcast(const ModuleEdit& edit, const Message& message, BusFraming framing);
 // Once per tick, after the drive's: watchdog, what a halt does to the power stage.
 void tick(const ModuleEdit& edit, double tick_s);
 // The state frame, where SYNC_TRANSMIT wants one now.

@@ -40,18 +40,18 @@ void ModuleBus::power_up(Module& module) {
   state.setpoint.position += state.zero_offset;
 }
 
-std::optional<Telegram> ModuleBus::obey(const Telegram& telegram, Wire wire) {
+std::optional<Telegram> ModuleBus::handle(const Telegram& telegram, BusFraming framing) {
   if (!connected_ || from_module(telegram.kind) || happens(faults_.lost, to_modules_)) return std::nullopt;
   if (telegram.kind == Telegram::Kind::kBroadcast) {
-    for (auto& module : modules_) obey_broadcast(edit(module), telegram.message, wire);
+    for (auto& module : modules_) execute_broadcast(edit(module), telegram.message, framing);
     return std::nullopt;
   }
   // On CAN the frame's id says whether something is read or written, and the two must agree.
   const bool reads = telegram.message.command() == command::kGetParameter;
-  if (wire == Wire::kCan && reads != (telegram.kind == Telegram::Kind::kGet)) return std::nullopt;
+  if (framing == BusFraming::kCan && reads != (telegram.kind == Telegram::Kind::kGet)) return std::nullopt;
   for (auto& module : modules_) {
     if (module.state.address != telegram.module) continue;
-    const auto answer = powercube::obey(edit(module), telegram.message, wire);
+    const auto answer = powercube::execute(edit(module), telegram.message, framing);
     if (!answer) return std::nullopt;
     passage_ = draw_passage();
     return Telegram{Telegram::Kind::kAnswer, telegram.module, *answer};
@@ -59,7 +59,7 @@ std::optional<Telegram> ModuleBus::obey(const Telegram& telegram, Wire wire) {
   return std::nullopt;
 }
 
-void ModuleBus::suffer(const BusFaults& faults, std::uint64_t seed) {
+void ModuleBus::set_faults(const BusFaults& faults, std::uint64_t seed) {
   if (faults == faults_) return;
   faults_ = faults;
   to_modules_ = sensors::Random(seed, "to the modules");

@@ -24,9 +24,9 @@ class ModuleBus {
   // module's settings say.
   void bind(std::size_t i, drive::Drive& drive);
 
-  // Between ticks. `telegram` as it came over `wire`.
-  std::optional<Telegram> obey(const Telegram& telegram, Wire wire);
-  // What happens to the answer that obey() gave last. Drawn there: chance follows from what the world took.
+  // Between ticks. `telegram` as it came over `framing`.
+  std::optional<Telegram> handle(const Telegram& telegram, BusFraming framing);
+  // What happens to the answer that handle() gave last. Drawn there: chance follows from what the world took.
   const Passage& passage() const { return passage_; }
   // Cut: nothing is received and nothing sent.
   void connect(bool connected) { connected_ = connected; }
@@ -38,7 +38,7 @@ class ModuleBus {
   void drop_deferred();
 
   // What goes wrong from now on; {}: nothing. Chances are drawn anew from `seed`.
-  void suffer(const BusFaults& faults, std::uint64_t seed);
+  void set_faults(const BusFaults& faults, std::uint64_t seed);
 
   // Once per tick, before the drives' act().
   void tick();

@@ -141,14 +141,14 @@ Camera::Camera(const SensorContext& context, const CameraSettings& settings)
                              {}}),
       pixels_(pixels_of(settings.lens)) {}
 
-void Camera::load_film(std::size_t bodies, Developer& developer) {
+void Camera::bind_renderer(std::size_t bodies, PictureMaker& picture_maker) {
   constexpr double kAny = std::numeric_limits<double>::max();
-  developer_ = &developer;
+  picture_maker_ = &picture_maker;
   set_numbers(std::vector<Accuracy>(1 + 7 * bodies, Accuracy{-kAny, kAny}));
 }
 
 std::span<const std::byte> Camera::read_blackboard(std::size_t) const {
-  return developer_ ? developer_->picture() : std::span<const std::byte>();
+  return picture_maker_ ? picture_maker_->picture() : std::span<const std::byte>();
 }
 
 void Camera::show(std::span<const double> reading, std::span<double>) {
@@ -156,7 +156,7 @@ void Camera::show(std::span<const double> reading, std::span<double>) {
 }
 
 void Camera::shown_again(std::span<const double> reading) {
-  if (developer_) developer_->expose(reading);
+  if (picture_maker_) picture_maker_->expose(reading);
 }
 
 const char* Camera::why_not(Failure failure) const {

@@ -57,9 +57,9 @@ inline constexpr int kMaxPixels = 4'194'304;
 inline constexpr std::size_t kMaxPixelsInAll = 4 * static_cast<std::size_t>(kMaxPixels);
 
 // Makes pictures from readings. expose() never waits.
-class Developer {
+class PictureMaker {
  public:
-  virtual ~Developer() = default;
+  virtual ~PictureMaker() = default;
   virtual void expose(std::span<const double> reading) = 0;
   virtual std::span<const std::byte> picture() = 0;  // the newest there is
 };
@@ -69,9 +69,9 @@ class Camera : public Sensor {
   Camera(const SensorContext& context, const CameraSettings& settings);
 
   // The reading: first the time, ns (0: none yet), then 7 numbers for each body: x y z qw qx qy qz. Before
-  // the first tick, and again when bodies have come or gone: what is on its way is lost then. `developer`
+  // the first tick, and again when bodies have come or gone: what is on its way is lost then. `picture_maker`
   // must outlive the camera, or be replaced.
-  void load_film(std::size_t bodies, Developer& developer);
+  void bind_renderer(std::size_t bodies, PictureMaker& picture_maker);
 
   std::size_t pixels() const { return pixels_; }
 
@@ -85,7 +85,7 @@ class Camera : public Sensor {
 
  private:
   std::size_t pixels_;
-  Developer* developer_ = nullptr;
+  PictureMaker* picture_maker_ = nullptr;
 };
 
 std::unique_ptr<Sensor> make_camera(const SensorContext& context);

@@ -153,7 +153,7 @@ std::optional<std::string> Sensor::set_parameter(const std::string& name,
   for (const auto& row : failure_names()) {
     if (word && *word == row.name) {
       if (const char* reason = why_not(row.failure)) return reason;
-      fail(row.failure, suffered_);
+      fail(row.failure, by_fault_);
       return std::nullopt;
     }
     known += (known.empty() ? "" : ", ") + std::string(row.name);
@@ -172,7 +172,7 @@ std::optional<std::string> Sensor::refuse_fault(const hwparts::Fault& fault) con
   return std::nullopt;
 }
 
-void Sensor::suffer(std::span<const hwparts::ActiveFault> faults) {
+void Sensor::set_faults(std::span<const hwparts::ActiveFault> faults) {
   Failure suffered = Failure::kOk;
   silent_ = false;
   for (const auto& active : faults) {
@@ -186,7 +186,7 @@ void Sensor::suffer(std::span<const hwparts::ActiveFault> faults) {
 void Sensor::fail(Failure by_parameter, Failure by_fault) {
   const std::int64_t late_so_far_ns = late_ns();
   failure_ = by_parameter;
-  suffered_ = by_fault;
+  by_fault_ = by_fault;
   if (late_ns() < late_so_far_ns) queue_.hasten(late_so_far_ns, now_ns_ + timing_.latency_ns);
 }
 

@@ -56,7 +56,7 @@ class Sensor : public hwparts::Part {
     return target == hwparts::FaultTarget::kSensor || target == hwparts::FaultTarget::kAnyPart;
   }
   std::optional<std::string> refuse_fault(const hwparts::Fault& fault) const final;
-  void suffer(std::span<const hwparts::ActiveFault> faults) final;
+  void set_faults(std::span<const hwparts::ActiveFault> faults) final;
   void save(hwparts::StateWriter& to) const final;
   void load(hwparts::StateReader& from) final;
 
@@ -79,7 +79,7 @@ class Sensor : public hwparts::Part {
 
  private:
   Failure failing() const {
-    return suffered_ == Failure::kOk || failure_ == Failure::kOff ? failure_ : suffered_;
+    return by_fault_ == Failure::kOk || failure_ == Failure::kOff ? failure_ : by_fault_;
   }
   std::int64_t late_ns() const {
     return failing() == Failure::kDelayed ? kDelayedSamples * timing_.period_ns : 0;
@@ -100,7 +100,7 @@ class Sensor : public hwparts::Part {
   // What changes.
   Random random_;
   Failure failure_;                  // by the parameter
-  Failure suffered_ = Failure::kOk;  // by a fault, which goes before all but off; no state of the sensor
+  Failure by_fault_ = Failure::kOk;  // by a fault, which goes before all but off; no state of the sensor
   bool silent_ = false;              // likewise: nobody hears of a reading
   std::int64_t now_ns_ = 0;
   std::int64_t samples_ = 0;

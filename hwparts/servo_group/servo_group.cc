@@ -73,7 +73,7 @@ std::optional<std::string> ServoGroup::refuse(std::span<const double> inputs) co
 void ServoGroup::act(std::span<const double> inputs, std::span<const hwparts::JointSample> samples,
                      std::span<hwparts::JointDrive> drives) {
   latch(inputs);
-  obey_counters(inputs);
+  apply_counters(inputs);
   interlock(inputs);
   modules_.tick();
   const bool fault = any(bit::kError);
@@ -93,7 +93,7 @@ void ServoGroup::latch(std::span<const double> inputs) {
   for (auto& axis : axes_) axis.drive.state().commanded = target(axis, inputs);
 }
 
-void ServoGroup::obey_counters(std::span<const double> inputs) {
+void ServoGroup::apply_counters(std::span<const double> inputs) {
   if (changes(state_.reset, inputs[layout_.reset])) {
     interlock(inputs);
     modules_.drop_deferred();
@@ -173,10 +173,10 @@ std::optional<std::string> ServoGroup::refuse_fault(const hwparts::Fault& fault)
   return std::nullopt;
 }
 
-void ServoGroup::suffer(std::span<const hwparts::ActiveFault> faults) {
+void ServoGroup::set_faults(std::span<const hwparts::ActiveFault> faults) {
   const auto before = std::exchange(faults_, group_faults(faults));
-  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].drive.suffer(broken_of(faults, i));
-  modules_.suffer(faults_.bus, seed_);
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].drive.set_broken(broken_of(faults, i));
+  modules_.set_faults(faults_.bus, seed_);
   const bool same_supply =
       before.emergency_stop == faults_.emergency_stop && before.most_supply_v == faults_.most_supply_v;
   if (!same_supply) supply_drives();

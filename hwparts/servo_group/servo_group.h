@@ -56,7 +56,7 @@ class ServoGroup : public hwparts::Part {
   std::span<const std::byte> read_blackboard(std::size_t index) const override;
   bool has(hwparts::FaultTarget target) const override { return target != hwparts::FaultTarget::kSensor; }
   std::optional<std::string> refuse_fault(const hwparts::Fault& fault) const override;
-  void suffer(std::span<const hwparts::ActiveFault> faults) override;
+  void set_faults(std::span<const hwparts::ActiveFault> faults) override;
   powercube::ModuleBus* modules() override { return &modules_; }
   void save(hwparts::StateWriter& to) const override;
   void load(hwparts::StateReader& from) override;
@@ -77,7 +77,7 @@ class ServoGroup : public hwparts::Part {
     std::uint64_t changed = 0;
   };
 
-  void obey_counters(std::span<const double> inputs);
+  void apply_counters(std::span<const double> inputs);
   void interlock(std::span<const double> inputs);
   double target(const Axis& axis, std::span<const double> inputs) const;  // module's coordinate, or its speed
   bool any(std::uint32_t bits) const;

@@ -65,7 +65,7 @@ class AgentPart::Context final : public plugin::AgentContext {
 };
 
 AgentPart::AgentPart(const scene::AgentPlan& plan, std::int64_t tick_ns, std::vector<BoundPart>& parts)
-    : tick_ns_(tick_ns), period_ns_(plan.period_ns), keeper_("agent '" + plan.name + "'") {
+    : tick_ns_(tick_ns), period_ns_(plan.period_ns), guard_("agent '" + plan.name + "'") {
   description_ = {plan.name, plan.kind->name, {}, {}, {}, {plugged::fault_blackboard()}};
   Context context(plan, parts, *this);
   agent_ = plugin::make_node(*plan.kind, context, plan.config);
@@ -87,8 +87,8 @@ bool AgentPart::due(std::int64_t now_ns) const {
 }
 
 void AgentPart::think(std::int64_t now_ns) {
-  if (!keeper_.works() || !due(now_ns)) return;
-  const bool done = keeper_.run([&] {
+  if (!guard_.works() || !due(now_ns)) return;
+  const bool done = guard_.run([&] {
     for (auto& link : links_) link->begin_turn();
     agent_->think({now_ns, outputs_});
     plugged::check_values(description_.sensor_outputs, outputs_);
@@ -104,27 +104,27 @@ void AgentPart::let_go() {
 }
 
 void AgentPart::publish(std::span<const hwparts::JointSample>, std::span<double> sensor_outputs) {
-  if (keeper_.works()) std::ranges::copy(outputs_, sensor_outputs.begin());
+  if (guard_.works()) std::ranges::copy(outputs_, sensor_outputs.begin());
   sensor_outputs[outputs_.size()] = static_cast<double>(turns_);
-  sensor_outputs.back() = keeper_.works() ? 0.0 : 1.0;
+  sensor_outputs.back() = guard_.works() ? 0.0 : 1.0;
 }
 
 void AgentPart::reset() {
   turns_ = 0;
   start_outputs();
-  keeper_.reset(*agent_);
+  guard_.reset(*agent_);
 }
 
 void AgentPart::save(hwparts::StateWriter& to) const {
   to.put(turns_);
   to.put(std::span<const double>(outputs_));
-  keeper_.save(*agent_, to);
+  guard_.save(*agent_, to);
 }
 
 void AgentPart::load(hwparts::StateReader& from) {
   from.get(turns_);
   from.get(std::span<double>(outputs_));
-  keeper_.load(*agent_, from);
+  guard_.load(*agent_, from);
 }
 
 }  // namespace visum::cycle

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "hwparts/part.h"
-#include "hwparts/plugged/node_keeper.h"
+#include "hwparts/plugged/node_guard.h"
 #include "server/scene/scene.h"
 
 namespace visum::cycle {
@@ -36,8 +36,8 @@ class AgentPart final : public hwparts::Part {
   void following_errors(std::span<double>) const override {}
   void controller_lost() override {}
   void reset() override;
-  std::span<const std::byte> read_blackboard(std::size_t) const override { return keeper_.blackboard(); }
-  const std::string* node_fault() const override { return &keeper_.fault(); }
+  std::span<const std::byte> read_blackboard(std::size_t) const override { return guard_.blackboard(); }
+  const std::string* node_fault() const override { return &guard_.fault(); }
   void save(hwparts::StateWriter& to) const override;
   void load(hwparts::StateReader& from) override;
 
@@ -51,7 +51,7 @@ class AgentPart final : public hwparts::Part {
   const std::int64_t tick_ns_, period_ns_;
   std::vector<std::unique_ptr<BoundLink>> links_;  // to the parts that it uses
   std::unique_ptr<plugin::Agent> agent_;
-  plugged::NodeKeeper keeper_;
+  plugged::NodeGuard guard_;
   std::vector<double> outputs_;  // the agent's own
   std::uint64_t turns_ = 0;
   protocol::PartDescription description_;

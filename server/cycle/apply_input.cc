@@ -50,7 +50,7 @@ class Applier {
       return "'" + std::string(input.part) + "' has no modules";
     powercube::Telegram telegram{static_cast<powercube::Telegram::Kind>(input.kind), input.module, {}};
     for (const std::byte byte : input.data) telegram.message.put(std::to_integer<std::uint8_t>(byte));
-    simulation_.obey(*part, telegram, static_cast<powercube::Wire>(input.wire));
+    simulation_.handle_telegram(*part, telegram, static_cast<powercube::BusFraming>(input.wire));
     return {};
   }
   std::string operator()(const recording::PushBody& input) const {
@@ -101,7 +101,8 @@ class Applier {
     if (input.until_tick < 0) return "a fault until tick " + std::to_string(input.until_tick);
     const auto& broken = *simulation_.parts()[*part].part;
     if (auto reason = broken.refuse_fault(*fault)) return *reason;
-    if (auto reason = Wire::refuse(*fault, broken.description(), simulation_.model().tick_ns)) return *reason;
+    if (auto reason = NetworkModel::refuse(*fault, broken.description(), simulation_.model().tick_ns))
+      return *reason;
     return simulation_.inject({static_cast<std::uint32_t>(*part), *fault, input.until_tick})
                ? ""
                : "too many faults act at once";

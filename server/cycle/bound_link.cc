@@ -8,7 +8,8 @@ namespace visum::cycle {
 
 void BoundLink::begin_turn() {
   inputs_.assign(part().controller_inputs.begin(), part().controller_inputs.end());
-  if (!part().wire.ideal()) part().wire.writes().pour_into(inputs_);  // what it said last, arrived or not
+  if (!part().network.ideal())
+    part().network.writes().pour_into(inputs_);  // what it said last, arrived or not
   changed_ = false;
 }
 
@@ -21,7 +22,7 @@ void BoundLink::end_turn(std::int64_t tick) {
 
 void BoundLink::lose_controller() {
   part().part->controller_lost();
-  part().wire.writes().clear();  // what is under way from it comes too late
+  part().network.writes().clear();  // what is under way from it comes too late
 }
 
 const protocol::PartDescription& BoundLink::description() const {

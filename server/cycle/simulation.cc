@@ -239,7 +239,7 @@ void Simulation::tick() {
   end_faults();  // what comes before the first tick without them is not for them
   phases_.end(Phase::kPublish);
   phases_.tick_done();
-  if (witness_) witness_->ticked();
+  if (observer_) observer_->ticked();
 }
 
 void Simulation::sense() {
@@ -297,7 +297,7 @@ void Simulation::publish() {
   senses_->feel(before_, state_, contacts_, wrenches_);
   for (auto& bound : parts_) {
     bound.part->publish(bound.samples, bound.readings(unheard_));
-    if (!bound.wire.ideal()) bound.wire.show(state_.tick, bound.sensor_outputs);
+    if (!bound.network.ideal()) bound.network.show(state_.tick, bound.sensor_outputs);
   }
   follow_parts();
   std::ranges::fill(contact_forces_, 0.0);
@@ -342,7 +342,7 @@ void Simulation::save_rest(std::vector<std::byte>& bytes) const {
   if (faults_.all().empty()) return;  // a world without faults has the hash that it always had
   faults_.save(to);
   for (const auto& bound : parts_) {
-    if (!bound.wire.ideal()) bound.wire.save(to);
+    if (!bound.network.ideal()) bound.network.save(to);
     if (const auto* modules = bound.part->modules()) modules->save_chance(to);
   }
 }
@@ -361,12 +361,12 @@ void Simulation::load_rest(std::span<const std::byte> bytes) {
     from.get(std::span<double>(push.wrench.torque_nm.data(), 3));
     from.get(push.until_tick);
   }
-  for (auto& bound : parts_) bound.wire = {};
+  for (auto& bound : parts_) bound.network = {};
   faults_.clear_all();
   if (!from.at_end()) load_faults(from);
   hand_out_faults();
   for (auto& bound : parts_) {
-    if (!bound.wire.ideal()) bound.wire.load(from);
+    if (!bound.network.ideal()) bound.network.load(from);
     if (auto* modules = bound.part->modules()) modules->load_chance(from);
   }
   hwparts::StateReader again(bytes);

@@ -21,15 +21,15 @@
 #include "server/collision/collision.h"
 #include "server/cycle/agent_part.h"
 #include "server/cycle/flight_ring.h"
+#include "server/cycle/network_model.h"
 #include "server/cycle/phases.h"
-#include "server/cycle/wire.h"
 #include "server/dynamics/engine.h"
 #include "server/scene/scene.h"
 #include "server/sensing/senses.h"
 #include "server/world/world_state.h"
 
 namespace visum::powercube {
-enum class Wire;
+enum class BusFraming;
 }  // namespace visum::powercube
 
 namespace visum::cycle {
@@ -47,13 +47,13 @@ struct BoundPart {
   bool onlooker = false;  // no part of the world's state: see Simulation::add_onlooker
 
   // What stands between it and its controllers, clients and agents alike: nothing but where a fault is.
-  Wire wire;
+  NetworkModel network;
   bool silent = false;
   void hear(std::int64_t tick, std::size_t first, std::span<const double> values);  // a write
   void take(std::size_t first, std::span<const double> values);                     // one that has arrived
   void deliver(std::int64_t until_tick);                     // what has arrived of the writes
   std::vector<double>& readings(std::vector<double>& lost);  // where they go; `lost`: where nobody sees them
-  void set_wire(const Wire::Quality& quality, std::uint64_t seed);
+  void set_network(const NetworkModel::Quality& quality, std::uint64_t seed);
 };
 
 // A push of a body that lasts until a tick.
@@ -64,9 +64,9 @@ struct Push {
 
 // Is told of everything that changes a world, in order: what it took between ticks, and every tick. On the
 // tick's thread, which it must not hold up.
-class Witness {
+class Observer {
  public:
-  virtual ~Witness() = default;
+  virtual ~Observer() = default;
   virtual void took(const recording::TimedInput& input) = 0;  // when it was done; nothing that was refused
   virtual void ticked() = 0;                                  // also by a tick that froze the world
 };
@@ -93,8 +93,8 @@ class Simulation {
   std::optional<std::string> write_blackboard(std::size_t part, std::size_t board, std::uint64_t offset,
                                               std::span<const std::byte> data);
   // A telegram for the part's modules, which it must have.
-  std::optional<powercube::Telegram> obey(std::size_t part, const powercube::Telegram& telegram,
-                                          powercube::Wire wire);
+  std::optional<powercube::Telegram> handle_telegram(std::size_t part, const powercube::Telegram& telegram,
+                                                     powercube::BusFraming framing);
   void reset();                   // the scene's initial state, a new era
   std::uint64_t take_snapshot();  // its number; the oldest beyond kMaxSnapshots is dropped
   bool has_snapshot(std::uint64_t number) const;
@@ -111,7 +111,7 @@ class Simulation {
   std::string remove_body(const std::string& name);  // why not; empty: done. Drops the snapshots.
 
   // The whole of it at this tick border, and back there, in a world of the same scene: no input, so no
-  // witness is told. restore() believes nothing: it returns why not, and then the world is the scene's
+  // observer is told. restore() believes nothing: it returns why not, and then the world is the scene's
   // initial one; empty: done. Not of a frozen world.
   void keep(recording::State& whole) const;
   std::string restore(const recording::State& whole);
@@ -121,7 +121,7 @@ class Simulation {
   void add_onlooker(std::unique_ptr<hwparts::Part> part);
 
   // From now on; null: nobody. It has to outlive the simulation or be taken away before.
-  void set_witness(Witness* witness) { witness_ = witness; }
+  void set_observer(Observer* observer) { observer_ = observer; }
 
   const scene::Scene& scene() const { return scene_; }
   const world::WorldModel& model() const { return scene_.world; }
@@ -182,7 +182,7 @@ class Simulation {
   void publish();
   void freeze(std::string fault);
   std::string_view name_of(std::size_t part) const;
-  // Tells the witness of what was taken when the world stood at `now`.
+  // Tells the observer of what was taken when the world stood at `now`.
   recording::TimedInput now() const { return {state_.tick, era_, {}}; }
   void tell(recording::TimedInput now, const recording::Input& input);
   void hand_out_faults();
@@ -220,7 +220,7 @@ class Simulation {
   std::shared_ptr<FlightRing> ring_;
   Phases phases_;
   std::uint64_t solver_warnings_ = 0;
-  Witness* witness_ = nullptr;
+  Observer* observer_ = nullptr;
   std::uint64_t next_snapshot_ = 1;
   std::uint64_t era_ = 1;
   std::uint64_t revision_ = 1;

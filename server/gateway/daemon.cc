@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "protocol/server.h"
-#include "server/gateway/bus/buses.h"
+#include "server/bus/buses.h"
 #include "server/gateway/gateway.h"
 #include "server/gateway/mailbox.h"
 #include "server/gateway/playback.h"
@@ -39,7 +39,7 @@ StaticWorld shown_world(const cycle::Simulation& simulation, const DaemonOptions
   auto world = static_world(simulation);
   world.simulated = options.simulated;
   world.has_world = options.has_world;
-  world.node_watch = options.node_watch;
+  world.stuck_node = options.stuck_node;
   if (options.playback) world.steering_part = options.playback->name();
   return world;
 }
@@ -85,8 +85,8 @@ struct Daemon::Impl {
     if (threaded) publish(false);
   }
 
-  void open_buses(std::vector<BusAddress> addresses) {
-    auto of_scene = scene_buses(simulation.scene());
+  void open_buses(std::vector<bus::BusAddress> addresses) {
+    auto of_scene = bus::scene_buses(simulation.scene());
     addresses.insert(addresses.begin(), of_scene.begin(), of_scene.end());
     if (addresses.empty()) return;
     buses.emplace(simulation, addresses, [this] {
@@ -205,7 +205,7 @@ struct Daemon::Impl {
   Gateway gateway;
   Web web;
   protocol::Server server;
-  std::optional<Buses> buses;  // gone first: its thread wakes the others
+  std::optional<bus::Buses> buses;  // gone first: its thread wakes the others
 };
 
 Daemon::Daemon(cycle::Simulation& simulation, const DaemonOptions& options) {
@@ -221,8 +221,8 @@ std::uint16_t Daemon::port() const {
   return impl_->server.port();
 }
 
-const BusNames& Daemon::buses() const {
-  static const BusNames kNone;
+const bus::BusNames& Daemon::buses() const {
+  static const bus::BusNames kNone;
   return impl_->buses ? impl_->buses->names() : kNone;
 }
 
@@ -272,7 +272,7 @@ void Daemon::Impl::tick_in_real_time() {
       mailbox.wait_for(playback && comparing ? kNoTime : kIdle);
       continue;
     }
-    // A tick that is far off is waited for in pieces: errands are done meanwhile, and may change when it is.
+    // A tick that is far off is waited for in pieces: commands are done meanwhile, and may change when it is.
     const auto until = std::min(pacer.due(), Clock::now() + kIdle);
     compare_until(until - kPaceLook);
     wait_until(until);

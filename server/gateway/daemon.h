@@ -12,9 +12,10 @@
 #include <vector>
 
 #include "protocol/tls.h"
+#include "server/bus/address.h"
 #include "server/cycle/simulation.h"
 #include "server/gateway/access.h"
-#include "server/gateway/bus/address.h"
+#include "server/gateway/stuck_node.h"
 
 namespace visum::recording {
 class FlightRecorder;
@@ -24,7 +25,6 @@ namespace visum::gateway {
 
 class Playback;
 struct Published;
-class NodeWatch;
 
 struct HttpOptions {
   bool on = false;
@@ -38,13 +38,13 @@ struct DaemonOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = 1500;
   bool run_at_once = false;  // else time starts with the first lease, the first step of a member, or resume
-  std::int64_t iterations = 0;    // ends after so many ticks; 0: never
-  std::string token_file;         // needed where the address is not loopback
-  protocol::TlsFiles tls;         // none: plain text
-  std::vector<BusAddress> buses;  // beside those of the scene
+  std::int64_t iterations = 0;         // ends after so many ticks; 0: never
+  std::string token_file;              // needed where the address is not loopback
+  protocol::TlsFiles tls;              // none: plain text
+  std::vector<bus::BusAddress> buses;  // beside those of the scene
   bool paced = false;  // lockstep too is no faster than the scene's speed; else as fast as its members let it
   HttpOptions http;
-  const NodeWatch* node_watch = nullptr;  // tells which node of a plug-in hangs; must outlive the daemon
+  std::function<StuckNode()> stuck_node;  // which call of a plug-in hangs; any thread. Empty: nobody watches
   // Parts in front of something real.
   bool simulated = true;  // what the welcome says
   bool has_world = true;  // false: nobody may hold the time, go back in it, or change bodies
@@ -66,7 +66,7 @@ class Daemon {
   ~Daemon();
 
   std::uint16_t port() const;
-  const BusNames& buses() const;
+  const bus::BusNames& buses() const;
   std::uint16_t http_port() const;  // 0: off
   // Until stop(), a client's Shutdown, or `iterations` ticks.
   void run();

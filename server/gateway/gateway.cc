@@ -126,7 +126,7 @@ void Gateway::work_off(Client& client) {
   }
 }
 
-// All that it asked for before it left. Behind an errand the mailbox keeps the order; ticks that are to come
+// All that it asked for before it left. Behind a command the mailbox keeps the order; ticks that are to come
 // are not waited for.
 void Gateway::work_off_at_goodbye(Client& client) {
   client.step_until.reset();
@@ -158,12 +158,12 @@ void Gateway::on_close(protocol::Session& session, protocol::CloseReason reason)
 }
 
 void Gateway::serve() {
-  take_errands();
+  take_commands();
   now_ = &latest_();
   const auto& now = *now_;
   follow_eras(now);
   follow_shown_world(now);
-  finish_errands();
+  finish_commands();
   tell_notices();
   answer_advances(now);
   work_off_backlogs();
@@ -214,24 +214,24 @@ void Gateway::follow_shown_world(const Published& now) {
   broadcast({"world_changed", "another world is shown", {}, now.era, now.tick});
 }
 
-// Before the copy of the world is taken: what stands behind these errands is answered from one that is as
+// Before the copy of the world is taken: what stands behind these commands is answered from one that is as
 // late.
-void Gateway::take_errands() {
-  while (auto errand = mailbox_.next_done()) done_.push_back(std::move(errand));
+void Gateway::take_commands() {
+  while (auto command = mailbox_.next_done()) done_.push_back(std::move(command));
 }
 
-void Gateway::finish_errands() {
-  for (const auto& errand : std::exchange(done_, {})) {
-    if (errand->view) {
-      world_.view = std::move(*errand->view);
+void Gateway::finish_commands() {
+  for (const auto& command : std::exchange(done_, {})) {
+    if (command->view) {
+      world_.view = std::move(*command->view);
       broadcast({"world_changed", "bodies came or went", {}, now_->era, now_->tick});
     }
-    if (std::holds_alternative<protocol::Error>(errand->reply)) ++refused_;
-    const auto client = clients_.find(errand->session);
+    if (std::holds_alternative<protocol::Error>(command->reply)) ++refused_;
+    const auto client = clients_.find(command->session);
     if (client == clients_.end()) continue;
     client->second.waiting = false;
-    if (errand->id != 0 || std::holds_alternative<protocol::Error>(errand->reply))
-      client->second.session->send(errand->id, errand->reply);
+    if (command->id != 0 || std::holds_alternative<protocol::Error>(command->reply))
+      client->second.session->send(command->id, command->reply);
   }
 }
 
@@ -281,7 +281,7 @@ void Gateway::lose_parts_of(std::uint64_t session, const std::string& why) {
 // The part is told that its controller is gone. In lockstep, where the world may stand while clients come and
 // go, it is told once until the world has looked.
 void Gateway::stop_part(std::uint32_t part) {
-  const Stop stop{now_->tick, errands_sent_, leases_.of(part).epoch};
+  const Stop stop{now_->tick, commands_sent_, leases_.of(part).epoch};
   if (world_.clock == scene::ClockKind::kLockstep && stops_[part] == stop) return;
   stops_[part] = stop;
   // So a loss follows a grant, or costs one input for each part: those kept back do not run out before there
@@ -337,7 +337,7 @@ Input* Gateway::blank_input_or_fail(const Call& call, bool urgent) {
 
 // What was written before it counts as written before it. What lets time go on, or stand, is not refused over
 // that: a tick makes room.
-void Gateway::send_errand(const Call& call, const protocol::Request& request, std::uint32_t part) {
+void Gateway::send_command(const Call& call, const protocol::Request& request, std::uint32_t part) {
   const bool about_pace =
       std::holds_alternative<protocol::Pause>(request) || std::holds_alternative<protocol::Resume>(request) ||
       std::holds_alternative<protocol::SetSpeed>(request) || std::holds_alternative<protocol::Step>(request);
@@ -347,9 +347,9 @@ void Gateway::send_errand(const Call& call, const protocol::Request& request, st
     else if (!late_writes_sent_or_fail(call, written))
       return;
   }
-  auto errand = std::make_unique<Errand>(Errand{call.session.id(), call.id, part, request, {}, {}});
-  call.client.waiting = mailbox_.send(std::move(errand));
-  ++errands_sent_;
+  auto command = std::make_unique<Command>(Command{call.session.id(), call.id, part, request, {}, {}});
+  call.client.waiting = mailbox_.send(std::move(command));
+  ++commands_sent_;
   if (!call.client.waiting) call.fail(ErrorCode::kBusy, "too many requests wait for the next tick");
 }
 

@@ -16,20 +16,19 @@
 #include <vector>
 
 #include "protocol/server.h"
+#include "server/bus/cycle_gate.h"
 #include "server/cycle/pacer.h"
 #include "server/gateway/access.h"
-#include "server/gateway/bus/cycle_gate.h"
 #include "server/gateway/late_writes.h"
 #include "server/gateway/leases.h"
 #include "server/gateway/mailbox.h"
 #include "server/gateway/members.h"
 #include "server/gateway/metrics.h"
 #include "server/gateway/published.h"
+#include "server/gateway/stuck_node.h"
 #include "server/gateway/world_view.h"
 
 namespace visum::gateway {
-
-class NodeWatch;
 
 // What the sessions' side knows of the world for as long as it stands.
 struct StaticWorld {
@@ -41,9 +40,9 @@ struct StaticWorld {
   std::vector<std::string> agents;          // by part: the scene's agent that commands it; empty: none
   WorldView view;
   bool simulated = true;
-  bool has_world = true;                  // false: see DaemonOptions
-  std::string steering_part{};            // of a recording that is shown; empty: the world lives
-  const NodeWatch* node_watch = nullptr;  // null: plug-ins are not watched
+  bool has_world = true;                    // false: see DaemonOptions
+  std::string steering_part{};              // of a recording that is shown; empty: the world lives
+  std::function<StuckNode()> stuck_node{};  // empty: plug-ins are not watched
 };
 StaticWorld static_world(const cycle::Simulation& simulation);
 
@@ -62,7 +61,7 @@ class Gateway : public protocol::SessionHandler {
   void on_notify() override { serve(); }
   void on_room(protocol::Session& session) override;
 
-  // Sends what is due: errands' replies, answers to Advance, samples, events. After every tick, or when
+  // Sends what is due: commands' replies, answers to Advance, samples, events. After every tick, or when
   // notified.
   void serve();
   // The earliest tick at which serve() has something to send; int64's maximum: none. Any thread.
@@ -91,7 +90,7 @@ class Gateway : public protocol::SessionHandler {
     std::function<void(const std::vector<protocol::Stream>&)> settle;
     std::function<std::uint64_t()> said;
     std::function<void(std::vector<protocol::Stream>&)> fill_in;
-    std::function<void(std::uint32_t, CycleRule)> open_gate;
+    std::function<void(std::uint32_t, bus::CycleRule)> open_gate;
     std::function<void(std::uint32_t)> close_gate;
     std::function<std::int64_t(std::uint32_t)> granted_tick;
   };
@@ -216,7 +215,7 @@ class Gateway : public protocol::SessionHandler {
   void release(Client& client);
   void stop_part(std::uint32_t part);
 
-  void send_errand(const Call& call, const protocol::Request& request, std::uint32_t part = 0);
+  void send_command(const Call& call, const protocol::Request& request, std::uint32_t part = 0);
   void subscribe(const Call& call, std::uint32_t stream, std::uint32_t every);
   void unsubscribe(const Call& call, std::uint32_t stream);
   std::optional<std::string> why_not(std::uint32_t part, const protocol::Write& request,
@@ -226,8 +225,8 @@ class Gateway : public protocol::SessionHandler {
   void send_samples(const Published& now);
   void send_sample(Client& client, Subscription& subscription, const Published& now);
   void answer_advances(const Published& now);
-  void take_errands();
-  void finish_errands();
+  void take_commands();
+  void finish_commands();
   void tell_notices();
   void tell_missed_deadline(const Notice& notice);
   void follow_eras(const Published& now);
@@ -262,12 +261,12 @@ class Gateway : public protocol::SessionHandler {
   // When a part was told last that its controller is gone.
   struct Stop {
     std::int64_t tick = -1;
-    std::uint64_t errands = 0, epoch = 0;
+    std::uint64_t commands = 0, epoch = 0;
     bool operator==(const Stop&) const = default;
   };
   std::vector<Stop> stops_;  // by part
-  std::uint64_t errands_sent_ = 0;
-  std::vector<std::unique_ptr<Errand>> done_;  // came back, to be answered
+  std::uint64_t commands_sent_ = 0;
+  std::vector<std::unique_ptr<Command>> done_;  // came back, to be answered
   std::vector<protocol::PartBus> buses_;
   BusDoor bus_door_{[](const auto&) {}, [] { return std::uint64_t{0}; },     [](auto&) {}, [](auto, auto) {},
                     [](auto) {},        [](auto) { return std::int64_t{0}; }};

@@ -12,8 +12,8 @@ Mailbox::Mailbox(std::size_t most_ports) : pool_(kInputs) {
 }
 
 Mailbox::~Mailbox() {
-  for (Item item; sent_.pop(item);) delete item.errand;
-  for (Errand* errand = nullptr; done_.pop(errand);) delete errand;
+  for (Item item; sent_.pop(item);) delete item.command;
+  for (Command* command = nullptr; done_.pop(command);) delete command;
 }
 
 Input* Mailbox::blank_input(bool urgent) {
@@ -29,19 +29,19 @@ void Mailbox::send(Input* input) {
   wake();
 }
 
-bool Mailbox::send(std::unique_ptr<Errand> errand) {
-  if (errands_out_ == kErrands) return false;
-  ++errands_out_;
-  sent_.push(Item{nullptr, errand.release()});
+bool Mailbox::send(std::unique_ptr<Command> command) {
+  if (commands_out_ == kCommands) return false;
+  ++commands_out_;
+  sent_.push(Item{nullptr, command.release()});
   wake();
   return true;
 }
 
-std::unique_ptr<Errand> Mailbox::next_done() {
-  Errand* errand = nullptr;
-  if (!done_.pop(errand)) return nullptr;
-  --errands_out_;
-  return std::unique_ptr<Errand>(errand);
+std::unique_ptr<Command> Mailbox::next_done() {
+  Command* command = nullptr;
+  if (!done_.pop(command)) return nullptr;
+  --commands_out_;
+  return std::unique_ptr<Command>(command);
 }
 
 bool Mailbox::next_notice(Notice& notice) {
@@ -56,8 +56,8 @@ void Mailbox::give_back(Input* input) {
   blanks_.push(input);
 }
 
-void Mailbox::give_back(std::unique_ptr<Errand> errand) {
-  done_.push(errand.release());
+void Mailbox::give_back(std::unique_ptr<Command> command) {
+  done_.push(command.release());
 }
 
 void Mailbox::tell(const Notice& notice) {

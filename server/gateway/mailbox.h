@@ -1,6 +1,6 @@
 // What crosses from the sessions' thread to the tick's thread and back, without a lock: bounded
 // single-producer, single-consumer queues. Inputs (writes, pushes, leases) wait for the next tick border;
-// errands (reset, snapshot, parameters, ...) are done at once, and come back with their reply. In lockstep
+// commands (reset, snapshot, parameters, ...) are done at once, and come back with their reply. In lockstep
 // and free both ends are one thread.
 #pragma once
 
@@ -41,7 +41,7 @@ struct Input {
 };
 
 // A request that the tick's thread answers. Made, and freed, by the sessions' side.
-struct Errand {
+struct Command {
   std::uint64_t session = 0;
   std::uint64_t id = 0;
   std::uint32_t part = 0;  // where the request is about one
@@ -63,7 +63,7 @@ class Mailbox {
  public:
   static constexpr std::size_t kInputs = 1024;
   static constexpr std::size_t kUrgent = 128;  // of the inputs
-  static constexpr std::size_t kErrands = 256;
+  static constexpr std::size_t kCommands = 256;
 
   explicit Mailbox(std::size_t most_ports);  // of any part
   ~Mailbox();
@@ -72,18 +72,18 @@ class Mailbox {
   // To be filled and sent; none: the queue is full. Some are kept back for what must not be lost.
   Input* blank_input(bool urgent = false);
   void send(Input* input);
-  bool send(std::unique_ptr<Errand> errand);  // false: full
-  std::unique_ptr<Errand> next_done();        // none: nothing came back
+  bool send(std::unique_ptr<Command> command);  // false: full
+  std::unique_ptr<Command> next_done();         // none: nothing came back
   bool next_notice(Notice& notice);
 
   // The tick's side.
   struct Item {
     Input* input = nullptr;
-    Errand* errand = nullptr;
+    Command* command = nullptr;
   };
   bool next(Item& item);
   void give_back(Input* input);
-  void give_back(std::unique_ptr<Errand> errand);
+  void give_back(std::unique_ptr<Command> command);
   void tell(const Notice& notice);                   // dropped where the queue is full
   void wait_for(std::chrono::milliseconds at_most);  // until something was sent
   void wake();                                       // makes wait_for return; any thread
@@ -95,10 +95,10 @@ class Mailbox {
   std::vector<Input> pool_;
   std::uint64_t arrivals_ = 0;
   Queue<Input*, kInputs> blanks_;
-  Queue<Item, kInputs + kErrands> sent_;
-  Queue<Errand*, kErrands> done_;
+  Queue<Item, kInputs + kCommands> sent_;
+  Queue<Command*, kCommands> done_;
   Queue<Notice, kInputs> notices_;
-  std::size_t errands_out_ = 0;     // sent and not yet back
+  std::size_t commands_out_ = 0;    // sent and not yet back
   std::atomic<bool> woken_{false};  // arrived_ has been released, and nobody has come to it since
   std::binary_semaphore arrived_{0};
 };

@@ -239,7 +239,7 @@ void Gateway::handle(const Call& call, const protocol::Unsubscribe& request) {
 }
 
 void Gateway::handle(const Call& call, const protocol::GetParameters& request) {
-  if (const auto part = part_or_fail(call, request.part)) send_errand(call, request, *part);
+  if (const auto part = part_or_fail(call, request.part)) send_command(call, request, *part);
 }
 
 void Gateway::handle(const Call& call, const protocol::SetParameter& request) {
@@ -254,7 +254,7 @@ void Gateway::handle(const Call& call, const protocol::SetParameter& request) {
   const auto known = names_of(world_.parts[*part]->description().parameters);
   if (std::ranges::find(known, request.name) == known.end())
     return call.fail(ErrorCode::kUnknownName, unknown("parameter", request.name, known));
-  send_errand(call, request, *part);
+  send_command(call, request, *part);
 }
 
 bool Gateway::blackboard_or_fail(const Call& call, std::uint32_t part, const std::string& name,
@@ -274,13 +274,13 @@ bool Gateway::blackboard_or_fail(const Call& call, std::uint32_t part, const std
 
 void Gateway::handle(const Call& call, const protocol::ReadBlackboard& request) {
   const auto part = part_or_fail(call, request.part);
-  if (part && blackboard_or_fail(call, *part, request.name, false)) send_errand(call, request, *part);
+  if (part && blackboard_or_fail(call, *part, request.name, false)) send_command(call, request, *part);
 }
 
 void Gateway::handle(const Call& call, const protocol::WriteBlackboard& request) {
   const auto part = part_or_fail(call, request.part);
   if (part && blackboard_or_fail(call, *part, request.name, true) && lease_or_fail(call, *part))
-    send_errand(call, request, *part);
+    send_command(call, request, *part);
 }
 
 }  // namespace visum::gateway

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <utility>
 
-#include "server/gateway/json.h"
+#include "protocol/json_text.h"
 #include "server/recording/build.h"
 #include "server/scene/scene.h"
 
@@ -32,7 +32,7 @@ std::string free_name(const cycle::Simulation& world) {
 }
 
 // As few digits as come back to the same bits.
-std::string number(double value) {
+std::string exact_number(double value) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
@@ -40,10 +40,10 @@ std::string number(double value) {
 std::string ports_as_json(const std::vector<recording::PortDifference>& ports) {
   std::string list;
   for (const auto& port : ports)
-    list += (list.empty() ? "" : ",") + std::string("{\"part\":") + gateway::quoted(port.part) +
-            ",\"port\":" + gateway::quoted(port.port) +
-            ",\"recorded\":" + gateway::quoted(number(port.recorded)) +
-            ",\"replayed\":" + gateway::quoted(number(port.replayed)) + "}";
+    list += (list.empty() ? "" : ",") + std::string("{\"part\":") + protocol::json_quoted(port.part) +
+            ",\"port\":" + protocol::json_quoted(port.port) +
+            ",\"recorded\":" + protocol::json_quoted(exact_number(port.recorded)) +
+            ",\"replayed\":" + protocol::json_quoted(exact_number(port.replayed)) + "}";
   return "[" + list + "]";
 }
 
@@ -133,19 +133,20 @@ std::optional<std::string> Playback::ports_at(const std::string& path) {
 
 std::string Playback::report() const {
   const auto& found = comparison_.result();
-  std::string json =
-      "{\"file\":" + gateway::quoted(file_.filename().string()) +
-      ",\"ticks\":" + std::to_string(player_.ticks()) +
-      ",\"tick_ns\":" + std::to_string(player_.header().tick_ns) +
-      ",\"position\":" + std::to_string(player_.position()) + ",\"compared\":" + std::to_string(found.ticks) +
-      ",\"equal\":" + (found.equal ? "true" : "false") + ",\"damage\":" + gateway::quoted(player_.damage());
+  std::string json = "{\"file\":" + protocol::json_quoted(file_.filename().string()) +
+                     ",\"ticks\":" + std::to_string(player_.ticks()) +
+                     ",\"tick_ns\":" + std::to_string(player_.header().tick_ns) +
+                     ",\"position\":" + std::to_string(player_.position()) +
+                     ",\"compared\":" + std::to_string(found.ticks) +
+                     ",\"equal\":" + (found.equal ? "true" : "false") +
+                     ",\"damage\":" + protocol::json_quoted(player_.damage());
   if (!found.equal) {
     const auto other = recording::difference(found.header.build, recording::this_build({}));
     json += ",\"difference\":{\"position\":" + std::to_string(std::min(found.ticks + 1, player_.ticks())) +
             ",\"tick\":" + std::to_string(found.difference.tick) +
             ",\"era\":" + std::to_string(found.difference.era) +
-            ",\"what\":" + gateway::quoted(found.difference.what) +
-            ",\"other_build\":" + gateway::quoted(other) +
+            ",\"what\":" + protocol::json_quoted(found.difference.what) +
+            ",\"other_build\":" + protocol::json_quoted(other) +
             ",\"ports\":" + ports_as_json(found.difference.ports) + "}";
   }
   return json + "}";

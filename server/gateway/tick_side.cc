@@ -16,15 +16,15 @@ TickSide::TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running
       started_(running_at_once) {
   pacer_.set_speed(simulation.scene().speed, Clock::now());
   inputs_.reserve(Mailbox::kInputs);
-  done_.reserve(Mailbox::kErrands);
+  done_.reserve(Mailbox::kCommands);
   for (const auto& bound : simulation.parts())
     if (bound.part->node_fault()) nodes_.push_back({bound.part.get()});
 }
 
 void TickSide::empty_mailbox() {
   for (Mailbox::Item item; mailbox_.next(item);) {
-    if (item.errand) {
-      run(std::unique_ptr<Errand>(item.errand));
+    if (item.command) {
+      run(std::unique_ptr<Command>(item.command));
       ++version_;
       continue;
     }
@@ -34,7 +34,7 @@ void TickSide::empty_mailbox() {
 }
 
 void TickSide::give_back() {
-  for (auto& errand : done_) mailbox_.give_back(std::move(errand));
+  for (auto& command : done_) mailbox_.give_back(std::move(command));
   done_.clear();
 }
 
@@ -152,13 +152,13 @@ void TickSide::measure_speed() {
 
 void TickSide::finish_steps() {
   steps_left_ = 0;
-  if (!step_errand_) return;
+  if (!step_command_) return;
   if (simulation_.frozen())
-    step_errand_->reply = protocol::Error{protocol::ErrorCode::kFrozen, simulation_.fault(), {}};
+    step_command_->reply = protocol::Error{protocol::ErrorCode::kFrozen, simulation_.fault(), {}};
   else
-    step_errand_->reply = protocol::Advanced{simulation_.tick_count(), simulation_.sim_time_ns(),
-                                             shown_era_ ? shown_era_() : simulation_.era()};
-  done_.push_back(std::move(step_errand_));
+    step_command_->reply = protocol::Advanced{simulation_.tick_count(), simulation_.sim_time_ns(),
+                                              shown_era_ ? shown_era_() : simulation_.era()};
+  done_.push_back(std::move(step_command_));
   told_ = true;
 }
 

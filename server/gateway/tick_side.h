@@ -21,9 +21,9 @@ class TickSide {
  public:
   TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running_at_once);
 
-  // Takes everything out of the mailbox: errands are done at once, inputs are kept for the next tick.
+  // Takes everything out of the mailbox: commands are done at once, inputs are kept for the next tick.
   void empty_mailbox();
-  // Errands that are done go back to the sessions' side. Once it has a copy of the world that is as late:
+  // Commands that are done go back to the sessions' side. Once it has a copy of the world that is as late:
   // what it answers next is read from that.
   void give_back();
 
@@ -44,7 +44,7 @@ class TickSide {
     if (!std::exchange(started_, true)) ++version_;
   }
   Pace pace() const { return {!started_ || paused_, pacer_.speed(), real_time_factor_}; }
-  // Changes with everything that a tick does not announce by itself: start, pauses, errands.
+  // Changes with everything that a tick does not announce by itself: start, pauses, commands.
   std::uint64_t version() const { return version_; }
   void touch() { ++version_; }  // something beside the mailbox changed the world between ticks
 
@@ -77,26 +77,26 @@ class TickSide {
   void apply_push(const Input& input);
   void check_deadlines();
   void end_watch(std::uint32_t part, std::uint64_t lost_epoch);
-  void run(std::unique_ptr<Errand> errand);
+  void run(std::unique_ptr<Command> command);
   void finish_steps();
   void measure_speed();
   void watch_nodes();
   void tell(const Notice& notice);
 
-  protocol::Reply answer(Errand& errand, const protocol::Pause&);
-  protocol::Reply answer(Errand& errand, const protocol::Resume&);
-  protocol::Reply answer(Errand& errand, const protocol::SetSpeed& request);
-  protocol::Reply answer(Errand& errand, const protocol::Reset&);
-  protocol::Reply answer(Errand& errand, const protocol::TakeSnapshot&);
-  protocol::Reply answer(Errand& errand, const protocol::RestoreSnapshot& request);
-  protocol::Reply answer(Errand& errand, const protocol::AddBody& request);
-  protocol::Reply answer(Errand& errand, const protocol::RemoveBody& request);
-  protocol::Reply answer(Errand& errand, const protocol::GetParameters&);
-  protocol::Reply answer(Errand& errand, const protocol::SetParameter& request);
-  protocol::Reply answer(Errand& errand, const protocol::ReadBlackboard& request);
-  protocol::Reply answer(Errand& errand, const protocol::WriteBlackboard& request);
+  protocol::Reply answer(Command& command, const protocol::Pause&);
+  protocol::Reply answer(Command& command, const protocol::Resume&);
+  protocol::Reply answer(Command& command, const protocol::SetSpeed& request);
+  protocol::Reply answer(Command& command, const protocol::Reset&);
+  protocol::Reply answer(Command& command, const protocol::TakeSnapshot&);
+  protocol::Reply answer(Command& command, const protocol::RestoreSnapshot& request);
+  protocol::Reply answer(Command& command, const protocol::AddBody& request);
+  protocol::Reply answer(Command& command, const protocol::RemoveBody& request);
+  protocol::Reply answer(Command& command, const protocol::GetParameters&);
+  protocol::Reply answer(Command& command, const protocol::SetParameter& request);
+  protocol::Reply answer(Command& command, const protocol::ReadBlackboard& request);
+  protocol::Reply answer(Command& command, const protocol::WriteBlackboard& request);
   template <typename Other>
-  protocol::Reply answer(Errand& errand, const Other& request);
+  protocol::Reply answer(Command& command, const Other& request);
 
   cycle::Simulation& simulation_;
   Mailbox& mailbox_;
@@ -106,8 +106,8 @@ class TickSide {
   std::vector<Input*> inputs_;                // for the next tick
   std::vector<Watch> watches_;                // by part
   std::vector<WatchedNode> nodes_;
-  std::unique_ptr<Errand> step_errand_;
-  std::vector<std::unique_ptr<Errand>> done_;  // to be given back
+  std::unique_ptr<Command> step_command_;
+  std::vector<std::unique_ptr<Command>> done_;  // to be given back
   std::int64_t steps_left_ = 0;
   bool started_;
   bool paused_ = false;

@@ -3,7 +3,6 @@
 #include <string>
 
 #include "server/gateway/gateway.h"
-#include "server/gateway/node_watch.h"
 
 namespace visum::gateway {
 
@@ -33,8 +32,8 @@ protocol::ServerStatus Gateway::server_status(const Published& now) const {
   status.sessions = static_cast<std::uint32_t>(clients_.size());
   status.refused = refused_;
   status.buses = buses_;
-  if (world_.node_watch) {
-    const StuckNode stuck = world_.node_watch->stuck();
+  if (world_.stuck_node) {
+    const StuckNode stuck = world_.stuck_node();
     status.stuck_node = stuck.node;
     status.stuck_ns = std::chrono::nanoseconds(stuck.since).count();
   }
@@ -60,17 +59,17 @@ Metrics Gateway::metrics() {
 }
 
 void Gateway::handle(const Call& call, const protocol::Pause& request) {
-  send_errand(call, request);
+  send_command(call, request);
 }
 void Gateway::handle(const Call& call, const protocol::Resume& request) {
-  send_errand(call, request);
+  send_command(call, request);
 }
 
 void Gateway::handle(const Call& call, const protocol::Step& request) {
   constexpr std::int64_t kMostTicks = 1'000'000'000;
   if (request.ticks < 1 || request.ticks > kMostTicks)
     return call.fail(ErrorCode::kBadValue, "ticks must be within 1 and " + std::to_string(kMostTicks));
-  send_errand(call, request);
+  send_command(call, request);
 }
 
 void Gateway::handle(const Call& call, const protocol::SetSpeed& request) {
@@ -79,17 +78,17 @@ void Gateway::handle(const Call& call, const protocol::SetSpeed& request) {
                                                  "; only realtime has a speed");
   if (!(request.factor >= scene::kLeastSpeed && request.factor <= scene::kMostSpeed))
     return call.fail(ErrorCode::kBadValue, "the speed must be within 0.001 and 1000");
-  send_errand(call, request);
+  send_command(call, request);
 }
 
 void Gateway::handle(const Call& call, const protocol::Reset& request) {
-  send_errand(call, request);
+  send_command(call, request);
 }
 void Gateway::handle(const Call& call, const protocol::TakeSnapshot& request) {
-  send_errand(call, request);
+  send_command(call, request);
 }
 void Gateway::handle(const Call& call, const protocol::RestoreSnapshot& request) {
-  send_errand(call, request);
+  send_command(call, request);
 }
 
 void Gateway::handle(const Call& call, const protocol::Shutdown&) {

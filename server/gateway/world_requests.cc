@@ -155,10 +155,10 @@ void Gateway::handle(const Call& call, const protocol::PushBody& request) {
 }
 
 void Gateway::handle(const Call& call, const protocol::AddBody& request) {
-  send_errand(call, request);
+  send_command(call, request);
 }
 void Gateway::handle(const Call& call, const protocol::RemoveBody& request) {
-  send_errand(call, request);
+  send_command(call, request);
 }
 
 }  // namespace visum::gateway

@@ -20,11 +20,11 @@ FlightRecorder::FlightRecorder(cycle::Simulation& simulation, Origin origin, std
     half->ports.reserve(kTicks * ports_per_tick_);
   }
   begin_half();
-  simulation_.set_witness(this);
+  simulation_.set_observer(this);
 }
 
 FlightRecorder::~FlightRecorder() {
-  simulation_.set_witness(nullptr);
+  simulation_.set_observer(nullptr);
 }
 
 void FlightRecorder::begin_half() {

@@ -16,7 +16,7 @@
 
 namespace visum::recording {
 
-class FlightRecorder : public cycle::Witness {
+class FlightRecorder : public cycle::Observer {
  public:
   static constexpr std::size_t kTicks = 1000;           // of a half
   static constexpr std::size_t kHashEvery = 50;         // ticks: to hash each of them costs a tenth of a tick

@@ -3,52 +3,53 @@
 #include <stdexcept>
 #include <utility>
 
-#include "server/recording/scribe.h"
+#include "server/recording/recording_writer.h"
 
 namespace visum::recording {
 namespace {
 
 constexpr std::uint64_t kStatePeriod_ns = 1'000'000'000;  // of simulated time
 
-Scribe::Overflow overflow_of(scene::ClockKind clock) {
-  return clock == scene::ClockKind::kRealtime ? Scribe::Overflow::kEnd : Scribe::Overflow::kWait;
+RecordingWriter::Overflow overflow_of(scene::ClockKind clock) {
+  return clock == scene::ClockKind::kRealtime ? RecordingWriter::Overflow::kEnd
+                                              : RecordingWriter::Overflow::kWait;
 }
 
 }  // namespace
 
 Recorder::Recorder(cycle::Simulation& simulation, const Origin& origin, const std::filesystem::path& file)
     : simulation_(simulation),
-      scribe_(std::make_unique<Scribe>(file, overflow_of(simulation.scene().clock))) {
+      writer_(std::make_unique<RecordingWriter>(file, overflow_of(simulation.scene().clock))) {
   try {
-    channels_ = write_beginning(scribe_->writer(), simulation_, origin);
+    channels_ = write_beginning(writer_->writer(), simulation_, origin);
     if (origin.has_past) {
       take_state();
-      scribe_->put_first(channels_.states, static_cast<std::uint64_t>(simulation_.sim_time_ns()), bytes_);
+      writer_->put_first(channels_.states, static_cast<std::uint64_t>(simulation_.sim_time_ns()), bytes_);
     }
   } catch (const std::exception& error) {
     throw std::runtime_error("the recording '" + file.string() + "' cannot be written: " + error.what());
   }
-  scribe_->start();
-  simulation_.set_witness(this);
+  writer_->start();
+  simulation_.set_observer(this);
 }
 
 Recorder::~Recorder() {
-  simulation_.set_witness(nullptr);
+  simulation_.set_observer(nullptr);
 }
 
 void Recorder::put(std::uint16_t channel, std::int64_t publish_time_ns) {
-  scribe_->put(channel, time_ns_, static_cast<std::uint64_t>(publish_time_ns), bytes_);
+  writer_->put(channel, time_ns_, static_cast<std::uint64_t>(publish_time_ns), bytes_);
 }
 
 void Recorder::took(const TimedInput& input) {
-  if (scribe_->ended()) return;
+  if (writer_->ended()) return;
   bytes_.clear();
   encode(input, bytes_);
   put(channels_.inputs, input.tick * simulation_.model().tick_ns);
 }
 
 void Recorder::ticked() {
-  if (scribe_->ended()) return;
+  if (writer_->ended()) return;
   time_ns_ += static_cast<std::uint64_t>(simulation_.model().tick_ns);
   const auto tick = simulation_.tick_count();
   const auto time_ns = simulation_.sim_time_ns();
@@ -77,13 +78,13 @@ void Recorder::take_state() {
 void Recorder::put_state() {
   next_state_ns_ = time_ns_ + kStatePeriod_ns;
   take_state();
-  if (scribe_->has_room_for(bytes_.size())) put(channels_.states, simulation_.sim_time_ns());
+  if (writer_->has_room_for(bytes_.size())) put(channels_.states, simulation_.sim_time_ns());
 }
 
 void Recorder::log(std::string_view level, std::string_view text) {
   std::vector<std::byte> line;
   encode(LogLine{level, text}, line);
-  scribe_->put_line(channels_.log, std::move(line));
+  writer_->put_line(channels_.log, std::move(line));
 }
 
 }  // namespace visum::recording

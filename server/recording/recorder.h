@@ -1,6 +1,6 @@
 // Writes down what happens in a world: everything that it takes between ticks, and after each tick every port
 // and the hash of its state, in a file that holds all that is needed to go through it again. Lives on the
-// tick's thread and never holds it up; the file is written by a thread of its own (scribe.h).
+// tick's thread and never holds it up; the file is written by a thread of its own (recording_writer.h).
 #pragma once
 
 #include <filesystem>
@@ -14,9 +14,9 @@
 
 namespace visum::recording {
 
-class Scribe;
+class RecordingWriter;
 
-class Recorder : public cycle::Witness {
+class Recorder : public cycle::Observer {
  public:
   // From now on, which has to be before the first tick and the first input, or `origin` says that the world
   // has a past. Throws std::runtime_error where the file cannot be written.
@@ -33,7 +33,7 @@ class Recorder : public cycle::Witness {
   void put_state();
 
   cycle::Simulation& simulation_;
-  const std::unique_ptr<Scribe> scribe_;
+  const std::unique_ptr<RecordingWriter> writer_;
   Channels channels_;
   std::uint64_t time_ns_ = 0;                    // of all ticks so far, in all eras
   std::uint64_t next_state_ns_ = 1'000'000'000;  // the whole state is due

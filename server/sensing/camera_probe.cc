@@ -1,5 +1,5 @@
-// Kind `camera`: gives the camera a darkroom, and copies where all bodies are when a picture is taken.
-#include "server/sensing/darkroom.h"
+// Kind `camera`: gives the camera a camera renderer, and copies where all bodies are when a picture is taken.
+#include "server/sensing/camera_renderer.h"
 #include "server/sensing/probes.h"
 
 namespace visum::sensing {
@@ -8,16 +8,16 @@ namespace {
 class CameraProbe : public Probe {
  public:
   CameraProbe(const ProbeContext& context, const sensors::CameraSettings& settings)
-      : bodies_(context.scene.world.bodies.size()), darkroom_(context.scene, context.mount, settings) {}
+      : bodies_(context.scene.world.bodies.size()), renderer_(context.scene, context.mount, settings) {}
 
   void attach(sensors::Sensor& sensor) override {
-    static_cast<sensors::Camera&>(sensor).load_film(bodies_, darkroom_);
+    static_cast<sensors::Camera&>(sensor).bind_renderer(bodies_, renderer_);
   }
   void measure(const Moment& moment, std::span<double> truth) override { Painter::read(moment, truth); }
 
  private:
   std::size_t bodies_;
-  Darkroom darkroom_;
+  CameraRenderer renderer_;
 };
 
 }  // namespace

@@ -95,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(Layers, RightArrow,
                                          Arrow{"server/dynamics/engine.h", "hwparts/joint.h"},
                                          Arrow{"server/dynamics/ode/a.cc", "server/dynamics/engine.h"},
                                          Arrow{"server/dynamics/engine_kinds.cc", "server/dynamics/ode/a.h"},
-                                         Arrow{"server/visumd.cc", "server/gateway/daemon.h"},
+                                         Arrow{"server/programs/visumd.cc", "server/gateway/daemon.h"},
                                          Arrow{"tests/cycle/a.cc", "server/cycle/simulation.h"}));
 INSTANTIATE_TEST_SUITE_P(Layers, WrongArrow,
                          testing::Values(Arrow{"protocol/server.cc", "hwparts/part.h"},
@@ -109,11 +109,11 @@ INSTANTIATE_TEST_SUITE_P(Layers, WrongArrow,
                                          Arrow{"server/scene/scene.cc", "server/dynamics/engine.h"},
                                          Arrow{"server/cycle/simulation.cc", "server/gateway/gateway.h"},
                                          Arrow{"server/cycle/simulation.cc", "protocol/messages.h"},
-                                         Arrow{"server/gateway/gateway.cc", "server/visumd.cc"},
+                                         Arrow{"server/gateway/gateway.cc", "server/programs/visumd.cc"},
                                          Arrow{"server/gateway/gateway.cc", "clients/cpp/visum.h"},
                                          Arrow{"clients/visum/main.cc", "server/scene/scene.h"},
                                          Arrow{"clients/visum/main.cc", "hwparts/part.h"},
-                                         Arrow{"server/visumd.cc", "tests/support/a.h"}));
+                                         Arrow{"server/programs/visumd.cc", "tests/support/a.h"}));
 
 TEST(Layers, RefusesAFolderThatIsInNoTable) {
   EXPECT_THAT(check_layers(tree_of({{"plugins/a.cc", ""}})), ElementsAre(HasSubstr("plugins/a.cc")));

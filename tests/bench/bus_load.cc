@@ -9,7 +9,7 @@
 #include <string>
 
 #include "hwparts/powercube/asker.h"
-#include "server/gateway/bus/host_line.h"
+#include "server/bus/host_connection.h"
 #include "tests/bench/percentiles.h"
 #include "tests/bench/pty_echo.h"
 #include "tests/protocol/raw_echo.h"
@@ -40,7 +40,7 @@ void print(const std::string& what, bench::Percentiles& times) {
 }
 
 int measure(const std::string& bus, double rate, double seconds) {
-  const auto line = gateway::open_host_line(bus);
+  const auto line = bus::open_host_connection(bus);
   powercube::Asker asker(*line, {1'000'000'000, 1});
   const auto count = static_cast<std::size_t>(rate * seconds);
   const auto period_ns = static_cast<std::int64_t>(1e9 / rate);

@@ -22,7 +22,7 @@ class DaemonStart : public ::testing::Test {
   }
   cli::ExitError error_of(const DaemonOptions& options, double patience_s = 10.0) {
     try {
-      Daemon daemon(options, patience_s, vigil_, [](const std::string&) {});
+      Daemon daemon(options, patience_s, wait_loop_, [](const std::string&) {});
     } catch (const cli::ExitError& error) {
       return error;
     }
@@ -31,20 +31,20 @@ class DaemonStart : public ::testing::Test {
   }
 
   const test::TempFiles files_;
-  Vigil vigil_{60.0};
+  WaitLoop wait_loop_{60.0};
 };
 
 TEST_F(DaemonStart, ReadsThePortFromTheReadyLine) {
   Daemon daemon(
       options("echo '{\"ready\":true,\"port\":1234,\"scene\":\"s\",\"parts\":[\"arm\"],\"more\":{}}'; sleep "
               "1000"),
-      10.0, vigil_, [](const std::string&) {});
+      10.0, wait_loop_, [](const std::string&) {});
   EXPECT_EQ(daemon.port(), 1234);
   EXPECT_EQ(daemon.page_port(), 0);
 }
 
 TEST_F(DaemonStart, ReadsThePagesPortFromTheReadyLine) {
-  Daemon daemon(options("echo '{\"ready\":true,\"port\":1234,\"http\":8080}'; sleep 1000"), 10.0, vigil_,
+  Daemon daemon(options("echo '{\"ready\":true,\"port\":1234,\"http\":8080}'; sleep 1000"), 10.0, wait_loop_,
                 [](const std::string&) {});
   EXPECT_EQ(daemon.page_port(), 8080);
 }
@@ -92,7 +92,7 @@ TEST_F(DaemonStart, TellsThatItCannotBeStarted) {
 }
 
 TEST_F(DaemonStart, HasAnObituary) {
-  Daemon daemon(options("echo '{\"ready\":true,\"port\":1234}'; echo oh >&2; exit 1"), 10.0, vigil_,
+  Daemon daemon(options("echo '{\"ready\":true,\"port\":1234}'; echo oh >&2; exit 1"), 10.0, wait_loop_,
                 [](const std::string&) {});
   ASSERT_TRUE(daemon.process().wait_exit(std::chrono::seconds(10)));
   EXPECT_THAT(daemon.obituary(), HasSubstr("visumd exited with code 1"));

@@ -115,9 +115,9 @@ TEST(Simulation, OfAWriteAndATelegramTheLaterOneMovesTheDrive) {
   for (const bool bus_last : {true, false}) {
     Simulation simulation(arm());
     simulation.tick();
-    if (!bus_last) simulation.obey(0, ramp, powercube::Wire::kSerial);
+    if (!bus_last) simulation.handle_telegram(0, ramp, powercube::BusFraming::kSerial);
     simulation.write_inputs(0, 0, std::vector{0.3});
-    if (bus_last) simulation.obey(0, ramp, powercube::Wire::kSerial);
+    if (bus_last) simulation.handle_telegram(0, ramp, powercube::BusFraming::kSerial);
     run(simulation, 2500);
     EXPECT_NEAR(simulation.state().joints[0].position, bus_last ? 0.1 : 0.3, 5e-3);
   }

@@ -30,8 +30,8 @@ void check_progress(Progress progress, std::size_t taken, std::size_t size, std:
 
 void check_answer(const powercube::Telegram& answer) {
   if (answer.message.size == 0 || answer.kind != powercube::Telegram::Kind::kAnswer) fail("an empty answer");
-  const auto wire = powercube::encode_serial(answer);
-  const auto back = powercube::decode_serial(wire.bytes());
+  const auto encoded = powercube::encode_serial(answer);
+  const auto back = powercube::decode_serial(encoded.bytes());
   if (back.progress != Progress::kComplete || !(back.telegram == answer) || !back.checksum_ok)
     fail("an answer does not come back");
 }
@@ -46,8 +46,8 @@ test::PartBench& fresh_arm() {
   return bench;
 }
 
-void obey(test::PartBench& bench, const powercube::Telegram& telegram, powercube::Wire wire) {
-  if (const auto answer = bench.part->modules()->obey(telegram, wire)) check_answer(*answer);
+void obey(test::PartBench& bench, const powercube::Telegram& telegram, powercube::BusFraming framing) {
+  if (const auto answer = bench.part->modules()->handle(telegram, framing)) check_answer(*answer);
   bench.tick();
 }
 
@@ -69,7 +69,7 @@ void over_serial(Bytes bytes) {
     if (decoded.progress != Progress::kComplete) continue;
     const auto again = powercube::decode_serial(powercube::encode_serial(decoded.telegram).bytes());
     if (!(again.telegram == decoded.telegram)) fail("a telegram changed on the way");
-    obey(bench, decoded.telegram, powercube::Wire::kSerial);
+    obey(bench, decoded.telegram, powercube::BusFraming::kSerial);
   }
   check_arm(bench);
 }
@@ -87,7 +87,7 @@ void over_slcan(Bytes bytes) {
     const bool same = again.frame.id == decoded.frame.id && again.frame.size == decoded.frame.size;
     if (again.progress != Progress::kComplete || !same) fail("a frame changed on the way");
     if (const auto telegram = powercube::from_can(decoded.frame))
-      obey(bench, *telegram, powercube::Wire::kCan);
+      obey(bench, *telegram, powercube::BusFraming::kCan);
   }
   check_arm(bench);
 }
@@ -105,7 +105,7 @@ void as_messages(Bytes bytes) {
     using Kind = powercube::Telegram::Kind;
     const bool reads = telegram.message.command() == powercube::command::kGetParameter;
     telegram.kind = telegram.module == 0 ? Kind::kBroadcast : reads ? Kind::kGet : Kind::kSet;
-    obey(bench, telegram, powercube::Wire::kCan);
+    obey(bench, telegram, powercube::BusFraming::kCan);
   }
   bench.run(0.02);
   check_arm(bench);

@@ -37,22 +37,22 @@ TEST(Mailbox, IsFullRatherThanGrowing_ButKeepsRoomForWhatIsUrgent) {
   EXPECT_NE(mailbox.blank_input(true), nullptr);
 }
 
-TEST(Mailbox, BringsErrandsBackAndTakesNoMoreThanItHolds) {
+TEST(Mailbox, BringsCommandsBackAndTakesNoMoreThanItHolds) {
   Mailbox mailbox(1);
-  for (std::size_t i = 0; i < Mailbox::kErrands; ++i) {
-    auto errand = std::make_unique<Errand>();
-    errand->id = i;
-    EXPECT_TRUE(mailbox.send(std::move(errand)));
+  for (std::size_t i = 0; i < Mailbox::kCommands; ++i) {
+    auto command = std::make_unique<Command>();
+    command->id = i;
+    EXPECT_TRUE(mailbox.send(std::move(command)));
   }
-  EXPECT_FALSE(mailbox.send(std::make_unique<Errand>()));
+  EXPECT_FALSE(mailbox.send(std::make_unique<Command>()));
   Mailbox::Item item;
   ASSERT_TRUE(mailbox.next(item));
-  item.errand->reply = protocol::Ok{};
-  mailbox.give_back(std::unique_ptr<Errand>(item.errand));
+  item.command->reply = protocol::Ok{};
+  mailbox.give_back(std::unique_ptr<Command>(item.command));
   auto done = mailbox.next_done();
   ASSERT_NE(done, nullptr);
   EXPECT_EQ(done->id, 0u);
-  EXPECT_TRUE(mailbox.send(std::make_unique<Errand>())) << "one came back, one may go";
+  EXPECT_TRUE(mailbox.send(std::make_unique<Command>())) << "one came back, one may go";
 }
 
 TEST(Mailbox, CarriesEverythingBetweenTwoThreads) {

@@ -39,7 +39,7 @@ class RunningDaemon {
   }
   std::uint16_t port() const { return daemon_->port(); }
   std::uint16_t http_port() const { return daemon_->http_port(); }
-  const BusNames& buses() const { return daemon_->buses(); }
+  const bus::BusNames& buses() const { return daemon_->buses(); }
 
  private:
   static scene::Scene scene_of(const std::string& file, scene::ClockKind clock, double speed) {

@@ -20,7 +20,7 @@ TEST(BrokenDrive, AStuckEncoderStandsAndTripsWhereTheSetpointIsTooFarAhead) {
   Rig rig(data);
   rig.run(0.2);
   const double stood = rig.state().measured_position;
-  rig.drive.suffer(with(&drive::Broken::encoder_stuck, true));
+  rig.drive.set_broken(with(&drive::Broken::encoder_stuck, true));
   rig.command.target = 1.0;
   double setpoint = 0.0;
   while (!rig.has(bit::kTowError) && setpoint < 0.9) {
@@ -33,14 +33,14 @@ TEST(BrokenDrive, AStuckEncoderStandsAndTripsWhereTheSetpointIsTooFarAhead) {
   rig.run(1.0);
   EXPECT_NEAR(rig.state().measured_speed, 0.0, 1e-12);
   EXPECT_GT(rig.position(), 0.0) << "the axis went, though nobody counted";
-  rig.drive.suffer({});
+  rig.drive.set_broken({});
   rig.tick();
   EXPECT_NEAR(rig.state().measured_position, rig.state().rotor_position, data.increment());
 }
 
 TEST(BrokenDrive, AnOffsetEncoderIsBelievedAndTheAxisStandsBesideItsPlace) {
   Rig rig(arm_drive(1));
-  rig.drive.suffer(with(&drive::Broken::encoder_offset, 0.01));  // less than the following error
+  rig.drive.set_broken(with(&drive::Broken::encoder_offset, 0.01));  // less than the following error
   rig.command.target = 0.5;
   rig.run(6.0);
   EXPECT_NEAR(rig.state().measured_position, 0.5, 1e-4);
@@ -52,7 +52,7 @@ TEST(BrokenDrive, LostTorqueNeedsSoMuchMoreCurrent) {
   auto data = arm_drive(2);
   const auto current = [&](double share) {
     Rig rig(data);
-    rig.drive.suffer(with(&drive::Broken::torque_share, share));
+    rig.drive.set_broken(with(&drive::Broken::torque_share, share));
     rig.plants[0].external = -20.0;
     rig.run(8.0);
     EXPECT_NEAR(rig.state().gear_effort, 20.0, 0.05);
@@ -65,7 +65,7 @@ TEST(BrokenDrive, WithoutAnyTorqueTheAxisFallsAsIfFree) {
   auto data = ideal(arm_drive(1));
   Rig rig(data);
   rig.plants[0].external = 10.0;
-  rig.drive.suffer(with(&drive::Broken::torque_share, 0.0));
+  rig.drive.set_broken(with(&drive::Broken::torque_share, 0.0));
   rig.run(0.02);
   const double acceleration = 10.0 / (rig.plants[0].inertia + data.reflected_inertia());
   EXPECT_NEAR(rig.plants[0].joint.velocity, acceleration * 0.02, 1e-9);
@@ -74,7 +74,7 @@ TEST(BrokenDrive, WithoutAnyTorqueTheAxisFallsAsIfFree) {
 TEST(BrokenDrive, AStuckBrakeHoldsAgainstTheMotorThoughTheModuleSaysThatItIsOpen) {
   auto data = arm_drive(1);
   Rig rig(data);
-  rig.drive.suffer(with(&drive::Broken::brake, drive::BrakeFault::kStuckClosed));
+  rig.drive.set_broken(with(&drive::Broken::brake, drive::BrakeFault::kStuckClosed));
   rig.command.target = 1.0;
   while (!rig.has(bit::kError) && rig.state().setpoint.position < 0.9) {
     rig.tick();
@@ -92,7 +92,7 @@ TEST(BrokenDrive, AMotorThatIsStrongerThanItsStuckBrakeDragsItAlong) {
   data.gear.damping = 50.0;
   data.brake.holding_effort = 5.0;
   Rig rig(data);
-  rig.drive.suffer(with(&drive::Broken::brake, drive::BrakeFault::kStuckClosed));
+  rig.drive.set_broken(with(&drive::Broken::brake, drive::BrakeFault::kStuckClosed));
   rig.command.target = 2.0;
   rig.run(2.5);
   ASSERT_TRUE(rig.has(bit::kRampSteady));
@@ -111,7 +111,7 @@ TEST(BrokenDrive, ABrakeThatDoesNotCloseLetsTheAxisFallWhenThePowerGoes) {
   auto data = arm_drive(1);
   const auto fall = [&](drive::BrakeFault brake) {
     Rig rig(data);
-    rig.drive.suffer(with(&drive::Broken::brake, brake));
+    rig.drive.set_broken(with(&drive::Broken::brake, brake));
     rig.plants[0].external = 40.0;
     rig.run(0.5);
     drive::open_loop(rig.drive.state());
@@ -129,7 +129,7 @@ TEST(BrokenDrive, ASlippingGearCarriesItsLimitAndTheJointStaysBehindTheEncoder) 
   Rig rig(data);
   rig.plants[0].upper = 0.2;  // the joint is held there
   rig.run(0.1);
-  rig.drive.suffer(with(&drive::Broken::slip_effort, 8.0));
+  rig.drive.set_broken(with(&drive::Broken::slip_effort, 8.0));
   rig.command.target = 0.5;
   double most = 0.0;
   for (int i = 0; i < 4000; ++i) {
@@ -149,10 +149,10 @@ TEST(BrokenDrive, HomeFindsThePlaceAnewThatAGearHasLost) {
   data.gear.backlash = 0.0;
   Rig rig(data);
   rig.plants[0].upper = 0.2;
-  rig.drive.suffer(with(&drive::Broken::slip_effort, 8.0));
+  rig.drive.set_broken(with(&drive::Broken::slip_effort, 8.0));
   rig.command.target = 0.5;
   rig.run(4.0);
-  rig.drive.suffer({});
+  rig.drive.set_broken({});
   rig.plants[0].upper = 1e9;
   drive::home(rig.drive.state());
   rig.run(20.0);
@@ -165,10 +165,10 @@ TEST(BrokenDrive, AHotWindingTripsAndTheSupplyMustGoBeforeReset) {
   auto data = arm_drive(1);
   Rig rig(data);
   rig.run(0.1);
-  rig.drive.suffer(with(&drive::Broken::least_winding, data.motor.maximum_winding + 5.0));
+  rig.drive.set_broken(with(&drive::Broken::least_winding, data.motor.maximum_winding + 5.0));
   rig.tick();
   EXPECT_TRUE(rig.has(bit::kError | bit::kPowerFault | bit::kFetTemp));
-  rig.drive.suffer({});
+  rig.drive.set_broken({});
   rig.run(0.1);
   rig.reset();
   EXPECT_TRUE(rig.has(bit::kFetTemp)) << "hot still, and not switched off";

@@ -8,8 +8,8 @@
 namespace visum::test {
 namespace {
 
+using powercube::BusFraming;
 using powercube::Message;
-using powercube::Wire;
 using servo_group::PartState;
 using testing::AllOf;
 using testing::HasSubstr;
@@ -17,9 +17,9 @@ namespace command = powercube::command;
 
 std::string refusal(const std::string& behind, const std::string& front, auto prepare) {
   PartBench modules("amtec_arm", arm_context(0.001, 0.1, 0.017, further(behind)));
-  PluggedLine* line = nullptr;
-  PluggedLine plugged(
-      *modules.part, Wire::kSerial,
+  PluggedConnection* line = nullptr;
+  PluggedConnection plugged(
+      *modules.part, BusFraming::kSerial,
       [&] {
         modules.tick();
         line->pass_tick();
@@ -36,10 +36,10 @@ std::string refusal(const std::string& behind, const std::string& front, auto pr
   return "";
 }
 
-void nothing(PartBench&, PluggedLine&) {}
+void nothing(PartBench&, PluggedConnection&) {}
 
 TEST(Survey, NamesModulesThatDoNotAnswerAndThoseThatDo) {
-  const auto text = refusal("", "", [](PartBench&, PluggedLine& line) { line.silent = {3, 8}; });
+  const auto text = refusal("", "", [](PartBench&, PluggedConnection& line) { line.silent = {3, 8}; });
   EXPECT_THAT(text,
               AllOf(HasSubstr("plugged is not the bus of this part"), HasSubstr("module 3 does not answer"),
                     HasSubstr("module 8 does not answer"), HasSubstr("1, 2, 4, 5, 6, 7\n")));
@@ -59,7 +59,7 @@ TEST(Survey, RefusesAModuleOfAnotherKind) {
 }
 
 TEST(Survey, RefusesAModuleThatMoves) {
-  const auto text = refusal("", "", [](PartBench& modules, PluggedLine&) {
+  const auto text = refusal("", "", [](PartBench& modules, PluggedConnection&) {
     modules.in("Desired Angle 5") = 2.0;
     modules.run(0.5);
   });
@@ -67,7 +67,7 @@ TEST(Survey, RefusesAModuleThatMoves) {
 }
 
 TEST(Survey, RefusesAModuleThatDoesNotTakeItsLimits) {
-  const auto text = refusal("", "", [](PartBench&, PluggedLine& line) { line.deaf_to = 0x4A; });
+  const auto text = refusal("", "", [](PartBench&, PluggedConnection& line) { line.deaf_to = 0x4A; });
   EXPECT_THAT(text, HasSubstr("module 4 does not take 2.232 as its maximum acceleration and keeps 1"));
 }
 
@@ -76,11 +76,11 @@ TEST(Survey, TakesModulesThatAreNotHomedAndCountFromWhereTheyWereSwitchedOn) {
 }
 
 TEST(Survey, SurvivesLostRequests) {
-  EXPECT_EQ(refusal("", "", [](PartBench&, PluggedLine& line) { line.lose_next = 2; }), "");
+  EXPECT_EQ(refusal("", "", [](PartBench&, PluggedConnection& line) { line.lose_next = 2; }), "");
 }
 
 TEST(BusGroup, SendsNoMotionWithoutExecutionEnable) {
-  RealBench arm(Wire::kSerial, "", "", {});
+  RealBench arm(BusFraming::kSerial, "", "", {});
   EXPECT_EQ(arm.part->description().controller_inputs.back().initial, 0.0);
   arm.line.sent.clear();
   for (std::size_t i = 0; i < 7; ++i) arm.inputs[i] = 1.0;
@@ -200,7 +200,7 @@ TEST(BusGroup, LimitsAreSentAgainToAModuleThatWasAway) {
 }
 
 TEST(BusGroup, TheWatchdogIsArmedAgainInAModuleThatWasAway) {
-  RealBench arm(Wire::kSerial, "", "", {true, true});
+  RealBench arm(BusFraming::kSerial, "", "", {true, true});
   arm.line.silent = {4};
   arm.run(1.0);
   arm.line.silent = {};
@@ -219,7 +219,7 @@ TEST(BusGroup, TheWatchdogIsArmedAgainInAModuleThatWasAway) {
 
 TEST(BusGroup, ServesTheWatchdogAndWithoutItTheModulesStop) {
   hwparts::RealOptions options{true, true};
-  RealBench arm(Wire::kSerial, "", "", options);
+  RealBench arm(BusFraming::kSerial, "", "", options);
   arm.inputs[0] = 1.5;
   arm.run(0.8);
   EXPECT_EQ(Ends{arm}.state(), PartState::kMoving);
@@ -294,8 +294,8 @@ TEST(BusGroup, AHaltGoesBeforeAResetThatStillWaitsAndBehindItAgain) {
 // A RESET leaves the ramp of a module without a fault running, so that it must not be forgotten.
 TEST(BusGroup, AResetDuringAMotionLeavesItToBeStopped) {
   for (const bool at_once : {true, false}) {
-    for (const auto wire : {Wire::kSerial, Wire::kCan}) {
-      RealBench arm(wire);
+    for (const auto framing : {BusFraming::kSerial, BusFraming::kCan}) {
+      RealBench arm(framing);
       arm.inputs[0] = 1.5;
       arm.run(0.8);
       Ends{arm}.reset();
@@ -328,8 +328,8 @@ TEST(BusGroup, AResetInGoodHealthDisturbsNoMotion) {
 // ---- what a module refuses ----
 
 TEST(BusGroup, ARefusedMotionIsAskedForAgain) {
-  for (const auto wire : {Wire::kSerial, Wire::kCan}) {
-    RealBench arm(wire);
+  for (const auto framing : {BusFraming::kSerial, BusFraming::kCan}) {
+    RealBench arm(framing);
     arm.line.refuse_moves = 3;
     arm.inputs[0] = 0.2;
     arm.run(2.0);

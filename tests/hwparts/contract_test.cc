@@ -87,8 +87,9 @@ std::unique_ptr<Subject> make_subject(Kind kind, const std::string& more = "") {
   if (kind == Kind::kVirtual)
     return std::make_unique<VirtualSubject>(
         std::make_unique<PartBench>("amtec_arm", arm_context(0.001, 0.1, 0.017, further(more))));
-  const auto wire = kind == Kind::kRealOverCan ? powercube::Wire::kCan : powercube::Wire::kSerial;
-  return std::make_unique<RealSubject>(std::make_unique<RealBench>(wire, more, more));
+  const auto framing =
+      kind == Kind::kRealOverCan ? powercube::BusFraming::kCan : powercube::BusFraming::kSerial;
+  return std::make_unique<RealSubject>(std::make_unique<RealBench>(framing, more, more));
 }
 
 class Contract : public testing::TestWithParam<Kind> {

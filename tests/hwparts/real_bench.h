@@ -6,7 +6,7 @@
 #include <string>
 
 #include "tests/hwparts/part_bench.h"
-#include "tests/hwparts/plugged_line.h"
+#include "tests/hwparts/plugged_connection.h"
 #include "tests/hwparts/rig.h"
 
 namespace visum::test {
@@ -19,11 +19,12 @@ inline std::string further(const std::string& keys) {
 class RealBench {
  public:
   // `behind`: further keys of the part behind the bus, `front` of the one in front of it.
-  explicit RealBench(powercube::Wire wire = powercube::Wire::kSerial, const std::string& behind = "",
-                     const std::string& front = "", const hwparts::RealOptions& options = {true})
+  explicit RealBench(powercube::BusFraming framing = powercube::BusFraming::kSerial,
+                     const std::string& behind = "", const std::string& front = "",
+                     const hwparts::RealOptions& options = {true})
       : behind("amtec_arm", arm_context(0.001, 0.1, 0.017, further(behind))),
         line(
-            *this->behind.part, wire, [this] { tick_behind(); }, 0.001),
+            *this->behind.part, framing, [this] { tick_behind(); }, 0.001),
         part(hwparts::make_real_part("amtec_arm", arm_context(0.001, 0.0, 0.0, further(front)), line,
                                      options)) {
     for (const auto& port : part->description().controller_inputs) inputs.push_back(port.initial);
@@ -41,7 +42,7 @@ class RealBench {
   }
 
   PartBench behind;
-  PluggedLine line;
+  PluggedConnection line;
   std::unique_ptr<hwparts::Part> part;
   std::vector<double> inputs, outputs;
 

@@ -4,9 +4,9 @@
 #include <future>
 
 #include "protocol/plugin/foreign_call.h"
-#include "server/gateway/node_watch.h"
+#include "server/programs/node_watch.h"
 
-namespace visum::gateway {
+namespace visum::programs {
 namespace {
 
 using namespace std::chrono_literals;
@@ -73,4 +73,4 @@ TEST(NodeWatch, GivesUpFromAThreadOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace visum::gateway
+}  // namespace visum::programs

@@ -15,8 +15,8 @@ using ::testing::HasSubstr;
 using Bytes = std::span<const std::byte>;
 
 // Carries what both have to say until neither says more. Returns what they read.
-struct Talk {
-  Talk(TlsStream& the_client, TlsStream& the_server) : client(the_client), server(the_server) {}
+struct TlsPair {
+  TlsPair(TlsStream& the_client, TlsStream& the_server) : client(the_client), server(the_server) {}
 
   void run() {
     client.write({});
@@ -49,7 +49,7 @@ struct Pair {
   }
   TlsContext client_context, server_context;
   TlsStream client, server;
-  Talk talk{client, server};
+  TlsPair talk{client, server};
 };
 
 class Tls : public ::testing::Test {

@@ -65,7 +65,7 @@ TEST(Replay, BreaksTheSameThingsByTheSameChance) {
     world->write_inputs(0, 0, std::vector{0.005 * i});
     powercube::Telegram there{powercube::Telegram::Kind::kSet, 3, {0x0B, 0x04}};
     powercube::put_value(there.message, 0.005f * static_cast<float>(i));
-    world->obey(0, there, powercube::Wire::kSerial);
+    world->handle_telegram(0, there, powercube::BusFraming::kSerial);
     world.run(2);
   }
   world->clear_faults(0, hwparts::FaultKind::kEncoderNoise, 1);
@@ -93,7 +93,7 @@ TEST(Replay, ARestoredWorldGoesOnByTheSameChance) {
     for (int i = 0; i < 30; ++i) {
       powercube::Telegram there{powercube::Telegram::Kind::kSet, 3, {0x0B, 0x04}};
       powercube::put_value(there.message, 0.005f * static_cast<float>(i));
-      const bool answered = world->obey(0, there, powercube::Wire::kSerial).has_value();
+      const bool answered = world->handle_telegram(0, there, powercube::BusFraming::kSerial).has_value();
       const auto& passage = world->parts()[0].part->modules()->passage();
       fates += answered ? static_cast<char>('a' + passage.lost + 2 * passage.doubled + 4 * passage.corrupted)
                         : '-';

@@ -10,7 +10,7 @@
 #include "server/cycle/simulation.h"
 #include "server/gateway/daemon.h"
 #include "server/scene/scene.h"
-#include "tests/hwparts/plugged_line.h"
+#include "tests/hwparts/plugged_connection.h"
 
 namespace visum {
 namespace {
@@ -34,16 +34,16 @@ Eigen::Vector3d place_of(const cycle::Simulation& world, const std::string& body
   return world.state().bodies[world.model().find_body(body).index()].p_WC;
 }
 
-class ClosedLoop : public testing::TestWithParam<powercube::Wire> {};
+class ClosedLoop : public testing::TestWithParam<powercube::BusFraming> {};
 
 TEST_P(ClosedLoop, ThePickAndPlaceControllerPutsTheBoxOnItsSpot) {
   cycle::Simulation world(load_arm());
-  test::PluggedLine* plugged = nullptr;
+  test::PluggedConnection* plugged = nullptr;
   const auto tick = [&] {
     world.tick();
     plugged->pass_tick();
   };
-  test::PluggedLine line(*world.parts()[0].part, GetParam(), tick, 0.001);
+  test::PluggedConnection line(*world.parts()[0].part, GetParam(), tick, 0.001);
   plugged = &line;
   cycle::Simulation front(only_the_part(load_arm()),
                           [&](const std::string& kind, const hwparts::PartContext& context) {
@@ -68,9 +68,10 @@ TEST_P(ClosedLoop, ThePickAndPlaceControllerPutsTheBoxOnItsSpot) {
   EXPECT_LT(off.head<2>().norm(), 0.01) << place_of(world, "box").transpose();
 }
 
-INSTANTIATE_TEST_SUITE_P(Wires, ClosedLoop, testing::Values(powercube::Wire::kSerial, powercube::Wire::kCan),
+INSTANTIATE_TEST_SUITE_P(Wires, ClosedLoop,
+                         testing::Values(powercube::BusFraming::kSerial, powercube::BusFraming::kCan),
                          [](const auto& info) {
-                           return info.param == powercube::Wire::kCan ? "Can" : "Serial";
+                           return info.param == powercube::BusFraming::kCan ? "Can" : "Serial";
                          });
 
 }  // namespace

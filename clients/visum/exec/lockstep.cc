@@ -8,8 +8,8 @@
 #include <memory>
 #include <utility>
 
-#include "clients/visum/exec/keeper.h"
 #include "clients/visum/exec/launch.h"
+#include "clients/visum/exec/scheduler.h"
 
 namespace visum::exec {
 namespace {
@@ -31,24 +31,24 @@ void add_buses(const std::vector<protocol::PartBus>& buses, TimeChannel& channel
 
 LockstepEnd run_in_lockstep(protocol::Connection connection, const LockstepPlan& plan) {
   const auto buses = connection.request_as<protocol::ServerStatus>(protocol::Status{}).buses;
-  std::unique_ptr<Keeper> keeper;
-  WorldLink world(std::move(connection), plan.join, [&keeper] { return keeper->is_patient(); });
+  std::unique_ptr<Scheduler> scheduler;
+  WorldLink world(std::move(connection), plan.join, [&scheduler] { return scheduler->is_patient(); });
   TimeChannel channel(world.tick_ns());
   channel.memory().now_ns = world.now_ns();
   add_buses(buses, channel);
   channel.set_session_port(plan.session_port);
   channel.export_to_environment();
   const pid_t program = launch(plan.command, plan.placements);
-  keeper = std::make_unique<Keeper>(
+  scheduler = std::make_unique<Scheduler>(
       channel, world, program, std::max<std::int64_t>(1, plan.period_ns / world.tick_ns()), plan.give_up);
   try {
-    const int status = keeper->run();
-    keeper->kill_all();
+    const int status = scheduler->run();
+    scheduler->kill_all();
     const auto last = world.status();
     if (WIFEXITED(status)) world.leave();
     return {status, last};
   } catch (...) {
-    keeper->kill_all();
+    scheduler->kill_all();
     throw;
   }
 }

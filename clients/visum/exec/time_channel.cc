@@ -34,7 +34,7 @@ TimeChannel::TimeChannel(std::int64_t tick_ns)
     : path_(folder_.path() / "time"),
       memory_(new (map_new_file(path_, sizeof(shim::Shared))) shim::Shared{}) {
   memory_->tick_ns = tick_ns;
-  memory_->keeper = ::getpid();
+  memory_->scheduler = ::getpid();
   memory_->magic = shim::kMagic;
 }
 

@@ -26,7 +26,7 @@ const protocol::LockstepMember* find_member(const protocol::ServerStatus& status
 }
 
 // What a program that knows nothing of a clock is started by; empty: by nobody.
-std::vector<std::string> keeper_of(const ControllerSpec& spec, const std::string& connect) {
+std::vector<std::string> scheduler_of(const ControllerSpec& spec, const std::string& connect) {
   if (!spec.shim && spec.gate.empty()) return {};
   std::vector<std::string> argv{(own_folder() / "visum").string(), "exec", "--name", spec.client};
   if (spec.shim)
@@ -42,9 +42,9 @@ std::vector<std::string> keeper_of(const ControllerSpec& spec, const std::string
 }  // namespace
 
 Controllers::Controllers(const std::vector<ControllerSpec>& specs,
-                         const std::map<std::string, std::string>& values, Session& session, Vigil& vigil,
-                         OnLine on_line)
-    : values_(values), session_(session), vigil_(vigil), on_line_(std::move(on_line)) {
+                         const std::map<std::string, std::string>& values, Session& session,
+                         WaitLoop& wait_loop, OnLine on_line)
+    : values_(values), session_(session), wait_loop_(wait_loop), on_line_(std::move(on_line)) {
   for (const ControllerSpec& spec : specs) {
     Controller controller;
     controller.spec = &spec;
@@ -56,7 +56,7 @@ Controllers::Controllers(const std::vector<ControllerSpec>& specs,
 Controllers::~Controllers() {
   stop_all();
   for (Controller& controller : controllers_) {
-    if (controller.process) vigil_.forget(*controller.process);
+    if (controller.process) wait_loop_.forget(*controller.process);
   }
 }
 
@@ -66,7 +66,7 @@ void Controllers::start(double patience_s) {
 }
 
 void Controllers::start_one(Controller& controller) {
-  auto argv = session_.clock() == "lockstep" ? keeper_of(*controller.spec, values_.at("connect"))
+  auto argv = session_.clock() == "lockstep" ? scheduler_of(*controller.spec, values_.at("connect"))
                                              : std::vector<std::string>();
   for (const std::string& word : controller.spec->command) argv.push_back(fill_in(word, values_));
   const auto hand_on = [this, spec = controller.spec](const std::string& line) {
@@ -77,7 +77,7 @@ void Controllers::start_one(Controller& controller) {
   } catch (const std::runtime_error& error) {
     throw config::ConfigError(controller.spec->place, error.what());
   }
-  vigil_.watch(*controller.process);
+  wait_loop_.watch(*controller.process);
 }
 
 void Controllers::await_joined(double patience_s) {
@@ -99,7 +99,7 @@ void Controllers::await_joined(double patience_s) {
       throw cli::ExitError(cli::kLost, "controller '" + missing + "' has not joined the clock within " +
                                            cli::exact(patience_s) + " s");
     }
-    vigil_.wait(-1, milliseconds(1));
+    wait_loop_.wait(-1, milliseconds(1));
   }
 }
 
@@ -129,7 +129,7 @@ void Controllers::await_exit(Controller& controller) {
       throw cli::ExitError(cli::kLost,
                            "controller '" + controller.spec->name + "' left the clock but did not end");
     }
-    vigil_.wait(-1, milliseconds(1));
+    wait_loop_.wait(-1, milliseconds(1));
   }
   check_ends();
 }
@@ -137,7 +137,7 @@ void Controllers::await_exit(Controller& controller) {
 // The members' own work is what takes the time here; asking often at first finds out at once who is quick.
 void Controllers::settle(protocol::ServerStatus status) {
   for (int tries = 0; session_.clock() == "lockstep" && is_undecided(status); ++tries) {
-    if (tries > 20) vigil_.wait(-1, milliseconds(1));
+    if (tries > 20) wait_loop_.wait(-1, milliseconds(1));
     status = session_.status();
   }
   note_who_left(status);

@@ -10,7 +10,7 @@
 #include "clients/visum/run/child_process.h"
 #include "clients/visum/run/scenario.h"
 #include "clients/visum/run/session.h"
-#include "clients/visum/run/vigil.h"
+#include "clients/visum/run/wait_loop.h"
 
 namespace visum::run {
 
@@ -28,7 +28,7 @@ class Controllers {
 
   // `specs` must outlive it. `values` fill the placeholders of the commands.
   Controllers(const std::vector<ControllerSpec>& specs, const std::map<std::string, std::string>& values,
-              Session& session, Vigil& vigil, OnLine on_line);
+              Session& session, WaitLoop& wait_loop, OnLine on_line);
   ~Controllers();  // stops those that still run, all at once
 
   // Starts all, and returns when those that join the clock have joined it. Throws ConfigError where a program
@@ -73,7 +73,7 @@ class Controllers {
 
   const std::map<std::string, std::string> values_;
   Session& session_;
-  Vigil& vigil_;
+  WaitLoop& wait_loop_;
   OnLine on_line_;
   std::vector<Controller> controllers_;
 };

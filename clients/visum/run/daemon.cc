@@ -88,8 +88,9 @@ std::filesystem::path find_visumd() {
   return find_server("visumd");
 }
 
-Daemon::Daemon(const DaemonOptions& options, double patience_s, Vigil& vigil, ChildProcess::OnLine on_line)
-    : vigil_(vigil) {
+Daemon::Daemon(const DaemonOptions& options, double patience_s, WaitLoop& wait_loop,
+               ChildProcess::OnLine on_line)
+    : wait_loop_(wait_loop) {
   // It speaks plain text, on loopback: no client that is started for it is to try anything else.
   for (const char* variable : {"VISUM_TLS_CA", "VISUM_TLS_CERT", "VISUM_TLS_KEY"}) ::unsetenv(variable);
   try {
@@ -102,24 +103,24 @@ Daemon::Daemon(const DaemonOptions& options, double patience_s, Vigil& vigil, Ch
   } catch (const std::runtime_error& error) {
     throw cli::ExitError(cli::kFailed, error.what());
   }
-  vigil_.watch(*process_);
+  wait_loop_.watch(*process_);
   try {
     wait_until_ready(patience_s);
   } catch (...) {
-    vigil_.forget(*process_);
+    wait_loop_.forget(*process_);
     throw;
   }
 }
 
 Daemon::~Daemon() {
-  vigil_.forget(*process_);
+  wait_loop_.forget(*process_);
   process_->stop(kFarewell);
 }
 
 void Daemon::wait_until_ready(double patience_s) {
   const auto give_up = Clock::now() + std::chrono::duration<double>(patience_s);
   while (ready_line_.empty()) {
-    vigil_.wait(-1, milliseconds(20));
+    wait_loop_.wait(-1, milliseconds(20));
     // Its end makes us read what it said before: that may be the line that we wait for.
     if (const auto& exit = process_->check_exit(); exit && ready_line_.empty()) {
       const bool explained =

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "clients/visum/run/child_process.h"
-#include "clients/visum/run/vigil.h"
+#include "clients/visum/run/wait_loop.h"
 
 namespace visum::run {
 
@@ -39,7 +39,7 @@ class Daemon {
   // Returns when it is ready to be connected to. Throws cli::ExitError: kBadConfig where visumd says that the
   // scene is wrong, kUsage where it refuses its options, kFailed where it does not become ready within
   // `patience_s`.
-  Daemon(const DaemonOptions& options, double patience_s, Vigil& vigil, ChildProcess::OnLine on_line);
+  Daemon(const DaemonOptions& options, double patience_s, WaitLoop& wait_loop, ChildProcess::OnLine on_line);
   ~Daemon();
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
@@ -55,7 +55,7 @@ class Daemon {
  private:
   void wait_until_ready(double patience_s);
 
-  Vigil& vigil_;
+  WaitLoop& wait_loop_;
   std::string ready_line_;
   std::uint16_t port_ = 0, page_port_ = 0;
   std::map<std::string, std::string> buses_;

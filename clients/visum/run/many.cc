@@ -12,7 +12,7 @@
 #include "clients/visum/run/child_process.h"
 #include "clients/visum/run/report_file.h"
 #include "clients/visum/run/spare_recording.h"
-#include "clients/visum/run/vigil.h"
+#include "clients/visum/run/wait_loop.h"
 #include "protocol/config/config.h"
 
 namespace visum::run {
@@ -46,7 +46,7 @@ class Crew {
     try {
       while (begun_ < options_.runs || !jobs_.empty()) {
         while (begun_ < options_.runs && jobs_.size() < options_.jobs) start(++begun_);
-        vigil_.wait(-1, kRound);
+        wait_loop_.wait(-1, kRound);
         std::erase_if(jobs_, [this](Job& job) { return take_end(job); });
       }
     } catch (const cli::ExitError& error) {
@@ -73,7 +73,7 @@ class Crew {
     } catch (const std::runtime_error& error) {
       return leave_out_from(run, cli::kFailed, error.what());
     }
-    vigil_.watch(*job.process);
+    wait_loop_.watch(*job.process);
     jobs_.push_back(std::move(job));
   }
 
@@ -90,7 +90,7 @@ class Crew {
   bool take_end(Job& job) {
     const auto& exit = job.process->check_exit();
     if (!exit) return false;
-    vigil_.forget(*job.process);
+    wait_loop_.forget(*job.process);
     Report& report = reports_[job.run - 1];
     try {
       report = read_report(job.result);
@@ -146,7 +146,7 @@ class Crew {
   const ManyOptions& options_;
   std::vector<Report> reports_;
   const cli::TempFolder results_;
-  Vigil vigil_{kNoLimit_s};
+  WaitLoop wait_loop_{kNoLimit_s};
   std::size_t begun_ = 0;  // or left out
   std::vector<Job> jobs_;
 };

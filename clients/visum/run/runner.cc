@@ -69,15 +69,16 @@ std::set<std::string> parts_needed(const Scenario& scenario) {
 // One run, once the daemon is ready.
 class Run {
  public:
-  Run(const Scenario& scenario, const RunOptions& options, Daemon& daemon, Vigil& vigil, Report& report)
+  Run(const Scenario& scenario, const RunOptions& options, Daemon& daemon, WaitLoop& wait_loop,
+      Report& report)
       : scenario_(scenario),
         options_(options),
         daemon_(daemon),
-        vigil_(vigil),
+        wait_loop_(wait_loop),
         report_(report),
-        session_(daemon.port(), vigil),
+        session_(daemon.port(), wait_loop),
         parts_(parts_needed(scenario)),
-        controllers_(scenario.controllers, placeholder_values(scenario, daemon), session_, vigil,
+        controllers_(scenario.controllers, placeholder_values(scenario, daemon), session_, wait_loop,
                      options.on_line) {}
 
   void go();
@@ -97,7 +98,7 @@ class Run {
   const Scenario& scenario_;
   const RunOptions& options_;
   Daemon& daemon_;
-  Vigil& vigil_;
+  WaitLoop& wait_loop_;
   Report& report_;
   Session session_;
   const std::set<std::string> parts_;
@@ -214,13 +215,13 @@ void Run::pace() {
       std::chrono::duration_cast<Clock::duration>(std::chrono::nanoseconds(step_ticks_ * session_.tick_ns()));
   due_ = std::max(due_ + step, Clock::now() - step);
   const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(due_ - Clock::now());
-  if (left.count() > 0) vigil_.wait(-1, left);
+  if (left.count() > 0) wait_loop_.wait(-1, left);
 }
 
 void Run::keep() {
   if (!options_.keep) return;
   options_.on_keep(report_, daemon_.port(), catalogue_);
-  vigil_.lift_limit();
+  wait_loop_.lift_limit();
   while (true) {
     pace();
     session_.step(step_ticks_, {});
@@ -268,11 +269,11 @@ void invalidate(Report& report, const std::string& why) {
   fail(report, cli::kInvalid, report.error.empty() ? why : why + "; " + report.error);
 }
 
-void run_with(Daemon& daemon, const Scenario& scenario, const RunOptions& options, Vigil& vigil,
+void run_with(Daemon& daemon, const Scenario& scenario, const RunOptions& options, WaitLoop& wait_loop,
               Report& report) {
   std::optional<Run> run;
   guard(report, &daemon, [&] {
-    run.emplace(scenario, options, daemon, vigil, report);
+    run.emplace(scenario, options, daemon, wait_loop, report);
     run->go();
   });
   if (!run) return;
@@ -301,7 +302,7 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
   report.run = scenario.run;
   report.swept = scenario.swept;
   report.recording = scenario.record;
-  Vigil vigil(scenario.max_wall_s);
+  WaitLoop wait_loop(scenario.max_wall_s);
   guard(report, nullptr, [&] {
     const cli::TempFolder links;
     const DaemonOptions daemon_options{options.visumd,
@@ -316,12 +317,12 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
                                        options.plugins,
                                        options.node_timeout_s,
                                        scenario.speedup};
-    Daemon daemon(daemon_options, scenario.start_wall_s, vigil,
+    Daemon daemon(daemon_options, scenario.start_wall_s, wait_loop,
                   [&](const std::string& line) { options.on_line("visumd", line); });
     // Who keeps the world wants to look at it, from the beginning.
     if (options.keep && daemon.page_port() != 0)
       options.on_line("visumd", "the page: http://127.0.0.1:" + std::to_string(daemon.page_port()) + "/");
-    run_with(daemon, scenario, options, vigil, report);
+    run_with(daemon, scenario, options, wait_loop, report);
   });
   return report;
 }

@@ -27,8 +27,8 @@ protocol::Hello hello(const char* name) {
 
 }  // namespace
 
-Session::Session(std::uint16_t port, Vigil& vigil)
-    : vigil_(vigil), connection_("127.0.0.1", port, hello(kName)) {
+Session::Session(std::uint16_t port, WaitLoop& wait_loop)
+    : wait_loop_(wait_loop), connection_("127.0.0.1", port, hello(kName)) {
   if (clock() == "lockstep") waiter_.emplace("127.0.0.1", port, hello(kWaiterName));
 }
 
@@ -75,7 +75,8 @@ Session::Step Session::step(std::int64_t ticks, const std::set<std::string>& par
 
 // Events, which are no answer, make the socket readable too.
 void Session::await_advance(std::uint64_t id) try {
-  while (!connection_.wait_for(id, std::chrono::milliseconds(0))) vigil_.wait(connection_.native_handle());
+  while (!connection_.wait_for(id, std::chrono::milliseconds(0)))
+    wait_loop_.wait(connection_.native_handle());
 } catch (const protocol::RequestError& error) {
   if (error.code() == protocol::ErrorCode::kTimeout) throw cli::ExitError(cli::kLost, error.what());
   throw cli::ExitError(cli::kFailed, std::string("the world stopped: ") + error.what());

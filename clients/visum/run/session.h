@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "clients/visum/run/quantity.h"
-#include "clients/visum/run/vigil.h"
+#include "clients/visum/run/wait_loop.h"
 #include "protocol/client.h"
 
 namespace visum::run {
@@ -23,7 +23,7 @@ class Session {
   static constexpr const char* kWaiterName = "scenario-waits";
   static constexpr std::int64_t kMostTicks = 900'000'000;  // of a run: the waiter waits for a later one
 
-  Session(std::uint16_t port, Vigil& vigil);
+  Session(std::uint16_t port, WaitLoop& wait_loop);
 
   void join();  // holds the world from now on (lockstep)
   Catalogue catalogue();
@@ -50,7 +50,7 @@ class Session {
   Observation take(std::span<const std::uint64_t> ids);
   void hear_events();
 
-  Vigil& vigil_;
+  WaitLoop& wait_loop_;
   protocol::Connection connection_;
   std::optional<protocol::Connection> waiter_;
   std::uint64_t era_ = 0;

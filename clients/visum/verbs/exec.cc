@@ -98,11 +98,11 @@ class ExecVerb : public Verb {
   int run() override try {
     read_options();
     std::optional<TempFolder> links;
-    run::Vigil vigil(kForever_s);
+    run::WaitLoop wait_loop(kForever_s);
     std::optional<run::Daemon> daemon;
     if (!scene_.empty()) {
       links.emplace();
-      daemon.emplace(daemon_options(*links), kStart_s, vigil, [](const std::string&) {});
+      daemon.emplace(daemon_options(*links), kStart_s, wait_loop, [](const std::string&) {});
       link_.connect = "127.0.0.1:" + std::to_string(daemon->port());
       fill_in_places(*daemon);
     }

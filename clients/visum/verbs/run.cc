@@ -99,7 +99,7 @@ class RunVerb : public Verb {
           kUsage,
           "--record, --result, --port, --progress and --keep are for one run: --only says which of a "
           "sweep; --report records what fails");
-    ManyWords words{file_, report_, junit_, recordings_folder(), {}, jobs_, json_};
+    ManyRunsOptions words{file_, report_, junit_, recordings_folder(), {}, jobs_, json_};
     if (!engine_.empty()) words.words.insert(words.words.end(), {"--engine", engine_});
     if (!clock_.empty()) words.words.insert(words.words.end(), {"--clock", clock_});
     if (seed_) words.words.insert(words.words.end(), {"--seed", std::to_string(*seed_)});

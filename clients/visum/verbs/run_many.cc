@@ -57,7 +57,7 @@ void check_writable(const std::string& file) {
   if (!out) throw ExitError(kUsage, file + ": cannot be written");
 }
 
-int run_many(const ManyWords& words, const config::Node& root) {
+int run_many(const ManyRunsOptions& words, const config::Node& root) {
   const std::size_t runs = run::Sweep(root).runs();
   const bool recorded = check_runs(root, runs);
   make_folder(words.report);

@@ -10,7 +10,7 @@
 
 namespace visum::cli {
 
-struct ManyWords {
+struct ManyRunsOptions {
   std::string file;                  // the scenario's
   std::string report;                // a folder; empty: none
   std::string junit;                 // a file; empty: none
@@ -24,6 +24,6 @@ struct ManyWords {
 void check_writable(const std::string& file);
 
 // `root`: what stands in the file. Returns the exit code; throws ExitError, config::ConfigError.
-int run_many(const ManyWords& words, const config::Node& root);
+int run_many(const ManyRunsOptions& words, const config::Node& root);
 
 }  // namespace visum::cli

@@ -42,7 +42,7 @@ class Bounded {
   };
   struct MechanismRow {
     const Axis* axis = nullptr;  // of the tree; else a line
-    Line line;
+    PathMotion line;
     // An axis' response to itself, were there no loops; of one that closes a loop, no joints. 0: not known.
     double without_loops = 0.0;
   };

@@ -198,7 +198,7 @@ void Bounded::connect_axis(RowBlock& block, const Axis& axis) {
   const JointSpec& joint = *axis.spec;
   const JointPose& pose = mechanism.loop_pose(static_cast<std::size_t>(axis.loop));
   const AxisDirection along = axis_direction(joint, pose);
-  const Line line = line_at(mechanism, plant_.bodies, joint.a, joint.b, pose.pb, along.w, along.v);
+  const PathMotion line = line_at(mechanism, plant_.bodies, joint.a, joint.b, pose.pb, along.w, along.v);
   rows.rows.push_back({.line = line, .without_loops = mechanism.free_response(line, plant_.bodies)});
 }
 
@@ -215,7 +215,7 @@ void Bounded::connect_mechanism(RowBlock& block, int a, const Reach* at_a, int b
   const Place& any = plant_.places[static_cast<std::size_t>(at_a != nullptr ? a : b)];
   add_mechanism_end(block, any.mechanism);
   for (std::size_t row = 0; row < block.dim; ++row) {
-    Line line;
+    PathMotion line;
     if (at_a != nullptr) {
       line.node_a = plant_.places[static_cast<std::size_t>(a)].node;
       line.angular_a = angular((*at_a)[row]);

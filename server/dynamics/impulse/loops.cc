@@ -12,9 +12,9 @@ constexpr double kNearlySingular = 3e-4;  // share; a four-bar has it within 0.0
 
 }  // namespace
 
-Line line_at(const Mechanism& mechanism, const Bodies& bodies, int body_a, int body_b, const Vector3d& p,
-             const Vector3d& w, const Vector3d& v) {
-  Line line;
+PathMotion line_at(const Mechanism& mechanism, const Bodies& bodies, int body_a, int body_b,
+                   const Vector3d& p, const Vector3d& w, const Vector3d& v) {
+  PathMotion line;
   if (body_a >= 0) {
     line.node_a = mechanism.node_of(body_a);
     line.angular_a = -w - (p - bodies.x[static_cast<std::size_t>(body_a)]).cross(v);
@@ -28,14 +28,14 @@ Line line_at(const Mechanism& mechanism, const Bodies& bodies, int body_a, int b
   return line;
 }
 
-void Mechanism::push(const Line& line, double impulse) {
+void Mechanism::push(const PathMotion& line, double impulse) {
   if (line.node_a >= 0)
     tree_.push_body(static_cast<std::size_t>(line.node_a), impulse * line.angular_a, impulse * line.linear_a);
   if (line.node_b >= 0)
     tree_.push_body(static_cast<std::size_t>(line.node_b), impulse * line.angular_b, impulse * line.linear_b);
 }
 
-double Mechanism::rate(const Line& line) const {
+double Mechanism::rate(const PathMotion& line) const {
   double sum = 0.0;
   if (line.node_a >= 0) {
     const auto a = static_cast<std::size_t>(line.node_a);
@@ -70,7 +70,7 @@ void Mechanism::find_loop_neighbours() {
   }
 }
 
-double Mechanism::free_response(const Line& line, const Bodies& bodies) const {
+double Mechanism::free_response(const PathMotion& line, const Bodies& bodies) const {
   const auto of = [&](int node, const Vector3d& angular, const Vector3d& linear) {
     if (node < 0) return 0.0;
     const auto body = static_cast<std::size_t>(tree_.node(static_cast<std::size_t>(node)).body);
@@ -94,12 +94,12 @@ void Mechanism::place_loop_rows(const Bodies& bodies) {
   }
 }
 
-double Mechanism::rate_of_parts(const Line& line, const std::array<int, 2>& parts) const {
+double Mechanism::rate_of_parts(const PathMotion& line, const std::array<int, 2>& parts) const {
   const auto among = [&](int node) {
     const int part = node < 0 ? -1 : tree_.part(static_cast<std::size_t>(node));
     return part >= 0 && (part == parts[0] || part == parts[1]);
   };
-  Line there = line;
+  PathMotion there = line;
   if (!among(line.node_a)) there.node_a = -1;
   if (!among(line.node_b)) there.node_b = -1;
   return rate(there);

@@ -253,7 +253,7 @@ void Mechanism::ask_velocities(const Bodies& bodies) {
     tree_.ask(i, -w, -v);
   }
   for (std::size_t row = 0; row < loop_row_count_; ++row) {
-    const Line& line = loop_rows_[row].line;
+    const PathMotion& line = loop_rows_[row].line;
     double rate = 0.0;
     for (const auto& [node, angular, linear] : {std::tie(line.node_a, line.angular_a, line.linear_a),
                                                 std::tie(line.node_b, line.angular_b, line.linear_b)}) {

@@ -13,7 +13,7 @@ namespace visum::dynamics::impulse {
 
 // One scalar of relative motion inside a mechanism: the sum over both ends of w·angular + v·linear, v that of
 // the centre of mass. An impulse on it pushes both ends along the same directions.
-struct Line {
+struct PathMotion {
   int node_a = -1, node_b = -1;  // -1: what stands still
   Vector3d angular_a = Vector3d::Zero(), linear_a = Vector3d::Zero();
   Vector3d angular_b = Vector3d::Zero(), linear_b = Vector3d::Zero();
@@ -64,14 +64,15 @@ class Mechanism {
   const JointSpec* worst_joint() const;
 
   void clear();
-  void push(const Line& line, double impulse);
+  void push(const PathMotion& line, double impulse);
   Tree& tree() { return tree_; }
   const Tree& tree() const { return tree_; }
   // Answers what has been asked and pushed since clear(), loops included.
   void solve();
-  double rate(const Line& line) const;                                 // in the answer
-  double free_response(const Line& line, const Bodies& bodies) const;  // to itself, were nothing jointed
-  void apply(Bodies& bodies) const { tree_.apply(bodies); }            // the answer to the bodies' velocities
+  double rate(const PathMotion& line) const;  // in the answer
+  double free_response(const PathMotion& line,
+                       const Bodies& bodies) const;          // to itself, were nothing jointed
+  void apply(Bodies& bodies) const { tree_.apply(bodies); }  // the answer to the bodies' velocities
 
   // What the joints will have to give at t (predicting.cc). Only where asked for, and of mechanisms without
   // loops.
@@ -99,7 +100,7 @@ class Mechanism {
 
  private:
   struct LoopRow {
-    Line line;
+    PathMotion line;
     std::size_t loop = 0;
     double free_response = 0.0;  // were its bodies not jointed
     double wanted = 0.0;
@@ -110,7 +111,7 @@ class Mechanism {
   void factor_loops();
   void find_response(std::size_t row, const std::array<int, 2>& parts);
   std::array<int, 2> parts(const JointSpec& loop) const;
-  double rate_of_parts(const Line& line, const std::array<int, 2>& parts) const;
+  double rate_of_parts(const PathMotion& line, const std::array<int, 2>& parts) const;
   void find_blocks(const Bodies& bodies);
   std::vector<JointBlock> joint_blocks(const std::vector<std::size_t>& nodes, const Bodies& bodies) const;
   void add_along(std::size_t i, std::size_t k, double impulse);
@@ -150,7 +151,7 @@ class Mechanism {
 std::vector<Mechanism> find_mechanisms(const world::WorldModel& model, const Bodies& bodies);
 
 // A relative motion (w, v) at P between two bodies of a mechanism, as a line.
-Line line_at(const Mechanism& mechanism, const Bodies& bodies, int body_a, int body_b, const Vector3d& p,
-             const Vector3d& w, const Vector3d& v);
+PathMotion line_at(const Mechanism& mechanism, const Bodies& bodies, int body_a, int body_b,
+                   const Vector3d& p, const Vector3d& w, const Vector3d& v);
 
 }  // namespace visum::dynamics::impulse

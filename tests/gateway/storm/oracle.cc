@@ -28,7 +28,7 @@ bool are_alike(const protocol::Request& one, const protocol::Request& other) {
 
 Oracle::Oracle(protocol::SessionHandler& judged, cycle::Simulation& simulation)
     : judged_(judged), simulation_(simulation), parts_(simulation.parts().size()) {
-  simulation_.set_witness(this);
+  simulation_.set_observer(this);
 }
 
 void Oracle::expect(bool holds, const std::string& claim) {
@@ -144,7 +144,8 @@ void Oracle::lost(const protocol::Event& event) {
     expect(part.lost_there >= part.epoch, "the world knows of a missed deadline first");
 }
 
-// Some errands take what came before them to the world at once, so that it is followed while it is taken out.
+// Some commands take what came before them to the world at once, so that it is followed while it is taken
+// out.
 void Oracle::empty_mailbox(gateway::TickSide& tick_side) {
   for (auto& part : parts_) part.delivered = kAll;
   tick_side.empty_mailbox();

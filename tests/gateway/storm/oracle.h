@@ -22,7 +22,7 @@
 
 namespace visum::storm {
 
-class Oracle final : public protocol::SessionHandler, public cycle::Witness {
+class Oracle final : public protocol::SessionHandler, public cycle::Observer {
  public:
   Oracle(protocol::SessionHandler& judged, cycle::Simulation& simulation);
 

@@ -34,15 +34,15 @@ scene::Scene scene_with(ClockKind clock) {
   return scene;
 }
 
-struct Witnesses final : cycle::Witness {
-  Witnesses(cycle::Witness* first, cycle::Witness* second) : all{first, second} {}
+struct Observers final : cycle::Observer {
+  Observers(cycle::Observer* first, cycle::Observer* second) : all{first, second} {}
   void took(const recording::TimedInput& input) override {
     for (auto* one : all) one->took(input);
   }
   void ticked() override {
     for (auto* one : all) one->ticked();
   }
-  std::array<cycle::Witness*, 2> all;
+  std::array<cycle::Observer*, 2> all;
 };
 
 // One daemon, from its start to its end or crash.
@@ -62,7 +62,7 @@ class Server {
     if (!record.empty()) {
       recorder_.emplace(simulation_, recording::Origin{}, record);
       both_.emplace(&oracle_, &*recorder_);
-      simulation_.set_witness(&*both_);
+      simulation_.set_observer(&*both_);
     }
     publish();
   }
@@ -173,7 +173,7 @@ class Server {
   Dice& dice_;
   cycle::Simulation simulation_;
   std::optional<recording::Recorder> recorder_;
-  std::optional<Witnesses> both_;  // the oracle and the recorder
+  std::optional<Observers> both_;  // the oracle and the recorder
   const bool threaded_;
   gateway::Mailbox mailbox_;
   gateway::TickSide tick_side_;

@@ -345,10 +345,10 @@ TEST(PowerCube, ResetDoesNotRepairAGearThatHasSlipped) {
   ASSERT_TRUE(slips) << why;
   const std::array active{hwparts::ActiveFault{0, *slips, 0}};
   bench.plants[0].upper = 0.2;
-  bench.part->suffer(active);
+  bench.part->set_faults(active);
   bench.ramp(1, 0.5f);
   bench.run(4.0);
-  bench.part->suffer({});
+  bench.part->set_faults({});
   bench.plants[0].upper = 1e9;
   bench.run(0.5);
   const double lost = bench.position(1) - bench.plants[0].joint.position;
@@ -411,10 +411,10 @@ TEST(PowerCube, SavePositionLatchesAllModulesAtOnce) {
 TEST(PowerCube, SynchronousMotionWaitsForTheStartOnCanOnly) {
   BusBench bench;
   EXPECT_TRUE(bench.set<std::uint32_t>(1, 0x39, 0x08000108));
-  EXPECT_TRUE(bench.send(1, with_value({0x0B, 0x04}, 0.2f), Wire::kCan));
+  EXPECT_TRUE(bench.send(1, with_value({0x0B, 0x04}, 0.2f), BusFraming::kCan));
   bench.run(0.5);
   EXPECT_NEAR(bench.position(1), 0.0, 1e-4);
-  bench.broadcast({0x0F, 0x00}, Wire::kCan);
+  bench.broadcast({0x0F, 0x00}, BusFraming::kCan);
   EXPECT_TRUE(bench.word(1) & bit::kMotion);
   bench.run(2.0);
   EXPECT_NEAR(bench.position(1), 0.2, 1e-3);
@@ -425,19 +425,19 @@ TEST(PowerCube, SynchronousMotionWaitsForTheStartOnCanOnly) {
 TEST(PowerCube, DisabledAcknowledgesAreMissingOnCanButGetIsAnswered) {
   BusBench bench;
   EXPECT_TRUE(bench.set<std::uint32_t>(1, 0x39, 0x04000108));
-  EXPECT_EQ(bench.send(1, {0x02}, Wire::kCan), std::nullopt);
+  EXPECT_EQ(bench.send(1, {0x02}, BusFraming::kCan), std::nullopt);
   EXPECT_TRUE(bench.word(1) & bit::kHalted);
-  EXPECT_TRUE(bench.send(1, {0x0A, 0x27}, Wire::kCan));
-  EXPECT_EQ(bench.send(1, {0x00}, Wire::kSerial), Message{0x00});
+  EXPECT_TRUE(bench.send(1, {0x0A, 0x27}, BusFraming::kCan));
+  EXPECT_EQ(bench.send(1, {0x00}, BusFraming::kSerial), Message{0x00});
 }
 
 TEST(PowerCube, OnCanTheIdAndTheCommandMustAgree) {
   BusBench bench;
   auto& bus = *bench.part->modules();
-  EXPECT_FALSE(bus.obey({Telegram::Kind::kSet, 1, {0x0A, 0x1D}}, Wire::kCan));
-  EXPECT_FALSE(bus.obey({Telegram::Kind::kGet, 1, {0x02}}, Wire::kCan));
+  EXPECT_FALSE(bus.handle({Telegram::Kind::kSet, 1, {0x0A, 0x1D}}, BusFraming::kCan));
+  EXPECT_FALSE(bus.handle({Telegram::Kind::kGet, 1, {0x02}}, BusFraming::kCan));
   EXPECT_FALSE(bench.word(1) & bit::kHalted);
-  EXPECT_FALSE(bus.obey({Telegram::Kind::kAnswer, 1, {0x0A, 0x1D}}, Wire::kCan));
+  EXPECT_FALSE(bus.handle({Telegram::Kind::kAnswer, 1, {0x0A, 0x1D}}, BusFraming::kCan));
 }
 
 TEST(PowerCube, StateFramesComeWithEveryChangeWhereSyncTransmitIsOn) {
@@ -479,7 +479,7 @@ TEST(PowerCube, BroadcastsOnRs232MayBeIgnored) {
   BusBench deaf("modules: {rs232_broadcasts: false}");
   deaf.broadcast({0x02});
   EXPECT_FALSE(deaf.word(1) & bit::kHalted);
-  deaf.broadcast({0x02}, Wire::kCan);
+  deaf.broadcast({0x02}, BusFraming::kCan);
   EXPECT_TRUE(deaf.word(1) & bit::kHalted);
 }
 

@@ -14,9 +14,9 @@
 namespace visum::test {
 
 namespace bit = drive::state_bit;
+using powercube::BusFraming;
 using powercube::Message;
 using powercube::Telegram;
-using powercube::Wire;
 
 template <typename T>
 Message with_value(std::initializer_list<std::uint8_t> head, T value) {
@@ -32,18 +32,18 @@ class BusBench : public PartBench {
       : PartBench("amtec_arm", arm_context(tick_s, angle, 0.017, more.empty() ? "" : ", " + more)) {}
 
   // As a client sends it on a serial line; on CAN with the id that fits.
-  std::optional<Message> send(int module, const Message& message, Wire wire = Wire::kSerial) {
+  std::optional<Message> send(int module, const Message& message, BusFraming framing = BusFraming::kSerial) {
     using Kind = Telegram::Kind;
     const bool reads = message.command() == powercube::command::kGetParameter;
     const auto kind = module == 0 ? Kind::kBroadcast : reads ? Kind::kGet : Kind::kSet;
-    const auto answer = part->modules()->obey({kind, static_cast<std::uint8_t>(module), message}, wire);
+    const auto answer = part->modules()->handle({kind, static_cast<std::uint8_t>(module), message}, framing);
     if (!answer) return std::nullopt;
     EXPECT_EQ(answer->kind, Kind::kAnswer);
     EXPECT_EQ(answer->module, module);
     return answer->message;
   }
-  void broadcast(const Message& message, Wire wire = Wire::kSerial) {
-    EXPECT_EQ(send(0, message, wire), std::nullopt);
+  void broadcast(const Message& message, BusFraming framing = BusFraming::kSerial) {
+    EXPECT_EQ(send(0, message, framing), std::nullopt);
   }
 
   template <typename T>

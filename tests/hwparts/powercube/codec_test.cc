@@ -119,11 +119,11 @@ TEST(SerialCodec, EveryModuleLengthAndSpecialByteComesBack) {
         for (std::size_t i = 0; i < size; ++i) telegram.message.put(static_cast<std::uint8_t>(byte));
         if (byte == command::kGetParameter) telegram.kind = Telegram::Kind::kGet;
         if (module == 0) telegram.kind = Telegram::Kind::kBroadcast;
-        const auto wire = encode_serial(telegram);
-        ASSERT_LE(wire.size, kMaxSerialBytes);
-        ASSERT_TRUE(std::ranges::count(wire.bytes(), 0x03) == 1 &&
-                    std::ranges::count(wire.bytes(), 0x02) == 1);
-        const auto decoded = decode_serial(wire.bytes());
+        const auto encoded = encode_serial(telegram);
+        ASSERT_LE(encoded.size, kMaxSerialBytes);
+        ASSERT_TRUE(std::ranges::count(encoded.bytes(), 0x03) == 1 &&
+                    std::ranges::count(encoded.bytes(), 0x02) == 1);
+        const auto decoded = decode_serial(encoded.bytes());
         ASSERT_EQ(decoded.progress, Progress::kComplete);
         ASSERT_EQ(decoded.telegram, telegram);
         ASSERT_TRUE(decoded.checksum_ok);

@@ -89,9 +89,9 @@ TEST(PowerCube, WhatThePortsStopWaitsForNoStart) {
     SCOPED_TRACE(counters.front());
     BusBench bench;
     EXPECT_TRUE(bench.set<std::uint32_t>(1, 0x39, 0x08000108));
-    EXPECT_TRUE(bench.send(1, with_value({0x0B, 0x04}, 0.2f), Wire::kCan));
+    EXPECT_TRUE(bench.send(1, with_value({0x0B, 0x04}, 0.2f), BusFraming::kCan));
     for (const auto& counter : counters) bench.bump(counter), bench.run(0.5);
-    bench.broadcast({0x0F, 0x00}, Wire::kCan);
+    bench.broadcast({0x0F, 0x00}, BusFraming::kCan);
     EXPECT_FALSE(bench.word(1) & bit::kMotion);
     bench.run(0.5);
     EXPECT_NEAR(bench.position(1), 0.0, 1e-3);

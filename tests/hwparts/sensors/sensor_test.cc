@@ -172,11 +172,11 @@ TEST(Sensor, FaultsAreItsFailuresAndEnd) {
     const auto made = hwparts::make_fault(fault, {}, why);
     ASSERT_TRUE(made) << why;
     const hwparts::ActiveFault active{0, *made, 0};
-    broken.sensor->suffer({&active, 1});
+    broken.sensor->set_faults({&active, 1});
     failing.fail(failure);
     EXPECT_EQ(readings(broken, 2.0, 40), readings(failing, 2.0, 40));
     EXPECT_EQ(broken.port("Changed"), failing.port("Changed"));
-    broken.sensor->suffer({});
+    broken.sensor->set_faults({});
     failing.fail("ok");
     EXPECT_EQ(readings(broken, 3.0, 40), readings(failing, 3.0, 40));
   }
@@ -201,7 +201,7 @@ TEST(Sensor, OffStaysOffWhateverFaultActs) {
     const auto made = hwparts::make_fault(fault, {}, why);
     ASSERT_TRUE(made) << why;
     const hwparts::ActiveFault active{0, *made, 0};
-    bench.sensor->suffer({&active, 1});
+    bench.sensor->set_faults({&active, 1});
     readings(bench, 2.0, 40);
     EXPECT_EQ(bench.port("Changed"), 0.0) << fault;
   }
@@ -261,8 +261,8 @@ TEST(Sensor, ADelayThatIsOverBeforeItsFirstReadingIsDueIsNotSeen) {
   Bench bench(kDistance + ", latency_ms: 7");
   const hwparts::ActiveFault late{0, {hwparts::FaultKind::kSensorDelayed, {}}, 0};
   for (int i = 1; i <= 40; ++i) {
-    if (i == 11) bench.sensor->suffer({&late, 1});
-    if (i == 16) bench.sensor->suffer({});
+    if (i == 11) bench.sensor->set_faults({&late, 1});
+    if (i == 16) bench.sensor->set_faults({});
     bench.tick({0.1 * i});
     ASSERT_EQ(bench.port("Changed"), std::max(0, i - 7)) << i;
     if (i > 7) {
@@ -276,7 +276,7 @@ TEST(Sensor, ASilentOneShowsWhatCameLastWhenTheSilenceEnds) {
   Bench bench(slow), restored(slow);
   const hwparts::ActiveFault silent{0, {hwparts::FaultKind::kPartSilent, {}}, 0};
   EXPECT_EQ(readings(bench, 1.0, 150).back(), 1.0);
-  for (auto* one : {&bench, &restored}) one->sensor->suffer({&silent, 1});
+  for (auto* one : {&bench, &restored}) one->sensor->set_faults({&silent, 1});
   EXPECT_EQ(readings(bench, 2.0, 100).back(), 1.0);
   EXPECT_EQ(readings(bench, 3.0, 100).back(), 1.0);
   EXPECT_EQ(bench.port("Changed"), 1.0);
@@ -286,7 +286,7 @@ TEST(Sensor, ASilentOneShowsWhatCameLastWhenTheSilenceEnds) {
   hwparts::StateReader from(kept);
   restored.sensor->load(from);
   for (auto* one : {&bench, &restored}) {
-    one->sensor->suffer({});
+    one->sensor->set_faults({});
     EXPECT_EQ(readings(*one, 4.0, 1).back(), 3.0) << "the next sample is 50 ticks away";
     EXPECT_EQ(one->port("Changed"), 3.0) << "those that nobody heard count";
   }
@@ -299,8 +299,8 @@ TEST(Sensor, ASilenceOfALateOneLosesNoReadingThatComesAfterIt) {
     Bench heard(kDistance + ", latency_ms: 7, failure: delayed, rate_hz: " + std::to_string(hz));
     const hwparts::ActiveFault fault{0, {hwparts::FaultKind::kPartSilent, {}}, 0};
     for (int i = 0; i < 600; ++i) {
-      if (i == 200) silent.sensor->suffer({&fault, 1});
-      if (i == 400) silent.sensor->suffer({});
+      if (i == 200) silent.sensor->set_faults({&fault, 1});
+      if (i == 400) silent.sensor->set_faults({});
       for (auto* one : {&silent, &heard}) one->tick({0.2 + 0.005 * i});
       if (i >= 400) {
         ASSERT_EQ(silent.outputs, heard.outputs) << i << " at " << hz << " Hz";

@@ -1,0 +1,96 @@
+// Drives the time of a program under the shim: gives its threads their turns, one at a time, and lets the
+// world run when all of them wait. SPEC.md in clients/shim says by which rules. One thread.
+#pragma once
+
+#include <sys/types.h>
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "clients/visum/exec/threads.h"
+#include "clients/visum/exec/time_channel.h"
+#include "clients/visum/exec/world_link.h"
+
+namespace visum::exec {
+
+class Scheduler {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  // `program`: a child of ours, which wakes up at multiples of `period_ticks`. `give_up`: when to end the
+  // run.
+  Scheduler(TimeChannel& channel, WorldLink& world, pid_t program, std::int64_t period_ticks,
+            Clock::time_point give_up);
+
+  // Until the program has ended; its status as waitpid() has it. Throws ExitError: kTimedOut, kLost.
+  int run();
+  // While the world is waited for: false where the program has ended and the world does not come. Throws as
+  // run().
+  bool is_patient();
+  // What is left of the program and of what it started.
+  void kill_all();
+
+ private:
+  // What we know of a slot's thread beside what it says itself.
+  struct Watched {
+    std::uint32_t turn = 0;  // `go`, when we looked
+    std::uint64_t ticks = 0;
+    std::uint64_t began = 0;  // `ticks`, when this turn was seen first
+    int still = 0;            // looks in a row at which it slept, without having told us
+    bool unknown = false;     // it waits in a call that the shim does not know
+    bool told = false;
+    std::optional<Clock::time_point> ended;  // it has, and who waits for that still sleeps
+  };
+
+  void await_quiet();
+  void check_end();
+  bool is_quiet(bool& soon);
+  bool is_busy(shim::Slot& slot);
+  bool is_still(shim::Slot& slot);
+  void free_if_gone(shim::Slot& slot);
+  bool is_to_wake_parent(const shim::Slot& slot, const ThreadState& state);
+  void watch();
+  bool has_run_long(const shim::Slot& slot);
+  void look_after(shim::Slot& slot);
+  void drop_if_late(shim::Slot& slot);
+  void complain(shim::Slot& slot);
+  void complain_of_nobody();
+  shim::Slot* next_ready();
+  shim::Slot* next_to_recheck();
+  void give_turn(shim::Slot& slot, bool again);
+  void note_outcome();
+  bool settle_for_one();
+  void advance();
+  bool advance_by(std::int64_t ticks);
+  std::int64_t earliest() const;
+  std::int64_t ticks_to(std::int64_t until_ns) const;
+  bool somebody_on_bus();
+  bool awaits_answer();
+  void ring_alarms();
+  std::uint64_t number(const shim::Slot& slot) const {
+    return static_cast<std::uint64_t>(&slot - memory_.slots);
+  }
+
+  TimeChannel& channel_;
+  shim::Shared& memory_;
+  WorldLink& world_;
+  pid_t program_;
+  std::int64_t period_ticks_;
+  Clock::time_point give_up_;
+  Threads threads_;
+  std::array<Watched, shim::kMostThreads> watched_{};
+  std::optional<int> ended_;  // the program's status
+  Clock::time_point ended_at_;
+  std::uint32_t quiet_bell_ = 0;  // the bell, when all waited
+  shim::Slot* last_turn_ = nullptr;
+  shim::Slot* rechecking_ = nullptr;  // has its turn only to look again
+  Clock::time_point quiet_since_ = Clock::now();
+  Clock::time_point noted_ = Clock::now();
+  Clock::time_point started_ = Clock::now();
+  bool told_of_nobody_ = false;
+};
+
+}  // namespace visum::exec

@@ -1,0 +1,101 @@
+// Who runs for long: dead, in a call that the shim does not know, computing, or spinning.
+#include <unistd.h>
+
+#include <cstdio>
+
+#include "clients/visum/exec/scheduler.h"
+
+namespace visum::exec {
+namespace {
+
+using shim::Slot;
+using shim::State;
+using std::chrono::seconds;
+
+constexpr int kStill = 2;  // looks, after which a thread that sleeps waits for something
+// With who runs while others are ready: of processor time, of which a busy host gives little.
+constexpr long kPatience_s = 1;
+constexpr seconds kStart{2};     // for a process to come up
+constexpr seconds kComplain{5};  // about who runs
+constexpr seconds kNotes{1};     // how often `visum status` is told
+
+std::string text_of(const Slot& slot) {
+  return "thread " + std::to_string(slot.tid) + " of " + process_name(slot.pid) + " (" +
+         std::to_string(slot.pid) + ")";
+}
+
+}  // namespace
+
+void Scheduler::watch() {
+  world_.look();
+  bool impatient = false;
+  for (auto& slot : channel_.slots()) {
+    if (slot.state != State::kRunning && slot.state != State::kStarting) continue;
+    look_after(slot);
+    impatient |= has_run_long(slot);
+  }
+  // Two may run at once rather than one wait for ever for what only the other can do.
+  if (auto* ready = impatient ? next_ready() : nullptr) give_turn(*ready, false);
+}
+
+bool Scheduler::has_run_long(const Slot& slot) {
+  static const auto ticks_per_s = static_cast<std::uint64_t>(::sysconf(_SC_CLK_TCK));
+  const auto& watched = watched_[number(slot)];
+  return slot.state == State::kRunning && watched.ticks - watched.began > kPatience_s * ticks_per_s;
+}
+
+void Scheduler::look_after(Slot& slot) {
+  auto& watched = watched_[number(slot)];
+  const auto state = threads_.state(slot.pid, slot.tid);
+  if (slot.state == State::kStarting) return drop_if_late(slot);
+  if (state.gone()) return free_if_gone(slot);
+  const bool still = state.sleeps() && watched.turn == slot.go && watched.ticks == state.ticks;
+  watched.still = still ? watched.still + 1 : 0;
+  if (watched.turn != slot.go) watched.began = state.ticks;
+  watched.turn = slot.go;
+  watched.ticks = state.ticks;
+  if (slot.state == State::kRunning && watched.still >= kStill && !watched.unknown) {
+    watched.unknown = true;
+  }
+  complain(slot);
+}
+
+// A place kept for a process that never came: a static program, or one that ended at once.
+void Scheduler::drop_if_late(Slot& slot) {
+  if (Clock::now() - quiet_since_ < kStart) return;
+  std::fprintf(
+      stderr,
+      "visum: a process that %s started does not keep in step: it is linked statically, or has ended\n",
+      process_name(slot.parent != 0 ? slot.parent : slot.pid).c_str());
+  slot.pid = 0;
+  slot.state = State::kFree;
+}
+
+// Who loads the shim has a slot before anything of its own runs.
+void Scheduler::complain_of_nobody() {
+  if (memory_.used != 0 || told_of_nobody_ || Clock::now() - started_ < kComplain) return;
+  told_of_nobody_ = true;
+  world_.note("waits for a program that does not load the time shim");
+  std::fprintf(
+      stderr,
+      "visum: %s (%d) does not load the time shim, and the world waits for it: is it linked statically, "
+      "or setuid? --gate needs no shim\n",
+      process_name(program_).c_str(), static_cast<int>(program_));
+}
+
+void Scheduler::complain(Slot& slot) {
+  const auto now = Clock::now();
+  const auto busy_for = std::chrono::duration_cast<seconds>(now - quiet_since_);
+  auto& watched = watched_[number(slot)];
+  if (watched.unknown || busy_for < kNotes) return;
+  if (now - noted_ > kNotes) world_.note("waits for " + text_of(slot) + ", which runs");
+  noted_ = now - noted_ > kNotes ? now : noted_;
+  if (busy_for < kComplain || watched.told) return;
+  watched.told = true;
+  std::fprintf(
+      stderr,
+      "visum: %s has run for %lld s without waiting: it computes or spins, and the world waits for it\n",
+      text_of(slot).c_str(), static_cast<long long>(busy_for.count()));
+}
+
+}  // namespace visum::exec

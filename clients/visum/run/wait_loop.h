@@ -1,0 +1,38 @@
+// Keeps watch while the runner waits for something: hands on the children's output, and ends the wait when
+// the user interrupts or the wall time that is allowed is over.
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+#include "clients/visum/run/child_process.h"
+
+namespace visum::run {
+
+class WaitLoop {
+ public:
+  explicit WaitLoop(double wall_s) : wall_s_(wall_s), give_up_(Clock::now() + to_duration(wall_s)) {}
+
+  void watch(ChildProcess& child) { children_.push_back(&child); }
+  void forget(ChildProcess& child) { std::erase(children_, &child); }
+  void lift_limit() { give_up_ = Clock::time_point::max(); }  // of the wall time
+
+  // Until `fd` can be read (true) or `patience` is over (false); fd -1: only children. Throws ExitError
+  // (interrupted, timed out).
+  bool wait(int fd, std::chrono::milliseconds patience);
+  // The same without an end; true only when `fd` can be read.
+  void wait(int fd);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static Clock::duration to_duration(double s) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+  }
+
+  double wall_s_;
+  Clock::time_point give_up_;
+  std::vector<ChildProcess*> children_;
+  std::vector<pollfd> set_;  // scratch
+};
+
+}  // namespace visum::run

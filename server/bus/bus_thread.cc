@@ -1,0 +1,244 @@
+#include "server/bus/bus_thread.h"
+
+#include <poll.h>
+#include <spdlog/spdlog.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace visum::bus {
+
+using powercube::BusFraming;
+using powercube::Telegram;
+
+namespace {
+
+constexpr std::chrono::milliseconds kRest{100};  // of a listener, once no descriptor is left
+
+bool rests(const BusThread::Wiring& wiring) {
+  return std::chrono::steady_clock::now() < wiring.rests_until;
+}
+
+}  // namespace
+
+BusThread::BusThread(std::vector<Wiring> wirings, std::function<void()> on_request)
+    : wirings_(std::move(wirings)),
+      on_request_(std::move(on_request)),
+      wake_fd_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (wake_fd_ < 0) throw std::runtime_error("eventfd: no descriptor left");
+  for (std::uint32_t i = 0; i < wirings_.size(); ++i)
+    for (auto& channel : wirings_[i].link->channels()) lines_[next_number_++] = {std::move(channel), i};
+  thread_ = std::thread([this] { run(); });
+}
+
+BusThread::~BusThread() {
+  ending_ = true;
+  wake();
+  thread_.join();
+  ::close(wake_fd_);
+}
+
+void BusThread::flush() {
+  const std::unique_lock turn(turn_, std::try_to_lock);
+  if (turn)
+    send_answers();
+  else
+    wake();
+}
+
+void BusThread::wake() {
+  const std::uint64_t one = 1;
+  // Can fail only where the counter is full, and then the thread is awake.
+  [[maybe_unused]] const auto written = ::write(wake_fd_, &one, sizeof one);
+}
+
+void BusThread::run() {
+  while (!ending_) {
+    wait();
+    bool queued;
+    {
+      const std::lock_guard turn(turn_);
+      serve(look());
+      send_answers();
+      queued = std::exchange(queued_, false);
+    }
+    if (queued) on_request_();
+  }
+}
+
+// For wake(), any listener, or any channel, in this order.
+std::vector<pollfd> BusThread::watched() const {
+  std::vector<pollfd> set{{wake_fd_, POLLIN, 0}};
+  for (const auto& wiring : wirings_)
+    set.push_back({rests(wiring) ? -1 : wiring.link->listener(), POLLIN, 0});
+  for (const auto& [number, line] : lines_) set.push_back({line.channel->fd(), POLLIN, 0});
+  return set;
+}
+
+// Until there is something to do. Who takes turns with us may add or remove lines meanwhile, and wakes us.
+void BusThread::wait() {
+  std::unique_lock turn(turn_);
+  const bool somebody_rests = std::ranges::any_of(wirings_, rests);
+  auto set = watched();
+  turn.unlock();
+  ::poll(set.data(), set.size(), somebody_rests ? static_cast<int>(kRest.count()) : -1);
+}
+
+// What is there now.
+std::vector<pollfd> BusThread::look() const {
+  auto set = watched();
+  if (::poll(set.data(), set.size(), 0) < 0) return {};
+  return set;
+}
+
+// True if a line or a listener had something.
+bool BusThread::serve(const std::vector<pollfd>& ready) {
+  if (ready.empty()) return false;
+  if (ready[0].revents) {
+    std::uint64_t count = 0;
+    [[maybe_unused]] const auto got = ::read(wake_fd_, &count, sizeof count);
+  }
+  bool any = false;
+  auto of_line = ready.begin() + 1 + static_cast<std::ptrdiff_t>(wirings_.size());
+  for (auto at = lines_.begin(); at != lines_.end();) {
+    const auto line = at++;  // reading may end the line
+    if (!(of_line++)->revents) continue;
+    any = true;
+    read(line->first, line->second);
+  }
+  for (std::uint32_t i = 0; i < wirings_.size(); ++i) {
+    if (ready[1 + i].revents) any |= admit(i);
+  }
+  return any;
+}
+
+// poll() on a pseudo terminal first lets the kernel's worker carry over what was written to its other end, so
+// that nothing is left behind. On TCP nobody promises that: there we wait for as many bytes as were written.
+bool BusThread::settle(const std::vector<protocol::Stream>& streams, std::chrono::milliseconds patience) {
+  const std::lock_guard turn(turn_);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto within = [begin](auto time) { return std::chrono::steady_clock::now() < begin + time; };
+  const auto lines = lines_.size();
+  const auto newest = next_number_;
+  const auto come = [this](const protocol::Stream& stream) { return has_come(stream); };
+  bool all = false, missing = false;
+  do {
+    const bool may_connect = within(kGrace);  // asked before we look: a late look still finds who has come
+    while (within(patience) && serve(look())) {
+    }
+    if (!may_connect) missing |= give_up_missing(streams);
+    all = std::ranges::all_of(streams, come);
+  } while (!all && within(patience));
+  if (lines != lines_.size() || newest != next_number_) wake();
+  return all && !missing;
+}
+
+// True where a connection is missing that was not given up before.
+bool BusThread::give_up_missing(const std::vector<protocol::Stream>& streams) {
+  bool any = false;
+  for (const auto& stream : streams)
+    if (!channel_of(stream.port)) any |= gone_.insert(stream.port).second;
+  return any;
+}
+
+bool BusThread::has_come(const protocol::Stream& stream) const {
+  const auto* channel = channel_of(stream.port);
+  return channel ? channel->heard() >= stream.written : gone_.contains(stream.port);
+}
+
+const Channel* BusThread::channel_of(std::uint32_t port) const {
+  const auto found =
+      std::ranges::find_if(lines_, [port](const auto& line) { return line.second.channel->port() == port; });
+  return port == 0 || found == lines_.end() ? nullptr : found->second.channel.get();
+}
+
+void BusThread::send_now() {
+  const std::lock_guard turn(turn_);
+  send_answers();
+}
+
+std::uint64_t BusThread::said() {
+  const std::lock_guard turn(turn_);
+  std::uint64_t bytes = 0;
+  for (const auto& [number, line] : lines_)
+    if (line.channel->port() == 0) bytes += line.channel->written();
+  return bytes;
+}
+
+void BusThread::fill_in(std::vector<protocol::Stream>& streams) {
+  const std::lock_guard turn(turn_);
+  for (auto& stream : streams)
+    if (const auto* channel = channel_of(stream.port))
+      stream = {stream.port, channel->written(), channel->heard()};
+}
+
+// False where nobody came, or nobody could be let in.
+bool BusThread::admit(std::uint32_t link) {
+  auto& wiring = wirings_[link];
+  auto channel = wiring.link->accept();
+  if (wiring.link->is_short()) {
+    const bool is_new = wiring.rests_until == std::chrono::steady_clock::time_point{};
+    if (is_new) spdlog::warn("{}: somebody waits, and no descriptor is left for him", wiring.link->name());
+    wiring.rests_until = std::chrono::steady_clock::now() + kRest;
+  } else if (channel) {
+    wiring.rests_until = {};
+  }
+  const auto of_link = [link](const auto& entry) { return entry.second.link == link; };
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(lines_, of_link));
+  if (!channel) return false;
+  if (count == kMaxChannels) {
+    gone_.insert(channel->port());
+    return true;
+  }
+  gone_.erase(channel->port());
+  lines_[next_number_++] = {std::move(channel), link};
+  return true;
+}
+
+void BusThread::read(std::uint64_t number, OpenChannel& line) {
+  const bool stays = line.channel->read(
+      [&](const Telegram& telegram, BusFraming framing) { take(number, line, telegram, framing); });
+  if (line.channel->client_discarded()) warn(wirings_[line.link]);
+  if (stays) return;
+  const auto& link = *wirings_[line.link].link;
+  if (link.listener() < 0) spdlog::warn("the bus {} is gone", link.name());
+  gone_.insert(line.channel->port());
+  lines_.erase(number);
+}
+
+// The kernel carries what was written to a pseudo terminal over to us in a worker of its own, and forgets it
+// where the client's tcflush() comes before the worker: nothing that we do could save it.
+void BusThread::warn(Wiring& wiring) {
+  if (std::exchange(wiring.warned, true)) return;
+  spdlog::warn(
+      "{}: the client discards its own output (tcflush), which on a pseudo terminal can lose what it wrote "
+      "just before; 'visum exec --tty' runs it without",
+      wiring.link->name());
+}
+
+void BusThread::take(std::uint64_t number, const OpenChannel& line, const Telegram& telegram,
+                     BusFraming framing) {
+  if (framing == BusFraming::kCan) spread(wirings_[line.link].part, telegram, number);
+  queued_ |= requests_.push({line.link, number, framing, telegram});
+}
+
+void BusThread::send_answers() {
+  for (BusItem item; answers_.pop(item);) {
+    if (item.framing == BusFraming::kCan) {
+      if (!item.corrupted) spread(wirings_[item.link].part, item.telegram, 0);
+    } else if (const auto line = lines_.find(item.channel); line != lines_.end()) {
+      line->second.channel->send(item.telegram, item.corrupted);
+    }
+  }
+}
+
+void BusThread::spread(std::uint32_t part, const Telegram& telegram, std::uint64_t except) {
+  for (auto& [number, line] : lines_)
+    if (number != except && wirings_[line.link].part == part && line.channel->is_can())
+      line.channel->send(telegram);
+}
+
+}  // namespace visum::bus

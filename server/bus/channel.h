@@ -1,0 +1,73 @@
+// One stream of bytes with a client's program at its other end, and how it is spoken on. One thread at a
+// time; nothing blocks. What cannot be written at once is lost, as on a real line that nobody reads.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "hwparts/powercube/can_codec.h"
+#include "hwparts/powercube/module.h"
+
+namespace visum::bus {
+
+enum class Speech {
+  kUndecided,  // TCP: the first byte tells
+  kSerial,     // RS-232 frames
+  kSlcan,      // CAN frames as lines of text; we are the adapter
+  kSlcanHost,  // the same from the other side: an adapter, opened already, is there
+  kSocketCan,  // CAN frames of the kernel
+};
+
+class Channel {
+ public:
+  using OnTelegram = std::function<void(const powercube::Telegram&, powercube::BusFraming)>;
+
+  enum class Reads { kBytes, kPackets };  // packets: a pseudo terminal's, with TIOCPKT
+
+  // Owns fd, which must not block.
+  Channel(int fd, Speech speech, Reads reads = Reads::kBytes, std::uint16_t port = 0)
+      : fd_(fd), speech_(speech), reads_(reads), port_(port) {}
+  ~Channel();
+  Channel(const Channel&) = delete;
+  Channel& operator=(const Channel&) = delete;
+
+  int fd() const { return fd_; }
+  // On a CAN bus everybody hears everything, on a serial line only what is meant for him.
+  bool is_can() const { return speech_ != Speech::kUndecided && speech_ != Speech::kSerial; }
+
+  std::uint16_t port() const { return port_; }        // TCP: the client's; else 0
+  std::uint64_t heard() const { return heard_; }      // bytes read so far
+  std::uint64_t written() const { return written_; }  // bytes written so far
+
+  // Takes in what is there. False: the other end is gone.
+  bool read(const OnTelegram& on_telegram);
+  // Whether the client has discarded output of its own since the last call; only packets tell.
+  bool client_discarded() { return std::exchange(client_discarded_, false); }
+  // One write. Corrupted: with a bit of its check sum turned over; serial lines only.
+  void send(const powercube::Telegram& telegram, bool corrupted = false);
+
+ private:
+  bool read_bytes(const OnTelegram& on_telegram);
+  bool read_can(const OnTelegram& on_telegram);
+  void decode(const OnTelegram& on_telegram);
+  void decide();
+  void take_serial(const OnTelegram& on_telegram);
+  void take_slcan(const OnTelegram& on_telegram);
+  void hear_adapter(const powercube::SlcanDecoded& decoded, const OnTelegram& on_telegram);
+  void handle_adapter_command(const powercube::SlcanDecoded& decoded, const OnTelegram& on_telegram);
+  void write(const void* data, std::size_t size);
+
+  int fd_;
+  Speech speech_;
+  Reads reads_;
+  std::uint16_t port_;
+  std::uint64_t heard_ = 0, written_ = 0;
+  bool client_discarded_ = false;
+  bool open_ = false;  // slcan: between "O" and "C"
+  bool listens_only_ = false;
+  std::vector<std::uint8_t> received_;  // not decoded yet; shorter than one read and one frame
+};
+
+}  // namespace visum::bus

@@ -1,0 +1,90 @@
+// The whole of a world at a tick border, and back there. What is restored may come from a file: every length
+// is checked, and every number that an engine would see.
+#include <stdexcept>
+#include <utility>
+
+#include "protocol/config/config.h"
+#include "server/cycle/simulation.h"
+
+namespace visum::cycle {
+
+void Simulation::keep(recording::State& whole) const {
+  whole.tick = state_.tick;
+  whole.era = era_;
+  whole.revision = revision_;
+  whole.next_snapshot = next_snapshot_;
+  save_all(state_, whole.state);
+  whole.snapshots.resize(snapshots_.size());
+  for (std::size_t i = 0; i < snapshots_.size(); ++i) {
+    auto& kept = whole.snapshots[i];
+    kept.number = snapshots_[i].number;
+    kept.state.clear();
+    world::save(snapshots_[i].state, kept.state);
+    kept.state.insert(kept.state.end(), snapshots_[i].rest.begin(), snapshots_[i].rest.end());
+  }
+  whole.edits = edits_;
+}
+
+// Bodies as they were after these edits of the scene that was loaded.
+void Simulation::edit_bodies(const std::vector<recording::State::Edit>& edits) {
+  if (edits == edits_) return;
+  change_scene(original_ ? *original_ : scene_);
+  edits_.clear();
+  edited_.clear();
+  snapshots_.clear();
+  start_state();
+  for (const auto& edit : edits) {
+    if (edit.came) add_body(edit.text);
+    if (edit.came) continue;
+    if (const auto reason = remove_body(edit.text); !reason.empty()) throw std::invalid_argument(reason);
+  }
+}
+
+void Simulation::restore_all(const recording::State& whole) {
+  if (whole.snapshots.size() > kMaxSnapshots) throw std::out_of_range("more snapshots than are kept");
+  edit_bodies(whole.edits);
+  snapshots_.clear();
+  std::string fault;
+  for (const auto& kept : whole.snapshots) {
+    auto& snapshot = snapshots_.emplace_back(Snapshot{kept.number, {}, {}});
+    const auto rest = world::load(kept.state, model(), snapshot.state, fault);
+    if (!fault.empty()) throw std::invalid_argument(fault);
+    snapshot.rest.assign(rest.begin(), rest.end());
+  }
+  const auto rest = world::load(whole.state, model(), state_, fault);
+  if (!fault.empty()) throw std::invalid_argument(fault);
+  load_rest(rest);
+  before_ = state_;
+  forget_ticks();
+  fault_.clear();
+  era_ = whole.era;
+  revision_ = whole.revision;
+  next_snapshot_ = whole.next_snapshot;
+}
+
+std::string Simulation::restore(const recording::State& whole) {
+  auto* const observer = std::exchange(observer_, nullptr);
+  std::string why;
+  try {
+    restore_all(whole);
+  } catch (const std::exception& error) {
+    why = error.what();
+    edit_bodies({});
+    snapshots_.clear();
+    reset();
+  }
+  observer_ = observer;
+  return why;
+}
+
+void Simulation::add_onlooker(std::unique_ptr<hwparts::Part> part) {
+  auto& bound = parts_.emplace_back();
+  bound.part = std::move(part);
+  bound.onlooker = true;
+  for (const auto& port : bound.part->description().controller_inputs)
+    bound.controller_inputs.push_back(port.initial);
+  for (const auto& port : bound.part->description().sensor_outputs)
+    bound.sensor_outputs.push_back(port.initial);
+}
+
+}  // namespace visum::cycle

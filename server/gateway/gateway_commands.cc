@@ -1,0 +1,142 @@
+// What the tick's side answers between ticks: one function per request.
+#include <algorithm>
+#include <exception>
+#include <new>
+#include <utility>
+
+#include "protocol/config/config.h"
+#include "server/gateway/tick_side.h"
+#include "server/world/world_state.h"
+
+namespace visum::gateway {
+
+using protocol::Error;
+using protocol::ErrorCode;
+using protocol::Ok;
+using protocol::Reply;
+
+void TickSide::run(std::unique_ptr<Command> command) {
+  if (const auto* step = std::get_if<protocol::Step>(&command->request)) {
+    if (started_ && !paused_) {
+      command->reply = Error{ErrorCode::kWrongState, "Step works while the time is paused", {}};
+    } else if (step_command_) {
+      command->reply = Error{ErrorCode::kBusy, "another Step is still running", {}};
+    } else if (simulation_.frozen()) {
+      command->reply = Error{ErrorCode::kFrozen, simulation_.fault(), {}};
+    } else {
+      steps_left_ = step->ticks;
+      step_command_ = std::move(command);
+      return;
+    }
+    done_.push_back(std::move(command));
+    return;
+  }
+  // What a client wrote before this request counts as written before it.
+  apply_inputs();
+  command->reply =
+      std::visit([&](const auto& request) { return answer(*command, request); }, command->request);
+  done_.push_back(std::move(command));
+}
+
+Reply TickSide::answer(Command&, const protocol::Pause&) {
+  started_ = paused_ = true;
+  return Ok{};
+}
+
+Reply TickSide::answer(Command&, const protocol::Resume&) {
+  if (simulation_.frozen()) return Error{ErrorCode::kFrozen, simulation_.fault(), {}};
+  started_ = true;
+  paused_ = false;
+  finish_steps();
+  return Ok{};
+}
+
+Reply TickSide::answer(Command&, const protocol::SetSpeed& request) {
+  pacer_.set_speed(request.factor, Clock::now());
+  return Ok{};
+}
+
+Reply TickSide::answer(Command&, const protocol::Reset&) {
+  simulation_.reset();
+  for (auto& watch : watches_) watch.last_tick = simulation_.tick_count();
+  return Ok{};
+}
+
+Reply TickSide::answer(Command&, const protocol::TakeSnapshot&) {
+  const auto number = simulation_.take_snapshot();
+  return protocol::SnapshotTaken{number, simulation_.tick_count(), simulation_.state_hash()};
+}
+
+Reply TickSide::answer(Command&, const protocol::RestoreSnapshot& request) {
+  const bool known = simulation_.has_snapshot(request.snapshot);
+  std::string why;
+  if (!simulation_.restore_snapshot(request.snapshot, &why))
+    return Error{known ? ErrorCode::kInternal : ErrorCode::kUnknownName, std::move(why), {}};
+  for (auto& watch : watches_) watch.last_tick = simulation_.tick_count();
+  return Ok{};
+}
+
+Reply TickSide::answer(Command& command, const protocol::AddBody& request) {
+  try {
+    simulation_.add_body(request.yaml);
+  } catch (const config::ConfigError& error) {
+    return Error{ErrorCode::kBadValue, error.what(), {}};
+  } catch (const std::bad_alloc&) {
+    throw;                                 // no body's fault
+  } catch (const std::exception& error) {  // of an engine or a sensor that cannot be had for that world
+    return Error{ErrorCode::kBadValue, error.what(), {}};
+  }
+  command.view = std::make_unique<WorldView>(describe_world(simulation_.scene(), simulation_.revision()));
+  return Ok{};
+}
+
+Reply TickSide::answer(Command& command, const protocol::RemoveBody& request) {
+  if (auto reason = simulation_.remove_body(request.body); !reason.empty())
+    return Error{simulation_.model().find_body(request.body).valid() ? ErrorCode::kWrongState
+                                                                     : ErrorCode::kUnknownName,
+                 std::move(reason),
+                 {}};
+  command.view = std::make_unique<WorldView>(describe_world(simulation_.scene(), simulation_.revision()));
+  return Ok{};
+}
+
+Reply TickSide::answer(Command& command, const protocol::GetParameters&) {
+  return protocol::ParameterList{simulation_.parts()[command.part].part->parameters()};
+}
+
+Reply TickSide::answer(Command& command, const protocol::SetParameter& request) {
+  if (auto reason = simulation_.set_parameter(command.part, request.name, request.value))
+    return Error{ErrorCode::kBadValue, std::move(*reason), {}};
+  return Ok{};
+}
+
+Reply TickSide::answer(Command& command, const protocol::ReadBlackboard& request) {
+  const auto& part = *simulation_.parts()[command.part].part;
+  const auto& boards = part.description().blackboards;
+  const auto board = std::ranges::find(boards, request.name, &protocol::Blackboard::name) - boards.begin();
+  const auto bytes = part.read_blackboard(static_cast<std::size_t>(board));
+  if (request.offset > bytes.size())
+    return Error{
+        ErrorCode::kBadValue, "'" + request.name + "' has " + std::to_string(bytes.size()) + " bytes", {}};
+  const auto rest = bytes.subspan(request.offset);
+  const auto wanted =
+      request.length == 0 ? rest : rest.first(std::min<std::size_t>(request.length, rest.size()));
+  return protocol::BlackboardData{
+      request.offset, bytes.size(), {wanted.begin(), wanted.end()}, world::hash_bytes(bytes)};
+}
+
+Reply TickSide::answer(Command& command, const protocol::WriteBlackboard& request) {
+  const auto& boards = simulation_.parts()[command.part].part->description().blackboards;
+  const auto board = std::ranges::find(boards, request.name, &protocol::Blackboard::name) - boards.begin();
+  if (auto reason = simulation_.write_blackboard(command.part, static_cast<std::size_t>(board),
+                                                 request.offset, request.data))
+    return Error{ErrorCode::kBadValue, std::move(*reason), {}};
+  return Ok{};
+}
+
+template <typename Other>
+Reply TickSide::answer(Command&, const Other&) {
+  return Error{ErrorCode::kInternal, "a request that is no command", {}};
+}
+
+}  // namespace visum::gateway

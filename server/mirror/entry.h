@@ -1,0 +1,19 @@
+// How the mirror connects to an arm's server, and what it shows there to be let in.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "protocol/tls.h"
+
+namespace visum::mirror {
+
+inline constexpr std::chrono::milliseconds kConnectTimeout{1000};  // also for an answer
+inline constexpr std::chrono::seconds kRetryPeriod{1};
+
+struct Entry {
+  std::string token;       // empty: none is wanted
+  protocol::TlsFiles tls;  // none: plain text
+};
+
+}  // namespace visum::mirror

@@ -1,0 +1,56 @@
+// The world that an arm behind a mirror moves in, where its server has one: shown to those who look at the
+// mirror. A session of its own, as an observer, so that a world that cannot be had costs the arm nothing.
+// When the server goes, or its bodies change, the world is asked for anew on a thread of its own: nobody
+// waits for it. All calls come from one thread.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "protocol/client.h"
+#include "server/gateway/published.h"
+#include "server/mirror/entry.h"
+
+namespace visum::mirror {
+
+class WorldLink {
+ public:
+  // Waits for the first answer. Throws std::runtime_error that names the address.
+  WorldLink(std::string address, Entry entry);
+
+  // False: behind that server is something real, or a world without bodies.
+  bool has_world() const { return view_ != nullptr; }
+  int descriptor() const { return connection_ ? connection_->native_handle() : -1; }
+
+  // Takes in what came, without waiting.
+  void poll();
+  // Puts the newest sample where the server's own world would stand; its ticks remain the server's own.
+  void fill(gateway::Published& published) const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Found {
+    protocol::Connection connection;
+    std::shared_ptr<const gateway::WorldView> view;  // none: there is no world
+    protocol::WorldSample sample;
+  };
+  static Found find(const std::string& address, const Entry& entry);
+  void adopt(Found found);
+  void look_again();
+  void take(const protocol::Reply& reply);
+
+  std::string address_;
+  Entry entry_;
+  std::optional<protocol::Connection> connection_;
+  std::shared_ptr<const gateway::WorldView> view_;
+  protocol::WorldSample sample_;
+  bool stale_ = false;  // bodies came or went
+  Clock::time_point tried_{};
+  std::future<Found> search_;
+};
+
+}  // namespace visum::mirror

@@ -1,0 +1,80 @@
+#include "server/programs/scene_check.h"
+
+#include <spdlog/spdlog.h>
+
+#include <iostream>
+
+#include "protocol/json_text.h"
+#include "server/cycle/node_errors.h"
+#include "server/cycle/simulation.h"
+#include "server/scene/all_errors.h"
+
+namespace visum::programs {
+namespace {
+
+std::string counted(std::size_t number, const char* one, const char* many) {
+  return std::to_string(number) + " " + (number == 1 ? one : many);
+}
+
+void print_right(const cycle::Simulation& simulation) {
+  const auto& model = simulation.model();
+  for (const auto& loss : simulation.scene().losses) std::cout << loss << "\n";
+  std::cout << simulation.scene().file.string()
+            << " is right: " << counted(model.bodies.size(), "body", "bodies") << ", "
+            << counted(model.joints.size(), "joint", "joints") << ", "
+            << counted(simulation.parts().size(), "part", "parts") << std::endl;
+}
+
+void print_right_as_json(const cycle::Simulation& simulation) {
+  const auto& model = simulation.model();
+  std::string losses;
+  for (const auto& loss : simulation.scene().losses)
+    losses += (losses.empty() ? "" : ",") + protocol::json_quoted(loss);
+  std::cout << "{\"right\":true,\"scene\":" << protocol::json_quoted(model.name)
+            << ",\"bodies\":" << model.bodies.size() << ",\"joints\":" << model.joints.size()
+            << ",\"parts\":" << simulation.parts().size() << ",\"losses\":[" << losses << "]}" << std::endl;
+}
+
+// {"file":...,"line":...,"key":...,"message":..., without the bracket at the end.
+std::string members_of(const config::ConfigError& error, const std::string& before) {
+  const auto& place = error.place();
+  return before + "\"file\":" + protocol::json_quoted(place.file) +
+         ",\"line\":" + std::to_string(place.line) + ",\"key\":" + protocol::json_quoted(place.key) +
+         ",\"message\":" + protocol::json_quoted(error.message());
+}
+
+// Of a scene that is right, says what is in it.
+std::vector<config::ConfigError> errors_of(const std::filesystem::path& file, const scene::Options& options,
+                                           bool json) {
+  std::vector<config::ConfigError> errors;
+  const auto scene = scene::load_scene(file, options, errors);
+  if (!scene) return errors;
+  errors = cycle::errors_of_nodes(*scene);
+  if (!errors.empty()) return errors;
+  try {
+    const cycle::Simulation simulation(*scene);
+    json ? print_right_as_json(simulation) : print_right(simulation);
+  } catch (const config::ConfigError& error) {
+    errors.push_back(error);
+  }
+  return errors;
+}
+
+}  // namespace
+
+void print_wrong_as_json(const std::vector<config::ConfigError>& errors) {
+  std::string list;
+  for (const auto& error : errors) list += (list.empty() ? "" : ",") + members_of(error, "{") + "}";
+  std::cout << members_of(errors.front(), "{\"right\":false,") << ",\"errors\":[" << list << "]}"
+            << std::endl;
+}
+
+void check_scene(const std::filesystem::path& file, const scene::Options& options, bool json) {
+  const auto errors = errors_of(file, options, json);
+  if (errors.empty()) return;
+  if (json) print_wrong_as_json(errors);
+  for (std::size_t i = 0; i + 1 < errors.size(); ++i) spdlog::error("{}", errors[i].what());
+  throw errors.back();
+}
+
+}  // namespace visum::programs

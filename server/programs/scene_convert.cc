@@ -1,0 +1,38 @@
+#include "server/programs/scene_convert.h"
+
+#include <iostream>
+
+#include "protocol/json_text.h"
+#include "server/programs/scene_check.h"
+#include "server/scene/convert/convert.h"
+
+namespace visum::programs {
+namespace {
+
+void print(const std::filesystem::path& to, const std::vector<std::string>& losses) {
+  for (const auto& loss : losses) std::cout << loss << "\n";
+  std::cout << to.string() << " is written" << (losses.empty() ? "" : ", but for the above") << std::endl;
+}
+
+void print_as_json(const std::filesystem::path& to, const std::vector<std::string>& losses) {
+  std::string list;
+  for (const auto& loss : losses) list += (list.empty() ? "" : ",") + protocol::json_quoted(loss);
+  std::cout << "{\"written\":" << protocol::json_quoted(to.string()) << ",\"losses\":[" << list << "]}"
+            << std::endl;
+}
+
+}  // namespace
+
+bool convert_scene(const std::filesystem::path& from, const std::filesystem::path& to,
+                   const scene::Options& options, bool json) {
+  try {
+    const auto losses = scene::convert(from, to, options);
+    json ? print_as_json(to, losses) : print(to, losses);
+    return losses.empty();
+  } catch (const config::ConfigError& error) {
+    if (json) print_wrong_as_json({error});
+    throw;
+  }
+}
+
+}  // namespace visum::programs

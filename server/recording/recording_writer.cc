@@ -1,0 +1,156 @@
+#include "server/recording/recording_writer.h"
+
+#include <fcntl.h>
+#include <spdlog/spdlog.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+namespace visum::recording {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kRound{10};   // how often the thread looks at its queue
+constexpr milliseconds kFlush{500};  // how long a message waits for its chunk to be full
+constexpr milliseconds kRoom{1};     // how often the tick's thread looks for room
+constexpr std::chrono::seconds kPatience{10};
+
+int make_file(const std::filesystem::path& file) {
+  const auto fail = [&](int fd, const char* why) {
+    if (fd >= 0) ::close(fd);
+    throw std::runtime_error("the recording '" + file.string() + "' cannot be written: " + why);
+  };
+  const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
+  if (fd < 0) fail(fd, std::strerror(errno));
+  struct stat what {};
+  if (::fstat(fd, &what) != 0 || !S_ISREG(what.st_mode)) return fd;
+  // Not every file system has locks; where there are none, nobody is known to write.
+  if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) fail(fd, "another program is writing it");
+  if (::ftruncate(fd, 0) != 0) fail(fd, std::strerror(errno));
+  return fd;
+}
+
+}  // namespace
+
+RecordingWriter::RecordingWriter(const std::filesystem::path& file, Overflow overflow)
+    : file_(file),
+      overflow_(overflow),
+      out_{make_file(file)},
+      writer_([this](Bytes bytes) { write(bytes); }, "visumd") {}
+
+RecordingWriter::~RecordingWriter() {
+  if (thread_.joinable()) {
+    {
+      const std::lock_guard lock(mutex_);
+      stopping_ = true;
+    }
+    stopped_.notify_one();
+    thread_.join();
+  }
+}
+
+RecordingWriter::Descriptor::~Descriptor() {
+  ::close(fd);
+}
+
+void RecordingWriter::start() {
+  thread_ = std::thread([this] { run(); });
+}
+
+void RecordingWriter::put_first(std::uint16_t channel, std::uint64_t publish_time_ns, Bytes data) {
+  writer_.write(channel, 0, publish_time_ns, data);
+  last_publish_ns_ = publish_time_ns;
+}
+
+// Where the tick waits for room anyway, the answer must not hang on the disk: equal runs are equal files.
+bool RecordingWriter::has_room_for(std::size_t bytes) const {
+  return bytes <= (overflow_ == Overflow::kWait ? kQueueBytes : queue_.write_available()) / 2;
+}
+
+void RecordingWriter::put(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
+                          Bytes data) {
+  if (ended()) return;
+  const Head head{channel, static_cast<std::uint32_t>(data.size()), log_time_ns, publish_time_ns};
+  const auto head_bytes = std::as_bytes(std::span(&head, 1));
+  message_.assign(head_bytes.begin(), head_bytes.end());
+  message_.insert(message_.end(), data.begin(), data.end());
+  if (!make_room(message_.size()))
+    return end("the disk is slower than the world; what waited for it is " +
+               std::to_string(kQueueBytes >> 20) + " MiB");
+  queue_.push(message_.data(), message_.size());
+}
+
+bool RecordingWriter::make_room(std::size_t bytes) {
+  if (queue_.write_available() >= bytes) return true;
+  if (overflow_ == Overflow::kEnd) return false;
+  const auto give_up = Clock::now() + kPatience;
+  while (queue_.write_available() < bytes && Clock::now() < give_up && !ended())
+    std::this_thread::sleep_for(kRoom);
+  return queue_.write_available() >= bytes;
+}
+
+void RecordingWriter::put_line(std::uint16_t channel, std::vector<std::byte> data) {
+  const std::lock_guard lock(mutex_);
+  if (lines_.size() < kMaxLines) lines_.push_back({channel, std::move(data)});
+}
+
+void RecordingWriter::end(const std::string& why) {
+  if (!ended_.exchange(true)) spdlog::error("the recording '{}' ends here: {}", file_.string(), why);
+}
+
+void RecordingWriter::run() try {
+  auto flushed = Clock::now();
+  for (bool stopping = false; !stopping;) {
+    {
+      std::unique_lock lock(mutex_);
+      stopping = stopped_.wait_for(lock, kRound, [this] { return stopping_; });
+    }
+    work();
+    if (Clock::now() - flushed < kFlush) continue;
+    writer_.flush();
+    flushed = Clock::now();
+  }
+  writer_.close();
+} catch (const std::exception& error) {
+  end(error.what());
+}
+
+void RecordingWriter::work() {
+  write_lines();
+  Head head{};
+  while (queue_.read_available() >= sizeof head) {
+    queue_.pop(reinterpret_cast<std::byte*>(&head), sizeof head);
+    taken_.resize(head.size);
+    queue_.pop(taken_.data(), head.size);
+    last_log_ns_ = head.log_time_ns;
+    last_publish_ns_ = head.publish_time_ns;
+    writer_.write(head.channel, head.log_time_ns, head.publish_time_ns, taken_);
+  }
+}
+
+void RecordingWriter::write_lines() {
+  std::vector<LogEntry> lines;
+  {
+    const std::lock_guard lock(mutex_);
+    lines.swap(lines_);
+  }
+  for (const auto& line : lines) writer_.write(line.channel, last_log_ns_, last_publish_ns_, line.data);
+}
+
+void RecordingWriter::write(Bytes bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(out_.fd, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) throw std::runtime_error(std::strerror(errno));
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+}
+
+}  // namespace visum::recording
