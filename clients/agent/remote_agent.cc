@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "protocol/config/unknown_name.h"
 #include "protocol/plugin/node_settings.h"
 
 namespace visum::agent {
@@ -105,8 +106,7 @@ config::Node find_entry(const config::Node& root, const std::string& name) {
     known.push_back(list.at(i).get("name").text());
     if (known.back() == name) return list.at(i);
   }
-  const auto near = config::nearest(name, known);
-  list.fail("has no agent '" + name + "'" + (near ? "; did you mean '" + *near + "'?" : ""));
+  list.fail(config::unknown_name("agent", name, known));
 }
 
 std::vector<plugin::Library> open_libraries(const config::Node& root,

@@ -4,6 +4,7 @@
 
 #include "clients/cpp/client_state.h"
 #include "protocol/config/config.h"
+#include "protocol/config/unknown_name.h"
 #include "protocol/limits.h"
 #include "protocol/token_file.h"
 
@@ -89,11 +90,8 @@ std::vector<std::string> Client::part_names() {
 
 Part Client::part(const std::string& name) {
   const std::vector<std::string> names = part_names();
-  if (std::find(names.begin(), names.end(), name) == names.end()) {
-    const auto near = config::nearest(name, names);
-    throw Error(ErrorCode::kUnknownName,
-                "no part '" + name + "' here" + (near ? " (did you mean '" + *near + "'?)" : ""), name);
-  }
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    throw Error(ErrorCode::kUnknownName, config::unknown_name("part", name, names), name);
   const auto reply = state_->request_as<protocol::PartDescriptionReply>(protocol::DescribePart{name}, name);
   auto part = std::make_unique<detail::PartState>();
   part->client = state_.get();

@@ -4,18 +4,18 @@
 
 #include "clients/cpp/client_state.h"
 #include "protocol/config/config.h"
+#include "protocol/config/unknown_name.h"
 
 namespace visum {
 namespace {
 
-std::string nearest_hint(const std::string& name, const std::vector<PortInfo>& ports) {
+std::string near_port(const std::string& name, const std::vector<PortInfo>& ports) {
   std::vector<std::string> candidates;
   for (const PortInfo& port : ports) {
     candidates.push_back(port.name);
     if (!port.group.empty()) candidates.push_back(port.group);
   }
-  const auto near = config::nearest(name, candidates);
-  return near ? " (did you mean '" + *near + "'?)" : std::string();
+  return config::did_you_mean(name, candidates);
 }
 
 // The ports of this group or, where there is no such group, the one of this name.
@@ -30,8 +30,7 @@ std::vector<std::size_t> find_ports(const detail::PartState& part, const std::ve
     if (port.name == name) return {port.index};
   }
   throw Error(ErrorCode::kUnknownName,
-              part.name + " has no " + vector + " '" + name + "'" + nearest_hint(name, ports), part.name,
-              name);
+              part.name + " has no " + vector + " '" + name + "'" + near_port(name, ports), part.name, name);
 }
 
 std::vector<std::size_t> one_port(const detail::PartState& part, const std::vector<PortInfo>& ports,
@@ -188,11 +187,9 @@ ParameterValue Part::parameter(const std::string& name) const {
     if (parameter.name == name) return parameter.value;
     names.push_back(parameter.name);
   }
-  const auto near = config::nearest(name, names);
-  throw Error(
-      ErrorCode::kUnknownName,
-      state_->name + " has no parameter '" + name + "'" + (near ? " (did you mean '" + *near + "'?)" : ""),
-      state_->name, name);
+  throw Error(ErrorCode::kUnknownName,
+              "part '" + state_->name + "': " + config::unknown_name("parameter", name, names), state_->name,
+              name);
 }
 
 void Part::set_parameter(const std::string& name, const ParameterValue& value) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "protocol/config/read_file.h"
+#include "protocol/config/unknown_name.h"
 #include "protocol/config/yaml_document.h"
 
 namespace visum::config {
@@ -63,11 +64,6 @@ bool is_any_of(std::string_view text, std::initializer_list<std::string_view> wo
 bool is_infinity_or_nan(std::string_view text) {
   if (!text.empty() && (text[0] == '-' || text[0] == '+')) text.remove_prefix(1);
   return is_any_of(text, {".inf", ".Inf", ".INF", ".nan", ".NaN", ".NAN"});
-}
-
-std::string hint(std::string_view word, const std::vector<std::string>& candidates) {
-  const auto near = nearest(word, candidates);
-  return near ? "; did you mean '" + *near + "'?" : "";
 }
 
 }  // namespace
@@ -163,7 +159,7 @@ std::string Node::one_of(const std::vector<std::string>& choices) const {
   if (std::find(choices.begin(), choices.end(), word) != choices.end()) return word;
   std::string list;
   for (const std::string& choice : choices) list += (list.empty() ? "" : ", ") + choice;
-  fail("must be one of " + list + ", is '" + shown(word) + "'" + hint(word, choices));
+  fail("must be one of " + list + ", is '" + shown(word) + "'" + did_you_mean(word, choices));
 }
 
 std::size_t Node::size() const {
@@ -229,7 +225,7 @@ void Node::allow_only(const std::vector<std::string_view>& known) const {
     if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
     const std::vector<std::string> words(known.begin(), known.end());
     throw ConfigError({place().file, entry.line, place().key},
-                      "unknown key '" + shown(entry.key) + "'" + hint(entry.key, words));
+                      "unknown key '" + shown(entry.key) + "'" + did_you_mean(entry.key, words));
   }
 }
 

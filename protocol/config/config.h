@@ -95,7 +95,4 @@ inline constexpr std::size_t kMaxNodes = 1'000'000;
 Node load_file(const std::filesystem::path& path);
 Node load_text(const std::string& yaml, const std::string& name, const std::filesystem::path& folder = ".");
 
-// The one of `candidates` that is nearest to `word` by edit distance, if near enough to be what was meant.
-std::optional<std::string> nearest(std::string_view word, const std::vector<std::string>& candidates);
-
 }  // namespace visum::config

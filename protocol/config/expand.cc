@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "protocol/config/expression.h"
+#include "protocol/config/unknown_name.h"
 #include "protocol/config/yaml_document.h"
 
 namespace visum::config {
@@ -242,8 +243,7 @@ class Expander {
     if (found != scope.end()) return *found->second;
     std::vector<std::string> known;
     for (const auto& [key, value] : scope) known.push_back(key);
-    const auto near = nearest(name, known);
-    fail(line, "there is no parameter '" + name + "'" + (near ? "; did you mean '" + *near + "'?" : ""));
+    fail(line, unknown_name("parameter", name, known));
   }
 
   static std::string trimmed(const std::string& text) {

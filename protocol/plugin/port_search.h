@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "protocol/config/config.h"
+#include "protocol/config/unknown_name.h"
 #include "protocol/plugin/plugin.h"
 
 namespace visum::plugin {
 
-// Index of the entry of this name; throws Error: "part 'cart' has no output 'Sped 1'; did you mean 'Speed
-// 1'?"
+// Index of the entry of this name. Throws Error: "part 'cart': there is no output 'Sped 1'; did you mean
+// 'Speed 1'?"
 template <typename Named>
 std::size_t index_of(const std::vector<Named>& list, std::string_view name, const std::string& part,
                      const char* what) {
@@ -22,9 +23,7 @@ std::size_t index_of(const std::vector<Named>& list, std::string_view name, cons
   if (found != list.end()) return static_cast<std::size_t>(found - list.begin());
   std::vector<std::string> names;
   for (const auto& entry : list) names.push_back(entry.name);
-  const auto near = config::nearest(name, names);
-  throw Error("part '" + part + "' has no " + what + " '" + std::string(name) + "'" +
-              (near ? "; did you mean '" + *near + "'?" : ""));
+  throw Error("part '" + part + "': " + config::unknown_name(what, name, names));
 }
 
 // Port number `index`; throws Error where there is none.

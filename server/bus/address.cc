@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "protocol/config/config.h"
+#include "protocol/config/unknown_name.h"
 #include "server/bus/bus_link.h"
 
 namespace visum::bus {
@@ -79,10 +80,7 @@ BusAddress parse_bus(const std::string& text, const scene::Scene& scene) {
   const std::string part = text.substr(0, equals);
   std::vector<std::string> names;
   for (const auto& plan : scene.parts) names.push_back(plan.context.name);
-  if (std::ranges::find(names, part) == names.end()) {
-    const auto near = config::nearest(part, names);
-    fail(text, "there is no part '" + part + "'" + (near ? "; did you mean '" + *near + "'?" : ""));
-  }
+  if (std::ranges::find(names, part) == names.end()) fail(text, config::unknown_name("part", part, names));
   return parse(part, text.substr(equals + 1));
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "protocol/config/config.h"
+#include "protocol/config/unknown_name.h"
 #include "server/gateway/gateway.h"
 
 namespace visum::gateway {
@@ -13,13 +14,6 @@ namespace visum::gateway {
 using protocol::ErrorCode;
 
 namespace {
-
-// "there is no part 'amr'; did you mean 'arm'?"
-std::string unknown(const std::string& what, const std::string& name, const std::vector<std::string>& known) {
-  std::string text = "there is no " + what + " '" + name + "'";
-  if (const auto meant = config::nearest(name, known)) text += "; did you mean '" + *meant + "'?";
-  return text;
-}
 
 std::string in_words(double number) {
   char text[32];
@@ -42,7 +36,7 @@ std::optional<std::uint32_t> Gateway::part_or_fail(const Call& call, const std::
     known.push_back(world_.parts[i]->description().name);
     if (known.back() == name) return i;
   }
-  call.fail(ErrorCode::kUnknownName, unknown("part", name, known));
+  call.fail(ErrorCode::kUnknownName, config::unknown_name("part", name, known));
   return {};
 }
 
@@ -253,7 +247,7 @@ void Gateway::handle(const Call& call, const protocol::SetParameter& request) {
     return call.fail(ErrorCode::kBadValue, "'" + request.name + "' must be a finite number");
   const auto known = names_of(world_.parts[*part]->description().parameters);
   if (std::ranges::find(known, request.name) == known.end())
-    return call.fail(ErrorCode::kUnknownName, unknown("parameter", request.name, known));
+    return call.fail(ErrorCode::kUnknownName, config::unknown_name("parameter", request.name, known));
   send_command(call, request, *part);
 }
 
@@ -262,7 +256,7 @@ bool Gateway::blackboard_or_fail(const Call& call, std::uint32_t part, const std
   const auto& boards = world_.parts[part]->description().blackboards;
   const auto board = std::ranges::find(boards, name, &protocol::Blackboard::name);
   if (board == boards.end()) {
-    call.fail(ErrorCode::kUnknownName, unknown("blackboard", name, names_of(boards)));
+    call.fail(ErrorCode::kUnknownName, config::unknown_name("blackboard", name, names_of(boards)));
     return false;
   }
   if (to_write && !board->writable) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "protocol/config/unknown_name.h"
 #include "server/scene/mesh_readers.h"
 #include "server/world/joint_kinds.h"
 
@@ -32,10 +33,7 @@ world::Joint copied_joint(const world::WorldModel& world, world::Joint joint, wo
 
 [[noreturn]] void fail_unknown(const config::Node& node, const std::string& what,
                                const std::vector<std::string>& known) {
-  const std::string name = node.text();
-  const auto near = config::nearest(name, known);
-  node.fail("there is no " + what + " called '" + name + "'" +
-            (near ? "; did you mean '" + *near + "'?" : ""));
+  node.fail(config::unknown_name(what, node.text(), known));
 }
 
 bool mirrors(const Eigen::Vector3d& scale) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "protocol/config/unknown_name.h"
 #include "server/scene/values.h"
 #include "server/world/joint_kinds.h"
 
@@ -33,9 +34,7 @@ JointId pick(const JointsByName& offered, const Node& node) {
   if (found != offered.end()) return found->second;
   std::vector<std::string> names;
   for (const auto& [name, id] : offered) names.push_back(name);
-  const auto near = config::nearest(node.text(), names);
-  node.fail("there is no movable joint called '" + node.text() + "'" +
-            (near ? "; did you mean '" + *near + "'?" : ""));
+  node.fail(config::unknown_name("movable joint", node.text(), names));
 }
 
 std::string model_prefix(const Draft& draft, const Node& entry) {
@@ -44,11 +43,8 @@ std::string model_prefix(const Draft& draft, const Node& entry) {
   std::vector<std::string> known;
   for (const world::Body& body : draft.scene.world.bodies)
     if (!body.model.empty() && (known.empty() || known.back() != body.model)) known.push_back(body.model);
-  if (std::find(known.begin(), known.end(), model->text()) == known.end()) {
-    const auto near = config::nearest(model->text(), known);
-    model->fail("there is no model called '" + model->text() + "'" +
-                (near ? "; did you mean '" + *near + "'?" : ""));
-  }
+  if (std::find(known.begin(), known.end(), model->text()) == known.end())
+    model->fail(config::unknown_name("model", model->text(), known));
   return model->text() + "/";
 }
 

@@ -1,5 +1,6 @@
 #include "server/scene/sensors.h"
 
+#include "protocol/config/unknown_name.h"
 #include "server/scene/frames.h"
 #include "server/scene/values.h"
 
@@ -14,9 +15,7 @@ world::JointId joint_called(const Draft& draft, const Node& node) {
   if (found.valid()) return found;
   std::vector<std::string> names;
   for (const world::Joint& joint : world.joints) names.push_back(joint.name);
-  const auto near = config::nearest(node.text(), names);
-  node.fail("there is no joint called '" + node.text() + "'" +
-            (near ? "; did you mean '" + *near + "'?" : ""));
+  node.fail(config::unknown_name("joint", node.text(), names));
 }
 
 }  // namespace

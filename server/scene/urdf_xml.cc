@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "protocol/config/config.h"
+#include "protocol/config/unknown_name.h"
 #include "server/scene/xml_checks.h"
 
 namespace visum::scene {
@@ -83,10 +84,9 @@ std::string end_of(const XMLElement& joint, const char* tag, const ModelXml& xml
   if (end == nullptr) fail_at(joint, file, std::string("needs a <") + tag + ">");
   const std::string link = required(*end, "link", file);
   if (xml.link_lines.count(link) != 0) return link;
-  const auto near = config::nearest(link, xml.links);
   fail_at(*end, file,
           std::string(tag) + " names link '" + link + "', which does not exist" +
-              (near ? "; did you mean '" + *near + "'?" : ""));
+              config::did_you_mean(link, xml.links));
 }
 
 // Each name once; remembers order and lines.

@@ -69,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"controllers: [{name: a, command: []}]\n",
               "s.yaml:4: controllers[0].command: must be a list: the program, then its arguments"},
         Wrong{"controllers: [{name: a, command: [a, '{prt}']}]\n",
-              "s.yaml:4: controllers[0].command[1]: there is no placeholder {prt} (did you mean {port}?)"},
+              "s.yaml:4: controllers[0].command[1]: there is no placeholder 'prt'; did you mean 'port'?"},
         Wrong{"controllers: [{name: scenario, command: [a]}]\n",
               "s.yaml:4: controllers[0]: the client name 'scenario' is the runner's own"},
         Wrong{"controllers: [{name: a, command: [a]}, {name: a, command: [b]}]\n",
@@ -103,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Wrong{"until: {at_s: 1}\nchecks: [{name: x}]\n", "s.yaml:5: checks[0]: key 'that' is missing"},
         Wrong{"until: {at_s: 1}\nchecks: [{that: {spede: {body: box}, below: 1}}]\n",
-              "s.yaml:5: checks[0].that.spede: there is no quantity 'spede' (did you mean 'speed'?)"},
+              "s.yaml:5: checks[0].that.spede: there is no quantity 'spede'; did you mean 'speed'?"},
         Wrong{"until: {at_s: 1}\nchecks: [{that: {speed: {body: box}}}]\n",
               "s.yaml:5: checks[0].that: needs a bound: below, above, between or equals"},
         Wrong{"until: {at_s: 1}\nchecks: [{that: {speed: {body: box}, tilt: {body: box}, below: 1}}]\n",

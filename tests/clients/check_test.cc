@@ -101,7 +101,7 @@ TEST(Check, NamesOfTheWorldThatAreUnknownAreTheFilesFault) {
     Check check(spec, small_catalogue());
     FAIL() << "nothing was thrown";
   } catch (const config::ConfigError& error) {
-    EXPECT_STREQ(error.what(), "file.yaml:1: that.speed: there is no body 'bax' (did you mean 'box'?)");
+    EXPECT_STREQ(error.what(), "file.yaml:1: that.speed: there is no body 'bax'; did you mean 'box'?");
   }
 }
 

@@ -37,7 +37,7 @@ TEST_F(ClientErrors, NamesTheNearestPart) {
   const Error error = error_of([&] { client_.part("amr"); });
   EXPECT_EQ(error.code(), ErrorCode::kUnknownName);
   EXPECT_EQ(error.part(), "amr");
-  EXPECT_STREQ(error.what(), "no part 'amr' here (did you mean 'arm'?)");
+  EXPECT_STREQ(error.what(), "there is no part 'amr'; did you mean 'arm'?");
 }
 
 TEST_F(ClientErrors, NamesTheNearestPort) {
@@ -45,7 +45,7 @@ TEST_F(ClientErrors, NamesTheNearestPort) {
   const Error error = error_of([&] { arm.output("Actual Angel 1"); });
   EXPECT_EQ(error.code(), ErrorCode::kUnknownName);
   EXPECT_EQ(error.port(), "Actual Angel 1");
-  EXPECT_STREQ(error.what(), "arm has no sensor output 'Actual Angel 1' (did you mean 'Actual Angle 1'?)");
+  EXPECT_STREQ(error.what(), "arm has no sensor output 'Actual Angel 1'; did you mean 'Actual Angle 1'?");
   EXPECT_THAT(error_of([&] { arm.inputs("Desired Angel"); }).what(), HasSubstr("'Desired Angle'"));
   EXPECT_EQ(error_of([&] { arm.input(1000); }).code(), ErrorCode::kUnknownName);
   EXPECT_EQ(error_of([&] { arm.parameter("nonsense"); }).code(), ErrorCode::kUnknownName);

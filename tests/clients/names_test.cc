@@ -49,9 +49,9 @@ TEST(Ports, AGroupIsAllOfIt) {
 
 TEST(Ports, AnUnknownNameIsToldWithTheNearest) {
   EXPECT_EQ(usage_error_of([] { find_ports(arm(), {"Actual Angel 1"}); }),
-            "part 'arm' has no port 'Actual Angel 1' (did you mean 'Actual Angle 1'?)");
+            "part 'arm' has no port 'Actual Angel 1'; did you mean 'Actual Angle 1'?");
   EXPECT_EQ(usage_error_of([] { find_input(arm(), "Desired Angel 2"); }),
-            "part 'arm' has no controller input 'Desired Angel 2' (did you mean 'Desired Angle 2'?)");
+            "part 'arm' has no controller input 'Desired Angel 2'; did you mean 'Desired Angle 2'?");
 }
 
 TEST(Ports, AnOutputCannotBeSet) {

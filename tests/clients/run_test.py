@@ -209,9 +209,9 @@ class WrongFiles(Scenario):
 
     def test_names_that_only_the_world_knows_are_3(self):
         self.error("until: {at_s: 1}\nchecks: [{that: {tilt: {body: bux}, below: 1}}]\n", 5, "checks[0].that.tilt",
-                   "there is no body 'bux' (did you mean 'box'?)")
+                   "there is no body 'bux'; did you mean 'box'?")
         self.error("until: {at_s: 1}\nchecks: [{that: {port: {part: arm, name: Part Stat}, below: 1}}]\n", 5,
-                   "checks[0].that.port", "there is no port of part 'arm' called 'Part Stat' (did you mean 'Part State'?)")
+                   "checks[0].that.port", "there is no port of part 'arm' called 'Part Stat'; did you mean 'Part State'?")
         self.error("until: {at_s: 1}\ntimeline: [{at_s: 0, set: {part: arm, port: Halt, value: -5}}]\n", 5, "timeline[0]",
                    "port 'Halt' takes")
         self.error("until: {at_s: 1}\ntimeline: [{at_s: 0.5, parameter: {part: arm, name: Supply Voltage, value: low}}]\n", 5,

@@ -63,25 +63,25 @@ TEST(Timeline, WhatAnActionNamesMustBeThere) {
     const char* message;
   } cases[] = {
       {"[{at_s: 0, set: {part: amr, port: Halt, value: 1}}]",
-       "file.yaml:1: [0]: there is no part 'amr' (did you mean 'arm'?)"},
+       "file.yaml:1: [0]: there is no part 'amr'; did you mean 'arm'?"},
       {"[{at_s: 0, set: {part: arm, port: Hlat, value: 1}}]",
-       "file.yaml:1: [0]: there is no port of part 'arm' called 'Hlat' (did you mean 'Halt'?)"},
+       "file.yaml:1: [0]: there is no port of part 'arm' called 'Hlat'; did you mean 'Halt'?"},
       {"[{at_s: 0, set: {part: arm, port: Actual Angle 1, value: 1}}]",
        "file.yaml:1: [0]: 'Actual Angle 1' is a sensor output and cannot be set"},
       {"[{at_s: 0, set: {part: arm, port: Desired Angle 1, value: 7}}]",
        "file.yaml:1: [0]: port 'Desired Angle 1' takes -6 .. 6, not 7"},
       {"[{at_s: 0, push: {body: bux, force_n: [0, 0, 1]}}]",
-       "file.yaml:1: [0]: there is no body 'bux' (did you mean 'box'?)"},
+       "file.yaml:1: [0]: there is no body 'bux'; did you mean 'box'?"},
       {"[{at_s: 0, remove_body: tabel}]",
-       "file.yaml:1: [0]: there is no body 'tabel' (did you mean 'table'?)"},
+       "file.yaml:1: [0]: there is no body 'tabel'; did you mean 'table'?"},
       {"[{at_s: 0, parameter: {part: arm, name: gian, value: 1}}]",
-       "file.yaml:1: [0]: there is no parameter of part 'arm' called 'gian' (did you mean 'gain'?)"},
+       "file.yaml:1: [0]: there is no parameter of part 'arm' called 'gian'; did you mean 'gain'?"},
       {"[{at_s: 0, fault: {part: arm, kind: encoder_stuk}}]",
-       "file.yaml:1: [0]: there is no fault of part 'arm' called 'encoder_stuk' (did you mean "
-       "'encoder_stuck'?)"},
+       "file.yaml:1: [0]: there is no fault of part 'arm' called 'encoder_stuk'; did you mean "
+       "'encoder_stuck'?"},
       {"[{at_s: 0, fault: {part: arm, kind: encoder_stuck, numbers: {jiont: 1}}}]",
-       "file.yaml:1: [0]: there is no number of fault 'encoder_stuck' called 'jiont' (did you mean "
-       "'joint'?)"},
+       "file.yaml:1: [0]: there is no number of fault 'encoder_stuck' called 'jiont'; did you mean "
+       "'joint'?"},
   };
   for (const auto& wrong : cases) {
     const auto list = entries(wrong.yaml);

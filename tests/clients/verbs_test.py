@@ -81,9 +81,9 @@ class Queries(unittest.TestCase):
 
     def test_unknown_names_are_told_with_the_nearest(self):
         self.assertEqual(self.daemon.visum("get", "amr", expect=2).stderr,
-                         "visum: no part 'amr' on this server (did you mean 'arm'?)\n")
+                         "visum: there is no part 'amr'; did you mean 'arm'?\n")
         self.assertEqual(self.daemon.visum("get", "arm", "Actual Angel 1", expect=2).stderr,
-                         "visum: part 'arm' has no port 'Actual Angel 1' (did you mean 'Actual Angle 1'?)\n")
+                         "visum: part 'arm' has no port 'Actual Angel 1'; did you mean 'Actual Angle 1'?\n")
 
     def test_status_names_clock_and_hash(self):
         status = self.daemon.json("status")

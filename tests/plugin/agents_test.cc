@@ -164,7 +164,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "1000000000.000000"},
         Misdeed{"SetsAnUnknownPort", "sets an unknown port", "part 'arm' has no input number 999, it has 22"},
         Misdeed{"AsksForAnUnknownName", "asks for an unknown name",
-                "part 'arm' has no input 'Desired Angel 1'; did you mean 'Desired Angle 1'?"},
+                "part 'arm': there is no input 'Desired Angel 1'; did you mean 'Desired Angle 1'?"},
         Misdeed{"ReadsAnUnknownPort", "reads an unknown port",
                 "part 'arm' has no output number 999, it has 38"}),
     [](const auto& info) { return info.param.name; });

@@ -77,7 +77,7 @@ class Check(unittest.TestCase):
             self.assertEqual([line.removeprefix("visumd: error: ") for line in done.stderr.splitlines()], [
                 "s.yaml:4: bodies[0].mass: must be greater than 0, is -1",
                 "s.yaml:6: bodies[2].shapes[0]: unknown key 'bx'; did you mean 'box'?",
-                "s.yaml:9: joints[1].child: there is no body called 'bll'; did you mean 'ball'?"])
+                "s.yaml:9: joints[1].child: there is no body 'bll'; did you mean 'ball'?"])
             # What parts and sensors make of their keys is known once the world stands.
             scene.write_text(MANY_ERRORS.replace("mass: -1", "mass: 1").replace("bx:", "box:").replace("bll", "ball"))
             self.assertEqual([line.removeprefix("visumd: error: ") for line in check("s.yaml", cwd=folder).stderr.splitlines()], [

@@ -1,4 +1,5 @@
 #include "protocol/config/config.h"
+#include "protocol/config/unknown_name.h"
 
 #include <gtest/gtest.h>
 

@@ -195,7 +195,7 @@ TEST(SceneLanguage, ParametersAreChecked) {
 
 TEST(SceneLanguage, FramesAreChecked) {
   EXPECT_EQ(language_error("frames: [{name: dock}]\nbodies: [{name: a, fixed: true, pose: {in: dokc}}]"),
-            "scene.yaml:3: bodies[0].pose.in: there is no frame called 'dokc'; did you mean 'dock'?");
+            "scene.yaml:3: bodies[0].pose.in: there is no frame 'dokc'; did you mean 'dock'?");
   EXPECT_EQ(language_error("frames: [{name: dock}, {name: dock}]"),
             "scene.yaml:2: frames[1]: there is already a frame 'dock' (scene.yaml:2)");
   EXPECT_THAT(language_error("bodies: [{name: a, fixed: true, shapes: [{sphere: 1, pose: {in: dock}}]}]"),

@@ -80,7 +80,7 @@ TEST(BadLooks, AreRefusedWithTheirPlace) {
       {"materials: {a: {texture_size: [1, 1]}}",
        "s.yaml:2: materials.a.texture_size: needs 'texture' beside it"},
       {"materials: {steel: {}}\nbodies: [{name: b, fixed: true, material: stel, shapes: [{sphere: 1}]}]",
-       "s.yaml:3: bodies[0].material: there is no material called 'stel'; did you mean 'steel'?"},
+       "s.yaml:3: bodies[0].material: there is no material 'stel'; did you mean 'steel'?"},
       {"lights: [{kind: sun}]",
        "s.yaml:2: lights[0].kind: must be one of ambient, directional, point, spot, is 'sun'"},
       {"lights: [{kind: point}]", "s.yaml:2: lights[0]: key 'position' is missing"},

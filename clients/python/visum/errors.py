@@ -38,8 +38,8 @@ class Error(Exception):
 
 
 def nearest_hint(name: str, known: list[str]) -> str:
-    """' (did you mean ...?)' if one of the known names is near, else nothing."""
+    """'; did you mean ...?' if one of the known names is near, else nothing."""
     from difflib import get_close_matches
 
     near = get_close_matches(name, known, n=1)
-    return f" (did you mean '{near[0]}'?)" if near else ""
+    return f"; did you mean '{near[0]}'?" if near else ""

@@ -4,6 +4,7 @@
 
 #include "clients/visum/common/exit_code.h"
 #include "protocol/config/config.h"
+#include "protocol/config/unknown_name.h"
 #include "protocol/limits.h"
 #include "protocol/token_file.h"
 
@@ -36,14 +37,9 @@ protocol::PartDescriptionReply describe_part(protocol::Connection& link, const s
     names.push_back(summary.name);
   }
   if (std::find(names.begin(), names.end(), part) == names.end()) {
-    throw ExitError(kUsage, "no part '" + part + "' on this server" + did_you_mean(part, names));
+    throw ExitError(kUsage, config::unknown_name("part", part, names));
   }
   return link.request_as<protocol::PartDescriptionReply>(protocol::DescribePart{part});
-}
-
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates) {
-  const auto near = config::nearest(word, candidates);
-  return near ? " (did you mean '" + *near + "'?)" : std::string();
 }
 
 }  // namespace visum::cli

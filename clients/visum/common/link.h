@@ -23,7 +23,4 @@ protocol::Connection open_link(const LinkOptions& options, protocol::Role role,
 // Throws ExitError(kUsage) that names the nearest part.
 protocol::PartDescriptionReply describe_part(protocol::Connection& link, const std::string& part);
 
-// " (did you mean 'x'?)", or nothing where no candidate is near.
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates);
-
 }  // namespace visum::cli

@@ -5,6 +5,7 @@
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/link.h"
+#include "protocol/config/unknown_name.h"
 
 namespace visum::cli {
 namespace {
@@ -102,7 +103,8 @@ const Parameter& find_parameter(const std::string& part, const std::vector<Param
     if (parameter.name == name) return parameter;
     names.push_back(parameter.name);
   }
-  throw ExitError(kUsage, "part '" + part + "' has no parameter '" + name + "'" + did_you_mean(name, names));
+  throw ExitError(kUsage,
+                  "part '" + part + "' has no parameter '" + name + "'" + config::did_you_mean(name, names));
 }
 
 }  // namespace visum::cli

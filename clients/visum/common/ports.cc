@@ -6,6 +6,7 @@
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/link.h"
+#include "protocol/config/unknown_name.h"
 
 namespace visum::cli {
 namespace {
@@ -42,8 +43,8 @@ std::vector<PortRef> find_ports(const PartDescription& part, const std::vector<s
     auto matches = collect_both(part, [&](const Port& port) { return port.name == name; });
     if (matches.empty()) matches = collect_both(part, [&](const Port& port) { return port.group == name; });
     if (matches.empty()) {
-      throw ExitError(
-          kUsage, "part '" + part.name + "' has no port '" + name + "'" + did_you_mean(name, names_of(all)));
+      throw ExitError(kUsage, "part '" + part.name + "' has no port '" + name + "'" +
+                                  config::did_you_mean(name, names_of(all)));
     }
     found.insert(found.end(), matches.begin(), matches.end());
   }
@@ -63,8 +64,8 @@ PortRef find_input(const PartDescription& part, const std::string& name) {
                       "'" + name + "' is a sensor output of part '" + part.name + "'; it can only be read");
     }
   }
-  throw ExitError(
-      kUsage, "part '" + part.name + "' has no controller input '" + name + "'" + did_you_mean(name, inputs));
+  throw ExitError(kUsage, "part '" + part.name + "' has no controller input '" + name + "'" +
+                              config::did_you_mean(name, inputs));
 }
 
 double read_value(const PartDescription& part, const Port& port, const std::string& text) {

@@ -1,4 +1,5 @@
 #include "clients/visum/run/lookup.h"
+#include "protocol/config/unknown_name.h"
 
 #include <algorithm>
 
@@ -25,9 +26,7 @@ std::size_t find_named(const std::vector<T>& things, const char* what, const std
 
 void fail_unknown(const config::Place& place, const std::string& what, const std::string& name,
                   const std::vector<std::string>& known) {
-  const auto near = config::nearest(name, known);
-  throw config::ConfigError(
-      place, "there is no " + what + " '" + name + "'" + (near ? " (did you mean '" + *near + "'?)" : ""));
+  throw config::ConfigError(place, config::unknown_name(what, name, known));
 }
 
 std::size_t find_body(const Catalogue& catalogue, const std::string& name, const config::Place& place) {

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "protocol/config/config.h"
+#include "protocol/config/unknown_name.h"
 
 namespace visum::run {
 namespace {
@@ -39,8 +40,7 @@ std::optional<std::string> find_fault(const std::string& text) {
   std::optional<std::string> unknown;
   const auto check = [&](const std::string& name) {
     if (std::find(kKnown.begin(), kKnown.end(), name) != kKnown.end() || name.starts_with(kBus)) return;
-    const auto near = config::nearest(name, kKnown);
-    unknown = "there is no placeholder {" + name + "}" + (near ? " (did you mean {" + *near + "}?)" : "");
+    unknown = config::unknown_name("placeholder", name, kKnown);
   };
   const auto fault = split(
       text, [](char) {}, check);
