@@ -14,12 +14,20 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
+#include <vector>
 
 namespace visum::canlib {
 namespace {
 
 constexpr const char* kVariable = "VISUM_CAN";
 constexpr std::size_t kMostText = 4096;  // without an end of line: no slcan
+// The lines of this process. A call in so many also serves the others: a socket's buffer holds more frames
+// than that.
+constexpr unsigned kCallsPerRound = 64;
+std::mutex lines_lock;
+std::vector<CanLine*> lines;
+std::atomic<unsigned> calls = 0;
 
 // -1, and why not.
 int connect_to(const std::string& host, const std::string& port, std::string& why) {
@@ -101,8 +109,36 @@ std::unique_ptr<CanLine> CanLine::open(const char* library) {
   return std::unique_ptr<CanLine>(new CanLine(fd));
 }
 
+CanLine::CanLine(int fd) : fd_(fd) {
+  const std::lock_guard lock(lines_lock);
+  lines.push_back(this);
+}
+
 CanLine::~CanLine() {
+  {
+    const std::lock_guard lock(lines_lock);
+    std::erase(lines, this);
+  }
   ::close(fd_);
+}
+
+void CanLine::serve_others() {
+  if (++calls % kCallsPerRound != 0) return;
+  const std::lock_guard lock(lines_lock);
+  for (CanLine* line : lines)
+    if (line != this && !line->watched_by_program_) line->take_in();
+}
+
+void CanLine::take_in() {
+  const std::unique_lock lock(reading_, std::try_to_lock);
+  if (!lock) return;  // its own reader is at it
+  while (receive(Clock::now())) {
+  }
+}
+
+unsigned CanLine::take_lost() {
+  const std::lock_guard lock(reading_);
+  return std::exchange(lost_, 0);
 }
 
 void CanLine::hear(std::uint32_t id, bool heard) {
@@ -127,11 +163,13 @@ bool CanLine::write(const Frame& frame) {
   for (std::size_t i = 0; i < frame.size; ++i)
     size += std::snprintf(line + size, sizeof line - static_cast<std::size_t>(size), "%02X", frame.data[i]);
   line[size++] = '\r';
+  serve_others();
   const std::lock_guard lock(writing_);
   return send_all(fd_, line, static_cast<std::size_t>(size));
 }
 
 std::optional<Frame> CanLine::read(Clock::time_point due) {
+  serve_others();
   const std::lock_guard lock(reading_);
   while (frames_.empty())
     if (!receive(due)) return std::nullopt;
@@ -180,8 +218,11 @@ void CanLine::take_lines() {
 void CanLine::take_line(const std::string& line) {
   const auto from = line.find_first_not_of("\a\n");
   const auto frame = from == std::string::npos ? std::nullopt : decode(line.substr(from));
-  if (frame && frame->id < kIds && heard_[frame->id] && frames_.size() < kMostFrames)
+  if (!frame || frame->id >= kIds || !heard_[frame->id]) return;
+  if (frames_.size() < kMostFrames)
     frames_.push_back(*frame);
+  else
+    ++lost_;
 }
 
 }  // namespace visum::canlib

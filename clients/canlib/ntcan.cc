@@ -1,6 +1,7 @@
 // esd's libntcan, as far as programs for PowerCube modules use it, over a bus of Visum's.
 #include "clients/canlib/ntcan.h"
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <mutex>
@@ -43,10 +44,16 @@ NTCAN_RESULT receive(CanLine& line, CMSG* messages, int32_t* count, CanLine::Clo
   while (*count < room) {
     const auto frame = line.read(*count == 0 ? due : CanLine::Clock::time_point{});
     if (!frame) break;
-    messages[(*count)++] = to_message(*frame);
+    messages[*count] = to_message(*frame);
+    messages[(*count)++].msg_lost = static_cast<uint8_t>(std::min(line.take_lost(), 255U));
   }
   if (*count > 0) return NTCAN_SUCCESS;
   return line.gone() ? NTCAN_CONTR_OFF_BUS : NTCAN_RX_TIMEOUT;
+}
+
+// Programs pass the count of their last call again, which may have been 0: there is nothing to do then.
+bool has_room(const CMSG* messages, const int32_t* count) {
+  return count && *count >= 0 && (messages || *count == 0);
 }
 
 }  // namespace
@@ -110,7 +117,8 @@ NTCAN_RESULT canIdDelete(NTCAN_HANDLE handle, int32_t id) {
 NTCAN_RESULT canRead(NTCAN_HANDLE handle, CMSG* messages, int32_t* count, void*) {
   const auto opened = find(handle);
   if (!opened) return NTCAN_INVALID_HANDLE;
-  if (!messages || !count || *count < 1) return NTCAN_INVALID_PARAMETER;
+  if (!has_room(messages, count)) return NTCAN_INVALID_PARAMETER;
+  if (*count == 0) return NTCAN_SUCCESS;
   // A timeout of 0 waits for ever.
   const auto due = opened->rx_timeout.count() > 0 ? CanLine::Clock::now() + opened->rx_timeout
                                                   : CanLine::Clock::time_point::max();
@@ -120,7 +128,8 @@ NTCAN_RESULT canRead(NTCAN_HANDLE handle, CMSG* messages, int32_t* count, void*)
 NTCAN_RESULT canTake(NTCAN_HANDLE handle, CMSG* messages, int32_t* count) {
   const auto opened = find(handle);
   if (!opened) return NTCAN_INVALID_HANDLE;
-  if (!messages || !count || *count < 1) return NTCAN_INVALID_PARAMETER;
+  if (!has_room(messages, count)) return NTCAN_INVALID_PARAMETER;
+  if (*count == 0) return NTCAN_SUCCESS;
   const auto result = receive(*opened->line, messages, count, CanLine::Clock::now());
   return result == NTCAN_RX_TIMEOUT ? NTCAN_SUCCESS : result;
 }

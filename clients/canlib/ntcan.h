@@ -48,7 +48,8 @@ NTCAN_RESULT canSetBaudrate(NTCAN_HANDLE handle, uint32_t baud);
 NTCAN_RESULT canGetBaudrate(NTCAN_HANDLE handle, uint32_t* baud);
 NTCAN_RESULT canIdAdd(NTCAN_HANDLE handle, int32_t id);
 NTCAN_RESULT canIdDelete(NTCAN_HANDLE handle, int32_t id);
-/* `count`: room for so many, then how many there were. canRead waits for the first, canTake does not. */
+/* `count`: room for so many, then how many there were. canRead waits for the first, canTake does not. With a
+ * count of 0 both succeed at once with no messages. */
 NTCAN_RESULT canRead(NTCAN_HANDLE handle, CMSG* messages, int32_t* count, void* overlapped);
 NTCAN_RESULT canTake(NTCAN_HANDLE handle, CMSG* messages, int32_t* count);
 NTCAN_RESULT canWrite(NTCAN_HANDLE handle, CMSG* messages, int32_t* count, void* overlapped);

@@ -8,7 +8,7 @@
 
 namespace visum::shim {
 
-inline constexpr std::uint32_t kMagic = 0x56535432;         // of this layout
+inline constexpr std::uint32_t kMagic = 0x56535433;         // of this layout
 inline constexpr const char* kVariable = "VISUM_LOCKSTEP";  // the file's path, in the environment
 inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
@@ -38,6 +38,7 @@ enum Flags : std::uint32_t {
   kAgain = 32,         // has looked again, in vain
   kHold = 64,          // kBlocked: by an answer of the server's, for which the world waits
   kAwaitsChild = 128,  // kBlocked: until the child `key` ends, or, where that is 0, any child
+  kReplacing = 256,    // calls exec(): the program that follows has not announced itself yet
 };
 
 struct Slot {
@@ -63,6 +64,8 @@ struct Stream {
   std::atomic<std::uint32_t> port;  // the program's; 0: none
   std::atomic<std::uint64_t> written, heard;
   std::atomic<std::uint64_t> said;  // by the server, as it told
+  // 1 + `heard` when the program had left so much unread that the server could send no more; 0: never.
+  std::atomic<std::uint64_t> full_at;
 };
 
 struct Shared {
@@ -75,9 +78,11 @@ struct Shared {
   std::uint16_t ports[kMostBuses];  // TCP, on loopback
   std::atomic<std::int64_t> now_ns;
   std::atomic<std::uint64_t> activity, tickets;
-  std::atomic<std::uint32_t> bell;   // futex: rung when nobody runs any more
-  std::atomic<std::uint32_t> dirty;  // something was written to a bus since it was settled
-  std::atomic<std::uint32_t> used;   // slots in use lie below
+  std::atomic<std::uint32_t> bell;               // futex: rung when nobody runs any more
+  std::atomic<std::uint32_t> dirty;              // something was written to a bus since it was settled
+  std::atomic<std::uint32_t> used;               // slots in use lie below
+  std::atomic<std::uint32_t> program_announced;  // the command itself has loaded the shim
+  std::atomic<std::int32_t> stranger_of;         // a process whose child never loaded it; 0: none
   Alarm alarms[kMostProcesses];
   Stream streams[kMostStreams];
   Slot slots[kMostThreads];

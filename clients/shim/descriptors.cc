@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <span>
+#include <utility>
 
 #include "clients/shim/real.h"
 #include "clients/shim/turns.h"
@@ -22,6 +23,9 @@ namespace visum::shim {
 namespace {
 
 constexpr int kMostPauses = 5000;  // of 1 ms: what the server has written on loopback comes
+// A program that leaves so much unread, and to which nothing more comes for so long, has a full socket: the
+// server's bytes wait at its end until the program reads.
+constexpr int kFullBytes = 8192, kFullPauses = 100;
 
 std::atomic<int> descriptor_of_stream[kMostStreams];  // in this process; + 1
 
@@ -94,13 +98,22 @@ bool has_ended(int fd) {
   return VISUM_REAL(poll)(&set, 1, 0) > 0 && (set.revents & (POLLRDHUP | POLLHUP | POLLERR | POLLNVAL)) != 0;
 }
 
-// The kernel may still be at it.
-void await_said(int fd, const Stream& stream) {
+// Until all that the server has sent on this connection can be read. The kernel may still carry it over.
+void await_said(int fd, Stream& stream) {
+  const auto unread = stream.heard + 1;
+  if (stream.full_at == unread) return;
+  int before = 0, still = 0;
   for (int i = 0; i < kMostPauses; ++i) {
     const int there = available_bytes(fd);
     if (there < 0) return;
     if (stream.heard + static_cast<std::uint64_t>(there) >= stream.said || has_ended(fd)) return;
-    if (i > 100) VISUM_REAL(poll)(nullptr, 0, 1);
+    if (i <= 100) continue;
+    still = there == std::exchange(before, there) ? still + 1 : 0;
+    if (there >= kFullBytes && still >= kFullPauses) {
+      stream.full_at = unread;
+      return;
+    }
+    VISUM_REAL(poll)(nullptr, 0, 1);
   }
 }
 
@@ -124,6 +137,13 @@ int available_bytes(int fd) {
   return VISUM_REAL(syscall)(SYS_ioctl, fd, FIONREAD, &count) == 0 ? count : -1;
 }
 
+void bring_in(int fd) {
+  const int error = errno;
+  pollfd set{fd, POLLIN, 0};
+  VISUM_REAL(poll)(&set, 1, 0);
+  errno = error;
+}
+
 void catch_up() {
   const int error = errno;
   if (shared()->dirty) park({"settle", kNever, kSettle});
@@ -141,7 +161,7 @@ void note_connected(int fd) {
   auto* stream = stream_of(port);
   if (!stream && port != 0) stream = free_stream();
   if (stream) {
-    stream->written = stream->heard = stream->said = 0;
+    stream->written = stream->heard = stream->said = stream->full_at = 0;
     descriptor_of_stream[stream - shared()->streams] = fd + 1;
     stream->port = port;
   }

@@ -22,6 +22,9 @@ Descriptor descriptor(int fd);
 // All that the server has said by now to what the program has written can be read when this returns.
 void catch_up();
 
+// The kernel's worker carries over what the server has written to a pseudo terminal; poll() waits for it.
+void bring_in(int fd);
+
 // How many bytes can be read; -1: the kernel does not say.
 int available_bytes(int fd);
 

@@ -139,7 +139,10 @@ VISUM_EXPORT int system(const char* command) {
   if (!active() || !command) return VISUM_REAL(system)(command);
   auto* slot = keep_slot(0, ::getpid());
   const int status = await_child("system", -1, [&] { return VISUM_REAL(system)(command); });
-  if (slot) drop_slot(*slot);
+  if (slot && status != -1)
+    give_up_slot(*slot);
+  else if (slot)
+    drop_slot(*slot);
   return status;
 }
 

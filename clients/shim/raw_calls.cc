@@ -1,8 +1,13 @@
-// What is asked of the kernel by syscall(): so libstdc++ waits for futures, semaphores and atomics.
+// Calls of the kernel made by syscall(): libstdc++ waits for futures, semaphores and atomics this way, and
+// some programs sleep or read a clock by it.
 #include <errno.h>
 #include <linux/futex.h>
+#include <poll.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <sys/syscall.h>
+#include <sys/time.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -53,6 +58,42 @@ long futex(const Call& call) {
                     static_cast<std::uint32_t>(call.words[2]), deadline);
 }
 
+template <typename T>
+T* pointer(long word) {
+  return reinterpret_cast<T*>(word);
+}
+
+// As the kernel answers: -1 and errno.
+long as_the_kernel(int error) {
+  return error == 0 ? 0 : refuse(error);
+}
+
+// Clocks, sleeps and waits for descriptors are those of the C library's functions, which this library has
+// replaced.
+long in_step(const Call& call) {
+  const auto& word = call.words;
+  switch (call.number) {
+    case SYS_futex:
+      return futex(call);
+    case SYS_clock_gettime:
+      return ::clock_gettime(static_cast<clockid_t>(word[0]), pointer<timespec>(word[1]));
+    case SYS_gettimeofday:
+      return ::gettimeofday(pointer<timeval>(word[0]), pointer<void>(word[1]));
+    case SYS_nanosleep:
+      return ::nanosleep(pointer<const timespec>(word[0]), pointer<timespec>(word[1]));
+    case SYS_clock_nanosleep:
+      return as_the_kernel(::clock_nanosleep(static_cast<clockid_t>(word[0]), static_cast<int>(word[1]),
+                                             pointer<const timespec>(word[2]), pointer<timespec>(word[3])));
+    case SYS_poll:
+      return ::poll(pointer<pollfd>(word[0]), static_cast<nfds_t>(word[1]), static_cast<int>(word[2]));
+    case SYS_select:
+      return ::select(static_cast<int>(word[0]), pointer<fd_set>(word[1]), pointer<fd_set>(word[2]),
+                      pointer<fd_set>(word[3]), pointer<timeval>(word[4]));
+    default:
+      return carry_out(call);
+  }
+}
+
 }  // namespace
 
 VISUM_EXPORT long syscall(long number, ...) noexcept {
@@ -61,5 +102,5 @@ VISUM_EXPORT long syscall(long number, ...) noexcept {
   va_start(list, number);
   for (long& word : call.words) word = va_arg(list, long);
   va_end(list);
-  return active() && number == SYS_futex ? futex(call) : carry_out(call);
+  return active() ? in_step(call) : carry_out(call);
 }

@@ -77,8 +77,7 @@ ssize_t receive_counted(const char* doing, int fd, int flags, Call call) {
 
 int available(int fd) {
   catch_up();
-  pollfd set{fd, POLLIN, 0};
-  VISUM_REAL(poll)(&set, 1, 0);  // the kernel's worker has carried over what there is
+  bring_in(fd);
   return available_bytes(fd);
 }
 

@@ -136,6 +136,7 @@ void attach() {
   fill(*slot, pid, thread_id(), 0);
   slot->state = State::kRunning;
   my_slot = slot;
+  if (::getppid() == the_shared->scheduler) the_shared->program_announced = 1;
 }
 
 __attribute__((constructor(101))) void open_channel() {
@@ -278,7 +279,13 @@ void take_slot(Slot& slot) {
 
 void drop_slot(Slot& slot) {
   auto starting = State::kStarting;
-  slot.state.compare_exchange_strong(starting, State::kFree);  // else somebody has taken it
+  slot.state.compare_exchange_strong(starting, State::kFree);  // else it has been taken
+}
+
+void give_up_slot(Slot& slot) {
+  auto starting = State::kStarting;
+  if (slot.state.compare_exchange_strong(starting, State::kFree))
+    the_shared->stranger_of = static_cast<std::int32_t>(::getpid());
 }
 
 void leave() {

@@ -55,6 +55,9 @@ void note_request();
 Slot* keep_slot(std::int32_t pid, std::int32_t parent);
 void take_slot(Slot& slot);
 void drop_slot(Slot& slot);
+// The same where the process came and went without taking its slot: it never loaded the shim, and the run is
+// not in step with it.
+void give_up_slot(Slot& slot);
 // Waits for the first turn.
 void begin_turn();
 // Our last instructions follow; of the thread, or of the whole process.

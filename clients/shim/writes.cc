@@ -31,6 +31,7 @@ int flush(int fd, int queue) {
   if (active() && descriptor(fd).is_tty) {
     if (queue == TCOFLUSH) return 0;
     catch_up();
+    bring_in(fd);
     queue = TCIFLUSH;
   }
   return static_cast<int>(VISUM_REAL(syscall)(SYS_ioctl, fd, TCFLSH, queue));
@@ -76,7 +77,10 @@ VISUM_EXPORT int ioctl(int fd, unsigned long request, ...) noexcept {
   va_end(list);
   if (request == TCFLSH) return flush(fd, static_cast<int>(reinterpret_cast<long>(argument)));
   const bool looks = active() && request == FIONREAD && descriptor(fd).on_bus();
-  if (looks) catch_up();
+  if (looks) {
+    catch_up();
+    bring_in(fd);
+  }
   const int result = static_cast<int>(VISUM_REAL(syscall)(SYS_ioctl, fd, request, argument));
   if (looks && result == 0 && *static_cast<int*>(argument) == 0) note_look("ioctl");
   return result;

@@ -80,7 +80,8 @@ BusAddress parse_bus(const std::string& text, const scene::Scene& scene) {
   const std::string part = text.substr(0, equals);
   std::vector<std::string> names;
   for (const auto& plan : scene.parts) names.push_back(plan.context.name);
-  if (std::ranges::find(names, part) == names.end()) fail(text, config::unknown_name("part", part, names));
+  if (!part.empty() && std::ranges::find(names, part) == names.end())
+    fail(text, config::unknown_name("part", part, names));
   return parse(part, text.substr(equals + 1));
 }
 

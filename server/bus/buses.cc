@@ -24,6 +24,21 @@ std::uint32_t part_index(const cycle::Simulation& simulation, const std::string&
   throw std::runtime_error("there is no part '" + name + "'");
 }
 
+// The only part that has modules.
+std::uint32_t part_with_modules(const cycle::Simulation& simulation) {
+  const auto parts = simulation.parts();
+  std::vector<std::uint32_t> found;
+  std::string names;
+  for (std::uint32_t i = 0; i < parts.size(); ++i) {
+    if (!parts[i].part->modules()) continue;
+    found.push_back(i);
+    names += (names.empty() ? "" : ", ") + parts[i].part->description().name;
+  }
+  if (found.empty()) throw std::runtime_error("no part of this scene has modules that a bus could reach");
+  if (found.size() > 1) throw std::runtime_error("several parts have modules; name one of them: " + names);
+  return found.front();
+}
+
 std::unique_ptr<BusLink> open(const BusAddress& address) {
   const auto kinds = bus_kinds();
   const auto row = std::ranges::find(kinds, address.kind, &BusKind::name);
@@ -43,12 +58,14 @@ Buses::Buses(cycle::Simulation& simulation, const std::vector<BusAddress>& addre
     throw std::runtime_error("more than " + std::to_string(kMaxBusLinks) + " buses");
   std::vector<BusThread::Wiring> wirings;
   for (const auto& address : addresses) {
-    const auto part = part_index(simulation, address.part);
+    const auto part =
+        address.part.empty() ? part_with_modules(simulation) : part_index(simulation, address.part);
+    const auto& name = simulation.parts()[part].part->description().name;
     if (!simulation.parts()[part].part->modules())
-      throw std::runtime_error("the part '" + address.part + "' has no modules that a bus could reach");
+      throw std::runtime_error("the part '" + name + "' has no modules that a bus could reach");
     auto link = open(address);
-    names_[address.part].push_back(link->name());
-    addresses_.push_back({address.part, link->address()});
+    names_[name].push_back(link->name());
+    addresses_.push_back({name, link->address()});
     parts_.push_back(part);
     lines_.push_back({LineTiming(address.timing), {}, {}});
     wirings.push_back({std::move(link), part});

@@ -1,9 +1,11 @@
 // What the options of `visum exec` ask for, against what a server has.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "clients/visum/exec/bus_of.h"
 #include "clients/visum/exec/device_place.h"
 #include "protocol/messages.h"
 
@@ -21,13 +23,22 @@ struct CanOption {
 // "esd" or "esd=arm". Throws ExitError(kUsage).
 CanOption parse_can(const std::string& text);
 
+struct BusOption {
+  std::string part, kind;  // "pty", "slcan" or "tcp"
+};
+// "arm=pty". Throws ExitError(kUsage).
+BusOption parse_bus(const std::string& text);
+// As `visumd --bus` takes it: "arm=pty:FOLDER/arm.tty", "arm=slcan:FOLDER/arm.can", "arm=tcp:0".
+std::string bus_address(const std::string& part, const std::string& kind,
+                        const std::filesystem::path& folder);
+
 // Where the devices' buses stand on this machine. Throws ExitError.
 std::vector<Placement> placements_of(const std::vector<TtyOption>& ttys,
-                                     const std::vector<protocol::PartBus>& buses);
+                                     const std::vector<protocol::PartBus>& buses, Advice advice);
 // The part whose bus it is: the first that has one, where none is named.
 std::string part_of_can(const CanOption& can, const std::vector<protocol::PartBus>& buses);
 // The vendor's library of ours in the environment: a program's own library of that vendor is found in our
 // folder first, and knows where the bus is. Buses are on the server's loopback, and so must the program be.
-void lead_can(const CanOption& can, const std::vector<protocol::PartBus>& buses);
+void lead_can(const CanOption& can, const std::vector<protocol::PartBus>& buses, Advice advice);
 
 }  // namespace visum::exec

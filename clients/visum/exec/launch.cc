@@ -1,5 +1,6 @@
 #include "clients/visum/exec/launch.h"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
@@ -22,6 +23,8 @@ namespace {
 constexpr long kLongestPoll_ms = 1'000'000;
 
 std::atomic<pid_t> the_program = 0;  // a signal comes on any thread
+// The child holds the other end until exec() closes it; it writes a byte where exec() has failed.
+int the_failure = -1;
 static_assert(std::atomic<pid_t>::is_always_lock_free);
 
 void hand_on(int number) {
@@ -63,17 +66,24 @@ int reap(pid_t program) {
   return status;
 }
 
+void report_failure(int fd) {
+  [[maybe_unused]] const auto written = ::write(fd, "x", 1);
+}
+
 [[noreturn]] void be_program(const std::vector<std::string>& command,
-                             const std::vector<Placement>& placements, pid_t parent) {
+                             const std::vector<Placement>& placements, pid_t parent, int failure) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(cli::kExecFailed);
   try {
     if (!placements.empty()) place_devices(placements);
   } catch (const std::runtime_error& error) {
     std::fprintf(stderr, "visum: %s\n", error.what());
+    report_failure(failure);
     ::_exit(cli::kExecFailed);
   }
-  ::_exit(become(command));
+  const int code = become(command);
+  report_failure(failure);
+  ::_exit(code);
 }
 
 }  // namespace
@@ -91,13 +101,23 @@ int become(std::vector<std::string> command) {
 
 pid_t launch(const std::vector<std::string>& command, const std::vector<Placement>& placements) {
   const pid_t parent = ::getpid();
+  int ends[2] = {-1, -1};
+  if (::pipe2(ends, O_CLOEXEC) != 0)
+    throw cli::ExitError(cli::kFailed, std::string("cannot make a pipe: ") + std::strerror(errno));
   const pid_t pid = ::fork();
   if (pid < 0)
     throw cli::ExitError(cli::kFailed, std::string("cannot start a process: ") + std::strerror(errno));
-  if (pid == 0) be_program(command, placements, parent);
+  if (pid == 0) be_program(command, placements, parent, ends[1]);
+  ::close(ends[1]);
+  the_failure = ends[0];
   the_program = pid;
   hand_signals_on();
   return pid;
+}
+
+bool was_started() {
+  char byte = 0;
+  return ::read(the_failure, &byte, 1) == 0;
 }
 
 int await_end(pid_t program, std::chrono::steady_clock::time_point give_up, int fd,

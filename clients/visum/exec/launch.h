@@ -22,6 +22,9 @@ int become(std::vector<std::string> command);
 // word on stderr. Throws ExitError(kFailed) where there is no process left.
 pid_t launch(const std::vector<std::string>& command, const std::vector<Placement>& placements);
 
+// Once it has ended: whether the program of launch() came to run at all.
+bool was_started();
+
 // Until it has ended: its status, as waitpid() has it. Throws ExitError(kTimedOut) at `give_up`, and what
 // `on_readable` throws, which is called when `fd` is readable; both after killing it.
 int await_end(pid_t program, std::chrono::steady_clock::time_point give_up, int fd = -1,

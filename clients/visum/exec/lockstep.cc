@@ -46,7 +46,7 @@ LockstepEnd run_in_lockstep(protocol::Connection connection, const LockstepPlan&
     scheduler->kill_all();
     const auto last = world.status();
     if (WIFEXITED(status)) world.leave();
-    return {status, last};
+    return {status, last, was_started() ? scheduler->out_of_step() : std::string()};
   } catch (...) {
     scheduler->kill_all();
     throw;

@@ -24,6 +24,7 @@ struct LockstepPlan {
 struct LockstepEnd {
   int status = 0;  // as waitpid() has it
   protocol::ServerStatus world;
+  std::string invalid;  // why the run was not in step with the world; empty: it was
 };
 
 // Runs it under the time shim (grade L2). `connection` becomes a member of the lockstep. Throws ExitError:

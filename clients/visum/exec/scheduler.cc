@@ -56,6 +56,7 @@ int Scheduler::run() {
       advance();
   }
   advance_by(0);  // what it wrote in the end
+  await_announcements();
   return *ended_;
 }
 
@@ -151,6 +152,7 @@ void Scheduler::free_if_gone(Slot& slot) {
     if (Clock::now() - *ended < kWaking) return;
   }
   ended.reset();
+  check_announced(slot);
   threads_.forget(tid != 0 ? tid : pid);
   for (auto& alarm : memory_.alarms)
     if (alarm.pid == pid && tid == pid) alarm.pid = 0;

@@ -30,8 +30,11 @@ class Scheduler {
   // While the world is waited for: false where the program has ended and the world does not come. Throws as
   // run().
   bool is_patient();
-  // What is left of the program and of what it started.
+  // Ends what is left of the program and of the processes that it started.
   void kill_all();
+  // Why the run was not in step with the world: the first process that never loaded the shim, or that waited
+  // by the host's time. Empty where all kept in step. Once run() has returned.
+  const std::string& out_of_step() const { return out_of_step_; }
 
  private:
   // What we know of a slot's thread beside what it says itself.
@@ -56,6 +59,9 @@ class Scheduler {
   bool has_run_long(const shim::Slot& slot);
   void look_after(shim::Slot& slot);
   void drop_if_late(shim::Slot& slot);
+  void check_announced(const shim::Slot& slot);  // of a slot whose process is gone
+  void await_announcements();
+  void note_out_of_step(const std::string& why);
   void complain(shim::Slot& slot);
   void complain_of_nobody();
   shim::Slot* next_ready();
@@ -91,6 +97,7 @@ class Scheduler {
   Clock::time_point noted_ = Clock::now();
   Clock::time_point started_ = Clock::now();
   bool told_of_nobody_ = false;
+  std::string out_of_step_;
 };
 
 }  // namespace visum::exec

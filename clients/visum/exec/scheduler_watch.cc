@@ -1,7 +1,9 @@
 // Who runs for long: dead, in a call that the shim does not know, computing, or spinning.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <thread>
 
 #include "clients/visum/exec/scheduler.h"
 
@@ -54,9 +56,10 @@ void Scheduler::look_after(Slot& slot) {
   if (watched.turn != slot.go) watched.began = state.ticks;
   watched.turn = slot.go;
   watched.ticks = state.ticks;
-  if (slot.state == State::kRunning && watched.still >= kStill && !watched.unknown) {
-    watched.unknown = true;
-  }
+  if (slot.state == State::kRunning && watched.still >= kStill) watched.unknown = true;
+  if (state.sleeps() && out_of_step_.empty() && Threads::waits_by_host_time(slot.pid, slot.tid))
+    note_out_of_step(text_of(slot) +
+                     " waits by the host's time: in a system call that the shim does not see");
   complain(slot);
 }
 
@@ -67,8 +70,44 @@ void Scheduler::drop_if_late(Slot& slot) {
       stderr,
       "visum: a process that %s started does not keep in step: it is linked statically, or has ended\n",
       process_name(slot.parent != 0 ? slot.parent : slot.pid).c_str());
+  note_out_of_step("a process that " + process_name(slot.parent) + " (" + std::to_string(slot.parent) +
+                   ") started has not loaded the time shim");
   slot.pid = 0;
   slot.state = State::kFree;
+}
+
+void Scheduler::note_out_of_step(const std::string& why) {
+  if (out_of_step_.empty()) out_of_step_ = why;
+}
+
+void Scheduler::check_announced(const Slot& slot) {
+  const auto process = std::to_string(slot.pid);
+  if (slot.state == State::kStarting && slot.parent != 0)
+    note_out_of_step("process " + process + ", which " + process_name(slot.parent) + " (" +
+                     std::to_string(slot.parent) + ") started, has not loaded the time shim");
+  if ((slot.flags & shim::kReplacing) != 0)
+    note_out_of_step("process " + process + " has become a program that has not loaded the time shim");
+}
+
+// The program has ended. A process that it started just before may still be on its way to announce itself.
+void Scheduler::await_announcements() {
+  const auto give_up = Clock::now() + kStart;
+  const auto is_on_its_way = [](const Slot& slot) {
+    const auto state = slot.state.load();
+    return (state == State::kStarting && slot.parent != 0) ||
+           (state != State::kFree && (slot.flags & shim::kReplacing) != 0);
+  };
+  while (std::ranges::any_of(channel_.slots(), is_on_its_way) && Clock::now() < give_up) {
+    for (auto& slot : channel_.slots())
+      if (is_on_its_way(slot)) free_if_gone(slot);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  for (auto& slot : channel_.slots())
+    if (is_on_its_way(slot)) check_announced(slot);
+  if (const auto parent = memory_.stranger_of.load(); parent != 0)
+    note_out_of_step("a command that process " + std::to_string(parent) +
+                     " ran by system() has not loaded the time shim");
+  if (memory_.program_announced == 0) note_out_of_step("the program itself has not loaded the time shim");
 }
 
 // Who loads the shim has a slot before anything of its own runs.

@@ -26,6 +26,8 @@ class Threads {
   Threads& operator=(const Threads&) = delete;
 
   ThreadState state(pid_t process, pid_t thread);
+  // Whether the thread sleeps in a call of the kernel that ends by a time of the host's.
+  static bool waits_by_host_time(pid_t process, pid_t thread);
   void forget(pid_t thread);
 
  private:

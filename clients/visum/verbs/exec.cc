@@ -80,9 +80,8 @@ class ExecVerb : public Verb {
         ->type_name("VENDOR[=PART]")
         ->allow_extra_args(false);
     app.add_option("--bus", buses_,
-                   "with --scene: PART=pty or PART=tcp gives the part a bus; {bus.PART} in the command is "
-                   "its path, or "
-                   "its HOST:PORT")
+                   "with --scene: PART=pty, PART=slcan or PART=tcp gives the part a bus; {bus.PART} in the "
+                   "command is its path, or its HOST:PORT")
         ->type_name("PART=KIND")
         ->allow_extra_args(false);
     app.add_option("--name", name_, "the program's name in `visum status`; the command's by default");
@@ -164,6 +163,9 @@ class ExecVerb : public Verb {
         ->capture_default_str();
   }
 
+  exec::Advice advice() const {
+    return scene_.empty() ? exec::Advice::kServersOptions : exec::Advice::kOwnOptions;
+  }
   bool in_step() const { return lockstep_ || parsed_gate_.has_value(); }
   bool stays() const { return in_step() || !scene_.empty() || timeout_s_ > 0.0 || link_.json; }
 
@@ -187,6 +189,7 @@ class ExecVerb : public Verb {
     if (!buses_.empty() && scene_.empty()) throw ExitError(kUsage, "--bus: only with --scene");
     for (const auto& text : ttys_) parsed_ttys_.push_back(exec::parse_tty(text));
     for (const auto& text : cans_) parsed_cans_.push_back(exec::parse_can(text));
+    for (const auto& text : buses_) parsed_buses_.push_back(exec::parse_bus(text));
   }
 
   run::DaemonOptions daemon_options(const TempFolder& links) const {
@@ -195,22 +198,23 @@ class ExecVerb : public Verb {
     options.scene = scene_;
     options.clock = in_step() ? "lockstep" : "realtime";
     options.speedup = speedup_;
-    const auto pty = [&](const std::string& part) {
-      return part + "=pty:" + (links.path() / (part + ".tty")).string();
+    // The last one of a part is the one that {bus.PART} names.
+    const auto add = [&](const std::string& bus) {
+      std::erase(options.buses, bus);
+      options.buses.push_back(bus);
     };
-    for (const auto& tty : parsed_ttys_) options.buses.push_back(pty(tty.part));
-    for (const auto& can : parsed_cans_)
-      if (!can.part.empty()) options.buses.push_back(can.part + "=tcp:0");
-    for (const auto& text : buses_) {
-      const auto part = text.substr(0, text.find('='));
-      if (text == part + "=tcp")
-        options.buses.push_back(part + "=tcp:0");
-      else if (text == part + "=pty")
-        options.buses.push_back(pty(part));
-      else
-        throw ExitError(kUsage, "--bus " + text + ": must be PART=pty or PART=tcp");
-    }
+    for (const auto& tty : parsed_ttys_) add(exec::bus_address(tty.part, "pty", links.path()));
+    for (const auto& can : parsed_cans_) add(exec::bus_address(part_to_add(can), "tcp", links.path()));
+    for (const auto& [part, kind] : parsed_buses_) add(exec::bus_address(part, kind, links.path()));
     return options;
+  }
+
+  // Of --can: where it names no part, the one that another option names; else the scene's only part with
+  // modules, which visumd finds.
+  std::string part_to_add(const exec::CanOption& can) const {
+    if (!can.part.empty()) return can.part;
+    if (!parsed_buses_.empty()) return parsed_buses_.front().part;
+    return parsed_ttys_.empty() ? std::string() : parsed_ttys_.front().part;
   }
 
   void fill_in_places(const run::Daemon& daemon) {
@@ -225,8 +229,8 @@ class ExecVerb : public Verb {
     auto link = open_link(link_, protocol::Role::kController, name);
     const auto world = link.request_as<protocol::ServerStatus>(protocol::Status{});
     const auto& buses = world.buses;
-    for (const auto& can : parsed_cans_) exec::lead_can(can, buses);
-    const auto devices = exec::placements_of(parsed_ttys_, buses);
+    for (const auto& can : parsed_cans_) exec::lead_can(can, buses, advice());
+    const auto devices = exec::placements_of(parsed_ttys_, buses, advice());
     if (lockstep_) return run_in_step(std::move(link), devices, shim_join(buses));
     if (!devices.empty()) exec::load_tty_library(devices);
     if (parsed_gate_) return run_in_step(std::move(link), devices, gate_join(buses, name));
@@ -256,7 +260,7 @@ class ExecVerb : public Verb {
   std::vector<std::string> parts_of_bus(const std::vector<protocol::PartBus>& buses) const {
     std::vector<std::string> parts;
     for (const auto& tty : parsed_ttys_) parts.push_back(tty.part);
-    for (const auto& text : buses_) parts.push_back(text.substr(0, text.find('=')));
+    for (const auto& bus : parsed_buses_) parts.push_back(bus.part);
     for (const auto& can : parsed_cans_) parts.push_back(exec::part_of_can(can, buses));
     return parts;
   }
@@ -272,7 +276,7 @@ class ExecVerb : public Verb {
     began_ = true;
     const auto end =
         lockstep_ ? exec::run_in_lockstep(std::move(link), plan) : exec::run_gated(std::move(link), plan);
-    return finish(end.status, end.world, {});
+    return finish(end.status, end.world, end.invalid);
   }
 
   // In real time. Where it is not the world's own it says so.
@@ -309,6 +313,7 @@ class ExecVerb : public Verb {
     JsonWriter json;
     json.begin_object().member("exit_code", code).member("ticks", world.tick);
     json.member("grade", lockstep_ ? "L2" : parsed_gate_ ? "L1" : "L0").member("valid", invalid.empty());
+    if (!invalid.empty()) json.member("invalid_reason", invalid);
     json.member("sim_seconds", static_cast<double>(world.sim_time_ns) * 1e-9);
     json.member("wall_seconds", std::chrono::duration<double>(Clock::now() - started_).count());
     json.member("state_hash", hex(world.state_hash)).end_object();
@@ -322,6 +327,7 @@ class ExecVerb : public Verb {
   std::vector<std::string> ttys_, cans_, buses_;
   std::vector<exec::TtyOption> parsed_ttys_;
   std::vector<exec::CanOption> parsed_cans_;
+  std::vector<exec::BusOption> parsed_buses_;
   std::vector<std::string> command_;
   bool lockstep_ = false;
   double timeout_s_ = 0.0, period_ms_ = 0.0, wait_s_ = 0.0, speedup_ = 0.0;
