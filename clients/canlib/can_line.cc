@@ -24,7 +24,7 @@ constexpr const char* kVariable = "VISUM_CAN";
 constexpr std::size_t kMostText = 4096;  // without an end of line: no slcan
 // The lines of this process. A call in so many also serves the others: a socket's buffer holds more frames
 // than that.
-constexpr unsigned kCallsPerRound = 64;
+constexpr unsigned kCallsPerRound = 256;
 std::mutex lines_lock;
 std::vector<CanLine*> lines;
 std::atomic<unsigned> calls = 0;

@@ -144,10 +144,16 @@ void bring_in(int fd) {
   errno = error;
 }
 
-void catch_up() {
+std::uint64_t Descriptor::stream_bit() const {
+  static_assert(kMostStreams <= 64);
+  return stream ? std::uint64_t{1} << (stream - shared()->streams) : 0;
+}
+
+void catch_up(std::uint64_t streams) {
   const int error = errno;
   if (shared()->dirty) park({"settle", kNever, kSettle});
   for (std::size_t i = 0; i < kMostStreams; ++i) {
+    if ((streams >> i & 1) == 0) continue;
     const int fd = descriptor_of_stream[i] - 1;
     auto& stream = shared()->streams[i];
     if (fd >= 0 && descriptor(fd).stream == &stream) await_said(fd, stream);
@@ -182,15 +188,18 @@ void note_read(const Descriptor& from, std::int64_t count) {
   if (count > 0 && from.stream) from.stream->heard += static_cast<std::uint64_t>(count);
 }
 
-bool watches_bus(int epoll) {
+WatchedBuses watched_buses(int epoll) {
   const int error = errno;
   char line[256];
   std::snprintf(line, sizeof line, "/proc/self/fdinfo/%d", epoll);
   std::FILE* file = std::fopen(line, "re");  // proc(5)
-  bool found = file == nullptr;
-  while (!found && std::fgets(line, sizeof line, file)) {
+  WatchedBuses found{file == nullptr, file ? 0 : ~std::uint64_t{0}};
+  while (file && std::fgets(line, sizeof line, file)) {
     int fd = -1;
-    found = std::sscanf(line, "tfd: %d", &fd) == 1 && descriptor(fd).on_bus();
+    if (std::sscanf(line, "tfd: %d", &fd) != 1) continue;
+    const auto what = descriptor(fd);
+    found.any |= what.on_bus();
+    found.streams |= what.stream_bit();
   }
   if (file) std::fclose(file);
   errno = error;

@@ -17,6 +17,7 @@ struct FdWait {
   std::int64_t deadline_ns = kNever;
   bool on_bus = false;
   bool on_session = false;
+  std::uint64_t streams = 0;  // to buses, as bits
 };
 
 // The world stands until the server has answered, or the time-out is over by the wall clock.
@@ -34,7 +35,7 @@ template <typename Look, typename Block>
 int wait_for(const FdWait& wait, Look look, Block block) {
   for (std::uint32_t flags = kRecheck | (wait.on_bus ? kOnBus : 0u);; flags |= kAgain) {
     fire_timers();
-    if (wait.on_bus) catch_up();
+    if (wait.on_bus) catch_up(wait.streams);
     if (const auto found = look(); found != 0) return found;
     if (wait.deadline_ns <= now_ns()) return 0;
     const auto next = std::min(wait.deadline_ns, next_timer_ns());

@@ -35,6 +35,7 @@ void add(int fd, FdWait& wait) {
   if (fd < 0) return;
   const auto what = descriptor(fd);
   wait.on_bus |= what.on_bus();
+  wait.streams |= what.stream_bit();
   wait.on_session |= what.is_session;
 }
 
@@ -89,7 +90,8 @@ int select_until(const char* doing, const Sets& sets, std::int64_t deadline, con
 int epoll_until(const char* doing, int epoll, epoll_event* events, int most, std::int64_t deadline,
                 const sigset_t* signals) {
   const bool at_once = deadline <= now_ns();
-  const FdWait wait{doing, deadline, watches_bus(epoll)};
+  const auto buses = watched_buses(epoll);
+  const FdWait wait{doing, deadline, buses.any, false, buses.streams};
   const int found = wait_for(
       wait, [&] { return VISUM_REAL(epoll_pwait)(epoll, events, most, 0, signals); },
       [&](const timespec*) { return VISUM_REAL(epoll_pwait)(epoll, events, most, -1, signals); });

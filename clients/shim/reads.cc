@@ -21,7 +21,8 @@ namespace visum::shim {
 int wait_readable(const char* doing, int fd, const Descriptor& what, std::int64_t deadline_ns) {
   pollfd set{fd, POLLIN, 0};
   return wait_for(
-      {doing, deadline_ns, what.on_bus(), what.is_session}, [&] { return VISUM_REAL(poll)(&set, 1, 0); },
+      {doing, deadline_ns, what.on_bus(), what.is_session, what.stream_bit()},
+      [&] { return VISUM_REAL(poll)(&set, 1, 0); },
       [&](const timespec* length) { return VISUM_REAL(ppoll)(&set, 1, length, nullptr); });
 }
 
@@ -41,7 +42,7 @@ bool is_nonblocking(int fd) {
 template <typename Call>
 ssize_t look(const char* doing, const Descriptor& from, Call call) {
   fire_timers();
-  if (from.on_bus()) catch_up();
+  if (from.on_bus()) catch_up(from.stream_bit());
   const ssize_t got = call();
   if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) note_look(doing);
   return got;
@@ -76,7 +77,7 @@ ssize_t receive_counted(const char* doing, int fd, int flags, Call call) {
 }
 
 int available(int fd) {
-  catch_up();
+  catch_up(0);  // a terminal
   bring_in(fd);
   return available_bytes(fd);
 }

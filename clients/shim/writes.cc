@@ -30,7 +30,7 @@ ssize_t counted(int fd, Call call) {
 int flush(int fd, int queue) {
   if (active() && descriptor(fd).is_tty) {
     if (queue == TCOFLUSH) return 0;
-    catch_up();
+    catch_up(0);
     bring_in(fd);
     queue = TCIFLUSH;
   }
@@ -76,9 +76,10 @@ VISUM_EXPORT int ioctl(int fd, unsigned long request, ...) noexcept {
   void* argument = va_arg(list, void*);
   va_end(list);
   if (request == TCFLSH) return flush(fd, static_cast<int>(reinterpret_cast<long>(argument)));
-  const bool looks = active() && request == FIONREAD && descriptor(fd).on_bus();
+  const auto what = active() && request == FIONREAD ? descriptor(fd) : Descriptor{};
+  const bool looks = what.on_bus();
   if (looks) {
-    catch_up();
+    catch_up(what.stream_bit());
     bring_in(fd);
   }
   const int result = static_cast<int>(VISUM_REAL(syscall)(SYS_ioctl, fd, request, argument));

@@ -22,7 +22,7 @@ class CanLibraries(unittest.TestCase):
         refused = visum("exec", "--can", "kvaser", "--", "true", expect=2, env=self.environment).stderr
         self.assertIn("must be esd or peak", refused)
         refused = visum("exec", "--can", "esd=leg", "--", "true", expect=2, env=self.environment).stderr
-        self.assertIn("the part 'leg' has no tcp bus", refused)
+        self.assertIn("part 'leg' has no tcp bus", refused)
 
     def test_without_a_bus_the_library_says_so(self):
         program = BIN / "visum-test-ntcan"

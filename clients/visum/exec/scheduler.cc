@@ -17,9 +17,11 @@ namespace {
 using shim::Slot;
 using shim::State;
 
-constexpr std::int64_t kWatch_ns = 10'000'000;  // who runs is looked after that often
-constexpr std::int64_t kSoon_ns = 50'000;       // somebody is about to be gone, or awake
-constexpr std::int64_t kMostTicks = 1000;       // at once: then we look who woke up by himself
+// A thread that runs is looked after at first soon, as it may wait in a call that the shim does not know, and
+// then at intervals that double.
+constexpr std::int64_t kFirstWatch_ns = 100'000, kWatch_ns = 10'000'000;
+constexpr std::int64_t kSoon_ns = 50'000;  // somebody is about to be gone, or awake
+constexpr std::int64_t kMostTicks = 1000;  // at once: then we look who woke up by himself
 
 constexpr std::chrono::seconds kLastWords{5};      // for the world, once the program has ended
 constexpr std::chrono::milliseconds kWaking{500};  // for who waits for a child that has ended
@@ -62,12 +64,15 @@ int Scheduler::run() {
 
 void Scheduler::await_quiet() {
   quiet_since_ = Clock::now();
+  auto watch_ns = kFirstWatch_ns;
   for (check_end(); !ended_; check_end()) {
     quiet_bell_ = memory_.bell.load();
     bool soon = false;
     if (is_quiet(soon)) return;
-    if (shim::futex_wait(memory_.bell, quiet_bell_, soon ? kSoon_ns : kWatch_ns) == ETIMEDOUT && !soon)
-      watch();
+    if (shim::futex_wait(memory_.bell, quiet_bell_, soon ? kSoon_ns : watch_ns) != ETIMEDOUT || soon)
+      continue;
+    watch();
+    watch_ns = std::min(2 * watch_ns, kWatch_ns);
   }
 }
 

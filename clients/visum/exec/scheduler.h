@@ -43,7 +43,8 @@ class Scheduler {
     std::uint64_t ticks = 0;
     std::uint64_t began = 0;  // `ticks`, when this turn was seen first
     int still = 0;            // looks in a row at which it slept, without having told us
-    bool unknown = false;     // it waits in a call that the shim does not know
+    Clock::time_point still_since = Clock::now();
+    bool unknown = false;  // it waits in a call that the shim does not know
     bool told = false;
     std::optional<Clock::time_point> ended;  // it has, and who waits for that still sleeps
   };
@@ -58,6 +59,7 @@ class Scheduler {
   void watch();
   bool has_run_long(const shim::Slot& slot);
   void look_after(shim::Slot& slot);
+  void look_at_wait(const shim::Slot& slot, Watched& watched);
   void drop_if_late(shim::Slot& slot);
   void check_announced(const shim::Slot& slot);  // of a slot whose process is gone
   void await_announcements();

@@ -15,6 +15,7 @@ using shim::State;
 using std::chrono::seconds;
 
 constexpr int kStill = 2;  // looks, after which a thread that sleeps waits for something
+constexpr std::chrono::milliseconds kPassing{20};
 // With who runs while others are ready: of processor time, of which a busy host gives little.
 constexpr long kPatience_s = 1;
 constexpr seconds kStart{2};     // for a process to come up
@@ -53,14 +54,23 @@ void Scheduler::look_after(Slot& slot) {
   if (state.gone()) return free_if_gone(slot);
   const bool still = state.sleeps() && watched.turn == slot.go && watched.ticks == state.ticks;
   watched.still = still ? watched.still + 1 : 0;
+  if (!still) watched.still_since = Clock::now();
   if (watched.turn != slot.go) watched.began = state.ticks;
   watched.turn = slot.go;
   watched.ticks = state.ticks;
-  if (slot.state == State::kRunning && watched.still >= kStill) watched.unknown = true;
-  if (state.sleeps() && out_of_step_.empty() && Threads::waits_by_host_time(slot.pid, slot.tid))
+  if (state.sleeps()) look_at_wait(slot, watched);
+  complain(slot);
+}
+
+// It sleeps without having told us. Input from others it waits for in earnest. Anything else may be over in a
+// moment: a pipe that is full, a page that is read.
+void Scheduler::look_at_wait(const Slot& slot, Watched& watched) {
+  const auto wait = Threads::wait_of(slot.pid, slot.tid);
+  if (wait == KernelWait::kHostTime)
     note_out_of_step(text_of(slot) +
                      " waits by the host's time: in a system call that the shim does not see");
-  complain(slot);
+  const bool in_earnest = wait == KernelWait::kInput || Clock::now() - watched.still_since > kPassing;
+  if (slot.state == State::kRunning && watched.still >= kStill && in_earnest) watched.unknown = true;
 }
 
 // A place kept for a process that never came: a static program, or one that ended at once.

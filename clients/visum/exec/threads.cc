@@ -101,6 +101,22 @@ bool is_timed_by_argument(const KernelCall& call) {
   }
 }
 
+bool is_for_input(const KernelCall& call) {
+  switch (call.number) {
+    case SYS_read:
+    case SYS_readv:
+    case SYS_recvfrom:
+    case SYS_recvmsg:
+    case SYS_accept:
+    case SYS_accept4:
+    case SYS_wait4:
+    case SYS_waitid:
+      return true;
+    default:
+      return false;
+  }
+}
+
 // "7f12a0000000-7f12a0026000 r-xp 00000000 fe:00 123  /usr/lib/x86_64-linux-gnu/libc.so.6"
 bool is_in_c_library(const std::string& maps, std::uint64_t address) {
   std::ifstream file(maps);
@@ -133,11 +149,14 @@ ThreadState Threads::state(pid_t process, pid_t thread) {
   return {};
 }
 
-bool Threads::waits_by_host_time(pid_t process, pid_t thread) {
+KernelWait Threads::wait_of(pid_t process, pid_t thread) {
   const auto folder = "/proc/" + std::to_string(process);
   const auto call = read_call(folder + "/task/" + std::to_string(thread) + "/syscall");
-  return call && (is_timed_everywhere(*call) ||
-                  (is_timed_by_argument(*call) && !is_in_c_library(folder + "/maps", call->at)));
+  if (!call) return KernelWait::kOther;
+  const bool timed = is_timed_everywhere(*call) ||
+                     (is_timed_by_argument(*call) && !is_in_c_library(folder + "/maps", call->at));
+  if (timed) return KernelWait::kHostTime;
+  return is_for_input(*call) ? KernelWait::kInput : KernelWait::kOther;
 }
 
 void Threads::forget(pid_t thread) {

@@ -17,6 +17,12 @@ struct ThreadState {
   bool sleeps() const { return letter == 'S'; }
 };
 
+enum class KernelWait {
+  kInput,     // until there is something to read, or a child has ended; without a time-out
+  kHostTime,  // until a time of the host's, or with a time-out by it
+  kOther,
+};
+
 // Keeps the files open: asking again costs one system call.
 class Threads {
  public:
@@ -26,8 +32,8 @@ class Threads {
   Threads& operator=(const Threads&) = delete;
 
   ThreadState state(pid_t process, pid_t thread);
-  // Whether the thread sleeps in a call of the kernel that ends by a time of the host's.
-  static bool waits_by_host_time(pid_t process, pid_t thread);
+  // The call of the kernel that a thread sleeps in. kOther also where the kernel does not let us look.
+  static KernelWait wait_of(pid_t process, pid_t thread);
   void forget(pid_t thread);
 
  private:
