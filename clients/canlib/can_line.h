@@ -44,7 +44,7 @@ class CanLine {
     watched_by_program_ = true;
     return fd_;
   }
-  // Which ids are received; none at first.
+  // Chooses the ids that are received; none at first.
   void hear(std::uint32_t id, bool heard);
   bool hears(std::uint32_t id) const;
   void hear_all();

@@ -1,4 +1,4 @@
-// PEAK's libpcan, as far as programs for PowerCube modules use it, over a bus of Visum's.
+// The part of PEAK's libpcan that programs for PowerCube modules use, over a bus of Visum's.
 #include "clients/canlib/libpcan.h"
 
 #include <cerrno>
@@ -13,7 +13,7 @@ using visum::canlib::Frame;
 
 struct Opened {
   std::unique_ptr<CanLine> line;
-  bool filtered = false;  // CAN_MsgFilter was called: only its ids are heard
+  bool filtered = false;  // CAN_MsgFilter was called: only its ids are received
   DWORD reads = 0, writes = 0;
 };
 
@@ -50,7 +50,7 @@ HANDLE LINUX_CAN_Open(const char*, int) {
   return opened;
 }
 
-// The bus has its rate already.
+// The rate is the bus' own and cannot be set here.
 DWORD CAN_Init(HANDLE handle, WORD, int) {
   return handle ? CAN_ERR_OK : CAN_ERRMASK_ILLHANDLE;
 }
@@ -106,7 +106,7 @@ DWORD CAN_ResetFilter(HANDLE handle) {
   return CAN_ERR_OK;
 }
 
-// The first filter closes the line for all other ids, more of them open it further.
+// The first filter shuts out all other ids; each further one lets more in.
 DWORD CAN_MsgFilter(HANDLE handle, DWORD from_id, DWORD to_id, int message_type) {
   if (!handle) return CAN_ERRMASK_ILLHANDLE;
   if (message_type != MSGTYPE_STANDARD || from_id > to_id || to_id > 0x7FF) return CAN_ERR_ILLPARAMVAL;

@@ -1,6 +1,5 @@
-/* The surface of PEAK's libpcan (the chardev driver's) that programs for PowerCube modules link with, so that
- * such a program can be linked, or run, with Visum's replacement. Types, numbers and names are the
- * interface's; nothing else of the vendor's is here. */
+/* The functions of PEAK's libpcan (the chardev driver's) that programs for PowerCube modules call. Such a
+ * program can be linked, or run, with Visum's replacement. Only types, numbers and names are the vendor's. */
 #pragma once
 
 #include <stdint.h>
@@ -57,15 +56,15 @@ typedef struct {
   char szVersionString[64];
 } TPDIAG;
 
-/* The device's name is of no importance: there is one bus, which VISUM_CAN names. */
+/* The device's name does not matter: there is one bus, which VISUM_CAN names. */
 HANDLE LINUX_CAN_Open(const char* device, int flags);
 DWORD CAN_Init(HANDLE handle, WORD btr0btr1, int message_type);
 DWORD CAN_Close(HANDLE handle);
-DWORD CAN_Status(HANDLE handle); /* CAN_ERR_QRCVEMPTY: nothing came */
+DWORD CAN_Status(HANDLE handle); /* CAN_ERR_QRCVEMPTY: nothing has come */
 DWORD CAN_Write(HANDLE handle, TPCANMsg* message);
 DWORD CAN_Read(HANDLE handle, TPCANMsg* message);
 DWORD LINUX_CAN_Read(HANDLE handle, TPCANRdMsg* message);
-/* Above 0: µs to wait; 0: not at all; below: for ever. */
+/* Waits for so many µs; 0: not at all; below 0: for ever. */
 DWORD LINUX_CAN_Read_Timeout(HANDLE handle, TPCANRdMsg* message, int wait_us);
 DWORD CAN_ResetFilter(HANDLE handle);
 DWORD CAN_MsgFilter(HANDLE handle, DWORD from_id, DWORD to_id, int message_type);

@@ -1,4 +1,4 @@
-// esd's libntcan, as far as programs for PowerCube modules use it, over a bus of Visum's.
+// The part of esd's libntcan that programs for PowerCube modules use, over a bus of Visum's.
 #include "clients/canlib/ntcan.h"
 
 #include <algorithm>
@@ -37,7 +37,7 @@ CMSG to_message(const Frame& frame) {
   return message;
 }
 
-// The first by `due`, and those that are there behind it.
+// Waits for the first message until `due`, and takes those that are there behind it.
 NTCAN_RESULT receive(CanLine& line, CMSG* messages, int32_t* count, CanLine::Clock::time_point due) {
   const int32_t room = *count;
   *count = 0;
@@ -81,7 +81,7 @@ NTCAN_RESULT canClose(NTCAN_HANDLE handle) {
   return NTCAN_SUCCESS;
 }
 
-// The bus has its rate already; what is set is returned.
+// The rate is the bus' own. The library remembers what the program sets, and returns it.
 NTCAN_RESULT canSetBaudrate(NTCAN_HANDLE handle, uint32_t baud) {
   const auto opened = find(handle);
   if (!opened) return NTCAN_INVALID_HANDLE;

@@ -1,7 +1,7 @@
-/* The surface of esd's libntcan that programs for PowerCube modules link with, so that such a program can be
- * linked, or run, with Visum's replacement. Types, numbers and names are the interface's; nothing else of the
- * vendor's is here. All calls return NTCAN_SUCCESS or an error. A handle may be used by two threads at once,
- * one that reads and one that writes. */
+/* The functions of esd's libntcan that programs for PowerCube modules call. Such a program can be linked, or
+ * run, with Visum's replacement. Only types, numbers and names are the vendor's. All calls return
+ * NTCAN_SUCCESS or an error. A handle may be used by two threads at once, one that reads and one that writes.
+ */
 #pragma once
 
 #include <errno.h>
@@ -40,7 +40,7 @@ typedef struct {
 } CMSG;
 #pragma pack(pop)
 
-/* Times in ms. The net's number is of no importance: there is one bus, which VISUM_CAN names. */
+/* Times in ms. The net's number does not matter: there is one bus, which VISUM_CAN names. */
 NTCAN_RESULT canOpen(int32_t net, uint32_t flags, int32_t tx_queue, int32_t rx_queue, int32_t tx_timeout,
                      int32_t rx_timeout, NTCAN_HANDLE* handle);
 NTCAN_RESULT canClose(NTCAN_HANDLE handle);

@@ -1,5 +1,6 @@
-// The memory that the time shim shares with whoever drives its time: one slot for each thread of the program
-// and of what it starts. SPEC.md says who may change what, and when. No library is needed to use it.
+// The memory that the time shim shares with the scheduler that drives its time: one slot for each thread of the
+// program and of the processes that it starts. SPEC.md says which side may change which field, and when. Needs
+// no library.
 #pragma once
 
 #include <atomic>
@@ -15,28 +16,28 @@ inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 inline constexpr std::uint32_t kMostThreads = 256, kMostProcesses = 64, kMostStreams = 64, kMostBuses = 32;
 inline constexpr int kNameSize = 24;
 
-// What the clocks show when the simulated time is 0: midnight, 1 January 2000 (UTC), 1000 s after the start.
+// The clocks at simulated time 0: midnight of 1 January 2000 (UTC), and 1000 s after the system's start.
 inline constexpr std::int64_t kRealtimeBase_ns = 946'684'800'000'000'000;
 inline constexpr std::int64_t kMonotonicBase_ns = 1'000'000'000'000;
 
 enum class State : std::uint32_t {
-  kFree,      // nobody's
-  kStarting,  // kept for a thread or process that is about to be
+  kFree,      // not in use
+  kStarting,  // reserved for a thread or process that is about to start
   kRunning,
   kParked,   // waits on `go`, until its deadline or as its flags say
-  kBlocked,  // in a call of the kernel that ends by itself
-  kReady,    // came back from one, or was just made; waits on `go` for its turn
+  kBlocked,  // in a system call that ends by itself
+  kReady,    // came back from such a call, or has just started; waits on `go` for its turn
   kLeaving,  // in its last instructions
 };
 
 enum Flags : std::uint32_t {
-  kRecheck = 1,        // looks again when others have run, or a bus has spoken
-  kOnBus = 2,          // waits for a bus: the world may run though nobody waits for time
-  kSettle = 4,         // wants all that was sent over the buses obeyed and answered
-  kGranted = 8,        // what it waited for has been given to it
+  kRecheck = 1,        // looks again when others have run, or a bus has sent something
+  kOnBus = 2,          // waits for a bus: the world may run though no thread waits for time
+  kSettle = 4,         // asks that all bytes sent over the buses be handled and answered
+  kGranted = 8,        // it has been given the thing that it waited for
   kAlarm = 16,         // told with its turn: send yourself SIGALRM
   kAgain = 32,         // has looked again, in vain
-  kHold = 64,          // kBlocked: by an answer of the server's, for which the world waits
+  kHold = 64,          // kBlocked: waits for an answer of the server, and the world waits with it
   kAwaitsChild = 128,  // kBlocked: until the child `key` ends, or, where that is 0, any child
   kReplacing = 256,    // calls exec(): the program that follows has not announced itself yet
 };
@@ -63,7 +64,7 @@ struct Alarm {
 struct Stream {
   std::atomic<std::uint32_t> port;  // the program's; 0: none
   std::atomic<std::uint64_t> written, heard;
-  std::atomic<std::uint64_t> said;  // by the server, as it told
+  std::atomic<std::uint64_t> said;  // bytes that the server has sent, by its own count
   // 1 + `heard` when the program had left so much unread that the server could send no more; 0: never.
   std::atomic<std::uint64_t> full_at;
 };

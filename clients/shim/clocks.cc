@@ -1,4 +1,4 @@
-// clock_gettime, gettimeofday, time: what the program reads of time.
+// clock_gettime, gettimeofday, time: the program's clocks show simulated time.
 #include "clients/shim/clocks.h"
 
 #include <errno.h>

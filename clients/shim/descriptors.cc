@@ -39,7 +39,7 @@ std::uint32_t port_of(int fd, AskAddress ask) {
   return known ? ntohs(address.sin_port) : 0;
 }
 
-// The port on this side, if the other one is a bus.
+// Our end's port where the other end is a bus; else 0.
 std::uint32_t port_to_bus(int fd) {
   const auto ports = std::span(shared()->ports, shared()->port_count);
   const bool leads_there = std::ranges::find(ports, port_of(fd, ::getpeername)) != ports.end();
@@ -62,7 +62,7 @@ Stream* take_free_stream() {
   return nullptr;
 }
 
-// Whether the kernel still has connections from these ports to a bus; who closed one may be another process.
+// Asks the kernel which of these connections to a bus are still open: another process may have closed one.
 void find_open(std::span<const Stream> streams, std::span<bool> open) {
   std::FILE* file = std::fopen("/proc/self/net/tcp", "re");  // proc(5)
   if (!file) {
@@ -81,7 +81,7 @@ void find_open(std::span<const Stream> streams, std::span<bool> open) {
   std::fclose(file);
 }
 
-// Connections that are over leave their place to later ones.
+// A closed connection's place goes to a later one.
 Stream* free_stream() {
   if (auto* stream = take_free_stream()) return stream;
   bool open[kMostStreams] = {};

@@ -1,4 +1,4 @@
-// What a descriptor leads to, as far as waiting on it goes.
+// Tells where a descriptor leads, as far as waiting on it depends on that.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 namespace visum::shim {
 
 struct Descriptor {
-  bool can_wait = false;  // no file or folder
+  bool can_wait = false;  // false for files and folders
   bool is_socket = false;
   bool is_tty = false;       // of a bus
   Stream* stream = nullptr;  // to a bus, over TCP

@@ -29,8 +29,8 @@ int await_answer(const FdWait& wait, Block block) {
 }
 
 // `look` asks the kernel without waiting: 0 means nothing yet, anything else is the result. `block` waits in
-// the kernel, for so long (null: without end); it is called where simulated time has no part in the wait. 0:
-// the deadline has come; -1 with EINTR: a signal.
+// the kernel for the given length (null: without end); it is called where the wait does not depend on
+// simulated time. Returns the result of `look`, 0 at the deadline, or -1 with EINTR after a signal.
 template <typename Look, typename Block>
 int wait_for(const FdWait& wait, Look look, Block block) {
   for (std::uint32_t flags = kRecheck | (wait.on_bus ? kOnBus : 0u);; flags |= kAgain) {
@@ -40,7 +40,7 @@ int wait_for(const FdWait& wait, Look look, Block block) {
     if (wait.deadline_ns <= now_ns()) return 0;
     const auto next = std::min(wait.deadline_ns, next_timer_ns());
     if (wait.on_session) {
-      // Nothing came within the time-out: it is over in the world, too, which may have something to say then.
+      // Nothing came within the time-out. Let the same time pass in the world; an answer may come by then.
       const int found = await_answer(wait, block);
       if (found != 0 || wait.deadline_ns == kNever) return found;
       if (park({wait.doing, wait.deadline_ns})) return look();
@@ -55,8 +55,8 @@ int wait_for(const FdWait& wait, Look look, Block block) {
   }
 }
 
-// Until `fd` can be read: 1, 0, -1 as above. Blocks for real where nothing drives it: then 1 means that a
-// call that blocks is in place, see Descriptor.
+// Waits until `fd` can be read: 1, or 0 and -1 as above. Blocks in the kernel where simulated time plays no
+// part in the wait.
 int wait_readable(const char* doing, int fd, const Descriptor& what, std::int64_t deadline_ns);
 
 }  // namespace visum::shim

@@ -1,4 +1,5 @@
-// The kernel's futex between processes; pthread's own calls, and syscall(), would be the shim's.
+// The kernel's futex between processes, by a direct system call: the shim intercepts pthread's calls and
+// syscall() themselves.
 #pragma once
 
 #include <linux/futex.h>
@@ -15,7 +16,7 @@
 
 namespace visum::shim {
 
-// 0, or the errno: EAGAIN (the word is another already), EINTR, ETIMEDOUT.
+// Returns 0 or an errno: EAGAIN (the word has changed already), EINTR, ETIMEDOUT.
 inline int futex_wait(std::atomic<std::uint32_t>& word, std::uint32_t expected, std::int64_t patience_ns) {
   const timespec patience{patience_ns / 1'000'000'000, patience_ns % 1'000'000'000};
   const long done = VISUM_REAL(syscall)(SYS_futex, &word, FUTEX_WAIT, expected, &patience, nullptr, 0);

@@ -1,4 +1,5 @@
-// Threads that wait for each other: with a time-out in simulated time, without one as known waits.
+// Mutexes, condition variables and semaphores. Time-outs are simulated; waits without one are announced to
+// the scheduler.
 #include <errno.h>
 #include <pthread.h>
 #include <semaphore.h>
@@ -14,8 +15,8 @@ using namespace visum::shim;
 
 namespace {
 
-// Tries until it works or the deadline has come. `attempt` returns 0 or the reason why not, which is what
-// happens as long as it is `busy`.
+// Tries until it works or the deadline comes. `attempt` returns 0 or an errno; `busy` is the errno that means
+// "try again".
 template <typename Attempt>
 int try_until(const char* doing, std::int64_t deadline, int busy, Attempt attempt) {
   for (std::uint32_t flags = kRecheck;; flags |= kAgain) {
@@ -43,7 +44,7 @@ bool is_valid(const timespec* time) {
   return time && time->tv_nsec >= 0 && time->tv_nsec < kSecond_ns;
 }
 
-// Of glibc: whether processes share the condition variable, and which clock its deadlines are of.
+// Reads glibc's own fields: whether processes share the condition variable, and the clock of its deadlines.
 bool is_shared(const pthread_cond_t* condition) {
   return (condition->__data.__wrefs & 1) != 0;
 }
@@ -55,7 +56,7 @@ std::uint64_t key_of(const pthread_cond_t* condition) {
   return reinterpret_cast<std::uintptr_t>(condition);
 }
 
-// We are found waiting before the mutex is free: no signal is lost.
+// Announces the wait before the mutex is free, so that no signal is lost.
 int await_condition(const char* doing, pthread_cond_t* condition, pthread_mutex_t* mutex,
                     std::int64_t deadline) {
   auto& slot = mine();
@@ -71,7 +72,7 @@ int await_condition(const char* doing, pthread_cond_t* condition, pthread_mutex_
   return !granted && now_ns() >= deadline ? ETIMEDOUT : 0;
 }
 
-// The one of this process that has waited longest; null: nobody waits.
+// The thread of this process that has waited longest; null where no thread waits.
 Slot* longest_waiting(std::uint64_t key) {
   Slot* first = nullptr;
   for (auto& slot : shared()->slots) {

@@ -25,7 +25,7 @@ std::int64_t deadline_after(const timespec* length) {
   return length ? after_ns(now_ns(), visum::shim::to_ns(*length)) : kNever;
 }
 
-// Nothing was found, and nobody waited.
+// Counts a look that found nothing and did not wait.
 int noted(const char* doing, int found, bool at_once) {
   if (found == 0 && at_once) note_look(doing);
   return found;
@@ -60,7 +60,7 @@ void add_all(const Sets& sets, FdWait& wait) {
       if (set && FD_ISSET(fd, set)) add(fd, wait);
 }
 
-// A call with copies, which are handed over where it found something.
+// select() changes its sets even where it finds nothing, so it gets copies.
 int select_once(const Sets& sets, const timespec* length, const sigset_t* signals) {
   fd_set copies[3];
   fd_set* const originals[] = {sets.read, sets.write, sets.error};

@@ -1,4 +1,4 @@
-// Threads and processes that come and go. A new one waits for its turn before its first instruction.
+// Starts and ends of threads and processes. A new one waits for its turn before its first instruction.
 #include <errno.h>
 #include <pthread.h>
 #include <signal.h>
@@ -25,7 +25,7 @@ struct Start {
 pthread_key_t last_words;
 pthread_once_t last_words_once = PTHREAD_ONCE_INIT;
 
-// After the program's own destructors of thread-specific data, as far as there are rounds left.
+// Runs after the program's own destructors of thread-specific data, as far as rounds are left.
 void end_of_thread(void* rounds) {
   const auto left = reinterpret_cast<std::uintptr_t>(rounds);
   if (left > 1)
@@ -46,7 +46,7 @@ void* run_thread(void* given) {
   return start.routine(start.argument);
 }
 
-// fork() with a place kept for the child, so that the world waits for it from the first moment on.
+// fork() with a slot reserved for the child, so that the world waits for the child from its first moment.
 pid_t fork_in_turn() {
   auto* slot = keep_slot(0, ::getpid());
   if (!slot) {
@@ -63,7 +63,7 @@ pid_t fork_in_turn() {
   return child;
 }
 
-// Around a call that starts a process by itself, which takes the place when it comes up.
+// Wraps a call that starts a process by itself. The process takes the reserved slot when it starts.
 template <typename Call>
 int starting(Call call, const pid_t* child) {
   auto* slot = keep_slot(0, ::getpid());
@@ -76,7 +76,7 @@ int starting(Call call, const pid_t* child) {
   return result;
 }
 
-// A wait for a child, as waitpid() names it; anything but a process is any child.
+// A wait for a child, named as for waitpid(). A `pid` that is not positive means any child.
 template <typename Call>
 auto await_child(const char* doing, pid_t pid, Call call) {
   return blocked(doing, call, kAwaitsChild, pid > 0 ? static_cast<std::uint64_t>(pid) : 0);
@@ -112,7 +112,7 @@ VISUM_EXPORT pid_t fork() noexcept {
   return active() ? fork_in_turn() : VISUM_REAL(fork)();
 }
 
-// As fork: the parent's memory is not lent, and the parent waits for nothing.
+// The same as fork(): the child gets its own copy of the memory, and the parent does not wait.
 VISUM_EXPORT pid_t vfork() noexcept {
   return active() ? fork_in_turn() : VISUM_REAL(fork)();
 }

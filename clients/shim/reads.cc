@@ -38,7 +38,7 @@ bool is_nonblocking(int fd) {
   return (::fcntl(fd, F_GETFL) & O_NONBLOCK) != 0;
 }
 
-// A call that does not wait: what has been said is there, and nothing else.
+// A call that does not wait. It finds exactly what the server has sent by now.
 template <typename Call>
 ssize_t look(const char* doing, const Descriptor& from, Call call) {
   fire_timers();
@@ -82,8 +82,7 @@ int available(int fd) {
   return available_bytes(fd);
 }
 
-// How a terminal's read waits: for `least` bytes, each at most `pause_ns` after the one before; see
-// termios(3).
+// A terminal's read waits for `least` bytes, each at most `pause_ns` after the one before; see termios(3).
 struct TtyRules {
   int least = 1;
   std::int64_t pause_ns = kNever;
@@ -100,7 +99,7 @@ TtyRules rules_of(int fd) {
   return rules;
 }
 
-// How many bytes a read of `most` gets; -1: a signal.
+// The number of bytes that a read of at most `most` gets; -1 after a signal.
 int await_tty(int fd, const TtyRules& rules, int most) {
   int count = available(fd);
   auto deadline = rules.from_first_byte && count == 0 ? kNever : after_ns(now_ns(), rules.pause_ns);

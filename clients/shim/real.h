@@ -1,4 +1,4 @@
-// The functions behind ours: those that the program would have called without the shim.
+// Finds the C library's function behind one that the shim replaces.
 #pragma once
 
 #include <dlfcn.h>

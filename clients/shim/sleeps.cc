@@ -12,7 +12,7 @@ using namespace visum::shim;
 
 namespace {
 
-// 0, or EINTR.
+// Returns 0 or EINTR.
 int sleep_until(const char* doing, std::int64_t deadline_ns) {
   if (deadline_ns <= now_ns()) note_look(doing);
   while (now_ns() < deadline_ns)
@@ -72,6 +72,6 @@ VISUM_EXPORT int thrd_sleep(const timespec* length, timespec* left) {
 
 VISUM_EXPORT int sched_yield() noexcept {
   if (!active()) return VISUM_REAL(sched_yield)();
-  note_look("sched_yield");  // nobody else would run: they wait for their turns
+  note_look("sched_yield");  // a yield cannot let another thread run: they wait for their turns
   return 0;
 }

@@ -22,8 +22,8 @@ namespace {
 constexpr int kMostTimers = 64;
 constexpr int kOwnDescriptors = 512;  // our copies lie above, out of the program's way
 
-// A timerfd is an eventfd to the kernel, which counts as a timerfd does. We write to a copy of our own, so
-// that we never write to what the program has put in the descriptor's place.
+// The program's timerfd is an eventfd here, which counts as a timerfd does. The shim writes to its own copy
+// of the descriptor: the program may have put something else in the original's place.
 struct Timer {
   std::atomic<bool> used;
   int fd, copy;
@@ -64,7 +64,7 @@ itimerspec setting_of(std::int64_t deadline_ns, std::int64_t interval_ns) {
   return setting;
 }
 
-// This process' entry; null: none is set, or no room.
+// This process' entry; null where no alarm is set, or where the table is full.
 Alarm* alarm_of(std::int32_t pid, bool make) {
   for (auto& alarm : shared()->alarms)
     if (alarm.pid == pid) return &alarm;

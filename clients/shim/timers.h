@@ -11,9 +11,9 @@ void fire_timers();
 // When the next is due; kNever: none.
 std::int64_t next_timer_ns();
 bool has_timers();  // armed or not
-// The program closes it.
+// Call it when the program closes the descriptor.
 void forget_timer(int fd);
-// In a new process: timers stay with the one that made them.
+// Call it in a new process: timers stay with the process that made them.
 void forget_all_timers();
 
 }  // namespace visum::shim

@@ -42,7 +42,7 @@ std::int32_t thread_id() {
   return static_cast<std::int32_t>(VISUM_REAL(syscall)(SYS_gettid));
 }
 
-bool somebody_runs() {
+bool any_runs() {
   const auto used = the_shared->used.load();
   for (std::uint32_t i = 0; i < used; ++i) {
     const auto state = the_shared->slots[i].state.load();
@@ -51,25 +51,26 @@ bool somebody_runs() {
   return false;
 }
 
-// The last who runs wakes the scheduler.
+// The last thread that stops running wakes the scheduler.
 void ring() {
-  if (somebody_runs()) return;
+  if (any_runs()) return;
   the_shared->bell.fetch_add(1);
   futex_wake(the_shared->bell);
 }
 
-void look_after_keeper() {
+void check_scheduler() {
   if (::kill(the_shared->scheduler, 0) == 0 || errno != ESRCH) return;
   say("the process that drives the time is gone");
   ::_exit(125);
 }
 
-// Until the scheduler has given us our turn after it was `before`. False: a signal was handled meanwhile.
+// Waits until the scheduler gives us our turn, that is until `go` is no longer `before`. False where a signal
+// was handled meanwhile.
 bool await_turn(Slot& slot, std::uint32_t before) {
   bool undisturbed = true;
   while (slot.go.load() == before) {
     const int error = futex_wait(slot.go, before, kPatience_ns);
-    if (error == ETIMEDOUT) look_after_keeper();
+    if (error == ETIMEDOUT) check_scheduler();
     if (error != EINTR) continue;
     undisturbed = false;
     auto parked = State::kParked;
@@ -78,7 +79,7 @@ bool await_turn(Slot& slot, std::uint32_t before) {
   return undisturbed;
 }
 
-void obey_alarm(Slot& slot) {
+void send_alarm(Slot& slot) {
   if (slot.flags.fetch_and(~kAlarm) & kAlarm) ::kill(::getpid(), SIGALRM);
 }
 
@@ -118,7 +119,7 @@ void free_slot(Slot& slot) {
   slot.state = State::kFree;
 }
 
-// After exec we are who we were; the other threads of before are gone.
+// exec() keeps the process: take over its slot, and free those of its former threads.
 Slot* slot_from_before(std::int32_t pid) {
   Slot* found = nullptr;
   for (auto& slot : the_shared->slots) {
@@ -174,7 +175,8 @@ Shared* shared() {
 
 Slot& mine() {
   if (my_slot) return *my_slot;
-  my_slot = claim_slot(State::kFree, State::kRunning, 0, 0);  // a thread that was made past us
+  my_slot =
+      claim_slot(State::kFree, State::kRunning, 0, 0);  // a thread that was not started by pthread_create()
   if (!my_slot) {
     say("more than %u threads", kMostThreads);
     ::_exit(125);
@@ -206,7 +208,7 @@ bool park_announced() {
   const bool undisturbed = await_turn(slot, before);
   slot.key = 0;
   const bool alarmed = (slot.flags.load() & kAlarm) != 0;
-  obey_alarm(slot);
+  send_alarm(slot);
   return undisturbed && !alarmed;
 }
 
@@ -255,7 +257,7 @@ void note_look(const char* doing) {
   looks = so_far;
 }
 
-// Time that passes by the thread's own waits is none of ours.
+// Starts counting again where time has passed by the thread's own waits.
 void note_request() {
   if (now_ns() != requested_ns) requests = 0;
   requested_ns = now_ns();

@@ -1,5 +1,5 @@
-// A thread's turn: it runs until it waits, and waits until whoever drives the time (the scheduler) gives it
-// its turn again. Any thread; what a function says of "us" is the calling thread.
+// A thread's turn: it runs until it waits, and then waits until the scheduler gives it its turn again. Any
+// thread may call these functions; "we" is the calling thread.
 #pragma once
 
 #include <cerrno>
@@ -26,12 +26,12 @@ struct Wait {
 };
 // Waits for our turn. False: a signal was handled meanwhile.
 bool park(const Wait& wait);
-// The same in pieces, for who must be found waiting before he waits: announce(), let go of what others need,
-// then park_announced().
+// park() in two steps, for a thread that must count as waiting before it releases a lock: announce(), release
+// the lock, park_announced().
 void announce(const Wait& wait);
 bool park_announced();
 
-// Around a call that may wait for what is not ours to drive.
+// Wrap a call that may block in the kernel, on something that simulated time does not drive.
 void enter_blocked(const char* doing, std::uint32_t flags, std::uint64_t key = 0);
 void leave_blocked();
 template <typename Call>
@@ -44,14 +44,15 @@ auto blocked(const char* doing, Call call, std::uint32_t flags = 0, std::uint64_
   return result;
 }
 
-// We looked at something and did not wait: a clock, a descriptor. Who does only that makes time go on by it.
+// Counts a look at a clock or a descriptor that did not wait. A thread that does nothing else makes time pass
+// by it.
 void note_look(const char* doing);
-void note_progress();  // but here we did something: it is no mere looking
-// The world was asked something, over a bus or a session. Who asks and asks makes time go on by it.
+void note_progress();  // the thread did something: the count of looks begins again
+// Counts a request over a bus or a session. A thread that asks again and again makes time pass by it.
 void note_request();
 
-// A slot for a thread or process that is about to be; null: there is no room. take_slot() is for itself to
-// call, drop_slot() where nothing came of it.
+// Reserves a slot for a thread or process that is about to start; null where all are taken. The new thread
+// calls take_slot(); drop_slot() frees the slot where the start failed.
 Slot* keep_slot(std::int32_t pid, std::int32_t parent);
 void take_slot(Slot& slot);
 void drop_slot(Slot& slot);
@@ -60,7 +61,7 @@ void drop_slot(Slot& slot);
 void give_up_slot(Slot& slot);
 // Waits for the first turn.
 void begin_turn();
-// Our last instructions follow; of the thread, or of the whole process.
+// The last instructions of the thread, or of the whole process, follow.
 void leave();
 void leave_process();
 

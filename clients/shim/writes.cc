@@ -1,4 +1,4 @@
-// What goes to the server is counted; what was sent to a terminal of a bus stays sent.
+// Writes to the server are counted. Output to a bus' terminal cannot be discarded any more.
 #include <stdarg.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>

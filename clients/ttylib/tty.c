@@ -1,8 +1,7 @@
-// libvisum-tty.so, loaded into a program by `visum exec --tty`: what the program has written to one of the
-// placed devices stays written. libm5api discards its output before every write; a serial port has sent the
-// bytes of the write before by then, but in a pseudo terminal they can still lie, since a worker of the
-// kernel carries them over whenever it gets to run. A virtual line has sent at once all that it was given:
-// there is never any output left to discard. Input is discarded as asked.
+// libvisum-tty.so, which `visum exec --tty` loads into a program. It keeps the program from discarding its
+// own output on the placed devices. libm5api discards its output before every write. A serial port has sent
+// the former write by then. In a pseudo terminal its bytes can still wait, because a worker of the kernel
+// carries them over whenever it gets to run. Input is discarded as the program asks.
 //
 // VISUM_TTYS: the devices' numbers (st_rdev), as "34821,34822".
 #define _GNU_SOURCE

@@ -1,4 +1,4 @@
-// What the options of `visum exec` ask for, against what a server has.
+// Parses the options of `visum exec` that name buses, and matches them with the buses of a server.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ struct TtyOption {
 TtyOption parse_tty(const std::string& text);
 
 struct CanOption {
-  std::string vendor, part;  // "esd" or "peak"; part empty: the only one with a bus
+  std::string vendor, part;  // "esd" or "peak"; an empty part means the only one that has a bus
 };
 // "esd" or "esd=arm". Throws ExitError(kUsage).
 CanOption parse_can(const std::string& text);
@@ -32,13 +32,13 @@ BusOption parse_bus(const std::string& text);
 std::string bus_address(const std::string& part, const std::string& kind,
                         const std::filesystem::path& folder);
 
-// Where the devices' buses stand on this machine. Throws ExitError.
+// The devices of the parts' buses on this machine. Throws ExitError.
 std::vector<Placement> placements_of(const std::vector<TtyOption>& ttys,
                                      const std::vector<protocol::PartBus>& buses, Advice advice);
-// The part whose bus it is: the first that has one, where none is named.
+// The part whose bus it is; where the option names none, the first that has one.
 std::string part_of_can(const CanOption& can, const std::vector<protocol::PartBus>& buses);
-// The vendor's library of ours in the environment: a program's own library of that vendor is found in our
-// folder first, and knows where the bus is. Buses are on the server's loopback, and so must the program be.
+// Puts our replacement of the vendor's library into the environment: the loader finds it before the vendor's
+// own, and it knows where the bus is. Buses are on the server's loopback, so the program must run there too.
 void lead_can(const CanOption& can, const std::vector<protocol::PartBus>& buses, Advice advice);
 
 }  // namespace visum::exec

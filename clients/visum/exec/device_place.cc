@@ -33,7 +33,7 @@ void write_proc(const char* path, const std::string& text) {
   if (!file) fail(std::string("cannot write ") + path);
 }
 
-// Who is not root first becomes master of a user namespace, in which his ids are what they were.
+// Without root rights the process first enters a user namespace of its own, in which its ids stay the same.
 void enter_namespace() {
   if (::unshare(CLONE_NEWNS) == 0) return;
   const auto uid = std::to_string(::getuid()), gid = std::to_string(::getgid());
@@ -50,7 +50,7 @@ void enter_namespace() {
   write_proc("/proc/self/gid_map", gid + " " + gid + " 1");
 }
 
-// Not "bind": std::bind would be the better match for some arguments.
+// Not called "bind": std::bind would match some arguments better.
 void bind_mount(const std::string& source, const std::string& target, unsigned long flags = 0) {
   if (::mount(source.c_str(), target.c_str(), nullptr, MS_BIND | flags, nullptr) != 0)
     fail("cannot put " + source + " to " + target);
@@ -62,7 +62,7 @@ void make_empty(const std::string& path) {
   ::close(fd);
 }
 
-// One entry of /dev, into the copy: links as they are, all else by a bind.
+// Puts one entry of /dev into the copy: a link as it is, anything else by a bind mount.
 void copy_entry(const fs::directory_entry& entry, const std::string& from) {
   const auto name = entry.path().filename().string();
   const auto target = std::string(kDevices) + "/" + name;
@@ -75,7 +75,7 @@ void copy_entry(const fs::directory_entry& entry, const std::string& from) {
   bind_mount(source, target, MS_REC);
 }
 
-// /dev as a folder of ours in which new names can be made; everything in it is what it was.
+// Replaces /dev by a folder of our own with the same entries, in which new names can be made.
 void copy_devices() {
   const int old = ::open(kDevices, O_PATH | O_DIRECTORY | O_CLOEXEC);
   if (old < 0) fail("cannot open /dev");

@@ -1,4 +1,4 @@
-// Grade L1: the program runs in real time; what it asks over its bus or its session lets the world run.
+// Grade L1: the program runs in real time. Its requests over a bus or a session let the world run.
 #include <sys/wait.h>
 
 #include <chrono>
@@ -11,9 +11,9 @@
 namespace visum::exec {
 namespace {
 
-constexpr std::chrono::seconds kFarewell{5};  // for the world, once the program has ended
+constexpr std::chrono::seconds kFarewell{5};  // how long to wait for the world once the program has ended
 
-// What it wrote in the end is obeyed.
+// Lets the world handle the last bytes that the program wrote.
 void settle(protocol::Connection& world) {
   world.wait_for(world.send(protocol::Advance{0, true, 0, {}}), kFarewell);
 }
@@ -24,7 +24,7 @@ LockstepEnd run_gated(protocol::Connection world, const LockstepPlan& plan) {
   join(world, plan.join);
   bool member = true;
   const auto look = [&] {
-    const auto why = why_thrown_out(world);  // also of who is out already: what is not read wakes us for ever
+    const auto why = why_thrown_out(world);  // also once it is out: an unread message would wake us for ever
     if (!why || !member) return;
     if (plan.join.on_timeout != protocol::OnTimeout::kFree) throw cli::ExitError(cli::kLost, *why);
     say_dropped(*why);

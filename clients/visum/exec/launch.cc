@@ -31,7 +31,7 @@ void hand_on(int number) {
   if (const pid_t program = the_program; program > 0) ::kill(program, number);
 }
 
-// Ctrl-C reaches the program from the terminal; who ends only us means it too.
+// Ctrl-C reaches the program from the terminal. Other signals are sent to us alone, and meant for it too.
 void hand_signals_on() {
   struct sigaction action {};
   action.sa_handler = hand_on;

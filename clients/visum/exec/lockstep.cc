@@ -14,7 +14,7 @@
 namespace visum::exec {
 namespace {
 
-// What leads to the world's buses: "pty:/tmp/arm.tty", "slcan:...", "tcp:40123".
+// Tells the shim the devices and ports of the world's buses: "pty:/tmp/arm.tty", "slcan:...", "tcp:40123".
 void add_buses(const std::vector<protocol::PartBus>& buses, TimeChannel& channel) {
   for (const auto& bus : buses) {
     const auto colon = bus.name.find(':');

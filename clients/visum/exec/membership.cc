@@ -19,7 +19,8 @@ protocol::Advanced join(protocol::Connection& connection, const protocol::Join& 
 void leave(protocol::Connection& connection) try {
   connection.request(protocol::Leave{});
 } catch (const protocol::RequestError& error) {
-  if (error.code() != protocol::ErrorCode::kWrongState) throw;  // thrown out in the last moment
+  if (error.code() != protocol::ErrorCode::kWrongState)
+    throw;  // removed from the lockstep in the last moment
 }
 
 std::optional<std::string> why_thrown_out(protocol::Connection& connection) {
@@ -29,7 +30,7 @@ std::optional<std::string> why_thrown_out(protocol::Connection& connection) {
     if (event && event->kind == "lockstep_timeout") why = event->text;
   }
   if (!why) return why;
-  // It may have been another.
+  // The event may have named another member; a member may send a note.
   try {
     connection.request(protocol::Note{});
     return std::nullopt;

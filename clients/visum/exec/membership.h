@@ -1,4 +1,4 @@
-// Being a member of a server's lockstep on behalf of a program.
+// Joins and leaves a server's lockstep on behalf of a program.
 #pragma once
 
 #include <optional>
@@ -10,12 +10,12 @@ namespace visum::exec {
 
 // Throws ExitError(kUsage) where the server's clock is not lockstep, or it refuses what `request` asks for.
 protocol::Advanced join(protocol::Connection& connection, const protocol::Join& request);
-// The program has ended by itself: its parts go on with what it told them last. Where it is not said (it
-// crashed, or we are gone) they stop.
+// For a program that has ended by itself: its parts go on with its last commands. Without this call (the
+// program crashed, or we did) they stop.
 void leave(protocol::Connection& connection);
-// Takes the server's events in. If we were late and are a member no longer, why.
+// Reads the server's events. Returns the reason where we were late and are no longer a member.
 std::optional<std::string> why_thrown_out(protocol::Connection& connection);
-// On stderr: from now on the program goes on in real time.
+// Says on stderr that the program goes on in real time from now on.
 void say_dropped(const std::string& why);
 
 }  // namespace visum::exec

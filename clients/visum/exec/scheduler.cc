@@ -20,11 +20,11 @@ using shim::State;
 // A thread that runs is looked after at first soon, as it may wait in a call that the shim does not know, and
 // then at intervals that double.
 constexpr std::int64_t kFirstWatch_ns = 100'000, kWatch_ns = 10'000'000;
-constexpr std::int64_t kSoon_ns = 50'000;  // somebody is about to be gone, or awake
-constexpr std::int64_t kMostTicks = 1000;  // at once: then we look who woke up by himself
+constexpr std::int64_t kSoon_ns = 50'000;  // a thread is about to end or to wake up
+constexpr std::int64_t kMostTicks = 1000;  // at once; then look for threads that woke up by themselves
 
-constexpr std::chrono::seconds kLastWords{5};      // for the world, once the program has ended
-constexpr std::chrono::milliseconds kWaking{500};  // for who waits for a child that has ended
+constexpr std::chrono::seconds kFarewell{5};  // how long to wait for the world once the program has ended
+constexpr std::chrono::milliseconds kWaking{500};  // how long to wait for a parent to notice its child's end
 
 bool is_ready(const Slot& slot, std::int64_t now_ns) {
   const auto state = slot.state.load();
@@ -44,7 +44,8 @@ Scheduler::Scheduler(TimeChannel& channel, WorldLink& world, pid_t program, std:
       period_ticks_(period_ticks),
       give_up_(give_up) {}
 
-// The rules, aloud: one thread at a time; who is due before who may look again; then the buses; then time.
+// The rules: one thread at a time; a thread that is due before one that may look again; then the buses; then
+// time.
 int Scheduler::run() {
   for (;;) {
     await_quiet();
@@ -57,7 +58,7 @@ int Scheduler::run() {
     else if (!settle_for_one())
       advance();
   }
-  advance_by(0);  // what it wrote in the end
+  advance_by(0);  // handles the last bytes that the program wrote
   await_announcements();
   return *ended_;
 }
@@ -88,19 +89,19 @@ void Scheduler::check_end() {
 
 bool Scheduler::is_patient() {
   check_end();
-  return !ended_ || Clock::now() < ended_at_ + kLastWords;
+  return !ended_ || Clock::now() < ended_at_ + kFarewell;
 }
 
-// `soon`: nobody runs, but somebody is about to go or to wake up. First nobody may run at all; only then can
-// nobody be woken any more while we ask for one after the other. Who ran when we began and waits by now drew
-// a ticket: he may have started or woken somebody whom we had passed already.
+// Sets `soon` where no thread runs but one is about to end or to wake up. Two passes: first no thread may run
+// at all, because only then can none be woken while the second pass asks for one after the other. A thread
+// that ran at the start and waits by now has drawn a ticket: it may have woken one that was passed already.
 bool Scheduler::is_quiet(bool& soon) {
   bool busy = false;
   const auto tickets = memory_.tickets.load();
   for (auto& slot : channel_.slots()) {
     if (slot.state == State::kLeaving) {
       free_if_gone(slot);
-      soon = true;  // also where it is gone: who waited for that is being woken
+      soon = true;  // also where it has ended: its end wakes up the thread that waited for it
     }
     busy |= is_busy(slot);
   }
@@ -116,8 +117,8 @@ bool Scheduler::is_busy(Slot& slot) {
   return state == State::kStarting || (state == State::kRunning && !watched.unknown);
 }
 
-// A thread that waits really does: who has been woken in the kernel, or sent a signal, is known at once as
-// one that runs. Who has stopped only now may still be on his way to sleep.
+// True if a thread that says it waits really sleeps. A thread that was woken in the kernel, or sent a signal,
+// shows at once as running. The thread that had the last turn may still be on its way to sleep.
 bool Scheduler::is_still(Slot& slot) {
   const auto declared = slot.state.load();
   auto& watched = watched_[number(slot)];
@@ -129,7 +130,7 @@ bool Scheduler::is_still(Slot& slot) {
   return state.sleeps() || on_its_way;
 }
 
-// The kernel shows that a process has ended before it wakes up who waits for that.
+// The kernel shows that a process has ended before it wakes up the parent that waits for it.
 bool Scheduler::is_to_wake_parent(const Slot& ended, const ThreadState& state) {
   if (state.letter != 'Z') return false;
   const auto pid = ended.pid.load();
@@ -177,7 +178,7 @@ Slot* Scheduler::next_ready() {
   return next;
 }
 
-// Others have run, or a bus has spoken, since it looked.
+// A thread that may look again: others have run, or a bus has sent something, since it looked.
 Slot* Scheduler::next_to_recheck() {
   Slot* next = nullptr;
   for (auto& slot : channel_.slots()) {
@@ -198,7 +199,7 @@ void Scheduler::give_turn(Slot& slot, bool again) {
   shim::futex_wake(slot.go);
 }
 
-// Who looked again and found something has changed the world for the others.
+// A thread that looked again and found something may have changed what the others wait for.
 void Scheduler::note_outcome() {
   auto* slot = std::exchange(rechecking_, nullptr);
   if (!slot) return;
@@ -206,7 +207,7 @@ void Scheduler::note_outcome() {
   if (!in_vain) ++memory_.activity;
 }
 
-// Serves the buses for a thread that wants to know all that has been said by now.
+// Serves the buses for a thread that asks for everything that they have sent by now.
 bool Scheduler::settle_for_one() {
   for (auto& slot : channel_.slots()) {
     if (slot.state != State::kParked || (slot.flags & shim::kSettle) == 0) continue;
@@ -225,27 +226,27 @@ std::int64_t Scheduler::earliest() const {
   return earliest;
 }
 
-bool Scheduler::somebody_on_bus() {
+bool Scheduler::any_on_bus() {
   return std::ranges::any_of(channel_.slots(), [this](const Slot& slot) {
     const bool parked = slot.state == State::kParked && (slot.flags & shim::kOnBus) != 0;
     return parked || (watched_[number(slot)].unknown && memory_.tty_count > 0);
   });
 }
 
-// Of the server, which answers in real time.
+// True if a thread waits for the server, which answers in real time.
 bool Scheduler::awaits_answer() {
   return std::ranges::any_of(channel_.slots(), [](const Slot& slot) {
     return slot.state == State::kBlocked && (slot.flags & shim::kHold) != 0;
   });
 }
 
-// All wait: straight to the earliest wake-up. Where nobody waits for time or a bus, the world stands until
-// somebody wakes up by himself.
+// All threads wait: run the world straight to the earliest wake-up. Where none waits for time or for a bus,
+// the world stands until a thread wakes up by itself.
 void Scheduler::advance() {
   const auto until = earliest();
-  if (awaits_answer() || (until == shim::kNever && !somebody_on_bus())) {
+  if (awaits_answer() || (until == shim::kNever && !any_on_bus())) {
     if (memory_.dirty) advance_by(0);
-    complain_of_nobody();
+    complain_of_missing_shim();
     shim::futex_wait(memory_.bell, quiet_bell_, kWatch_ns);
     return;
   }
@@ -253,7 +254,7 @@ void Scheduler::advance() {
   ring_alarms();
 }
 
-// To the first period that begins then or later; or a part of the way.
+// The ticks to the first period that begins at `until_ns` or later, kMostTicks at most.
 std::int64_t Scheduler::ticks_to(std::int64_t until_ns) const {
   const auto tick_ns = world_.tick_ns(), now_ns = memory_.now_ns.load();
   const auto ticks = (until_ns - now_ns + tick_ns - 1) / tick_ns;
@@ -278,7 +279,8 @@ bool Scheduler::advance_by(std::int64_t ticks) {
   return true;
 }
 
-// By the main thread itself where it waits for its turn, so that all runs in order; else the kernel chooses.
+// A main thread that waits for its turn sends itself the signal, so that everything keeps its order. Else the
+// kernel chooses a thread.
 void Scheduler::ring_alarms() {
   for (auto& alarm : memory_.alarms) {
     if (alarm.pid == 0 || alarm.deadline_ns > memory_.now_ns) continue;
@@ -302,7 +304,7 @@ void Scheduler::kill_all() {
   for (const auto process : processes)
     if (process != program_ || !ended_) ::kill(process, SIGKILL);
   if (!ended_) ::waitpid(program_, nullptr, 0);
-  const auto give_up = Clock::now() + kLastWords;
+  const auto give_up = Clock::now() + kFarewell;
   for (const auto process : processes)
     while (process != program_ && !threads_.state(process, process).gone() && Clock::now() < give_up)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

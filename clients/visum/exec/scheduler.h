@@ -1,5 +1,6 @@
-// Drives the time of a program under the shim: gives its threads their turns, one at a time, and lets the
-// world run when all of them wait. SPEC.md in clients/shim says by which rules. One thread.
+// Drives the time of a program under the shim. Gives the program's threads their turns, one at a time, and
+// lets the world run when all of them wait. The rules are in clients/shim/SPEC.md. Lives on one thread, that
+// of `visum exec`.
 #pragma once
 
 #include <sys/types.h>
@@ -20,15 +21,16 @@ class Scheduler {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // `program`: a child of ours, which wakes up at multiples of `period_ticks`. `give_up`: when to end the
-  // run.
+  // `program` is our child. It wakes up at multiples of `period_ticks`. The run ends at `give_up` at the
+  // latest.
   Scheduler(TimeChannel& channel, WorldLink& world, pid_t program, std::int64_t period_ticks,
             Clock::time_point give_up);
 
-  // Until the program has ended; its status as waitpid() has it. Throws ExitError: kTimedOut, kLost.
+  // Returns the program's status, in the form of waitpid(), once it has ended. Throws ExitError: kTimedOut,
+  // kLost.
   int run();
-  // While the world is waited for: false where the program has ended and the world does not come. Throws as
-  // run().
+  // To be called while waiting for the world. False where the program has ended and the world does not
+  // answer. Throws as run() does.
   bool is_patient();
   // Ends what is left of the program and of the processes that it started.
   void kill_all();
@@ -37,16 +39,16 @@ class Scheduler {
   const std::string& out_of_step() const { return out_of_step_; }
 
  private:
-  // What we know of a slot's thread beside what it says itself.
+  // Facts about a slot's thread beside those that it writes into its slot.
   struct Watched {
     std::uint32_t turn = 0;  // `go`, when we looked
     std::uint64_t ticks = 0;
     std::uint64_t began = 0;  // `ticks`, when this turn was seen first
-    int still = 0;            // looks in a row at which it slept, without having told us
+    int still = 0;            // looks in a row at which it slept without having announced it
     Clock::time_point still_since = Clock::now();
     bool unknown = false;  // it waits in a call that the shim does not know
     bool told = false;
-    std::optional<Clock::time_point> ended;  // it has, and who waits for that still sleeps
+    std::optional<Clock::time_point> ended;  // it has ended, and the parent that waits for it still sleeps
   };
 
   void await_quiet();
@@ -65,7 +67,7 @@ class Scheduler {
   void await_announcements();
   void note_out_of_step(const std::string& why);
   void complain(shim::Slot& slot);
-  void complain_of_nobody();
+  void complain_of_missing_shim();
   shim::Slot* next_ready();
   shim::Slot* next_to_recheck();
   void give_turn(shim::Slot& slot, bool again);
@@ -75,7 +77,7 @@ class Scheduler {
   bool advance_by(std::int64_t ticks);
   std::int64_t earliest() const;
   std::int64_t ticks_to(std::int64_t until_ns) const;
-  bool somebody_on_bus();
+  bool any_on_bus();
   bool awaits_answer();
   void ring_alarms();
   std::uint64_t number(const shim::Slot& slot) const {
@@ -94,11 +96,11 @@ class Scheduler {
   Clock::time_point ended_at_;
   std::uint32_t quiet_bell_ = 0;  // the bell, when all waited
   shim::Slot* last_turn_ = nullptr;
-  shim::Slot* rechecking_ = nullptr;  // has its turn only to look again
+  shim::Slot* rechecking_ = nullptr;  // the thread whose turn is only for looking again
   Clock::time_point quiet_since_ = Clock::now();
   Clock::time_point noted_ = Clock::now();
   Clock::time_point started_ = Clock::now();
-  bool told_of_nobody_ = false;
+  bool complained_of_missing_shim_ = false;
   std::string out_of_step_;
 };
 

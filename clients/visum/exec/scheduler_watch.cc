@@ -1,4 +1,5 @@
-// Who runs for long: dead, in a call that the shim does not know, computing, or spinning.
+// Watches threads that have run for long: they may be dead, in a call that the shim does not know, computing
+// or spinning.
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,13 +15,13 @@ using shim::Slot;
 using shim::State;
 using std::chrono::seconds;
 
-constexpr int kStill = 2;  // looks, after which a thread that sleeps waits for something
+constexpr int kStill = 2;  // looks at which a thread sleeps before it counts as waiting
 constexpr std::chrono::milliseconds kPassing{20};
-// With who runs while others are ready: of processor time, of which a busy host gives little.
+// Processor time that a thread may use while others are ready. Not wall time: a busy host gives little.
 constexpr long kPatience_s = 1;
-constexpr seconds kStart{2};     // for a process to come up
-constexpr seconds kComplain{5};  // about who runs
-constexpr seconds kNotes{1};     // how often `visum status` is told
+constexpr seconds kStart{2};     // for a process to start
+constexpr seconds kComplain{5};  // about a thread that runs
+constexpr seconds kNotes{1};     // between notes for `visum status`
 
 std::string text_of(const Slot& slot) {
   return "thread " + std::to_string(slot.tid) + " of " + process_name(slot.pid) + " (" +
@@ -37,7 +38,7 @@ void Scheduler::watch() {
     look_after(slot);
     impatient |= has_run_long(slot);
   }
-  // Two may run at once rather than one wait for ever for what only the other can do.
+  // Better two threads at once than one that waits for ever for something that only the other can do.
   if (auto* ready = impatient ? next_ready() : nullptr) give_turn(*ready, false);
 }
 
@@ -62,8 +63,8 @@ void Scheduler::look_after(Slot& slot) {
   complain(slot);
 }
 
-// It sleeps without having told us. Input from others it waits for in earnest. Anything else may be over in a
-// moment: a pipe that is full, a page that is read.
+// The thread sleeps without having announced it. It may wait for input for long. Any other sleep may be over
+// in a moment: a full pipe, a page that is read from disk.
 void Scheduler::look_at_wait(const Slot& slot, Watched& watched) {
   const auto wait = Threads::wait_of(slot.pid, slot.tid);
   if (wait == KernelWait::kHostTime)
@@ -73,7 +74,7 @@ void Scheduler::look_at_wait(const Slot& slot, Watched& watched) {
   if (slot.state == State::kRunning && watched.still >= kStill && in_earnest) watched.unknown = true;
 }
 
-// A place kept for a process that never came: a static program, or one that ended at once.
+// A slot was reserved for a process that never took it: a static program, or one that ended at once.
 void Scheduler::drop_if_late(Slot& slot) {
   if (Clock::now() - quiet_since_ < kStart) return;
   std::fprintf(
@@ -120,10 +121,10 @@ void Scheduler::await_announcements() {
   if (memory_.program_announced == 0) note_out_of_step("the program itself has not loaded the time shim");
 }
 
-// Who loads the shim has a slot before anything of its own runs.
-void Scheduler::complain_of_nobody() {
-  if (memory_.used != 0 || told_of_nobody_ || Clock::now() - started_ < kComplain) return;
-  told_of_nobody_ = true;
+// A program that loads the shim has a slot before its own code runs.
+void Scheduler::complain_of_missing_shim() {
+  if (memory_.used != 0 || complained_of_missing_shim_ || Clock::now() - started_ < kComplain) return;
+  complained_of_missing_shim_ = true;
   world_.note("waits for a program that does not load the time shim");
   std::fprintf(
       stderr,

@@ -1,4 +1,4 @@
-// What the kernel says of a program's threads.
+// Reads from /proc how a program's threads fare. One thread uses it.
 #pragma once
 
 #include <sys/types.h>
@@ -10,8 +10,8 @@
 namespace visum::exec {
 
 struct ThreadState {
-  char letter = 'X';        // of /proc: R, S, D, T, t, Z; X: gone
-  pid_t parent = 0;         // of its process
+  char letter = 'X';        // from /proc: R, S, D, T, t, Z; X where it is gone
+  pid_t parent = 0;         // of the thread's process
   std::uint64_t ticks = 0;  // processor time used so far, in the kernel's unit
   bool gone() const { return letter == 'X' || letter == 'Z'; }
   bool sleeps() const { return letter == 'S'; }
@@ -23,7 +23,7 @@ enum class KernelWait {
   kOther,
 };
 
-// Keeps the files open: asking again costs one system call.
+// Keeps the files in /proc open, so that asking again costs one system call.
 class Threads {
  public:
   Threads() = default;

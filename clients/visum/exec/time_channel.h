@@ -1,5 +1,5 @@
-// The memory through which a program's time is driven (clients/shim/channel.h): a file of our own, mapped
-// here, and by the shim in every process of the program.
+// The memory that the scheduler shares with the shim (clients/shim/channel.h): a file of our own, mapped here
+// and in every process of the program.
 #pragma once
 
 #include <sys/types.h>
@@ -17,7 +17,7 @@ namespace visum::exec {
 
 class TimeChannel {
  public:
-  // Throws ExitError(kFailed) where there is no room for it.
+  // Throws ExitError(kFailed) where the file cannot be made.
   explicit TimeChannel(std::int64_t tick_ns);
   ~TimeChannel();
   TimeChannel(const TimeChannel&) = delete;
@@ -26,11 +26,11 @@ class TimeChannel {
   shim::Shared& memory() { return *memory_; }
   std::span<shim::Slot> slots() { return {memory_->slots, memory_->used.load()}; }
 
-  // Before the program starts: what leads to the world.
+  // Call these before the program starts: the devices and ports that lead to the world.
   void add_tty(dev_t device);
   void add_port(std::uint16_t port);
   void set_session_port(std::uint16_t port) { memory_->session_port = port; }
-  // The variables that the program needs to find the channel and the shim.
+  // Sets the variables by which the program finds the channel and the shim.
   void export_to_environment() const;
 
  private:

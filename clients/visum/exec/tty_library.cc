@@ -10,7 +10,7 @@
 namespace visum::exec {
 void load_tty_library(const std::vector<Placement>& placements) {
   const auto library = own_library("visum-tty", "libvisum-tty.so");
-  // We may become the program: nobody would be left to remove a link.
+  // This process may become the program; no one would remove a link then.
   if (!is_preloadable(library)) {
     std::fprintf(stderr,
                  "visum: the loader cannot preload %s, whose path holds a space or a colon: what the program "
@@ -21,7 +21,7 @@ void load_tty_library(const std::vector<Placement>& placements) {
   append_to_variable("LD_PRELOAD", library.string(), ':');
   for (const auto& placement : placements) {
     struct stat status {};
-    if (::stat(placement.source.c_str(), &status) != 0) continue;  // place_devices() says so
+    if (::stat(placement.source.c_str(), &status) != 0) continue;  // place_devices() reports it
     append_to_variable("VISUM_TTYS", std::to_string(status.st_rdev), ',');
   }
 }

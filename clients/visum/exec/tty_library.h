@@ -1,5 +1,5 @@
-// The library that keeps what a program has written to placed devices (clients/ttylib), in the environment of
-// what this process becomes.
+// Puts clients/ttylib into the environment of the program that this process becomes. That library keeps the
+// program's own output on placed devices from being discarded.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace visum::exec {
 
-// Before place_devices(). Throws ExitError where the library is not where it was installed.
+// Call it before place_devices(). Throws ExitError where the library is missing.
 void load_tty_library(const std::vector<Placement>& placements);
 
 }  // namespace visum::exec

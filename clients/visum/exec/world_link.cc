@@ -56,7 +56,7 @@ void WorldLink::look() {
   free_from_ns_ = world_ns_;
 }
 
-// Real time, in pieces: a bus may speak at any moment.
+// Passes real time in pieces: a bus may send something at any moment.
 void WorldLink::pass_freely(std::int64_t ticks) {
   using std::chrono::nanoseconds;
   spoke_ = true;

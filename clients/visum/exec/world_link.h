@@ -1,4 +1,5 @@
-// The world that a program under the shim keeps in step with: a member of the server's lockstep. One thread.
+// The connection to the world that a program keeps in step with; a member of the server's lockstep. Lives on
+// the scheduler's thread.
 #pragma once
 
 #include <chrono>
@@ -14,28 +15,29 @@ namespace visum::exec {
 
 class WorldLink {
  public:
-  // Joins: the world stands until advance(). `idle` is called while an answer is waited for, every few
-  // milliseconds; where it returns false the wait ends. Throws ExitError(kUsage) where the server's clock is
-  // not lockstep.
+  // Joins: the world stands until advance(). While waiting for an answer it calls `idle` every few
+  // milliseconds, and ends the wait where `idle` returns false. Throws ExitError(kUsage) where the server's
+  // clock is not lockstep.
   WorldLink(protocol::Connection connection, const protocol::Join& join, std::function<bool()> idle);
 
   std::int64_t tick_ns() const { return connection_.welcome().tick_ns; }
-  // Simulated, and going on where the server's goes back (reset, restore).
+  // Simulated time. Goes on where the server's own goes back (reset, restore).
   std::int64_t now_ns() const { return offset_ns_ + world_ns_; }
 
-  // Lets the world run for at most `ticks` (0: only the buses are served), less where a bus has said
-  // something. `streams`: what the program has written, and what it was told; on return what the server has
-  // written. False: `idle` ended the wait. Throws ExitError(kLost) where the lockstep is lost.
+  // Lets the world run for at most `ticks` (0: serves the buses only), and stops where a bus sends something.
+  // `streams` tells how much the program has written and received on each connection; on return, how much the
+  // server has written. False where `idle` ended the wait. Throws ExitError(kLost) where the lockstep is
+  // lost.
   bool advance(std::int64_t ticks, std::vector<protocol::Stream>& streams);
-  // Whether a bus said something during the last advance().
+  // True if a bus sent something during the last advance().
   bool spoke() const { return spoke_; }
 
   void note(const std::string& text);  // for `visum status`
-  // While the program runs: what the server says unasked. Throws ExitError(kLost) where we were too late, and
-  // are to end then; where the program goes on by itself, its time is the wall clock's from now on.
+  // Reads the server's events; call it while the program runs. Throws ExitError(kLost) where we were too late
+  // and the run ends by that. Where the program goes on by itself, its time is the wall clock's from now on.
   void look();
   protocol::ServerStatus status();
-  void leave();  // in good order
+  void leave();  // its parts go on with their last commands
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -46,7 +48,7 @@ class WorldLink {
   protocol::Connection connection_;
   const protocol::OnTimeout on_timeout_;
   std::function<bool()> idle_;
-  std::optional<Clock::time_point> free_since_;  // out of the lockstep
+  std::optional<Clock::time_point> free_since_;  // when it left the lockstep
   std::int64_t free_from_ns_ = 0;                // world_ns_ then
   std::int64_t world_ns_ = 0, offset_ns_ = 0;
   std::uint64_t era_ = 0, bus_said_ = 0;
