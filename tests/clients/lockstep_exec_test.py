@@ -172,6 +172,104 @@ class EveryKindOfProgram(unittest.TestCase):
         self.assertEqual(figures["ticks"], 100)
 
 
+HABITS = BIN / "visum-test-habits"
+
+
+class ProgramsForRealModules(unittest.TestCase):
+    """Each habit gave other bits in other runs, or ran far below real time."""
+
+    def same_in_runs(self, count, *command, **more):
+        ends = [run(*command, **more) for _ in range(count)]
+        self.assertEqual(len({(text, figures["state_hash"]) for text, figures, _ in ends}), 1)
+        return ends[0]
+
+    def test_one_that_resends_has_nothing_to_resend(self):
+        text, figures, _ = self.same_in_runs(20, HABITS, "resend", "{bus.arm}", 60)
+        self.assertEqual(text, "0 resent", "FIONREAD counts an answer that is due at that tick")
+        self.assertEqual(figures["ticks"], 60, "a tick for each answer")
+
+    def test_one_that_spins_while_it_waits_for_modules_that_are_absent(self):
+        text, figures, errors = self.same_in_runs(2, HABITS, "scan", "{bus.arm}")
+        self.assertEqual(text, "8 found")
+        self.assertIn("takes a tick or more", errors)
+        self.assertGreaterEqual(figures["sim_seconds"], 23 * 0.93)
+        self.assertLess(figures["sim_seconds"], 23 * 0.93 * 1.05, "at most a 32nd late")
+
+    def test_a_server_and_its_client_over_loopback(self):
+        text, figures, _ = self.same_in_runs(2, HABITS, "serve", "{bus.arm}", 100)
+        self.assertEqual(text, "the client ended with 0")
+        self.assertEqual(figures["ticks"], 2000)
+
+    def test_one_that_reads_one_of_its_can_handles(self):
+        for vendor, program in (("esd", "visum-test-ntcan"), ("peak", "visum-test-pcan")):
+            with self.subTest(vendor=vendor):
+                text, _, _ = run(BIN / program, 5000, buses=("--can", vendor))
+                self.assertEqual(text, "all answered")
+
+
+class Verdict(unittest.TestCase):
+    """A run is valid only if every process has announced itself."""
+
+    def invalid(self, *command):
+        _, figures, errors = run(*command, expect=6)
+        self.assertFalse(figures["valid"])
+        self.assertIn("INVALID: " + figures["invalid_reason"], errors)
+        return figures["invalid_reason"]
+
+    def test_a_static_program(self):
+        self.assertEqual(self.invalid(BIN / "visum-test-static"), "the program itself has not loaded the time shim")
+
+    def test_a_static_child_however_it_is_started(self):
+        static = BIN / "visum-test-static"
+        for command in (["sh", "-c", f"{static}; true"], ["bash", "-c", f"exec {static}"],
+                        [sys.executable, "-c", f"import os; os.system('exec {static}')"],
+                        [sys.executable, "-c", f"import subprocess; subprocess.run(['{static}'])"],
+                        [sys.executable, "-c", f"import os; os.waitpid(os.posix_spawn('{static}', ['x'], os.environ), 0)"]):
+            with self.subTest(command=command):
+                self.assertRegex(self.invalid(*command), "has not loaded the time shim|waits by the host's time")
+
+    def test_one_that_sleeps_past_the_library(self):
+        self.assertIn("waits by the host's time", self.invalid(BIN / "visum-test-raw-sleep", "raw"))
+
+    def test_one_that_could_not_be_started_is_not_valid_either(self):
+        _, figures, _ = run("no-such-program", expect=127)
+        self.assertFalse(figures["valid"])
+
+    def test_the_same_program_in_step(self):
+        text, figures, _ = run(BIN / "visum-test-raw-sleep")
+        self.assertEqual((text, figures["valid"], figures["ticks"]), ("done", True, 200))
+
+    def test_children_that_announce_themselves(self):
+        for command in (["sh", "-c", "sleep 0.01; sleep 0.01"], ["bash", "-c", "exec sleep 0.02"],
+                        [sys.executable, "-c", "import os; os.system('sleep 0.02')"]):
+            with self.subTest(command=command):
+                self.assertTrue(run(*command)[1]["valid"])
+
+
+class Options(unittest.TestCase):
+    """All ways to give a part a bus, together."""
+
+    def test_a_bus_beside_a_placed_device(self):
+        text, _, _ = run("sh", "-c", "ls /dev/ttyVisum; echo {bus.arm}", options=["--tty", "ttyVisum=arm"])
+        self.assertRegex(text, r"/dev/ttyVisum\n.*/arm\.tty")
+
+    def test_can_brings_its_own_bus(self):
+        self.assertIn("all well", run(BIN / "visum-test-pcan", buses=("--can", "peak"))[0])
+
+    def test_slcan(self):
+        self.assertRegex(run("echo", "{bus.arm}", buses=("--bus", "arm=slcan"))[0], r"/arm\.can$")
+
+    def test_all_at_once(self):
+        text, _, _ = run("echo", "{bus.arm}", buses=("--bus", "arm=slcan"), options=["--tty", "ttyVisum=arm", "--can", "esd"])
+        self.assertRegex(text, r"/arm\.can$")
+
+    def test_wrong_ones_are_told_of_by_this_commands_names(self):
+        self.assertIn("PART=pty, PART=slcan or PART=tcp", run("true", buses=("--bus", "arm=rs485"), expect=2)[2])
+        with Daemon() as daemon:
+            done = daemon.visum("exec", "--tty", "ttyS0=arm", "--", "true", expect=2)
+            self.assertIn("start visumd with --bus arm=pty:PATH", done.stderr)
+
+
 class Installed(unittest.TestCase):
     def test_in_a_folder_with_a_space(self):
         with tempfile.TemporaryDirectory(prefix="a place ") as folder, Daemon("--clock", "lockstep") as daemon:

@@ -36,7 +36,7 @@ LockstepEnd run_gated(protocol::Connection world, const LockstepPlan& plan) {
   if (member) settle(world);
   const auto last = world.request_as<protocol::ServerStatus>(protocol::Status{});
   if (member && WIFEXITED(status)) leave(world);
-  return {status, last, {}};
+  return {status, last, {}, was_started()};
 }
 
 }  // namespace visum::exec

@@ -46,7 +46,8 @@ LockstepEnd run_in_lockstep(protocol::Connection connection, const LockstepPlan&
     scheduler->kill_all();
     const auto last = world.status();
     if (WIFEXITED(status)) world.leave();
-    return {status, last, was_started() ? scheduler->out_of_step() : std::string()};
+    const bool started = was_started();
+    return {status, last, started ? scheduler->out_of_step() : std::string(), started};
   } catch (...) {
     scheduler->kill_all();
     throw;

@@ -25,6 +25,7 @@ struct LockstepEnd {
   int status = 0;  // in the form of waitpid()
   protocol::ServerStatus world;
   std::string invalid;  // why the run was not in step with the world; empty: it was
+  bool started = true;  // false: the program could not be run at all, as a message on stderr has said
 };
 
 // Runs it under the time shim (grade L2). `connection` becomes a member of the lockstep. Throws ExitError:

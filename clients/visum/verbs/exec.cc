@@ -276,6 +276,7 @@ class ExecVerb : public Verb {
     began_ = true;
     const auto end =
         lockstep_ ? exec::run_in_lockstep(std::move(link), plan) : exec::run_gated(std::move(link), plan);
+    started_program_ = end.started;
     return finish(end.status, end.world, end.invalid);
   }
 
@@ -312,8 +313,12 @@ class ExecVerb : public Verb {
   void print_json(int code, const protocol::ServerStatus& world, const std::string& invalid) const {
     JsonWriter json;
     json.begin_object().member("exit_code", code).member("ticks", world.tick);
-    json.member("grade", lockstep_ ? "L2" : parsed_gate_ ? "L1" : "L0").member("valid", invalid.empty());
+    json.member("grade", lockstep_      ? "L2"
+                         : parsed_gate_ ? "L1"
+                                        : "L0")
+        .member("valid", invalid.empty() && started_program_);
     if (!invalid.empty()) json.member("invalid_reason", invalid);
+    if (!started_program_) json.member("invalid_reason", "the program could not be started");
     json.member("sim_seconds", static_cast<double>(world.sim_time_ns) * 1e-9);
     json.member("wall_seconds", std::chrono::duration<double>(Clock::now() - started_).count());
     json.member("state_hash", hex(world.state_hash)).end_object();
@@ -333,6 +338,7 @@ class ExecVerb : public Verb {
   double timeout_s_ = 0.0, period_ms_ = 0.0, wait_s_ = 0.0, speedup_ = 0.0;
   double max_overruns_ = run::kMostOverruns;
   bool began_ = false;  // the program
+  bool started_program_ = true;
   Clock::time_point started_ = Clock::now();
 };
 

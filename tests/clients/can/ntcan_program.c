@@ -1,6 +1,7 @@
 /* A program for modules on esd's CAN: as m5api does it, with a handle for the device and one for
  * synchronisation. Prints what it finds; exits 0 if all went as it should. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "clients/canlib/ntcan.h"
@@ -28,7 +29,32 @@ static int answer(NTCAN_HANDLE handle, CMSG* message) {
   return canRead(handle, message, &count, NULL) == NTCAN_SUCCESS && count == 1;
 }
 
-int main(void) {
+/* Three handles, of which one is read: as many requests as are asked for, each answered at once. */
+static int many(long requests) {
+  NTCAN_HANDLE handles[3];
+  CMSG message;
+  int32_t id, count = 0;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT(canOpen(0, 0, 50, 50, 100, 5000, &handles[i]) == NTCAN_SUCCESS);
+    for (id = 1; id < 32; ++id) EXPECT(canIdAdd(handles[i], 0x0A0 + id) == NTCAN_SUCCESS);
+  }
+  for (long k = 0; k < requests; ++k) {
+    id = (int32_t)(1 + k % 8);
+    EXPECT(put(handles[0], 0x0C0 + id, "\x0A\x1D", 2));
+    EXPECT(answer(handles[0], &message));
+    EXPECT(message.id == 0x0A0 + id && message.msg_lost == 0);
+  }
+  /* The handle that was not read holds whole frames, as many as its queue has room for. */
+  do {
+    count = 1;
+    EXPECT(canTake(handles[2], &message, &count) == NTCAN_SUCCESS);
+    EXPECT(count == 0 || (message.id > 0x0A0 && message.id < 0x0C0 && message.len == 4));
+  } while (count > 0);
+  puts("all answered");
+  return 0;
+}
+
+int main(int argc, char** argv) {
   NTCAN_HANDLE device = -1, sync = -1;
   CMSG message;
   int32_t count = 1, id;
@@ -37,6 +63,7 @@ int main(void) {
   unsigned char ramp[6] = {0x0B, 0x0E};
   uint32_t baud = 0;
 
+  if (argc > 1) return many(atol(argv[1]));
   EXPECT(canOpen(0, 0, 50, 50, 100, 200, &device) == NTCAN_SUCCESS);
   EXPECT(canOpen(0, 0, 50, 50, 100, 200, &sync) == NTCAN_SUCCESS);
   EXPECT(canSetBaudrate(device, NTCAN_BAUD_500) == NTCAN_SUCCESS);
@@ -58,6 +85,11 @@ int main(void) {
   EXPECT(canRead(device, &message, &count, NULL) == NTCAN_RX_TIMEOUT);
   count = 1;
   EXPECT(canTake(device, &message, &count) == NTCAN_SUCCESS && count == 0);
+  /* As programs do: with the count of the last call. */
+  EXPECT(canTake(device, &message, &count) == NTCAN_SUCCESS && count == 0);
+  EXPECT(canRead(device, &message, &count, NULL) == NTCAN_SUCCESS && count == 0);
+  count = -1;
+  EXPECT(canTake(device, &message, &count) == NTCAN_INVALID_PARAMETER);
 
   memcpy(ramp + 2, &target, 4);
   EXPECT(put(device, 0x0E1, ramp, 6));

@@ -1,6 +1,7 @@
 /* The same for PEAK's library. */
 #include <fcntl.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "clients/canlib/libpcan.h"
@@ -22,10 +23,35 @@ static int put(HANDLE handle, DWORD id, const void* data, BYTE size) {
   return CAN_Write(handle, &message) == CAN_ERR_OK;
 }
 
-int main(void) {
+/* Three handles, of which one is read: as many requests as are asked for, each answered at once. */
+static int many(long requests) {
+  HANDLE handles[3];
+  TPCANRdMsg message;
+  DWORD result;
+  for (int i = 0; i < 3; ++i) {
+    handles[i] = LINUX_CAN_Open("/dev/pcan32", O_RDWR);
+    EXPECT(handles[i] != NULL);
+    EXPECT(CAN_MsgFilter(handles[i], 0x0A1, 0x0BF, MSGTYPE_STANDARD) == CAN_ERR_OK);
+  }
+  for (long k = 0; k < requests; ++k) {
+    const DWORD id = (DWORD)(1 + k % 8);
+    EXPECT(put(handles[0], 0x0C0 + id, "\x0A\x20", 2));
+    EXPECT(LINUX_CAN_Read_Timeout(handles[0], &message, 5000000) == CAN_ERR_OK);
+    EXPECT(message.Msg.ID == 0x0A0 + id && message.Msg.DATA[2] == id);
+  }
+  /* The handle that was not read holds whole frames, as many as its queue has room for. */
+  while ((result = LINUX_CAN_Read_Timeout(handles[2], &message, 0)) == CAN_ERR_OK)
+    EXPECT(message.Msg.ID > 0x0A0 && message.Msg.ID < 0x0C0 && message.Msg.LEN == 3);
+  EXPECT(result == CAN_ERR_QRCVEMPTY);
+  puts("all answered");
+  return 0;
+}
+
+int main(int argc, char** argv) {
   TPCANRdMsg message;
   TPDIAG statistics;
   DWORD id;
+  if (argc > 1) return many(atol(argv[1]));
   HANDLE handle = LINUX_CAN_Open("/dev/pcan32", O_RDWR);
 
   EXPECT(handle != NULL);

@@ -1,0 +1,147 @@
+/* Habits of programs that were written for real modules, on a serial line:
+ *
+ *   serial_habits resend DEVICE COUNT   writes a request, asks FIONREAD up to ten times with usleep(1000)
+ *                                       between, and then writes it again
+ *   serial_habits scan DEVICE           asks the modules 1 to 31, and spins for 0.93 s on each that is silent
+ *   serial_habits serve DEVICE COUNT    a server that drives the bus, and its client: two processes that talk
+ *                                       over TCP on loopback by fgets()
+ */
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <termios.h>
+#include <unistd.h>
+
+enum { STX = 0x02, ETX = 0x03, DLE = 0x10, MODULES = 31 };
+
+static int line;
+
+static int open_line(const char* device) {
+  struct termios settings;
+  line = open(device, O_RDWR | O_NOCTTY);
+  if (line < 0 || tcgetattr(line, &settings) != 0) return 0;
+  cfmakeraw(&settings);
+  return tcsetattr(line, TCSANOW, &settings) == 0;
+}
+
+/* GET of a parameter, as libm5api makes it. Returns its size. */
+static size_t make_request(unsigned char* out, int module, int parameter) {
+  const unsigned char body[] = {(unsigned char)(0x04 | module >> 3), (unsigned char)((module & 7) << 5 | 2),
+                                0x0A, (unsigned char)parameter};
+  unsigned total = 0;
+  size_t size = 0;
+  out[size++] = STX;
+  for (size_t i = 0; i <= sizeof body; ++i) {
+    const unsigned char byte = i < sizeof body ? body[i] : (unsigned char)(total + (total >> 8));
+    const int special = byte == STX || byte == ETX || byte == DLE;
+    total += byte;
+    if (special) out[size++] = DLE;
+    out[size++] = (unsigned char)(special ? byte + 0x80 : byte);
+  }
+  out[size++] = ETX;
+  return size;
+}
+
+static int send_request(int module, int parameter) {
+  unsigned char request[16];
+  const size_t size = make_request(request, module, parameter);
+  return write(line, request, size) == (ssize_t)size;
+}
+
+static int waiting(void) {
+  int count = 0;
+  return ioctl(line, FIONREAD, &count) == 0 ? count : 0;
+}
+
+static int take_answer(void) {
+  unsigned char bytes[64];
+  return read(line, bytes, sizeof bytes) > 0;
+}
+
+static int resend(int count) {
+  int resent = 0;
+  for (int k = 0; k < count; ++k) {
+    int there = 0;
+    tcflush(line, TCIFLUSH);
+    for (int attempt = 0; attempt < 5 && !there; ++attempt) {
+      resent += attempt > 0;
+      if (!send_request(1, 0x27)) return 1;
+      for (int look = 0; look < 10 && !there; ++look) {
+        usleep(1000);
+        there = waiting() > 0;
+      }
+    }
+    if (!there || !take_answer()) return 1;
+  }
+  printf("%d resent\n", resent);
+  return 0;
+}
+
+static double now_s(void) {
+  struct timeval now;
+  gettimeofday(&now, NULL);
+  return (double)now.tv_sec + 1e-6 * (double)now.tv_usec;
+}
+
+static int scan(void) {
+  int found = 0;
+  for (int module = 1; module <= MODULES; ++module) {
+    const double end_s = now_s() + 0.93;
+    tcflush(line, TCIFLUSH);
+    if (!send_request(module, 0x1D)) return 1;
+    while (now_s() < end_s && waiting() == 0) {
+    }
+    if (waiting() > 0) found += take_answer();
+  }
+  printf("%d found\n", found);
+  return 0;
+}
+
+static int be_client(const struct sockaddr_in* address, int count) {
+  char text[64];
+  const int connection = socket(AF_INET, SOCK_STREAM, 0);
+  if (connect(connection, (const struct sockaddr*)address, sizeof *address) != 0) return 1;
+  FILE* in = fdopen(connection, "r");
+  for (int k = 0; k < count; ++k) {
+    if (write(connection, "get\n", 4) != 4 || !fgets(text, sizeof text, in)) return 1;
+    usleep(20000);
+  }
+  return write(connection, "quit\n", 5) != 5;
+}
+
+static int serve(int count) {
+  struct sockaddr_in address = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+  socklen_t size = sizeof address;
+  char text[64];
+  int status = 1;
+  const int listener = socket(AF_INET, SOCK_STREAM, 0);
+  if (bind(listener, (struct sockaddr*)&address, size) != 0 || listen(listener, 1) != 0 ||
+      getsockname(listener, (struct sockaddr*)&address, &size) != 0)
+    return 1;
+  const pid_t client = fork();
+  if (client == 0) _exit(be_client(&address, count));
+  const int connection = accept(listener, NULL, NULL);
+  FILE* in = fdopen(dup(connection), "r");
+  while (in && fgets(text, sizeof text, in) && text[0] != 'q')
+    if (!send_request(1, 0x27) || !take_answer() || write(connection, "here\n", 5) != 5) return 1;
+  waitpid(client, &status, 0);
+  printf("the client ended with %d\n", status);
+  return status != 0;
+}
+
+int main(int argc, char** argv) {
+  const int count = argc > 3 ? atoi(argv[3]) : 0;
+  if (argc < 3 || !open_line(argv[2])) return 2;
+  if (strcmp(argv[1], "resend") == 0) return resend(count);
+  if (strcmp(argv[1], "scan") == 0) return scan();
+  if (strcmp(argv[1], "serve") == 0) return serve(count);
+  return 2;
+}
