@@ -125,19 +125,4 @@ struct RealOptions {
   int tries = 3;                        // so often in all
 };
 
-// The kinds of part, by name: one line each in part_kinds.cc.
-struct PartKind {
-  const char* name;
-  const char* help;
-  std::unique_ptr<Part> (*make)(const PartContext&);
-  // The same part in front of real modules on a bus. Throws std::runtime_error where the bus is not this
-  // part's.
-  std::unique_ptr<Part> (*make_real)(const PartContext&, powercube::BusConnection&, const RealOptions&);
-};
-std::span<const PartKind> part_kinds();
-// Throws ConfigError at context.config's `kind` where there is no such kind.
-std::unique_ptr<Part> make_part(const std::string& kind, const PartContext& context);
-std::unique_ptr<Part> make_real_part(const std::string& kind, const PartContext& context,
-                                     powercube::BusConnection& line, const RealOptions& options);
-
 }  // namespace visum::hwparts

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "hwparts/kinds/part_kinds.h"
 #include "hwparts/servo_group/part_state.h"
 #include "tests/hwparts/part_bench.h"
 #include "tests/hwparts/rig.h"

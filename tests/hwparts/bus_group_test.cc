@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hwparts/kinds/part_kinds.h"
 #include "hwparts/servo_group/part_state.h"
 #include "tests/hwparts/real_bench.h"
 

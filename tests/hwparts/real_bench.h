@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "hwparts/kinds/part_kinds.h"
 #include "tests/hwparts/part_bench.h"
 #include "tests/hwparts/plugged_connection.h"
 #include "tests/hwparts/rig.h"

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "hwparts/kinds/part_kinds.h"
 #include "hwparts/servo_group/part_state.h"
 #include "tests/hwparts/part_bench.h"
 #include "tests/hwparts/rig.h"
@@ -274,13 +275,17 @@ TEST(PartKinds, AreListedAndAnUnknownOneNamesThem) {
     EXPECT_NE(std::string(kind.name), "");
     EXPECT_NE(std::string(kind.help), "");
   }
-  try {
-    hwparts::make_part("amtec", arm_context());
-    FAIL();
-  } catch (const config::ConfigError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("amtec_arm, servo_group"));
-    EXPECT_THAT(error.what(), HasSubstr("scene:1: kind"));
-  }
+  const auto expect_refusal = [](const std::string& kind, const std::string& why) {
+    try {
+      hwparts::make_part(kind, arm_context());
+      FAIL();
+    } catch (const config::ConfigError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("there is no kind of part '" + kind + "'; " + why));
+      EXPECT_THAT(error.what(), HasSubstr("scene:1: kind"));
+    }
+  };
+  expect_refusal("toaster", "there are: amtec_arm, servo_group");
+  expect_refusal("amtec_arms", "did you mean 'amtec_arm'?");
 }
 
 }  // namespace
