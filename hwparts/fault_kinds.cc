@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "protocol/config/unknown_name.h"
+
 namespace visum::hwparts {
 namespace {
 
@@ -187,7 +189,10 @@ bool Fault::same_place(const Fault& other) const {
 std::optional<Fault> make_fault(std::string_view kind, const NamedNumbers& numbers, std::string& why) {
   const auto* found = find_fault_kind(kind);
   if (!found) {
-    why = "there is no fault '" + std::string(kind) + "'; `visum faults` lists them";
+    std::vector<std::string> known;
+    for (const auto& row : kFaultKinds) known.emplace_back(row.name);
+    why = config::unknown_name("fault", kind, known);
+    if (!config::nearest(kind, known)) why += "; `visum faults` lists them";
     return std::nullopt;
   }
   Fault fault{found->kind, {}};
