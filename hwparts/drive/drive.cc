@@ -133,7 +133,7 @@ void Drive::home_on(const Command& command) {
   if (state_.moves_to_zero) return;
   state_.homing = false;
   state_.latched |= state_bit::kHomeOk;
-  hold(state_, command.target);
+  drive::hold(state_, command.target);
 }
 
 // One tick towards a speed, or at it, as far as the soft limits let the axis go.
@@ -149,7 +149,7 @@ Setpoint Drive::keep_speed(double speed, const MotionLimits& limits) {
 Setpoint Drive::follow_bus() {
   auto& motion = state_.motion;
   const auto& from = state_.setpoint;
-  const MotionLimits limits{state_.tuning.maximum_speed, state_.tuning.maximum_acceleration};
+  const auto limits = motion_limits();
   const double speed = std::min(motion.speed, limits.speed);
   const double acceleration = std::min(motion.acceleration, limits.acceleration);
   switch (motion.kind) {

@@ -24,6 +24,10 @@ enum class MotionKind : std::uint8_t {
   kCurrent,   // with `target` A
 };
 
+inline bool goes_to_a_place(MotionKind kind) {
+  return kind == MotionKind::kRamp || kind == MotionKind::kStep;
+}
+
 struct Motion {
   MotionKind kind = MotionKind::kNone;
   double target = 0.0;

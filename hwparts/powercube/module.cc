@@ -12,29 +12,23 @@ namespace bit = drive::state_bit;
 
 // Ends what stopped the module; HOME_OK, position and parameters stay, but for target speed and acceleration.
 void reset(const ModuleEdit& edit) {
-  drive::reset(edit.data, edit.drive, edit.drive.commanded);
-  if (edit.drive.referenced) drive::apply_home_offset(edit.drive);
-  edit.module.target_speed = edit.drive.tuning.maximum_speed;
-  edit.module.target_acceleration = edit.drive.tuning.maximum_acceleration;
+  const auto& drive = edit.drive.state();
+  edit.drive.reset();
+  if (drive.referenced) edit.drive.apply_home_offset();
+  edit.module.target_speed = drive.tuning.maximum_speed;
+  edit.module.target_acceleration = drive.tuning.maximum_acceleration;
   edit.module.watchdog_armed = false;
   edit.module.deferred = false;
 }
 
 void halt(const ModuleEdit& edit) {
-  drive::halt(edit.drive, edit.drive.commanded);
-  edit.drive.by_bus = true;
+  edit.drive.halt_by_bus();
   edit.module.deferred = false;
 }
 
 // Answered, but not done while nothing may move: it would begin unasked as soon as something may.
 void home(const ModuleEdit& edit) {
-  if (!edit.enabled) return;
-  if (drive::has(edit.drive, bit::kError) || !edit.drive.loop_closed) return;
-  drive::take_from_bus(edit.drive, {});
-  drive::home(edit.drive);
-  edit.module.deferred = false;
-  if (edit.drive.setpoint.phase == drive::RampPhase::kEnd)
-    edit.drive.setpoint.phase = drive::RampPhase::kAccelerating;
+  if (edit.enabled && edit.drive.home_by_bus()) edit.module.deferred = false;
 }
 
 std::optional<Message> refusal(const ModuleView& view, std::uint8_t command, std::uint8_t what) {
@@ -126,7 +120,7 @@ void execute_broadcast(const ModuleEdit& edit, const Message& message, BusFramin
       edit.module.watchdog_s = 0.0;
       return;
     case command::kSavePosition:
-      edit.module.saved_position = edit.drive.measured_position;
+      edit.module.saved_position = edit.drive.state().measured_position;
       return;
     case command::kStartMove:
       return start_deferred(edit);
@@ -137,16 +131,17 @@ void execute_broadcast(const ModuleEdit& edit, const Message& message, BusFramin
 
 void tick(const ModuleEdit& edit, double tick_s) {
   auto& module = edit.module;
-  module.previous_position = edit.drive.measured_position;
+  module.previous_position = edit.drive.state().measured_position;
   if (module.watchdog_armed) {
     module.watchdog_s += tick_s;
     if (module.watchdog_s > edit.settings.watchdog_s) {
       module.watchdog_armed = false;
-      drive::lose_controller(edit.drive);
+      edit.drive.lose_controller();
     }
   }
-  const bool halted = drive::has(edit.drive, bit::kHalted) && (module.config & config_bit::kDisableOnHalt);
-  if (halted && edit.drive.setpoint.phase == drive::RampPhase::kEnd) drive::open_loop(edit.drive);
+  const auto& drive = edit.drive.state();
+  const bool halted = drive::has(drive, bit::kHalted) && (module.config & config_bit::kDisableOnHalt);
+  if (halted && drive.setpoint.phase == drive::RampPhase::kEnd) edit.drive.open_loop();
 }
 
 std::optional<Message> spontaneous_state(const ModuleEdit& edit, double tick_s) {

@@ -1,8 +1,5 @@
 #include "hwparts/powercube/module_bus.h"
 
-#include "hwparts/drive/encoder.h"
-#include "hwparts/drive/state_word.h"
-
 namespace visum::powercube {
 
 ModuleBus::ModuleBus(const config::Node& part, std::span<const drive::DriveData> drives,
@@ -28,16 +25,11 @@ void ModuleBus::bind(std::size_t i, drive::Drive& drive) {
 
 // What a drive does not know of itself: whether its module comes up homed, and from where it counts.
 void ModuleBus::power_up(Module& module) {
-  auto& state = module.drive->state();
+  auto& drive = *module.drive;
   const auto& settings = module.settings;
-  state.latched &= ~drive::state_bit::kHomeOk;
-  if (settings.homed) state.latched |= drive::state_bit::kHomeOk;
-  state.zero_after_home = (settings.config & config_bit::kZeroMoveAfterHome) != 0;
-  if (settings.homed || !settings.counts_from_zero) return;
-  state.referenced = false;
-  state.zero_offset = -drive::quantised(module.drive->data(), state.rotor_position);
-  state.measured_position += state.zero_offset;
-  state.setpoint.position += state.zero_offset;
+  drive.set_homed(settings.homed);
+  drive.set_zero_after_home((settings.config & config_bit::kZeroMoveAfterHome) != 0);
+  if (!settings.homed && settings.counts_from_zero) drive.count_from_here();
 }
 
 std::optional<Telegram> ModuleBus::handle(const Telegram& telegram, BusFraming framing) {

@@ -66,7 +66,7 @@ class ModuleBus {
     ModuleState state;
   };
   ModuleEdit edit(Module& module) const {
-    return {module.settings, module.drive->data(), module.drive->state(), module.state, enabled_};
+    return {module.settings, module.drive->data(), *module.drive, module.state, enabled_};
   }
   ModuleView view(const Module& module) const {
     const drive::Drive& drive = *module.drive;

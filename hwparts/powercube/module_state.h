@@ -49,10 +49,10 @@ struct ModuleView {
 struct ModuleEdit {
   const Settings& settings;
   const drive::DriveData& data;
-  drive::DriveState& drive;
+  drive::Drive& drive;
   ModuleState& module;
   bool enabled;
-  operator ModuleView() const { return {settings, data, drive, module, enabled}; }
+  operator ModuleView() const { return {settings, data, drive.state(), module, enabled}; }
 };
 
 // The state word (parameter 27): the drive's, and the switches that the configuration enables. The reference

@@ -73,7 +73,7 @@ constexpr Parameter kMachine[] = {
     {0x1C, T::kUint32, Since::kAlways, [](V v) { return v.data.encoder.increments_per_turn; }, nullptr},
     {0x1D, T::kUint16, Since::kAlways, [](V v) { return double(v.settings.firmware); }, nullptr},
     {0x1F, T::kUint16, Since::kAlways, [](V v) { return std::round(v.drive.tuning.brake_engage_time * 1e3); },
-     [](E e, double value) { return e.drive.tuning.brake_engage_time = value * 1e-3, true; }},
+     [](E e, double value) { return e.drive.tune(&drive::Tuning::brake_engage_time, value * 1e-3), true; }},
     {0x20, T::kUint8, Since::kAlways, [](V v) { return double(v.module.address); }, set_address},
     {0x22, T::kUint8, Since::kAlways, kept<kCanBaud>,
      [](E e, double b) { return b <= 3 && keep<kCanBaud>(e, b); }},
@@ -332,10 +332,10 @@ SetResult set_parameter(const ModuleEdit& edit, const Message& message) {
 void recalculate_loop(const ModuleEdit& edit) {
   const auto factory = factory_values(edit.data);
   const auto ratio = [&](Kept place) { return edit.module.kept[place] / factory[place]; };
-  auto& tuning = edit.drive.tuning;
-  tuning.position_gain = edit.data.loop.position_gain * ratio(kC0);
-  tuning.velocity_bandwidth = edit.data.loop.velocity_bandwidth * ratio(kDamp);
-  tuning.integral_time = edit.data.loop.integral_time / ratio(kA0);
+  const auto& loop = edit.data.loop;
+  edit.drive.tune(&drive::Tuning::position_gain, loop.position_gain * ratio(kC0));
+  edit.drive.tune(&drive::Tuning::velocity_bandwidth, loop.velocity_bandwidth * ratio(kDamp));
+  edit.drive.tune(&drive::Tuning::integral_time, loop.integral_time / ratio(kA0));
 }
 
 std::array<double, kKept> factory_values(const drive::DriveData& data) {

@@ -85,7 +85,7 @@ std::optional<std::string> ServoGroup::set_supply(double volts) {
 void ServoGroup::supply_drives() {
   const bool stopped = state_.emergency_stop || faults_.emergency_stop;
   const double volts = stopped ? 0.0 : std::min(state_.supply_voltage, faults_.most_supply_v);
-  for (auto& axis : axes_) axis.drive.state().tuning.supply_voltage = volts;
+  for (auto& axis : axes_) axis.drive.tune(&drive::Tuning::supply_voltage, volts);
 }
 
 }  // namespace visum::servo_group

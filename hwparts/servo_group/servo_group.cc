@@ -74,7 +74,7 @@ void ServoGroup::act(std::span<const double> inputs, std::span<const hwparts::Jo
                      std::span<hwparts::JointDrive> drives) {
   latch(inputs);
   apply_counters(inputs);
-  interlock(inputs);
+  interlock();
   modules_.tick();
   const bool fault = any(bit::kError);
   for (auto& axis : axes_) {
@@ -90,42 +90,34 @@ void ServoGroup::act(std::span<const double> inputs, std::span<const hwparts::Jo
 void ServoGroup::latch(std::span<const double> inputs) {
   state_.enabled = inputs[layout_.enable] >= 0.5;
   modules_.enable(state_.enabled);
-  for (auto& axis : axes_) axis.drive.state().commanded = target(axis, inputs);
+  for (auto& axis : axes_) axis.drive.latch(target(axis, inputs));
 }
 
 void ServoGroup::apply_counters(std::span<const double> inputs) {
   if (changes(state_.reset, inputs[layout_.reset])) {
-    interlock(inputs);
+    interlock();
     modules_.drop_deferred();
-    for (auto& axis : axes_) drive::reset(axis.drive.data(), axis.drive.state(), target(axis, inputs));
+    for (auto& axis : axes_) axis.drive.reset();
   }
   const bool may_move = state_.enabled && !any(bit::kError);
   if (changes(state_.home, inputs[layout_.home]) && may_move) {
     modules_.drop_deferred();
-    for (auto& axis : axes_) {
-      drive::release_to_ports(axis.drive.state());
-      drive::home(axis.drive.state());
-    }
+    for (auto& axis : axes_) axis.drive.home();
   }
   if (changes(state_.halt, inputs[layout_.halt])) {
     modules_.drop_deferred();
-    for (auto& axis : axes_) drive::halt(axis.drive.state(), target(axis, inputs));
+    for (auto& axis : axes_) axis.drive.halt();
   }
 }
 
 // While something is stopped, everything stands, and what is commanded meanwhile does not count. Who was on
 // its way home when another drive failed does not go on when that is over.
-void ServoGroup::interlock(std::span<const double> inputs) {
-  if (any(bit::kError | bit::kHalted)) hold_all(inputs);
-  if (!any(bit::kError)) return;
-  for (auto& axis : axes_) {
-    auto& state = axis.drive.state();
-    state.homing = state.homing && state.by_bus;
+void ServoGroup::interlock() {
+  if (any(bit::kError | bit::kHalted)) {
+    for (auto& axis : axes_) axis.drive.hold();
   }
-}
-
-void ServoGroup::hold_all(std::span<const double> inputs) {
-  for (auto& axis : axes_) drive::hold(axis.drive.state(), target(axis, inputs));
+  if (!any(bit::kError)) return;
+  for (auto& axis : axes_) axis.drive.cancel_homing_of_ports();
 }
 
 double ServoGroup::target(const Axis& axis, std::span<const double> inputs) const {
@@ -212,7 +204,7 @@ PartState ServoGroup::part_state() const {
 
 void ServoGroup::controller_lost() {
   if (state_.on_controller_lost == OnControllerLost::kHold) return;
-  for (auto& axis : axes_) drive::lose_controller(axis.drive.state());
+  for (auto& axis : axes_) axis.drive.lose_controller();
 }
 
 void ServoGroup::reset() {

@@ -78,11 +78,10 @@ class ServoGroup : public hwparts::Part {
   };
 
   void apply_counters(std::span<const double> inputs);
-  void interlock(std::span<const double> inputs);
+  void interlock();
   double target(const Axis& axis, std::span<const double> inputs) const;  // module's coordinate, or its speed
   bool any(std::uint32_t bits) const;
   PartState part_state() const;
-  void hold_all(std::span<const double> inputs);
   std::optional<std::string> set_tuning(const std::string& name, double value);
   std::optional<std::string> set_supply(double volts);
   void supply_drives();

@@ -120,8 +120,11 @@ std::optional<std::string> change(const TuningField& field, const DriveData& dat
 }
 
 std::optional<std::string> tune(drive::Drive& drive, const TuningField& field, double value, double tick_s) {
-  auto& state = drive.state();
-  return change(field, drive.data(), state.measured_position, value, tick_s, state.tuning);
+  const auto& state = drive.state();
+  Tuning changed = state.tuning;
+  auto reason = change(field, drive.data(), state.measured_position, value, tick_s, changed);
+  if (!reason) drive.tune(field.member, changed.*field.member);
+  return reason;
 }
 
 }  // namespace visum::servo_group

@@ -114,7 +114,7 @@ TEST(BrokenDrive, ABrakeThatDoesNotCloseLetsTheAxisFallWhenThePowerGoes) {
     rig.drive.set_broken(with(&drive::Broken::brake, brake));
     rig.plants[0].external = 40.0;
     rig.run(0.5);
-    drive::open_loop(rig.drive.state());
+    rig.drive.open_loop();
     rig.run(1.0);
     EXPECT_TRUE(rig.has(bit::kBrakeActive)) << "so the module says";
     return rig.position();
@@ -154,7 +154,7 @@ TEST(BrokenDrive, HomeFindsThePlaceAnewThatAGearHasLost) {
   rig.run(4.0);
   rig.drive.set_broken({});
   rig.plants[0].upper = 1e9;
-  drive::home(rig.drive.state());
+  rig.drive.home();
   rig.run(20.0);
   ASSERT_TRUE(rig.has(bit::kHomeOk));
   EXPECT_NEAR(rig.position(), data.home.position, 1e-3);

@@ -112,8 +112,10 @@ TEST(Drive, FrictionStaysStableWhereItIsSteep) {
   Rig rig(data, 0.005);
   rig.plants[0].inertia = 0.01;
   rig.plants[0].joint.velocity = 0.4;
-  rig.drive.state().rotor_speed = 0.4;
-  rig.drive.state().tuning.supply_voltage = 0.0;  // runs out, without a motor
+  auto running = rig.state();
+  running.rotor_speed = 0.4;
+  rig.put(running);
+  rig.supply(0.0);  // runs out, without a motor
   double before = 0.4;
   for (int k = 0; k < 100; ++k) {
     rig.tick();

@@ -32,7 +32,12 @@ struct Rig {
   bool has(std::uint32_t bits) const { return (word() & bits) == bits; }
   const drive::DriveState& state() const { return drive.state(); }
   double position() const { return plants[0].joint.position; }
-  void reset() { drive::reset(drive.data(), drive.state(), command.target); }
+  // Reset and Halt, with the target that the next tick will bring.
+  void reset() { drive.latch(command.target), drive.reset(); }
+  void halt() { drive.latch(command.target), drive.halt(); }
+  void supply(double volts) { drive.tune(&drive::Tuning::supply_voltage, volts); }
+  // Puts the drive into another state, as a snapshot does.
+  void put(const drive::DriveState& state);
 
   double tick_s;
   drive::Drive drive;
