@@ -1,4 +1,4 @@
-// The commands of a Drive: everything by which ports and field bus change it between ticks.
+// The commands of a Drive: ports and field bus change it between ticks by these, and by nothing else.
 #include "hwparts/drive/drive.h"
 #include "hwparts/drive/encoder.h"
 #include "hwparts/drive/state_word.h"

@@ -21,7 +21,7 @@ void NodeGuard::reset(plugin::Node& node) {
   run([&] { node.reset(); });
 }
 
-// First the fault, then, unless there is one, the node's own block.
+// Writes the fault, then the node's own block, which is empty where there is a fault.
 void NodeGuard::save(const plugin::Node& node, hwparts::StateWriter& to) const {
   std::string fault = fault_;
   scratch_.clear();

@@ -39,7 +39,7 @@ PluggedSensor::PluggedSensor(const sensors::SensorContext& context, sensors::Lay
       wants_rays_(wants_rays) {}
 
 void PluggedSensor::measure(const plugin::Truth& world) {
-  if (!guard_.works()) guard_.forgive();  // somebody has set `Failure` back
+  if (!guard_.works()) guard_.forgive();  // it is measured again, so a client has set `Failure` back
   const bool done = guard_.run([&] {
     std::ranges::fill(truth(), 0.0);
     node_->measure(world, truth());

@@ -10,7 +10,8 @@ namespace {
 
 namespace bit = drive::state_bit;
 
-// Ends what stopped the module; HOME_OK, position and parameters stay, but for target speed and acceleration.
+// Clears faults and Halt. HOME_OK, position and parameters stay, except target speed and acceleration, which
+// go back to their maxima.
 void reset(const ModuleEdit& edit) {
   const auto& drive = edit.drive.state();
   edit.drive.reset();
@@ -26,11 +27,13 @@ void halt(const ModuleEdit& edit) {
   edit.module.deferred = false;
 }
 
-// Answered, but not done while nothing may move: it would begin unasked as soon as something may.
+// Homing is answered, but not done while nothing may move: otherwise it would begin by itself once motion is
+// allowed again.
 void home(const ModuleEdit& edit) {
   if (edit.enabled && edit.drive.home_by_bus()) edit.module.deferred = false;
 }
 
+// The answer that refuses a command, or silence, as the settings say.
 std::optional<Message> refusal(const ModuleView& view, std::uint8_t command, std::uint8_t what) {
   if (!view.settings.answers_refused) return std::nullopt;
   return Message{command, what, view.settings.refused_byte};
@@ -43,7 +46,7 @@ std::optional<Message> obey_parameter(const ModuleEdit& edit, const Message& mes
   return refusal(edit, command::kSetParameter, message.data[1]);
 }
 
-// Position, state and inputs as of now: what extended motion commands are answered with.
+// The answer to an extended motion command: position, state and inputs as of now.
 Message extended_answer(const ModuleView& view, const Message& message, const Move& move) {
   Message answer{command::kSetMove, message.data[1]};
   if (move.increments) {
@@ -105,7 +108,7 @@ std::optional<Message> execute(const ModuleEdit& edit, const Message& message, B
   return mute ? std::nullopt : answer;
 }
 
-// m5api sends these with a zero behind the command, KTH and Georgia Tech without.
+// m5api sends broadcasts with a zero behind the command; KTH and Georgia Tech send them without.
 void execute_broadcast(const ModuleEdit& edit, const Message& message, BusFraming framing) {
   if (message.size == 0 || (framing == BusFraming::kSerial && !edit.settings.serial_broadcasts)) return;
   switch (message.command()) {
@@ -125,7 +128,7 @@ void execute_broadcast(const ModuleEdit& edit, const Message& message, BusFramin
     case command::kStartMove:
       return start_deferred(edit);
     default:
-      return;  // the baud rate of a virtual line and the clock of nobody: nothing to do
+      return;  // baud rate and time: a virtual line has no rate to change, and nothing here uses the time
   }
 }
 

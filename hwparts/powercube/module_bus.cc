@@ -23,7 +23,6 @@ void ModuleBus::bind(std::size_t i, drive::Drive& drive) {
   power_up(modules_[i]);
 }
 
-// What a drive does not know of itself: whether its module comes up homed, and from where it counts.
 void ModuleBus::power_up(Module& module) {
   auto& drive = *module.drive;
   const auto& settings = module.settings;
@@ -38,7 +37,7 @@ std::optional<Telegram> ModuleBus::handle(const Telegram& telegram, BusFraming f
     for (auto& module : modules_) execute_broadcast(edit(module), telegram.message, framing);
     return std::nullopt;
   }
-  // On CAN the frame's id says whether something is read or written, and the two must agree.
+  // On CAN the frame's id says whether the telegram reads or writes. Id and command must agree.
   const bool reads = telegram.message.command() == command::kGetParameter;
   if (framing == BusFraming::kCan && reads != (telegram.kind == Telegram::Kind::kGet)) return std::nullopt;
   for (auto& module : modules_) {

@@ -33,7 +33,7 @@ const Mode* find_mode(std::uint8_t byte) {
   return found == std::end(kModes) ? nullptr : found;
 }
 
-// Digits come as 16 bits (KTH, the Bosch header) or as 32 (m5api).
+// A current in digits comes as 16 bits (KTH, the Bosch header) or as 32 (m5api).
 bool length_fits(const Mode& mode, std::size_t size) {
   if (mode.kind == MotionKind::kStep) return size == 8;
   if (mode.kind == MotionKind::kCurrent && mode.increments && size == 4) return true;
@@ -51,21 +51,21 @@ double target_of(const ModuleView& view, const Mode& mode, double raw) {
   return std::clamp(raw, -kCurrentDigits, kCurrentDigits) / kCurrentDigits * view.data.motor.current_limit;
 }
 
-// A target outside of the soft limits, as the settings have it. False: refused.
+// Treats a target outside of the soft limits as the settings say. False: refused.
 bool judge_target(const ModuleView& view, double& target) {
   if (!view.data.limits.limited) return true;
   const double inside = std::clamp(target, view.drive.tuning.soft_minimum, view.drive.tuning.soft_maximum);
   if (static_cast<float>(inside) == static_cast<float>(target))
-    target = inside;  // the limit itself, as it was read
+    target = inside;  // the client sent the limit itself, which it had read as a 32-bit float
   const bool beyond = inside != target;
   if (beyond && view.settings.beyond_limits == BeyondLimits::kRefuse) return false;
-  // So far inside that the end of a ramp does not trip.
+  // Far enough inside that the end of a ramp does not trip.
   if (beyond && view.settings.beyond_limits == BeyondLimits::kClamp)
     target = inside + (inside < target ? -view.data.limits.tolerance : view.data.limits.tolerance);
   return true;
 }
 
-// Nominal current at most, unless the configuration allows all of it.
+// `wanted`, cut to the nominal current unless the configuration allows the full current.
 double allowed_current(const ModuleEdit& edit, double wanted) {
   const bool full = (edit.module.config & config_bit::kAllowFullCurrent) != 0;
   const double most = full ? edit.drive.state().tuning.maximum_current : edit.data.motor.nominal_current;
@@ -73,6 +73,7 @@ double allowed_current(const ModuleEdit& edit, double wanted) {
   return std::clamp(wanted, -most, most);
 }
 
+// Starts a step, or queues it behind the running one. The settings decide about a third one.
 MoveResult begin_step(const ModuleEdit& edit, double target, double duration_s) {
   const auto& running = edit.drive.state().motion;
   const bool busy = running.kind == MotionKind::kStep && running.in_progress && running.remaining_s > 0.0;

@@ -13,7 +13,7 @@ using drive::Tuning;
 
 constexpr double kEndless = 1e6;  // rad
 
-// `value`, brought into [least, most] or, where the settings say so, refused: nothing.
+// `value`, brought into [least, most]. Nothing where it lies outside and the settings refuse that.
 std::optional<double> bounded(const ModuleEdit& edit, double value, double least, double most) {
   const bool inside = value >= least && value <= most;
   if (!inside && edit.settings.above_maximum == AboveMaximum::kRefuse) return std::nullopt;
@@ -36,7 +36,7 @@ bool tune(const ModuleEdit& edit, double Tuning::*field, const std::optional<dou
   return value.has_value();
 }
 
-// Limits are of homed positions: before that, as homing will have them.
+// Limits mean homed positions. Before homing, they are taken as homing will make them.
 double offset_when_homed(const ModuleEdit& edit) {
   const auto& drive = edit.drive.state();
   return drive.referenced ? drive.zero_offset : drive.home_offset;
@@ -48,7 +48,7 @@ double hard_maximum(const ModuleEdit& edit) {
   return edit.data.limits.hard_maximum + offset_when_homed(edit);
 }
 
-// A binary32 value comes back a little beside the double that it was made of.
+// A bound that went to the client as binary32 comes back slightly off. This gives the bound itself then.
 double not_beyond_by_rounding(double value, double bound) {
   return static_cast<float>(value) == static_cast<float>(bound) ? bound : value;
 }
@@ -82,7 +82,7 @@ bool set_address(const ModuleEdit& edit, double value) {
   return true;
 }
 
-// Whether a module is linear is how it is built.
+// All bits can be written except LINEAR, which follows from how the module is built.
 bool set_config(const ModuleEdit& edit, double value) {
   const auto word = static_cast<std::uint32_t>(value);
   edit.module.config = (word & ~config_bit::kLinear) | (edit.settings.config & config_bit::kLinear);
@@ -96,7 +96,8 @@ bool set_outputs(const ModuleEdit& edit, double value) {
   return true;
 }
 
-// 0 is a speed, too: a client that writes it wants no motion, least of all one as fast as the last.
+// 0 is taken as a speed, too: a client that writes it wants no motion, and least of all one at the last
+// speed.
 bool set_target_speed(const ModuleEdit& edit, double value) {
   const double most = edit.drive.state().tuning.maximum_speed;
   return put(edit.module.target_speed, bounded(edit, std::abs(value), 0.0, most));
@@ -107,7 +108,7 @@ bool set_target_acceleration(const ModuleEdit& edit, double value) {
   return put(edit.module.target_acceleration, bounded_size(edit, value, most));
 }
 
-// Seen in the position after the next Reset or homing.
+// The position shows it after the next Reset or homing.
 bool set_home_offset(const ModuleEdit& edit, double value) {
   if (std::abs(value) > kEndless) return false;
   edit.drive.set_home_offset(from_increments(edit, inc(edit, value - edit.data.home.position)));

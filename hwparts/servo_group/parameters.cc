@@ -1,4 +1,4 @@
-// The parameters of a ServoGroup: those of each drive (tuning.h), numbered, and those of the whole part.
+// The parameters of a ServoGroup: those of the whole part, then those of each drive (tuning.h), numbered.
 #include <algorithm>
 #include <cmath>
 

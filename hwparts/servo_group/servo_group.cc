@@ -26,6 +26,7 @@ std::vector<double> positions_of(const DriveList& list) {
   return positions;
 }
 
+// Notes a counter's new value; true where it differs from the last one.
 bool changes(double& seen, double now) {
   const bool changed = seen != now;
   seen = now;
@@ -86,7 +87,8 @@ void ServoGroup::act(std::span<const double> inputs, std::span<const hwparts::Jo
   acted_ = true;
 }
 
-// Between ticks, too: a telegram that comes next counts as later than these inputs.
+// Also called between ticks, as soon as inputs arrive: a telegram that comes next is then later than these
+// inputs and overrides them.
 void ServoGroup::latch(std::span<const double> inputs) {
   state_.enabled = inputs[layout_.enable] >= 0.5;
   modules_.enable(state_.enabled);
@@ -110,8 +112,8 @@ void ServoGroup::apply_counters(std::span<const double> inputs) {
   }
 }
 
-// While something is stopped, everything stands, and what is commanded meanwhile does not count. Who was on
-// its way home when another drive failed does not go on when that is over.
+// While one drive is stopped, all drives stand, and desired values written meanwhile do not count. A drive
+// that was homing for the ports when another one failed does not go on by itself after the Reset.
 void ServoGroup::interlock() {
   if (any(bit::kError | bit::kHalted)) {
     for (auto& axis : axes_) axis.drive.hold();
@@ -144,7 +146,6 @@ void ServoGroup::publish(std::span<const hwparts::JointSample> samples, std::spa
   outputs[layout_.changed] = static_cast<double>(state_.changed);
 }
 
-// Another number in each tick, the same one whenever that tick is done.
 double ServoGroup::encoder_noise(std::size_t axis) const {
   constexpr std::uint64_t kOdd = 0x9E3779B97F4A7C15u;
   const double deviation = axes_[axis].drive.broken().encoder_deviation;

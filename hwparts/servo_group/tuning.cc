@@ -9,7 +9,7 @@ namespace {
 using drive::DriveData;
 using drive::Tuning;
 
-// A loop that is sampled every h seconds is stable, with room for torsion and friction, up to these gains.
+// Up to these gains a loop that is sampled every h seconds is stable, with room for torsion and friction.
 TuningRange position_gain(const DriveData&, double h) {
   return {0.01, 0.2 / h};
 }
