@@ -127,7 +127,7 @@ std::string in_words(double number) {
   return out.str();
 }
 
-// Where a number of this name stands.
+// The place of the number with this name.
 std::optional<std::size_t> slot_of(const FaultInfo& kind, const std::string& name) {
   for (std::size_t i = 0; i < kMaxNumbers; ++i)
     if (kind.numbers[i] && name == kind.numbers[i]->name) return i;

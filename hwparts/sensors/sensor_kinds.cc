@@ -31,7 +31,7 @@ std::unique_ptr<Sensor> make_sensor(const std::string& kind, const SensorContext
     if (kind == row.name) return row.make(context);
     names.emplace_back(row.name);
   }
-  context.config.get("kind").one_of(names);  // throws, with what was meant
+  context.config.get("kind").one_of(names);  // throws, and suggests a name
   throw std::logic_error("the kind of a sensor is not its entry's");
 }
 
