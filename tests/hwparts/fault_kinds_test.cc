@@ -1,4 +1,4 @@
-// The table of faults, and what is refused at its edge.
+// The table of faults, and the refusals of wrong kinds and numbers.
 #include "hwparts/fault_kinds.h"
 
 #include <gtest/gtest.h>
@@ -87,7 +87,7 @@ TEST(FaultSet, ReadsBackWhatItSaved) {
   EXPECT_TRUE(from.at_end());
 }
 
-// A state may come from a file.
+// A saved state may come from a file, so load() checks it.
 TEST(FaultSet, BelievesNoPartAndNoNumber) {
   const auto load = [](const ActiveFault& fault) {
     std::vector<std::byte> bytes;

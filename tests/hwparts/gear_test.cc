@@ -12,7 +12,7 @@
 namespace visum::test {
 namespace {
 
-// No motor, no brake, no friction: rotor, spring and load alone.
+// A drive without motor, brake and friction: only rotor, spring and load are left.
 drive::DriveData passive(drive::DriveData data) {
   data.gear.viscous_friction = data.gear.coulomb_friction = 0.0;
   data.brake.present = false;
@@ -118,7 +118,7 @@ TEST(Gear, OscillatesWithTheFrequencyOfTwoMassesAndASpring) {
   EXPECT_NEAR((crossings - 1) / (last - first), frequency, 0.005 * frequency);
 }
 
-// Rotor and load rattle through the play: energy may only go.
+// Rotor and load rattle through the play. The energy must never grow.
 class GearEnergy : public testing::TestWithParam<double> {};
 
 TEST_P(GearEnergy, NeverGrowsWhateverTheTickAndThePlay) {

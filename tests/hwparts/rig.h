@@ -1,4 +1,4 @@
-// A drive in closed loop with its plants, ticked by hand; and the drives of the arm's own file.
+// A drive in closed loop with its plants, ticked by hand. Also reads the drives of the arm's own file.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@ namespace visum::test {
 
 namespace bit = drive::state_bit;
 
-// models/amtec_arm/drives.yaml, bound to joints that start at `angle` and, the fingers, at `finger`.
+// models/amtec_arm/drives.yaml, bound to joints that start at `angle` and fingers that start at `finger`.
 hwparts::PartContext arm_context(double tick_s = 0.001, double angle = 0.0, double finger = 0.017,
                                  const std::string& more = "");
-// Data of drive 1..8 of the arm.
+// The data of drive 1..8 of the arm.
 drive::DriveData arm_drive(int number);
-// Without what gets in the way of a closed-form answer: backlash, torsion, friction, filter.
+// The same drive without backlash, torsion, friction and filter, so that closed forms are exact.
 drive::DriveData ideal(drive::DriveData data);
 
 struct Rig {

@@ -1,4 +1,4 @@
-// What the commands and faults of a group of servos do; on the arm's drives.
+// The commands and faults of a group of servos, tested with the arm's drives.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -199,7 +199,7 @@ TEST(Supply, OffAndOnAgainNeedsAReset) {
   EXPECT_STATE(bench, kReady);
 }
 
-// The loop is closed by then, and the brake opens.
+// Reset acts before Home in the same tick, so the loop is closed when Home acts. The brake is still opening.
 TEST(Home, WorksInTheTickOfTheResetThatGivesTheSupplyBack) {
   auto bench = arm_bench();
   ASSERT_EQ(bench.part->set_parameter("Supply Voltage", 0.0), std::nullopt);
@@ -216,7 +216,7 @@ TEST(Home, WorksInTheTickOfTheResetThatGivesTheSupplyBack) {
   EXPECT_NEAR(bench.out("Actual Angle 1"), 0.0, 1e-3);
 }
 
-// Even where the Reset comes in the tick after the fault.
+// This must hold even where the Reset comes in the tick after the fault.
 TEST(Fault, DuringHomeEndsItForTheOthersTooHoweverSoonResetComes) {
   auto bench = arm_bench();
   bench.bump("Home");

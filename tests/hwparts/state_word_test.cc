@@ -1,4 +1,4 @@
-// Every bit of the state word that a drive can produce: what causes it, and what clears it.
+// The cause of every bit of the state word that a drive can set, and the command that clears it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -110,11 +110,11 @@ TEST(StateWord, ATargetBeyondASoftLimitLeadsToTheLimitAndTripsThere) {
   rig.reset();
   EXPECT_EQ(rig.word() & (bit::kError | bit::kBeyondSoft), 0u);
   rig.run(0.5);
-  rig.command.target = 2.4;  // further out again: the same fault at once
+  rig.command.target = 2.4;  // further out again: it trips again at once
   rig.run(0.002);
   EXPECT_TRUE(rig.has(bit::kError | bit::kBeyondSoft));
   rig.reset();
-  rig.command.target = 1.0;  // away is free
+  rig.command.target = 1.0;  // the way back is open
   rig.run(5.0);
   EXPECT_EQ(rig.state().setpoint.position, 1.0);
   EXPECT_FALSE(rig.has(bit::kError));
