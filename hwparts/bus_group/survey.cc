@@ -83,7 +83,7 @@ class Visit {
     found.state = value<std::uint32_t>(kState, "state");
     if (found.state & drive::state_bit::kMotion) complain("is moving");
     found.position = static_cast<double>(value<float>(kPosition, "position"));
-    if (!std::isfinite(found.position)) complain("has a position that is no number");
+    if (!std::isfinite(found.position)) complain("has a position that is not a finite number");
     faults.insert(faults.end(), faults_.begin(), faults_.end());
     return found;
   }

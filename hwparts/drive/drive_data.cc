@@ -169,7 +169,7 @@ void read_limits(const Node& node, bool linear, LimitData& limits) {
   keys.push_back(hard);
   allow(node, keys);
   read_fields(node, std::span<const Field<LimitData>>(kLimits), linear, limits);
-  limits.limited = linear || node.find(soft) || node.find(hard);  // only a rotary drive can turn for ever
+  limits.limited = linear || node.find(soft) || node.find(hard);  // only a rotary drive can turn forever
   if (!limits.limited) return;
   read_range(node, soft, limits.soft_minimum, limits.soft_maximum);
   read_range(node, hard, limits.hard_minimum, limits.hard_maximum);

@@ -8,7 +8,7 @@
 namespace visum::plugged {
 
 void NodeGuard::fail(std::string text) {
-  fault_ = text.empty() ? "failed without a word" : std::move(text);
+  fault_ = text.empty() ? "failed without saying why" : std::move(text);
   if (fault_.size() > kMaxFaultBytes) fault_.resize(kMaxFaultBytes);
 }
 

@@ -44,7 +44,7 @@ void PluggedSensor::measure(const plugin::Truth& world) {
     std::ranges::fill(truth(), 0.0);
     node_->measure(world, truth());
     if (std::ranges::any_of(truth(), [](double value) { return std::isnan(value); }))
-      throw plugin::Error("has measured what is not a number");
+      throw plugin::Error("has measured a value that is not a number");
   });
   if (done) return;
   std::ranges::fill(truth(), 0.0);

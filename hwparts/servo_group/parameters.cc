@@ -16,7 +16,7 @@ constexpr double kHighestSupply_v = 60.0;
 protocol::Parameter supply_parameter(double volts) {
   return {kSupplyVoltage,
           "V",
-          "of the motors; 0 is off, below the drives' minimum they switch off (POW_VOLT_ERR)",
+          "supply of the motors; 0 is off; below their minimum the drives switch off (POW_VOLT_ERR)",
           volts,
           0.0,
           kHighestSupply_v};
@@ -38,7 +38,7 @@ std::vector<protocol::Parameter> ServoGroup::parameters() const {
   all.push_back(supply_parameter(state_.supply_voltage));
   all.push_back(
       flag_parameter(kEmergencyStop, "pressed: takes the supply from all motors", state_.emergency_stop));
-  all.push_back(flag_parameter(kFieldBus, "false: the modules' bus is cut, nothing is heard or answered",
+  all.push_back(flag_parameter(kFieldBus, "false: the modules' bus is cut, and they hear and answer nothing",
                                modules_.connected()));
   for (std::size_t i = 0; i < axes_.size(); ++i) append_parameters(axes_[i].drive, i + 1, tick_s_, all);
   return all;

@@ -322,7 +322,10 @@ TEST(Sensor, AFailureThatThereIsNotIsRefused) {
   EXPECT_EQ(bench.sensor->set_parameter("Failure", 1.0),
             "must be one of ok, off, stuck, garbage, wrong, slow, delayed, intermittent");
   EXPECT_EQ(bench.sensor->set_parameter("Rate", 1.0), "'Rate' can only be read");
-  EXPECT_EQ(bench.sensor->set_parameter("Colour", 1.0), "there is no parameter 'Colour'");
+  EXPECT_EQ(bench.sensor->set_parameter("Colour", 1.0),
+            "there is no parameter 'Colour'; there are: Failure, Rate, Latency");
+  EXPECT_EQ(bench.sensor->set_parameter("Falure", 1.0),
+            "there is no parameter 'Falure'; did you mean 'Failure'?");
 }
 
 TEST(Sensor, WrongEntriesAreRefusedWhereTheyAreWrong) {
