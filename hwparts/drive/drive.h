@@ -115,7 +115,7 @@ class Drive {
   MotorEffort drive_motor();
   // True where the brake really holds: a stuck brake does not do what the module says.
   bool brake_holds() const;
-  // What the encoder reads now, faults and noise included.
+  // The encoder's reading now, faults and noise included.
   double encoder(double noise) const;
   void show_motion();
   MotionLimits motion_limits() const;

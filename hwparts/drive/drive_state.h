@@ -58,7 +58,7 @@ struct DriveState {
   double brake_time = 0.0;  // s since the loop opened or closed
   bool homing = false;
   bool zero_after_home = false;  // homing ends with a move to 0
-  bool moves_to_zero = false;    // that move runs now
+  bool moves_to_zero = false;    // the move to 0 runs now
   bool power_cycled = false;     // the supply was off since the last fault of the power stage
   bool holding = false;          // stands until the command's target differs from hold_target
   double hold_target = 0.0;

@@ -71,7 +71,7 @@ struct RotorPlan {
   double free_speed = 0.0;      // ωf
   double mobility = 0.0;        // h/Jₑ; 0: stuck in the brake
   double slip_mobility = 0.0;   // h/Jₑ should it start to slip
-  double slip_direction = 0.0;  // of a rotor that slips in the brake, -1 or +1
+  double slip_direction = 0.0;  // -1 or +1 where the rotor slips in the brake
   bool braked = false;
   double motor_effort = 0.0;  // [F], against a closed brake
 };

@@ -92,7 +92,7 @@ class ModuleBus {
   std::vector<Module> modules_;
   Passage passage_;
   std::vector<Telegram> spontaneous_;
-  std::vector<Passage> passages_;  // of spontaneous_
+  std::vector<Passage> passages_;  // one for each of spontaneous_
   std::size_t spontaneous_count_ = 0;
 };
 

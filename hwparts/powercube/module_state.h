@@ -20,7 +20,7 @@ struct ModuleState {
   double target_speed = 0.0;         // [u]/s, for ramps; every Reset sets it back to the maximum
   double target_acceleration = 0.0;  // [u]/s²
   double target_position = 0.0;      // [u], of the last ramp or step
-  std::uint8_t move_mode = 0;        // of the last SETMOVE
+  std::uint8_t move_mode = 0;        // mode byte of the last SETMOVE
   double previous_position = 0.0;    // [u], a tick ago
   double saved_position = 0.0;       // [u], by SAVEPOS
   std::uint8_t outputs = 0;          // bits 4..7 of the digital outputs
