@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "protocol/config/unknown_name.h"
+
 namespace visum::hwparts {
 namespace {
 
@@ -16,84 +18,84 @@ constexpr std::array<FaultInfo, 23> kFaultKinds{{
      "encoder_stuck",
      FaultTarget::kDrive,
      {kJoint},
-     "the count stands still: `Actual Angle` and `Actual Speed` do, the loop drives on, TOW_ERROR follows"},
+     "the count stands still, and so do `Actual Angle` and `Actual Speed`; the loop drives on until "
+     "TOW_ERROR"},
     {FaultKind::kEncoderOffset,
      "encoder_offset",
      FaultTarget::kDrive,
      {kJoint, FaultNumber{"offset", "<u>", -kFar, kFar, {}}},
-     "the count is off by so much: the loop moves the axis there, nothing on the ports tells"},
+     "the count is off by this much; the loop moves the axis there, and no port shows it"},
     {FaultKind::kEncoderNoise,
      "encoder_noise",
      FaultTarget::kDrive,
      {kJoint, FaultNumber{"deviation", "<u>", 0.0, kFar, {}}},
-     "each count is off by another amount, normally distributed"},
+     "each count is off by a random amount, normally distributed"},
     {FaultKind::kTorqueLost,
      "torque_lost",
      FaultTarget::kDrive,
      {kJoint, kShare},
-     "so much of the motor's torque is not there, though its current flows"},
+     "this share of the motor's torque is missing, though its current flows"},
     {FaultKind::kBrakeStuck,
      "brake_stuck",
      FaultTarget::kDrive,
      {kJoint, FaultNumber{"closed", "", 0.0, 1.0, 1.0}},
-     "the brake stays closed (or open: 0) whatever the module says; BRAKEACTIVE tells what it says"},
+     "the brake stays closed (0: open), whatever the module wants; BRAKEACTIVE shows what it wants"},
     {FaultKind::kGearSlip,
      "gear_slip",
      FaultTarget::kDrive,
      {kJoint, FaultNumber{"effort", "<F>", 0.0, kMostEffort, {}}},
-     "beyond this effort the gear slips: the joint stays behind the encoder, until Home finds its place "
-     "anew"},
+     "above this effort the gear slips; the joint lags behind the encoder until Home finds its place anew"},
     {FaultKind::kOverTemperature,
      "over_temperature",
      FaultTarget::kDrive,
      {kJoint, FaultNumber{"celsius", "°C", -50.0, 500.0, {}}},
-     "the winding is at least so hot: above its limit FET_TEMP; when it is over, the winding cools"},
+     "the winding is at least this hot, above its limit FET_TEMP; afterwards it cools"},
     {FaultKind::kSupplyDip,
      "supply_dip",
      FaultTarget::kSupply,
      {FaultNumber{"volts", "V", 0.0, 60.0, 0.0}},
-     "the supply gives no more than this: below the drives' minimum POW_VOLT_ERR"},
+     "the supply gives at most this voltage; below the drives' minimum POW_VOLT_ERR"},
     {FaultKind::kEmergencyStop,
      "emergency_stop",
      FaultTarget::kSupply,
      {},
-     "pressed: takes the supply from all motors, POW_VOLT_ERR"},
+     "the emergency stop is pressed: it takes the supply from all motors, POW_VOLT_ERR"},
     {FaultKind::kBusLost,
      "bus_lost",
      FaultTarget::kBus,
      {kShare},
-     "so many of the frames to and from the modules are lost"},
+     "this share of the frames to and from the modules is lost"},
     {FaultKind::kBusLate,
      "bus_late",
      FaultTarget::kBus,
      {FaultNumber{"ms", "ms", 0.0, 10'000.0, {}}},
-     "each answer of a module comes so much later"},
+     "each answer of a module comes this much later"},
     {FaultKind::kBusDoubled,
      "bus_doubled",
      FaultTarget::kBus,
      {kShare},
-     "so many of the modules' frames come twice"},
+     "this share of the modules' frames comes twice"},
     {FaultKind::kBusCorrupted,
      "bus_corrupted",
      FaultTarget::kBus,
      {kShare},
-     "of so many of the modules' frames a bit is turned over: their check sums are wrong"},
+     "this share of the modules' frames has one bit turned over, so that the checksum is wrong"},
     {FaultKind::kPartSilent,
      "part_silent",
      FaultTarget::kAnyPart,
      {},
-     "the part hears nothing and shows nothing new: `Changed` stands, its drives do what they were told "
-     "last"},
+     "the part hears nothing and shows nothing new: `Changed` stands still, its drives keep their last "
+     "commands"},
     {FaultKind::kNetworkDelay,
      "network_delay",
      FaultTarget::kAnyPart,
      {FaultNumber{"ms", "ms", 0.0, 1000.0, {}}, FaultNumber{"jitter_ms", "ms", 0.0, 1000.0, 0.0}},
-     "what is written acts so much later, and what is read is so old; each by up to the jitter more"},
+     "writes act this much later, and readings are this old; each by up to the jitter more"},
     {FaultKind::kNetworkLoss,
      "network_loss",
      FaultTarget::kAnyPart,
      {kShare},
-     "so many of the writes never arrive, and of the readings as many do not"},
+     "this share of the writes, and of the readings, never arrives"},
     {FaultKind::kSensorOff,
      "sensor_off",
      FaultTarget::kSensor,
@@ -103,15 +105,23 @@ constexpr std::array<FaultInfo, 23> kFaultKinds{{
      "sensor_frozen",
      FaultTarget::kSensor,
      {},
-     "the last reading again and again; `Changed` counts"},
-    {FaultKind::kSensorGarbage, "sensor_garbage", FaultTarget::kSensor, {}, "anything within the range"},
+     "the sensor shows its last reading again and again; `Changed` counts on"},
+    {FaultKind::kSensorGarbage,
+     "sensor_garbage",
+     FaultTarget::kSensor,
+     {},
+     "the sensor shows random values within its range"},
     {FaultKind::kSensorWrong,
      "sensor_wrong",
      FaultTarget::kSensor,
      {},
-     "mirrored in its range, as if wired the wrong way round"},
-    {FaultKind::kSensorSlow, "sensor_slow", FaultTarget::kSensor, {}, "one reading of ten"},
-    {FaultKind::kSensorDelayed, "sensor_delayed", FaultTarget::kSensor, {}, "ten samples later than usual"},
+     "each value is mirrored in its range, as if the sensor were wired the wrong way round"},
+    {FaultKind::kSensorSlow, "sensor_slow", FaultTarget::kSensor, {}, "the sensor shows one reading of ten"},
+    {FaultKind::kSensorDelayed,
+     "sensor_delayed",
+     FaultTarget::kSensor,
+     {},
+     "readings come ten samples later than usual"},
     {FaultKind::kSensorIntermittent,
      "sensor_intermittent",
      FaultTarget::kSensor,
@@ -125,7 +135,7 @@ std::string in_words(double number) {
   return out.str();
 }
 
-// Where a number of this name stands.
+// The place of the number with this name.
 std::optional<std::size_t> slot_of(const FaultInfo& kind, const std::string& name) {
   for (std::size_t i = 0; i < kMaxNumbers; ++i)
     if (kind.numbers[i] && name == kind.numbers[i]->name) return i;
@@ -187,7 +197,10 @@ bool Fault::same_place(const Fault& other) const {
 std::optional<Fault> make_fault(std::string_view kind, const NamedNumbers& numbers, std::string& why) {
   const auto* found = find_fault_kind(kind);
   if (!found) {
-    why = "there is no fault '" + std::string(kind) + "'; `visum faults` lists them";
+    std::vector<std::string> known;
+    for (const auto& row : kFaultKinds) known.emplace_back(row.name);
+    why = config::unknown_name("fault", kind, known);
+    if (!config::nearest(kind, known)) why += "; `visum faults` lists them";
     return std::nullopt;
   }
   Fault fault{found->kind, {}};

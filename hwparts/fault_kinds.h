@@ -1,5 +1,5 @@
-// What can be broken on purpose: one table, with what a kind breaks, by which numbers, and how it shows. Who
-// is broken (Part::set_faults, the simulation) takes it from there.
+// The faults that can be caused on purpose: one table with each kind's target, numbers and effect. Parts
+// (Part::set_faults) and the simulation give each kind its effect. Plain values and pure functions.
 #pragma once
 
 #include <array>
@@ -39,15 +39,15 @@ enum class FaultKind : std::uint8_t {
   kSensorIntermittent,
 };
 
-// Who has what a kind breaks.
+// The thing that a kind breaks. A part says by Part::has() whether it has such a thing.
 enum class FaultTarget : std::uint8_t { kAnyPart, kDrive, kSupply, kBus, kSensor };
 const char* name_of(FaultTarget target);
 
 struct FaultNumber {
   const char* name;
-  const char* unit;  // "<u>": rad or m, "<F>": N·m or N, as the drive is
+  const char* unit;  // "<u>": rad or m, "<F>": N·m or N, for a rotary or a linear drive
   double minimum, maximum;
-  std::optional<double> usual;  // where none is given; nothing: one must be
+  std::optional<double> usual;  // the default; nothing: the number must be given
 };
 
 inline constexpr std::size_t kMaxNumbers = 3;
@@ -56,29 +56,30 @@ struct FaultInfo {
   FaultKind kind;
   const char* name;
   FaultTarget target;
-  std::array<std::optional<FaultNumber>, kMaxNumbers> numbers;  // of a drive: first which one, from 1
+  std::array<std::optional<FaultNumber>, kMaxNumbers>
+      numbers;  // for a drive, the first is its number, from 1
   const char* effect;
 };
 std::span<const FaultInfo> fault_kinds();
 const FaultInfo* find_fault_kind(std::string_view name);
 const FaultInfo& fault_info(FaultKind kind);
-bool is_fault_kind(FaultKind kind);  // of a number that came from elsewhere
+bool is_fault_kind(FaultKind kind);  // for a number that was read from a snapshot or recording
 
 // One fault, checked against the table.
 struct Fault {
   FaultKind kind = FaultKind::kEncoderStuck;
   std::array<double, kMaxNumbers> numbers{};
 
-  // Of a drive: which, from 0.
+  // The drive of a drive's fault, counted from 0.
   std::size_t drive() const { return static_cast<std::size_t>(numbers[0]) - 1; }
-  bool same_place(const Fault& other) const;  // one replaces the other
+  bool same_place(const Fault& other) const;  // true: each replaces the other
 };
 
 using NamedNumbers = std::vector<std::pair<std::string, double>>;
-// By name; what is not given is usual. Nothing, and why, where there is no such kind, a number of it is
-// unknown, missing, not finite, out of its range, or given twice.
+// Makes a fault from named numbers; those not given take their default. Returns nothing, and says `why`, for
+// an unknown kind, and for a number that is unknown, missing, not finite, out of its range, or given twice.
 std::optional<Fault> make_fault(std::string_view kind, const NamedNumbers& numbers, std::string& why);
-// From all numbers of the kind, in their order.
+// The same from all numbers of the kind, in their order.
 std::optional<Fault> make_fault(const FaultInfo& kind, std::span<const double> numbers, std::string& why);
 std::size_t number_count(const FaultInfo& kind);
 

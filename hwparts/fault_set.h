@@ -1,5 +1,6 @@
-// The faults that act, of all parts together. Plain: saving it saves them. Lives on the tick's thread;
-// nothing here allocates after construction.
+// The list of all faults on purpose that act now, of all parts. The simulation owns it, saves it with the
+// world, and hands each part its own. It lives on the tick's thread; nothing here allocates after
+// construction.
 #pragma once
 
 #include <cstdint>
@@ -24,21 +25,22 @@ class FaultSet {
 
   FaultSet() { active_.reserve(kMost); }
 
-  // Takes the place of one of the same kind there. False: kMost act already.
+  // Replaces a fault of the same kind in the same place. False: kMost faults act already.
   bool inject(const ActiveFault& fault);
-  // Of one part; `kind` nothing: all; `drive` nothing: of all its drives. How many there were.
+  // Clears faults of one part and returns their number. Without `kind` it clears all kinds, without `drive`
+  // those of all drives.
   std::size_t clear(std::uint32_t part, std::optional<FaultKind> kind, std::optional<std::size_t> drive);
   void clear_all() { active_.clear(); }
-  // Those that are over at `tick` go. True: there were some.
+  // Removes the faults that end at `tick` or before. True: there were some.
   bool expire(std::int64_t tick);
 
-  // By part, then as they came.
+  // Sorted by part, then in the order of their injection.
   std::span<const ActiveFault> all() const { return active_; }
   std::span<const ActiveFault> of(std::uint32_t part) const;
   const ActiveFault* find(std::uint32_t part, FaultKind kind) const;
 
   void save(StateWriter& to) const;
-  // Believes nothing; `parts`: how many there are.
+  // Checks everything that it reads, and throws std::out_of_range. `parts`: the number of parts.
   void load(StateReader& from, std::size_t parts);
 
  private:

@@ -1,9 +1,13 @@
 #include "hwparts/part.h"
 
+#include "protocol/config/unknown_name.h"
+
 namespace visum::hwparts {
 
 std::optional<std::string> Part::set_parameter(const std::string& name, const protocol::ParameterValue&) {
-  return "there is no parameter '" + name + "'";
+  std::vector<std::string> known;
+  for (const auto& parameter : parameters()) known.push_back(parameter.name);
+  return config::unknown_name("parameter", name, known);
 }
 
 std::optional<std::string> Part::write_blackboard(std::size_t, std::uint64_t, std::span<const std::byte>) {

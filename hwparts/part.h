@@ -1,11 +1,14 @@
-// A hardware part: one named set of ports in front of drives or sensors, virtual or real. Knows no world and
-// no socket.
+// A hardware part: one named set of ports in front of drives or sensors, virtual or real. It knows no world
+// and no socket. The simulation (or the process in front of real hardware) owns its parts.
 //
-// Order of calls: construction (may throw ConfigError); then, per tick, on the tick's thread: act(), and
-// after the engines moved, publish(). Between ticks, on the same thread: latch(), reset(), set_parameter(),
-// controller_lost(), set_faults(), save(), load(). refuse() and description() are constant and may be called
-// from any thread, and so may refuse_now(), which is not. Nothing here allocates after construction, except
-// description(), the parameter calls and refusals.
+// Order of calls:
+//   construction       may throw ConfigError
+//   per tick, on the tick's thread       act(), and after the engines moved, publish()
+//   between ticks, on the same thread    latch(), reset(), set_parameter(), controller_lost(), set_faults(),
+//                                        save(), load()
+//   any time, from any thread            description() and refuse(), whose results never change, and
+//                                        refuse_now(), whose results do
+// Nothing here allocates after construction, except description(), the parameter calls and refusals.
 #pragma once
 
 #include <cstdint>
@@ -28,11 +31,11 @@ class ModuleBus;
 
 namespace visum::hwparts {
 
-// What a part needs to know of a joint that it drives. From the robot's model.
+// A joint that the part drives, as the robot's model describes it.
 struct JointInfo {
   std::string name;  // as in the URDF
   bool prismatic = false;
-  double lower = 0.0;  // mechanical stops; lower > upper: none
+  double lower = 0.0;  // mechanical stops; lower > upper: the joint has none
   double upper = 0.0;
   double initial_position = 0.0;
 };
@@ -40,7 +43,7 @@ struct JointInfo {
 struct PartContext {
   std::string name;               // in the scene
   config::Node config;            // the part's entry in the scene file
-  std::vector<JointInfo> joints;  // those of the model that the entry names, in the model's order
+  std::vector<JointInfo> joints;  // the model's joints that the entry names, in the model's order
   double tick_s;                  // the tick's length
   std::uint64_t seed = 1;         // the scene's
 };
@@ -54,39 +57,40 @@ class Part {
   // The joints that the part drives: indices into PartContext::joints, in the order of the spans below.
   virtual std::span<const std::size_t> joints() const = 0;
 
-  // Why these controller inputs, already finite and inside their ports' ranges, cannot be taken as a whole;
-  // nothing if they can.
+  // The reason to refuse these controller inputs as a whole; nothing if they are good. Each is already finite
+  // and inside its port's range.
   virtual std::optional<std::string> refuse(std::span<const double> controller_inputs) const = 0;
 
-  // Why inputs that are good cannot be taken just now in place of those `before`; nothing if they can. For
-  // parts that pass them on to somebody who may be away.
+  // The reason why good inputs cannot take the place of those `before` just now; nothing if they can. For
+  // parts that pass their inputs on to another program, which may be away.
   virtual std::optional<std::string> refuse_now(std::span<const double> /*before*/,
                                                 std::span<const double> /*controller_inputs*/) const {
     return std::nullopt;
   }
 
-  // The inputs that the next act() will have, as they are after a write: for parts that are told things by
-  // another way as well, and where it matters which came last.
+  // The inputs that the next act() will have, as they are after a write. For parts that a field bus commands
+  // as well, where it matters which command came last.
   virtual void latch(std::span<const double> /*controller_inputs*/) {}
 
-  // One tick's work of the drives: from inputs and what the joints do to what acts on them.
+  // One tick of the drives: turns inputs and the joints' samples into the efforts on the joints.
   virtual void act(std::span<const double> controller_inputs, std::span<const JointSample> samples,
                    std::span<JointDrive> drives) = 0;
 
-  // After the step: what the sensors say. Also learns what the gear felt (JointSample::effort).
+  // After the step: sets the sensor outputs. Drives also learn the effort that their gear carried
+  // (JointSample::effort).
   virtual void publish(std::span<const JointSample> samples, std::span<double> sensor_outputs) = 0;
 
-  // Commanded minus actual position per joint, for the world's truth. 0 where nothing is commanded.
+  // Commanded minus actual position of each joint, for observers of the world. 0 where nothing is commanded.
   virtual void following_errors(std::span<double> errors) const = 0;
 
-  // The controller that held the lease is gone without releasing it, or missed its deadline.
+  // The controller that held the lease went away without releasing it, or missed its deadline.
   virtual void controller_lost() = 0;
 
   // Back to the state after construction.
   virtual void reset() = 0;
 
   virtual std::vector<protocol::Parameter> parameters() const { return {}; }
-  // Returns why not; nothing if done.
+  // Returns the reason of a refusal; nothing if done.
   virtual std::optional<std::string> set_parameter(const std::string& name,
                                                    const protocol::ParameterValue& value);
 
@@ -95,49 +99,37 @@ class Part {
   virtual std::optional<std::string> write_blackboard(std::size_t index, std::uint64_t offset,
                                                       std::span<const std::byte> data);
 
-  // Faults (fault_kinds.h). Whether the part has what a kind breaks; why such a fault cannot act on it,
-  // nothing if it can: constant, any thread. And all that act on it from now on, in place of those before.
+  // Faults on purpose (fault_kinds.h). has() says whether the part has the thing that a kind breaks.
+  // refuse_fault() returns the reason why a fault cannot act on this part; nothing if it can. Both never
+  // change, and any thread may call them. set_faults() brings all faults that act from now on, in place of
+  // those before.
   virtual bool has(FaultTarget target) const { return target == FaultTarget::kAnyPart; }
   virtual std::optional<std::string> refuse_fault(const Fault& fault) const;
   virtual void set_faults(std::span<const ActiveFault>) {}
 
-  // The part's modules on a field bus, to be talked to between ticks; none: it has no bus.
+  // The part's modules on a field bus, for telegrams between ticks; null: the part has no bus.
   virtual powercube::ModuleBus* modules() { return nullptr; }
 
-  // Real parts only. Moves what there is to and from the hardware, without waiting: as often as can be,
-  // between ticks.
+  // Real parts only. Exchanges messages with the hardware without waiting. Called between ticks, as often as
+  // possible.
   virtual void pump() {}
-  // Stops what moves, before the part goes; waits for it, a second at most.
+  // Real parts only. Stops everything that moves, before the part is destroyed. Waits for it, a second at
+  // most.
   virtual void stand_down() {}
 
-  // Where the part's code comes from a plug-in: why that has failed, empty while it works. Else null.
+  // For a part from a plug-in: why its code has failed, or empty while it works. Null for all others.
   virtual const std::string* node_fault() const { return nullptr; }
 
   virtual void save(StateWriter& to) const = 0;
   virtual void load(StateReader& from) = 0;
 };
 
-// How a part in front of real modules behaves.
+// The options of a part in front of real modules.
 struct RealOptions {
-  bool execution_enable = false;        // initial value of the port: an operator's word
-  bool watchdog = false;                // the modules stop by themselves when this process is gone
-  std::int64_t answer_ns = 50'000'000;  // patience for each answer, then
-  int tries = 3;                        // so often in all
+  bool execution_enable = false;        // initial value of the port, which an operator decides
+  bool watchdog = false;                // true: the modules stop by themselves when this process is gone
+  std::int64_t answer_ns = 50'000'000;  // how long to wait for each answer
+  int tries = 3;                        // how often to send each request, in all
 };
-
-// The kinds of part, by name: one line each in part_kinds.cc.
-struct PartKind {
-  const char* name;
-  const char* help;
-  std::unique_ptr<Part> (*make)(const PartContext&);
-  // The same part in front of real modules on a bus. Throws std::runtime_error where the bus is not this
-  // part's.
-  std::unique_ptr<Part> (*make_real)(const PartContext&, powercube::BusConnection&, const RealOptions&);
-};
-std::span<const PartKind> part_kinds();
-// Throws ConfigError at context.config's `kind` where there is no such kind.
-std::unique_ptr<Part> make_part(const std::string& kind, const PartContext& context);
-std::unique_ptr<Part> make_real_part(const std::string& kind, const PartContext& context,
-                                     powercube::BusConnection& line, const RealOptions& options);
 
 }  // namespace visum::hwparts

@@ -1,5 +1,6 @@
-// Flat, byte-exact saving of the changing state of parts (and of anything else that a snapshot holds). Field
-// by field, so that padding never enters a hash. Native endianness: a snapshot stays on its machine.
+// Flat, byte-exact saving of the changing state of parts, and of everything else that a snapshot holds. It
+// saves field by field, so that padding never enters a hash. Native endianness: a snapshot stays on its
+// machine.
 #pragma once
 
 #include <algorithm>
@@ -13,9 +14,9 @@
 
 namespace visum::hwparts {
 
-// Appends to a vector that keeps its capacity: no allocation once warm. What was put stands in the vector
-// once the writer is gone: until then the vector is all room, so that a number costs a store (a world saves a
-// thousand in a tick).
+// Appends to a vector that keeps its capacity, so nothing allocates once warm. The vector has its right size
+// only after the writer's destructor. Until then it is as large as its capacity, so that saving a number
+// costs one store (a world saves a thousand in a tick).
 class StateWriter {
  public:
   explicit StateWriter(std::vector<std::byte>& bytes) : bytes_(bytes), used_(bytes.size()) {
@@ -33,7 +34,7 @@ class StateWriter {
   }
 
  private:
-  // By force: where a field's size is known this is a store, and a call costs more.
+  // Always inlined: where a field's size is known this is one store, and a call would cost more.
   [[gnu::always_inline]] void append(const void* from, std::size_t size) {
     if (bytes_.size() - used_ < size) [[unlikely]]
       bytes_.resize(2 * bytes_.size() + size);
@@ -62,7 +63,7 @@ class StateReader {
   }
   void get(std::span<double> values) { copy(values.data(), values.size_bytes()); }
   bool at_end() const { return bytes_.empty(); }
-  // So many bytes are to come: before memory is made for them.
+  // Throws unless at least `size` bytes are left. Called before memory is allocated for them.
   void expect(std::uint64_t size) const {
     if (size > bytes_.size()) throw std::out_of_range("the snapshot's state is shorter than the part's");
   }

@@ -29,7 +29,7 @@ void check_drives(const hwparts::PartContext& context, const DriveList& list) {
       "for other robots there is the kind servo_group");
 }
 
-// Angles 1..7, then the fingers 1..2 of the one gripper drive.
+// The arm's blocks of channels: angles 1..7, then the fingers 1..2 of the one gripper drive.
 std::vector<std::vector<Channel>> blocks(const DriveList& list) {
   std::vector<Channel> angles, fingers;
   for (std::size_t d = 0; d < kAngles; ++d) {

@@ -29,7 +29,8 @@ bool changes_state(std::uint8_t command) {
   return command == command::kReset || command == command::kHalt || command == command::kHome;
 }
 
-// Answers to what sets or moves something end with a byte that says so; where there is none, it was taken.
+// Answers to SETPARAM and SETMOVE end with a byte that says whether the command was taken. Where it is
+// missing, the command counts as taken.
 bool refuses(const Message& answer) {
   const auto command = answer.command();
   const bool says_so = command == command::kSetParameter || command == command::kSetMove;
@@ -60,17 +61,16 @@ void BusAxis::forget_motion() {
   pause_ = 0;
 }
 
-// Nothing is more urgent; but a reset that is still to be sent would undo it, so that another one follows
-// that.
+// A halt is sent first of all. A reset that still waits would undo it, so another halt follows the reset.
 void BusAxis::halt() {
   forget_motion();
-  if (lost_) return;  // it is halted as soon as it is there again
+  if (lost_) return;  // it is halted as soon as it answers again
   halt_wished_ = unsettled_ = true;
   halt_again_ = reset_wished_;
   homing_ = false;
 }
 
-// A reset brings the module's target speed back to its maximum.
+// A reset brings the module's target speed back to its maximum, so the speed must be sent again.
 void BusAxis::reset() {
   forget_motion();
   if (lost_) return;
@@ -169,9 +169,9 @@ void BusAxis::take(const Message& request, const std::optional<Message>& answer)
   take_reading(request.data[1], *answer);
 }
 
-// A refused motion is wished again, unless something else was wished since, and asked for again after a round
-// of readings: a module that goes on refusing does not fill the line. One that refuses a setting has not what
-// it must have; with reset() it is sent again.
+// A refused motion is wished again, unless there is a newer wish. It waits for a round of readings, so that a
+// module that goes on refusing does not fill the line. A refused setting is a fault, since the module works
+// with a wrong one; reset() sends it again.
 void BusAxis::take_refusal(const Message& request) {
   const auto parameter = request.data[1];
   const bool newer = halt_wished_ || reset_wished_ || home_wished_ || stand_wished_ || target_wished_;
@@ -194,7 +194,7 @@ void BusAxis::take_reading(std::uint8_t parameter, const Message& answer) {
   if (answer.size < 6) return;
   const auto number = static_cast<double>(powercube::value_at<float>(answer, 2));
   const bool is_float = parameter == kPosition || parameter == kSpeed || parameter == kCurrent;
-  if (is_float && !std::isfinite(number)) return;  // what it said before holds
+  if (is_float && !std::isfinite(number)) return;  // the reading before holds
   switch (parameter) {
     case kSerialNumber:
       return take_serial_number(powercube::value_at<std::uint32_t>(answer, 2));
@@ -218,7 +218,7 @@ void BusAxis::take_state(std::uint32_t state) {
   reading_.state = state;
   move_sent_ = false;
   if (pause_ > 0 && !(state & bit::kMotion))
-    stand_wished_ = ramp_sent_ = false;  // it was refused, and is not needed
+    stand_wished_ = ramp_sent_ = false;  // a motion was refused, and the module stands: no stop is needed
   const bool wishes = halt_wished_ || reset_wished_ || home_wished_;
   if (state_asked_ && !wishes) unsettled_ = false;
   if (!homing_ || settling()) return;
@@ -227,17 +227,18 @@ void BusAxis::take_state(std::uint32_t state) {
   if (over || done) homing_ = false;
 }
 
-// Another module than the one that was surveyed is not ours, whatever it answers.
+// A lost module is taken back only with the serial number that was surveyed. Another module stays lost,
+// whatever it answers.
 void BusAxis::take_serial_number(std::uint32_t number) {
   if (!lost_ || number != serial_number_) return;
   lost_ = false;
-  halt();  // what it did meanwhile nobody knows
+  halt();  // nothing is known of what it did meanwhile
 }
 
 void BusAxis::lose() {
   forget_motion();
   halt_wished_ = reset_wished_ = halt_again_ = false;
-  ramp_sent_ = false;  // it is halted when it is there again
+  ramp_sent_ = false;  // it is halted as soon as it answers again
   settings_left_ = 0;
   unsettled_ = false;
   homing_ = false;

@@ -17,7 +17,7 @@ using servo_group::OnControllerLost;
 using servo_group::PartState;
 
 constexpr std::int64_t kAskLost_ns = 200'000'000;  // how often a lost module is asked whether it is there
-constexpr std::int64_t kServeWatchdog_ns = 40'000'000;  // as KTH's driver does
+constexpr std::int64_t kServeWatchdog_ns = 40'000'000;  // the period of KTH's driver
 constexpr std::int64_t kStandDown_ns = 1'000'000'000;
 
 bool changes(double& seen, double now) {
@@ -77,7 +77,7 @@ void BusGroup::act(std::span<const double> inputs, std::span<const hwparts::Join
   pump();
   enabled_ = inputs[layout_.enable] >= 0.5;
   apply_counters(inputs);
-  // While something is stopped, what is commanded does not count.
+  // Desired values that are written while anything is stopped do not count.
   if (!settling() && (controller_lost_ || any(bit::kError | bit::kHalted))) hold_all(inputs);
   const auto given = leave();
   for (auto& axis : axes_) drive(axis, inputs, given);
@@ -109,7 +109,7 @@ void BusGroup::hold_all(std::span<const double> inputs) {
   }
 }
 
-// A Reset in good health settles, too, and disturbs no motion.
+// kWait while a module settles: a Reset without a fault settles too, and must not disturb a motion.
 BusGroup::Leave BusGroup::leave() const {
   if (!enabled_ || controller_lost_ || any(bit::kError | bit::kHalted)) return Leave::kStand;
   const auto busy = [](const Axis& axis) { return axis.module.settling() || axis.module.homing(); };
@@ -119,7 +119,7 @@ BusGroup::Leave BusGroup::leave() const {
 void BusGroup::drive(Axis& axis, std::span<const double> inputs, Leave leave) {
   const double desired = desired_value(layout_, axis.run, inputs);
   if (axis.held && desired != axis.ignored) axis.held = false;
-  // On its way home a module takes no other motion: only HALT stops it.
+  // A homing module takes no other motion: only HALT stops it.
   if (axis.module.homing()) {
     if (!enabled_ || any(bit::kError)) axis.module.halt();
     return;
@@ -211,7 +211,8 @@ std::span<const std::byte> BusGroup::read_blackboard(std::size_t index) const {
   return std::as_bytes(std::span(identity_));
 }
 
-// Answers in, then as many requests out as the bus takes: wishes of all modules before any reading.
+// Takes the answers, then sends as many requests as the bus takes: first the wishes of all modules, then
+// readings.
 void BusGroup::pump() {
   while (const auto outcome = asker_.next()) {
     for (auto& axis : axes_)
@@ -225,7 +226,6 @@ void BusGroup::pump() {
   }
 }
 
-// The device is gone: nobody will answer.
 void BusGroup::lose_all() {
   asker_.forget();
   for (auto& axis : axes_) axis.module.lose();
@@ -258,7 +258,7 @@ void BusGroup::serve_watchdog() {
   asker_.tell_all({powercube::command::kWatchdog, 0});
 }
 
-// Whoever ends leaves nothing moving behind.
+// A process that ends must leave nothing moving behind.
 void BusGroup::stand_down() {
   const auto moves = [](const Axis& axis) { return axis.module.moves(); };
   if (std::ranges::none_of(axes_, moves)) return;

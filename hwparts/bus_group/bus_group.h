@@ -1,15 +1,18 @@
-// The part of a group of servos whose drives are real modules on a bus: the same ports, in the same order,
-// with the same meaning as servo_group::ServoGroup's, so that a controller cannot tell the two apart. It
-// knows the modules from what they answer and nothing else: readings come as often as the bus lets them,
+// A part that is a group of servos with real modules on a bus. It has the same ports as
+// servo_group::ServoGroup, in the same order and with the same meaning, so that a controller cannot tell the
+// two apart. It knows the modules only from their answers. Readings come as often as the bus allows, and
 // commands go before readings.
 //
-// What is different from the virtual part, since it must be:
-// - `Execution Enable` starts as 0 unless an operator says otherwise, and desired values as the modules
-// stand.
-// - A module that does not answer, or that is another one all of a sudden, has ERROR and COMM_ERROR, and the
+// The gateway's process that stands in front of the hardware owns it, and calls it from one thread. Making it
+// can fail (make() below); afterwards everything that fails is a fault of a module.
+//
+// It differs from the virtual part where it must:
+// - `Execution Enable` starts as 0 unless an operator says otherwise, and desired values start where the
+//   modules stand.
+// - A module that does not answer, or that has suddenly become another one, has ERROR and COMM_ERROR, and the
 //   others are stopped. When it answers again it is halted at once, and `Reset` takes it back.
-// - What is no motion of its own (a program beside it on the bus) shows in the readings and is not undone.
-// - It cannot be reset, saved or restored: that is what simulated worlds can do.
+// - A motion that another program on the bus has begun shows in the readings and is not undone.
+// - It cannot be reset, saved or restored. Only simulated worlds can do that.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +32,7 @@ namespace visum::bus_group {
 
 class BusGroup : public hwparts::Part {
  public:
-  // `found`: of the survey, in the order of `drives`. The line outlives the part.
+  // `found`: the survey's result, in the order of `drives`. The connection must outlive the part.
   BusGroup(const hwparts::PartContext& context, const std::string& kind, const servo_group::DriveList& drives,
            const std::vector<Found>& found, const hwparts::RealOptions& options,
            servo_group::PortLayout layout, powercube::BusConnection& line);
@@ -56,31 +59,38 @@ class BusGroup : public hwparts::Part {
   struct Axis {
     BusAxis module;
     servo_group::Run run;
-    drive::Tuning tuning;       // what of it a module has
-    double ignored = 0.0;       // [u], the desired value that is not followed: until it is another one
+    drive::Tuning tuning;       // only the fields that a module has are used
+    double ignored = 0.0;       // [u], this desired value is not followed, until it becomes another one
     bool held = true;           // `ignored` holds
-    std::int64_t asked_ns = 0;  // while lost: when it was last asked whether it is there again
+    std::int64_t asked_ns = 0;  // while lost: when the module was last asked whether it answers again
   };
 
+  // Carries out Reset, Home and Halt where their counters have changed.
   void apply_counters(std::span<const double> inputs);
+  // Lets every axis stand until its desired value becomes another one.
   void hold_all(std::span<const double> inputs);
-  enum class Leave { kStand, kWait, kMove };  // to move; kWait: begins nothing, stops nothing
+  // The leave to move that the group has now. kWait: begins no motion and stops none.
+  enum class Leave { kStand, kWait, kMove };
   Leave leave() const;
+  // Turns one axis' inputs into wishes.
   void drive(Axis& axis, std::span<const double> inputs, Leave leave);
   std::optional<std::string> set_tuning(Axis& axis, const servo_group::TuningField& field, double value);
   bool any(std::uint32_t bits) const;
   bool settling() const;
   servo_group::PartState part_state() const;
+  // Sends the next request of one axis, by turns. False: no axis has one that can be sent now.
   bool ask_one(bool wishes_only);
   void ask(Axis& axis);
+  // Marks all modules as lost, since the bus's device is gone.
   void lose_all();
+  // Broadcasts a life sign when it is time.
   void serve_watchdog();
 
   double tick_s_;
   servo_group::PortLayout layout_;
   std::vector<Axis> axes_;
   powercube::Asker asker_;
-  std::size_t turn_ = 0;  // whose turn it is to be asked
+  std::size_t turn_ = 0;  // the axis that is asked next
   bool watchdog_;
   std::int64_t served_ns_ = 0;
 
@@ -93,18 +103,18 @@ class BusGroup : public hwparts::Part {
   protocol::PartDescription description_;
 };
 
-// Which channels a kind's drives have, and what its configuration must hold.
+// A kind of part for real modules: the check of its drives file, and the channels of its drives.
 struct Kind {
   const char* name;
   void (*check)(const hwparts::PartContext&, const servo_group::DriveList&);
   std::vector<std::vector<servo_group::Channel>> (*blocks)(const servo_group::DriveList&);
 };
 
-// Surveys the line and makes the part. Throws ConfigError, and std::runtime_error where the bus is not this
-// part's.
+// Surveys the bus and makes the part. Throws ConfigError, and std::runtime_error where the modules on the bus
+// are not this part's.
 std::unique_ptr<hwparts::Part> make(const Kind& kind, const hwparts::PartContext& context,
                                     powercube::BusConnection& line, const hwparts::RealOptions& options);
-// Kind `servo_group`.
+// The same for the kind `servo_group`.
 std::unique_ptr<hwparts::Part> make_servo_group(const hwparts::PartContext& context,
                                                 powercube::BusConnection& line,
                                                 const hwparts::RealOptions& options);

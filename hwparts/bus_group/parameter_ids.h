@@ -1,4 +1,4 @@
-// What the bus group reads of modules and writes to them, by m5api's numbers.
+// The ids of the module parameters that the bus group reads and writes, from m5api.
 #pragma once
 
 #include <cstdint>

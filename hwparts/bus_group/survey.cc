@@ -17,8 +17,8 @@ using powercube::Asker;
 using powercube::Message;
 namespace command = powercube::command;
 
-constexpr double kSame = 1e-4;                     // relative, of limits read back as 32-bit floats
-constexpr std::int64_t kStranger_ns = 30'000'000;  // patience with ids that need not be there
+constexpr double kSame = 1e-4;                     // relative tolerance of limits read back as 32-bit floats
+constexpr std::int64_t kStranger_ns = 30'000'000;  // patience with ids that the configuration does not name
 constexpr double kNearZero = 1e-6;                 // [u], absolute
 
 struct Limit {
@@ -64,7 +64,7 @@ std::optional<T> get(Asker& asker, int module, std::uint8_t parameter,
   return powercube::value_at<T>(*answer, 2);
 }
 
-// What is wrong with one module; it is filled into `found` what could be read.
+// The survey of one module: reads it, gives it its limits, and collects what is wrong with it.
 class Visit {
  public:
   Visit(Asker& asker, const Expected& expected, bool watchdog)
@@ -83,7 +83,7 @@ class Visit {
     found.state = value<std::uint32_t>(kState, "state");
     if (found.state & drive::state_bit::kMotion) complain("is moving");
     found.position = static_cast<double>(value<float>(kPosition, "position"));
-    if (!std::isfinite(found.position)) complain("has a position that is no number");
+    if (!std::isfinite(found.position)) complain("has a position that is not a finite number");
     faults.insert(faults.end(), faults_.begin(), faults_.end());
     return found;
   }
@@ -142,7 +142,7 @@ std::string list_of(const std::vector<int>& ids) {
   return text.empty() ? "none" : text;
 }
 
-// Every id that answers. Those that are expected are asked as often as it takes, the others once.
+// Every id that answers. Expected ids are asked with the usual patience, the others once.
 std::vector<int> scan(Asker& asker, std::span<const Expected> expected) {
   const powercube::Patience once{std::min(asker.patience().answer_ns, kStranger_ns), 1};
   std::vector<int> there;

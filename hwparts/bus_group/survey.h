@@ -1,5 +1,5 @@
-// What stands on a bus, compared with what the part's configuration says: the first thing that is done with
-// real modules. Nothing is moved.
+// Compares the modules on a bus with the part's configuration. This comes before anything else is done with
+// real modules. It moves nothing. Runs on the caller's thread and waits for the bus.
 #pragma once
 
 #include <cstdint>
@@ -12,29 +12,30 @@
 
 namespace visum::bus_group {
 
-// One module as it is to be.
+// One module as the configuration has it.
 struct Expected {
   drive::DriveData data;
-  std::optional<std::uint32_t> serial_number;  // none: any
+  std::optional<std::uint32_t> serial_number;  // nothing: any number will do
 };
 
-// One module as it was found. [u] is rad or m.
+// One module as the survey found it. [u] is rad or m.
 struct Found {
   std::uint16_t firmware = 0;
   std::uint32_t serial_number = 0;
   std::uint32_t state = 0;
   double position = 0.0;  // [u]
-  // What armed it, if wanted: to be sent again to one that was without supply.
+  // The message that armed its watchdog, if wanted. It must be sent again to a module that was without
+  // supply.
   std::optional<powercube::Message> watchdog;
 };
 
-// Finds the modules, gives them their limits (soft limits, speed, acceleration, current), arms the watchdog
-// if wanted, and reads them. In the order of `expected`. Waits for the bus: up to some seconds. Throws
-// std::runtime_error that names every module that is missing, of the wrong kind, of another serial number,
-// moving, or that does not take its limits.
+// Finds the modules, gives them their limits (soft limits, speed, acceleration, current), arms their watchdog
+// if wanted, and reads them. Returns them in the order of `expected`. Takes up to some seconds. Throws
+// std::runtime_error that names every module that is missing, is of the wrong kind, has another serial
+// number, is moving, or does not take its limits.
 std::vector<Found> survey(powercube::Asker& asker, std::span<const Expected> expected, bool watchdog);
 
-// What gives a module its limits: to be sent again to one that was without supply.
+// The messages that give a module its limits. They must be sent again to a module that was without supply.
 std::vector<powercube::Message> limit_settings(const drive::DriveData& data);
 
 }  // namespace visum::bus_group

@@ -12,9 +12,10 @@
 namespace visum::drive {
 namespace {
 
-constexpr double kStillSpeed = 5e-3;  // of the maximum: less is standing, for a motor that gets a current
+constexpr double kStillSpeed = 5e-3;  // share of the maximum speed; an axis under current control that is
+                                      // slower counts as standing
 
-// No more than the bus allows.
+// Cuts the window to the maximum current that the tuning allows.
 CurrentWindow narrowed(CurrentWindow window, double most) {
   if (window.upper > most) window.upper = most, window.upper_by_voltage = false;
   if (window.lower < -most) window.lower = -most, window.lower_by_voltage = false;
@@ -40,7 +41,6 @@ void Drive::act(const Command& command, std::span<const hwparts::JointSample> jo
   acted_ = true;
 }
 
-// What the brake does, whatever the module makes of it.
 bool Drive::brake_holds() const {
   if (broken_.brake == BrakeFault::kNone) return state_.brake_closed;
   return broken_.brake == BrakeFault::kStuckClosed;
@@ -76,12 +76,13 @@ void Drive::load(hwparts::StateReader& from) {
   acted_ = false;
 }
 
-// Where to: home, where the bus said, to the target, or to a stop; nowhere while the loop is open.
+// Moves the setpoint by one tick: home, as the bus commanded, to the ports' target, or to a stop. While the
+// loop is open it stays at the axis.
 void Drive::move_setpoint(const Command& command) {
   auto& setpoint = state_.setpoint;
   state_.commanded = command.target;
   if (!ready(state_)) {
-    // What was commanded begins once the brake is open; until then nobody is told that it is over.
+    // A command that waits for the brake shows motion, so that no client takes it for finished.
     const bool begins = state_.loop_closed && (state_.homing || state_.motion.kind != MotionKind::kNone);
     setpoint = {state_.measured_position, 0.0, begins ? RampPhase::kAccelerating : RampPhase::kEnd};
     return;
@@ -89,7 +90,7 @@ void Drive::move_setpoint(const Command& command) {
   if (state_.homing && command.enabled) return home_on(command);
   const bool stopped = has(state_, state_bit::kError | state_bit::kHalted) || !command.enabled;
   if (stopped) state_.motion = {};
-  const bool free = !stopped && has(state_, state_bit::kHomeOk);  // to go where the ports say
+  const bool free = !stopped && has(state_, state_bit::kHomeOk);  // may follow the ports
   if (free && state_.holding) state_.holding = command.target == state_.hold_target;
   if (free && !state_.holding) release_to_ports(state_);
   if (state_.motion.kind != MotionKind::kNone) {
@@ -117,8 +118,8 @@ Setpoint Drive::follow_ports(const Command& command) {
   return ramp_to(state_.setpoint, target, limits.speed, limits.acceleration, tick_s_);
 }
 
-// To the reference switch, where the encoder's zero becomes known; then, where asked for, to 0. A
-// speed-controlled drive has no such place: it stops.
+// One tick of homing: goes to the reference switch, where the encoder's zero becomes known; then, if asked
+// for, to 0. A speed-controlled drive has no such place: it stops.
 void Drive::home_on(const Command& command) {
   auto& setpoint = state_.setpoint;
   const double target = state_.moves_to_zero ? 0.0 : data_.home.position + state_.zero_offset;
@@ -133,23 +134,23 @@ void Drive::home_on(const Command& command) {
   if (state_.moves_to_zero) return;
   state_.homing = false;
   state_.latched |= state_bit::kHomeOk;
-  hold(state_, command.target);
+  drive::hold(state_, command.target);
 }
 
-// One tick towards a speed, or at it, as far as the soft limits let the axis go.
+// One tick towards a speed, or at it, as far as the soft limits allow.
 Setpoint Drive::keep_speed(double speed, const MotionLimits& limits) {
-  constexpr double kFar = 1e6;  // [u], ahead: further than any braking distance
+  constexpr double kFar = 1e6;  // [u] ahead: further than any braking distance
   const auto& from = state_.setpoint;
   if (speed == 0.0) return ramp_stop(from, limits.acceleration, tick_s_);
   const double target = reachable_target(data_, state_, from.position + (speed > 0.0 ? kFar : -kFar));
   return ramp_to(from, target, std::min(std::abs(speed), limits.speed), limits.acceleration, tick_s_);
 }
 
-// One tick of what the bus said.
+// One tick of the motion that the bus commanded.
 Setpoint Drive::follow_bus() {
   auto& motion = state_.motion;
   const auto& from = state_.setpoint;
-  const MotionLimits limits{state_.tuning.maximum_speed, state_.tuning.maximum_acceleration};
+  const auto limits = motion_limits();
   const double speed = std::min(motion.speed, limits.speed);
   const double acceleration = std::min(motion.acceleration, limits.acceleration);
   switch (motion.kind) {
@@ -173,8 +174,8 @@ Setpoint Drive::follow_bus() {
   return from;
 }
 
-// A stream of steps may end at speed; not so near to a soft limit that the axis would trip it before it
-// stands.
+// `next`, unless the axis could no longer stop inside the soft limits from there: a stream of steps may end
+// at speed, and near a limit it would trip it before it stands. Then one tick of braking.
 Setpoint Drive::stopping_inside(const Setpoint& next, double target, const MotionLimits& limits) const {
   const auto& tuning = state_.tuning;
   if (!data_.limits.limited || !state_.referenced || state_.soft_side != 0) return next;

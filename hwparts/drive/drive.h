@@ -1,5 +1,11 @@
-// One servo at work. Per tick, on the tick's thread: act() before the engines' step, publish() after it. No
-// allocation.
+// One servo at work: motor, gear, encoder, brake and the loop around them, as one PowerCube module holds
+// them.
+//
+// A part owns its drives by value; they live on the tick's thread. Order of calls: per tick act() before the
+// engines' step and publish() after it. All commands below come between ticks, or in the tick before act().
+// Nothing fails, and nothing allocates: a fault of the servo is a bit of its state word (state_word.h).
+//
+// Only the drive writes its state. Others read state() and change the drive by its commands.
 #pragma once
 
 #include <cstdint>
@@ -13,44 +19,106 @@
 
 namespace visum::drive {
 
-// What a drive is told, every tick. Module's coordinate. A speed-controlled one goes at `target` [u]/s.
+// The ports' command to a drive, given in every tick. In the module's coordinate.
 struct Command {
-  double target = 0.0;
-  double maximum_speed = 0.0;  // above the drive's own: the drive's own
-  bool enabled = true;         // false: stop on a ramp and stand
+  double target = 0.0;         // [u], or [u]/s for a speed-controlled drive
+  double maximum_speed = 0.0;  // [u]/s; above the drive's own maximum, that maximum holds
+  bool enabled = true;         // false: the drive stops on a ramp and stands
 };
 
 class Drive {
  public:
-  // At rest, all its joints at the same position that adds up to `position`.
+  // Starts at rest. All its joints stand at the same position, and these positions add up to `position`.
   Drive(const DriveData& data, double position, bool homed, double tick_s);
+
+  // ---- the tick ----
 
   void act(const Command& command, std::span<const hwparts::JointSample> joints,
            std::span<hwparts::JointDrive> drives);
-  // Without an act() before it (before the first tick, after a restore), only takes notice of where the
-  // joints are. `encoder_noise`: what this reading is off by, [u].
+  // Without an act() before it (before the first tick, after a restore) it only notes where the joints are.
+  // `encoder_noise` [u] is added to this one reading.
   void publish(std::span<const hwparts::JointSample> joints, double encoder_noise = 0.0);
-  // From now on; {} is whole again. What it did to the state (heat, a gear that slipped) stays.
-  void set_broken(const Broken& broken) { broken_ = broken; }
-  const Broken& broken() const { return broken_; }
-  // Back to the state after construction.
-  void restart();
 
-  const DriveData& data() const { return data_; }
-  const DriveState& state() const { return state_; }
-  DriveState& state() { return state_; }
+  // ---- commands of ports and bus alike ----
+
+  // Notes the ports' target that the next act() will bring. A bus command, Halt, Reset and hold() that come
+  // first hold against this target: the drive follows the ports again once it differs.
+  void latch(double target);
+  // Clears the faults whose cause is gone (supervision.h), and ends a Halt.
+  void reset();
+  // Stops on a ramp. Only reset() ends it.
+  void halt();
+  // Stands until the ports' target differs from the latched one.
+  void hold();
+  // Faults with COMM_ERROR and stops on a ramp.
+  void lose_controller();
+  // Switches the power stage off without a fault; the brake falls in. reset() closes the loop again.
+  void open_loop();
+
+  // ---- commands of the ports ----
+
+  // Goes to the reference switch, for the ports. Does nothing while a fault stands or the loop is open.
+  void home();
+  // Ends a homing that the ports asked for. One that the bus asked for goes on.
+  void cancel_homing_of_ports();
+
+  // ---- commands of the field bus: they hold until the ports' target becomes another one ----
+
+  // False, with nothing changed: a fault stands or the loop is open.
+  bool home_by_bus();
+  void halt_by_bus();
+  void move_by_bus(const Motion& motion);
+  // Starts a step to `target` [u] at once.
+  void step_by_bus(double target, double duration_s);
+  // Queues a step behind the running one, in place of a step that is queued already.
+  void queue_step(double target, double duration_s);
+  // Cuts the running step short and starts the queued one.
+  void start_queued_step();
+  // Sets the warning CUR_LIMIT, for a commanded current that was cut to what is allowed.
+  void warn_of_current_limit();
+
+  // ---- settings ----
+
+  // Sets one field of the tuning. The caller checks the bounds.
+  void tune(double Tuning::*field, double value);
+  // [u]. Takes effect with the next homing or apply_home_offset().
+  void set_home_offset(double offset);
+  // Puts a changed home offset in force without homing. Moves nothing.
+  void apply_home_offset();
+  // True: homing ends with a move to 0.
+  void set_zero_after_home(bool moves);
+  // Sets or clears HOME_OK, as the module comes up.
+  void set_homed(bool homed);
+  // The encoder reads 0 here, and the soft limits mean nothing until the drive is homed.
+  void count_from_here();
+  // Breaks the drive from now on; {} makes it whole again. Damage to the state (heat, a gear that slipped)
+  // stays.
+  void set_broken(const Broken& broken) { broken_ = broken; }
+
+  // Back to the state after construction. `broken` stays.
+  void restart();
   void load(hwparts::StateReader& from);
 
+  const Broken& broken() const { return broken_; }
+  const DriveData& data() const { return data_; }
+  const DriveState& state() const { return state_; }
+
  private:
+  // Each of these gives or makes the setpoint of this tick.
   void move_setpoint(const Command& command);
   void home_on(const Command& command);
   Setpoint follow_ports(const Command& command);
   Setpoint follow_bus();
   Setpoint stopping_inside(const Setpoint& next, double target, const MotionLimits& limits) const;
   Setpoint keep_speed(double speed, const MotionLimits& limits);
+  // Runs the servo loop and sets the motor's current.
   MotorEffort drive_motor();
+  // True where the brake really holds: a stuck brake does not do what the module says.
   bool brake_holds() const;
+  // The encoder's reading now, faults and noise included.
   double encoder(double noise) const;
+  void show_motion();
+  MotionLimits motion_limits() const;
 
   DriveData data_;
   double tick_s_;

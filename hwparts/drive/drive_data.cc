@@ -102,7 +102,7 @@ std::string spell(std::string key, bool linear) {
   return key;
 }
 
-// The keys of `fields` are the only ones allowed, with `others` that the caller reads itself.
+// The keys of `fields` as they stand in the file.
 template <typename Section>
 std::vector<std::string> keys_of(std::span<const Field<Section>> fields, bool linear) {
   std::vector<std::string> keys;
@@ -169,7 +169,7 @@ void read_limits(const Node& node, bool linear, LimitData& limits) {
   keys.push_back(hard);
   allow(node, keys);
   read_fields(node, std::span<const Field<LimitData>>(kLimits), linear, limits);
-  limits.limited = linear || node.find(soft) || node.find(hard);  // only a rotary drive can turn for ever
+  limits.limited = linear || node.find(soft) || node.find(hard);  // only a rotary drive can turn forever
   if (!limits.limited) return;
   read_range(node, soft, limits.soft_minimum, limits.soft_maximum);
   read_range(node, hard, limits.hard_minimum, limits.hard_maximum);
@@ -184,7 +184,7 @@ void read_brake(const Node& entry, bool linear, BrakeData& brake) {
   if (node) read_section(*node, kBrake, linear, brake);
 }
 
-// What is commanded by its speed has no place to go home to.
+// A drive that is commanded by its speed has no place to go home to.
 void read_home(const Node& entry, DriveData& data) {
   if (data.speed_controlled) {
     if (const auto node = entry.find("home"))
@@ -202,8 +202,8 @@ void read_home(const Node& entry, DriveData& data) {
   }
 }
 
-// Figures from different sources may contradict each other: a drive must be able to reach the speed that it
-// promises.
+// Figures from different sources may contradict each other. This refuses a drive that cannot reach the
+// maximum speed that its file promises.
 void check_speed(const Node& node, const DriveData& data) {
   const double speed = data.limits.maximum_speed;
   const auto window = current_window(data, data.supply.nominal_voltage, speed);

@@ -1,10 +1,10 @@
-// What is constant about one servo: motor, gear, encoder, brake, limits, loop. Read from a drives file, in
-// which every key carries its unit; see models/amtec_arm/drives.yaml for an example with the source of every
+// The constants of one servo: motor, gear, encoder, brake, limits, loop. They are read from a drives file, in
+// which every key carries its unit. models/amtec_arm/drives.yaml is an example with the source of every
 // figure.
 //
 // Coordinates: everything behind the gear is in the *module's coordinate*: rad for a rotary drive, m for a
-// linear one. [u] below is that unit, [F] is N·m or N. A drive that moves n joints alike (a gripper) has as
-// its coordinate the sum of the joints' positions.
+// linear one. [u] below is that unit; [F] is N·m or N. A drive that moves n joints alike (a gripper) uses the
+// sum of the joints' positions as its coordinate.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +20,8 @@ struct MotorData {
   double torque_constant = 0.0;     // N·m/A at the motor's shaft; also the back-EMF constant in V·s/rad
   double resistance = 0.0;          // ohm, terminal to terminal, with the amplifier's
   double current_limit = 0.0;       // A
-  double nominal_current = 0.0;     // A, can flow for ever
-  double peak_time = 0.0;           // s for which current_limit can flow, from rest, before I²t is used up
+  double nominal_current = 0.0;     // A, can flow forever
+  double peak_time = 0.0;           // s that current_limit can flow, from rest, before I²t is used up
   double thermal_resistance = 0.0;  // K/W, winding to surroundings
   double thermal_time = 0.0;        // s, time constant of the winding's temperature
   double ambient = 0.0;             // °C
@@ -37,8 +37,8 @@ struct GearData {
   double stiffness = 0.0;         // [F]/[u]; 0: rigid
   double damping = 0.0;           // [F]/([u]/s), of the gear's torsion
   double backlash = 0.0;          // [u], whole width of the play
-  double peak_effort = 0.0;       // [F], rating: more is an overload, counted
-  double breaking_effort = 0.0;   // [F], more is never transmitted
+  double peak_effort = 0.0;       // [F], rating: each time it is exceeded counts as an overload
+  double breaking_effort = 0.0;   // [F], the gear never transmits more
 };
 
 struct EncoderData {
@@ -55,11 +55,11 @@ struct BrakeData {
 struct LimitData {
   double maximum_speed = 0.0;         // [u]/s
   double maximum_acceleration = 0.0;  // [u]/s²
-  double stop_deceleration = 0.0;  // [u]/s², of Halt, of faults that stop on a ramp, of Execution Enable 0
-  double following_error = 0.0;    // [u]
-  double tolerance = 0.0;          // [u], how far beyond a limit trips it: standing at the limit does not
-  bool limited = false;            // false: the four below are not used
-  double soft_minimum = 0.0;       // [u]
+  double stop_deceleration = 0.0;     // [u]/s², for Halt, faults that stop on a ramp, and Execution Enable 0
+  double following_error = 0.0;       // [u]
+  double tolerance = 0.0;             // [u] beyond a limit before it trips, so that standing at it does not
+  bool limited = false;               // false: the four below are not used
+  double soft_minimum = 0.0;          // [u]
   double soft_maximum = 0.0;
   double hard_minimum = 0.0;
   double hard_maximum = 0.0;
@@ -86,7 +86,7 @@ struct DriveData {
   std::string type;  // "PRL120"
   int module = 0;    // id on the bus
   bool linear = false;
-  bool speed_controlled = false;  // commanded is a speed, [u]/s, instead of a position
+  bool speed_controlled = false;  // the command's target is a speed, [u]/s, instead of a position
   MotorData motor;
   GearData gear;
   EncoderData encoder;
@@ -101,7 +101,7 @@ struct DriveData {
   double increment() const;                                                                  // [u]
 };
 
-// Reads and checks one entry of a drives file. `linear`: what the drive's joints are. Throws ConfigError.
+// Reads and checks one entry of a drives file. `linear`: the drive's joints are sliders. Throws ConfigError.
 DriveData read_drive_data(const config::Node& entry, bool linear);
 
 }  // namespace visum::drive

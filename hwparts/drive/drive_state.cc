@@ -6,7 +6,7 @@
 namespace visum::drive {
 namespace {
 
-// Every field, once, for reading and for writing.
+// Calls `visit` for every field once: save() and load() thus agree.
 template <typename State, typename Visit>
 void visit_fields(State& s, Visit visit) {
   visit(s.rotor_position), visit(s.rotor_speed);

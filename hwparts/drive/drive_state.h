@@ -1,5 +1,5 @@
-// What changes about one servo from tick to tick. Plain; everything that decides the future is here, so that
-// saving it saves the drive. Units as in drive_data.h.
+// The changing state of one servo. A plain value: everything that decides the future is here, so saving it
+// saves the drive. Only Drive and the functions of this folder write it. Units as in drive_data.h.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace visum::drive {
 
-// What may be changed while the drive runs; starts as the data say.
+// The settings that may be changed while the drive runs. They start as the data say.
 struct Tuning {
   double position_gain = 0.0;         // 1/s
   double velocity_bandwidth = 0.0;    // 1/s
@@ -30,18 +30,17 @@ struct Tuning {
 };
 
 struct DriveState {
-  // Mechanics: the rotor in the module's coordinate, apart from the joints that hang on it by the gear's
-  // spring.
+  // Mechanics: the rotor in the module's coordinate. The joints hang on it by the gear's spring.
   double rotor_position = 0.0;
   double rotor_speed = 0.0;
   std::array<double, kMaxJointsPerDrive> joint_position{};  // as last published
   double gear_effort = 0.0;                                 // [F], transmitted during the last tick
 
-  // What the module knows. Its positions are the rotor's plus zero_offset.
-  double zero_offset = 0.0;        // [u], whole increments; wrong until homed where `referenced` is false
-  double home_offset = 0.0;        // [u], what zero_offset becomes with the next homing
+  // The module's knowledge. Its positions are the rotor's plus zero_offset.
+  double zero_offset = 0.0;        // [u], whole increments; arbitrary while `referenced` is false
+  double home_offset = 0.0;        // [u], becomes zero_offset with the next homing
   double offset_in_force = 0.0;    // [u], the home_offset that zero_offset was made with
-  bool referenced = true;          // false: soft limits mean nothing yet
+  bool referenced = true;          // false: not homed yet, so the soft limits mean nothing
   double measured_position = 0.0;  // whole increments
   double measured_speed = 0.0;     // filtered difference
   Setpoint setpoint;
@@ -59,19 +58,22 @@ struct DriveState {
   double brake_time = 0.0;  // s since the loop opened or closed
   bool homing = false;
   bool zero_after_home = false;  // homing ends with a move to 0
-  bool moves_to_zero = false;    // ... and this is it
+  bool moves_to_zero = false;    // the move to 0 runs now
   bool power_cycled = false;     // the supply was off since the last fault of the power stage
-  bool holding = false;          // stands until the command's target is another one than hold_target
+  bool holding = false;          // stands until the command's target differs from hold_target
   double hold_target = 0.0;
-  double commanded = 0.0;  // the command's target, as of the last tick
-  bool by_bus = false;     // the last word was a field bus's: until the command's target becomes another one
-  Motion motion;           // what that word was
+  // The ports' target as last latched. Halt, Reset and bus commands come between ticks and hold against it
+  // (hold_target), so it must survive a restore that no write follows: that is why the drive keeps its own
+  // copy of this controller input, and why a snapshot holds it.
+  double commanded = 0.0;
+  bool by_bus = false;  // a field bus commanded last: holds until the command's target becomes another one
+  Motion motion;        // the bus' command
   std::int8_t soft_side = 0;  // -1, +1: beyond that soft limit, and known to be
   std::int8_t hard_side = 0;
 
   // The gear's load since the last Reset.
   double peak_effort = 0.0;     // [F]
-  std::uint64_t overloads = 0;  // times that the rating was exceeded
+  std::uint64_t overloads = 0;  // how often the rating was exceeded
   bool overloaded = false;
 
   Tuning tuning;

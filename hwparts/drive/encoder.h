@@ -1,12 +1,12 @@
-// The encoder sits on the motor's shaft: torsion and backlash of the gear are behind it, and it does not see
-// them.
+// The encoder sits on the motor's shaft. Torsion and backlash of the gear lie behind it, so it does not see
+// them. Pure functions.
 #pragma once
 
 #include "hwparts/drive/drive_data.h"
 
 namespace visum::drive {
 
-// The whole number of increments next to `position`, in [u].
+// `position` rounded to whole increments, in [u].
 double quantised(const DriveData& data, double position);
 
 // The measured speed: the difference of two readings through a first-order low pass.

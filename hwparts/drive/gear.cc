@@ -15,6 +15,7 @@ double sign(double x) {
   return x < 0.0 ? -1.0 : 1.0;
 }
 
+// The plan of a rotor in a closed brake: it sticks, or it slips against dry friction.
 RotorPlan braked(const DriveData& data, const DriveState& state, double motor_effort, double inertia,
                  double tick_s) {
   const double mobility = tick_s / inertia;
@@ -26,28 +27,29 @@ RotorPlan braked(const DriveData& data, const DriveState& state, double motor_ef
   return {(momentum - brake * direction) / inertia, mobility, mobility, direction, true, motor_effort};
 }
 
-// Which flank of the backlash the motion runs towards: the one it touches, unless it will have crossed the
-// play.
+// The flank of the backlash that the motion runs towards, -1 or +1: the one it touches, unless it will have
+// crossed the play by the tick's end.
 double flank(double torsion, double predicted, double half_play) {
   if (torsion > half_play) return predicted < -half_play ? -1.0 : 1.0;
   if (torsion < -half_play) return predicted > half_play ? 1.0 : -1.0;
   return sign(predicted);
 }
 
-// The rotor is where the joint is; with the brake closed, dry friction holds it.
+// For a rigid gear the rotor is where the joint is. With the brake closed, dry friction holds both.
 hwparts::JointDrive couple_rigidly(const DriveData& data, const RotorPlan& plan, double most_effort,
                                    double n) {
   const double limit = plan.mobility > 0.0 ? most_effort : data.brake.holding_effort;
   return {plan.free_speed / n, plan.mobility / n, limit, plan.motor_effort};
 }
 
+// The effort at the module. Each of n joints feels n times its share of it.
 double total_effort(std::span<const hwparts::JointSample> joints) {
   double sum = 0.0;
   for (const auto& joint : joints) sum += joint.effort;
   return sum / static_cast<double>(joints.size());
 }
 
-// ω⁺ by (1), or by the brake.
+// ω⁺ by (1), or by the brake's friction.
 double next_speed(const DriveData& data, const RotorPlan& plan, double effort) {
   const double speed = plan.free_speed - plan.mobility * effort;
   if (!plan.braked) return speed;

@@ -1,5 +1,6 @@
-// The gear between rotor and joint: torsion, backlash, friction, rotor inertia and brake, coupled implicitly
-// to whatever the joint hangs on. Stable at any stiffness, inertia and tick.
+// The gear between rotor and joint: torsion, backlash, friction, rotor inertia and brake. It is coupled
+// implicitly to whatever the joint hangs on, so it is stable at any stiffness, inertia and tick. Pure
+// functions over DriveState.
 //
 // clang-format off
 // Symbols (module's coordinate, see drive_data.h; ⁺ marks the tick's end):
@@ -21,31 +22,34 @@
 //   τ = k φ⁺ + d (ω⁺ - q̇⁺) = k φ + κ (ω⁺ - q̇⁺),   κ = h k + d                                          (2)
 // (1) in (2), with everything that the drive knows on one side:
 //   τ = (v* - q̇⁺) / c,    v* = ωf + k φ / κ,    c = 1/κ + h/Jₑ                                          (3)
-// which is what a JointDrive says: target_velocity = v*, compliance = c. The engine finds q̇⁺ together with
-// contacts and all other joints, reports τ, and (1) moves the rotor: θ⁺ = θ + h ω⁺. A rigid gear is k ->
-// infinity: c = h/Jₑ, v* = ωf, and the rotor is where the joint is. 1/κ is the CFM by which Hsu and Peters
-// give ODE a spring with a damper (Extending Open Dynamics Engine for the DARPA Virtual Robotics Challenge,
-// SIMPAR 2014); h/Jₑ is the rotor's part.
+// A JointDrive says just this: target_velocity = v*, compliance = c. The engine finds q̇⁺ together with
+// contacts and all other joints, and reports τ. Then (1) moves the rotor: θ⁺ = θ + h ω⁺. A rigid gear is
+// k -> infinity: c = h/Jₑ, v* = ωf, and the rotor is where the joint is. 1/κ is the CFM by which Hsu and
+// Peters give ODE a spring with a damper (Extending Open Dynamics Engine for the DARPA Virtual Robotics
+// Challenge, SIMPAR 2014); h/Jₑ is the rotor's part.
 // clang-format on
 //
-// Backlash b: within |θ - q| <= b/2 nothing is transmitted. The flank that the motion runs towards is a
-// spring that can push but not pull: with side s, φ = θ - q - s b/2, and s τ in [0, F], F the breaking
-// effort. A JointDrive's limits are symmetric, so half of F goes into the feedforward:  max_effort = F/2,
-// feedforward = s F/2, and v* less c s F/2 gives the same τ as (3) wherever 0 < s τ < F. Entering and leaving
-// are decided by q̇⁺ itself, within the tick, and since the flank's potential is convex, an implicit step
-// through it never gains energy.
+// Backlash b: within |θ - q| <= b/2 the gear transmits nothing. The flank that the motion runs towards is a
+// spring that can push but not pull. With side s: φ = θ - q - s b/2, and s τ in [0, F], where F is the
+// breaking effort. A JointDrive's limits are symmetric, so half of F goes into the feedforward:
+// max_effort = F/2, feedforward = s F/2, and v* less c s F/2 gives the same τ as (3) wherever 0 < s τ < F.
+// q̇⁺ itself decides, within the tick, whether the flank is entered or left. Since the flank's potential is
+// convex, an implicit step through it never gains energy.
 //
-// Brake closed: dry friction of T on the rotor; τm = 0 unless the brake is stuck. With p = J ω + h (τm - τ),
-// τ of the tick before, as what moves it: |p| <= h T, it is stuck: ω⁺ = 0, so c = 1/κ and v* = k φ / κ, and
-// should |τm - τ| turn out above T, it starts to slip. Otherwise it slips, T acts against p: ωf = (J ω + h
-// (τm - T sign p)) / Jₑ, and it sticks where (1) would turn it around.
+// Brake closed: dry friction of T acts on the rotor; τm = 0 unless the brake is stuck. The momentum that
+// moves the rotor is p = J ω + h (τm - τ), with τ of the tick before.
+//   |p| <= h T   The rotor sticks: ω⁺ = 0, so c = 1/κ and v* = k φ / κ. Should |τm - τ| turn out above T, it
+//                starts to slip.
+//   otherwise    It slips, and T acts against p: ωf = (J ω + h (τm - T sign p)) / Jₑ. It sticks again where
+//                (1) would turn it around.
 //
-// A gear that slips above F (a fault) carries no more than F, and gives way where its torsion is beyond: the
-// rotor goes on, by whole increments that zero_offset takes up, so that the encoder does not see it.
+// A gear that slips above F (a fault) carries no more than F, and gives way where its torsion would need
+// more. The rotor is then set back by whole increments, which zero_offset takes up, so that the encoder does
+// not see it.
 //
-// n joints on one drive (q = Σ qᵢ, a gripper's fingers): each gets a share of 1/n in k, d, J and F, and its
-// own torsion θ - n qᵢ; effort and speed at the joint are n and 1/n times the module's. In (1) the shares are
-// summed, which can only lose energy against n rotors of their own. Equal fingers are exact.
+// n joints on one drive (q = Σ qᵢ, a gripper's fingers): each joint gets a share of 1/n in k, d, J and F, and
+// its own torsion θ - n qᵢ. Effort and speed at the joint are n and 1/n times the module's. (1) sums the
+// shares, which can only lose energy compared with n rotors of their own. For equal fingers it is exact.
 #pragma once
 
 #include <span>
@@ -56,8 +60,7 @@
 
 namespace visum::drive {
 
-// What the motor does during a tick: effort at the speed that the rotor has, and how it falls with more
-// speed.
+// The motor during a tick: its effort at the rotor's present speed, and how the effort falls with speed.
 struct MotorEffort {
   double effort = 0.0;   // [F]
   double damping = 0.0;  // [F]/([u]/s), >= 0
@@ -68,24 +71,27 @@ struct RotorPlan {
   double free_speed = 0.0;      // ωf
   double mobility = 0.0;        // h/Jₑ; 0: stuck in the brake
   double slip_mobility = 0.0;   // h/Jₑ should it start to slip
-  double slip_direction = 0.0;  // of a rotor that slips in the brake, -1 or +1
+  double slip_direction = 0.0;  // -1 or +1 where the rotor slips in the brake
   bool braked = false;
   double motor_effort = 0.0;  // [F], against a closed brake
 };
 
+// Before the step: how the rotor will move, given the effort that the joint turns out to feel.
 RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const MotorEffort& motor, bool braked,
                      double tick_s);
 
-// What acts on one of `share` joints; the gear carries `most_effort` [F].
+// The drive of one joint, of the `share` joints that hang on the gear. The gear carries at most `most_effort`
+// [F].
 hwparts::JointDrive couple(const DriveData& data, const RotorPlan& plan, double rotor_position,
                            double most_effort, std::size_t share, const hwparts::JointSample& joint,
                            double tick_s);
 
-// After the step. `joints` as the engine left them.
+// After the step: moves the rotor by the effort that the joints felt. `joints` as the engine left them.
 void move_rotor(const DriveData& data, const RotorPlan& plan, std::span<const hwparts::JointSample> joints,
                 double tick_s, DriveState& state);
 
-// After move_rotor(), where the gear does not carry more than `slip_effort` [F]; infinite: it does not slip.
+// After move_rotor(): lets the gear give way where its torsion needs more than `slip_effort` [F]. Infinite:
+// it does not slip.
 void slip_gear(const DriveData& data, std::span<const hwparts::JointSample> joints, double slip_effort,
                DriveState& state);
 

@@ -6,12 +6,13 @@
 namespace visum::drive {
 namespace {
 
-constexpr double kStill_s = 0.1;  // without motion for so long: the axis stands
-// Of streamed steps, whose periods are 10 to 50 ms: the gap to the next at most, and their duration.
+constexpr double kStill_s = 0.1;  // without motion for this long, the axis stands
+// Streamed steps have periods of 10 to 50 ms. These are the longest gap to the next one, and their longest
+// duration.
 constexpr double kJoin_s = 0.05, kStream_s = 0.1;
 
-// The speed of a trapezoid that starts with speed u (towards the target: > 0) and is at rest after `distance`
-// in `time`; the highest allowed where that is too soon.
+// The cruising speed of a trapezoid that starts with speed u (> 0: towards the target) and is at rest after
+// `distance` in `time`. Where the limits do not allow to be that soon, it is the highest allowed speed.
 double cruise_speed(double distance, double u, double time, const MotionLimits& limits) {
   const double a = limits.acceleration;
   // Accelerating to v and braking:  v² - v (a t + u) + a d + u²/2 = 0
@@ -26,7 +27,7 @@ double cruise_speed(double distance, double u, double time, const MotionLimits& 
   return slower > 0.0 ? std::min(slower, limits.speed) : limits.speed;
 }
 
-// Evenly towards `target`, due in `remaining_s`.
+// One tick at the even speed that reaches `target` in `remaining_s`, as far as the limits allow.
 Setpoint run_evenly(const Setpoint& from, double target, double remaining_s, const MotionLimits& limits,
                     double tick_s) {
   const double wanted = (target - from.position) / std::max(remaining_s, tick_s);

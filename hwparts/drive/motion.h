@@ -1,13 +1,14 @@
-// Motions that a module on a field bus is told to make, beside following the ports: ramps, steps with a
-// queue of one, constant velocity, current. While one is in force, the drive does not look at the ports'
-// desired value until that becomes another one.
+// The motions that a field bus can command: ramps, steps with a queue of one, constant velocity, and current.
+// While one is in force, the drive ignores the ports' desired value until that becomes another one.
 //
-// Steps ("be at p in t"). One by itself is a trapezoid that arrives, at rest, when it is due, or as soon as
-// the limits let it. One that joins another (queued, or sent within 50 ms after the last was due) runs
-// evenly to its end, so that a client that streams its path in steps gets that path, not stop and go. So it
-// does where the next one is queued behind it, or may still come in time: a short one (kStream_s in
-// motion.cc). A longer one that nothing is queued behind comes to rest at its end. A stream that ends at
-// speed passes its last target by its braking way, and comes back.
+// A step means "be at p in t". A step by itself is a trapezoid. It arrives at rest when it is due, or as soon
+// as the limits let it. A step can also join another: it was queued, or it was sent within 50 ms after the
+// last one was due. Such a step runs evenly to its end, if the next one is queued behind it or may still come
+// in time because the step is short (kStream_s in motion.cc). So a client that streams its path in steps gets
+// that path, not stop and go. A longer step with nothing queued behind it comes to rest at its end. A stream
+// that ends at speed passes its last target by its braking way, and comes back.
+//
+// Plain values and pure functions.
 #pragma once
 
 #include <cstdint>
@@ -18,25 +19,29 @@ namespace visum::drive {
 
 enum class MotionKind : std::uint8_t {
   kNone,      // the ports command
-  kRamp,      // to `target`
-  kStep,      // to `target` in `remaining_s`
-  kVelocity,  // with `target` [u]/s, until something else is commanded or a soft limit stops it
-  kCurrent,   // with `target` A
+  kRamp,      // goes to `target`
+  kStep,      // goes to `target` in `remaining_s`
+  kVelocity,  // goes with `target` [u]/s, until something else is commanded or a soft limit stops it
+  kCurrent,   // gives the motor `target` A
 };
+
+inline bool goes_to_a_place(MotionKind kind) {
+  return kind == MotionKind::kRamp || kind == MotionKind::kStep;
+}
 
 struct Motion {
   MotionKind kind = MotionKind::kNone;
   double target = 0.0;
-  double speed = 0.0;         // [u]/s, >= 0: at most; kStep that comes to rest: of its trapezoid
+  double speed = 0.0;         // [u]/s, >= 0, the highest; kStep that comes to rest: its trapezoid's
   double acceleration = 0.0;  // [u]/s², > 0
-  double duration_s = 0.0;    // kStep: as asked for
-  double remaining_s = 0.0;   // kStep: until it is due; below 0: overdue by that
+  double duration_s = 0.0;    // kStep: as commanded
+  double remaining_s = 0.0;   // kStep: until it is due; negative once it is overdue
   bool goes_on = false;       // kStep: joins the one before
   bool in_progress = false;   // kStep: not done yet
-  bool queued = false;        // kStep: with the two below
+  bool queued = false;        // kStep: another one waits, with the two fields below
   double next_target = 0.0;
   double next_duration_s = 0.0;
-  double still_s = 0.0;  // kCurrent: for so long nothing has moved
+  double still_s = 0.0;  // kCurrent: how long nothing has moved
 };
 
 struct MotionLimits {
@@ -44,7 +49,7 @@ struct MotionLimits {
   double acceleration;  // [u]/s²
 };
 
-// Every field, once, for saving and loading.
+// Calls `visit` for every field once: saving and loading thus agree.
 template <typename State, typename Visit>
 void visit_motion(State& m, Visit visit) {
   visit(m.kind), visit(m.target), visit(m.speed), visit(m.acceleration), visit(m.duration_s);
@@ -52,17 +57,18 @@ void visit_motion(State& m, Visit visit) {
   visit(m.queued), visit(m.next_target), visit(m.next_duration_s), visit(m.still_s);
 }
 
-// Starts a step at once. `before`: what was in force; `from`: where the setpoint is.
+// The motion of a step that starts at once. `before`: the motion in force until now; `from`: the setpoint.
 Motion start_step(const Motion& before, const Setpoint& from, double target, double duration_s,
                   const MotionLimits& limits);
-// Queues a step behind the running one; a queued one is replaced.
+// Queues a step behind the running one, in place of a step that is queued already.
 void queue_step(Motion& motion, double target, double duration_s);
 
-// One tick of a step. `target`: motion.target as far as the soft limits let it go.
+// One tick of a step. `target`: motion.target, as far as the soft limits allow.
 Setpoint step_on(Motion& motion, const Setpoint& from, double target, const MotionLimits& limits,
                  double tick_s);
 
-// One tick of kCurrent: the setpoint follows the axis; the phase tells whether it `moves`.
+// One tick of kCurrent: the setpoint follows the axis. Its phase shows motion until the axis has not moved
+// for 0.1 s.
 Setpoint follow_axis(Motion& motion, double position, double speed, bool moves, double tick_s);
 
 }  // namespace visum::drive

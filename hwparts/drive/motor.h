@@ -1,12 +1,13 @@
-// The DC motor: what current it can take, what effort that gives, and what the current does to the winding.
-// The current follows its command at once: the electrical time constant is shorter than a tick.
+// The DC motor: the currents that can flow, and how a current heats the winding. The current follows its
+// command at once, since the electrical time constant is shorter than a tick. Pure functions.
 #pragma once
 
 #include "hwparts/drive/drive_data.h"
 
 namespace visum::drive {
 
-// The currents that can flow [A]: within the limit, and with the voltage that the back-EMF leaves.
+// The currents that can flow [A]: within the motor's limit, and with the voltage that the back-EMF leaves.
+// The flags say where the voltage is the tighter bound.
 struct CurrentWindow {
   double lower;
   double upper;
@@ -15,8 +16,10 @@ struct CurrentWindow {
 };
 CurrentWindow current_window(const DriveData& data, double supply_voltage, double speed);
 
-// I²t: what has flowed above the nominal current [A²s]; sinks below it, never under 0.
+// I²t [A²s] after one more tick: it grows while the current is above the nominal one, sinks below it, and
+// never falls under 0.
 double advance_i2t(const MotorData& motor, double i2t, double current, double tick_s);
+// The I²t at which the motor is switched off [A²s].
 double i2t_budget(const MotorData& motor);
 
 // First-order winding temperature [°C].

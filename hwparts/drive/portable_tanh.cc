@@ -19,8 +19,8 @@ constexpr std::array kInverseFactorials = [] {
   return result;
 }();
 
-// e^r - 1 for |r| <= ln(2)/2 by its Taylor series, odd and even terms each in Horner form: the first term
-// left out is below 1e-17 of the sum.
+// e^r - 1 for |r| <= ln(2)/2 by its Taylor series, with the odd and the even terms each in Horner form. The
+// first term left out is below 1e-17 of the sum.
 double small_expm1(double r) {
   const double square = r * r;
   double odd = 0.0, even = 0.0;

@@ -1,6 +1,6 @@
-// The hyperbolic tangent with the same bits on every processor: the C library picks its code by processor,
-// and a state hash must not depend on that. Uses only additions, multiplications, one division and exact
-// scaling.
+// The hyperbolic tangent with the same bits on every processor. The C library picks its code by processor,
+// and a state hash must not depend on that. This one uses only additions, multiplications, one division and
+// exact scaling.
 #pragma once
 
 namespace visum::drive {

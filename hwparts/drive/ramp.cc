@@ -7,15 +7,15 @@
 namespace visum::drive {
 namespace {
 
-// A way forward along one axis: change the speed to `cruise`, keep it, brake to a stop.
+// A way forward along one axis: changes the speed to `cruise`, keeps it, then brakes to a stop.
 struct Profile {
   double first_acceleration;
   double first_s, cruise_s, last_s;
   double cruise;  // >= 0
 };
 
-// From speed u (any sign) over `distance` to a stop; a stop from u at full brake would not lead beyond the
-// distance.
+// The profile from speed u (any sign) over `distance` to a stop. The caller makes sure that a stop from u at
+// full brake does not lead beyond the distance.
 Profile plan(double distance, double u, double maximum_speed, double a) {
   Profile profile;
   if (u > maximum_speed) {
@@ -41,7 +41,7 @@ struct Waypoint {
   double speed = 0.0;
 };
 
-// Where the profile is after t seconds; t is less than its whole length.
+// Where the profile is after t seconds. t is less than its whole duration.
 Waypoint sample(const Profile& profile, double u, double a, double t) {
   const double first = std::min(t, profile.first_s);
   Waypoint motion{(u + 0.5 * profile.first_acceleration * first) * first,
@@ -69,7 +69,7 @@ Setpoint ramp_to(const Setpoint& from, double target, double maximum_speed, doub
   const double direction = target >= stops_at ? 1.0 : -1.0;
   const double u = direction * from.speed;
   const Profile profile = plan(direction * (target - from.position), u, maximum_speed, acceleration);
-  constexpr double kRounding = 1.0 + 1e-9;  // no extra tick for a rest of time that only rounding left
+  constexpr double kRounding = 1.0 + 1e-9;  // a rest of time that only rounding left takes no extra tick
   if (profile.first_s + profile.cruise_s + profile.last_s <= tick_s * kRounding)
     return {target, 0.0, RampPhase::kEnd};
   const Waypoint motion = sample(profile, u, acceleration, tick_s);

@@ -1,11 +1,11 @@
-// The ramp generator: an online trapezoid. Every tick it plans anew the fastest way from where the setpoint
-// is and how fast it moves to the target, within maximum speed and acceleration, and goes one tick along it.
-// So the target, the speed and the acceleration may change at any tick without a jump; the way is the
-// time-optimal one, since the rest of a fastest way is a fastest way.
+// The ramp generator: an online trapezoid. Every tick it plans the fastest way to the target anew, from the
+// setpoint's present position and speed, within maximum speed and acceleration. It then goes one tick along
+// that way. So target, speed and acceleration may change at any tick without a jump. The way stays
+// time-optimal, since the rest of a fastest way is a fastest way.
 //
-// Never beyond the target, unless it was put nearer than the braking distance: then it brakes and comes back.
-// A maximum speed below the present one is reached on a ramp. Arrives exactly: position == target, speed ==
-// 0.
+// The setpoint never passes the target, unless the target was put nearer than the braking distance: then it
+// brakes and comes back. It reaches a maximum speed below the present one on a ramp. It arrives exactly:
+// position == target, speed == 0. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -20,11 +20,11 @@ struct Setpoint {
   RampPhase phase = RampPhase::kEnd;
 };
 
-// Of a tick in which the speed becomes `after`.
+// The phase of a tick in which the speed changes from `before` to `after`.
 RampPhase phase_of(double before, double after);
 
-// One tick towards `target`. maximum_speed >= 0 (0: stops where it can, and stands), acceleration > 0, tick_s
-// > 0.
+// One tick towards `target`. Needs maximum_speed >= 0 (0: stops where it can, and stands), acceleration > 0
+// and tick_s > 0.
 Setpoint ramp_to(const Setpoint& from, double target, double maximum_speed, double acceleration,
                  double tick_s);
 

@@ -1,5 +1,6 @@
-// The cascade: P position around PI velocity, with the setpoint's speed fed forward, anti-windup, and a
-// current command that is limited by what can flow. Reads only what the encoder says.
+// The servo's cascade: a P position loop around a PI velocity loop, with the setpoint's speed fed forward and
+// anti-windup. The current command is limited to what can flow. It reads only what the encoder says. Pure
+// functions.
 #pragma once
 
 #include "hwparts/drive/drive_data.h"
@@ -12,12 +13,13 @@ struct CurrentCommand {
   double current = 0.0;     // A, inside the window
   double integral = 0.0;    // A, the new integral part
   bool limited = false;     // more was wanted
-  bool by_voltage = false;  // ... and it was the supply that limited
+  bool by_voltage = false;  // it was the supply's voltage that limited it
 };
 
-// A current that is commanded, as far as it can flow. The integral part stays.
+// The commanded current, as far as it can flow. The integral part stays.
 CurrentCommand limit_current(double wanted, double integral, const CurrentWindow& window);
 
+// One tick of the cascade.
 CurrentCommand control_current(const DriveData& data, const DriveState& state, const CurrentWindow& window,
                                double tick_s);
 

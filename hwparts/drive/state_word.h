@@ -1,5 +1,5 @@
-// The bits of the PowerCube state word (parameter 0x27), as the m5api header names them. Left out: what this
-// model of a servo has no cause for (Hall sensors, a short circuit, the module's own processor).
+// The bits of the PowerCube state word (parameter 0x27), with the m5api header's names. Bits that this model
+// of a servo has no cause for are left out (Hall sensors, a short circuit, the module's own processor).
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,12 @@ namespace visum::drive::state_bit {
 
 inline constexpr std::uint32_t kError = 0x00000001;  // any fault: no motion until Reset
 inline constexpr std::uint32_t kHomeOk = 0x00000002;
-inline constexpr std::uint32_t kHalted = 0x00000004;      // by Halt; only Reset clears
+inline constexpr std::uint32_t kHalted = 0x00000004;      // by Halt; only Reset clears it
 inline constexpr std::uint32_t kPowerFault = 0x00000008;  // together with one of kPowerStage
 inline constexpr std::uint32_t kTowError = 0x00000010;    // following error above its limit
 inline constexpr std::uint32_t kCommError = 0x00000020;   // the controller was lost
-// Live: the reference switch (on just below home), the lower and the upper limit switch. hwparts/powercube
-// adds them.
+// The switches as they are now: the reference switch (on just below home), the lower and the upper limit
+// switch. hwparts/powercube adds them.
 inline constexpr std::uint32_t kSwr = 0x00000040;
 inline constexpr std::uint32_t kSw1 = 0x00000080;
 inline constexpr std::uint32_t kSw2 = 0x00000100;

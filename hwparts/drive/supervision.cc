@@ -9,36 +9,40 @@
 namespace visum::drive {
 namespace {
 
-constexpr double kCooledK = 10.0;  // a power stage that tripped must be this much below its limit again
+constexpr double kCooledK = 10.0;  // a power stage that tripped must cool this far below its limit
 
 // ---- stopping ----
 
+// Latches a fault and ends homing and bus motions.
 void trip(DriveState& state, std::uint32_t bits) {
   state.latched |= state_bit::kError | bits;
   state.homing = false;
   state.motion = {};
 }
 
+// Latches a fault that switches the power stage off. A new one needs a new power cycle.
 void trip_power_stage(DriveState& state, std::uint32_t bit) {
   if (!has(state, bit)) state.power_cycled = false;
   trip(state, state_bit::kPowerFault | bit);
   open_loop(state);
 }
 
-// The setpoint starts from where the axis is.
+// Puts the setpoint where the axis is, with its speed.
 void rebase(const LimitData& limits, DriveState& state) {
   state.setpoint.position = state.measured_position;
   state.setpoint.speed = std::clamp(state.measured_speed, -limits.maximum_speed, limits.maximum_speed);
 }
 
-// ---- what is watched ----
+// ---- watching ----
 
+// -1 below, +1 above, 0 inside.
 std::int8_t side_of(double position, double minimum, double maximum) {
   if (position < minimum) return -1;
   return position > maximum ? 1 : 0;
 }
 
-// Trips when a limit is crossed, once; back inside, the bit goes unless the fault is still latched.
+// Trips once when a limit is crossed. Back inside, the bit goes unless the fault is still latched. True: it
+// was crossed now.
 bool watch_limit(DriveState& state, std::int8_t now, std::int8_t& known, std::uint32_t bit) {
   const bool crossed = now != 0 && now != known;
   known = now;
@@ -77,14 +81,14 @@ void watch_supply(const DriveData& data, DriveState& state) {
 }
 
 void watch_heat(const DriveData& data, DriveState& state) {
-  // At the budget itself the limit current has flowed for just as long as it may.
+  // At the budget itself the limit current has flowed for exactly as long as it may: no fault yet.
   if (state.i2t > i2t_budget(data.motor)) trip_power_stage(state, state_bit::kIntegralErr);
   if (state.winding > data.motor.maximum_winding) trip_power_stage(state, state_bit::kFetTemp);
 }
 
 // ---- Reset ----
 
-// The bits among those latched whose cause is gone.
+// The bits that Reset may clear, since their cause is gone.
 std::uint32_t curable(const DriveData& data, const DriveState& state) {
   std::uint32_t bits =
       state_bit::kHalted | state_bit::kTowError | state_bit::kCommError | state_bit::kCurLimit;
@@ -97,8 +101,8 @@ std::uint32_t curable(const DriveData& data, const DriveState& state) {
   return bits;
 }
 
-// A loop that stayed closed keeps its setpoint: a gripper goes on gripping, an axis goes on stopping on its
-// ramp.
+// Closes an open loop where the axis stands. A loop that stayed closed keeps its setpoint: a gripper goes on
+// gripping, and an axis goes on stopping on its ramp.
 void close_loop(const DriveData& data, DriveState& state) {
   if (state.loop_closed) return;
   rebase(data.limits, state);
@@ -107,12 +111,13 @@ void close_loop(const DriveData& data, DriveState& state) {
   state.brake_time = 0.0;
 }
 
+// Moves the zero of the module's positions. The axis stays where it is.
 void shift_zero(DriveState& state, double change) {
   if (change == 0.0) return;
   state.zero_offset += change;
   state.measured_position += change;
   state.setpoint.position += change;
-  hold(state, state.commanded);  // what was commanded meant another place
+  hold(state, state.commanded);  // the commanded number meant another place
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 namespace visum::plugged {
 
 void NodeGuard::fail(std::string text) {
-  fault_ = text.empty() ? "failed without a word" : std::move(text);
+  fault_ = text.empty() ? "failed without saying why" : std::move(text);
   if (fault_.size() > kMaxFaultBytes) fault_.resize(kMaxFaultBytes);
 }
 
@@ -21,7 +21,7 @@ void NodeGuard::reset(plugin::Node& node) {
   run([&] { node.reset(); });
 }
 
-// First the fault, then, unless there is one, the node's own block.
+// Writes the fault, then the node's own block, which is empty where there is a fault.
 void NodeGuard::save(const plugin::Node& node, hwparts::StateWriter& to) const {
   std::string fault = fault_;
   scratch_.clear();

@@ -1,5 +1,5 @@
-// What every node of a plug-in needs around it: calls whose exceptions become its fault, ports that are
-// checked, and its state as a block of bytes.
+// The guard around every node of a plug-in: it turns exceptions into the node's fault, checks its ports, and
+// saves its state as a block of bytes.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,8 @@
 
 namespace visum::plugged {
 
-// Whether a node works, and why not. What fails once is not called again until reset() or load().
+// Knows whether a node works, and if not, why. A node that has failed is not called again until reset() or
+// load(). The part, sensor or agent around the node owns it; it lives on the tick's thread.
 class NodeGuard {
  public:
   explicit NodeGuard(std::string node) : node_(std::move(node)) {}  // "agent 'explorer'"
@@ -22,7 +23,7 @@ class NodeGuard {
   const std::string& fault() const { return fault_; }
   void fail(std::string text);
   void forgive() { fault_.clear(); }
-  // Runs `call` unless the node has failed before; true: it has come to its end.
+  // Runs `call`, unless the node has failed before. True: it came to its end without an exception.
   template <typename Call>
   bool run(const Call& call) {
     if (!works()) return false;
@@ -49,11 +50,11 @@ class NodeGuard {
   mutable std::vector<std::byte> scratch_;
 };
 
-// Appends; throws plugin::Error at a port that cannot be one. Returns its index.
+// Checks and appends a port, and returns its index. Throws plugin::Error for a bad one.
 std::size_t add_port(std::vector<protocol::Port>& ports, const plugin::Port& port);
-// Throws plugin::Error at the first value that is not finite or not within its port.
+// Throws plugin::Error at the first value that is not finite or lies outside of its port's range.
 void check_values(std::span<const protocol::Port> ports, std::span<const double> values);
-// The last output of a node: 0 it works, 1 it is in fault; and the blackboard with the reason.
+// The last output of every node (0: it works, 1: it is in fault), and the blackboard with the reason.
 protocol::Port state_port();
 protocol::Blackboard fault_blackboard();
 

@@ -116,7 +116,7 @@ class PluggedPart final : public hwparts::Part {
   std::vector<std::size_t> joints_;
   std::vector<plugin::JointSample> samples_;
   std::vector<plugin::JointDrive> drives_;
-  std::vector<double> outputs_;  // without the state
+  std::vector<double> outputs_;  // without `Node State`
   protocol::PartDescription description_;
 };
 

@@ -39,12 +39,12 @@ PluggedSensor::PluggedSensor(const sensors::SensorContext& context, sensors::Lay
       wants_rays_(wants_rays) {}
 
 void PluggedSensor::measure(const plugin::Truth& world) {
-  if (!guard_.works()) guard_.forgive();  // somebody has set `Failure` back
+  if (!guard_.works()) guard_.forgive();  // it is measured again, so a client has set `Failure` back
   const bool done = guard_.run([&] {
     std::ranges::fill(truth(), 0.0);
     node_->measure(world, truth());
     if (std::ranges::any_of(truth(), [](double value) { return std::isnan(value); }))
-      throw plugin::Error("has measured what is not a number");
+      throw plugin::Error("has measured a value that is not a number");
   });
   if (done) return;
   std::ranges::fill(truth(), 0.0);

@@ -1,6 +1,6 @@
-// A sensor whose kind comes from a plug-in. It fails as others do; where the plug-in's code throws, it is
-// `off`, and the blackboard `fault` says why. Its truth is measured by server/sensing, which hands over the
-// world.
+// A sensor whose kind comes from a plug-in. It fails as other sensors do. Where the plug-in's code throws,
+// the sensor is `off`, and the blackboard `fault` says why. server/sensing calls measure() and hands over the
+// world. The simulation owns the sensor; it lives on the tick's thread.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@ class PluggedSensor final : public sensors::Sensor {
                 std::unique_ptr<plugin::Sensor> node);
 
   bool wants_rays() const { return wants_rays_; }
-  // Fills truth(); turns the sensor off where that fails.
+  // Fills truth(). Turns the sensor off where that fails.
   void measure(const plugin::Truth& world);
 
   std::span<const std::byte> read_blackboard(std::size_t) const override { return guard_.blackboard(); }
@@ -32,7 +32,7 @@ class PluggedSensor final : public sensors::Sensor {
   const bool wants_rays_;
 };
 
-// Throws ConfigError at what is wrong in the sensor's entry.
+// Throws ConfigError for an error in the sensor's entry.
 std::unique_ptr<sensors::Sensor> make_sensor(const plugin::SensorKind& kind,
                                              const sensors::SensorContext& context);
 

@@ -1,7 +1,8 @@
-// The asking side of the protocol: requests to modules, and their answers, over a line that may lose both. On
-// RS-232 one request is out at a time, on CAN one for each module. What is not answered in time is repeated,
-// then given up. An answer belongs to a request if module, command and, where there is one, parameter are the
-// same; all else that comes in is dropped, as m5api does it. One thread.
+// The asking side of the protocol: sends requests to modules and receives their answers, over a connection
+// that may lose both. On RS-232 one request is out at a time, on CAN one for each module. A request that is
+// not answered in time is repeated, then given up. An answer belongs to a request if module, command and (if
+// there is one) parameter are the same. All other frames are dropped, as m5api does it. A program owns it
+// beside its BusConnection and uses it from one thread.
 #pragma once
 
 #include <array>
@@ -22,26 +23,27 @@ class Asker {
  public:
   explicit Asker(BusConnection& line, const Patience& patience = {}) : line_(line), patience_(patience) {}
 
-  // True while `module` may be asked something.
+  // True while a request to `module` may be sent.
   bool may_ask(int module) const;
-  // `patience`: instead of the usual.
+  // Sends a request. `patience` takes the place of the usual one.
   void ask(int module, const Message& request, const std::optional<Patience>& patience = {});
-  // To everybody; nobody answers.
+  // Broadcasts a message. Modules do not answer it.
   void tell_all(const Message& message);
 
   struct Outcome {
     int module = 0;
     Message request;
-    std::optional<Message> answer;  // none: given up
+    std::optional<Message> answer;  // nothing: given up
   };
-  // What came in or was given up since, one by one; repeats what is overdue. Does not wait.
+  // The next request that was answered or given up, one per call. Repeats requests that are overdue. Does not
+  // wait.
   std::optional<Outcome> next();
-  // The answer to one request, while no other is out; waits.
+  // Sends one request and waits for its answer; nothing: given up. No other request may be out.
   std::optional<Message> ask_and_wait(int module, const Message& request,
                                       const std::optional<Patience>& patience = {});
-  // Gives up all that is out, without an outcome.
+  // Gives up all requests that are out, without an outcome.
   void forget();
-  // When something will be overdue; int64's maximum: nothing is out.
+  // When the next request will be overdue; int64's maximum where none is out.
   std::int64_t next_due_ns() const;
 
   BusConnection& line() { return line_; }
@@ -60,7 +62,7 @@ class Asker {
   BusConnection& line_;
   Patience patience_;
   std::array<Out, kMaxModule + 1> out_;  // by module id
-  int count_ = 0;                        // that wait
+  int count_ = 0;                        // requests that wait for an answer
 };
 
 }  // namespace visum::powercube

@@ -1,5 +1,6 @@
-// The host's end of a bus: what a program that drives modules has in hand. Real ones are opened by
-// server/bus/host_connection.h; tests plug modules in directly. One thread.
+// The host's end of a bus, for a program that drives modules. server/bus/host_connection.h opens real ones;
+// tests plug modules in directly. The program owns it and uses it from one thread. A device that is gone is
+// no error: up() tells.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +19,14 @@ class BusConnection {
   virtual std::string name() const = 0;  // "serial:/dev/ttyUSB0,38400"
   virtual BusFraming framing() const = 0;
 
-  // False while the device is gone: what is sent is lost. It comes up again by itself where it can, as long
-  // as somebody receives.
+  // False while the device is gone; sent telegrams are lost then. Where it can, it comes up again by itself,
+  // as long as receive() is called.
   virtual bool up() const = 0;
-  // Neither waits.
+  // send() and receive() do not wait.
   virtual void send(const Telegram& telegram) = 0;
   virtual std::optional<Telegram> receive() = 0;
 
-  // A steady clock, and waiting on it: until `due_ns`, or until something can be received.
+  // A steady clock, and waiting on it: until `due_ns`, or until a telegram can be received.
   virtual std::int64_t now_ns() const = 0;
   virtual void wait_until(std::int64_t due_ns) = 0;
 };

@@ -1,5 +1,5 @@
-// What goes wrong on a bus on purpose (hwparts/fault_kinds.h): shares of the frames, from 0 to 1, and a time.
-// Plain.
+// The faults on purpose (hwparts/fault_kinds.h) of a bus: shares of the frames, from 0 to 1, and a delay.
+// Plain values.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ struct BusFaults {
   bool operator==(const BusFaults&) const = default;
 };
 
-// What happens to one frame of a module on its way.
+// The faults that one frame of a module meets on its way.
 struct Passage {
   bool lost = false, doubled = false, corrupted = false;
   std::int64_t late_ns = 0;

@@ -52,7 +52,8 @@ std::optional<std::uint32_t> hexadecimal(std::span<const std::uint8_t> digits) {
   return value;
 }
 
-// t r T R with id, length, data and, where the adapter stamps what it gets, four digits of time.
+// A line "t", "r", "T" or "R" with id, length, data and, where the adapter stamps received frames, four
+// digits of time.
 std::optional<CanFrame> parse_frame(std::span<const std::uint8_t> line) {
   CanFrame frame;
   frame.extended = line[0] == 'T' || line[0] == 'R';
@@ -87,7 +88,7 @@ constexpr std::array<Verb, 12> kVerbs{{
     {'s', SlcanDecoded::Kind::kSet},
     {'M', SlcanDecoded::Kind::kSet},  // acceptance filter
     {'m', SlcanDecoded::Kind::kSet},
-    {'Z', SlcanDecoded::Kind::kSet},  // stamps: none are given
+    {'Z', SlcanDecoded::Kind::kSet},  // time stamps: this side gives none
     {'X', SlcanDecoded::Kind::kSet},  // polling
     {'V', SlcanDecoded::Kind::kVersion},
     {'v', SlcanDecoded::Kind::kVersion},
@@ -129,7 +130,7 @@ SlcanDecoded decode_slcan(std::span<const std::uint8_t> bytes) {
   auto line = bytes.first(static_cast<std::size_t>(end - bytes.begin()));
   SlcanDecoded decoded{Progress::kComplete, line.size() + 1, {}, {}};
   while (!line.empty() && (line[0] == '\n' || line[0] == '\a')) line = line.subspan(1);
-  if (line.empty()) {  // a client that flushes its line sends these
+  if (line.empty()) {  // clients send empty lines to flush theirs
     decoded.kind = SlcanDecoded::Kind::kSet;
     return decoded;
   }

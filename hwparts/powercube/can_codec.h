@@ -1,11 +1,15 @@
-// Telegrams as CAN frames, and CAN frames as the text lines of slcan (Lawicel's protocol, what slcand and
+// Telegrams as CAN frames, and CAN frames as the text lines of slcan (Lawicel's protocol, which slcand and
 // python-can speak). Pure functions.
 //
-//   id          0A0 + n answer    0C0 + n GET (command 0A only)    0E0 + n SET    060 + n state    100
-//   everybody slcan       "t" id(3 hex) length(1 digit) data(2 hex each) CR      t0C120A1D\r is 0c1 [2] 0a 1d
-//   commands    "O" open, "C" close, "L" listen only, "S"n bit rate, "V" version, "N" serial number, "F"
-//   flags:
-//               answered with CR, or with BEL (07) where wrong; frames sent are answered with "z" CR
+// clang-format off
+//   CAN id, of module n (hex)   0A0 + n answer, 0C0 + n GET (command 0A only), 0E0 + n SET, 060 + n state,
+//                               100 broadcast
+//   slcan frame                 "t" id(3 hex) length(1 digit) data(2 hex each) CR
+//                               t0C120A1D\r is 0c1 [2] 0a 1d
+//   slcan commands              "O" open, "C" close, "L" listen only, "S"n bit rate, "V" version,
+//                               "N" serial number, "F" flags
+//   slcan answers               CR, or BEL (07) to a wrong command; "z" CR to a frame that was sent
+// clang-format on
 #pragma once
 
 #include <array>
@@ -28,12 +32,12 @@ struct CanFrame {
   bool operator==(const CanFrame&) const = default;
 };
 
-// Nothing for a frame that is not PowerCube's: other ids, remote frames, empty ones.
+// Nothing for a frame that is not PowerCube's: another id, a remote frame, an empty one.
 std::optional<Telegram> from_can(const CanFrame& frame);
 CanFrame to_can(const Telegram& telegram);
 
 inline constexpr std::size_t kMaxSlcanBytes =
-    32;  // of a line; the longest, an extended frame with a stamp, has 31
+    32;  // of a line; the longest, an extended frame with a time stamp, has 31
 
 struct SlcanDecoded {
   enum class Kind { kFrame, kOpen, kListen, kClose, kSet, kVersion, kSerialNumber, kFlags };

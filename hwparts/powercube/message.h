@@ -1,7 +1,7 @@
-// What goes over a PowerCube bus, whatever carries it: up to eight data bytes to or from one module. Byte 0
-// is the command, byte 1 the parameter or motion mode, the rest its value, little-endian; floats are IEEE-754
-// binary32. The same bytes travel over CAN (can_codec.h) and RS-232 (serial_codec.h). From the sources of
-// m5api's clients.
+// A message on a PowerCube bus: up to eight data bytes to or from one module. Byte 0 is the command, byte 1
+// the parameter or motion mode, and the rest its value, little-endian; floats are IEEE-754 binary32. The same
+// bytes travel over CAN (can_codec.h) and RS-232 (serial_codec.h). The format is taken from the sources of
+// m5api's clients. Plain values.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 namespace visum::powercube {
 
 inline constexpr std::size_t kMaxData = 8;
-inline constexpr int kMaxModule = 31;  // ids 1..31; 0 is everybody, on RS-232
+inline constexpr int kMaxModule = 31;  // ids 1..31; on RS-232, 0 addresses all
 
 struct Message {
   std::uint8_t size = 0;
@@ -25,7 +25,7 @@ struct Message {
   Message(std::initializer_list<std::uint8_t> bytes) {
     for (const auto byte : bytes) put(byte);
   }
-  std::uint8_t command() const { return data[0]; }  // of a message that is not empty
+  std::uint8_t command() const { return data[0]; }  // the message must not be empty
   std::span<const std::uint8_t> bytes() const { return {data.data(), size}; }
   void put(std::uint8_t byte) {
     if (size < kMaxData) data[size++] = byte;
@@ -33,7 +33,7 @@ struct Message {
   bool operator==(const Message&) const = default;
 };
 
-// A message with its address and its meaning on the bus.
+// A message with its address and its role on the bus.
 struct Telegram {
   enum class Kind : std::uint8_t {
     kGet,        // host to module, command 0A

@@ -10,33 +10,30 @@ namespace {
 
 namespace bit = drive::state_bit;
 
-// Ends what stopped the module; HOME_OK, position and parameters stay, but for target speed and acceleration.
+// Clears faults and Halt. HOME_OK, position and parameters stay, except target speed and acceleration, which
+// go back to their maxima.
 void reset(const ModuleEdit& edit) {
-  drive::reset(edit.data, edit.drive, edit.drive.commanded);
-  if (edit.drive.referenced) drive::apply_home_offset(edit.drive);
-  edit.module.target_speed = edit.drive.tuning.maximum_speed;
-  edit.module.target_acceleration = edit.drive.tuning.maximum_acceleration;
+  const auto& drive = edit.drive.state();
+  edit.drive.reset();
+  if (drive.referenced) edit.drive.apply_home_offset();
+  edit.module.target_speed = drive.tuning.maximum_speed;
+  edit.module.target_acceleration = drive.tuning.maximum_acceleration;
   edit.module.watchdog_armed = false;
   edit.module.deferred = false;
 }
 
 void halt(const ModuleEdit& edit) {
-  drive::halt(edit.drive, edit.drive.commanded);
-  edit.drive.by_bus = true;
+  edit.drive.halt_by_bus();
   edit.module.deferred = false;
 }
 
-// Answered, but not done while nothing may move: it would begin unasked as soon as something may.
+// Homing is answered, but not done while nothing may move: otherwise it would begin by itself once motion is
+// allowed again.
 void home(const ModuleEdit& edit) {
-  if (!edit.enabled) return;
-  if (drive::has(edit.drive, bit::kError) || !edit.drive.loop_closed) return;
-  drive::take_from_bus(edit.drive, {});
-  drive::home(edit.drive);
-  edit.module.deferred = false;
-  if (edit.drive.setpoint.phase == drive::RampPhase::kEnd)
-    edit.drive.setpoint.phase = drive::RampPhase::kAccelerating;
+  if (edit.enabled && edit.drive.home_by_bus()) edit.module.deferred = false;
 }
 
+// The answer that refuses a command, or silence, as the settings say.
 std::optional<Message> refusal(const ModuleView& view, std::uint8_t command, std::uint8_t what) {
   if (!view.settings.answers_refused) return std::nullopt;
   return Message{command, what, view.settings.refused_byte};
@@ -49,7 +46,7 @@ std::optional<Message> obey_parameter(const ModuleEdit& edit, const Message& mes
   return refusal(edit, command::kSetParameter, message.data[1]);
 }
 
-// Position, state and inputs as of now: what extended motion commands are answered with.
+// The answer to an extended motion command: position, state and inputs as of now.
 Message extended_answer(const ModuleView& view, const Message& message, const Move& move) {
   Message answer{command::kSetMove, message.data[1]};
   if (move.increments) {
@@ -111,7 +108,7 @@ std::optional<Message> execute(const ModuleEdit& edit, const Message& message, B
   return mute ? std::nullopt : answer;
 }
 
-// m5api sends these with a zero behind the command, KTH and Georgia Tech without.
+// m5api sends broadcasts with a zero behind the command; KTH and Georgia Tech send them without.
 void execute_broadcast(const ModuleEdit& edit, const Message& message, BusFraming framing) {
   if (message.size == 0 || (framing == BusFraming::kSerial && !edit.settings.serial_broadcasts)) return;
   switch (message.command()) {
@@ -126,27 +123,28 @@ void execute_broadcast(const ModuleEdit& edit, const Message& message, BusFramin
       edit.module.watchdog_s = 0.0;
       return;
     case command::kSavePosition:
-      edit.module.saved_position = edit.drive.measured_position;
+      edit.module.saved_position = edit.drive.state().measured_position;
       return;
     case command::kStartMove:
       return start_deferred(edit);
     default:
-      return;  // the baud rate of a virtual line and the clock of nobody: nothing to do
+      return;  // baud rate and time: a virtual line has no rate to change, and nothing here uses the time
   }
 }
 
 void tick(const ModuleEdit& edit, double tick_s) {
   auto& module = edit.module;
-  module.previous_position = edit.drive.measured_position;
+  module.previous_position = edit.drive.state().measured_position;
   if (module.watchdog_armed) {
     module.watchdog_s += tick_s;
     if (module.watchdog_s > edit.settings.watchdog_s) {
       module.watchdog_armed = false;
-      drive::lose_controller(edit.drive);
+      edit.drive.lose_controller();
     }
   }
-  const bool halted = drive::has(edit.drive, bit::kHalted) && (module.config & config_bit::kDisableOnHalt);
-  if (halted && edit.drive.setpoint.phase == drive::RampPhase::kEnd) drive::open_loop(edit.drive);
+  const auto& drive = edit.drive.state();
+  const bool halted = drive::has(drive, bit::kHalted) && (module.config & config_bit::kDisableOnHalt);
+  if (halted && drive.setpoint.phase == drive::RampPhase::kEnd) edit.drive.open_loop();
 }
 
 std::optional<Message> spontaneous_state(const ModuleEdit& edit, double tick_s) {

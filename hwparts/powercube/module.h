@@ -1,6 +1,7 @@
-// One PowerCube module: a drive with a wire. Answers at once, from what the drive knows as of the last tick;
-// what a command changes is in force, and in the state word, before the answer is out. Lives on the tick's
-// thread. No allocation.
+// One PowerCube module: a drive on a field bus. It answers at once, from what the drive knew at the last
+// tick. A command is in force, and shows in the state word, before its answer leaves. These functions run on
+// the tick's thread, between ticks, and do not allocate. Nothing fails: a wrong message is refused or not
+// answered, as a real module does it.
 #pragma once
 
 #include <optional>
@@ -12,13 +13,14 @@ namespace visum::powercube {
 
 enum class BusFraming { kSerial, kCan };
 
-// The answer to a message for this module; nothing where a real one would be silent.
+// Carries out a message for this module. Returns the answer; nothing where a real module would be silent.
 std::optional<Message> execute(const ModuleEdit& edit, const Message& message, BusFraming framing);
-// A message for everybody; never answered.
+// Carries out a message for all modules. These are never answered.
 void execute_broadcast(const ModuleEdit& edit, const Message& message, BusFraming framing);
-// Once per tick, after the drive's: watchdog, what a halt does to the power stage.
+// Once per tick, before the drive's act(): runs the watchdog, and opens the loop of a halted module whose
+// configuration says so.
 void tick(const ModuleEdit& edit, double tick_s);
-// The state frame, where SYNC_TRANSMIT wants one now.
+// The state frame that the module sends now unasked, if its configuration has SYNC_TRANSMIT.
 std::optional<Message> spontaneous_state(const ModuleEdit& edit, double tick_s);
 
 }  // namespace visum::powercube

@@ -1,8 +1,5 @@
 #include "hwparts/powercube/module_bus.h"
 
-#include "hwparts/drive/encoder.h"
-#include "hwparts/drive/state_word.h"
-
 namespace visum::powercube {
 
 ModuleBus::ModuleBus(const config::Node& part, std::span<const drive::DriveData> drives,
@@ -26,18 +23,12 @@ void ModuleBus::bind(std::size_t i, drive::Drive& drive) {
   power_up(modules_[i]);
 }
 
-// What a drive does not know of itself: whether its module comes up homed, and from where it counts.
 void ModuleBus::power_up(Module& module) {
-  auto& state = module.drive->state();
+  auto& drive = *module.drive;
   const auto& settings = module.settings;
-  state.latched &= ~drive::state_bit::kHomeOk;
-  if (settings.homed) state.latched |= drive::state_bit::kHomeOk;
-  state.zero_after_home = (settings.config & config_bit::kZeroMoveAfterHome) != 0;
-  if (settings.homed || !settings.counts_from_zero) return;
-  state.referenced = false;
-  state.zero_offset = -drive::quantised(module.drive->data(), state.rotor_position);
-  state.measured_position += state.zero_offset;
-  state.setpoint.position += state.zero_offset;
+  drive.set_homed(settings.homed);
+  drive.set_zero_after_home((settings.config & config_bit::kZeroMoveAfterHome) != 0);
+  if (!settings.homed && settings.counts_from_zero) drive.count_from_here();
 }
 
 std::optional<Telegram> ModuleBus::handle(const Telegram& telegram, BusFraming framing) {
@@ -46,7 +37,7 @@ std::optional<Telegram> ModuleBus::handle(const Telegram& telegram, BusFraming f
     for (auto& module : modules_) execute_broadcast(edit(module), telegram.message, framing);
     return std::nullopt;
   }
-  // On CAN the frame's id says whether something is read or written, and the two must agree.
+  // On CAN the frame's id says whether the telegram reads or writes. Id and command must agree.
   const bool reads = telegram.message.command() == command::kGetParameter;
   if (framing == BusFraming::kCan && reads != (telegram.kind == Telegram::Kind::kGet)) return std::nullopt;
   for (auto& module : modules_) {

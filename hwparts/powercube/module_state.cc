@@ -13,10 +13,10 @@ namespace {
 
 namespace bit = drive::state_bit;
 
-// The reference switch is on for so long a way below home. A guess.
+// The reference switch is on over this distance below home. A guess.
 constexpr double kCam_rad = 0.02, kCam_m = 0.001;
 
-// Every field, once, for reading and for writing.
+// Calls `visit` for every field once: save() and load() thus agree.
 template <typename State, typename Visit>
 void visit_fields(State& s, Visit visit) {
   visit(s.address), visit(s.config), visit(s.target_speed), visit(s.target_acceleration);
@@ -52,7 +52,7 @@ std::uint32_t state_word(const ModuleView& view) {
   const auto config = view.module.config;
   const double position = drive::switch_position(view.drive);
   const double below_home = view.data.home.position - position;
-  // At home itself the switch has just been left.
+  // At home itself the axis has just left the switch.
   const bool on_cam =
       below_home > view.data.increment() && below_home < (view.data.linear ? kCam_m : kCam_rad);
   std::uint32_t word = drive::state_word(view.drive);

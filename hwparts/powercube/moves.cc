@@ -11,6 +11,7 @@ namespace visum::powercube {
 namespace {
 
 namespace bit = drive::state_bit;
+using drive::goes_to_a_place;
 using drive::Motion;
 using drive::MotionKind;
 
@@ -32,7 +33,7 @@ const Mode* find_mode(std::uint8_t byte) {
   return found == std::end(kModes) ? nullptr : found;
 }
 
-// Digits come as 16 bits (KTH, the Bosch header) or as 32 (m5api).
+// A current in digits comes as 16 bits (KTH, the Bosch header) or as 32 (m5api).
 bool length_fits(const Mode& mode, std::size_t size) {
   if (mode.kind == MotionKind::kStep) return size == 8;
   if (mode.kind == MotionKind::kCurrent && mode.increments && size == 4) return true;
@@ -50,64 +51,46 @@ double target_of(const ModuleView& view, const Mode& mode, double raw) {
   return std::clamp(raw, -kCurrentDigits, kCurrentDigits) / kCurrentDigits * view.data.motor.current_limit;
 }
 
-bool goes_to_a_place(MotionKind kind) {
-  return kind == MotionKind::kRamp || kind == MotionKind::kStep;
-}
-
-// A target outside of the soft limits, as the settings have it. False: refused.
+// Treats a target outside of the soft limits as the settings say. False: refused.
 bool judge_target(const ModuleView& view, double& target) {
   if (!view.data.limits.limited) return true;
   const double inside = std::clamp(target, view.drive.tuning.soft_minimum, view.drive.tuning.soft_maximum);
   if (static_cast<float>(inside) == static_cast<float>(target))
-    target = inside;  // the limit itself, as it was read
+    target = inside;  // the client sent the limit itself, which it had read as a 32-bit float
   const bool beyond = inside != target;
   if (beyond && view.settings.beyond_limits == BeyondLimits::kRefuse) return false;
-  // So far inside that the end of a ramp does not trip.
+  // Far enough inside that the end of a ramp does not trip.
   if (beyond && view.settings.beyond_limits == BeyondLimits::kClamp)
     target = inside + (inside < target ? -view.data.limits.tolerance : view.data.limits.tolerance);
   return true;
 }
 
-// Nominal current at most, unless the configuration allows all of it.
+// `wanted`, cut to the nominal current unless the configuration allows the full current.
 double allowed_current(const ModuleEdit& edit, double wanted) {
   const bool full = (edit.module.config & config_bit::kAllowFullCurrent) != 0;
-  const double most = full ? edit.drive.tuning.maximum_current : edit.data.motor.nominal_current;
-  if (std::abs(wanted) > most) edit.drive.latched |= bit::kCurLimit;
+  const double most = full ? edit.drive.state().tuning.maximum_current : edit.data.motor.nominal_current;
+  if (std::abs(wanted) > most) edit.drive.warn_of_current_limit();
   return std::clamp(wanted, -most, most);
 }
 
-drive::MotionLimits limits_of(const ModuleEdit& edit) {
-  return {edit.drive.tuning.maximum_speed, edit.drive.tuning.maximum_acceleration};
-}
-
-void begin(const ModuleEdit& edit, const Motion& motion) {
-  auto& drive = edit.drive;
-  const bool stays = goes_to_a_place(motion.kind) && motion.target == drive.setpoint.position;
-  drive::take_from_bus(drive, motion);
-  // From now on it moves, for whoever asks before the next tick.
-  if (!stays && drive.setpoint.phase == drive::RampPhase::kEnd)
-    drive.setpoint.phase = drive::RampPhase::kAccelerating;
-}
-
+// Starts a step, or queues it behind the running one. The settings decide about a third one.
 MoveResult begin_step(const ModuleEdit& edit, double target, double duration_s) {
-  auto& running = edit.drive.motion;
+  const auto& running = edit.drive.state().motion;
   const bool busy = running.kind == MotionKind::kStep && running.in_progress && running.remaining_s > 0.0;
   if (!busy) {
-    begin(edit, drive::start_step(running, edit.drive.setpoint, target, duration_s, limits_of(edit)));
+    edit.drive.step_by_bus(target, duration_s);
     return MoveResult::kDone;
   }
   if (running.queued && edit.settings.third_step == ThirdStep::kRefuse) return MoveResult::kRefused;
-  if (running.queued && edit.settings.third_step == ThirdStep::kAdvance)
-    running = drive::start_step(running, edit.drive.setpoint, running.next_target, running.next_duration_s,
-                                limits_of(edit));
-  drive::queue_step(running, target, duration_s);
+  if (running.queued && edit.settings.third_step == ThirdStep::kAdvance) edit.drive.start_queued_step();
+  edit.drive.queue_step(target, duration_s);
   return MoveResult::kDone;
 }
 
 MoveResult carry_out(const ModuleEdit& edit, const Motion& motion) {
   if (goes_to_a_place(motion.kind)) edit.module.target_position = motion.target;
   if (motion.kind == MotionKind::kStep) return begin_step(edit, motion.target, motion.duration_s);
-  begin(edit, motion);
+  edit.drive.move_by_bus(motion);
   return MoveResult::kDone;
 }
 

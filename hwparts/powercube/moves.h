@@ -1,6 +1,6 @@
-// SETMOVE: what a module is told to do, as the drive's motions. Ramp, step, velocity and current, each with a
-// float or in increments, each answered with 64 or with position and state. Mode bytes: from the m5api
-// header.
+// SETMOVE: turns a module's motion commands into motions of its drive. There are ramp, step, velocity and
+// current, each with a float or in increments, and each answered with 64 (hex) or with position and state.
+// The mode bytes are from the m5api header.
 #pragma once
 
 #include <optional>
@@ -18,16 +18,16 @@ struct Move {
   double duration_s = 0.0;  // steps
 };
 
-// Nothing for a mode that there is not, or a wrong length.
+// Nothing for an unknown mode or a wrong length.
 std::optional<Move> read_move(const ModuleView& view, const Message& message);
 
-// Why a motion is refused now.
 enum class MoveResult { kDone, kRefused };
+// Starts a motion, or keeps it back where it is `deferred` (SYNC_MOTION).
 MoveResult start(const ModuleEdit& edit, const Move& move, bool deferred);
-// What SYNC_MOTION kept back.
+// Starts the motion that SYNC_MOTION kept back, if there is one.
 void start_deferred(const ModuleEdit& edit);
-// True while motion commands are taken: no fault, not halted, powered, Execution Enable 1, not on the way
-// home.
+// True while the module takes motion commands: no fault, not halted, powered, Execution Enable 1, not homing;
+// and homed, where M3_COMPATIBLE asks for that.
 bool accepts_motion(const ModuleView& view);
 
 }  // namespace visum::powercube

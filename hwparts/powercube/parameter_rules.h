@@ -1,6 +1,6 @@
-// What a written parameter does, and which values it takes; the readings that need more than one field.
-// Bounds are the factory's: a value beyond is brought to the bound or refused, as Settings::above_maximum
-// says.
+// The parameters whose reading or writing needs more than one field: which values they take, and what writing
+// them does. The bounds are the factory's. A value beyond is brought to the bound or refused, as
+// Settings::above_maximum says. Setters return false where they refuse.
 #pragma once
 
 #include "hwparts/powercube/module_state.h"
@@ -14,7 +14,7 @@ inline constexpr double kDegreeDigits = 10.0;    // per °C
 
 double inc(const ModuleView& view, double value);  // whole increments
 double following_error(const ModuleView& view);
-// Without limits (an axis that turns for ever): 1e6 rad away.
+// [u]. For an axis that turns forever the limits are 1e6 rad away.
 double factory_minimum(const ModuleView& view);
 double factory_maximum(const ModuleView& view);
 double minimum_position(const ModuleView& view);

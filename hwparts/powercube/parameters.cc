@@ -13,7 +13,7 @@ using V = const ModuleView&;
 using E = const ModuleEdit&;
 using T = ValueType;
 
-// What is only kept: its place in ModuleState::kept.
+// The parameters that are only kept, by their place in ModuleState::kept.
 enum Kept : std::size_t {
   kC0,
   kDamp,
@@ -47,7 +47,8 @@ bool keep(E e, double value) {
   return true;
 }
 
-// Nothing here would act on another value: an acknowledgement would be a lie.
+// Takes only the present value. Nothing here acts on the parameter, so acknowledging another value would be a
+// lie.
 template <Kept place>
 bool same(E e, double value) {
   return static_cast<float>(value) == static_cast<float>(e.module.kept[place]);
@@ -73,7 +74,7 @@ constexpr Parameter kMachine[] = {
     {0x1C, T::kUint32, Since::kAlways, [](V v) { return v.data.encoder.increments_per_turn; }, nullptr},
     {0x1D, T::kUint16, Since::kAlways, [](V v) { return double(v.settings.firmware); }, nullptr},
     {0x1F, T::kUint16, Since::kAlways, [](V v) { return std::round(v.drive.tuning.brake_engage_time * 1e3); },
-     [](E e, double value) { return e.drive.tuning.brake_engage_time = value * 1e-3, true; }},
+     [](E e, double value) { return e.drive.tune(&drive::Tuning::brake_engage_time, value * 1e-3), true; }},
     {0x20, T::kUint8, Since::kAlways, [](V v) { return double(v.module.address); }, set_address},
     {0x22, T::kUint8, Since::kAlways, kept<kCanBaud>,
      [](E e, double b) { return b <= 3 && keep<kCanBaud>(e, b); }},
@@ -126,7 +127,7 @@ constexpr Parameter kMotion[] = {
     {0x63, T::kFloat, Since::kCombined, [](V v) { return v.module.saved_position; }, nullptr},
 };
 
-// Limits, homing: the factory's value, the one in force, and that in increments.
+// Limits and homing: the factory's value, the one in force, and the same in increments.
 constexpr Parameter kLimits[] = {
     {0x00, T::kFloat, Since::kAlways, [](V v) { return v.data.home.position; }, nullptr},
     {0x03, T::kFloat, Since::kAlways, [](V v) { return factory_minimum(v); }, nullptr},
@@ -170,7 +171,7 @@ constexpr Parameter kLimits[] = {
      set_maximum_current},
 };
 
-// State, supplies, and what is only kept.
+// State, supplies, and parameters that are only kept.
 constexpr Parameter kOther[] = {
     {0x19, T::kUint32, Since::kAlways, kept<kDefDio>, nullptr},
     {0x26, T::kUint32, Since::kAlways, [](V v) { return double(dio_word(v)); }, set_outputs},
@@ -207,7 +208,7 @@ constexpr Parameter kOther[] = {
     {0x82, T::kInt32, Since::kExtended, [](V) { return kCurrentDigits; }, nullptr},
 };
 
-// All tables as one, sorted by id, so that a look-up is an index.
+// All tables as one, sorted by id, for a binary search.
 constexpr std::size_t kCount =
     std::size(kMachine) + std::size(kMotion) + std::size(kLimits) + std::size(kOther);
 
@@ -233,7 +234,7 @@ std::size_t size_of(T type) {
   return type == T::kInt16 || type == T::kUint16 ? 2 : 4;
 }
 
-// A value outside of its type's range becomes the nearest one inside.
+// The integer for `value`; outside of the type's range, the nearest one inside.
 template <typename Integer>
 Integer clamped(double value) {
   constexpr double kLeast = std::numeric_limits<Integer>::min(), kMost = std::numeric_limits<Integer>::max();
@@ -275,7 +276,7 @@ double value_of(const Message& message, T type) {
   return 0.0;
 }
 
-// FPosStateDio: everything that a control loop asks for, at once.
+// FPosStateDio: position, state and inputs in one answer, which is all that a control loop asks for.
 Message position_state_dio(const ModuleView& view) {
   Message answer{command::kGetParameter, kPositionStateDio};
   put_value(answer, static_cast<float>(view.drive.measured_position));
@@ -332,10 +333,10 @@ SetResult set_parameter(const ModuleEdit& edit, const Message& message) {
 void recalculate_loop(const ModuleEdit& edit) {
   const auto factory = factory_values(edit.data);
   const auto ratio = [&](Kept place) { return edit.module.kept[place] / factory[place]; };
-  auto& tuning = edit.drive.tuning;
-  tuning.position_gain = edit.data.loop.position_gain * ratio(kC0);
-  tuning.velocity_bandwidth = edit.data.loop.velocity_bandwidth * ratio(kDamp);
-  tuning.integral_time = edit.data.loop.integral_time / ratio(kA0);
+  const auto& loop = edit.data.loop;
+  edit.drive.tune(&drive::Tuning::position_gain, loop.position_gain * ratio(kC0));
+  edit.drive.tune(&drive::Tuning::velocity_bandwidth, loop.velocity_bandwidth * ratio(kDamp));
+  edit.drive.tune(&drive::Tuning::integral_time, loop.integral_time / ratio(kA0));
 }
 
 std::array<double, kKept> factory_values(const drive::DriveData& data) {

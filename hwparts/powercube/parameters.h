@@ -1,6 +1,7 @@
-// The parameters of a module (GETPARAM, SETPARAM), as m5api knows them: number, type, since which firmware,
-// how read and how written. Values agree with each other: increments, gear and floats are one position. What
-// m5api has a number for and this model has no use for is returned, and refused where it is to change.
+// The parameters of a module (GETPARAM, SETPARAM), as m5api knows them: number, type, the firmware that first
+// has it, and how it is read and written. Values agree with each other: increments, gear and floats show one
+// position. A parameter that m5api knows and this model does not use can be read; writing another value is
+// refused.
 #pragma once
 
 #include <array>
@@ -15,7 +16,7 @@ namespace visum::powercube {
 
 enum class ValueType : std::uint8_t { kFloat, kInt32, kUint32, kInt16, kUint16, kUint8 };
 
-// Since when m5api may ask for a parameter.
+// The firmware from which on m5api may ask for a parameter.
 enum class Since : std::uint8_t {
   kAlways,
   kCombined,  // 0x2518 to 0x34FF, and from 0x3518 on
@@ -30,7 +31,7 @@ struct Parameter {
   ValueType type;
   Since since;
   double (*get)(const ModuleView&);
-  bool (*set)(const ModuleEdit&, double);  // null: read only; false: not like that
+  bool (*set)(const ModuleEdit&, double);  // null: read only; false: refused
 };
 std::span<const Parameter> parameters();
 bool known_to(Since since, std::uint16_t firmware);
@@ -42,12 +43,12 @@ enum class SetResult { kDone, kRefused };
 // `message`: 08 id value.
 SetResult set_parameter(const ModuleEdit& edit, const Message& message);
 
-// RECALCPID: the drive's loop as C0, Damp and A0 have it. What they are inside of a real module is not
-// published; here they scale, from the factory's values on, the gain of the position loop, the gain of the
-// velocity loop and the speed of its integral part.
+// RECALCPID: sets the drive's loop by C0, Damp and A0. Their meaning inside a real module is not published.
+// Here they scale the gain of the position loop, the gain of the velocity loop and the speed of its integral
+// part; the factory's values give the gains of the drive's data.
 void recalculate_loop(const ModuleEdit& edit);
 
-// What parameters that are only kept start with.
+// The initial values of the parameters that are only kept.
 std::array<double, kKept> factory_values(const drive::DriveData& data);
 
 }  // namespace visum::powercube

@@ -22,7 +22,7 @@ SerialDecoded bad(std::size_t taken) {
   return {Progress::kBad, taken, {}, false};
 }
 
-// m5api's: a 16-bit sum, its halves added.
+// m5api's BCC: a 16-bit sum whose two bytes are added.
 std::uint8_t checksum(std::span<const std::uint8_t> bytes) {
   unsigned sum = 0;
   for (const auto byte : bytes) sum += byte;
@@ -35,14 +35,14 @@ Telegram::Kind kind_of(bool answers, std::uint8_t module, std::uint8_t command) 
   return command == command::kGetParameter ? Telegram::Kind::kGet : Telegram::Kind::kSet;
 }
 
-// A body whose ETX has come, `wire` bytes long with STX and ETX.
+// Decodes a body whose ETX has come. With STX, ETX and escapes the frame has `wire` bytes.
 SerialDecoded interpret(const Body& body, std::size_t wire) {
   constexpr std::size_t kHeader = 2, kCheck = 1;
   if (body.size < kHeader + 1 + kCheck) return bad(wire);
   const std::size_t count = body.size - kHeader - kCheck;
   const auto h0 = body.data[0], h1 = body.data[1];
   const std::size_t announced = h1 & 0x0F;
-  // Less announced than there is: the beginning of a broken frame with a whole one behind it.
+  // The header announces fewer bytes than came: a broken frame begins here, with a whole one behind it.
   if (count > kMaxData || announced < count) return bad(1);
   SerialDecoded decoded{Progress::kComplete, wire, {}, false};
   auto& telegram = decoded.telegram;

@@ -7,11 +7,11 @@
 // Example: module 1, "get parameter 1D" is 02 04 22 0a 1d 4d 03.
 //
 // Real clients bend these rules, and real modules let them (m5api, Player, CARMEN, ROS amtec, RobWork, UPM):
-// - four formulas of the BCC are about, so it is never a reason to refuse a frame;
-// - Player and its heirs do not escape H1, not even 02 and 03: what follows H0 is taken as it is, unless it
-// is 10;
-// - RobWork's n counts the escapes: n may be larger than the data, never smaller.
-// What is encoded here is as m5api wants it: escaped headers, its BCC, n exact.
+// - Clients use four formulas for the BCC, so a wrong one is never a reason to refuse a frame.
+// - Player and its heirs do not escape H1, not even 02 and 03. The byte behind H0 is taken as it is, unless
+//   it is 10.
+// - RobWork's n counts the escapes, so n may be larger than the data, never smaller.
+// The encoder follows m5api: escaped headers, its BCC, exact n.
 #pragma once
 
 #include <array>
@@ -24,14 +24,14 @@
 namespace visum::powercube {
 
 inline constexpr std::size_t kMaxSerialBytes =
-    22;  // of a frame on the wire; m5api's buffers have no room for more
+    22;  // of a frame with its escapes; m5api's buffers have no room for more
 
 enum class Progress { kComplete, kNeedsMore, kBad };
 
 struct SerialDecoded {
   Progress progress = Progress::kNeedsMore;
-  // Bytes that are done with: of the frame, of the noise, or 0. A caller drops them and goes on; it never
-  // gets stuck: kNeedsMore is only answered to less than kMaxSerialBytes that may still become a frame.
+  // The number of bytes to drop: the frame's, noise, or 0. A caller drops them and goes on. It never gets
+  // stuck, since kNeedsMore is the answer only to fewer than kMaxSerialBytes that may still become a frame.
   std::size_t taken = 0;
   Telegram telegram;         // kComplete
   bool checksum_ok = false;  // kComplete: the BCC is m5api's
@@ -45,7 +45,7 @@ struct SerialBytes {
   std::span<const std::uint8_t> bytes() const { return {data.data(), size}; }
 };
 
-// The message must have 1 to 8 bytes. There is no kState on a serial line: it is encoded as an answer.
+// The message must have 1 to 8 bytes. A serial line has no kState: it is encoded as an answer.
 SerialBytes encode_serial(const Telegram& telegram);
 
 }  // namespace visum::powercube

@@ -12,11 +12,11 @@ namespace {
 
 using config::Node;
 
-// Setup word (parameter 58).
+// The bits of the setup word (parameter 0x58).
 constexpr std::uint32_t kEncoder = 0x001, kAbsoluteFeedback = 0x004, kFourInFourOut = 0x008, kRs232 = 0x040,
                         kCan = 0x200;
 
-// "0x3521" or decimal.
+// Reads a whole number from 0 to `most`, decimal or hexadecimal ("0x3521").
 std::uint32_t word(const Node& node, std::uint32_t most) {
   const std::string text = node.text();
   const bool hexadecimal = text.starts_with("0x") || text.starts_with("0X");

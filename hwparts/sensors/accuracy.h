@@ -1,4 +1,5 @@
-// What a sensor does to one true number: a constant offset, noise, steps, and the ends of its range.
+// The errors that a sensor adds to one true number: a constant offset, noise, steps, and the ends of its
+// range. Pure functions.
 #pragma once
 
 #include "hwparts/sensors/random.h"
@@ -6,24 +7,25 @@
 
 namespace visum::sensors {
 
-// All in the unit of what is measured, but for `noise_share`.
+// All in the unit of the measured quantity, except `noise_share`.
 struct Accuracy {
-  double lowest = 0.0, highest = 0.0;  // nothing beyond is ever read
+  double lowest = 0.0, highest = 0.0;  // no reading lies beyond
   double noise = 0.0;                  // standard deviation of each reading
   double noise_share = 0.0;            // the same, as a share of the true value
   double bias = 0.0;                   // standard deviation of the offset that is drawn at start
-  double resolution = 0.0;             // size of a step; 0: as fine as numbers are
+  double resolution = 0.0;             // size of a step; 0: no steps
 };
 
-// `noise`, `noise_share`, `bias` and `resolution` of a map; the range is the caller's.
+// Reads `noise`, `noise_share`, `bias` and `resolution` from a map. The caller gives the range.
 Accuracy read_accuracy(const config::Node& map, double lowest, double highest);
-// The same of the map `key` in `parent`, and `range` in it: as far both ways. `widest` where there is none.
+// Reads the same from the map `key` in `parent`, and its `range`, which reaches as far both ways. Without
+// one, the range is `widest`.
 Accuracy read_symmetric(const config::Node& parent, std::string_view key, double widest);
 
-// One reading without a fault, not yet in steps: the true value with this offset and fresh noise. What is
-// infinite stays so.
+// One reading without a fault, before steps: the true value with this offset and fresh noise. An infinite
+// value stays infinite.
 double disturbed(const Accuracy& accuracy, double truth, double offset, Random& random);
-// In steps, and within the range.
+// `value` rounded to steps, within the range.
 double quantised(const Accuracy& accuracy, double value);
 
 }  // namespace visum::sensors

@@ -1,4 +1,4 @@
-// Ports and numbers that come in threes: one for each axis.
+// Adds ports and numbers that come in threes, one for each axis.
 #pragma once
 
 #include <string>

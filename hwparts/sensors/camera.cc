@@ -34,19 +34,19 @@ double stretch(const Lens& lens, double square) {
   return 1.0 + square * (lens.k1 + lens.k2 * square);
 }
 
-// d/dr of r (1 + k1 r² + k2 r⁴): where it is not positive, the lens folds the picture over itself.
+// d/dr of r (1 + k1 r² + k2 r⁴). Where it is not positive, the lens folds the picture over itself.
 double slope(const Lens& lens, double square) {
   return 1.0 + square * (3.0 * lens.k1 + 5.0 * lens.k2 * square);
 }
 
-// The radius without distortion of one with it, by Newton's method.
+// The undistorted radius for a distorted one, by Newton's method.
 double straightened(const Lens& lens, double radius) {
   double r = radius;
   for (int i = 0; i < 20; ++i) r -= (r * stretch(lens, r * r) - radius) / slope(lens, r * r);
   return r;
 }
 
-// The lens must be clear out to the picture's corners.
+// Refuses a lens that folds the picture before its corners.
 void check_distortion(const config::Node& entry, const Lens& lens) {
   if (lens.k1 == 0.0 && lens.k2 == 0.0) return;
   const double corner = std::hypot(lens.width, lens.height) / 2 / focal_length(lens);

@@ -1,4 +1,4 @@
-// Kind `contact`: a bumper. `Contact` is 1 where the force is above `threshold`.
+// The kind `contact`: a bumper. `Contact` is 1 while the force is above `threshold`.
 #include "hwparts/sensors/motion_sensors.h"
 
 namespace visum::sensors {

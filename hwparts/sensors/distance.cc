@@ -1,5 +1,5 @@
-// Kind `distance`: one ray, two ports. `In Range` is 1 where the reading is a distance, and 0 where it is an
-// end of the range because nothing is there, or too near.
+// The kind `distance`: one ray, two ports. `In Range` is 1 where the reading is a distance. It is 0 where the
+// reading is an end of the range, because the ray meets nothing, or something that is too near.
 #include "hwparts/sensors/range_finder.h"
 
 namespace visum::sensors {

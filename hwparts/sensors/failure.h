@@ -11,12 +11,12 @@ namespace visum::sensors {
 enum class Failure {
   kOk,
   kOff,           // no readings: the ports stand still, and so does `Changed`
-  kStuck,         // the last reading again and again
-  kGarbage,       // anything within the range
-  kWrong,         // mirrored in its range, as if wired the wrong way round
-  kSlow,          // one reading of ten
-  kDelayed,       // ten samples later than usual
-  kIntermittent,  // each reading is lost with a chance of one half
+  kStuck,         // shows the last reading again and again
+  kGarbage,       // shows random values within the range
+  kWrong,         // mirrors each value in its range, as if wired the wrong way round
+  kSlow,          // shows one reading of ten
+  kDelayed,       // shows readings ten samples later than usual
+  kIntermittent,  // loses each reading with a chance of one half
 };
 
 inline constexpr int kSlowFactor = 10;
@@ -29,7 +29,7 @@ struct FailureName {
 };
 std::span<const FailureName> failure_names();
 const char* name_of(Failure failure);
-bool is_failure(Failure failure);             // of a number that came from elsewhere
-Failure failure_of(hwparts::FaultKind kind);  // kOk: it is none of a sensor
+bool is_failure(Failure failure);             // for a number that was read from a snapshot
+Failure failure_of(hwparts::FaultKind kind);  // kOk: the fault does not concern sensors
 
 }  // namespace visum::sensors

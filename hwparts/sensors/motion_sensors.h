@@ -1,4 +1,5 @@
-// What feels motion, contact and load: kinds `imu`, `pose`, `contact` and `joint_wrench`.
+// Sensors for motion, contact and load: the kinds `imu`, `pose`, `contact` and `joint_wrench`. "Truth" below
+// is what a kind needs to be told by the world.
 #pragma once
 
 #include <memory>

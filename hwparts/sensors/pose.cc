@@ -1,5 +1,5 @@
-// Kind `pose`: where the sensor's frame is, as a tracker or a satellite receiver with a compass would tell.
-// The orientation's noise is a small turn about an axis of any direction, in the sensor's frame.
+// The kind `pose`: place and orientation of the sensor's frame, as a tracker or a satellite receiver with a
+// compass gives them. The orientation's noise is a small turn about a random axis in the sensor's frame.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -32,7 +32,7 @@ class PoseSensor : public Sensor {
     if (turn_noise_rad_ == 0.0) return;
     Quaternion seen{};
     std::ranges::copy(truth.subspan(kOrientation), seen.begin());
-    // Half the turn as the vector part; made unit, that is exact to the noise's third power.
+    // Half the turn is the vector part. Normalised, that is exact up to the noise's third power.
     Quaternion turn{1.0};
     for (std::size_t axis = 1; axis < 4; ++axis) turn[axis] = 0.5 * turn_noise_rad_ * random.normal();
     seen = product(seen, turn);

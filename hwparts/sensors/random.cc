@@ -16,7 +16,7 @@ std::uint64_t hash_of(std::string_view name) {
 
 }  // namespace
 
-// The words from one number by SplitMix64 (Steele et al. 2014), as xoshiro's authors advise.
+// Makes the four words from one number by SplitMix64 (Steele et al. 2014), as xoshiro's authors advise.
 Random::Random(std::uint64_t seed, std::string_view name) {
   std::uint64_t state = seed ^ hash_of(name);
   for (auto& word : words_) {
@@ -61,8 +61,8 @@ void Random::load(hwparts::StateReader& from) {
   for (auto& word : words_) from.get(word);
 }
 
-// x = m 2^e with m in [1/sqrt 2, sqrt 2), ln m = 2 artanh((m - 1) / (m + 1)) by its series: the first term
-// left out is below 1e-17.
+// With x = m 2^e and m in [1/sqrt 2, sqrt 2): ln x = e ln 2 + ln m, and ln m = 2 artanh((m - 1) / (m + 1)) by
+// its series. The first term left out is below 1e-17.
 double portable_log(double x) {
   constexpr double kLn2 = 0.69314718055994530942;
   constexpr double kSqrtHalf = 0.70710678118654752440;

@@ -1,5 +1,6 @@
-// Random numbers of one sensor: a stream of its own, so that one sensor more changes no other's noise. The
-// same bits on every machine: nothing but basic arithmetic and the square root, which IEEE 754 fixes.
+// The random numbers of one sensor. Each sensor has a stream of its own, so that adding one changes no other
+// sensor's noise. The bits are the same on every machine: it uses only basic arithmetic and the square root,
+// which IEEE 754 fixes.
 #pragma once
 
 #include <array>
@@ -12,7 +13,7 @@ namespace visum::sensors {
 
 class Random {
  public:
-  // The stream of this name in a world of this seed.
+  // The stream of the given name in a world with the given seed.
   Random(std::uint64_t seed, std::string_view name);
 
   double uniform();  // 0 <= u < 1

@@ -1,5 +1,5 @@
-// What finds distances: kind `distance` with one ray, kind `scanner` with many. A ray goes along +x of the
-// sensor's frame, a scanner's rays turn about its z.
+// Sensors for distances: the kind `distance` with one ray, the kind `scanner` with many. A ray goes along +x
+// of the sensor's frame; a scanner's rays turn about its z axis.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace visum::sensors {
 
-// `range: [lowest, highest]` of an entry, m. A distance beyond reads its end.
+// `range: [lowest, highest]` of an entry, m. A distance outside of it reads as the nearer end.
 struct Reach {
   double lowest_m, highest_m;
 };
@@ -19,7 +19,7 @@ Reach read_reach(const config::Node& entry);
 std::vector<double> read_beams(const config::Node& entry);
 inline constexpr std::int64_t kMaxRays = 4096;
 
-// Truth of both: a distance per ray, m; infinite where nothing is in reach.
+// The truth of both kinds: one distance per ray, m; infinite where the ray meets nothing in reach.
 std::unique_ptr<Sensor> make_distance(const SensorContext& context);
 std::unique_ptr<Sensor> make_scanner(const SensorContext& context);
 

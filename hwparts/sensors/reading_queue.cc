@@ -34,10 +34,10 @@ std::size_t ReadingQueue::drop_overtaken(std::int64_t now_ns) {
 }
 
 void ReadingQueue::hasten(std::int64_t late_ns, std::int64_t in_time_ns) {
-  std::int64_t behind_ns = 0;  // when the one behind was due
+  std::int64_t behind_ns = 0;  // when the reading behind this one was due
   for (std::size_t place = count_; place-- > 0;) {
     std::int64_t& due_ns = due_ns_[slot(place)];
-    // The first late one is due by more than that after the last usual one.
+    // The first late reading is due more than late_ns after the last usual one: the late ones end there.
     if (place + 1 == count_ ? due_ns <= in_time_ns : behind_ns - due_ns > late_ns) return;
     behind_ns = due_ns;
     due_ns -= late_ns;

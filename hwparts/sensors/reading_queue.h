@@ -1,4 +1,5 @@
-// Readings on their way from the sample to the ports. All slots are made at the start; first in, first out.
+// The readings on their way from the sample to the ports, first in, first out. A sensor owns it. All slots
+// are made at the start, so nothing allocates later.
 #pragma once
 
 #include <cstddef>
@@ -20,14 +21,15 @@ class ReadingQueue {
   std::int64_t front_due_ns() const { return due_ns_[first_]; }
   std::span<const double> front() const;
   void pop();
-  // Of those that are due only the newest stays. How many went.
+  // Drops the readings that are due, except the newest of them. Returns how many it dropped.
   std::size_t drop_overtaken(std::int64_t now_ns);
-  // Those that were put in with `late_ns` more than usual, the newest ones, lose it. `in_time_ns`: when the
-  // newest one is due at most if it is none of them. They must follow each other sooner than after late_ns.
+  // Takes an extra delay of `late_ns` off the readings that were pushed with it: these are the newest ones.
+  // `in_time_ns`: the latest time at which the newest one can be due without the extra delay. Readings must
+  // follow each other at intervals below late_ns.
   void hasten(std::int64_t late_ns, std::int64_t in_time_ns);
   void clear() { first_ = count_ = 0; }
 
-  void save(hwparts::StateWriter& to) const;  // what is in it, wherever it lies
+  void save(hwparts::StateWriter& to) const;  // the readings in order, independent of their slots
   void load(hwparts::StateReader& from);
 
  private:

@@ -1,5 +1,6 @@
-// Kind `scanner`: many rays in a fan. All distances are on the blackboard `scan`, as 32-bit floats in m,
-// first ray first; an end of the range stands for nothing there, or too near. The ports tell the nearest.
+// The kind `scanner`: many rays in a fan. The blackboard `scan` has all distances, as 32-bit floats in m,
+// first ray first. An end of the range means that the ray meets nothing, or something too near. The ports
+// show the nearest distance.
 #include <algorithm>
 
 #include "hwparts/sensors/range_finder.h"

@@ -18,9 +18,9 @@ Failure read_failure(const config::Node& entry) {
   return std::ranges::find(failure_names(), word, &FailureName::name)->failure;
 }
 
-// Those that a failed sensor holds back longest, and the one that is being taken. Samples are taken and shown
-// at the ends of ticks: each may be taken up to a tick late, and shown another one later. One more waits for
-// the end of a silence.
+// The number of readings that can be on their way at once: those that a failed sensor holds back longest, the
+// one that is being taken, and one that waits for the end of a silence. Samples are taken and shown at the
+// ends of ticks, so each may be taken up to a tick late and shown up to another tick later.
 std::size_t slots(const Timing& timing) {
   const std::int64_t longest_ns = timing.latency_ns + 2 * timing.tick_ns;
   return static_cast<std::size_t>(longest_ns / timing.period_ns) + kDelayedSamples + 3;
@@ -182,7 +182,6 @@ void Sensor::set_faults(std::span<const hwparts::ActiveFault> faults) {
   fail(failure_, suffered);
 }
 
-// Fresh readings would queue behind the late ones.
 void Sensor::fail(Failure by_parameter, Failure by_fault) {
   const std::int64_t late_so_far_ns = late_ns();
   failure_ = by_parameter;

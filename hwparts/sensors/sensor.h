@@ -1,9 +1,11 @@
-// A hardware part that measures. The world says what is true, the sensor what is read of it: later, rounded,
-// noisy, failing. It drives no joint and takes no commands; its readings are sensor outputs, or a blackboard
-// where they are many. The last port, `Changed`, counts the readings shown: 0 means none yet. What a silent
-// one would have shown counts, too, and the newest of it is shown when the silence ends.
+// A hardware part that measures. The world gives the truth; the sensor turns it into a reading that is late,
+// rounded, noisy or failing. It drives no joint and takes no commands. Its readings are sensor outputs, or a
+// blackboard where they are many. The last port, `Changed`, counts the readings shown: 0 means none yet.
+// Readings that a silent sensor (fault `part_silent`) would have shown count, too, and the newest of them is
+// shown when the silence ends.
 //
-// Order of calls, beside a part's (hwparts/part.h): before each publish(), if due(), truth() is filled.
+// Order of calls, beside a part's (hwparts/part.h): before each publish(), if due(), the caller fills
+// truth(). The simulation owns the sensor; it lives on the tick's thread. Only construction can fail.
 #pragma once
 
 #include <memory>
@@ -25,7 +27,8 @@ struct SensorContext {
   std::uint64_t seed = 1;  // the scene's
 };
 
-// What a kind consists of. `numbers` says how each number of a reading is disturbed; truths are as many.
+// The ports and numbers of a kind. `numbers` has the errors of each number of a reading; the truth has as
+// many numbers.
 struct Layout {
   const char* kind;
   std::vector<protocol::Port> ports;  // without `Changed`
@@ -37,7 +40,7 @@ class Sensor : public hwparts::Part {
  public:
   Sensor(const SensorContext& context, Layout layout);
 
-  bool due() const;  // the next publish() takes a sample
+  bool due() const;  // true: the next publish() takes a sample
   std::span<double> truth() { return truth_; }
 
   const protocol::PartDescription& description() const final { return description_; }
@@ -61,33 +64,42 @@ class Sensor : public hwparts::Part {
   void load(hwparts::StateReader& from) final;
 
  protected:
-  // What is read of the truth without a fault, before steps and ends. By default each number by itself.
+  // Makes a reading of the truth, without a fault and before steps and ends of the range. By default it
+  // treats each number by itself.
   virtual void read(std::span<const double> truth, std::span<double> reading, Random& random) const;
-  // Puts a reading onto the ports; by default its numbers are the ports.
+  // Puts a reading onto the ports. By default its numbers are the ports.
   virtual void show(std::span<const double> reading, std::span<double> sensor_outputs);
-  // After load() and reset(): what else hangs on the reading that is shown.
+  // After load() and reset(): restores everything else that depends on the reading shown.
   virtual void shown_again(std::span<const double>) {}
-  // Why the kind does not fail in this way; null: it does.
+  // The reason why the kind cannot fail in this way; null: it can.
   virtual const char* why_not(Failure) const { return nullptr; }
-  // Whether readings are seen on a blackboard.
+  // True: the readings are shown on a blackboard.
   virtual bool fills_blackboard() const { return false; }
-  // Another reading than so far. Forgets what was read, and what is on its way.
+  // Changes the numbers of a reading. Forgets all readings, also those on their way.
   void set_numbers(std::vector<Accuracy> numbers);
 
   double offset(std::size_t number) const { return offsets_[number]; }
   const Accuracy& accuracy(std::size_t number) const { return layout_.numbers[number]; }
 
  private:
+  // The failure in force. A fault goes before the parameter's failure, except that off stays off.
   Failure failing() const {
     return by_fault_ == Failure::kOk || failure_ == Failure::kOff ? failure_ : by_fault_;
   }
+  // The extra delay of the failure in force.
   std::int64_t late_ns() const {
     return failing() == Failure::kDelayed ? kDelayedSamples * timing_.period_ns : 0;
   }
+  // Changes the failure in force. Takes the extra delay off readings that are on their way, if it ends:
+  // otherwise fresh readings would queue behind them.
   void fail(Failure by_parameter, Failure by_fault);
+  // Draws the constant offset of each number.
   void draw_offsets();
+  // Makes a reading of truth() and queues it.
   void sample();
+  // Applies failures that change values, then steps and the ends of the range.
   void disturb(std::span<double> reading);
+  // True: the failure in force loses this reading.
   bool lost();
 
   Layout layout_;
@@ -97,21 +109,21 @@ class Sensor : public hwparts::Part {
   Failure initial_failure_;
   std::vector<double> truth_;
   std::vector<double> offsets_;  // drawn at start
-  // What changes.
+  // The changing state.
   Random random_;
-  Failure failure_;                  // by the parameter
-  Failure by_fault_ = Failure::kOk;  // by a fault, which goes before all but off; no state of the sensor
-  bool silent_ = false;              // likewise: nobody hears of a reading
+  Failure failure_;                  // by the parameter `Failure`
+  Failure by_fault_ = Failure::kOk;  // by a fault; follows from the list of faults, so it is not saved
+  bool silent_ = false;              // by a fault, likewise: no reading reaches the ports
   std::int64_t now_ns_ = 0;
   std::int64_t samples_ = 0;
   std::uint64_t changed_ = 0;
   std::vector<double> last_;   // the last reading taken
-  std::vector<double> shown_;  // the one on the ports
+  std::vector<double> shown_;  // the reading on the ports
   ReadingQueue queue_;
   protocol::PartDescription description_;
 };
 
-// Keys that every sensor's entry may have; a kind's own come on top.
+// Refuses keys other than those that every sensor's entry may have, and the kind's `own`.
 void allow_keys(const config::Node& entry, std::initializer_list<std::string_view> own);
 
 }  // namespace visum::sensors

@@ -10,11 +10,11 @@ namespace visum::sensors {
 namespace {
 
 constexpr std::array<SensorKind, 7> kKinds{{
-    {"distance", "how far it is along one ray", make_distance},
-    {"scanner", "how far it is along each ray of a fan", make_scanner},
+    {"distance", "distance along one ray", make_distance},
+    {"scanner", "distance along each ray of a fan", make_scanner},
     {"imu", "angular rate and acceleration", make_imu},
     {"pose", "place and orientation in the world", make_pose},
-    {"contact", "whether something is touched, and how hard", make_contact},
+    {"contact", "contact with something, and its force", make_contact},
     {"joint_wrench", "force and torque through a joint", make_joint_wrench},
     {"camera", "pictures of colours, depths, or bodies", make_camera},
 }};
@@ -31,7 +31,7 @@ std::unique_ptr<Sensor> make_sensor(const std::string& kind, const SensorContext
     if (kind == row.name) return row.make(context);
     names.emplace_back(row.name);
   }
-  context.config.get("kind").one_of(names);  // throws, with what was meant
+  context.config.get("kind").one_of(names);  // throws, and suggests a name
   throw std::logic_error("the kind of a sensor is not its entry's");
 }
 

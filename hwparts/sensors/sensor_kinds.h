@@ -1,5 +1,5 @@
-// The kinds of sensor, by name: one line each in sensor_kinds.cc. What a kind is told of the world stands in
-// the table of the same names in server/sensing.
+// The table of the kinds of sensor, by name: one line each in sensor_kinds.cc. server/sensing has a table of
+// the same names, with the probes that measure the truth in the world.
 #pragma once
 
 #include "hwparts/sensors/sensor.h"
@@ -12,7 +12,8 @@ struct SensorKind {
   std::unique_ptr<Sensor> (*make)(const SensorContext&);
 };
 std::span<const SensorKind> sensor_kinds();
-// Throws ConfigError: at the entry's `kind` where there is no such kind, and at what is wrong in the entry.
+// Throws ConfigError at the entry's `kind` where the table has no such kind, and for every error in the
+// entry.
 std::unique_ptr<Sensor> make_sensor(const std::string& kind, const SensorContext& context);
 
 }  // namespace visum::sensors

@@ -1,5 +1,5 @@
-// When a sensor samples, and when a reading is seen: whole nanoseconds since the start, so that a rate need
-// not be a divisor of the tick's.
+// The times at which a sensor samples and shows its readings. They are whole nanoseconds since the start, so
+// a sensor's rate need not divide the tick's. A plain value.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,8 @@ struct Timing {
 
 inline constexpr int kMaxSamplesOnTheWay = 100;
 
-// `rate_hz` (each tick without it) and `latency_ms` (0) of a sensor's entry.
+// Reads `rate_hz` (default: every tick) and `latency_ms` (default: 0) of a sensor's entry. Throws
+// ConfigError.
 Timing read_timing(const config::Node& entry, std::int64_t tick_ns);
 
 }  // namespace visum::sensors

@@ -20,7 +20,7 @@ std::optional<std::size_t> index_of(const PartContext& context, const std::strin
   return std::nullopt;
 }
 
-// The joints of one entry; empty if none of them is this part's.
+// The joints of one entry; empty if they all belong to another part.
 std::vector<std::size_t> bind_joints(const Node& names, const PartContext& context) {
   if (names.size() == 0 || names.size() > drive::kMaxJointsPerDrive) {
     names.fail("must name 1 to " + std::to_string(drive::kMaxJointsPerDrive) + " joints");

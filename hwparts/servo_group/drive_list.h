@@ -1,15 +1,15 @@
 // The drives of a part: its drives file, bound to the joints that the scene gives to the part.
 //
-//   source: where the figures are from      (shown on the blackboard `Identity`)
+//   source: where the figures are from      # shown on the blackboard `Identity`
 //   drives:
-//     - joints: [joint_1]                   one, or several that move alike (a gripper's fingers)
+//     - joints: [joint_1]                   # one, or several that move alike (a gripper's fingers)
 //       type: PRL120
 //       module: 1
-//       motor: ...                          see drive_data.cc for every key, models/amtec_arm/drives.yaml for
-//       an example
+//       motor: ...                          # every key: drive_data.cc; an example:
+//                                           # models/amtec_arm/drives.yaml
 //
-// The order of this file is the order of the ports. Entries for joints that the part does not have are
-// another part's.
+// The order in this file is the order of the ports. An entry for joints that the part does not have belongs
+// to another part and is skipped.
 #pragma once
 
 #include <string>
@@ -33,9 +33,9 @@ struct DriveList {
 
 inline constexpr std::size_t kMaxDrives = 64;
 
-// Reads the file named by the part's key `drives`. Throws ConfigError: a joint without a drive or with two,
-// fingers that start apart, a start outside of the hard limits, gains too high for the tick, and all that
-// read_drive_data() refuses.
+// Reads the file that the part's key `drives` names. Throws ConfigError for a joint without a drive or with
+// two, fingers that start apart, a start outside of the hard limits, gains too high for the tick, and
+// everything that read_drive_data() refuses.
 DriveList load_drives(const hwparts::PartContext& context);
 
 }  // namespace visum::servo_group

@@ -1,4 +1,4 @@
-// What the faults that act make of a group's drives, supply and bus. Pure functions.
+// Translates the faults that act into the faults of a group's drives, supply and bus. Pure functions.
 #pragma once
 
 #include <limits>
@@ -13,7 +13,7 @@
 
 namespace visum::servo_group {
 
-// Of the group as a whole.
+// The faults of the group as a whole.
 struct GroupFaults {
   bool emergency_stop = false;
   double most_supply_v = std::numeric_limits<double>::infinity();
@@ -21,10 +21,10 @@ struct GroupFaults {
 };
 GroupFaults group_faults(std::span<const hwparts::ActiveFault> faults);
 
-// Of one of its drives, by number from 0.
+// The faults of one of its drives, counted from 0.
 drive::Broken broken_of(std::span<const hwparts::ActiveFault> faults, std::size_t drive);
 
-// Why a fault of a drive cannot act on one like this.
+// The reason why `fault` cannot act on a drive with this data; nothing if it can.
 std::optional<std::string> refuse(const hwparts::Fault& fault, const drive::DriveData& data);
 
 }  // namespace visum::servo_group

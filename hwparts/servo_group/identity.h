@@ -1,4 +1,5 @@
-// The blackboard `Identity`: what the part is made of, as text. Read-only.
+// The blackboard `Identity`: a text that names the part's kind, its modules, and the source of their figures.
+// Clients can only read it.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The parameters of a ServoGroup: those of each drive (tuning.h), numbered, and those of the whole part.
+// The parameters of a ServoGroup: those of the whole part, then those of each drive (tuning.h), numbered.
 #include <algorithm>
 #include <cmath>
 
@@ -16,7 +16,7 @@ constexpr double kHighestSupply_v = 60.0;
 protocol::Parameter supply_parameter(double volts) {
   return {kSupplyVoltage,
           "V",
-          "of the motors; 0 is off, below the drives' minimum they switch off (POW_VOLT_ERR)",
+          "supply of the motors; 0 is off; below their minimum the drives switch off (POW_VOLT_ERR)",
           volts,
           0.0,
           kHighestSupply_v};
@@ -38,7 +38,7 @@ std::vector<protocol::Parameter> ServoGroup::parameters() const {
   all.push_back(supply_parameter(state_.supply_voltage));
   all.push_back(
       flag_parameter(kEmergencyStop, "pressed: takes the supply from all motors", state_.emergency_stop));
-  all.push_back(flag_parameter(kFieldBus, "false: the modules' bus is cut, nothing is heard or answered",
+  all.push_back(flag_parameter(kFieldBus, "false: the modules' bus is cut, and they hear and answer nothing",
                                modules_.connected()));
   for (std::size_t i = 0; i < axes_.size(); ++i) append_parameters(axes_[i].drive, i + 1, tick_s_, all);
   return all;
@@ -85,7 +85,7 @@ std::optional<std::string> ServoGroup::set_supply(double volts) {
 void ServoGroup::supply_drives() {
   const bool stopped = state_.emergency_stop || faults_.emergency_stop;
   const double volts = stopped ? 0.0 : std::min(state_.supply_voltage, faults_.most_supply_v);
-  for (auto& axis : axes_) axis.drive.state().tuning.supply_voltage = volts;
+  for (auto& axis : axes_) axis.drive.tune(&drive::Tuning::supply_voltage, volts);
 }
 
 }  // namespace visum::servo_group

@@ -1,4 +1,4 @@
-// What a scene may say about a group of servos. Every other key is refused.
+// The options of a group of servos in a scene. Every other key is refused.
 #pragma once
 
 #include <optional>
@@ -19,13 +19,13 @@ struct PartOptions {
 
 PartOptions read_options(const config::Node& entry);
 
-// The same choice as a parameter of the part.
+// The choice `on_controller_lost` as a parameter of the part.
 inline constexpr const char* kOnControllerLost = "On Controller Lost";
 protocol::Parameter lost_parameter(OnControllerLost now);
-// Returns why not.
+// Returns the reason of a refusal; nothing if done.
 std::optional<std::string> set_lost(const protocol::ParameterValue& value, OnControllerLost& to);
 
-// A parameter's number in either of its two forms; NaN for what is none.
+// A parameter's number, given as a double or as an integer; NaN for every other value.
 double as_number(const protocol::ParameterValue& value);
 
 }  // namespace visum::servo_group

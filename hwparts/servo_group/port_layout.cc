@@ -12,10 +12,10 @@ namespace {
 using protocol::Port;
 
 constexpr double kCounterMaximum = 9007199254740992.0;  // 2^53: beyond it a double cannot count
-constexpr double kUnlimited = 1000.0;  // rad, range of the ports of a joint that turns for ever
-constexpr double kSpeedRange = 10.0;   // times the drive's own maximum speed
+constexpr double kUnlimited = 1000.0;  // rad, range of the ports of a joint that turns forever
+constexpr double kSpeedRange = 10.0;   // range of the speed ports, in maximum speeds of the drive
 
-// Appends and tells the index.
+// Appends a port and returns its index.
 std::size_t add(std::vector<Port>& ports, Port port) {
   ports.push_back(std::move(port));
   return ports.size() - 1;
@@ -33,7 +33,7 @@ double share(const DriveEntry& entry) {
   return static_cast<double>(entry.joints.size());
 }
 
-// Wider than the limits: commanding beyond a limit must be possible, and trips it.
+// The port is wider than the limits, since commanding beyond a limit must be possible: it trips the limit.
 Port position_port(const char* name, const Channel& channel, const DriveEntry& entry, double initial) {
   const auto& limits = entry.data.limits;
   const double width = limits.limited ? limits.hard_maximum - limits.hard_minimum : 0.0;
@@ -50,7 +50,7 @@ const char* speed_unit(const DriveEntry& entry) {
   return entry.data.linear ? "m/s" : "rad/s";
 }
 
-// Wider than what the drive does: it goes at its maximum speed then.
+// The port is wider than the drive's maximum speed. Beyond that the drive goes at its maximum.
 Port speed_port(const char* name, const Channel& channel, const DriveEntry& entry) {
   const double highest = kSpeedRange * fastest(entry);
   return {numbered(name, channel.number), speed_unit(entry), -highest, highest, 0.0, name};

@@ -1,10 +1,12 @@
-// The ports of a group of servos, and where each stands in the two vectors. The order is a contract:
-//   CI  per block of joints: desired 1..n, maximum speed 1..n; then Reset, Home, Halt, Execution Enable
+// The ports of a group of servos, and the place of each in the vectors of controller inputs (CI) and sensor
+// outputs (SO). The order is a contract:
+//   CI  for each block of joints: desired 1..n, maximum speed 1..n;
+//       then Reset, Home, Halt, Execution Enable
 //   SO  actual positions of all blocks, actual speeds of all blocks, Actual Current 1..m, Module State 1..m,
-//   Part State,
-//       Changed
-// Numbers are those of the channels: drives that are commanded by position and by speed share one run of
-// them. A block is joints whose ports are named alike: the arm's angles, the gripper's fingers.
+//       Part State, Changed
+// A port's number is its channel's: drives that are commanded by position and drives that are commanded by
+// speed share one count. A block is a set of joints whose ports have the same names: the arm's angles, the
+// gripper's fingers. Plain values and pure functions.
 #pragma once
 
 #include <optional>
@@ -37,7 +39,7 @@ struct Channel {
   std::size_t joint;  // index into PartContext::joints
   PortNames names;
   int number;  // "Desired Angle 3"
-  // Where it stands in the vectors.
+  // Its places in the vectors.
   std::size_t desired = 0, maximum = 0;
   std::size_t actual = 0, speed = 0, current = 0, state = 0;
 };
@@ -55,12 +57,12 @@ struct Run {
   std::size_t first;
   std::size_t count;
 };
-// What is commanded to a drive, in the module's coordinate: the sums over its joints. The desired value is a
-// speed where the drive is speed-controlled.
+// The commands to a drive, in the module's coordinate: the sums over its joints. The desired value is a speed
+// where the drive is speed-controlled.
 double desired_value(const PortLayout& layout, const Run& run, std::span<const double> inputs);
 double maximum_speed(const PortLayout& layout, const Run& run, std::span<const double> inputs);
-// Why the counters of these inputs, or the values of one drive's joints, do not fit; nothing if they do. [u]
-// `tolerance`: as much as the joints' values may differ.
+// The reason to refuse these inputs for their counters, or for the values of one drive's joints; nothing if
+// they are good. The joints' values may differ by `tolerance` [u].
 std::optional<std::string> refuse_counters(const PortLayout& layout, std::span<const double> inputs);
 std::optional<std::string> refuse_unequal(const PortLayout& layout, const Run& run, double tolerance,
                                           std::span<const double> inputs);
@@ -70,7 +72,7 @@ struct Start {
   bool execution_enable;
 };
 
-// `blocks`: the channels, grouped; their numbers count from 1 within a block's names.
+// `blocks`: the channels, grouped. Their numbers count from 1 within a block's names.
 PortLayout make_layout(const std::vector<std::vector<Channel>>& blocks, const DriveList& drives,
                        const hwparts::PartContext& context, const Start& start);
 

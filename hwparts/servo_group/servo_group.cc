@@ -26,6 +26,7 @@ std::vector<double> positions_of(const DriveList& list) {
   return positions;
 }
 
+// Notes a counter's new value; true where it differs from the last one.
 bool changes(double& seen, double now) {
   const bool changed = seen != now;
   seen = now;
@@ -74,7 +75,7 @@ void ServoGroup::act(std::span<const double> inputs, std::span<const hwparts::Jo
                      std::span<hwparts::JointDrive> drives) {
   latch(inputs);
   apply_counters(inputs);
-  interlock(inputs);
+  interlock();
   modules_.tick();
   const bool fault = any(bit::kError);
   for (auto& axis : axes_) {
@@ -86,46 +87,39 @@ void ServoGroup::act(std::span<const double> inputs, std::span<const hwparts::Jo
   acted_ = true;
 }
 
-// Between ticks, too: a telegram that comes next counts as later than these inputs.
+// Also called between ticks, as soon as inputs arrive: a telegram that comes next is then later than these
+// inputs and overrides them.
 void ServoGroup::latch(std::span<const double> inputs) {
   state_.enabled = inputs[layout_.enable] >= 0.5;
   modules_.enable(state_.enabled);
-  for (auto& axis : axes_) axis.drive.state().commanded = target(axis, inputs);
+  for (auto& axis : axes_) axis.drive.latch(target(axis, inputs));
 }
 
 void ServoGroup::apply_counters(std::span<const double> inputs) {
   if (changes(state_.reset, inputs[layout_.reset])) {
-    interlock(inputs);
+    interlock();
     modules_.drop_deferred();
-    for (auto& axis : axes_) drive::reset(axis.drive.data(), axis.drive.state(), target(axis, inputs));
+    for (auto& axis : axes_) axis.drive.reset();
   }
   const bool may_move = state_.enabled && !any(bit::kError);
   if (changes(state_.home, inputs[layout_.home]) && may_move) {
     modules_.drop_deferred();
-    for (auto& axis : axes_) {
-      drive::release_to_ports(axis.drive.state());
-      drive::home(axis.drive.state());
-    }
+    for (auto& axis : axes_) axis.drive.home();
   }
   if (changes(state_.halt, inputs[layout_.halt])) {
     modules_.drop_deferred();
-    for (auto& axis : axes_) drive::halt(axis.drive.state(), target(axis, inputs));
+    for (auto& axis : axes_) axis.drive.halt();
   }
 }
 
-// While something is stopped, everything stands, and what is commanded meanwhile does not count. Who was on
-// its way home when another drive failed does not go on when that is over.
-void ServoGroup::interlock(std::span<const double> inputs) {
-  if (any(bit::kError | bit::kHalted)) hold_all(inputs);
+// While one drive is stopped, all drives stand, and desired values written meanwhile do not count. A drive
+// that was homing for the ports when another one failed does not go on by itself after the Reset.
+void ServoGroup::interlock() {
+  if (any(bit::kError | bit::kHalted)) {
+    for (auto& axis : axes_) axis.drive.hold();
+  }
   if (!any(bit::kError)) return;
-  for (auto& axis : axes_) {
-    auto& state = axis.drive.state();
-    state.homing = state.homing && state.by_bus;
-  }
-}
-
-void ServoGroup::hold_all(std::span<const double> inputs) {
-  for (auto& axis : axes_) drive::hold(axis.drive.state(), target(axis, inputs));
+  for (auto& axis : axes_) axis.drive.cancel_homing_of_ports();
 }
 
 double ServoGroup::target(const Axis& axis, std::span<const double> inputs) const {
@@ -152,7 +146,6 @@ void ServoGroup::publish(std::span<const hwparts::JointSample> samples, std::spa
   outputs[layout_.changed] = static_cast<double>(state_.changed);
 }
 
-// Another number in each tick, the same one whenever that tick is done.
 double ServoGroup::encoder_noise(std::size_t axis) const {
   constexpr std::uint64_t kOdd = 0x9E3779B97F4A7C15u;
   const double deviation = axes_[axis].drive.broken().encoder_deviation;
@@ -212,7 +205,7 @@ PartState ServoGroup::part_state() const {
 
 void ServoGroup::controller_lost() {
   if (state_.on_controller_lost == OnControllerLost::kHold) return;
-  for (auto& axis : axes_) drive::lose_controller(axis.drive.state());
+  for (auto& axis : axes_) axis.drive.lose_controller();
 }
 
 void ServoGroup::reset() {

@@ -1,22 +1,21 @@
-// The part of a group of servos: ports in front of drives. Kind `servo_group`, and, with another layout of
-// the ports, `amtec_arm`.
+// A part that is a group of servos: ports in front of drives. It is the kind `servo_group` and, with another
+// layout of the ports, `amtec_arm`. The simulation owns it; it lives on the tick's thread (part.h says which
+// functions others may call). Only construction can fail.
 //
 // Commands:
-// - Desired values and maximum speeds hold until they are written again. A drive follows them on a trapezoid;
-//   one with `control: velocity` is commanded by `Desired Speed`, which it takes on a ramp and keeps.
-// - Reset, Home, Halt act when their number changes, in this order; the last number seen starts at 0.
-// - A fault of one drive stops them all, each on its ramp. Desired values, Home and Halt's motion are then
-// ignored.
-// - Reset clears what may be cleared (drive/supervision.h). If the group was stopped by a fault or by Halt,
-// each drive
-//   then stands where it is until its own desired value is another one than at the tick of the Reset: an old
-//   command, or one written together with the Reset, moves nothing. After Home it is the same, from where
-//   home is.
-// - Execution Enable 0 stops on a ramp and keeps standing; 1 again goes on to the desired values.
-// - A field bus (powercube::ModuleBus) commands the same drives. Who spoke last to a drive moves it: after a
-// command over
-//   the bus, the ports again as soon as the drive's desired value becomes another one. What the bus moves is
-//   not stopped by the fault of another drive.
+// - Desired values and maximum speeds hold until they are written again. A drive follows them on a trapezoid.
+//   A drive with `control: velocity` has `Desired Speed` instead, which it reaches on a ramp and keeps.
+// - Reset, Home and Halt act when their number changes, in this order. The last number seen starts at 0.
+// - A fault of one drive stops all drives, each on its ramp. Desired values, and Home, are then ignored.
+// - Reset clears the faults that may be cleared (drive/supervision.h). If a fault or Halt had stopped the
+//   group, each drive then stands where it is until its own desired value differs from the one at the tick of
+//   the Reset. So an old command, or one written together with the Reset, moves nothing. After Home it is the
+//   same, at the home position.
+// - Execution Enable 0 stops the drives on a ramp and keeps them standing. 1 lets them go on to the desired
+//   values.
+// - A field bus (powercube::ModuleBus) commands the same drives. The last command to a drive holds: after a
+//   command over the bus, the ports command the drive again as soon as its desired value becomes another one.
+//   The fault of another drive does not stop a drive that the bus moves.
 // - A lost controller: `stop` is a fault (COMM_ERROR) of all drives; `hold` leaves the last values in force.
 #pragma once
 
@@ -62,30 +61,36 @@ class ServoGroup : public hwparts::Part {
   void load(hwparts::StateReader& from) override;
 
  private:
-  // A drive with its joints: a run of the part's joints and of its channels.
+  // A drive with its run of the part's joints and channels.
   struct Axis {
     drive::Drive drive;
     Run run;
   };
-  // What changes, beside the drives.
+  // The changing state apart from drives and modules.
   struct State {
     double reset = 0.0, home = 0.0, halt = 0.0;  // the counters as last seen
     bool enabled = true;
     OnControllerLost on_controller_lost = OnControllerLost::kStop;
-    double supply_voltage = 0.0;  // V; reaches the drives unless the emergency stop is pressed
+    double supply_voltage = 0.0;  // V; 0 reaches the drives while the emergency stop is pressed
     bool emergency_stop = false;
     std::uint64_t changed = 0;
   };
 
+  // Carries out Reset, Home and Halt where their counters have changed.
   void apply_counters(std::span<const double> inputs);
-  void interlock(std::span<const double> inputs);
-  double target(const Axis& axis, std::span<const double> inputs) const;  // module's coordinate, or its speed
+  // While any drive is stopped by a fault or Halt: holds all drives. After a fault, also ends homing that the
+  // ports asked for.
+  void interlock();
+  // The desired value of a drive, in the module's coordinate: a position, or a speed.
+  double target(const Axis& axis, std::span<const double> inputs) const;
+  // True where any drive has any of `bits` latched.
   bool any(std::uint32_t bits) const;
   PartState part_state() const;
-  void hold_all(std::span<const double> inputs);
   std::optional<std::string> set_tuning(const std::string& name, double value);
   std::optional<std::string> set_supply(double volts);
+  // Gives the drives the voltage that emergency stop and faults leave.
   void supply_drives();
+  // [u], for this tick's reading. Follows from seed, tick and drive alone, so that a replay has the same.
   double encoder_noise(std::size_t axis) const;
 
   PortLayout layout_;
@@ -95,16 +100,16 @@ class ServoGroup : public hwparts::Part {
   powercube::ModuleBus modules_;
   State initial_;
   State state_;
-  GroupFaults faults_;  // what acts; no state of the part
+  GroupFaults faults_;  // those that act now; the simulation keeps their list, so they are no state here
   std::uint64_t seed_;
   bool acted_ = false;  // between act() and publish()
   std::string identity_;
   protocol::PartDescription description_;
 };
 
-// The channels of kind `servo_group`: one block, in the order of the drives file.
+// The channels of the kind `servo_group`: one block, in the order of the drives file.
 std::vector<std::vector<Channel>> one_block(const DriveList& drives);
-// Kind `servo_group`. Throws ConfigError.
+// Makes a part of the kind `servo_group`. Throws ConfigError.
 std::unique_ptr<hwparts::Part> make(const hwparts::PartContext& context);
 
 }  // namespace visum::servo_group

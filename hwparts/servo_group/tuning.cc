@@ -9,7 +9,7 @@ namespace {
 using drive::DriveData;
 using drive::Tuning;
 
-// A loop that is sampled every h seconds is stable, with room for torsion and friction, up to these gains.
+// Up to these gains a loop that is sampled every h seconds is stable, with room for torsion and friction.
 TuningRange position_gain(const DriveData&, double h) {
   return {0.01, 0.2 / h};
 }
@@ -35,10 +35,10 @@ constexpr std::array<TuningField, 7> kFields{{
      &Tuning::velocity_bandwidth, velocity_bandwidth},
     {"Velocity Integral Time", "s", "integral time of the velocity loop; 0: no integral part",
      &Tuning::integral_time, integral_time},
-    {"Maximum Acceleration", "<u>/s²", "of the ramps", &Tuning::maximum_acceleration, acceleration, false,
-     0x4A},
-    {"Following Error Limit", "<u>", "more trips TOW_ERROR", &Tuning::following_error, following_error, false,
-     0x40},
+    {"Maximum Acceleration", "<u>/s²", "acceleration of the ramps", &Tuning::maximum_acceleration,
+     acceleration, false, 0x4A},
+    {"Following Error Limit", "<u>", "a larger following error trips TOW_ERROR", &Tuning::following_error,
+     following_error, false, 0x40},
     {"Soft Limit Minimum", "<u>", "a command beyond it trips BEYOND_SOFT", &Tuning::soft_minimum, soft_limit,
      true, 0x45},
     {"Soft Limit Maximum", "<u>", "a command beyond it trips BEYOND_SOFT", &Tuning::soft_maximum, soft_limit,
@@ -94,7 +94,8 @@ void append_parameters(const drive::Drive& drive, std::size_t number, double tic
     if (field.limit && !drive.data().limits.limited) continue;
     to.push_back(field_parameter(field, drive.data(), state.tuning, number, tick_s));
   }
-  to.push_back(reading("Winding Temperature" + suffix, "°C", "of the motor", state.winding));
+  to.push_back(
+      reading("Winding Temperature" + suffix, "°C", "temperature of the motor's winding", state.winding));
   to.push_back(reading("Gear Peak Load" + suffix, drive.data().linear ? "N" : "N·m",
                        "largest load of the gear since the last Reset", state.peak_effort));
   to.push_back(reading("Gear Overloads" + suffix, "",
@@ -120,8 +121,11 @@ std::optional<std::string> change(const TuningField& field, const DriveData& dat
 }
 
 std::optional<std::string> tune(drive::Drive& drive, const TuningField& field, double value, double tick_s) {
-  auto& state = drive.state();
-  return change(field, drive.data(), state.measured_position, value, tick_s, state.tuning);
+  const auto& state = drive.state();
+  Tuning changed = state.tuning;
+  auto reason = change(field, drive.data(), state.measured_position, value, tick_s, changed);
+  if (!reason) drive.tune(field.member, changed.*field.member);
+  return reason;
 }
 
 }  // namespace visum::servo_group

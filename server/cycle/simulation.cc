@@ -10,6 +10,7 @@
 #include "hwparts/sensors/camera.h"
 #include "hwparts/sensors/sensor_kinds.h"
 #include "server/cycle/node_errors.h"
+#include "server/dynamics/kinds/engine_kinds.h"
 #include "server/dynamics/plugged/plugged_engine.h"
 #include "server/scene/settings.h"
 

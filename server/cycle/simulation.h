@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "hwparts/fault_set.h"
+#include "hwparts/kinds/part_kinds.h"
 #include "hwparts/part.h"
 #include "hwparts/powercube/message.h"
 #include "protocol/recording/input.h"

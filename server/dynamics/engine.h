@@ -50,17 +50,4 @@ class Engine {
   virtual StepResult step(const StepInput& input, world::WorldState& state) = 0;
 };
 
-// The kinds of engine, by name: one line each in engine_kinds.cc.
-struct EngineKind {
-  const char* name;
-  const char* help;
-  std::unique_ptr<Engine> (*make)(const world::WorldModel& model, std::int32_t engine_index);
-};
-std::span<const EngineKind> engine_kinds();
-std::unique_ptr<Engine> make_engine(const world::WorldModel& model, std::int32_t engine_index);
-
-// For which processors the hot loops that this process takes are compiled: x86-64 or x86-64-v3. The bits are
-// the same. Throws where the environment's VISUM_KERNELS names others.
-const char* processor_build();
-
 }  // namespace visum::dynamics

@@ -1,5 +1,5 @@
-// What each engine's folder provides, for the table in engine_kinds.cc. Throw std::runtime_error for bad
-// settings.
+// What each engine's folder provides, for the table in kinds/engine_kinds.cc. Throw std::runtime_error for
+// bad settings.
 #pragma once
 
 #include <memory>

@@ -20,7 +20,7 @@
 
 #include "protocol/config/config.h"
 #include "protocol/json_text.h"
-#include "server/dynamics/engine.h"
+#include "server/dynamics/kinds/engine_kinds.h"
 
 namespace visum::programs {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hwparts/kinds/part_kinds.h"
 #include "hwparts/sensors/sensor_kinds.h"
 #include "server/scene/values.h"
 

@@ -14,11 +14,6 @@ std::string at(const SourceFile& file, int line) {
   return file.path + ":" + std::to_string(line) + ": ";
 }
 
-bool is_composition_file(const std::string& path) {
-  const auto files = composition_files();
-  return std::find(files.begin(), files.end(), path) != files.end();
-}
-
 bool is_generated(const std::string& target) {
   return target.ends_with(".pb.h");
 }
@@ -107,7 +102,7 @@ Findings check_layers(const SourceTree& tree) {
     if (!from) found.push_back(path + ": stands in no folder of the table in tests/architecture/rules.cc");
     for (const Include& include : file.includes) {
       if (!from || include.angled || is_generated(include.target) || !layer_of(include.target)) continue;
-      if (is_composition_file(include.target) || !may_include(*from, include.target))
+      if (!may_include(*from, include.target))
         found.push_back(at(file, include.line) + from->folder + " must not include \"" + include.target +
                         "\"");
     }
@@ -118,7 +113,6 @@ Findings check_layers(const SourceTree& tree) {
 Findings check_folder_cycles(const SourceTree& tree) {
   Graph graph;
   for (const auto& [path, file] : tree.files) {
-    if (is_composition_file(path)) continue;
     for (const Include& include : file.includes)
       if (tree.files.contains(include.target) && folder_of(include.target) != folder_of(path))
         graph[folder_of(path)].insert(folder_of(include.target));

@@ -42,11 +42,6 @@ const std::vector<Layer> kLayers = {
     {"tests", {"protocol", "hwparts", "server", "clients"}},
 };
 
-const std::vector<std::string> kCompositionFiles = {
-    "server/dynamics/engine_kinds.cc",
-    "hwparts/part_kinds.cc",
-};
-
 const std::vector<ThirdParty> kThirdParties = {
     {"ode/", {"server/dynamics/ode", "tests"}},
     {"embree3/", {"server/sensing", "tests"}},
@@ -141,9 +136,6 @@ bool any_prefix(const std::vector<std::string>& prefixes, std::string_view text)
 
 std::span<const Layer> layers() {
   return kLayers;
-}
-std::span<const std::string> composition_files() {
-  return kCompositionFiles;
 }
 std::span<const ThirdParty> third_parties() {
   return kThirdParties;

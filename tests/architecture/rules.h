@@ -17,10 +17,6 @@ struct Layer {
 };
 std::span<const Layer> layers();
 
-// A file that knows more than its folder, because somebody must: a program's main, or the table that lists
-// the kinds behind a seam. It takes part in no rule on arrows between folders, and nobody includes it.
-std::span<const std::string> composition_files();
-
 // A third-party header, and the only places that may see it, directly or through headers of ours.
 struct ThirdParty {
   std::string prefix;               // of what stands between the brackets

@@ -1,6 +1,6 @@
 #include <benchmark/benchmark.h>
 
-#include "server/dynamics/engine.h"
+#include "server/dynamics/kinds/engine_kinds.h"
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);

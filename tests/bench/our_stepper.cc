@@ -3,7 +3,7 @@
 #include <stdexcept>
 
 #include "server/collision/collision.h"
-#include "server/dynamics/engine.h"
+#include "server/dynamics/kinds/engine_kinds.h"
 #include "tests/dynamics/physics/engine_rows.h"
 
 namespace visum::bench {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "server/dynamics/kinds/engine_kinds.h"
+
 namespace visum::dynamics::testing {
 namespace {
 

@@ -10,7 +10,7 @@ namespace {
 TEST(AmtecArm, TicksSavesAndLoadsWithoutAllocating) {
   PartBench bench("amtec_arm", arm_context());
   auto bytes = bench.save();
-  bench.set_angles(2.5);  // on the way: ramps, a soft limit, a fault, a halt
+  bench.set_angles(2.5);  // the run has ramps, a soft limit, a fault and a halt
   const std::size_t reset = 18, halt = 20;
   ASSERT_EQ(bench.part->description().controller_inputs[halt].name, "Halt");
 

@@ -1,9 +1,10 @@
-// The arm's part: its contract of ports, and what its commands do.
+// The arm's part: the contract of its ports, and the effect of its commands.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "hwparts/kinds/part_kinds.h"
 #include "hwparts/servo_group/part_state.h"
 #include "tests/hwparts/part_bench.h"
 #include "tests/hwparts/rig.h"
@@ -25,7 +26,7 @@ std::vector<std::string> names(const std::vector<protocol::Port>& ports) {
   return all;
 }
 
-// The order is what saved panels and recorded vectors refer to: it never changes.
+// Saved panels and recorded vectors refer to this order, so it never changes.
 TEST(AmtecArm, ControllerInputsAreThese) {
   const std::vector<std::string> expected{"Desired Angle 1 [rad]",
                                           "Desired Angle 2 [rad]",
@@ -158,8 +159,8 @@ TEST(AmtecArm, BothFingersAreTheOneModulesOpening) {
   EXPECT_EQ(bench.module(8), bench.module(9));
 }
 
-// What the loop's stiffness makes of a command that lies inside of the object, less what play and torsion
-// take; limited by the current.
+// The grip that the loop's stiffness gives for a command inside of the object, less the way that play and
+// torsion take, and limited by the current.
 double grip_force(double inside) {
   const auto data = arm_drive(8);
   const double stiffness = data.loop.position_gain * data.loop.velocity_bandwidth * data.reflected_inertia();

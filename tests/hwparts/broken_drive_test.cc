@@ -1,4 +1,4 @@
-// Each fault of a drive, against closed form: what it does to the axis, and what the module makes of it.
+// Each fault of a drive against closed form: its effect on the axis, and the module's reaction.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -114,7 +114,7 @@ TEST(BrokenDrive, ABrakeThatDoesNotCloseLetsTheAxisFallWhenThePowerGoes) {
     rig.drive.set_broken(with(&drive::Broken::brake, brake));
     rig.plants[0].external = 40.0;
     rig.run(0.5);
-    drive::open_loop(rig.drive.state());
+    rig.drive.open_loop();
     rig.run(1.0);
     EXPECT_TRUE(rig.has(bit::kBrakeActive)) << "so the module says";
     return rig.position();
@@ -154,7 +154,7 @@ TEST(BrokenDrive, HomeFindsThePlaceAnewThatAGearHasLost) {
   rig.run(4.0);
   rig.drive.set_broken({});
   rig.plants[0].upper = 1e9;
-  drive::home(rig.drive.state());
+  rig.drive.home();
   rig.run(20.0);
   ASSERT_TRUE(rig.has(bit::kHomeOk));
   EXPECT_NEAR(rig.position(), data.home.position, 1e-3);
@@ -172,8 +172,8 @@ TEST(BrokenDrive, AHotWindingTripsAndTheSupplyMustGoBeforeReset) {
   rig.run(0.1);
   rig.reset();
   EXPECT_TRUE(rig.has(bit::kFetTemp)) << "hot still, and not switched off";
-  // It cools with its own time constant: by 15 K after ln of the ratio of the temperatures above the
-  // surroundings.
+  // It cools with its own time constant. Cooling by 15 K takes that constant times the ln of the ratio of the
+  // temperatures above the surroundings.
   const double above = data.motor.maximum_winding + 5.0 - data.motor.ambient;
   const double cooled = data.motor.thermal_time * std::log(above / (above - 15.0));
   rig.run(0.9 * cooled - 0.1);

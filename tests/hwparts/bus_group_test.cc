@@ -1,7 +1,8 @@
-// A part in front of real modules: what it does when bus and modules are not what they should be.
+// A part in front of real modules: its behaviour when bus or modules are not as they should be.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hwparts/kinds/part_kinds.h"
 #include "hwparts/servo_group/part_state.h"
 #include "tests/hwparts/real_bench.h"
 
@@ -224,7 +225,7 @@ TEST(BusGroup, ServesTheWatchdogAndWithoutItTheModulesStop) {
   arm.run(0.8);
   EXPECT_EQ(Ends{arm}.state(), PartState::kMoving);
   EXPECT_GT(arm.line.count(command::kWatchdog), 10);
-  arm.behind.run(1.0);  // nobody serves it
+  arm.behind.run(1.0);  // no life signs come any more
   EXPECT_TRUE(arm.behind.module(1) & bit::kCommError);
 }
 
@@ -238,7 +239,7 @@ TEST(BusGroup, LeavesNothingMovingBehind) {
   EXPECT_NEAR(arm.behind.plants[0].joint.velocity, 0.0, 1e-3);
 }
 
-// Nobody has seen it move yet.
+// No reading has shown the motion yet.
 TEST(BusGroup, LeavesNothingMovingBehindThatHasJustBegun) {
   RealBench arm;
   arm.inputs[0] = 1.5;
@@ -277,7 +278,7 @@ TEST(BusGroup, AModuleThatFallsSilentStopsTheOthersOnTheirWayHome) {
   EXPECT_TRUE(arm.behind.module(1) & bit::kHalted);
 }
 
-// HALT is never kept waiting, and what is sent behind it does not undo it.
+// HALT never waits behind other requests, and requests that follow it do not undo it.
 TEST(BusGroup, AHaltGoesBeforeAResetThatStillWaitsAndBehindItAgain) {
   RealBench arm;
   arm.line.sent.clear();
@@ -291,7 +292,7 @@ TEST(BusGroup, AHaltGoesBeforeAResetThatStillWaitsAndBehindItAgain) {
   EXPECT_THAT(said, testing::ElementsAre(command::kHalt, command::kReset, command::kHalt));
 }
 
-// A RESET leaves the ramp of a module without a fault running, so that it must not be forgotten.
+// A RESET leaves the ramp of a module without a fault running, so the part must remember the ramp.
 TEST(BusGroup, AResetDuringAMotionLeavesItToBeStopped) {
   for (const bool at_once : {true, false}) {
     for (const auto framing : {BusFraming::kSerial, BusFraming::kCan}) {
@@ -325,7 +326,7 @@ TEST(BusGroup, AResetInGoodHealthDisturbsNoMotion) {
   }
 }
 
-// ---- what a module refuses ----
+// ---- refusals of a module ----
 
 TEST(BusGroup, ARefusedMotionIsAskedForAgain) {
   for (const auto framing : {BusFraming::kSerial, BusFraming::kCan}) {

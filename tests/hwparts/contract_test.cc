@@ -1,4 +1,4 @@
-// What a part of servos must do, whatever stands behind its ports: simulated drives, or modules on a bus. A
+// The contract of a part of servos, whether simulated drives or modules on a bus stand behind its ports. A
 // part passes all of it before it is served as `arm`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 using servo_group::PartState;
 using testing::HasSubstr;
 
-// One part on the bench: its ports by name, its time, and the joints that really are behind it.
+// One part on the bench: its ports by name, its time, and the true joints behind it.
 class Subject {
  public:
   explicit Subject(hwparts::Part& the_part) : part(the_part) {}
@@ -36,7 +36,7 @@ class Subject {
   }
   PartState state() const { return static_cast<PartState>(static_cast<int>(out("Part State"))); }
   void bump(const std::string& counter) { in(counter) += 1.0; }
-  // Where joint 1..7 is, as the world knows it.
+  // The true position of joint 1..7.
   double joint(int number) { return mechanics().plants[static_cast<std::size_t>(number) - 1].joint.position; }
   bool wait_for(PartState wanted, double seconds) {
     for (double t = 0.0; t < seconds; t += 0.02) {

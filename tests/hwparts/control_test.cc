@@ -10,7 +10,7 @@
 namespace visum::test {
 namespace {
 
-// What gravity asks of the arm's joints at most, stretched out, with the gripper and 2 kg in it: N·m.
+// The largest effort of gravity on the arm's joints, N·m: stretched out, with the gripper and 2 kg in it.
 constexpr double kGravity[] = {0.0, 80.0, 30.0, 30.0, 5.0, 5.0, 1.0};
 
 struct Range {
@@ -28,8 +28,7 @@ class Control : public testing::TestWithParam<std::tuple<int, double, double>> {
     const auto [number, inertia, tick] = GetParam();
     Rig rig(arm_drive(number), tick);
     rig.plants[0].inertia = inertia;
-    // Limited for light loads: a pendulum quicker than the tick is no plant that Euler's method can
-    // integrate.
+    // Limited for light loads: Euler's method cannot integrate a pendulum that is quicker than the tick.
     rig.plants[0].gravity = std::min(kGravity[number - 1], 300.0 * inertia);
     return rig;
   }
@@ -145,8 +144,7 @@ TEST(Drive, IntegralDoesNotWindUpAtTheCurrentLimit) {
   rig.command.target = 1.0;
   rig.run(5.0);
   ASSERT_NEAR(rig.state().current, data.motor.current_limit, 1e-9);
-  rig.command.target =
-      0.1;  // back: lets go as soon as the setpoint is back, without first emptying an integral
+  rig.command.target = 0.1;  // it lets go as soon as the setpoint is back, without first emptying an integral
   while (rig.state().setpoint.position > 0.2) rig.tick();
   rig.run(0.3);
   EXPECT_LT(rig.position(), 0.19);

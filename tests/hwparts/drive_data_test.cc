@@ -1,4 +1,4 @@
-// What may stand in a drives file and in a scene's entry, and what is said about what may not.
+// The keys of a drives file and of a part's entry in a scene, and the errors for wrong ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The table of faults, and what is refused at its edge.
+// The table of faults, and the refusals of wrong kinds and numbers.
 #include "hwparts/fault_kinds.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,8 @@ TEST(FaultKinds, TakeTheirNumbersByName) {
 }
 
 TEST(FaultKinds, RefuseWhatTheyDoNotMeanWithTheReason) {
-  EXPECT_EQ(refusal("encoder_stuk", {}), "there is no fault 'encoder_stuk'; `visum faults` lists them");
+  EXPECT_EQ(refusal("earthquake", {}), "there is no fault 'earthquake'; `visum faults` lists them");
+  EXPECT_EQ(refusal("encoder_stuk", {}), "there is no fault 'encoder_stuk'; did you mean 'encoder_stuck'?");
   EXPECT_EQ(refusal("encoder_stuck", {}), "'encoder_stuck' needs the number 'joint'");
   EXPECT_EQ(refusal("encoder_stuck", {{"join", 1}}), "'encoder_stuck' has no number 'join'; it has joint");
   EXPECT_EQ(refusal("emergency_stop", {{"joint", 1}}), "'emergency_stop' has no number 'joint'; it has none");
@@ -86,7 +87,7 @@ TEST(FaultSet, ReadsBackWhatItSaved) {
   EXPECT_TRUE(from.at_end());
 }
 
-// A state may come from a file.
+// A saved state may come from a file, so load() checks it.
 TEST(FaultSet, BelievesNoPartAndNoNumber) {
   const auto load = [](const ActiveFault& fault) {
     std::vector<std::byte> bytes;

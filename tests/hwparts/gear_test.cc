@@ -12,7 +12,7 @@
 namespace visum::test {
 namespace {
 
-// No motor, no brake, no friction: rotor, spring and load alone.
+// A drive without motor, brake and friction: only rotor, spring and load are left.
 drive::DriveData passive(drive::DriveData data) {
   data.gear.viscous_friction = data.gear.coulomb_friction = 0.0;
   data.brake.present = false;
@@ -98,7 +98,7 @@ TEST(Gear, OscillatesWithTheFrequencyOfTwoMassesAndASpring) {
   data.gear.backlash = data.gear.damping = 0.0;
   const double h = 1e-5, inertia = 2.0;
   Rig rig(data, h);
-  rig.drive.state().tuning.supply_voltage = 0.0;
+  rig.supply(0.0);
   rig.plants[0].inertia = inertia;
   rig.plants[0].joint.position = -1e-4;  // stretched, at rest
   int crossings = 0;
@@ -118,7 +118,7 @@ TEST(Gear, OscillatesWithTheFrequencyOfTwoMassesAndASpring) {
   EXPECT_NEAR((crossings - 1) / (last - first), frequency, 0.005 * frequency);
 }
 
-// Rotor and load rattle through the play: energy may only go.
+// Rotor and load rattle through the play. The energy must never grow.
 class GearEnergy : public testing::TestWithParam<double> {};
 
 TEST_P(GearEnergy, NeverGrowsWhateverTheTickAndThePlay) {
@@ -129,7 +129,7 @@ TEST_P(GearEnergy, NeverGrowsWhateverTheTickAndThePlay) {
       data.gear.damping = 0.0;
       data.gear.backlash = backlash;
       Rig rig(data, h);
-      rig.drive.state().tuning.supply_voltage = 0.0;
+      rig.supply(0.0);
       rig.plants[0].inertia = inertia;
       rig.plants[0].joint.velocity = 0.5;
       double before = energy(rig);
@@ -149,7 +149,7 @@ INSTANTIATE_TEST_SUITE_P(Ticks, GearEnergy, testing::Values(0.001, 0.002, 0.004,
 TEST(Gear, MomentumOfRotorAndLoadIsKept) {
   auto data = passive(arm_drive(3));
   Rig rig(data);
-  rig.drive.state().tuning.supply_voltage = 0.0;
+  rig.supply(0.0);
   rig.plants[0].joint.velocity = 0.5;
   rig.run(2.0);
   const double sum = rig.plants[0].inertia * rig.plants[0].joint.velocity +
@@ -160,7 +160,7 @@ TEST(Gear, MomentumOfRotorAndLoadIsKept) {
 TEST(Gear, RigidGearAddsTheRotorsInertia) {
   auto data = passive(ideal(arm_drive(4)));
   Rig rig(data);
-  rig.drive.state().tuning.supply_voltage = 0.0;
+  rig.supply(0.0);
   rig.plants[0].external = 5.0;
   rig.run(1.0);
   EXPECT_NEAR(rig.plants[0].joint.velocity, 5.0 / (1.0 + data.reflected_inertia()), 1e-9);
@@ -203,7 +203,7 @@ TEST(Brake, HoldsWithoutPowerUpToItsTorqueAndSlipsBeyond) {
   for (const bool rigid : {false, true}) {
     auto data = rigid ? ideal(arm_drive(4)) : arm_drive(4);
     Rig rig(data);
-    rig.drive.state().tuning.supply_voltage = 0.0;
+    rig.supply(0.0);
     rig.run(0.1);
     ASSERT_TRUE(rig.has(bit::kBrakeActive));
     const double torsion =
@@ -228,8 +228,10 @@ TEST(Brake, StopsAMovingRotorWithItsTorqueAndHoldsItStill) {
   Rig rig(data);
   rig.plants[0].inertia = 0.001;
   rig.plants[0].joint.velocity = 0.5;
-  rig.drive.state().rotor_speed = 0.5;
-  rig.drive.state().tuning.supply_voltage = 0.0;
+  auto running = rig.state();
+  running.rotor_speed = 0.5;
+  rig.put(running);
+  rig.supply(0.0);
   const double stopping = 0.5 * data.reflected_inertia() / data.brake.holding_effort;
   rig.run(0.5 * stopping);
   EXPECT_NEAR(rig.state().rotor_speed, 0.25, 0.02);

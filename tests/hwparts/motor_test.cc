@@ -75,7 +75,7 @@ TEST(Drive, TorqueIsNeverMoreThanTorqueConstantTimesGearTimesCurrentLimit) {
     auto data = arm_drive(number);
     data.limits.following_error = 1e3;
     Rig rig(data, 0.001, data.linear ? 0.03 : 0.0);
-    rig.plants[0].inertia = 1e6;  // as good as clamped: all that the motor gives goes into the gear
+    rig.plants[0].inertia = 1e6;  // as good as clamped: the gear carries the motor's whole effort
     rig.command.target = data.limits.soft_maximum;
     const double most = data.effort_per_amp() * data.motor.current_limit;
     double settled = 0.0;
@@ -107,13 +107,15 @@ TEST(Drive, SpeedIsLimitedByWhatTheSupplyLeaves) {
 TEST(Drive, FrictionStaysStableWhereItIsSteep) {
   auto data = ideal(arm_drive(1));
   data.gear.coulomb_friction = 80.0;
-  data.gear.coulomb_speed = 1e-4;  // next to dry friction
+  data.gear.coulomb_speed = 1e-4;  // almost dry friction
   data.brake.present = false;
   Rig rig(data, 0.005);
   rig.plants[0].inertia = 0.01;
   rig.plants[0].joint.velocity = 0.4;
-  rig.drive.state().rotor_speed = 0.4;
-  rig.drive.state().tuning.supply_voltage = 0.0;  // runs out, without a motor
+  auto running = rig.state();
+  running.rotor_speed = 0.4;
+  rig.put(running);
+  rig.supply(0.0);  // runs out, without a motor
   double before = 0.4;
   for (int k = 0; k < 100; ++k) {
     rig.tick();

@@ -14,7 +14,7 @@ namespace {
 using protocol::Parameter;
 using testing::HasSubstr;
 
-// All of its joints at 0.
+// The arm with all joints at 0.
 PartBench straight_arm() {
   return PartBench("amtec_arm", arm_context());
 }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "hwparts/kinds/part_kinds.h"
+
 namespace visum::test {
 namespace {
 

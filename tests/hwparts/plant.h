@@ -1,5 +1,5 @@
-// What a drive hangs on, in a test: an exact one-joint mechanism that obeys the JointDrive law implicitly, as
-// an engine does. q'' = (effort + external - m g l sin q) / inertia, semi-implicit Euler.
+// The mechanics behind a drive in a test: an exact one-joint mechanism that follows the JointDrive law
+// implicitly, as an engine does. q'' = (effort + external - m g l sin q) / inertia, semi-implicit Euler.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ struct Plant {
   }
 
  private:
-  // A stop sets the velocity with which the tick ends; the drive feels that velocity.
+  // A stop sets the velocity at the tick's end, and the drive feels that velocity.
   void stop_at_limits(const hwparts::JointDrive& drive, double h) {
     const double next = joint.position + h * joint.velocity;
     const double held = std::clamp(next, lower, upper);

@@ -1,5 +1,5 @@
-// The host's end of a bus that leads straight into a virtual part's modules: no device, and a clock that the
-// test ticks. It loses what it is told to lose.
+// The host's end of a bus that leads straight into a virtual part's modules. It has no device, its clock is
+// ticked by the test, and it loses or refuses what the test sets below.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace visum::test {
 
 class PluggedConnection : public powercube::BusConnection {
  public:
-  // `tick`, called while somebody waits, makes a tick of the virtual part's time pass.
+  // `tick` is called while the program waits. It lets a tick of the virtual part's time pass.
   PluggedConnection(hwparts::Part& part, powercube::BusFraming framing, std::function<void()> tick,
                     double tick_s)
       : part_(part),
@@ -56,13 +56,13 @@ class PluggedConnection : public powercube::BusConnection {
     return static_cast<int>(std::ranges::count_if(sent, is));
   }
 
-  bool gone = false;         // the device
-  bool cut = false;          // the cable
-  std::set<int> silent;      // modules
-  std::uint8_t deaf_to = 0;  // SETPARAM of this parameter
-  int lose_next = 0;         // requests
-  int refuse_moves = 0;      // SETMOVE, the next so many
-  std::uint8_t refused = 0;  // SETPARAM of this parameter
+  bool gone = false;         // the device is gone
+  bool cut = false;          // the cable is cut
+  std::set<int> silent;      // these modules do not answer
+  std::uint8_t deaf_to = 0;  // SETPARAM of this parameter is lost
+  int lose_next = 0;         // this many requests are lost
+  int refuse_moves = 0;      // this many SETMOVE are refused
+  std::uint8_t refused = 0;  // SETPARAM of this parameter is refused
   std::deque<powercube::Telegram> sent;
 
  private:

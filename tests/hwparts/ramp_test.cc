@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kTick = 0.001;
 
-// The trapezoid from rest over a distance d > 0, in closed form: where it is after t seconds.
+// The position after t seconds on the trapezoid from rest over a distance d > 0, in closed form.
 double trapezoid(double d, double v, double a, double t) {
   const double peak = std::min(v, std::sqrt(a * d));
   const double ramp = peak / a, cruise = d / peak - ramp, total = 2.0 * ramp + cruise;
@@ -102,8 +102,8 @@ TEST(Ramp, StopsWithinItsBrakingDistance) {
   EXPECT_EQ(after.phase, RampPhase::kEnd);
 }
 
-// Targets and maximum speeds change at any tick: no jump, no speed and no acceleration beyond what was asked
-// for.
+// Targets and maximum speeds change at any tick. The setpoint never jumps, and keeps within the speed and the
+// acceleration that were asked for.
 class RampFuzz : public testing::TestWithParam<int> {};
 
 TEST_P(RampFuzz, NeverExceedsSpeedOrAccelerationAndArrivesExactly) {
@@ -123,7 +123,7 @@ TEST_P(RampFuzz, NeverExceedsSpeedOrAccelerationAndArrivesExactly) {
         vmax, std::abs(before.speed) - a * h);  // above the new maximum only while braking down to it
     ASSERT_LE(std::abs(point.speed), allowed * (1.0 + 1e-9) + 1e-12) << k;
     ASSERT_LE(std::abs(point.speed - before.speed), a * h * (1.0 + 1e-6) + 1e-12) << k;
-    // Anywhere within the tick the acceleration is at most a, so the way is near the mean speed's.
+    // The acceleration is at most a at any time in the tick, so the distance is near that of the mean speed.
     const double way = point.position - before.position;
     ASSERT_LE(std::abs(way - 0.5 * h * (point.speed + before.speed)), 0.25 * a * h * h * (1.0 + 1e-6) + 1e-12)
         << k;

@@ -1,24 +1,25 @@
-// The arm's part in front of modules, and the modules in closed loop behind it: virtual ones, over a line
-// that the test can cut. Ticked by hand.
+// The arm's part for real modules, in closed loop with virtual modules behind it, over a connection that the
+// test can cut. Ticked by hand.
 #pragma once
 
 #include <memory>
 #include <string>
 
+#include "hwparts/kinds/part_kinds.h"
 #include "tests/hwparts/part_bench.h"
 #include "tests/hwparts/plugged_connection.h"
 #include "tests/hwparts/rig.h"
 
 namespace visum::test {
 
-// Keys behind those that arm_context() writes.
+// Further keys, to be appended to those that arm_context() writes.
 inline std::string further(const std::string& keys) {
   return keys.empty() ? "" : ", " + keys;
 }
 
 class RealBench {
  public:
-  // `behind`: further keys of the part behind the bus, `front` of the one in front of it.
+  // `behind`: further keys of the part behind the bus; `front`: of the part in front of it.
   explicit RealBench(powercube::BusFraming framing = powercube::BusFraming::kSerial,
                      const std::string& behind = "", const std::string& front = "",
                      const hwparts::RealOptions& options = {true})
@@ -47,7 +48,7 @@ class RealBench {
   std::vector<double> inputs, outputs;
 
  private:
-  static constexpr int kExchanges = 12;  // a tick on an ideal line has time for more
+  static constexpr int kExchanges = 12;  // an ideal line has time for more in a tick
   void tick_behind() {
     behind.tick();
     line.pass_tick();

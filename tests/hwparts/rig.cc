@@ -43,6 +43,16 @@ void Rig::tick() {
   drive.publish(samples_);
 }
 
+void Rig::put(const drive::DriveState& state) {
+  std::vector<std::byte> saved;
+  {
+    hwparts::StateWriter writer(saved);
+    drive::save(state, writer);
+  }
+  hwparts::StateReader reader(saved);
+  drive.load(reader);
+}
+
 void Rig::run(double seconds) {
   const auto ticks = static_cast<std::int64_t>(std::llround(seconds / tick_s));
   for (std::int64_t i = 0; i < ticks; ++i) tick();

@@ -1,4 +1,4 @@
-// A drive in closed loop with its plants, ticked by hand; and the drives of the arm's own file.
+// A drive in closed loop with its plants, ticked by hand. Also reads the drives of the arm's own file.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@ namespace visum::test {
 
 namespace bit = drive::state_bit;
 
-// models/amtec_arm/drives.yaml, bound to joints that start at `angle` and, the fingers, at `finger`.
+// models/amtec_arm/drives.yaml, bound to joints that start at `angle` and fingers that start at `finger`.
 hwparts::PartContext arm_context(double tick_s = 0.001, double angle = 0.0, double finger = 0.017,
                                  const std::string& more = "");
-// Data of drive 1..8 of the arm.
+// The data of drive 1..8 of the arm.
 drive::DriveData arm_drive(int number);
-// Without what gets in the way of a closed-form answer: backlash, torsion, friction, filter.
+// The same drive without backlash, torsion, friction and filter, so that closed forms are exact.
 drive::DriveData ideal(drive::DriveData data);
 
 struct Rig {
@@ -32,7 +32,12 @@ struct Rig {
   bool has(std::uint32_t bits) const { return (word() & bits) == bits; }
   const drive::DriveState& state() const { return drive.state(); }
   double position() const { return plants[0].joint.position; }
-  void reset() { drive::reset(drive.data(), drive.state(), command.target); }
+  // Reset and Halt, with the target that the next tick will bring.
+  void reset() { drive.latch(command.target), drive.reset(); }
+  void halt() { drive.latch(command.target), drive.halt(); }
+  void supply(double volts) { drive.tune(&drive::Tuning::supply_voltage, volts); }
+  // Puts the drive into another state, as a snapshot does.
+  void put(const drive::DriveState& state);
 
   double tick_s;
   drive::Drive drive;

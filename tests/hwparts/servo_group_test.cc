@@ -1,9 +1,10 @@
-// What the commands and faults of a group of servos do; on the arm's drives.
+// The commands and faults of a group of servos, tested with the arm's drives.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "hwparts/kinds/part_kinds.h"
 #include "hwparts/servo_group/part_state.h"
 #include "tests/hwparts/part_bench.h"
 #include "tests/hwparts/rig.h"
@@ -198,7 +199,7 @@ TEST(Supply, OffAndOnAgainNeedsAReset) {
   EXPECT_STATE(bench, kReady);
 }
 
-// The loop is closed by then, and the brake opens.
+// Reset acts before Home in the same tick, so the loop is closed when Home acts. The brake is still opening.
 TEST(Home, WorksInTheTickOfTheResetThatGivesTheSupplyBack) {
   auto bench = arm_bench();
   ASSERT_EQ(bench.part->set_parameter("Supply Voltage", 0.0), std::nullopt);
@@ -215,7 +216,7 @@ TEST(Home, WorksInTheTickOfTheResetThatGivesTheSupplyBack) {
   EXPECT_NEAR(bench.out("Actual Angle 1"), 0.0, 1e-3);
 }
 
-// Even where the Reset comes in the tick after the fault.
+// This must hold even where the Reset comes in the tick after the fault.
 TEST(Fault, DuringHomeEndsItForTheOthersTooHoweverSoonResetComes) {
   auto bench = arm_bench();
   bench.bump("Home");
@@ -274,13 +275,17 @@ TEST(PartKinds, AreListedAndAnUnknownOneNamesThem) {
     EXPECT_NE(std::string(kind.name), "");
     EXPECT_NE(std::string(kind.help), "");
   }
-  try {
-    hwparts::make_part("amtec", arm_context());
-    FAIL();
-  } catch (const config::ConfigError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("amtec_arm, servo_group"));
-    EXPECT_THAT(error.what(), HasSubstr("scene:1: kind"));
-  }
+  const auto expect_refusal = [](const std::string& kind, const std::string& why) {
+    try {
+      hwparts::make_part(kind, arm_context());
+      FAIL();
+    } catch (const config::ConfigError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("there is no kind of part '" + kind + "'; " + why));
+      EXPECT_THAT(error.what(), HasSubstr("scene:1: kind"));
+    }
+  };
+  expect_refusal("toaster", "there are: amtec_arm, servo_group");
+  expect_refusal("amtec_arms", "did you mean 'amtec_arm'?");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Drives that are commanded by their speed (`control: velocity`), beside drives that are commanded by their
-// angle; on the cart's drives.
+// Drives that are commanded by their speed (`control: velocity`) beside drives that are commanded by their
+// angle, tested with the cart's drives.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The state of a part is complete: what is saved decides the future, bit by bit, and nothing else does.
+// The state of a part is complete: the saved bytes, and nothing else, decide every bit of the future.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -14,7 +14,7 @@ PartBench slow_arm() {
   return PartBench("amtec_arm", arm_context(0.002, 0.1));
 }
 
-// Commands, faults and parameters, as a seed has them.
+// One random command, fault or parameter.
 void disturb(PartBench& bench, std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const auto pick = random() % 12;
@@ -53,7 +53,7 @@ TEST_P(PartStateFuzz, RestoringAndGoingOnGivesTheSameBits) {
   const auto snapshot = first.save();
 
   auto second = slow_arm();
-  wander(second, seed + 77, 60);  // somewhere else altogether
+  wander(second, seed + 77, 60);  // brings it into quite another state
   second.load(snapshot);
   copy_world(first, second);
   ASSERT_EQ(second.save(), snapshot);
@@ -94,15 +94,15 @@ TEST(PartState, ShortBytesAreAnErrorAndNoCrash) {
   EXPECT_THROW(bench.load(bytes), std::out_of_range);
 }
 
-// A drive whose whole state was overwritten is itself again after load(): no field is forgotten.
+// A drive whose whole state was overwritten is restored by load(): no field is forgotten.
 TEST(DriveState, PoisonDoesNotOutliveALoad) {
   for (const int poison : {0x00, 0x01, 0x3f}) {
     Rig rig(arm_drive(2));
     rig.command.target = 1.0;
     rig.plants[0].gravity = 60.0;
     rig.run(1.0);
-    rig.drive.state().home_offset = 0.25;
-    drive::apply_home_offset(rig.drive.state());
+    rig.drive.set_home_offset(0.25);
+    rig.drive.apply_home_offset();
     std::vector<std::byte> saved;
     {
       hwparts::StateWriter writer(saved);
@@ -112,7 +112,10 @@ TEST(DriveState, PoisonDoesNotOutliveALoad) {
     Rig other(arm_drive(2));
     other.command = rig.command;
     static_assert(std::is_trivially_copyable_v<drive::DriveState>);
-    std::memset(static_cast<void*>(&other.drive.state()), poison, sizeof(drive::DriveState));
+    // Only this test writes into a drive from outside. It must poison every field, to find one that load()
+    // forgets.
+    auto& inside = const_cast<drive::DriveState&>(other.state());
+    std::memset(static_cast<void*>(&inside), poison, sizeof(drive::DriveState));
     hwparts::StateReader reader(saved);
     other.drive.load(reader);
     EXPECT_TRUE(reader.at_end());
@@ -120,13 +123,13 @@ TEST(DriveState, PoisonDoesNotOutliveALoad) {
     for (int k = 0; k < 2000; ++k) {
       if (k == 500) rig.command.target = other.command.target = 0.2;
       if (k == 1000) {
-        drive::halt(rig.drive.state(), 0.2);
-        drive::halt(other.drive.state(), 0.2);
+        rig.halt();
+        other.halt();
       }
       if (k == 1500) {
         for (auto* each : {&rig, &other}) {
-          each->drive.state().home_offset = 0.1;
-          drive::apply_home_offset(each->drive.state());
+          each->drive.set_home_offset(0.1);
+          each->drive.apply_home_offset();
         }
       }
       rig.tick();

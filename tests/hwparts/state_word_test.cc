@@ -1,4 +1,4 @@
-// Every bit of the state word that a drive can produce: what causes it, and what clears it.
+// The cause of every bit of the state word that a drive can set, and the command that clears it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -45,7 +45,7 @@ TEST(StateWord, HaltStopsOnTheRampAndOnlyResetClearsIt) {
   rig.command.target = 2.0;
   rig.run(1.0);
   const double at = rig.state().setpoint.position, v = rig.state().setpoint.speed;
-  drive::halt(rig.drive.state(), rig.command.target);
+  rig.halt();
   rig.run(2.0);
   EXPECT_TRUE(rig.has(bit::kHalted | bit::kRampEnd));
   EXPECT_FALSE(rig.has(bit::kError));
@@ -89,7 +89,7 @@ TEST(StateWord, CommErrorStopsOnTheRampUntilReset) {
   rig.command.target = 2.0;
   rig.run(1.0);
   const double at = rig.state().setpoint.position, v = rig.state().setpoint.speed;
-  drive::lose_controller(rig.drive.state());
+  rig.drive.lose_controller();
   rig.run(2.0);
   EXPECT_TRUE(rig.has(bit::kError | bit::kCommError | bit::kRampEnd));
   EXPECT_NEAR(rig.state().setpoint.position, at + v * v / (2.0 * data.limits.stop_deceleration), 1e-9);
@@ -110,11 +110,11 @@ TEST(StateWord, ATargetBeyondASoftLimitLeadsToTheLimitAndTripsThere) {
   rig.reset();
   EXPECT_EQ(rig.word() & (bit::kError | bit::kBeyondSoft), 0u);
   rig.run(0.5);
-  rig.command.target = 2.4;  // further out again: the same fault at once
+  rig.command.target = 2.4;  // further out again: it trips again at once
   rig.run(0.002);
   EXPECT_TRUE(rig.has(bit::kError | bit::kBeyondSoft));
   rig.reset();
-  rig.command.target = 1.0;  // away is free
+  rig.command.target = 1.0;  // the way back is open
   rig.run(5.0);
   EXPECT_EQ(rig.state().setpoint.position, 1.0);
   EXPECT_FALSE(rig.has(bit::kError));
@@ -145,7 +145,7 @@ TEST(StateWord, PushedBeyondASoftLimitOnlyTheWayBackIsOpen) {
   const double stood = rig.state().measured_position;
   ASSERT_GT(stood, data.limits.soft_maximum + data.limits.tolerance);
   ASSERT_FALSE(rig.has(bit::kBeyondHard));
-  rig.drive.state().tuning.following_error = 0.1;
+  rig.drive.tune(&drive::Tuning::following_error, 0.1);
   rig.reset();
   EXPECT_FALSE(rig.has(bit::kError));
   EXPECT_TRUE(rig.has(bit::kBeyondSoft));  // still out there
@@ -192,7 +192,9 @@ TEST(StateWord, CurLimitIsAWarningThatResetClears) {
   rig.run(0.05);
   EXPECT_TRUE(rig.has(bit::kCurLimit));
   rig.plants[0].external = 0.0;
-  rig.drive.state().latched &= ~(bit::kError | bit::kTowError);
+  auto healed = rig.state();
+  healed.latched &= ~(bit::kError | bit::kTowError);
+  rig.put(healed);
   rig.run(2.0);
   EXPECT_TRUE(rig.has(bit::kCurLimit));
   rig.reset();
@@ -204,7 +206,7 @@ TEST(StateWord, LostSupplyFaultsBrakesAndKeepsThePosition) {
   rig.plants[0].gravity = 60.0;
   rig.command.target = 1.0;
   rig.run(5.0);
-  rig.drive.state().tuning.supply_voltage = 0.0;
+  rig.supply(0.0);
   rig.tick();
   EXPECT_TRUE(rig.has(bit::kError | bit::kPowerFault | bit::kPowVoltErr));
   EXPECT_EQ(rig.state().current, 0.0);
@@ -215,7 +217,7 @@ TEST(StateWord, LostSupplyFaultsBrakesAndKeepsThePosition) {
   EXPECT_NEAR(rig.position(), 1.0, 0.01);
   rig.reset();
   EXPECT_TRUE(rig.has(bit::kError | bit::kPowVoltErr));  // the cause is still there
-  rig.drive.state().tuning.supply_voltage = 24.0;
+  rig.supply(24.0);
   rig.run(0.1);
   EXPECT_TRUE(rig.has(bit::kError | bit::kPowVoltErr));  // latched
   rig.reset();
@@ -227,10 +229,10 @@ TEST(StateWord, LostSupplyFaultsBrakesAndKeepsThePosition) {
 
 TEST(StateWord, UndervoltageCountsAsLostSupply) {
   Rig rig(arm_drive(2));
-  rig.drive.state().tuning.supply_voltage = 22.0;
+  rig.supply(22.0);
   rig.run(0.01);
   EXPECT_FALSE(rig.has(bit::kError));
-  rig.drive.state().tuning.supply_voltage = 21.99;
+  rig.supply(21.99);
   rig.tick();
   EXPECT_TRUE(rig.has(bit::kPowVoltErr));
 }
@@ -253,9 +255,9 @@ TEST(StateWord, IntegralErrWhenI2tIsUsedUpAndAPowerCycleAndResetClearIt) {
   rig.run(60.0);  // cooled down, but only a power cycle tells the power stage so
   rig.reset();
   EXPECT_TRUE(rig.has(bit::kIntegralErr | bit::kError));
-  rig.drive.state().tuning.supply_voltage = 0.0;
+  rig.supply(0.0);
   rig.run(0.1);
-  rig.drive.state().tuning.supply_voltage = 24.0;
+  rig.supply(24.0);
   rig.run(0.1);
   EXPECT_TRUE(rig.has(bit::kIntegralErr));
   rig.reset();
@@ -276,9 +278,9 @@ TEST(StateWord, FetTempWhenTheWindingIsTooHotAndStaysUntilItCooled) {
   EXPECT_TRUE(rig.has(bit::kError | bit::kPowerFault | bit::kFetTemp | bit::kHomeOk));
   EXPECT_NEAR(before, data.motor.maximum_winding, 0.05);
   rig.plants[0].external = 0.0;
-  rig.drive.state().tuning.supply_voltage = 0.0;
+  rig.supply(0.0);
   rig.run(0.1);
-  rig.drive.state().tuning.supply_voltage = 24.0;
+  rig.supply(24.0);
   rig.run(0.1);
   rig.reset();
   EXPECT_TRUE(rig.has(bit::kFetTemp | bit::kError));  // still hot
@@ -291,7 +293,7 @@ TEST(StateWord, HomeDropsHomeOkMovesAndSetsItAtTheEnd) {
   auto data = arm_drive(1);
   Rig rig(data, 0.001, 0.5);
   rig.run(0.5);
-  drive::home(rig.drive.state());
+  rig.drive.home();
   rig.run(0.3);
   EXPECT_FALSE(rig.has(bit::kHomeOk));
   EXPECT_TRUE(rig.has(bit::kMotion));
@@ -308,23 +310,23 @@ TEST(StateWord, HomeDropsHomeOkMovesAndSetsItAtTheEnd) {
 
 TEST(StateWord, HomingIsPossibleWhileHaltedButNotWithAFault) {
   Rig rig(arm_drive(1), 0.001, 0.2);
-  drive::halt(rig.drive.state(), 0.2);
+  rig.halt();
   rig.run(0.1);
-  drive::home(rig.drive.state());
+  rig.drive.home();
   rig.run(5.0);
   EXPECT_TRUE(rig.has(bit::kHalted | bit::kHomeOk | bit::kRampEnd));
   EXPECT_EQ(rig.state().setpoint.position, 0.0);
-  drive::lose_controller(rig.drive.state());
-  drive::home(rig.drive.state());
+  rig.drive.lose_controller();
+  rig.drive.home();
   EXPECT_FALSE(rig.state().homing);
   EXPECT_TRUE(rig.has(bit::kHomeOk));
 }
 
 TEST(StateWord, HaltWhileHomingLeavesTheDriveUnhomed) {
   Rig rig(arm_drive(1), 0.001, 0.5);
-  drive::home(rig.drive.state());
+  rig.drive.home();
   rig.run(0.5);
-  drive::halt(rig.drive.state(), 0.5);
+  rig.halt();
   rig.run(1.0);
   rig.reset();
   EXPECT_FALSE(rig.has(bit::kHomeOk));
@@ -332,7 +334,7 @@ TEST(StateWord, HaltWhileHomingLeavesTheDriveUnhomed) {
   rig.run(1.0);
   EXPECT_EQ(rig.state().setpoint.speed, 0.0);
   EXPECT_NE(rig.state().setpoint.position, 0.1);
-  drive::home(rig.drive.state());
+  rig.drive.home();
   rig.run(5.0);
   EXPECT_TRUE(rig.has(bit::kHomeOk));
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "hwparts/kinds/part_kinds.h"
 #include "server/cycle/simulation.h"
 #include "server/gateway/daemon.h"
 #include "server/scene/scene.h"

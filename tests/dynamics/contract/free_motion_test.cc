@@ -1,3 +1,4 @@
+#include "server/dynamics/kinds/engine_kinds.h"
 #include "tests/dynamics/contract/rows.h"
 
 namespace visum::dynamics::testing {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "server/dynamics/engine.h"
+#include "server/dynamics/kinds/engine_kinds.h"
 
 namespace visum::physics {
 namespace {

@@ -1,4 +1,5 @@
-// The arm's part in closed loop, with a host on its field bus: requests in, answers out, ticked by hand.
+// The arm's part in closed loop, with a host on its field bus that sends requests and gets answers. Ticked by
+// hand.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -25,13 +26,16 @@ Message with_value(std::initializer_list<std::uint8_t> head, T value) {
   return message;
 }
 
+// Keys of an arm whose modules are not homed, and count from where they were switched on.
+inline const std::string kIncrementalModules = "homed: false, modules: {counts_from_zero: true}";
+
 class BusBench : public PartBench {
  public:
   // `more`: further keys of the part, "homed: false, modules: {...}".
   explicit BusBench(const std::string& more = "", double tick_s = 0.001, double angle = 0.0)
       : PartBench("amtec_arm", arm_context(tick_s, angle, 0.017, more.empty() ? "" : ", " + more)) {}
 
-  // As a client sends it on a serial line; on CAN with the id that fits.
+  // Sends a message as a client does it on a serial line, or on CAN with the right id. Returns the answer.
   std::optional<Message> send(int module, const Message& message, BusFraming framing = BusFraming::kSerial) {
     using Kind = Telegram::Kind;
     const bool reads = message.command() == powercube::command::kGetParameter;
@@ -69,7 +73,7 @@ class BusBench : public PartBench {
     powercube::put_value(message, ms);
     return message;
   }
-  // Ticks until `bits` are all there; false after `seconds`.
+  // Ticks until all of `bits` are set; false if they are not after `seconds`.
   bool wait_for(int module, std::uint32_t bits, double seconds) {
     for (double t = 0.0; t < seconds; t += tick_s) {
       if ((word(module) & bits) == bits) return true;

@@ -1,5 +1,5 @@
-// The two codecs against worked frames (bytes + JSON under vectors/), cut at every byte, and against what
-// clients bend.
+// The two codecs against worked frames (bytes and JSON under vectors/), against frames cut at every byte, and
+// against the frames of clients that bend the rules.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -110,7 +110,7 @@ TEST_P(CanVector, NeedsMoreAtEveryCut) {
 
 INSTANTIATE_TEST_SUITE_P(Wire, CanVector, testing::ValuesIn(names_in("can")), test_name);
 
-// Every telegram that can be, in the bytes that are special on the wire.
+// Telegrams to every module, of every length and every byte value, also those that are special on the line.
 TEST(SerialCodec, EveryModuleLengthAndSpecialByteComesBack) {
   for (int module = 0; module <= kMaxModule; ++module) {
     for (std::size_t size = 1; size <= kMaxData; ++size) {
@@ -132,7 +132,7 @@ TEST(SerialCodec, EveryModuleLengthAndSpecialByteComesBack) {
   }
 }
 
-// What is left after all that is bad was dropped, as a link does it.
+// Decodes as a link does it: drops bad bytes and returns the telegrams.
 std::vector<Telegram> drain(Bytes bytes) {
   std::vector<Telegram> got;
   for (auto decoded = decode_serial(bytes); decoded.progress != Progress::kNeedsMore;

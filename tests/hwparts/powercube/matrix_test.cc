@@ -1,5 +1,4 @@
-// Every command in every state that a module can be in: how it is answered, and that nothing moves that must
-// not.
+// Every command in every state of a module: it is answered as it should be, and nothing moves that must not.
 #include <cmath>
 #include <functional>
 
@@ -12,7 +11,7 @@ namespace {
 struct Command {
   const char* name;
   Message message;
-  std::size_t answer;  // bytes
+  std::size_t answer;  // its size in bytes
   bool moves = false;
 };
 
@@ -154,7 +153,7 @@ TEST_P(Matrix, IsAnsweredAndMovesOnlyWhatMay) {
   }
   bench.run(0.5);
   EXPECT_TRUE(std::isfinite(bench.position(1)));
-  // Whatever came before: what is asked for at last is done once the cause is gone.
+  // Whatever came before, once the cause is gone the module does what it is told last.
   bench.plants[0].upper = 1e9;
   bench.part->set_parameter("Supply Voltage", 24.0);
   bench.set<std::uint32_t>(1, 0x39, 0x108u);

@@ -1,4 +1,5 @@
-// Motion commands over the bus: each mode, its increment and extended form, and steps with their queue.
+// Motion commands over the bus: each mode in its float, increment and extended form, and steps with their
+// queue.
 #include <cmath>
 
 #include "tests/hwparts/powercube/bus_bench.h"
@@ -149,7 +150,7 @@ TEST(PowerCubeMotion, AThirdStepMayReplaceTheSecondOrBeRefused) {
   EXPECT_EQ(strict.send(1, BusBench::step(0x06, 0.1f, 500))->data[2], 0x00);
 }
 
-// A client that streams a sine in steps of 20 ms, each a little longer than its period, as KTH's does.
+// A client streams a sine in steps every 20 ms, each a little longer than that, as KTH's client does.
 TEST(PowerCubeMotion, StreamedStepsFollowThePathWithoutStopping) {
   BusBench bench;
   const auto path = [](double t) { return 0.15 * (1.0 - std::cos(1.2 * t)); };
@@ -164,8 +165,8 @@ TEST(PowerCubeMotion, StreamedStepsFollowThePathWithoutStopping) {
       if (now > 1.0 && now < 1.6) slowest = std::min(slowest, static_cast<double>(bench.get<float>(3, 0x42)));
     }
   }
-  EXPECT_LT(worst, 0.01);    // no more behind than the queue is long
-  EXPECT_GT(slowest, 0.12);  // the path runs with 0.17 there
+  EXPECT_LT(worst, 0.01);    // the lag is no longer than the queue
+  EXPECT_GT(slowest, 0.12);  // the path's speed there is 0.17
   EXPECT_FALSE(bench.word(3) & bit::kError);
 }
 
@@ -240,7 +241,7 @@ TEST(PowerCubeMotion, ATargetSpeedOfZeroIsNoMotion) {
 
 TEST(PowerCubeMotion, CurrentGripsAndShowsWhenItStands) {
   BusBench bench;
-  bench.plants[7].lower = bench.plants[8].lower = 0.010;  // a thing of 20 mm between the fingers
+  bench.plants[7].lower = bench.plants[8].lower = 0.010;  // an object of 20 mm between the fingers
   EXPECT_EQ(bench.send(8, with_value({0x0B, 0x08}, -1.0f)), (Message{0x0B, 0x08, 0x64}));
   EXPECT_TRUE(bench.word(8) & bit::kMotion);
   ASSERT_TRUE(bench.wait_for(8, bit::kRampEnd, 5.0));

@@ -1,5 +1,5 @@
-// The parameters: all that m5api knows are answered with their type, agree with each other, and what is
-// written comes back or is refused.
+// The parameters: a module answers all that m5api knows with their type, and they agree with each other. A
+// written value comes back, or it is refused.
 #include <cmath>
 #include <numbers>
 
@@ -11,7 +11,8 @@ namespace {
 
 using powercube::ValueType;
 
-// By number, as m5api has them: f u i s w b, and d for the combined answer. '-' where nothing is.
+// The types by parameter number, as m5api has them: f u i s w b, and d for the combined answer. '-': m5api
+// has no such parameter.
 struct Range {
   int first;
   const char* types;
@@ -115,7 +116,7 @@ TEST_P(EachModule, FactoryValuesAreCopiesOfTheActualOnes) {
 }
 INSTANTIATE_TEST_SUITE_P(PowerCube, EachModule, testing::Range(1, 9), testing::PrintToStringParamName());
 
-// What the factory says can be written back; what was written comes back.
+// The factory's values can be written back, and each written value comes back.
 TEST(PowerCubeParameters, WhatIsReadCanBeWrittenBack) {
   BusBench bench;
   int written = 0;
@@ -161,7 +162,7 @@ struct Gain {
 
 class EachGain : public testing::TestWithParam<Gain> {};
 
-// How far a sudden load takes module 1 away, rad.
+// The distance by which a sudden load moves module 1, rad.
 double yielding(BusBench& bench) {
   double most = 0.0;
   bench.plants[0].external = 60.0;
@@ -244,7 +245,7 @@ TEST(PowerCubeParameters, LimitsAreThoseOfThePorts) {
   EXPECT_NEAR(bench.position(1), 0.4, 2e-3);
 }
 
-// They are those of homed positions, wherever it counts from until then.
+// The limits mean homed positions, wherever the module counts from before homing.
 TEST(PowerCubeParameters, LimitsThatAreSetBeforeHomingAreTheSameAfterIt) {
   BusBench bench("homed: false, modules: {counts_from_zero: true}", 0.001, 0.5);
   const float least = bench.get<float>(1, 0x03), most = bench.get<float>(1, 0x04);

@@ -1,4 +1,4 @@
-// Ports and field bus on one drive: who moves it, who stops it.
+// Ports and field bus command the same drive: the last command moves it, and both can stop it.
 #include "tests/hwparts/powercube/bus_bench.h"
 
 namespace visum::test {
@@ -82,7 +82,7 @@ TEST(PowerCube, ExecutionEnableIsThatOfTheStateThatIsTakenBack) {
   EXPECT_TRUE(bench.ramp(1, 0.1f));
 }
 
-// What the ports have stopped does not begin with a START that comes later.
+// A motion that waits for START is dropped when the ports stop the drives: a later START does not begin it.
 TEST(PowerCube, WhatThePortsStopWaitsForNoStart) {
   const std::vector<std::string> stops[] = {{"Halt", "Reset"}, {"Reset"}, {"Home"}};
   for (const auto& counters : stops) {

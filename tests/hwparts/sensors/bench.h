@@ -1,4 +1,4 @@
-// One sensor on a bench: its entry as a text, truths by hand, ports by name.
+// One sensor on a bench: made from its entry as a text, with truths from the test and ports by name.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ class Bench {
     outputs.clear();
     for (const auto& port : sensor->description().sensor_outputs) outputs.push_back(port.initial);
   }
-  // A tick in which this is true; the last number stands for those that follow.
+  // One tick with this truth. Its last number is repeated where the sensor needs more.
   void tick(const std::vector<double>& truth) {
     if (sensor->due())
       for (std::size_t i = 0; i < sensor->truth().size(); ++i)
@@ -48,7 +48,7 @@ class Bench {
   std::vector<double> outputs;
 };
 
-// Of numbers, their mean and standard deviation.
+// The mean and standard deviation of some numbers.
 struct Statistics {
   double mean = 0.0, deviation = 0.0;
 };

@@ -1,4 +1,4 @@
-// Every row of the table, and what is particular to some.
+// Every row of the table of kinds, and the particular behaviour of some.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ const Entry kEntries[] = {
 class EverySensor : public testing::TestWithParam<Entry> {
  protected:
   static std::string timed() { return std::string(GetParam().yaml) + ", rate_hz: 300, latency_ms: 12"; }
-  // A truth that changes, also for what must be a unit quaternion.
+  // A truth that changes. It also serves a kind whose truth must contain a unit quaternion.
   static void run(Bench& bench, int ticks, int from = 0) {
     for (int i = from; i < from + ticks; ++i) {
       const double angle = 0.01 * i;
@@ -132,7 +132,7 @@ TEST(Contact, IsFeltAboveItsThreshold) {
   EXPECT_EQ(bench.port("Normal Force"), 10.0);
 }
 
-// Small turns about each axis have the deviation that was asked for, and the quaternion stays unit.
+// Small turns about each axis have the configured deviation, and the quaternion keeps its unit length.
 TEST(Pose, OrientationNoiseIsATurnAboutAnyAxis) {
   constexpr int kCount = 20'000;
   Bench bench("kind: pose, orientation: {noise: 0.01}");

@@ -37,7 +37,7 @@ TEST(SensorRandom, UniformNumbersAreUniform) {
   for (const double x : numbers) ASSERT_TRUE(x >= 0.0 && x < 1.0);
 }
 
-// Shares beyond 1, 2 and 3 deviations, each within five of its own standard errors.
+// The shares beyond 1, 2 and 3 deviations. Each must be right within five of its own standard errors.
 TEST(SensorRandom, NormalNumbersAreNormal) {
   Random random(1, "a");
   std::vector<double> numbers;

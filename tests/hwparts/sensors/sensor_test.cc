@@ -1,4 +1,4 @@
-// What every sensor does, shown with the one that has one number.
+// The behaviour of all sensors, tested with one that has a single number.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -62,7 +62,7 @@ TEST(Sensor, AShareOfNoiseGrowsWithTheTruth) {
   EXPECT_NEAR(test::statistics_of(readings(bench, 4.0, kCount)).deviation, 0.04, 12e-4);
 }
 
-// Over many sensors the offset has its deviation; of one sensor it is always the same.
+// Over many sensors the offsets have the configured deviation. The offset of one sensor never changes.
 TEST(Sensor, ABiasIsDrawnOnceForEachSensor) {
   std::vector<double> offsets;
   for (std::uint64_t seed = 0; seed < 2000; ++seed) {
@@ -82,7 +82,7 @@ TEST(Sensor, ReadsInSteps) {
   EXPECT_EQ(readings(bench, 1.38, 1).back(), 1.5);
 }
 
-// 30 Hz at 1 ms: a period of 33.3 ticks, and in 3 s neither more nor less than 90 readings.
+// 30 Hz with ticks of 1 ms is a period of 33.3 ticks. In 3 s there must be exactly 90 readings.
 TEST(Sensor, ItsRateNeedNotDivideTheTicks) {
   Bench bench(kDistance + ", rate_hz: 30");
   int due = 0;
@@ -108,7 +108,7 @@ TEST(Sensor, ShowsAReadingAfterItsLatency) {
   }
 }
 
-// Samples fall on the ends of ticks, so that one more may be under way than the period alone would have it.
+// Samples fall on the ends of ticks, so one more can be on its way than the period alone suggests.
 TEST(Sensor, HoldsAllReadingsOfADelayWhateverItsRate) {
   for (const double hz : {1000.0, 750.0, 666.0, 501.0, 333.0, 123.0}) {
     for (const int latency_ms : {0, 1, 3, 7}) {
@@ -155,7 +155,7 @@ TEST(Sensor, BelievesNoStateThatFailsInAWayOfItsOwn) {
   EXPECT_THROW(bench.sensor->load(from), std::out_of_range);
 }
 
-// A fault on purpose is what the parameter of the sensor would have it do, and ends with it.
+// A fault on purpose acts as the sensor's parameter does, and ends when the fault ends.
 TEST(Sensor, FaultsAreItsFailuresAndEnd) {
   const std::pair<const char*, const char*> pairs[]{{"sensor_off", "off"},
                                                     {"sensor_frozen", "stuck"},
@@ -255,8 +255,8 @@ TEST(Sensor, WhenADelayEndsWhatIsUnderWayIsDueByItsLatencyAlone) {
   EXPECT_EQ(bench.port("Changed"), 39.0) << "none is lost";
 }
 
-// What was under way before the delay is due by its latency, too: one that is shorter than that is never
-// seen.
+// Readings that were on their way before the delay began keep their latency. A delay that is shorter than the
+// latency is never seen.
 TEST(Sensor, ADelayThatIsOverBeforeItsFirstReadingIsDueIsNotSeen) {
   Bench bench(kDistance + ", latency_ms: 7");
   const hwparts::ActiveFault late{0, {hwparts::FaultKind::kSensorDelayed, {}}, 0};
@@ -292,7 +292,7 @@ TEST(Sensor, ASilentOneShowsWhatCameLastWhenTheSilenceEnds) {
   }
 }
 
-// At any rate the one that waits takes no place of those that are under way.
+// The reading that waits takes no slot from those on their way, at any rate.
 TEST(Sensor, ASilenceOfALateOneLosesNoReadingThatComesAfterIt) {
   for (const double hz : {1000.0, 666.0, 123.0}) {
     Bench silent(kDistance + ", latency_ms: 7, failure: delayed, rate_hz: " + std::to_string(hz));
@@ -322,7 +322,10 @@ TEST(Sensor, AFailureThatThereIsNotIsRefused) {
   EXPECT_EQ(bench.sensor->set_parameter("Failure", 1.0),
             "must be one of ok, off, stuck, garbage, wrong, slow, delayed, intermittent");
   EXPECT_EQ(bench.sensor->set_parameter("Rate", 1.0), "'Rate' can only be read");
-  EXPECT_EQ(bench.sensor->set_parameter("Colour", 1.0), "there is no parameter 'Colour'");
+  EXPECT_EQ(bench.sensor->set_parameter("Colour", 1.0),
+            "there is no parameter 'Colour'; there are: Failure, Rate, Latency");
+  EXPECT_EQ(bench.sensor->set_parameter("Falure", 1.0),
+            "there is no parameter 'Falure'; did you mean 'Failure'?");
 }
 
 TEST(Sensor, WrongEntriesAreRefusedWhereTheyAreWrong) {

@@ -1,7 +1,8 @@
+#include "server/dynamics/kinds/engine_kinds.h"
+
 #include <array>
 #include <stdexcept>
 
-#include "server/dynamics/engine.h"
 #include "server/dynamics/engine_factories.h"
 #include "server/dynamics/impulse/lanes/kernels.h"
 
