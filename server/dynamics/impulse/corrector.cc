@@ -27,6 +27,7 @@ void Corrector::add_joint(std::size_t m, const JointSpec& spec, const JointPose&
   Joint& joint = joints_[m].emplace_back();
   joint.spec = &spec;
   joint.pose = &pose;
+  // A joint knows its axis, if it has one.
   for (std::size_t i = plant_.first_axis[m]; i < plant_.first_axis[m + 1]; ++i)
     if (plant_.axes[i].joint == spec.id) joint.own_axis = i;
 }
@@ -58,7 +59,7 @@ void Corrector::add_rows(Joint& joint) {
   ++joint.count;
 }
 
-// Rows that are not there answer 1 to themselves.
+// K is 6 x 6; rows that do not exist get 1 on the diagonal.
 void Corrector::invert(Joint& joint, double h) const {
   Eigen::Matrix<double, 6, 6> K = Eigen::Matrix<double, 6, 6>::Identity();
   const auto n = static_cast<int>(joint.count);

@@ -21,8 +21,9 @@ namespace {
 using world::JointKind;
 
 constexpr double kTurn = 6.28318530717958647693;
-const Matrix3d kStill = Matrix3d::Identity();  // the axes of what stands still
+const Matrix3d kStill = Matrix3d::Identity();  // axes of anything that does not move
 
+// The pose from given positions and orientations; A may be something that does not move.
 JointPose pose_of(const JointSpec& joint, const std::vector<Vector3d>& x, const std::vector<Matrix3d>& R,
                   double position) {
   JointPose pose;
@@ -137,6 +138,7 @@ JointSpec make_spec(const world::WorldModel& model, const Bodies& bodies, world:
   spec.a = bodies.number(joint.parent);
   spec.b = bodies.number(joint.child);
   spec.lift = world::screw_lift(joint, 1.0);
+  // Point and frame of the joint on one body, or in W where this engine does not move the body.
   const auto seat = [&](world::BodyId body, int number, const world::Pose& X_BJ, Vector3d& point,
                         Matrix3d& frame) {
     if (number < 0) {
@@ -168,7 +170,7 @@ JointPose pose_ahead(const JointSpec& joint, const Bodies& bodies, const world::
   return pose_of(joint, bodies.x1, bodies.R1, position_ahead(joint, last, h));
 }
 
-// A screw lifts by all that it turns, be it more than half a turn.
+// A screw lifts by its whole turn, even if it is more than half a turn.
 double position_ahead(const JointSpec& joint, const world::JointState& last, double h) {
   return last.position + (joint.kind == JointKind::kScrew ? h * last.velocity : 0.0);
 }

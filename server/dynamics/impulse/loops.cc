@@ -1,14 +1,15 @@
-// Closed loops on a spanning tree: G T^-1 G^T mu = e, with T^-1 the tree's response, G the rows that the
-// loops hold, e what is left of them after the tree alone has answered. After Baraff, Linear-time dynamics
-// using Lagrange multipliers, SIGGRAPH 1996, section 7 (auxiliary constraints). Only loops that share a part
-// of the tree, what hangs together without the ground, have anything to do with each other: in a row of
-// four-bars each with the next, and the cost grows with their number.
+// Closed loops on a spanning tree: G T^-1 G^T mu = e. T^-1 is the tree's response, G the rows that the loops
+// hold, and e what the loops still miss after the tree alone has answered. After Baraff, Linear-time dynamics
+// using Lagrange multipliers, SIGGRAPH 1996, section 7 (auxiliary constraints). Two loops have a common entry
+// only if they share a part of the tree, where a part is what hangs together without the ground. In a row of
+// four-bars each loop has an entry with the next one only, and the cost grows with their number.
 #include "server/dynamics/impulse/mechanism.h"
 
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kNearlySingular = 3e-4;  // share; a four-bar has it within 0.03 rad of the line
+constexpr double kNearlySingular =
+    3e-4;  // share of a row's free response; a four-bar has it within 0.03 rad of the line
 
 }  // namespace
 
@@ -65,6 +66,7 @@ void Mechanism::find_loop_neighbours() {
         if (part >= 0 && (part == loop_parts_[j][0] || part == loop_parts_[j][1])) return true;
       return false;
     };
+    // A loop shares a part with itself at the latest.
     first_neighbour_[i] = 0;
     while (!share(first_neighbour_[i])) ++first_neighbour_[i];
   }
@@ -83,6 +85,7 @@ double Mechanism::free_response(const PathMotion& line, const Bodies& bodies) co
 void Mechanism::place_loop_rows(const Bodies& bodies) {
   loop_row_count_ = 0;
   for (std::size_t i = 0; i < loops_.size(); ++i) {
+    // One row for each direction that a loop's joint holds.
     const Held& held = loop_held_[i];
     first_loop_row_[i] = loop_row_count_;
     for (std::size_t k = 0; k < static_cast<std::size_t>(held.count); ++k) {
@@ -105,7 +108,8 @@ double Mechanism::rate_of_parts(const PathMotion& line, const std::array<int, 2>
   return rate(there);
 }
 
-// What an impulse on a row does to itself and the rows before it: only the parts that its loop joins move.
+// Response of a row to itself and to the rows before it. An impulse on it moves only the parts that its loop
+// joins.
 void Mechanism::find_response(std::size_t i, const std::array<int, 2>& parts) {
   const bool two = parts[1] != parts[0];
   for (const int part : parts)
@@ -133,6 +137,7 @@ bool Mechanism::is_nearly_singular() const {
 }
 
 void Mechanism::solve() {
+  // The tree answers alone; the loops then add what is still missing, and the tree answers again.
   tree_.solve();
   if (loop_row_count_ == 0) return;
   for (std::size_t i = 0; i < loop_row_count_; ++i)

@@ -21,6 +21,7 @@ TreeData Tree::data() {
 
 void Tree::solve_part(int number) {
   const Part& part = parts_[static_cast<std::size_t>(number)];
+  // Loads go from the tips to the root, velocities from the root to the tips.
   for (std::size_t k = part.runs.size(); k-- > 0;)
     kernels_->load_tree(data(), part.runs[k].begin, part.runs[k].end);
   if (part.root >= 0) spread_root(roots_[static_cast<std::size_t>(part.root)]);
@@ -41,7 +42,7 @@ void Tree::spread_root(const Root& root) {
   Eigen::Map<Vector3d>(answers_[root.row].v) = velocity.tail<3>();
 }
 
-// D q' + S^T p + U^T (w1, v1) = lambda: what the drive's part of it must have been.
+// D q' + S^T p + U^T (w1, v1) = lambda, solved for the drive's part of lambda.
 double Tree::axis_impulse(std::size_t i) const {
   const std::size_t row = row_of_[i];
   const TreeFactor& f = factors_[row];

@@ -16,7 +16,7 @@ Vector3d vector(const double (&from)[3]) {
   return {from[0], from[1], from[2]};
 }
 
-// Contacts and records are sorted by this.
+// Contacts and records are sorted by this key.
 auto key(const Record& record) {
   return std::tuple(record.shape_a, record.shape_b, record.feature);
 }
@@ -30,7 +30,7 @@ Record record_at(std::span<const std::byte> bytes, std::size_t i) {
   return record;
 }
 
-// Returns what is left.
+// Reads the mechanisms' predictions. Returns the bytes behind them.
 std::span<const std::byte> read_predictions(std::span<const std::byte> bytes, Plant& plant) {
   for (Mechanism& mechanism : plant.mechanisms) {
     const std::size_t size = std::min(mechanism.prediction().bytes(), bytes.size());
@@ -40,6 +40,7 @@ std::span<const std::byte> read_predictions(std::span<const std::byte> bytes, Pl
   return bytes;
 }
 
+// Writes them. Returns the space behind them.
 std::span<std::byte> write_predictions(const Plant& plant, std::span<std::byte> bytes) {
   for (const Mechanism& mechanism : plant.mechanisms) {
     const std::size_t size = mechanism.prediction().bytes();
@@ -53,7 +54,7 @@ bool is_jointed(const Plant& plant, int body) {
   return body >= 0 && plant.places[static_cast<std::size_t>(body)].mechanism >= 0;
 }
 
-// Where joints take part, drives start from what they gave for the look-ahead, and so do contacts. In W.
+// In W. Where joints take part, drives start from what they gave for the look-ahead, so contacts do the same.
 Vector3d to_start_from(const Touch& touch, const std::array<Vector3d, kMoments>& given, bool jointed) {
   if (jointed) return touch.frame * given[kAhead];
   return touch.frame * (0.5 * (given[kAhead] + given[kAfter]));
@@ -68,6 +69,7 @@ void read_warm_start(std::span<const std::byte> bytes, std::span<const collision
   if (bytes.size() % sizeof(Record) != 0) return;
   const std::size_t count = bytes.size() / sizeof(Record);
   std::size_t i = 0;
+  // Touches and records are sorted alike: one pass finds the pairs.
   for (Touch& touch : plant.touches) {
     const collision::Contact& contact = contacts[touch.contact];
     if (i == count) return;
