@@ -17,8 +17,8 @@ const char* drive_fault(const hwparts::JointDrive& drive) {
   return nullptr;
 }
 
-// Whether all are without a fault, by few instructions and no branches. False says nothing: a sum of squares
-// may be large.
+// A quick test by few instructions, without branches. True: all drives are without a fault. False means
+// nothing yet, since a sum of squares may overflow.
 bool are_plain(std::span<const hwparts::JointDrive> drives) {
   using Pair = double __attribute__((vector_size(16)));
   using Mask = long long __attribute__((vector_size(16)));

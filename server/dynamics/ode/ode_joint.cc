@@ -21,8 +21,8 @@ bool is_ground(const world::WorldModel& model, world::BodyId id) {
   return !id.valid() || model.bodies[id.index()].fixed;
 }
 
-// Where the joint's frame stands while the joint is made: with a parent that stands still, where that has it;
-// else in W itself, which keeps the numbers clean.
+// Where the joint's frame is while the joint is made. A parent that does not move says where; otherwise the
+// frame is W itself, which keeps the numbers clean.
 world::Pose joint_frame(const world::WorldModel& model, const world::Joint& joint) {
   if (!is_ground(model, joint.parent)) return {};
   return joint.parent.valid() ? model.bodies[joint.parent.index()].X_WB * joint.X_PJ : joint.X_PJ;
@@ -107,7 +107,7 @@ void OdeJoint::set_row(int row, double velocity, double compliance, double max_e
   const auto set = model_.kind == world::JointKind::kHinge ? dJointSetAMotorParam : dJointSetLMotorParam;
   const int group = row * dParamGroup;
   set(motor_, group + dParamVel, velocity);
-  // Never harder than the other joints: with a softness of nothing at all ODE's solver may find no solution.
+  // Never harder than the other joints: without any softness, ODE's solver may find no solution.
   set(motor_, group + dParamCFM, std::max(compliance, setting_.cfm));
   set(motor_, group + dParamFMax, max_effort);
 }
