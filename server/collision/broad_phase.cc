@@ -7,6 +7,7 @@
 namespace visum::collision {
 namespace {
 
+// The axis on which the boxes' centres spread most.
 Eigen::Index widest_axis(const std::vector<PreparedShape>& shapes, const std::vector<std::uint32_t>& boxed) {
   Eigen::AlignedBox3d centers;
   for (const std::uint32_t i : boxed) {
@@ -17,6 +18,7 @@ Eigen::Index widest_axis(const std::vector<PreparedShape>& shapes, const std::ve
   return axis;
 }
 
+// Height of a box above a plane, m.
 double height_above(const PreparedShape& plane, const Eigen::AlignedBox3d& box_W) {
   const Eigen::Vector3d normal = plane.placed.R.col(2);
   const double half = normal.cwiseAbs().dot(0.5 * box_W.sizes());
@@ -47,7 +49,7 @@ bool BroadPhase::may_collide(const PreparedShape& a, const PreparedShape& b) con
 
 void BroadPhase::sweep(const std::vector<PreparedShape>& shapes) {
   const Eigen::Index axis = widest_axis(shapes, boxed_);
-  // boxed_ stays nearly sorted from tick to tick; the pairs found do not depend on its order.
+  // boxed_ stays nearly sorted from tick to tick. The pairs that are found do not depend on its order.
   std::sort(boxed_.begin(), boxed_.end(), [&](std::uint32_t i, std::uint32_t j) {
     const double low_i = shapes[i].near_W.min()[axis], low_j = shapes[j].near_W.min()[axis];
     return low_i < low_j || (low_i == low_j && i < j);
