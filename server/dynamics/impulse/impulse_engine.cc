@@ -5,6 +5,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "protocol/config/unknown_name.h"
 #include "server/dynamics/engine_factories.h"
 #include "server/dynamics/impulse/composition.h"
 #include "server/dynamics/impulse/sleep.h"
@@ -36,12 +37,13 @@ class ImpulseEngine : public Engine {
     for (std::size_t i = 0; i < model.joints.size(); ++i)
       if (counts_turns(model.joints[i])) turning_.push_back(i);
     if (plant_.setting.solver != "direct" && plant_.setting.solver != "iterate")
-      throw std::runtime_error("engine 'impulse' has no solver '" + plant_.setting.solver +
-                               "', only 'direct' and 'iterate'");
+      throw std::runtime_error("engine 'impulse': " +
+                               config::unknown_name("solver", plant_.setting.solver, {"direct", "iterate"}));
     if (plant_.setting.solver == "iterate" && plant_.setting.order != 2)
       throw std::runtime_error(
-          "engine 'impulse' is of order 2 with the solver 'iterate', and 'direct' with order 4 and 6: a step "
-          "back in time would gain the energy that an iteration loses");
+          "engine 'impulse': solver 'iterate' has order 2 only; set order: 2, or solver: direct (orders 4 "
+          "and 6 "
+          "step back in time, which would gain the energy that an iteration loses)");
   }
 
   StepResult step(const StepInput& input, world::WorldState& state) override {
@@ -109,7 +111,7 @@ class ImpulseEngine : public Engine {
   // Fault text of a step that cannot be made: names the joint, or a body with contacts.
   std::string broken_text() const {
     const JointSpec* joint = stepper_.broken();
-    if (joint == nullptr) return "the contacts of a body '" + first_body() + "' have no solution";
+    if (joint == nullptr) return "the contacts of body '" + first_body() + "' have no solution";
     return "joint '" + joint->model->name + "' on body '" +
            plant_.model.bodies[joint->model->child.index()].name + "' cannot be held together";
   }

@@ -1,6 +1,7 @@
 // The engine `ode`: Open Dynamics Engine behind the Engine seam.
 #include <cstring>
 
+#include "protocol/config/unknown_name.h"
 #include "server/dynamics/engine_factories.h"
 #include "server/dynamics/ode/ode_contacts.h"
 #include "server/dynamics/ode/ode_guard.h"
@@ -57,8 +58,8 @@ class OdeEngine : public Engine {
   OdeEngine(const world::WorldModel& model, std::int32_t engine_index)
       : model_(model), engine_index_(engine_index), quick_(setting().step == "quick") {
     if (!quick_ && setting().step != "world")
-      throw std::runtime_error("engine 'ode' knows no step '" + setting().step +
-                               "'; there are: world, quick");
+      throw std::runtime_error("engine 'ode': " +
+                               config::unknown_name("step", setting().step, {"world", "quick"}));
     ensure_ode();
     mechanism_ = std::make_unique<Mechanism>(model_, engine_index_);
   }

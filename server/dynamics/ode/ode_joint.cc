@@ -59,9 +59,8 @@ dJointID OdeJoint::make_joint(OdeWorld& world) const {
     case world::JointKind::kUniversal:
       return dJointCreateUniversal(world.id(), nullptr);
     default:
-      throw std::runtime_error("engine 'ode' has no joint of type " +
-                               std::string(world::info(model_.kind).name) + ", which joint '" + model_.name +
-                               "' is; engine 'impulse' has");
+      throw std::runtime_error("joint '" + model_.name + "' is of type " + world::info(model_.kind).name +
+                               ", which engine 'ode' does not have; use engine 'impulse'");
   }
 }
 

@@ -78,7 +78,7 @@ void PlainWorld::add_joint(const world::Joint& joint, world::JointId id) {
   const world::JointKindInfo& kind = world::info(joint.kind);
   if (joint.kind == world::JointKind::kPointOnCurve)
     throw plugin::Error("joint '" + joint.name + "' is of kind " + kind.name +
-                        ", which engines of plug-ins are not told of");
+                        ", which engines of plug-ins do not support");
   const auto seen_from_center = [&](world::BodyId body, const world::Pose& X_BJ) {
     const Eigen::Vector3d p_BC =
         body.valid() ? model_.bodies[body.index()].p_BC : Eigen::Vector3d(Eigen::Vector3d::Zero());

@@ -78,7 +78,7 @@ class PluggedEngine final : public Engine {
     if (memory.empty()) return node_->reset();
     plugin::StateIn in(memory);
     node_->load(in);
-    if (!in.at_end()) throw plugin::Error("load: has read less than it saved");
+    if (!in.at_end()) throw plugin::Error("load: has read fewer bytes than it saved");
   }
 
   const world::WorldModel& model_;
