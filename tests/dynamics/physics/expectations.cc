@@ -12,7 +12,7 @@ using Bounds = std::vector<double>;
 constexpr std::array kRows{"impulse", "impulse-order4", "impulse-order6", "impulse-iterate",
                            "ode",     "ode-quick"};
 
-// By row, in the order of kRows; {}: why_not() tells why the case is not for it.
+// By row, in the order of kRows. {}: the case is not for the row, and why_not() says why.
 struct Line {
   const char* id;
   std::array<Bounds, kRows.size()> bounds;
