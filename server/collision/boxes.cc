@@ -5,7 +5,7 @@
 namespace visum::collision {
 namespace {
 
-// A smaller overlap is none: rounding would let some corners of a face touch and others not.
+// A smaller overlap does not count: rounding would let some corners of a face touch and others not.
 constexpr double kTouchM = 1e-12;
 // A face of a is preferred to a face of b that is better by less than this. Where two faces lie on each
 // other, rounding would otherwise choose another one in each tick, with the corners of the other box.

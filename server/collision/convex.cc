@@ -79,7 +79,7 @@ constexpr std::array<std::array<double, 2>, 8> kRim{{{1, 0},
                                                      {0, -1},
                                                      {kHalfRoot, -kHalfRoot}}};
 
-// Whether a direction lies between two corners of the rim.
+// True if a direction lies between two corners of the rim.
 bool is_between(const std::array<double, 2>& from, const Eigen::Vector3d& direction,
                 const std::array<double, 2>& to) {
   return from[0] * direction.y() - from[1] * direction.x() >= 0.0 &&

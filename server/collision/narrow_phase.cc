@@ -36,7 +36,7 @@ std::size_t nearest_edge(const MeshTriangle& triangle, const Eigen::Vector3d& po
   return best;
 }
 
-// Whether a body can stand on an edge in this direction: the surface rises towards the body on neither side.
+// True if a body can stand on an edge in this direction: the surface rises towards the body on neither side.
 bool is_ridge(const MeshTriangle& triangle, std::size_t edge, const Eigen::Vector3d& direction) {
   const Eigen::Vector3d side = (triangle.corners[(edge + 1) % 3] - triangle.corners[edge]).normalized();
   return direction.dot(triangle.normal.cross(side)) <= kRiseSine &&
@@ -56,7 +56,7 @@ bool is_peak(const Mesh& mesh, const Eigen::Vector3d& corner, const Eigen::Vecto
   return peak;
 }
 
-// Whether a point on the triangle's border may push in a direction that is not the triangle's normal.
+// True if a point on the triangle's border may push in a direction that is not the triangle's normal.
 bool may_push(const Mesh& mesh, const MeshTriangle& triangle, const Eigen::Vector3d& point,
               const Eigen::Vector3d& direction) {
   const bool from_front = direction.dot(triangle.normal) > 0.0;

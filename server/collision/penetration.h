@@ -1,8 +1,8 @@
-// Whether two convex shapes overlap, and in which direction least. Pairs of solids with few faces are tested
-// along all of their separating axes, which is exact. All other pairs go through FCL's GJK with cores that
-// are a little smaller than the shapes. While only the skins overlap, the nearest points of the cores give a
-// good direction; once the cores overlap, too, FCL's EPA gives it. Neither answer is trusted: overlap_along()
-// measures the overlap along the direction.
+// Finds out if two convex shapes overlap, and in which direction least. Pairs of solids with few faces are
+// tested along all of their separating axes, which is exact. All other pairs go through FCL's GJK with cores
+// that are a little smaller than the shapes. While only the skins overlap, the nearest points of the cores
+// give a good direction; once the cores overlap, too, FCL's EPA gives it. Neither answer is trusted:
+// overlap_along() measures the overlap along the direction.
 #pragma once
 
 #include <Eigen/Core>
@@ -44,7 +44,7 @@ struct Direction {
 
 inline constexpr double kParallelSquared =
     1e-8;  // squared sine of the angle between two edges that give no axis
-// Whether a pair of edges is preferred to a face. It must be better by some margin, so that a contact of
+// True if a pair of edges is preferred to a face. It must be better by some margin, so that a contact of
 // faces does not flicker.
 bool is_better(double edge_depth, double face_depth);
 

@@ -20,7 +20,7 @@ def seconds_at(found):
 
 
 def convergence_lines(convergence):
-    """Order of each engine, and what precision costs it."""
+    """Order of each engine, and the cost of precision."""
     if not convergence:
         return []
     errors = list(next(iter(convergence.values()))["cpu_s_at"])
@@ -35,7 +35,7 @@ def convergence_lines(convergence):
 
 
 def growth_lines(growth):
-    """The power of their number with which a step's cost grows."""
+    """The power of the count with which a step's cost grows."""
     engines = list(dict.fromkeys(engine for found in growth.values() for engine in found))
     if not engines:
         return []

@@ -22,10 +22,10 @@
 //   a geared rotor    the law with k = 1/J and v* its own speed (hwparts/drive/gear.h). The law takes q~ from
 //                     the look-ahead, so the rotor feels how the axis' speed changes in free flight
 //
-// Sources: half of the law at t and the rest at t+h, as forces in RATTLE (Andersen, J. Comput. Phys. 52, 1983);
-// a compliance on the diagonal, as CFM in Hsu, Peters, Extending Open Dynamics Engine for the DARPA Virtual
-// Robotics Challenge, SIMPAR 2014; the rotor as a coordinate that is geared to the axis and answers with it,
-// as gears in Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 9.
+// Sources: half of the law at t and the rest at t+h, as forces in RATTLE (Andersen, J. Comput. Phys. 52,
+// 1983); a compliance on the diagonal, as CFM in Hsu, Peters, Extending Open Dynamics Engine for the DARPA
+// Virtual Robotics Challenge, SIMPAR 2014; the rotor as a coordinate that is geared to the axis and answers
+// with it, as gears in Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 9.
 // clang-format on
 #include <algorithm>
 #include <cmath>
@@ -42,7 +42,7 @@ constexpr double kAtLimit = 1.0 - 1e-9;  // share of the limit: a law that gave 
 constexpr double kMoves = 1e-9;          // rad/s, m/s: above this speed dry friction starts at its limit
 constexpr double kPassed = 1e-12;        // share of the limit by which rounding may pass it
 
-// Whether the drive gives no effort at all.
+// True if the drive gives no effort at all.
 bool says_nothing(const hwparts::JointDrive& drive) {
   return drive.max_effort == 0.0 && drive.feedforward == 0.0;
 }
@@ -112,7 +112,7 @@ int passed_limit(const Axis& axis, Moment moment, double h) {
   return (given > most) - (given < -most);
 }
 
-// Whether the law may go on taking part as it does now.
+// True if the law may go on taking part as it does now.
 bool suits(const Plant& plant, const Axis& axis, Moment moment, double h) {
   if (axis.at_limit != 0)
     return moment == kHit || axis.at_limit * missing_of_law(plant, axis, moment, h) >= 0.0;

@@ -25,7 +25,7 @@ enum class Symmetry {
   kBall
 };  // of the principal moments: all differ; two are the same; all are
 
-// What never changes of a body: kg, kg·m².
+// The constants of a body: kg, kg·m².
 struct BodyConstants {
   world::BodyId id;
   double mass = 0.0, inverse_mass = 0.0;

@@ -18,13 +18,13 @@
 //
 // P2 may take back what P1 gave. A body at rest therefore has velocity zero at the end of each step, and an
 // impulse of h m g per step: half of it at t, half at t+h, as everything else has it.
-// Rolling and torsional friction, where surfaces have them: the bodies' relative angular velocity w is held at
-// w = 0 by torques of at most  rho P_n about the tangents (a disc, as friction), tau P_n about the normal;
+// Rolling and torsional friction, where surfaces have them: the bodies' relative angular velocity w is held
+// at w = 0 by torques of at most  rho P_n about the tangents (a disc, as friction), tau P_n about the normal;
 // rho and tau are in m.
 //
 // Sources: impulses for collisions and contacts alike, Mirtich, Canny, Impulse-based simulation of rigid
-// bodies, SI3D 1995; contacts beside joints that impulses hold, Bender, Schmitt, Constraint-based collision and
-// contact handling using impulses, CASA 2006; rolling and torsional friction, Johnson, Contact Mechanics
+// bodies, SI3D 1995; contacts beside joints that impulses hold, Bender, Schmitt, Constraint-based collision
+// and contact handling using impulses, CASA 2006; rolling and torsional friction, Johnson, Contact Mechanics
 // (1985), sections 8.3 and 9.1, as MuJoCo's condim 6.
 // clang-format on
 #include "server/dynamics/impulse/bounded.h"

@@ -27,7 +27,7 @@ class Bounded {
   std::span<const std::size_t> free_bodies() const {
     return slotted_;
   }  // numbers of the bodies without joints that have rows
-  // Whether any row acts on the mechanism.
+  // True if any row acts on the mechanism.
   bool binds(std::size_t mechanism) const { return !of_mechanism_[mechanism].rows.empty(); }
 
   // Solves with the bodies' present velocities, and changes them. Returns the largest miss before: by how

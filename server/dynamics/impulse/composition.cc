@@ -16,7 +16,7 @@ constexpr double kY1 = 0.78451361047755726382, kY2 = 0.23557321335935813368, kY3
 constexpr double kY0 = 1.0 - 2.0 * (kY1 + kY2 + kY3);
 constexpr std::array kYoshida{kY1, kY2, kY3, kY0, kY3, kY2, kY1};
 
-// Whether nothing happens that a step back in time would not undo.
+// True if nothing happens that a step back in time would not undo.
 bool may_go_back(const Plant& plant, double h) {
   if (!plant.touches.empty()) return false;
   for (std::size_t m = 0; m < plant.mechanisms.size(); ++m)

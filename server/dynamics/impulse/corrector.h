@@ -38,7 +38,7 @@ class Corrector {
 
  private:
   static constexpr std::size_t kNoAxis = static_cast<std::size_t>(-1);
-  // What each row of a joint misses: m/s or rad/s.
+  // The miss of each row of a joint, m/s or rad/s.
   using Errors = std::array<double, 6>;
   // A joint with its rows, in the present pose.
   struct Joint {

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kMostHalvings = 6;  // a tick's steps may be cut down to 1/64
 
-// Whether the joint's position counts more than one turn.
+// True if the joint's position counts more than one turn.
 bool counts_turns(const world::Joint& joint) {
   return joint.kind == world::JointKind::kScrew || joint.kind == world::JointKind::kTorsionSpring;
 }

@@ -1,4 +1,4 @@
-// What the kinds of joint say about a joint between the engine's bodies. Each kind has a page of its own
+// Applies the kinds of joint to a joint between the engine's bodies. Each kind has a page of its own
 // (joints/); here they are called by kind, in the bodies' present pose or where the look-ahead has led.
 #pragma once
 

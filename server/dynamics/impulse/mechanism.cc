@@ -11,7 +11,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// Whether the joint holds something and moves a body of this engine.
+// True if the joint holds something and moves a body of this engine.
 bool is_ours(const world::WorldModel& model, const Bodies& bodies, world::JointId id) {
   const world::Joint& joint = model.joints[id.index()];
   return world::info(joint.kind).holds_anything && bodies.number(joint.child) >= 0;
@@ -24,7 +24,7 @@ int representative(std::vector<int>& leader, int i) {
   return i;
 }
 
-// Whether the joint's pose follows from its bodies alone. The others also need the world's state: a screw
+// True if the joint's pose follows from its bodies alone. The others also need the world's state: a screw
 // counts its turns, a point on a curve its place along it.
 bool is_of_bodies_alone(const JointSpec& joint) {
   return joint.kind != world::JointKind::kScrew && joint.kind != world::JointKind::kPointOnCurve;

@@ -56,7 +56,7 @@ class Mechanism {
     axes_changed_ = true;
   }
 
-  // Whether it is near a pose where its loops lose their grip, for example all bars of a four-bar on one
+  // True if it is near a pose where its loops lose their grip, for example all bars of a four-bar on one
   // line. As factored.
   bool is_nearly_singular() const;
 
@@ -105,7 +105,7 @@ class Mechanism {
   double largest_turn(const Bodies& bodies) const;
   // Moves the look-ahead over h along with the answer, to first order.
   void nudge(Bodies& bodies, double h) const;
-  // Whether the tension that the joints give at t would make a link swing about a joint too far in a step of
+  // True if the tension that the joints give at t would make a link swing about a joint too far in a step of
   // length h.
   bool is_too_taut(double h) const;
 

@@ -97,7 +97,7 @@ struct Touch {
   Vector3d kept_impulse, kept_twist;        // on A, in W, of one half of a tick
 };
 
-// Whether rolling or torsional friction acts at this contact.
+// True if rolling or torsional friction acts at this contact.
 inline bool is_held_from_turning(const Touch& touch) {
   return touch.rolling_friction > 0.0 || touch.torsional_friction > 0.0;
 }

@@ -48,8 +48,8 @@ class Prediction {
   std::span<JointImpulse> foreseen() { return foreseen_; }  // may be changed before it is given
   // To be called before anything else is added.
   void give_foreseen() { std::copy(foreseen_.begin(), foreseen_.end(), given_.begin()); }
-  // What the joints give in this step, at its start and at its end. Zero after begin(); the solver adds to
-  // it.
+  // The impulses of the joints in this step, at its start and at its end. Zero after begin(); the solver adds
+  // to it.
   std::span<JointImpulse> ahead() { return std::span(given_).first(line_.size()); }
   std::span<const JointImpulse> ahead() const { return std::span(given_).first(line_.size()); }
   std::span<JointImpulse> after() { return std::span(given_).subspan(line_.size()); }
@@ -66,7 +66,7 @@ class Prediction {
   void write(std::span<std::byte> to) const;
 
  private:
-  // What is kept of a step: P, and what the line has missed. Single precision is enough, since the look-ahead
+  // The record of a step: P, and what the line has missed. Single precision is enough, since the look-ahead
   // checks every foreseen impulse.
   struct Past {
     std::array<float, 6> given, missed;

@@ -35,7 +35,7 @@ double stiffness_of(const RowBlock& block) {
   return block.K[0] + block.compliance + block.softness[0];
 }
 
-// Whether the block has tangents that can move. Where nothing can move a contact, none of its impulses is
+// True if the block has tangents that can move. Where nothing can move a contact, none of its impulses is
 // defined.
 bool has_tangents(const RowBlock& block) {
   return block.kind != RowBlock::Kind::kBounded && stiffness_of(block) > kRigid * block.free_response;
@@ -132,7 +132,7 @@ void Rows::change(RowBlock& block, const std::array<double, 3>& by) {
   }
 }
 
-// What is missing from a row's equation: target - u - k lambda - s (lambda - c).
+// The miss of a row's equation: target - u - k lambda - s (lambda - c).
 double Rows::error(const RowBlock& block, std::size_t row) const {
   const double soft = block.softness[row] * (block.lambda[row] - block.centre[row]);
   const double error = block.target[row] - velocity(block, row) - soft;
@@ -235,7 +235,7 @@ double Rows::largest_change() const {
   return largest;
 }
 
-// Whether next to nothing is missing with the starting impulses. With mechanisms this test is skipped: a
+// True if next to nothing is missing with the starting impulses. With mechanisms this test is skipped: a
 // sweep costs no more than the look.
 bool Rows::is_at_rest(double least, double share, double rest) {
   if (rest == 0.0 || !responses.empty()) return false;

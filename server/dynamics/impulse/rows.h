@@ -146,7 +146,7 @@ class Rows {
   double sweep_and_accelerate(int most_sweeps, double enough);
   // Alternates sweeps with solutions at once for one proximal point. Returns the largest miss.
   double settle(double enough);
-  // What is missing from a row's equation, m/s or rad/s.
+  // The miss of a row's equation, m/s or rad/s.
   double error(const RowBlock& block, std::size_t row) const;
   // Corrects one block. Returns the largest miss that it found.
   double relax(RowBlock& block);
@@ -156,7 +156,7 @@ class Rows {
   double normal_step(const RowBlock& block) const;
   // Change of impulse of the tangents, within the friction disc.
   Tangential tangents_step(const RowBlock& block) const;
-  // Whether the impulses at the start are good enough to be the answer.
+  // True if the impulses at the start are good enough to be the answer.
   bool is_at_rest(double least, double share, double rest);
   // Largest miss of any block, without correcting it.
   double largest_miss() const;
@@ -197,7 +197,7 @@ class Rows {
 
   // rows_bodies.cc: the same system with the bodies' velocities as unknowns.
   double softness(const Row& row) const;
-  // Whether all active rows are on free bodies only, and soft.
+  // True if all active rows are on free bodies only, and soft.
   bool bodies_alone() const;
   // Impulse on a body for a unit impulse of the row, with the friction that it drags along.
   BodyFactor::Vector6 push(const Row& row, const RowEnd& end) const;

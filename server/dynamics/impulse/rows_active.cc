@@ -42,7 +42,7 @@ double share_within_cone(const Tangential& t, const Tangential& dt, double r, do
   return std::min(1.0, B > 0.0 ? -C / (B + root) : (root - B) / A);
 }
 
-// Whether two ends, or two blocks, share a body or mechanism.
+// True if two ends, or two blocks, share a body or mechanism.
 bool meet(const RowEnd& a, const RowEnd& b) {
   return a.free == b.free && a.offset == b.offset;
 }

@@ -31,7 +31,7 @@ class Sleep {
   void write(std::vector<std::byte>& bytes) const;  // into the last bytes() of them
 
  private:
-  // What is kept of a unit from tick to tick.
+  // The record of a unit from tick to tick.
   struct Record {
     double still_s = 0.0;        // how long it has stood still
     std::uint64_t drives = 0;    // hash of what the unit's drives were given

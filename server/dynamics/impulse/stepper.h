@@ -44,13 +44,13 @@ class Stepper {
   const JointSpec* worst_joint(std::size_t mechanism) const;
   // Notes the joint that does not close. Always returns false.
   bool break_at(std::size_t mechanism);
-  // Whether a law in the tree could do better as a row: only mechanisms with loops have such laws.
+  // True if a law in the tree could do better as a row: only mechanisms with loops have such laws.
   bool has_laws_to_box(std::size_t mechanism) const;
   // Turns these laws into rows. Returns false where there are none.
   bool take_laws_as_rows(std::size_t mechanism);
   // Largest gap that is allowed, along each axis of W: m, rad.
   double d_max(std::size_t mechanism) const { return d_max_by_mechanism_[mechanism]; }
-  // Whether a link would swing too far in this step under the tension of its joint (predicting.cc).
+  // True if a link would swing too far in this step under the tension of its joint (predicting.cc).
   bool is_too_taut(double h) const;
   // Solves the collisions at t.
   void hit(double h);

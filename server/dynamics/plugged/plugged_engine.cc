@@ -13,7 +13,7 @@ namespace visum::dynamics {
 namespace plugged {
 namespace {
 
-// What the plug-in's constructor may ask: its settings, the tick, bodies and joints.
+// Everything that the plug-in's constructor may ask for: its settings, the tick, bodies and joints.
 class Context final : public plugin::EngineContext {
  public:
   Context(const PlainWorld& world, const config::Node& entry, std::vector<std::string> resting)

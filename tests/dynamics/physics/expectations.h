@@ -1,6 +1,6 @@
-// What each engine really reaches in each case: upper bounds of its figures, a little above what was
-// measured. Where a bound is above the case's demand, the engine is expected to miss the demand. The test and
-// the table take this from here.
+// The accuracy that each engine really reaches in each case: upper bounds of its figures, a little above what
+// was measured. Where a bound is above the case's demand, the engine is expected to miss the demand. The test
+// and the table take this from here.
 #pragma once
 
 #include <string>
@@ -31,7 +31,7 @@ const std::vector<Expectation>& expectations();
 const std::vector<Miss>& declared_misses();
 // Null if there is none.
 const Expectation* find_expectation(const std::string& id, const std::string& row);
-// Whether the row is expected to reach the demand of figure i. The case must be for this row.
+// True if the row is expected to reach the demand of figure i. The case must be for this row.
 bool is_expected_right(const Case& what, std::size_t i, const EngineRow& row);
 
 }  // namespace visum::physics

@@ -10,8 +10,8 @@
 //   P, P_A        the joint's point on B, and its counterpart on A
 //   a, b          the axis as A carries it, and as B does;  c  a second one, that B carries
 //   t_i           t_1 and t_2: unit vectors across an axis, and across each other (across(), directions.h)
-//   (w, v)        relative motion of B against A: the angular velocity, and the velocity of P with both bodies
-//                 taken at P: A's lever is P - x_A, not P_A - x_A
+//   (w, v)        relative motion of B against A: the angular velocity, and the velocity of P with both
+//                 bodies taken at P: A's lever is P - x_A, not P_A - x_A
 //   q, q'         coordinate of a free direction, and its rate
 //   n~            the matrix of the cross product: n~ u = n x u
 //
@@ -20,9 +20,9 @@
 //   T2  the point on a line of A                      R2  two axes parallel
 //   T1  the point in a plane of A                     R1  two axes perpendicular
 //
-// A page states three things: what is zero in place when the joint is closed, what is zero in velocity (the rows
-// of Held), and what is free (the columns of Motion). The gap is the motion of B that would close the joint; it
-// has the sign of P_A - P and of b x a. Sources, by the names that the pages use:
+// A page states three things: what is zero in place when the joint is closed, what is zero in velocity (the
+// rows of Held), and what is free (the columns of Motion). The gap is the motion of B that would close the
+// joint; it has the sign of P_A - P and of b x a. Sources, by the names that the pages use:
 //   the paper     VISUM: A VR system for the interactive and dynamics simulation of mechatronic systems,
 //                 section 5. Its definitions have numbers, (1) to (8); its formulas have none.
 //   Featherstone  Rigid Body Dynamics Algorithms, Springer 2008: table 4.1, joints by their free directions
@@ -42,7 +42,7 @@ namespace visum::dynamics::impulse {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// What never changes of a joint between the engine's bodies.
+// The constants of a joint between the engine's bodies.
 struct JointSpec {
   world::JointKind kind = world::JointKind::kFixed;
   world::JointId id;

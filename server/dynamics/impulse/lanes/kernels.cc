@@ -10,7 +10,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// Whether the AVX2 kernels exist and this processor has AVX2.
+// True if the AVX2 kernels exist and this processor has AVX2.
 bool has_wide() {
 #if defined(__x86_64__)
   return kWideKernels != nullptr && __builtin_cpu_supports("avx2") != 0;
