@@ -41,6 +41,7 @@ const std::vector<IndexPair>& BroadPhase::find(const std::vector<PreparedShape>&
   return pairs_;
 }
 
+// Shapes of one body, of two fixed bodies, and of excluded pairs never collide.
 bool BroadPhase::may_collide(const PreparedShape& a, const PreparedShape& b) const {
   if (a.body == b.body || (a.fixed && b.fixed)) return false;
   const BodyPair pair = std::minmax(a.body, b.body);
@@ -58,6 +59,7 @@ void BroadPhase::sweep(const std::vector<PreparedShape>& shapes) {
     const PreparedShape& a = shapes[boxed_[i]];
     for (std::size_t j = i + 1; j < boxed_.size(); ++j) {
       const PreparedShape& b = shapes[boxed_[j]];
+      // All further boxes begin behind a's end.
       if (b.near_W.min()[axis] > a.near_W.max()[axis]) break;
       if (a.near_W.intersects(b.near_W) && may_collide(a, b))
         pairs_.push_back(std::minmax(boxed_[i], boxed_[j]));
@@ -78,6 +80,7 @@ void BroadPhase::meet_planes(const std::vector<PreparedShape>& shapes) {
 double gap_of_boxes(const PreparedShape& a, const PreparedShape& b) {
   if (a.kind == world::ShapeKind::kPlane) return height_above(a, b.box_W);
   if (b.kind == world::ShapeKind::kPlane) return height_above(b, a.box_W);
+  // The gap along each axis, on either side; the largest is the best.
   const Eigen::Vector3d after = a.box_W.min() - b.box_W.max(), before = b.box_W.min() - a.box_W.max();
   return after.cwiseMax(before).maxCoeff();
 }

@@ -32,6 +32,7 @@ Eigen::Vector3d radial(const Eigen::Vector3d& direction) {
   return {direction.x() / length, direction.y() / length, 0.0};
 }
 
+// The face that looks most along the direction, with at most kMaxFaceCorners corners.
 Feature polytope_face(const Polytope& polytope, const Eigen::Vector3d& direction) {
   const Polytope::Face& face = polytope.face_towards(direction);
   const auto corners = polytope.corners_of(face);
@@ -108,6 +109,7 @@ Feature cylinder_cap(const Convex& cylinder, const Eigen::Vector3d& direction) {
   return feature;
 }
 
+// The line on the side that is farthest along the direction.
 Feature cylinder_side(const Convex& cylinder, const Eigen::Vector3d& direction) {
   Feature feature;
   feature.normal = radial(direction);
@@ -162,6 +164,7 @@ Convex make_convex(Polytope polytope) {
   Convex convex;
   convex.family = Family::kPolytope;
   convex.center = mean(polytope.vertices);
+  // The margin follows from the face that is nearest to the middle.
   double inner = kLargestMarginM / kMarginShare;
   for (const Polytope::Face& face : polytope.faces) {
     const Eigen::Vector3d& on_face = polytope.vertices[polytope.corners[face.first]];

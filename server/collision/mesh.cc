@@ -64,6 +64,7 @@ Mesh::Mesh(const world::TriangleMesh& mesh) {
   split(0, 0, static_cast<std::uint32_t>(triangles_.size()));
 }
 
+// Halves the triangles at the median of their centres along the longest axis.
 void Mesh::split(std::uint32_t node, std::uint32_t first, std::uint32_t last) {
   Eigen::AlignedBox3d box;
   for (std::uint32_t i = first; i < last; ++i) box.extend(box_of(triangles_[i]));

@@ -89,6 +89,7 @@ const std::vector<Point>& NarrowPhase::find(const PreparedShape& a, const Prepar
   using enum world::ShapeKind;
   points_.clear();
   gap_ = 0.0;
+  // A plane or mesh gives normals from itself to the other shape: they are turned if it is a.
   const auto turn = [this] {
     for (Point& point : points_) point.normal_W = -point.normal_W;
   };
@@ -165,18 +166,21 @@ void NarrowPhase::find_with_triangle(const Placed& convex, const Placed& placed,
   const std::size_t first = points_.size();
   add_manifold(convex, placed, direction, points_);
   const Eigen::Vector3d up = placed.R * triangle.normal;
+  // Pushing along the triangle's own normal is always right.
   if (std::abs(direction.normal_W.dot(up)) >= kSameNormal) return;
   const Point& last = points_.back();
   const Eigen::Vector3d on_triangle_W = last.p_W + 0.5 * last.depth * last.normal_W;
   if (may_push(mesh, triangle, placed.R.transpose() * (on_triangle_W - placed.p),
                placed.R.transpose() * direction.normal_W))
     return;
+  // Otherwise these points go. A body in front gets the points over the face instead.
   points_.resize(first);
   const bool in_front = up.dot(convex.center() - placed.farthest(up)) >= 0.0;
   if (in_front) add_face_manifold(convex, placed, up, points_);
 }
 
 void NarrowPhase::find_meshes(const PreparedShape& a, const PreparedShape& b) {
+  // Only triangles within the common part of both boxes can meet.
   const Eigen::AlignedBox3d shared_W = a.box_W.intersection(b.box_W);
   const Eigen::AlignedBox3d shared = in_frame_of(a, shared_W);
   const auto meets_shared = [&](const Eigen::AlignedBox3d& node) { return node.intersects(shared); };

@@ -32,6 +32,7 @@ bool are_plain(std::span<const hwparts::JointDrive> drives) {
   return std::isfinite(squares[0] + squares[1]) && (negative[0] | negative[1]) == 0;
 }
 
+// First the quick test, then one by one to name the joint.
 std::string find_drive_fault(const world::WorldModel& model, std::span<const hwparts::JointDrive> drives) {
   if (drives.size() != model.joints.size())
     return std::to_string(drives.size()) + " drives for " + std::to_string(model.joints.size()) + " joints";
@@ -53,6 +54,7 @@ std::string find_wrench_fault(const world::WorldModel& model, std::span<const Wr
   return "";
 }
 
+// Finite numbers in their ranges; restitution is 0..1.
 bool is_usable(const collision::Contact& contact) {
   return contact.p_W.allFinite() && contact.normal_W.allFinite() && std::isfinite(contact.depth) &&
          contact.friction >= 0.0 && std::isfinite(contact.friction) && contact.restitution >= 0.0 &&

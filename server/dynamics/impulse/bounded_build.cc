@@ -25,6 +25,7 @@ void put(std::array<double, 6>& row, const Vector3d& angular, const Vector3d& li
 Bounded::Bounded(Plant& plant)
     : plant_(plant), of_mechanism_(plant.mechanisms.size()), slot_(plant.bodies.size(), kNone) {}
 
+// Forgets the rows of the last moment.
 void Bounded::reset(Moment moment, double h) {
   moment_ = moment;
   h_ = h;
@@ -37,6 +38,7 @@ void Bounded::reset(Moment moment, double h) {
 
 void Bounded::build(Moment moment, double h) {
   reset(moment, h);
+  // The look-ahead rests until it has solved something. Softened solving lasts until the end of the step.
   if (moment == kAhead) rests_ = true;
   gently_ = gently_ && moment == kAfter;
   for (std::size_t i = 0; i < plant_.touches.size(); ++i) add_touch(i);
@@ -76,6 +78,7 @@ void Bounded::connect_bodies(RowBlock& block, int a, int b, FindA find_a, FindB 
   RowEnd at_a, at_b;
   if (of_a >= 0) find_a(alone, at_a);
   if (of_b >= 0) find_b(alone, at_b);
+  // Both bodies in one mechanism: one end that moves both.
   if (of_a >= 0 && of_a == of_b) return connect_mechanism(block, a, &at_a.J, b, &at_b.J);
   if (of_a >= 0)
     connect_mechanism(block, a, &at_a.J, -1, nullptr);
@@ -112,6 +115,7 @@ void Bounded::add_touch(std::size_t index) {
   if (touch.asleep) return;
   RowBlock& block = add_block({Of::kTouch, index}, 3);
   block.kind = RowBlock::Kind::kContact;
+  // Contacts yield a little, except in a hit, which must bounce exactly. The start is the last impulse.
   block.gives = moment_ != kHit;
   if (moment_ == kAfter) block.rest = touch.impulse[kAhead][0];
   for (int i = 0; i < 3; ++i) block.lambda[static_cast<std::size_t>(i)] = touch.impulse[moment_][i];
@@ -172,6 +176,7 @@ void Bounded::add_law(std::size_t index) {
 // At the end of the step a stop takes part only if it has pushed at t, or if the look-ahead has reached it.
 void Bounded::add_stop(std::size_t index, std::size_t side) {
   const Axis& axis = plant_.axes[index];
+  // In a hit only the stops that find_hits() has marked.
   const double sign = side == 0 ? -1.0 : 1.0;
   if (moment_ == kHit && !axis.hits[side]) return;
   if (moment_ == kAfter && axis.stopped[side][kAhead] == 0.0 && room(axis, side) > h_ * sign * axis.mean_rate)
@@ -186,6 +191,7 @@ void Bounded::add_spring(std::size_t index) {
   if (!plant_.springs[index].acts) return;
   RowBlock& block = add_block({Of::kSpring, index}, 1);
   const auto find = [&](RowBlock& of, RowEnd& end, int body, const Vector3d& at, double sign) {
+    // J of a pull along (w, v) at a point: the torque about the centre of mass, and the force.
     const Vector3d lever = at - plant_.bodies.x[static_cast<std::size_t>(body)];
     put(end.J[0], sign * (w + lever.cross(v)), sign * v);
     respond(of, end, body);
@@ -198,6 +204,7 @@ void Bounded::add_spring(std::size_t index) {
 void Bounded::connect_axis(RowBlock& block, const Axis& axis) {
   MechanismRows& rows = of_mechanism_[axis.mechanism];
   add_mechanism_end(block, static_cast<int>(axis.mechanism));
+  // An axis of the tree is pushed directly.
   if (axis.node >= 0) {
     rows.rows.push_back({.axis = &axis});
     return;
@@ -240,6 +247,7 @@ void Bounded::connect_mechanism(RowBlock& block, int a, const Reach* at_a, int b
 }
 
 void Bounded::finish() {
+  // measure_ahead() asks which mechanisms have rows.
   for (std::size_t m = 0; m < of_mechanism_.size(); ++m) plant_.mechanism_bound[m] = binds(m);
   if (empty()) return;
   // First the bodies without joints, then the mechanisms; likewise W of each mechanism.

@@ -81,6 +81,7 @@ void LoopFactor::eliminate_before(const Block& block) {
   }
 }
 
+// Compares remaining shares by cross multiplication, without dividing.
 void LoopFactor::pivot(const Block& block, std::size_t i) {
   std::size_t best = i;
   for (std::size_t k = i + 1; k < block.end; ++k)
@@ -99,6 +100,7 @@ void LoopFactor::swap_rows(const Block& block, std::size_t i, std::size_t k) {
   std::swap(at(i, i), at(k, k));
 }
 
+// One column of Cholesky: the pivot's root, the column, and the rest of the block.
 void LoopFactor::eliminate_with(const Block& block, std::size_t i) {
   least_share_ = std::min(least_share_, pivots_[i] / scale_[i]);
   inverse_diagonal_[i] = 1.0 / std::sqrt(pivots_[i]);
@@ -117,6 +119,7 @@ void LoopFactor::solve(std::vector<double>& b) {
     for (std::size_t j = first_of(i); j < i; ++j) sorted_[i] -= at(i, j) * sorted_[j];
     sorted_[i] *= inverse_diagonal_[i];
   }
+  // Back substitution, and back to the caller's order.
   for (std::size_t i = size(); i-- > 0;) {
     sorted_[i] *= inverse_diagonal_[i];
     for (std::size_t j = first_of(i); j < i; ++j) sorted_[j] -= at(i, j) * sorted_[i];

@@ -13,6 +13,7 @@ constexpr double kNearlySingular =
 
 }  // namespace
 
+// At each end: the torque about the centre of mass, and the force; A gets the opposite.
 PathMotion line_at(const Mechanism& mechanism, const Bodies& bodies, int body_a, int body_b,
                    const Vector3d& p, const Vector3d& w, const Vector3d& v) {
   PathMotion line;
@@ -102,6 +103,7 @@ double Mechanism::rate_of_parts(const PathMotion& line, const std::array<int, 2>
     const int part = node < 0 ? -1 : tree_.part(static_cast<std::size_t>(node));
     return part >= 0 && (part == parts[0] || part == parts[1]);
   };
+  // Bodies of other parts keep old answers, which must not count.
   PathMotion there = line;
   if (!among(line.node_a)) there.node_a = -1;
   if (!among(line.node_b)) there.node_b = -1;
@@ -111,6 +113,7 @@ double Mechanism::rate_of_parts(const PathMotion& line, const std::array<int, 2>
 // Response of a row to itself and to the rows before it. An impulse on it moves only the parts that its loop
 // joins.
 void Mechanism::find_response(std::size_t i, const std::array<int, 2>& parts) {
+  // Both parts are pushed, then each is solved once.
   const bool two = parts[1] != parts[0];
   for (const int part : parts)
     if (part >= 0) tree_.clear_part(part);

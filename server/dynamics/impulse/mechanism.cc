@@ -46,6 +46,7 @@ constexpr long kNumbers = sizeof(Item) / sizeof(double);
 Mechanism::Mechanism(const world::WorldModel& model, const Bodies& bodies, std::vector<int> body_numbers,
                      const std::vector<world::JointId>& joints) {
   const std::vector<world::JointId> carrying = world::carrying_joints(model);
+  // Nodes of the tree and their specs, built side by side.
   std::vector<TreeNode> nodes;
   const auto node_with = [&](int body) {
     const auto found =
@@ -86,6 +87,7 @@ Mechanism::Mechanism(const world::WorldModel& model, const Bodies& bodies, std::
     node_by_body_.emplace_back(nodes[i].body, static_cast<int>(i));
   std::sort(node_by_body_.begin(), node_by_body_.end());
   foreseen_axis_.resize(nodes.size());
+  // Poses may be kept between steps only if all of them follow from the bodies.
   of_bodies_alone_ = std::ranges::all_of(loops_, is_of_bodies_alone);
   for (std::size_t i = 0; i < nodes.size(); ++i)
     of_bodies_alone_ = of_bodies_alone_ && (nodes[i].joint < 0 || is_of_bodies_alone(specs_[i]));
@@ -144,6 +146,7 @@ std::vector<JointBlock> Mechanism::joint_blocks(const std::vector<std::size_t>& 
       block.axis_b[k][lane] = spec.axis_b[k];
     }
     const int a = spec.a < 0 ? bodies.still() : spec.a;
+    // Where the kernels find the bodies and the joint, in numbers.
     block.vector_a[lane] = 3L * a;
     block.matrix_a[lane] = 9L * a;
     block.vector_b[lane] = 3L * spec.b;
@@ -168,6 +171,7 @@ bool Mechanism::place(const Bodies& bodies, const world::WorldState& state) {
   const bool stands = placed_at_ == bodies.placements();
   if (stands && of_bodies_alone_ && !axes_changed_) return false;
   const BodyArrays& of = bodies.arrays();
+  // Points and axes of all joints in the tree, and the free directions of hinges.
   if (!stands) {
     bodies.kernels().place_hinges(of.x, of.R, hinges_.data(), hinges_.size(), poses_[0].pa.data(),
                                   motions_[0].w[0].data());
@@ -194,6 +198,7 @@ void Mechanism::factor(const Bodies& bodies) {
   if (factored_) return;
   tree_.factor(bodies, poses_, motions_, axes_);
   if (!loops_.empty()) {
+    // The loops need the factored tree.
     place_loop_rows(bodies);
     factor_loops();
   }
@@ -228,6 +233,7 @@ double Mechanism::ask_gaps(const Bodies& bodies, const world::WorldState& state,
 const JointSpec* Mechanism::worst_joint() const {
   const JointSpec* worst = nullptr;
   double largest = -1.0;  // joints without a gap can still be named, where an axis misses its aim
+  // A NaN counts as the largest gap.
   const auto look = [&](const JointSpec& joint, const JointPose& pose) {
     const double gap = gap_size(joint_gap(joint, pose));
     if (gap <= largest || std::isnan(largest)) return;
@@ -246,6 +252,7 @@ void Mechanism::ask_velocities(const Bodies& bodies) {
   for (const std::size_t i : other_nodes_) {
     const JointPose& pose = poses_[i];
     const auto b = static_cast<std::size_t>(specs_[i].b);
+    // Relative velocity of B against A, both at P.
     Vector3d w = bodies.w[b], v = bodies.v[b] + bodies.w[b].cross(pose.pb - bodies.x[b]);
     if (specs_[i].a >= 0) {
       const auto a = static_cast<std::size_t>(specs_[i].a);
@@ -284,6 +291,7 @@ void Mechanism::clear() {
 }
 
 std::vector<Mechanism> find_mechanisms(const world::WorldModel& model, const Bodies& bodies) {
+  // Joins the parts of parent and child of every joint.
   std::vector<int> leader(bodies.size());
   std::iota(leader.begin(), leader.end(), 0);
   std::vector<bool> jointed(bodies.size(), false);

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kAtRest = 1e-4;  // m/s, rad/s: slower counts as standing still
 
+// Each component of both velocities counts, not their length.
 bool is_still(const Vector3d& v, const Vector3d& w) {
   return v.cwiseAbs().maxCoeff() <= kAtRest && w.cwiseAbs().maxCoeff() <= kAtRest;
 }
@@ -61,11 +62,13 @@ void Sleep::join(int body_a, int body_b) {
   leader_[std::max(a, b)] = std::min(a, b);
 }
 
+// A unit that moves is disturbed, also if its velocity was set from outside.
 void Sleep::note_motion(const Plant& plant) {
   for (std::size_t i = 0; i < unit_of_.size(); ++i)
     if (!is_still(plant.bodies.v[i], plant.bodies.w[i])) disturb(unit_of_[i]);
 }
 
+// Forces disturb at once; drives are compared by their hash, later in begin().
 void Sleep::note_inputs(const StepInput& input, const Plant& plant) {
   for (const Wrench& wrench : input.wrenches) {
     const int body = plant.bodies.number(wrench.body);
@@ -79,6 +82,7 @@ void Sleep::note_inputs(const StepInput& input, const Plant& plant) {
   for (const Spring& spring : plant.springs) join(spring.spec.a, spring.spec.b);
 }
 
+// Contacts join islands. Their number per unit is compared with the last tick's.
 void Sleep::note_contacts(const StepInput& input, const world::WorldState& state, const Plant& plant) {
   std::fill(contacts_.begin(), contacts_.end(), 0);
   for (const collision::Contact& contact : input.contacts) {

@@ -77,6 +77,8 @@ Stepper::Stepper(Plant& plant)
   most_passes_ = plant.setting.budget;
 }
 
+// A pure torque for an angle; for a distance a force at the joint's point, with its torque about each centre
+// of mass.
 void Stepper::push_axis(const Axis& axis, double impulse) {
   Bodies& bodies = plant_.bodies;
   const JointPose pose = pose_now(*axis.spec, bodies, axis.start);
@@ -108,6 +110,7 @@ void Stepper::push(double h, std::span<const Wrench> wrenches) {
     if (axis.feedforward != 0.0 && (corrector_ || axis.node < 0)) push_axis(axis, 0.5 * h * axis.feedforward);
 }
 
+// The tree's axes only: axes that close loops are pushed by push().
 bool Stepper::push_known(std::size_t m, Moment moment, double h) {
   bool any = false;
   for (const Axis& axis : plant_.acting_axes_of(m)) {
@@ -268,6 +271,7 @@ void Stepper::give_back_energy(double h) {
   const Energy now = bound_energy();
   const double gained = now.kinetic + now.potential - energy_before_;
   if (!(gained > kMostGain * now.kinetic + std::abs(h) * kMostPush * now.weight)) return;
+  // Takes the gain out of the kinetic energy.
   const double share = std::sqrt(std::max(0.0, 1.0 - gained / now.kinetic));
   for (const std::size_t i : bound_bodies_) {
     plant_.bodies.v[i] *= share;
@@ -276,6 +280,7 @@ void Stepper::give_back_energy(double h) {
   fell_short_ = true;
 }
 
+// A mechanism that has moved needs new poses and factors.
 void Stepper::commit(double h) {
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
     if (!plant_.mechanism_asleep[m] &&
@@ -304,6 +309,7 @@ void Stepper::match_velocities(std::size_t m, double h) {
 
 void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
   // The rows at t+h start from what they gave at t.
+  // The springs repeat their impulse; contacts meet at one point again.
   push_by_springs(plant_, state);
   save_velocities();
   meet_touches(plant_);

@@ -5,6 +5,7 @@
 
 namespace visum::dynamics::impulse {
 
+// All bits zero are all numbers zero.
 void Tree::clear() {
   static_assert(std::is_trivially_copyable_v<TreeAsked>);
   std::memset(static_cast<void*>(asked_.data()), 0, asked_.size() * sizeof(TreeAsked));
@@ -34,6 +35,7 @@ void Tree::solve() {
   kernels_->spread_tree(data(), 0, rows_.size());
 }
 
+// A free root: velocity = -I^-1 p, with p all load on it.
 void Tree::spread_root(const Root& root) {
   Eigen::Matrix<double, 6, 1> load;
   load << VectorView(loads_[root.row].w), VectorView(loads_[root.row].v);

@@ -6,6 +6,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
+// The record of a contact, as it stands in the bytes.
 struct Record {
   std::int32_t shape_a, shape_b, feature, rested;
   double impulse[3], twist[3];
@@ -50,6 +51,7 @@ std::span<std::byte> write_predictions(const Plant& plant, std::span<std::byte> 
   return bytes;
 }
 
+// True if the body belongs to a mechanism.
 bool is_jointed(const Plant& plant, int body) {
   return body >= 0 && plant.places[static_cast<std::size_t>(body)].mechanism >= 0;
 }
@@ -79,12 +81,14 @@ void read_warm_start(std::span<const std::byte> bytes, std::span<const collision
       record = record_at(bytes, i);
     }
     const Vector3d impulse = vector(record.impulse), twist = vector(record.twist);
+    // A new contact starts from zero, and so does one with bad numbers.
     if (key(record) != key(contact) || !impulse.allFinite() || !twist.allFinite()) continue;
     plant.rested = plant.rested || record.rested != 0;
     touch.kept_impulse = impulse;
     touch.kept_twist = twist;
     if (is_held_from_turning(touch)) touch.twist[kAhead] = touch.frame.transpose() * twist;
     touch.impulse[kAhead] = touch.frame.transpose() * impulse;
+    // The surface may have turned since: a normal impulse never pulls.
     touch.impulse[kAhead][0] = std::max(0.0, touch.impulse[kAhead][0]);
   }
 }
@@ -102,6 +106,7 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
     const Touch& touch = plant.touches[i];
     const collision::Contact& contact = contacts[touch.contact];
     const bool jointed = is_jointed(plant, touch.a) || is_jointed(plant, touch.b);
+    // A sleeping contact keeps its record as it is.
     Vector3d impulse = touch.kept_impulse, twist = touch.kept_twist;
     if (!touch.asleep) {
       impulse = to_start_from(touch, touch.impulse, jointed);

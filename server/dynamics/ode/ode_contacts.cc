@@ -29,6 +29,7 @@ dContact make_contact(const collision::Contact& contact, const Eigen::Vector3d& 
   dSurfaceParameters& surface = result.surface;
   surface.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM;
   surface.mu = contact.friction;
+  // Approx1 makes friction proportional to the normal force.
   surface.soft_erp = setting.erp;
   surface.soft_cfm = std::max(kSoftness, setting.cfm);
   if (contact.restitution > 0.0) {
@@ -36,6 +37,7 @@ dContact make_contact(const collision::Contact& contact, const Eigen::Vector3d& 
     surface.bounce = contact.restitution;
     surface.bounce_vel = kLeastBounceSpeed;
   }
+  // With parameters by axis, ODE also reads those of the second direction.
   if (contact.rolling_friction > 0.0 || contact.torsional_friction > 0.0) {
     surface.mode |= dContactRolling | dContactAxisDep;
     surface.mu2 = surface.mu;
@@ -90,6 +92,8 @@ void OdeContacts::report(std::span<collision::Contact> contacts) const {
     contact.normal_force_n = std::abs(force_on_first.dot(contact.normal_W));
     contact.force_on_a_W = made.turned ? Eigen::Vector3d(-force_on_first) : force_on_first;
     if (contact.rolling_friction == 0.0 && contact.torsional_friction == 0.0) continue;
+    // The torque of the force at its lever is taken off: the moment of rolling and torsional friction
+    // remains.
     const Eigen::Vector3d torque =
         Eigen::Map<const Eigen::Vector3d>(made.feedback.t1) - made.lever.cross(force_on_first);
     contact.torque_on_a_W = made.turned ? Eigen::Vector3d(-torque) : torque;

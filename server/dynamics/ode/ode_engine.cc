@@ -74,6 +74,7 @@ class OdeEngine : public Engine {
     } catch (const OdeError& error) {
       failure = error.what();
     }
+    // ODE's messages count as warnings of the solver.
     if (failure.empty()) return check(state, ode_messages() != messages_before);
     failure += first_broken_body();
     rebuild();
@@ -91,6 +92,7 @@ class OdeEngine : public Engine {
     if (quick_) {
       step_quickly(input.tick_s, bytes);
     } else if (!step_directly(input.tick_s)) {
+      // The direct solver has left forces out: the iterative one makes the tick again.
       prepare(input, state);
       dRandSetSeed(0);  // the seed of this tick alone
       dWorldQuickStep(mechanism_->world.id(), input.tick_s);

@@ -46,6 +46,7 @@ OdeJoint::OdeJoint(OdeWorld& world, const world::WorldModel& model, world::Joint
   make_motor(world, X_WJ.q * model_.axis_J);
 }
 
+// Throws std::runtime_error for kinds that ODE does not have.
 dJointID OdeJoint::make_joint(OdeWorld& world) const {
   switch (model_.kind) {
     case world::JointKind::kFixed:
@@ -89,6 +90,7 @@ void OdeJoint::place_joint(const world::Pose& X_WJ) const {
   }
 }
 
+// Two rows along the joint's axis, turning with the child. Feedback tells what they transmit.
 void OdeJoint::make_motor(OdeWorld& world, const Eigen::Vector3d& axis_W) {
   const bool hinge = model_.kind == world::JointKind::kHinge;
   motor_ = hinge ? dJointCreateAMotor(world.id(), nullptr) : dJointCreateLMotor(world.id(), nullptr);
@@ -122,6 +124,7 @@ void OdeJoint::add_effort(double effort) {
 void OdeJoint::apply(const hwparts::JointDrive& drive, const world::WorldState& state) {
   if (motor_ == nullptr) return;
   set_stops(joint_, model_, state.joints[id_.index()].position);
+  // A drive takes the place of the model's friction and damping.
   const bool driven = !says_nothing(drive);
   const double damping = driven ? 0.0 : model_.damping;
   if (driven)
@@ -137,6 +140,7 @@ void OdeJoint::apply(const hwparts::JointDrive& drive, const world::WorldState& 
 
 double OdeJoint::effort() const {
   if (motor_ == nullptr) return 0.0;
+  // The feedback is a vector on the child; its share along the axis is the effort.
   const dReal* transmitted = model_.kind == world::JointKind::kHinge ? feedback_->t1 : feedback_->f1;
   return Eigen::Map<const Eigen::Vector3d>(transmitted).dot(axis_W_) + feedforward_;
 }
