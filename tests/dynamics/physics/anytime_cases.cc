@@ -75,8 +75,8 @@ std::vector<Case> anytime_cases() {
        stop_anywhere},
       {"A2",
        "WhatItsBudgetLeavesIsTold",
-       "each tick whose joints are farther apart than d_max is warned of, and none where the budget is "
-       "enough",
+       "a tick whose joints are farther apart than d_max gets a warning, a tick with budget enough gets "
+       "none",
        {{"untold_ticks", 0.0}, {"needless_warnings", 0.0}},
        tell}};
 }
