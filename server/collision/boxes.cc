@@ -5,18 +5,19 @@
 namespace visum::collision {
 namespace {
 
-// Less is no overlap: rounding would let some corners of a face touch and others not.
+// A smaller overlap does not count: rounding would let some corners of a face touch and others not.
 constexpr double kTouchM = 1e-12;
-// A face of a is preferred to one of b that is better by less: where two faces lie on each other, rounding
-// would choose another one in each tick, with corners of the other box.
+// A face of a is preferred to a face of b that is better by less than this. Where two faces lie on each
+// other, rounding would otherwise choose another one in each tick, with the corners of the other box.
 constexpr double kTieM = 1e-8;
 
-// An axis: of a face of a (column of A), of b, or of a pair of edges.
+// An axis: the normal of a face of a (column of A), of a face of b, or a pair of edges.
 struct Axis {
   double depth = std::numeric_limits<double>::infinity();
-  double side = 0.0;  // along the axis from a to b
+  double side = 0.0;  // distance along the axis from a to b
   Eigen::Index of_a = -1, of_b = -1;
 
+  // The unit direction in W in which a is pushed.
   Eigen::Vector3d direction(const Placed& a, const Placed& b) const {
     const Eigen::Vector3d axis = of_b < 0 ? Eigen::Vector3d(a.R.col(of_a))
                                           : (of_a < 0 ? Eigen::Vector3d(b.R.col(of_b))
@@ -25,7 +26,8 @@ struct Axis {
   }
 };
 
-// Symbols: A, B the boxes' frames, R = A^T B, t from a to b in A, f and g half the lengths of a and b.
+// Symbols: A, B are the boxes' frames, R = A^T B, t leads from a to b in A, f and g are half the lengths of a
+// and b.
 struct TwoBoxes {
   Eigen::Matrix3d R, magnitudes;
   Eigen::Vector3d t, f, g;
@@ -37,13 +39,14 @@ struct TwoBoxes {
         f(a.convex->polytope.box),
         g(b.convex->polytope.box) {}
 
-  // False where it parts them: then it is the best.
+  // Takes an axis if it is the best so far. Returns false if it separates the boxes; it is then the best.
   static bool take(Axis& best, const Axis& axis, double margin = 0.0) {
     const bool parts = axis.depth <= kTouchM;
     if (parts || axis.depth < best.depth - margin) best = axis;
     return !parts;
   }
 
+  // The six face normals.
   bool take_faces(Axis& best) const {
     const Eigen::Vector3d reach_b = magnitudes * g, reach_a = magnitudes.transpose() * f;
     const Eigen::Vector3d t_B = R.transpose() * t;
@@ -54,7 +57,8 @@ struct TwoBoxes {
     return true;
   }
 
-  // A_i x B_j, in A: 0 at i, -R_kj at i+1, R_lj at i+2 with l = i+1, k = i+2.
+  // The nine pairs of edges. A_i x B_j, in A, is 0 at i, -R_kj at i+1 and R_lj at i+2, with l = i+1 and k =
+  // i+2.
   bool take_edges(Axis& best) const {
     for (Eigen::Index i = 0; i < 3; ++i) {
       const Eigen::Index l = (i + 1) % 3, k = (i + 2) % 3;

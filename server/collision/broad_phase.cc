@@ -7,6 +7,7 @@
 namespace visum::collision {
 namespace {
 
+// The axis on which the boxes' centres spread most.
 Eigen::Index widest_axis(const std::vector<PreparedShape>& shapes, const std::vector<std::uint32_t>& boxed) {
   Eigen::AlignedBox3d centers;
   for (const std::uint32_t i : boxed) {
@@ -17,6 +18,7 @@ Eigen::Index widest_axis(const std::vector<PreparedShape>& shapes, const std::ve
   return axis;
 }
 
+// Height of a box above a plane, m.
 double height_above(const PreparedShape& plane, const Eigen::AlignedBox3d& box_W) {
   const Eigen::Vector3d normal = plane.placed.R.col(2);
   const double half = normal.cwiseAbs().dot(0.5 * box_W.sizes());
@@ -39,6 +41,7 @@ const std::vector<IndexPair>& BroadPhase::find(const std::vector<PreparedShape>&
   return pairs_;
 }
 
+// Shapes of one body, of two fixed bodies, and of excluded pairs never collide.
 bool BroadPhase::may_collide(const PreparedShape& a, const PreparedShape& b) const {
   if (a.body == b.body || (a.fixed && b.fixed)) return false;
   const BodyPair pair = std::minmax(a.body, b.body);
@@ -47,7 +50,7 @@ bool BroadPhase::may_collide(const PreparedShape& a, const PreparedShape& b) con
 
 void BroadPhase::sweep(const std::vector<PreparedShape>& shapes) {
   const Eigen::Index axis = widest_axis(shapes, boxed_);
-  // boxed_ stays nearly sorted from tick to tick; the pairs found do not depend on its order.
+  // boxed_ stays nearly sorted from tick to tick. The pairs that are found do not depend on its order.
   std::sort(boxed_.begin(), boxed_.end(), [&](std::uint32_t i, std::uint32_t j) {
     const double low_i = shapes[i].near_W.min()[axis], low_j = shapes[j].near_W.min()[axis];
     return low_i < low_j || (low_i == low_j && i < j);
@@ -56,6 +59,7 @@ void BroadPhase::sweep(const std::vector<PreparedShape>& shapes) {
     const PreparedShape& a = shapes[boxed_[i]];
     for (std::size_t j = i + 1; j < boxed_.size(); ++j) {
       const PreparedShape& b = shapes[boxed_[j]];
+      // All further boxes begin behind a's end.
       if (b.near_W.min()[axis] > a.near_W.max()[axis]) break;
       if (a.near_W.intersects(b.near_W) && may_collide(a, b))
         pairs_.push_back(std::minmax(boxed_[i], boxed_[j]));
@@ -76,6 +80,7 @@ void BroadPhase::meet_planes(const std::vector<PreparedShape>& shapes) {
 double gap_of_boxes(const PreparedShape& a, const PreparedShape& b) {
   if (a.kind == world::ShapeKind::kPlane) return height_above(a, b.box_W);
   if (b.kind == world::ShapeKind::kPlane) return height_above(b, a.box_W);
+  // The gap along each axis, on either side; the largest is the best.
   const Eigen::Vector3d after = a.box_W.min() - b.box_W.max(), before = b.box_W.min() - a.box_W.max();
   return after.cwiseMax(before).maxCoeff();
 }

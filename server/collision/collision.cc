@@ -12,8 +12,8 @@ namespace visum::collision {
 
 namespace {
 
-constexpr double kRoundingM = 1e-6;  // more than what gaps and paths are wrong by
-// Of shapes that are this far apart a fresh look says so, too.
+constexpr double kRoundingM = 1e-6;  // more than the error of gaps and paths
+// Shapes that are this far apart (m) are found apart by a fresh look, too.
 constexpr double kSurelyApartM = 1e-4;
 
 }  // namespace
@@ -26,7 +26,8 @@ struct CollisionStage::Impl {
         broad(shapes, pairs_that_never_collide(model)),
         travel(shapes, model) {}
 
-  // Two shapes that may touch before what is near is found again, and the path up to which they do not.
+  // A pair of shapes that may touch before the near pairs are searched again, and the path (m, of both bodies
+  // together) up to which it cannot touch.
   struct Near {
     std::uint32_t first, second;
     double apart_until = 0.0;
@@ -38,6 +39,7 @@ struct CollisionStage::Impl {
     return shapes[i];
   }
 
+  // Searches the near pairs: those whose boxes, widened by how far their bodies may go, meet.
   void find_near(const world::WorldState& state) {
     travel.restart();
     for (std::size_t i = 0; i < shapes.size(); ++i) {
@@ -54,7 +56,7 @@ struct CollisionStage::Impl {
   const world::WorldModel& model;
   PreparedMeshes meshes;
   std::vector<PreparedShape> shapes;     // of them
-  std::vector<std::uint64_t> placed_in;  // by shape: the call
+  std::vector<std::uint64_t> placed_in;  // by shape: number of the call that placed it
   std::uint64_t call = 0;
   BroadPhase broad;
   NarrowPhase narrow;
@@ -91,6 +93,7 @@ bool CollisionStage::find(const world::WorldState& state, std::vector<Contact>& 
   ++of.call;
   of.travel.follow(state);
   if (!of.travel.is_within_margins()) of.find_near(state);
+  // Near pairs, closer and closer: by the paths of their bodies, by their boxes, then exactly.
   for (Impl::Near& near : of.near) {
     const double path = of.travel.of(of.shapes[near.first].body) + of.travel.of(of.shapes[near.second].body);
     if (path < near.apart_until) continue;

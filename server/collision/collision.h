@@ -1,5 +1,5 @@
-// Collision as one stage of its own that serves every engine: broad phase, narrow phase, contacts in an order
-// sorted by stable ids. FCL stays inside gjk.cc. Lives on the tick's thread.
+// Collision is a stage of its own that serves every engine: broad phase, narrow phase, and contacts in an
+// order sorted by stable ids. FCL stays inside gjk.cc.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@
 
 namespace visum::collision {
 
-// One contact point between two shapes; shape_a < shape_b.
+// One contact point between two shapes; shape_a < shape_b. Lengths in m.
 struct Contact {
   world::ShapeId shape_a, shape_b;
   world::BodyId body_a, body_b;
@@ -25,12 +25,14 @@ struct Contact {
   double rolling_friction = 0.0, torsional_friction = 0.0;  // m
   double normal_force_n = 0.0;                              // filled by the engine: mean over the tick
   Eigen::Vector3d force_on_a_W =
-      Eigen::Vector3d::Zero();  // likewise, N, friction included; b feels the opposite
-  // Likewise, N·m: the moment of rolling and torsional friction, beside that of the force at p_W. 0 from
-  // plug-ins' engines, which do not tell it, and where a body sleeps.
+      Eigen::Vector3d::Zero();  // N, likewise, friction included; b feels the opposite
+  // N·m, likewise: the moment of rolling and torsional friction, beside the moment of the force at p_W. It is
+  // 0 from engines of plug-ins, which do not report it, and where a body sleeps.
   Eigen::Vector3d torque_on_a_W = Eigen::Vector3d::Zero();
 };
 
+// Simulation owns it; tick's thread. The constructor throws std::runtime_error for a convex shape without
+// volume. find() allocates only while its lists grow.
 class CollisionStage {
  public:
   explicit CollisionStage(const world::WorldModel& model);
@@ -38,9 +40,9 @@ class CollisionStage {
   CollisionStage(const CollisionStage&) = delete;
   CollisionStage& operator=(const CollisionStage&) = delete;
 
-  // Replaces `contacts`, sorted by (shape_a, shape_b, feature). A function of the bodies' poses alone, for a
-  // restored world to collide with the same bits: earlier calls only tell which pairs cannot have met. False:
-  // there are more than kMaxContacts, and only the first of them are there.
+  // Replaces `contacts`, sorted by (shape_a, shape_b, feature). The result depends on the bodies' poses
+  // alone, so a restored world collides with the same bits; earlier calls only tell which pairs cannot have
+  // met. Returns false if there are more than kMaxContacts; `contacts` then holds the first of them only.
   bool find(const world::WorldState& state, std::vector<Contact>& contacts);
 
  private:

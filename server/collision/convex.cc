@@ -9,11 +9,12 @@ namespace {
 
 constexpr double kLargestMarginM = 1e-3;
 constexpr double kMarginShare = 0.1;  // of the distance from the middle to the nearest face
-constexpr double kCapCosine = 0.7;    // a cylinder shows its cap when it looks within 45° of the direction
+constexpr double kCapCosine = 0.7;    // a cylinder offers its cap if it looks within 45° of the direction
 constexpr double kUprightSine = 1e-6;
 constexpr double kEdgeSine = 0.02;           // an edge that leans more than this touches with its end
-constexpr std::size_t kMaxFaceCorners = 32;  // of a hull's face that take part: clipping doubles them at most
+constexpr std::size_t kMaxFaceCorners = 32;  // of a hull's face that take part; clipping at most doubles them
 
+// Margin of a core, from the distance of the middle to the nearest face.
 double margin_for(double inner_radius) {
   return std::min(kLargestMarginM, kMarginShare * inner_radius);
 }
@@ -24,12 +25,14 @@ Eigen::Vector3d mean(const std::vector<Eigen::Vector3d>& points) {
   return sum / static_cast<double>(points.size());
 }
 
+// The unit direction across z; x for a direction along z.
 Eigen::Vector3d radial(const Eigen::Vector3d& direction) {
   const double length = direction.head<2>().norm();
   if (length == 0.0) return Eigen::Vector3d::UnitX();
   return {direction.x() / length, direction.y() / length, 0.0};
 }
 
+// The face that looks most along the direction, with at most kMaxFaceCorners corners.
 Feature polytope_face(const Polytope& polytope, const Eigen::Vector3d& direction) {
   const Polytope::Face& face = polytope.face_towards(direction);
   const auto corners = polytope.corners_of(face);
@@ -43,7 +46,7 @@ Feature polytope_face(const Polytope& polytope, const Eigen::Vector3d& direction
   return feature;
 }
 
-// The farthest vertex, and the neighbour to which its edge leans least.
+// The farthest vertex, with the neighbour whose edge to it leans least.
 Feature polytope_edge(const Polytope& polytope, const Eigen::Vector3d& direction) {
   const std::uint32_t tip = polytope.farthest(direction);
   const Eigen::Vector3d& p = polytope.vertices[tip];
@@ -66,7 +69,7 @@ Feature polytope_edge(const Polytope& polytope, const Eigen::Vector3d& direction
   return feature;
 }
 
-// Written out: the C library's sine may have other bits on another processor.
+// Written out, because the C library's sine may have other bits on another processor.
 constexpr double kHalfRoot = std::numbers::sqrt2 / 2.0;
 constexpr std::array<std::array<double, 2>, 8> kRim{{{1, 0},
                                                      {kHalfRoot, kHalfRoot},
@@ -77,14 +80,15 @@ constexpr std::array<std::array<double, 2>, 8> kRim{{{1, 0},
                                                      {0, -1},
                                                      {kHalfRoot, -kHalfRoot}}};
 
+// True if a direction lies between two corners of the rim.
 bool is_between(const std::array<double, 2>& from, const Eigen::Vector3d& direction,
                 const std::array<double, 2>& to) {
   return from[0] * direction.y() - from[1] * direction.x() >= 0.0 &&
          direction.x() * to[1] - direction.y() * to[0] > 0.0;
 }
 
-// The cap as a polygon of fixed corners, and the lowest point of its rim between them: so a cylinder that
-// stands does so on corners that do not wander, and one that leans rolls on its true rim.
+// The cap as a polygon of fixed corners, plus the lowest point of the rim between them. A cylinder that
+// stands thus stands on corners that do not wander, and one that leans rolls on its true rim.
 Feature cylinder_cap(const Convex& cylinder, const Eigen::Vector3d& direction) {
   const double side = direction.z() >= 0.0 ? 1.0 : -1.0;
   const Eigen::Vector3d middle(0, 0, side * cylinder.half_length);
@@ -105,6 +109,7 @@ Feature cylinder_cap(const Convex& cylinder, const Eigen::Vector3d& direction) {
   return feature;
 }
 
+// The line on the side that is farthest along the direction.
 Feature cylinder_side(const Convex& cylinder, const Eigen::Vector3d& direction) {
   Feature feature;
   feature.normal = radial(direction);
@@ -159,6 +164,7 @@ Convex make_convex(Polytope polytope) {
   Convex convex;
   convex.family = Family::kPolytope;
   convex.center = mean(polytope.vertices);
+  // The margin follows from the face that is nearest to the middle.
   double inner = kLargestMarginM / kMarginShare;
   for (const Polytope::Face& face : polytope.faces) {
     const Eigen::Vector3d& on_face = polytope.vertices[polytope.corners[face.first]];

@@ -15,7 +15,7 @@ namespace {
 
 using ShapePtr = std::unique_ptr<fcl::ShapeBased>;
 
-// FCL compares squared lengths in m² with this: support points within a micrometre are one.
+// FCL compares squared lengths in m² with this: support points within a micrometre count as one.
 constexpr double kGjkTolerance = 1e-12;
 constexpr unsigned kGjkIterations = 128;
 constexpr unsigned kEpaFaces = 256;
@@ -23,14 +23,15 @@ constexpr unsigned kEpaVertices = 128;
 constexpr unsigned kEpaIterations = 255;
 constexpr double kEpaTolerance = 1e-6;
 
-constexpr double kDepthSlackM = 1e-5;  // of what EPA says
+constexpr double kDepthSlackM = 1e-5;  // m, by which EPA's depth may be wrong
 constexpr int kInsetSweeps = 32;
-constexpr double kInsetSlack = 1e-9;  // of the margin
-// A core's answer counts while its skin adds no more than so many margins: sqrt(3) at a box's corner.
+constexpr double kInsetSlack = 1e-9;  // share of the margin
+// The answer of the cores counts as long as their skin adds no more than this many margins; at a box's corner
+// it is sqrt(3).
 constexpr double kMostSkin = 2.0;
 
-// A vertex moved to below all faces by `margin`, not far: onto one face's inner plane after the other. What
-// is left to do at a sharp tip is done towards the centre, which lies below all of them by ten margins.
+// Moves a vertex to `margin` below all faces, and not much farther: onto the inner plane of one face after
+// the other. The rest, at a sharp tip, is done towards the centre, which lies ten margins below all faces.
 Eigen::Vector3d inset(const Convex& convex, Eigen::Vector3d vertex, double margin) {
   const Polytope& polytope = convex.polytope;
   double most = margin;
@@ -47,7 +48,7 @@ Eigen::Vector3d inset(const Convex& convex, Eigen::Vector3d vertex, double margi
   return convex.center + 9.0 * margin / (9.0 * margin + most) * (vertex - convex.center);
 }
 
-// A solid whose faces all went back by `margin`.
+// A solid whose faces are all moved back by `margin`.
 ShapePtr make_fcl_polytope(const Convex& convex, double margin) {
   const Polytope& polytope = convex.polytope;
   auto vertices = std::make_shared<std::vector<Eigen::Vector3d>>(polytope.vertices);
@@ -71,7 +72,7 @@ ShapePtr make_fcl_shape(const Convex& convex, double margin) {
     case Family::kRound:
       break;
   }
-  // The radius is the margin: the core is a point or a segment.
+  // For round shapes the radius is the margin, so the core is a point or a segment.
   if (convex.half_length == 0.0) return std::make_unique<fcl::Sphered>(0.0);
   return std::make_unique<fcl::Capsuled>(0.0, 2.0 * convex.half_length);
 }
@@ -80,7 +81,7 @@ ShapePtr make_fcl_shape(const Convex& convex, double margin) {
 
 struct GjkShape::Impl {
   ShapePtr full, core;
-  fcl::TrianglePd* triangle = nullptr;  // of those: `full`
+  fcl::TrianglePd* triangle = nullptr;  // null, or `full` as a triangle
 };
 
 GjkShape::GjkShape(const Convex& convex) : impl_(std::make_unique<Impl>()) {
@@ -111,7 +112,7 @@ struct GjkSolver::Impl {
 
   struct Found {
     Eigen::Vector3d unit;
-    double depth;  // of the shapes given; negative: apart
+    double depth;  // of the given shapes; negative: apart
   };
   std::optional<Found> find(const Placed& a, const fcl::ShapeBased& shape_a, const Placed& b,
                             const fcl::ShapeBased& shape_b);
@@ -120,6 +121,7 @@ struct GjkSolver::Impl {
 GjkSolver::GjkSolver() : impl_(std::make_unique<Impl>()) {}
 GjkSolver::~GjkSolver() = default;
 
+// GJK for shapes that are apart, EPA for shapes that overlap.
 std::optional<GjkSolver::Impl::Found> GjkSolver::Impl::find(const Placed& a, const fcl::ShapeBased& shape_a,
                                                             const Placed& b, const fcl::ShapeBased& shape_b) {
   using fcl::detail::EPAd;
@@ -144,7 +146,7 @@ std::optional<GjkSolver::Impl::Found> GjkSolver::Impl::find(const Placed& a, con
 
 std::optional<Eigen::Vector3d> GjkSolver::separating_direction(const Placed& a, const Placed& b) {
   const GjkShape::Impl &shapes_a = a.gjk->impl(), &shapes_b = b.gjk->impl();
-  // A round shape brings a margin of its own; then the other one takes part as it is.
+  // A round shape has a margin of its own; the other shape then takes part as it is.
   const bool round = a.convex->family == Family::kRound || b.convex->family == Family::kRound;
   const auto pick = [&](const Placed& side) -> const fcl::ShapeBased& {
     const GjkShape::Impl& shapes = side.gjk->impl();
@@ -153,7 +155,7 @@ std::optional<Eigen::Vector3d> GjkSolver::separating_direction(const Placed& a, 
   };
   const auto by_cores = impl_->find(a, pick(a), b, pick(b));
   if (round) return by_cores ? std::optional(by_cores->unit) : std::nullopt;
-  // Beside a sharp tip there is much skin, and the cores may lie otherwise than the shapes.
+  // At a sharp tip the skin is thick, and the cores may lie differently than the shapes do.
   const double most_skin = kMostSkin * (a.convex->margin + b.convex->margin);
   const auto overlap = [&](const Impl::Found& found) { return overlap_along(a, b, found.unit); };
   if (by_cores && overlap(*by_cores) <= by_cores->depth + most_skin + kDepthSlackM) return by_cores->unit;

@@ -1,4 +1,4 @@
-// FCL's GJK and EPA on our shapes. The only place that sees FCL. Allocates at construction only.
+// FCL's GJK and EPA on our shapes. Only gjk.cc sees FCL. Memory is allocated at construction only.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,14 +9,15 @@
 
 namespace visum::collision {
 
-// FCL's view of one convex shape: itself, and its core.
+// FCL's view of one convex shape: the shape itself and its core (penetration.h).
 class GjkShape {
  public:
   explicit GjkShape(const Convex& convex);
   ~GjkShape();
   GjkShape(GjkShape&&) noexcept;
 
-  void set_triangle(const std::array<Eigen::Vector3d, 3>& corners);  // of one made from make_triangle()
+  // Only for a shape that was made from make_triangle().
+  void set_triangle(const std::array<Eigen::Vector3d, 3>& corners);
 
   struct Impl;
   const Impl& impl() const { return *impl_; }
@@ -25,13 +26,13 @@ class GjkShape {
   std::unique_ptr<Impl> impl_;
 };
 
+// One GJK and EPA with their memory. NarrowPhase owns it; tick's thread.
 class GjkSolver {
  public:
   GjkSolver();
   ~GjkSolver();
 
-  // The unit direction in W in which a should be pushed to be free of b; nothing where neither algorithm
-  // succeeds.
+  // The unit direction in W in which a must be pushed to be free of b. Nothing if neither algorithm succeeds.
   std::optional<Eigen::Vector3d> separating_direction(const Placed& a, const Placed& b);
 
  private:

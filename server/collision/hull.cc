@@ -1,5 +1,6 @@
-// Incremental: a tetrahedron first, then each point that lies outside replaces the faces that it sees by a
-// fan from itself to their horizon. Quadratic, once at load, for at most a few thousand points.
+// An incremental hull. It starts with a tetrahedron. Each point outside then replaces the faces that it sees
+// by a fan from itself to their horizon. The work is quadratic, done once at load, for at most a few thousand
+// points.
 #include "server/collision/hull.h"
 
 #include <Eigen/Geometry>
@@ -12,8 +13,8 @@ namespace visum::collision {
 namespace {
 
 using Points = std::span<const Eigen::Vector3d>;
-constexpr double kFlatness = 1e-7;  // of the hull's size: nearer to a face counts as on it
-constexpr double kCoplanar = 1e-5;  // of the hull's size: faces that are one polygon
+constexpr double kFlatness = 1e-7;  // share of the hull's size: a point nearer to a face counts as on it
+constexpr double kCoplanar = 1e-5;  // share of the hull's size: faces this close to one plane are one polygon
 
 struct Triangle {
   std::array<std::uint32_t, 3> corners;
@@ -35,6 +36,7 @@ std::uint32_t argmax(Points points, Measure measure) {
   return best;
 }
 
+// Four points that are far apart, as four outward faces.
 std::vector<Triangle> first_tetrahedron(Points points, double tolerance) {
   const std::uint32_t a = argmax(points, [](const Eigen::Vector3d& p) { return p.x(); });
   const std::uint32_t b =
@@ -47,16 +49,17 @@ std::vector<Triangle> first_tetrahedron(Points points, double tolerance) {
       argmax(points, [&](const Eigen::Vector3d& p) { return std::abs(base.normal.dot(p) - base.offset); });
   const double height = base.normal.dot(points[d]) - base.offset;
   if (!(std::abs(height) > tolerance)) throw std::runtime_error("the points of a convex hull span no volume");
-  const auto [p, q] = height > 0 ? std::pair(c, b) : std::pair(b, c);  // base looks away from d
+  const auto [p, q] = height > 0 ? std::pair(c, b) : std::pair(b, c);  // the base looks away from d
   return {make_triangle_of(points, a, p, q), make_triangle_of(points, a, d, p),
           make_triangle_of(points, p, d, q), make_triangle_of(points, q, d, a)};
 }
 
+// Adds a point, if it lies outside.
 void add_point(std::vector<Triangle>& hull, Points points, std::uint32_t point, double tolerance) {
   const auto sees = [&](const Triangle& face) {
     return face.normal.dot(points[point]) - face.offset > tolerance;
   };
-  // An edge of the seen faces whose reverse is not seen lies on the horizon.
+  // An edge of the seen faces is on the horizon if its reverse is not seen.
   std::map<std::pair<std::uint32_t, std::uint32_t>, bool> horizon;
   for (const Triangle& face : hull) {
     if (!sees(face)) continue;
@@ -71,8 +74,8 @@ void add_point(std::vector<Triangle>& hull, Points points, std::uint32_t point, 
     hull.push_back(make_triangle_of(points, edge.first, edge.second, point));
 }
 
-// The corners of the polygon that a plane of the hull carries, counter-clockwise about its normal: the convex
-// hull in the plane (Andrew's monotone chain), without what lies inside or on an edge.
+// The corners of the polygon in a face's plane, counter-clockwise about the normal: the convex hull in the
+// plane (Andrew's monotone chain), without points inside or on an edge.
 std::vector<std::uint32_t> polygon_on(Points points, const std::vector<std::uint32_t>& on_hull,
                                       const Triangle& plane, double tolerance) {
   std::vector<std::uint32_t> near;
@@ -102,6 +105,7 @@ std::vector<std::uint32_t> polygon_on(Points points, const std::vector<std::uint
   return corners;
 }
 
+// Collects faces, and numbers the vertices that they use.
 class PolytopeBuilder {
  public:
   explicit PolytopeBuilder(Points points) : points_(points), number_(points.size(), -1) {}
@@ -130,6 +134,7 @@ class PolytopeBuilder {
   Polytope result_;
 };
 
+// Length of the diagonal of the box around the points.
 double size_of(Points points) {
   Eigen::Vector3d low = points[0], high = points[0];
   for (const Eigen::Vector3d& p : points) {
@@ -139,6 +144,7 @@ double size_of(Points points) {
   return (high - low).norm();
 }
 
+// Joins triangles in one plane to polygons.
 Polytope join_coplanar(Points points, std::vector<Triangle> triangles, double tolerance) {
   std::vector<std::uint32_t> on_hull;
   for (const Triangle& t : triangles) on_hull.insert(on_hull.end(), t.corners.begin(), t.corners.end());
@@ -149,14 +155,15 @@ Polytope join_coplanar(Points points, std::vector<Triangle> triangles, double to
         .cross(points[t.corners[2]] - points[t.corners[0]])
         .norm();
   };
-  // The largest triangles have the best normals, and speak for the small ones in their plane.
+  // The largest triangles have the best normals, and stand for the small ones in their plane.
   std::stable_sort(triangles.begin(), triangles.end(), [&](auto& s, auto& t) { return area(s) > area(t); });
   PolytopeBuilder builder(points);
   std::vector<bool> joined(triangles.size(), false);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     if (joined[i]) continue;
     const auto corners = polygon_on(points, on_hull, triangles[i], tolerance);
-    if (corners.size() > 2) builder.add_face(triangles[i].normal, corners);  // fewer: a sliver
+    if (corners.size() > 2)
+      builder.add_face(triangles[i].normal, corners);  // with fewer corners it is a sliver
     for (std::size_t j = i + 1; j < triangles.size(); ++j) {
       const auto is_on_plane = [&](std::uint32_t c) {
         return std::abs(triangles[i].normal.dot(points[c]) - triangles[i].offset) <= tolerance;

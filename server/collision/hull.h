@@ -8,7 +8,7 @@
 
 namespace visum::collision {
 
-// The points must span a volume (world::find_fault sees to it); throws std::runtime_error where they do not.
+// The points must span a volume (world::find_fault checks it). Throws std::runtime_error if they do not.
 Polytope make_hull(std::span<const Eigen::Vector3d> points);
 
 }  // namespace visum::collision

@@ -11,11 +11,13 @@ namespace visum::collision {
 namespace {
 
 constexpr double kAlignedCosine = 1.0 - 1e-9;  // the direction is the face's own normal, up to rounding
-// What stands over a face's edge by so much counts as over the face. Where two edges lie on each other, as in
-// a pile of equal boxes, their crossing would be anywhere along them, and somewhere else in each tick.
+// A point that is outside a face's edge by this much still counts as over the face. Where two edges lie on
+// each other, as in a pile of equal boxes, their crossing would otherwise be anywhere along them, and
+// elsewhere in each tick.
 constexpr double kEdgeSlackM = 1e-6;
 constexpr double kSamePointSquaredM = 1e-14;
 
+// A feature, moved from the shape's frame to W.
 Feature placed(const Placed& side, Feature feature) {
   for (std::size_t i = 0; i < feature.polygon.count; ++i)
     feature.polygon.points[i] = side.p + side.R * feature.polygon.points[i];
@@ -23,7 +25,7 @@ Feature placed(const Placed& side, Feature feature) {
   return feature;
 }
 
-// The part of a polygon (or segment, or point) on the inner side of a plane. Sutherland-Hodgman.
+// The part of a polygon (or segment, or point) on the inner side of a plane: Sutherland-Hodgman.
 void clip(const Polygon& in, const Eigen::Vector3d& outward, const Eigen::Vector3d& on_plane, Polygon& out) {
   out.count = 0;
   const double limit = outward.dot(on_plane) + kEdgeSlackM;
@@ -38,7 +40,7 @@ void clip(const Polygon& in, const Eigen::Vector3d& outward, const Eigen::Vector
   }
 }
 
-// The part of the incident feature that stands over the reference face.
+// The part of the incident feature over the reference face.
 Polygon clip_to_face(const Polygon& incident, const Feature& reference) {
   Polygon both[2] = {incident, {}};
   std::size_t now = 0;
@@ -54,7 +56,8 @@ Polygon clip_to_face(const Polygon& incident, const Feature& reference) {
   return both[now];
 }
 
-// Points of the incident feature below the reference face. `toward` is the reference face's outward normal.
+// Adds the points of the incident feature below the reference face, whose outward normal is `normal`. Returns
+// whether there are any.
 bool add_face_contacts(const Feature& reference, const Feature& incident, const Eigen::Vector3d& normal_W,
                        std::vector<Point>& points) {
   const Eigen::Vector3d& toward = reference.normal;
@@ -70,6 +73,7 @@ bool add_face_contacts(const Feature& reference, const Feature& incident, const 
   return any;
 }
 
+// Adds the nearest points of two edges, or points, where they overlap along n.
 bool add_edge_contacts(const Feature& a, const Feature& b, const Eigen::Vector3d& n,
                        std::vector<Point>& points) {
   const std::size_t before = points.size();
@@ -85,7 +89,7 @@ bool is_aligned(const Feature& face, const Eigen::Vector3d& direction) {
   return face.flat && face.normal.dot(direction) > kAlignedCosine;
 }
 
-// How far a point is from the nearest of those kept.
+// Squared distance of a point from the nearest of those kept, m².
 double distance_squared(const Point& point, const std::vector<Point>& points,
                         std::span<const std::size_t> kept) {
   double least = std::numeric_limits<double>::infinity();
@@ -93,6 +97,7 @@ double distance_squared(const Point& point, const std::vector<Point>& points,
   return least;
 }
 
+// Keeps the deepest point and those that are spread farthest.
 void keep_spread(std::vector<Point>& points, std::size_t first, std::size_t most) {
   std::array<std::size_t, kMaxPolygon> kept;
   std::size_t count = 1;
@@ -132,13 +137,15 @@ void add_manifold(const Placed& a, const Placed& b, const Direction& direction, 
   const Feature edge_a = placed(a, a.convex->edge(-(a.R.transpose() * n)));
   const Feature edge_b = placed(b, b.convex->edge(b.R.transpose() * n));
   if (add_edge_contacts(edge_a, edge_b, n, points)) return;
-  // They overlap, but what they offer lies aside: one point, between the deepest ones.
+  // The shapes overlap, but the features found lie beside each other: one point, midway between the deepest
+  // ones.
   points.push_back({0.5 * (a.farthest(-n) + b.farthest(n)), n, direction.depth});
 }
 
 void reduce(std::vector<Point>& points, std::size_t first, std::size_t most) {
   const auto begin = points.begin() + static_cast<std::ptrdiff_t>(first);
   auto end = begin;
+  // Points at the same place become one, the deepest; it is moved to the front part of the list.
   for (auto it = begin; it != points.end(); ++it) {
     const auto same = std::find_if(begin, end, [&](const Point& known) {
       return (known.p_W - it->p_W).squaredNorm() <= kSamePointSquaredM;

@@ -18,7 +18,7 @@ struct EdgeSide {
   std::size_t triangle, edge;
 };
 
-// By its two ends, wherever they are the same points: files often repeat their vertices.
+// An edge by the places of its two ends, since files often repeat their vertices.
 struct EdgeKey {
   std::array<double, 6> ends;
 
@@ -27,6 +27,7 @@ struct EdgeKey {
   bool operator<(const EdgeKey& other) const { return ends < other.ends; }
 };
 
+// Sets `across` of every edge that has a neighbour.
 void find_neighbours(std::vector<MeshTriangle>& triangles) {
   std::map<EdgeKey, EdgeSide> sides;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -63,6 +64,7 @@ Mesh::Mesh(const world::TriangleMesh& mesh) {
   split(0, 0, static_cast<std::uint32_t>(triangles_.size()));
 }
 
+// Halves the triangles at the median of their centres along the longest axis.
 void Mesh::split(std::uint32_t node, std::uint32_t first, std::uint32_t last) {
   Eigen::AlignedBox3d box;
   for (std::uint32_t i = first; i < last; ++i) box.extend(box_of(triangles_[i]));
@@ -73,7 +75,7 @@ void Mesh::split(std::uint32_t node, std::uint32_t first, std::uint32_t last) {
   Eigen::Index axis = 0;
   box.sizes().maxCoeff(&axis);
   const std::uint32_t middle = first + (last - first) / 2;
-  // Stable, so that equal centres keep the file's order whatever the library.
+  // The sort is stable, so that equal centres keep the file's order with every library.
   std::stable_sort(triangles_.begin() + first, triangles_.begin() + last,
                    [axis](const MeshTriangle& a, const MeshTriangle& b) {
                      return box_of(a).center()[axis] < box_of(b).center()[axis];

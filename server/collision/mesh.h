@@ -1,5 +1,5 @@
 // A triangle mesh ready for collision: its triangles in a tree of boxes, and what is known of their edges. In
-// the shape's frame. Built once, read only afterwards.
+// the shape's frame. Built once, then only read.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,20 +15,21 @@ namespace visum::collision {
 struct MeshTriangle {
   std::array<Eigen::Vector3d, 3> corners;
   Eigen::Vector3d normal;  // unit, by the winding
-  // Edge i runs from corner i to i + 1. How the surface goes on beyond it: unit, in the neighbour's plane and
-  // square to the edge; straight down at the mesh's border.
+  // Edge i runs from corner i to corner i + 1. `across` is how the surface goes on beyond it: a unit vector
+  // in the neighbour's plane, square to the edge. At the mesh's border it points straight down.
   std::array<Eigen::Vector3d, 3> across;
 
-  // A sharp edge (convex, or at the mesh's border) may push sideways; a flat or hollow one may not: what
-  // slides over it must not stumble.
+  // A sharp edge (convex, or at the mesh's border) may push sideways. A flat or hollow edge may not, so that
+  // a body sliding over it does not stumble.
   bool is_sharp(std::size_t edge) const { return normal.dot(across[edge]) <= -kSharpSine; }
 
   static constexpr double kSharpSine = 0.02;  // about one degree
 };
 
+// A PreparedMeshes owns it. Constant after construction, so any thread may read it.
 class Mesh {
  public:
-  explicit Mesh(const world::TriangleMesh& mesh);  // triangles without area are left out
+  explicit Mesh(const world::TriangleMesh& mesh);  // leaves out triangles without area
 
   const std::vector<MeshTriangle>& triangles() const { return triangles_; }
 
@@ -50,15 +51,16 @@ class Mesh {
   }
 
  private:
-  static constexpr std::size_t kMaxDepth = 64;  // halving: 2 million triangles need 22
+  static constexpr std::size_t kMaxDepth = 64;  // the tree halves: 2 million triangles need 22
   static constexpr std::uint32_t kLeafSize = 4;
 
-  // A leaf has triangles first..first+count; an inner node has children first and first + 1.
+  // A leaf has the triangles first..first+count-1, an inner node the children first and first + 1.
   struct Node {
     Eigen::AlignedBox3d box;
     std::uint32_t first = 0, count = 0;
   };
 
+  // Builds the node of triangles first..last-1 and its children.
   void split(std::uint32_t node, std::uint32_t first, std::uint32_t last);
 
   std::vector<MeshTriangle> triangles_;  // in the order of the tree

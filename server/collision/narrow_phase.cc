@@ -9,19 +9,20 @@
 namespace visum::collision {
 namespace {
 
-// So many points are gathered of one pair before those that matter least are dropped.
+// Points gathered of one pair before those that matter least are dropped.
 constexpr std::size_t kMostGathered = 256;
 constexpr std::size_t kLeftWhenThinned = 48;
 constexpr double kSameNormal = 1.0 - 1e-6;
 constexpr double kAtCornerM = 1e-6;
-constexpr double kRiseSine = 1e-4;  // less is no rise: rounding
+constexpr double kRiseSine = 1e-4;  // a smaller rise is rounding
 
+// A box, parallel to the axes of the shape's frame, around a box in W.
 Eigen::AlignedBox3d in_frame_of(const PreparedShape& frame, const Eigen::AlignedBox3d& box_W) {
   const Eigen::Matrix3d R = frame.placed.R.transpose();
   return box_around(box_W, R, -(R * frame.placed.p));
 }
 
-// Which edge of the triangle a point is nearest to.
+// The edge of the triangle that is nearest to a point.
 std::size_t nearest_edge(const MeshTriangle& triangle, const Eigen::Vector3d& point) {
   std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();
@@ -35,14 +36,14 @@ std::size_t nearest_edge(const MeshTriangle& triangle, const Eigen::Vector3d& po
   return best;
 }
 
-// Whether something can stand on an edge in this direction: on neither side does the surface rise towards it.
+// True if a body can stand on an edge in this direction: the surface rises towards the body on neither side.
 bool is_ridge(const MeshTriangle& triangle, std::size_t edge, const Eigen::Vector3d& direction) {
   const Eigen::Vector3d side = (triangle.corners[(edge + 1) % 3] - triangle.corners[edge]).normalized();
   return direction.dot(triangle.normal.cross(side)) <= kRiseSine &&
          direction.dot(triangle.across[edge]) <= kRiseSine;
 }
 
-// Likewise on a corner: none of the edges that meet there rises.
+// The same for a corner: none of the edges that meet there rises.
 bool is_peak(const Mesh& mesh, const Eigen::Vector3d& corner, const Eigen::Vector3d& direction) {
   bool peak = true;
   mesh.visit([&](const Eigen::AlignedBox3d& node) { return peak && node.contains(corner); },
@@ -55,7 +56,7 @@ bool is_peak(const Mesh& mesh, const Eigen::Vector3d& corner, const Eigen::Vecto
   return peak;
 }
 
-// Whether a point on the triangle's border may push in a direction that is not its normal.
+// True if a point on the triangle's border may push in a direction that is not the triangle's normal.
 bool may_push(const Mesh& mesh, const MeshTriangle& triangle, const Eigen::Vector3d& point,
               const Eigen::Vector3d& direction) {
   const bool from_front = direction.dot(triangle.normal) > 0.0;
@@ -88,6 +89,7 @@ const std::vector<Point>& NarrowPhase::find(const PreparedShape& a, const Prepar
   using enum world::ShapeKind;
   points_.clear();
   gap_ = 0.0;
+  // A plane or mesh gives normals from itself to the other shape: they are turned if it is a.
   const auto turn = [this] {
     for (Point& point : points_) point.normal_W = -point.normal_W;
   };
@@ -120,7 +122,7 @@ void NarrowPhase::add_below(const PreparedShape& plane, const Eigen::Vector3d& p
   thin_out();
 }
 
-// All corners of a solid that are below count, not only those of one face.
+// All corners of a solid below the plane count, not only those of one face.
 void NarrowPhase::find_with_plane(const PreparedShape& plane, const PreparedShape& shape) {
   const Placed& placed = shape.placed;
   if (shape.mesh != nullptr) {
@@ -154,9 +156,9 @@ void NarrowPhase::find_with_mesh(const PreparedShape& mesh, const PreparedShape&
                    });
 }
 
-// Sideways a triangle pushes only over a sharp edge, or what stands on an edge or corner itself. Elsewhere
-// the surface goes on: then it pushes along its own normal what stands over it, and leaves the rest to its
-// neighbour.
+// A triangle pushes sideways only over a sharp edge, or where a body stands on the edge or corner itself.
+// Elsewhere the surface goes on. The triangle then pushes what is above it along its own normal, and leaves
+// the rest to its neighbour.
 void NarrowPhase::find_with_triangle(const Placed& convex, const Placed& placed, const Mesh& mesh,
                                      const MeshTriangle& triangle) {
   const Direction direction = find_direction(convex, placed, solver_);
@@ -164,18 +166,21 @@ void NarrowPhase::find_with_triangle(const Placed& convex, const Placed& placed,
   const std::size_t first = points_.size();
   add_manifold(convex, placed, direction, points_);
   const Eigen::Vector3d up = placed.R * triangle.normal;
+  // Pushing along the triangle's own normal is always right.
   if (std::abs(direction.normal_W.dot(up)) >= kSameNormal) return;
   const Point& last = points_.back();
   const Eigen::Vector3d on_triangle_W = last.p_W + 0.5 * last.depth * last.normal_W;
   if (may_push(mesh, triangle, placed.R.transpose() * (on_triangle_W - placed.p),
                placed.R.transpose() * direction.normal_W))
     return;
+  // Otherwise these points go. A body in front gets the points over the face instead.
   points_.resize(first);
   const bool in_front = up.dot(convex.center() - placed.farthest(up)) >= 0.0;
   if (in_front) add_face_manifold(convex, placed, up, points_);
 }
 
 void NarrowPhase::find_meshes(const PreparedShape& a, const PreparedShape& b) {
+  // Only triangles within the common part of both boxes can meet.
   const Eigen::AlignedBox3d shared_W = a.box_W.intersection(b.box_W);
   const Eigen::AlignedBox3d shared = in_frame_of(a, shared_W);
   const auto meets_shared = [&](const Eigen::AlignedBox3d& node) { return node.intersects(shared); };

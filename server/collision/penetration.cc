@@ -8,9 +8,11 @@
 namespace visum::collision {
 namespace {
 
-// Nearer than this GJK may find no direction where it has found one before: who counts on a gap looks again.
+// Shapes nearer than this may get no direction from GJK, although it has found one before. A gap is shortened
+// by it.
 constexpr double kGjkSlackM = 1e-3;
-constexpr std::size_t kMaxSatDirections = 12;  // of faces, and of edges: 24 + 144 axes at most
+constexpr std::size_t kMaxSatDirections = 12;  // of faces, and of edges: at most 24 + 144 axes
+// Edges and found directions must be better than a face by this factor and length.
 constexpr double kFaceBonus = 0.95;
 constexpr double kFaceSlackM = 1e-6;
 
@@ -23,9 +25,9 @@ bool has_few_axes(const Convex& convex) {
 struct Least {
   double depth = std::numeric_limits<double>::infinity();
   Eigen::Vector3d normal_W = Eigen::Vector3d::Zero();
-  double gap = 0.0;  // along the axis that parts them
+  double gap = 0.0;  // along the axis that separates them
 
-  // False once the shapes are found apart.
+  // Takes both senses of an axis. Returns false once the shapes are found apart.
   bool take(const Placed& a, const Placed& b, const Eigen::Vector3d& axis_W) {
     for (const Eigen::Vector3d& direction : {axis_W, Eigen::Vector3d(-axis_W)}) {
       const double overlap = overlap_along(a, b, direction);
@@ -37,6 +39,7 @@ struct Least {
   }
 };
 
+// Exact: all face normals of both, and all pairs of edges.
 Direction along_separating_axes(const Placed& a, const Placed& b) {
   Least face, edge;
   for (const Placed* side : {&a, &b}) {
@@ -55,7 +58,7 @@ Direction along_separating_axes(const Placed& a, const Placed& b) {
   return {false, best.normal_W, best.depth};
 }
 
-// Where GJK and EPA both give up: the best of the axes of both frames and the line of centres.
+// Used where GJK and EPA both fail: the best among the axes of both frames and the line of centres.
 std::optional<Eigen::Vector3d> along_frames(const Placed& a, const Placed& b) {
   Least least;
   for (const Placed* side : {&a, &b}) {
@@ -68,8 +71,8 @@ std::optional<Eigen::Vector3d> along_frames(const Placed& a, const Placed& b) {
   return least.normal_W;
 }
 
-// The face or side that a shape offers is often the true direction where GJK has it but nearly. For round
-// shapes GJK is exact: then a face must be better.
+// GJK's direction is often only near the true one, which is the normal of the face or side that a shape
+// offers. For round shapes GJK is exact, and a face must be better.
 Direction prefer_features(const Placed& a, const Placed& b, const Direction& found) {
   Direction best{false, found.normal_W, std::numeric_limits<double>::infinity()};
   bool round = false;

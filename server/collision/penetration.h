@@ -1,8 +1,8 @@
-// Whether two convex shapes overlap, and along which direction least. Pairs of solids with few faces are
-// asked along all their separating axes, which is exact. All others go through FCL's GJK on cores that are a
-// little smaller than the shapes: while only the skins overlap, the cores' nearest points give the direction
-// well; once the cores overlap too, FCL's EPA does. Neither answer is trusted: overlap_along() measures what
-// the direction is worth.
+// Finds out if two convex shapes overlap, and in which direction least. Pairs of solids with few faces are
+// tested along all of their separating axes, which is exact. All other pairs go through FCL's GJK with cores
+// that are a little smaller than the shapes. While only the skins overlap, the nearest points of the cores
+// give a good direction; once the cores overlap, too, FCL's EPA gives it. Neither answer is trusted:
+// overlap_along() measures the overlap along the direction.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,7 @@ namespace visum::collision {
 
 class GjkShape;  // FCL's view of a shape (gjk.h)
 
-// A convex shape at a place. R is the rotation matrix of the shape's frame in W.
+// A convex shape at a place. R is the rotation matrix of its frame in W.
 struct Placed {
   const Convex* convex = nullptr;
   const GjkShape* gjk = nullptr;
@@ -28,20 +28,23 @@ struct Placed {
   Eigen::Vector3d center() const { return p + R * convex->center; }
 };
 
-// How deep a and b overlap along a unit direction: how far a must go along it to be free. Negative: apart.
+// Overlap of a and b along a unit direction, m: how far a must be pushed along it to be free. Negative:
+// apart.
 double overlap_along(const Placed& a, const Placed& b, const Eigen::Vector3d& direction_W);
 
+// The direction of the least overlap.
 struct Direction {
-  bool apart = true;         // the shapes do not touch; of the rest only `gap` is then set
+  bool apart = true;         // the shapes do not touch; only `gap` is set then
   Eigen::Vector3d normal_W;  // unit, from b to a
   double depth = 0.0;        // overlap_along(normal_W)
-  double gap = 0.0;          // they are this far apart, or farther; 0 or less: not known
+  double gap = 0.0;          // m, they are at least this far apart; 0 or less: not known
 
   static Direction apart_by(double gap) { return {.gap = gap}; }
 };
 
-inline constexpr double kParallelSquared = 1e-8;  // of the sine of two edges that give no axis
-// Whether a pair of edges is preferred to a face: only if it is better by some margin, so that a contact of
+inline constexpr double kParallelSquared =
+    1e-8;  // squared sine of the angle between two edges that give no axis
+// True if a pair of edges is preferred to a face. It must be better by some margin, so that a contact of
 // faces does not flicker.
 bool is_better(double edge_depth, double face_depth);
 

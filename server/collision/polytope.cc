@@ -7,6 +7,7 @@ namespace {
 
 constexpr double kSameDirection = 1.0 - 1e-9;
 
+// Adds a direction, unless it or its opposite is there already.
 void add_distinct(std::vector<Eigen::Vector3d>& directions, const Eigen::Vector3d& unit) {
   for (const Eigen::Vector3d& known : directions) {
     if (std::abs(known.dot(unit)) > kSameDirection) return;
@@ -59,6 +60,7 @@ Polytope make_box(const Eigen::Vector3d& lengths) {
   for (int i = 0; i < 8; ++i)
     box.vertices.push_back(
         0.5 * lengths.cwiseProduct(Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1)));
+  // Four corners for each face, counter-clockwise seen from outside.
   box.corners = {1, 3, 7, 5, 0, 4, 6, 2,   // +x -x
                  2, 6, 7, 3, 0, 1, 5, 4,   // +y -y
                  4, 5, 7, 6, 0, 2, 3, 1};  // +z -z

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kParallelSineSquared = 1e-4;
 
+// A segment; a point has a span of zero. Places on it are shares of the span, 0 to 1.
 struct Segment {
   Eigen::Vector3d from, span;
 
@@ -45,6 +46,7 @@ bool are_parallel(const Segment& a, const Segment& b) {
 PointPairs nearest_points(const Polygon& polygon_a, const Polygon& polygon_b) {
   const Segment a(polygon_a), b(polygon_b);
   PointPairs result;
+  // Parallel: the ends of b, seen from a.
   if (are_parallel(a, b)) {
     const double s = a.nearest(b.at(0.0)), t = a.nearest(b.at(1.0));
     for (const double share : {s, t})

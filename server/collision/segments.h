@@ -1,4 +1,4 @@
-// Nearest points of two segments, each given by one point or two.
+// Nearest points of two segments, each given by one or two points.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,7 +21,8 @@ struct PointPairs {
   const PointPair* end() const { return pairs.data() + count; }
 };
 
-// One pair; two for parallel segments that run beside each other: the ends of the stretch that they share.
+// One pair of points, or two for parallel segments that run beside each other: the ends of the stretch that
+// they share.
 PointPairs nearest_points(const Polygon& a, const Polygon& b);
 
 }  // namespace visum::collision

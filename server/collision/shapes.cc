@@ -5,6 +5,7 @@
 namespace visum::collision {
 namespace {
 
+// Makes a mesh, or a hull, when its first shape needs it.
 const Mesh& mesh_of(const world::WorldModel& model, world::MeshId id, PreparedMeshes& known) {
   auto& mesh = known.meshes[id.index()];
   if (!mesh) mesh = std::make_unique<const Mesh>(model.meshes[id.index()]);
@@ -17,6 +18,7 @@ const Convex& hull_of(const world::WorldModel& model, world::MeshId id, Prepared
   return *hull;
 }
 
+// Planes and meshes are no convex shapes; they get an empty one.
 Convex make_convex_of(const world::WorldModel& model, const world::Shape& shape, PreparedMeshes& known) {
   switch (shape.kind) {
     case world::ShapeKind::kBox:
@@ -36,6 +38,7 @@ Convex make_convex_of(const world::WorldModel& model, const world::Shape& shape,
   return {};
 }
 
+// The box around a shape, in the shape's frame.
 Eigen::AlignedBox3d box_of(const Convex& convex) {
   Eigen::AlignedBox3d box;
   for (Eigen::Index i = 0; i < 3; ++i) {
@@ -81,6 +84,7 @@ PreparedShape prepare(const world::WorldModel& model, world::ShapeId id, Prepare
 
 Eigen::AlignedBox3d box_around(const Eigen::AlignedBox3d& box, const Eigen::Matrix3d& R,
                                const Eigen::Vector3d& p) {
+  // Each half length is the sum of the rotated box's shares along that axis.
   const Eigen::Vector3d center = R * box.center() + p;
   const Eigen::Vector3d half = R.cwiseAbs() * (0.5 * box.sizes());
   return {center - half, center + half};

@@ -9,6 +9,7 @@ namespace {
 constexpr double kMarginShare = 0.2;  // of a body's reach
 constexpr double kLeastMarginM = 1e-3, kMostMarginM = 0.05;
 
+// Largest distance of the shape's box from the body's centre of mass, m.
 double reach_of(const PreparedShape& shape, const Eigen::Vector3d& p_BC) {
   double reach = 0.0;
   for (int i = 0; i < 8; ++i) {
@@ -33,12 +34,12 @@ Travel::Travel(const std::vector<PreparedShape>& shapes, const world::WorldModel
   for (const std::size_t body : followed_) {
     Moving& moving = moving_[body];
     moving.margin = std::clamp(kMarginShare * moving.reach, kLeastMarginM, kMostMarginM);
-    moving.path = std::numeric_limits<double>::infinity();  // nothing has been looked at yet
+    moving.path = std::numeric_limits<double>::infinity();  // infinite: nothing has been looked at yet
   }
 }
 
-// A point at r from the centre of mass is turned by at most 2 r |sin(a/2)|, a the angle, and |sin(a/2)| is at
-// most the distance of the two quaternions.
+// A rotation by the angle a moves a point at r from the centre of mass by at most 2 r |sin(a/2)|. |sin(a/2)|
+// is at most the distance of the two quaternions.
 void Travel::follow(const world::WorldState& state) {
   within_margins_ = true;
   for (const std::size_t body : followed_) {

@@ -1,10 +1,11 @@
-// An engine moves a set of bodies forward in time. The seam behind which ODE and the impulse engine stand;
-// the paper calls it a controller. Engines hold no truth of their own: they read WorldState and write it.
+// An engine moves a set of bodies forward in time; the paper calls it a controller. This interface is the
+// seam between the simulation and ODE, the impulse engine or a plug-in's engine. Engines hold no truth of
+// their own: they read WorldState and write it.
 //
-// Order of calls: make_engine() (throws std::runtime_error with a clear word for settings it cannot take),
-// then step() any number of times on the tick's thread, each time on whatever state it is given: a restored
-// one, another era's. step() never aborts, never throws, never leaves a NaN behind silently: what goes wrong
-// is in the StepResult.
+// Order of calls: make_engine(), which throws std::runtime_error for settings that it cannot take. Then
+// step() any number of times on the tick's thread, each time with whatever state it is given, even a restored
+// one or one of another era. step() never aborts, never throws and never leaves a NaN behind silently: the
+// StepResult says what went wrong.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +30,8 @@ struct Wrench {
 
 struct StepInput {
   double tick_s;
-  // All of the world; an engine acts on those that touch its bodies and fills their forces. A body of
-  // another engine moves as it moves.
+  // All contacts of the world. An engine acts on those that touch its bodies, and fills in their forces. A
+  // body of another engine moves as that engine moves it.
   std::span<collision::Contact> contacts;
   std::span<const hwparts::JointDrive> drives;  // by JointId
   std::span<const Wrench> wrenches;
@@ -38,15 +39,16 @@ struct StepInput {
 
 struct StepResult {
   bool ok = true;
-  std::string fault;    // where !ok: names body or joint. The state is then not to be used.
-  bool warned = false;  // where ok: the solver fell short of what it was set to, and went on with what it had
+  std::string fault;    // if !ok: names the body or joint; the state must then not be used
+  bool warned = false;  // if ok: the solver did not reach its bounds, and went on with what it had
 };
 
+// Simulation owns the engines. The tick's thread is the only one that calls them.
 class Engine {
  public:
   virtual ~Engine() = default;
-  // Moves this engine's bodies (Body::engine == its index) from t_k to t_k+1. Sets JointState::effort of its
-  // joints; position and velocity of joints are measured by the caller.
+  // Moves this engine's bodies (Body::engine is its index) from t_k to t_k+1. Sets JointState::effort of its
+  // joints; the caller measures their positions and velocities.
   virtual StepResult step(const StepInput& input, world::WorldState& state) = 0;
 };
 

@@ -1,5 +1,5 @@
-// What each engine's folder provides, for the table in kinds/engine_kinds.cc. Throw std::runtime_error for
-// bad settings.
+// The function that each engine's folder provides for the table in kinds/engine_kinds.cc. Each throws
+// std::runtime_error for bad settings.
 #pragma once
 
 #include <memory>

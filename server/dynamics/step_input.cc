@@ -17,8 +17,8 @@ const char* drive_fault(const hwparts::JointDrive& drive) {
   return nullptr;
 }
 
-// Whether all are without a fault, by few instructions and no branches. False says nothing: a sum of squares
-// may be large.
+// A quick test by few instructions, without branches. True: all drives are without a fault. False means
+// nothing yet, since a sum of squares may overflow.
 bool are_plain(std::span<const hwparts::JointDrive> drives) {
   using Pair = double __attribute__((vector_size(16)));
   using Mask = long long __attribute__((vector_size(16)));
@@ -32,6 +32,7 @@ bool are_plain(std::span<const hwparts::JointDrive> drives) {
   return std::isfinite(squares[0] + squares[1]) && (negative[0] | negative[1]) == 0;
 }
 
+// First the quick test, then one by one to name the joint.
 std::string find_drive_fault(const world::WorldModel& model, std::span<const hwparts::JointDrive> drives) {
   if (drives.size() != model.joints.size())
     return std::to_string(drives.size()) + " drives for " + std::to_string(model.joints.size()) + " joints";
@@ -53,6 +54,7 @@ std::string find_wrench_fault(const world::WorldModel& model, std::span<const Wr
   return "";
 }
 
+// Finite numbers in their ranges; restitution is 0..1.
 bool is_usable(const collision::Contact& contact) {
   return contact.p_W.allFinite() && contact.normal_W.allFinite() && std::isfinite(contact.depth) &&
          contact.friction >= 0.0 && std::isfinite(contact.friction) && contact.restitution >= 0.0 &&

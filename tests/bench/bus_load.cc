@@ -1,6 +1,7 @@
 // visum-bus-load: asks modules on a bus at a steady rate, as a driver's control loop does, and prints how
-// long the answers take, beside a bare echo over a line of the same kind, taken in turns with the modules so
-// that both meet the same machine: visum-bus-load serial:arm.tty,38400 --rate 500 --seconds 20
+// long the answers take. Beside them it measures a bare echo over a line of the same kind, in turns with the
+// modules, so that both meet the same machine. Example: visum-bus-load serial:arm.tty,38400 --rate 500
+// --seconds 20
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -23,7 +24,7 @@ constexpr std::uint8_t kPosition = 0x3C;
 
 constexpr std::size_t kBytes = 10;  // of a frame
 
-// A round trip that knows no modules, over what `bus` is carried by.
+// A round trip without modules, over the same kind of line as `bus`.
 std::function<void()> bare_echo(const std::string& bus) {
   if (bus.starts_with("tcp:")) {
     const auto server = std::make_shared<testing::RawEchoServer>(kBytes, kBytes);

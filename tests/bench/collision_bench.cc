@@ -1,5 +1,5 @@
-// The collision stage alone, on the arm's scene. All that moves goes to and fro at 1 m/s: what does not move
-// is hardly looked at.
+// The collision stage alone, on the arm's scene. Everything that can move goes to and fro at 1 m/s, because
+// the stage hardly looks at shapes that do not move.
 #include <benchmark/benchmark.h>
 
 #include <filesystem>

@@ -1,16 +1,16 @@
-"""Orders and costs from runs that differ in their step: what the plots show, as numbers."""
+"""Orders and costs from runs that differ in their step: the plots, as numbers."""
 
 import math
 from collections import defaultdict
 
-CONVERGES_BELOW_M = 0.1  # beyond, an error says nothing of the order
-REFERENCE_KNOWN_TO_M = 1e-10  # below, it is the reference's own error (1e-11) that is seen, and rounding
+CONVERGES_BELOW_M = 0.1  # a larger error says nothing about the order
+REFERENCE_KNOWN_TO_M = 1e-10  # below it one sees rounding and the reference's own error (1e-11)
 DECADE = 10.0 * (1.0 + 1e-9)
 ASKED_ERRORS_M = (1e-3, 1e-4, 1e-6)
 
 
 def slope(points):
-    """Of log y over log x, by least squares; None where there are fewer than three points."""
+    """The slope of log y over log x, by least squares; None if there are fewer than three points."""
     if len(points) < 3:
         return None
     logs = [(math.log(x), math.log(y)) for x, y in points]
@@ -21,8 +21,8 @@ def slope(points):
 
 
 def order(points, finest=False):
-    """Of (step, error): the slope over the coarsest decade of steps whose errors tell of it, where the step's own error
-    is seen; over the finest decade it may be less, where what is left of gaps is."""
+    """From points (step, error): the slope over the coarsest decade of steps with usable errors. There the step's own
+    error shows. Over the finest decade the slope may be smaller, because gaps that joints may have weigh more."""
     telling = [(h, error) for h, error in points if REFERENCE_KNOWN_TO_M < error < CONVERGES_BELOW_M]
     if not telling:
         return None
@@ -34,9 +34,9 @@ def order(points, finest=False):
 
 
 def cost(points, wanted):
-    """Of (step, cost, error): the cost at which the error is `wanted`, by interpolation of the logarithms between
-    the coarsest step from which on all finer ones reach it and the next; (None, False) where none does. The second
-    says that even the coarsest step is more accurate, and the cost an upper bound."""
+    """From points (step, cost, error): the cost at which the error is `wanted`. It interpolates the logarithms between
+    the coarsest step from which on all finer steps reach it, and the next one. (None, False) if no step reaches it.
+    The second value says that even the coarsest step is more accurate, so that the cost is an upper bound."""
     coarser = None
     reached = None
     for point in sorted(points):
@@ -54,7 +54,7 @@ def cost(points, wanted):
 
 def convergence(runs):
     """By engine, from (engine, step in s, CPU s per simulated s, tip error in m): `order` over the coarsest and
-    `order_finest` over the finest decade of steps, None where it cannot be told, and `cpu_s_at`, by tip error."""
+    `order_finest` over the finest decade of steps (None if unknown), and `cpu_s_at`, by tip error."""
     by_engine = defaultdict(list)
     for engine, h, cpu, error in runs:
         by_engine[engine].append((h, cpu, error))
@@ -70,7 +70,7 @@ def convergence(runs):
 
 
 def growth(rows):
-    """By engine, from (engine, how many, µs): the power of their number with which a step's cost grows."""
+    """By engine, from (engine, count, µs): the power of the count with which a step's cost grows."""
     by_engine = defaultdict(list)
     for engine, count, cpu_us in rows:
         by_engine[engine].append((count, cpu_us))

@@ -1,4 +1,4 @@
-"""What tests/bench reports as order and as cost of a precision, against runs whose answer is known."""
+"""Checks the order and the cost of a precision that tests/bench reports, with runs whose answer is known."""
 
 import unittest
 
@@ -10,7 +10,7 @@ STEPS_S = (1e-2, 5e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)
 
 
 def known_benchmarks():
-    """Of order 2, with 0.01 m at 10 ms, and four-bars whose cost grows with their number."""
+    """Runs of order 2 with an error of 0.01 m at 10 ms, and four-bars whose cost grows with their number."""
     found = {f"Swing/arm7/e/{1e6 * h:.0f}us": {"cpu_us": 1e3 / h, "real_us": 1e3 / h, "tip_error_m": 100.0 * h**2}
              for h in STEPS_S}
     return found | {f"Step/fourbars{n}/e": {"cpu_us": 2.0 * n, "real_us": 2.0 * n} for n in (10, 20, 40)}

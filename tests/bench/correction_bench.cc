@@ -1,6 +1,6 @@
-// JointCorrections/ball: how many corrections of a ball joint the engine `impulse` makes a second with
-// `solver: iterate` (the paper's while loops, section 5: 200,000), in a chain of rods: look-ahead of both
-// bodies, gap, impulse. Counter: corrections_per_s.
+// JointCorrections/ball: how many corrections of a ball joint per second the engine `impulse` makes with
+// `solver: iterate`, in a chain of rods (the paper's while loops, section 5: 200,000). A correction is the
+// look-ahead of both bodies, the gap and the impulse. Counter: corrections_per_s.
 #include <benchmark/benchmark.h>
 
 #include "server/dynamics/impulse/corrector.h"

@@ -1,4 +1,4 @@
-// Ticks of worlds with 1, 10 and 100 carts that drive, with each engine; and how long scenes take to load.
+// Ticks of worlds with 1, 10 and 100 driving carts, with each engine; and the time that scenes take to load.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
-// visum-load: many observers and one controller against a daemon in real time. Says whether anything was
-// lost, and how late the daemon's ticks were. Exit code 0 only if nobody was disconnected and no command was
-// lost.
+// visum-load: many observers and one controller, against a daemon in real time. It says whether anything was
+// lost, and how late the daemon's ticks were. The exit code is 0 only if no client was disconnected and no
+// command was lost.
 #include <poll.h>
 
 #include <CLI/CLI.hpp>
@@ -78,11 +78,11 @@ Observed observe(const Options& options, std::vector<Connection>& observers, con
 
 struct Controlled {
   std::uint64_t commands = 0;
-  std::uint64_t late = 0;  // sent so late in the period that it was in force in the next only
-  std::uint64_t lost = 0;  // taken by the server, and not in force then either
+  std::uint64_t late = 0;  // sent so late in the period that it took effect in the next one only
+  std::uint64_t lost = 0;  // taken by the server, and without effect even then
 };
 
-// Writes a vector each period, waits for the period to pass, and looks whether it is in force.
+// Writes a vector each period, waits until the period has passed, and checks whether the vector is in force.
 void control(Connection& client, const Options& options, bench::Percentiles& round_trips,
              Controlled& controlled) {
   const auto ticks = static_cast<std::int64_t>(period_ticks(client, options.hz));

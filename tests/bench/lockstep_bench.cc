@@ -1,7 +1,7 @@
-// The arm's scene in lockstep, everything in: drives, part, collision, engine, publishing, and a controller
-// that is connected over TCP, writes every 10 ms of simulated time and reads the part's sample. sim_per_wall
-// is simulated seconds per second. The daemon's thread and the controller's share the cores that the process
-// has: on one, run it under `taskset -c 1`.
+// The arm's scene in lockstep with everything in: drives, part, collision, engine, publishing. A controller
+// connected over TCP writes every 10 ms of simulated time and reads the part's sample. sim_per_wall is
+// simulated seconds per second. The daemon's and the controller's thread share the cores that the process
+// has; for one core, run it under `taskset -c 1`.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

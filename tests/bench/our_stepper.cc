@@ -14,7 +14,7 @@ world::WorldModel with_engine(world::WorldModel model, const std::string& row) {
   return model;
 }
 
-// A tick as the cycle does it: contacts (where something can touch), the engine, the joints' measures.
+// A tick as the cycle does it: contacts (if anything can touch), the engine, the measures of the joints.
 class OurStepper : public Stepper {
  public:
   OurStepper(const world::WorldModel& model, const std::string& row)

@@ -1,4 +1,4 @@
-// Engines behind our seam, by the name of their row.
+// Our engines, through the Engine seam, by the names of their rows.
 #pragma once
 
 #include "tests/bench/peers/stepper.h"

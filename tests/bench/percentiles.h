@@ -1,4 +1,4 @@
-// Percentiles of many durations, kept one by one: exact, for benchmarks.
+// Percentiles of many durations. Each duration is kept, so the percentiles are exact. For benchmarks only.
 #pragma once
 
 #include <algorithm>

@@ -73,7 +73,7 @@ def curve(series, color, x_axis, y_axis, row):
 
 
 def log_log(title, x_label, y_label, all_series):
-    """The plot as text; None where there is nothing to plot."""
+    """The plot as text; None if there is nothing to plot."""
     all_series = [series for series in all_series if series.points]
     if not all_series:
         return None

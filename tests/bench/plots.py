@@ -1,11 +1,11 @@
-"""Which plots the results make: from benchmarks by name, e.g. "Swing/arm7/impulse/1000us"."""
+"""The plots of the results, made from benchmarks by name, e.g. "Swing/arm7/impulse/1000us"."""
 
 import re
 
 from convergence import convergence, growth
 from plot import Series, log_log
 
-MAX_USEFUL_ERROR_M = 1.0  # beyond, the arm points anywhere
+MAX_USEFUL_ERROR_M = 1.0  # with a larger error the arm points anywhere
 
 
 def swings(benchmarks):
@@ -17,7 +17,7 @@ def swings(benchmarks):
 
 
 def steps(benchmarks, model):
-    """(engine, how many, µs per step) of models of several sizes: chains, rows of four-bars."""
+    """(engine, count, µs per step) of models of several sizes: chains, rows of four-bars."""
     for name, row in benchmarks.items():
         found = re.fullmatch(rf"Step/{model}(\d+)/(.+)", name)
         if found and "cpu_us" in row:
@@ -35,7 +35,7 @@ def by_engine(rows, slopes, sign):
 
 
 def numbers_of(benchmarks):
-    """What the plots say in numbers: order and cost of precision of each engine, growth of a step's cost."""
+    """The plots in numbers: order and cost of precision of each engine, growth of a step's cost."""
     return {"convergence": convergence(swings(benchmarks)),
             "growth": {model: growth(steps(benchmarks, model)) for model in ("chain", "fourbars")}}
 

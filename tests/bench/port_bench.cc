@@ -1,6 +1,6 @@
-// Round trip of a port: write one vector of 22 controller inputs, read the reply; beside a raw TCP echo of
-// the same bytes. Both take turns within one run, each with a blocking client thread and a server thread of
-// its own on the same cores, so that the machine's noise falls on both. The figure is the ratio.
+// Round trip of a port: write one vector of 22 controller inputs, read the reply. Beside it, a raw TCP echo
+// of the same bytes. Both take turns within one run, each with a blocking client thread and a server thread
+// of its own on the same cores, so the machine's noise hits both. The figure to read is their ratio.
 #include <benchmark/benchmark.h>
 #include <pthread.h>
 #include <sched.h>
@@ -21,8 +21,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Where client and server run, pinned. Waking a thread on another, halted core costs more than everything
-// else here, so that a latency says little without its layout, and a ratio of two layouts nothing.
+// The cores to which client and server are pinned. Waking a thread on another, halted core costs more than
+// everything else here. A latency without its layout therefore says little, and a ratio of two layouts
+// nothing.
 enum class Cores { kOne, kTwo };
 
 cpu_set_t allowed_cores() {
@@ -31,7 +32,7 @@ cpu_set_t allowed_cores() {
   return cores;
 }
 
-// Of those that the process began with: a thread that is pinned sees only its own.
+// The cores that the process began with: a pinned thread sees only its own.
 int nth_core(int n) {
   static const cpu_set_t cores = allowed_cores();
   for (int core = 0; core < CPU_SETSIZE; ++core)
@@ -51,7 +52,7 @@ cpu_set_t only(int core) {
   return cores;
 }
 
-// This thread on the cores of a layout's server or client while it lives; threads that it starts inherit
+// Pins this thread to the cores of a layout's server or client while it lives. Threads that it starts inherit
 // them.
 class Placed {
  public:
@@ -121,7 +122,7 @@ class RunningDaemon {
   std::thread thread_;
 };
 
-// Waits for a tick after the present one: an Advance of a member that is behind is answered at once.
+// Waits for a tick after the present one, because an Advance of a member that is behind is answered at once.
 void pass_tick(protocol::Connection& client) {
   const auto advance = [&] { return client.request_as<protocol::Advanced>(protocol::Advance{1}).tick; };
   const std::int64_t now = advance();
@@ -129,8 +130,8 @@ void pass_tick(protocol::Connection& client) {
   }
 }
 
-// In lockstep one thread of the daemon answers while the world stands; in realtime the sessions' thread
-// answers while another one ticks 1000 times a second.
+// In lockstep one thread of the daemon answers while the world stands. In realtime the sessions' thread
+// answers while another thread ticks 1000 times a second.
 void round_trip(benchmark::State& state, scene::ClockKind clock, Cores layout) {
   RunningDaemon daemon(clock, layout);
   const Placed placed(layout, false);
@@ -154,7 +155,7 @@ void round_trip(benchmark::State& state, scene::ClockKind clock, Cores layout) {
   for (auto _ : state) {
     timed(bare, [&] { raw.round_trip(); });
     timed(ours, [&] { client.request(write); });
-    // Only a tick empties what is latched, and that is bounded. Not timed.
+    // The latched inputs are bounded, and only a tick empties them. This is not timed.
     if (ours.count() % 4 != 0) continue;
     if (stands)
       client.request(protocol::Step{1});

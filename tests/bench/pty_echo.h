@@ -1,5 +1,5 @@
-// A bare echo over a pseudo terminal: the floor that a module's answer over one is compared with. A thread
-// reads the master's side and writes back. Throws std::system_error where the system fails.
+// A bare echo over a pseudo terminal: the floor for the answer of a module on a pseudo terminal. A thread
+// reads the master's side and writes back. Throws std::system_error if a system call fails.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // Rays per second on one core: a fan of a full circle, through the arm's cell and onto a mesh of many
-// triangles; and what it takes to place a world that has moved.
+// triangles. Also the time to place a world that has moved.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ world::WorldModel arm_cell() {
   return scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml").world;
 }
 
-// A ball of 5 m around the origin, of 2 n² triangles: rays from inside meet it everywhere.
+// A ball of 5 m around the origin, with 2 n² triangles. Rays from inside hit it everywhere.
 world::WorldModel ball_of_triangles(std::uint32_t n) {
   world::WorldModel model;
   world::TriangleMesh mesh;

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What tests/bench/run measured, as a file of results, tables and plots.
+"""Writes the measurements of tests/bench/run as a file of results, tables and plots.
 
 usage: report.py SCRATCH OUT --compiler-from BUILD
 SCRATCH holds bench.json (Google Benchmark's) and perhaps load.json (visum-load's). Writes OUT/<machine>.json,
-OUT/<machine>-*.svg and, with all of it to read, OUT/<machine>.md; prints tables. Of several
-repetitions the fastest time and the median counter count.
+OUT/<machine>-*.svg and a page OUT/<machine>.md with all of it; prints tables. Where a benchmark was
+repeated, the fastest time and the median of each counter are taken.
 """
 
 import argparse
@@ -36,7 +36,7 @@ def compiler(build):
     for path in build.glob("CMakeFiles/*/CMakeCXXCompiler.cmake"):
         facts = dict(re.findall(r'set\((\w+) "([^"]*)"\)', path.read_text(encoding="utf-8")))
         return f'{facts["CMAKE_CXX_COMPILER_ID"]} {facts["CMAKE_CXX_COMPILER_VERSION"]}'
-    raise SystemExit(f"report.py: no compiler is known in '{build}'")
+    raise SystemExit(f"report.py: cannot tell the compiler of '{build}'; configure it with CMake first")
 
 
 def git(*arguments):
@@ -50,7 +50,7 @@ def commit():
 
 
 def name_of(run):
-    """Google Benchmark adds what it was told about time and iterations; that is no part of the name."""
+    """Takes away the settings of time and iterations that Google Benchmark adds to a name."""
     name = re.sub(r"/(min_time|iterations|repeats|min_warmup_time):[^/]*", "", run["run_name"])
     return re.sub(r"/(real_time|process_time|manual_time)$", "", name)
 

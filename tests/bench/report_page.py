@@ -1,5 +1,7 @@
 """The results as a page of Markdown, with the plots beside it."""
 
+import textwrap
+
 TIMES = ("cpu_us", "real_us")
 
 
@@ -7,6 +9,11 @@ def table(head, rows):
     lines = ["| " + " | ".join(head) + " |", "|" + " --- |" * len(head)]
     lines += ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
     return lines + [""]
+
+
+def wrapped(text):
+    """Prose, wrapped as in all pages."""
+    return textwrap.fill(text, 100, break_long_words=False, break_on_hyphens=False)
 
 
 def shown(value):
@@ -20,22 +27,22 @@ def seconds_at(found):
 
 
 def convergence_lines(convergence):
-    """Order of each engine, and what precision costs it."""
+    """Order of each engine, and the cost of precision."""
     if not convergence:
         return []
     errors = list(next(iter(convergence.values()))["cpu_s_at"])
     rows = [[engine, *("—" if found[of] is None else f"{found[of]:.2f}" for of in ("order", "order_finest")),
              *(seconds_at(found["cpu_s_at"][error]) for error in errors)] for engine, found in convergence.items()]
     return ["## Convergence and the cost of precision", "",
-            "arm7 swings free for 1 s. Order: slope of the tip's error over the step, in the coarsest decade of steps "
-            "with errors from 0.1 m to 1e-10 m, and in the finest, where gaps that joints may have (`d_max`) weigh "
-            "more; — where there are no three such errors. Then CPU ms per simulated second "
-            "at which the tip's error is so many metres, interpolated.", "",
+            wrapped("arm7 swings free for 1 s. Order: slope of the tip's error over the step, in the coarsest decade "
+                    "of steps with errors from 0.1 m to 1e-10 m, and in the finest, where gaps that joints may have "
+                    "(`d_max`) weigh more; — if there are fewer than three such errors. The other columns: CPU ms per "
+                    "simulated second for the given error of the tip, interpolated."), "",
             *table(["engine", "order", "in the finest decade", *(f"ms at {error} m" for error in errors)], rows)]
 
 
 def growth_lines(growth):
-    """The power of their number with which a step's cost grows."""
+    """The power of the count with which a step's cost grows."""
     engines = list(dict.fromkeys(engine for found in growth.values() for engine in found))
     if not engines:
         return []
@@ -63,9 +70,9 @@ def page(results, plot_files):
     """`plot_files` by name of the plot, relative to the page."""
     machine = results["machine"]
     lines = [f'# {machine["cpu"]}, {machine["cores"]} cores', "",
-             f'{results["compiler"]}; commit {results["commit"]}; {results["date"]}; load average at the start '
-             f'{", ".join(f"{load:.2f}" for load in machine["load_average"])}. Written by `tests/bench/run`; how to '
-             "read it: [Benchmarks](../README.md).", ""]
+             wrapped(f'{results["compiler"]}; commit {results["commit"]}; {results["date"]}; load average at the start '
+                     f'{", ".join(f"{load:.2f}" for load in machine["load_average"])}. Written by `tests/bench/run`; '
+                     "how to read it: [Benchmarks](../README.md)."), ""]
     lines += convergence_lines(results["convergence"]) + growth_lines(results["growth"])
     lines += [f"![{name}]({file})\n" for name, file in plot_files.items()]
     if "load" in results:

@@ -1,6 +1,6 @@
-// The cost of a step, side by side: Step/<model>/<engine>, 1 ms ticks, from the same state again after each
-// batch. What the step is worth is in the counters: tip_error_m (where there is a reference), energy_error
-// (relative to energy_scale; for contacts none), gap_m, all the largest over the batch.
+// The cost of a step, side by side: Step/<model>/<engine>, ticks of 1 ms, starting from the same state after
+// each batch. Counters say how good the step is: tip_error_m (where there is a reference), energy_error
+// (relative to energy_scale; not for contacts) and gap_m, each the largest over the batch.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -21,13 +21,13 @@ constexpr double kTick = 1e-3;
 struct StepCase {
   std::string name;
   world::WorldModel model;
-  int batch;                        // ticks from the start until it starts again
+  int batch;                        // ticks until it starts again
   Eigen::Vector3d tip;              // in the last body
   const physics::TipAt* reference;  // at the end of the batch; null: none
 };
 
 world::EngineSetting any_engine() {
-  return physics::engine_rows().front().setting;  // each stepper puts in its own
+  return physics::engine_rows().front().setting;  // each stepper sets its own
 }
 
 std::vector<StepCase> step_cases() {
@@ -43,7 +43,7 @@ std::vector<StepCase> step_cases() {
           {"stack10", stack(any_engine(), kTick, 10), 1000, none, nullptr}};
 }
 
-// Steps the batch once, not timed, and says how right it was.
+// Steps one batch, not timed, and measures its errors.
 void judge(benchmark::State& state, const StepCase& what, Stepper& stepper) {
   world::WorldState now = initial_state(what.model);
   const double energy = physics::energy_of(what.model, now), scale = physics::energy_scale(what.model);

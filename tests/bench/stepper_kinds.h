@@ -1,4 +1,4 @@
-// The engines that the benchmarks of physics compare.
+// The engines that the physics benchmarks compare.
 #pragma once
 
 #include <vector>

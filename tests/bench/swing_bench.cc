@@ -1,5 +1,5 @@
-// Work against precision: Swing/arm7/<engine>/<step>us swings the arm free for 1 s; the time is CPU time per
-// simulated second, the counter tip_error_m is against the reference.
+// Work against precision: Swing/arm7/<engine>/<step>us lets the arm swing free for 1 s. The time is CPU time
+// per simulated second; the counter tip_error_m compares with the reference.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

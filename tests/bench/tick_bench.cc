@@ -1,5 +1,5 @@
 // The whole tick of the arm's scene, by phase: drives, part, collision, engine, publishing. The arm moves all
-// the time (each angle swings about its initial value), from the same state before each batch.
+// the time (each angle swings about its initial value). Each batch starts from the same state.
 #include <benchmark/benchmark.h>
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// No allocation of ours per tick once warm.
+// A warm tick of the collision stage allocates nothing of ours.
 #include <gtest/gtest.h>
 
 #include "tests/collision/scene.h"

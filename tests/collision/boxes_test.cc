@@ -1,4 +1,4 @@
-// Boxes have separating axes of their own (boxes.h): what they find is what the hull of the same corners
+// Boxes have a test of separating axes of their own (boxes.h). It must find what the hull of the same corners
 // finds.
 #include <gtest/gtest.h>
 
@@ -46,7 +46,7 @@ TEST(Boxes, TouchAsHullsOfTheSameCornersDo) {
   EXPECT_LT(touching, 450);
 }
 
-// Their edges lie on each other: where they cross is anywhere.
+// Their edges lie on each other, so the point where they cross may be anywhere.
 TEST(Boxes, OfOneSizeOnEachOtherTouchInTheirFourCorners) {
   const ShapeSpec box{kBox, {0.2, 0.2, 0.2}};
   for (const double off : {0.0, 1e-12, 1e-9, 1e-7, 5e-7}) {
@@ -63,8 +63,7 @@ TEST(Boxes, OfOneSizeOnEachOtherTouchInTheirFourCorners) {
   }
 }
 
-// From tick to tick rounding must not choose between the two faces: neither their corners nor their normals
-// are the same.
+// Rounding must not choose between the two faces from tick to tick: they differ in corners and normals.
 TEST(Boxes, OfOneSizeKeepTheCornersAndTheNormalOfTheFirst) {
   const ShapeSpec box{kBox, {0.2, 0.2, 0.2}};
   const Eigen::Vector3d sideways(3e-7, -2e-7, 0.0);

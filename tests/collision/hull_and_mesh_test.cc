@@ -93,7 +93,7 @@ world::TriangleMesh floor_mesh(int cells, double size) {
 
 class OnAFlatMesh : public ::testing::TestWithParam<ShapeSpec> {};
 
-// Wherever it lies, over corners and edges of the grid, nothing pushes it sideways.
+// Wherever a body lies, over corners and edges of the grid, nothing pushes it sideways.
 TEST_P(OnAFlatMesh, NothingPushesSideways) {
   for (int i = 0; i < 60; ++i) {
     SceneBuilder scene;

@@ -1,4 +1,4 @@
-// Balls on the ridges, tips and corners of meshes: there the nearest point lies on no face, whichever way the
+// Balls on the ridges, tips and corners of meshes. There the nearest point lies on no face, whichever way the
 // surface bends and however its faces are cut into triangles.
 #include <gtest/gtest.h>
 
@@ -59,7 +59,7 @@ TEST_P(MeshRidge, CarriesABallAllAlong) {
 
 INSTANTIATE_TEST_SUITE_P(Slopes, MeshRidge, ::testing::Values(0.02, 0.1, 0.3, 0.5, 0.6, 1.0, 5.0, 30.0));
 
-// Each of its edges is nearly flat; all together they make a tip.
+// Each of its edges is nearly flat; all together make a tip.
 TEST(MeshTip, OfAFlatConeCarriesABall) {
   for (const double slope : {radians(0.5), radians(2.0), radians(20.0)}) {
     constexpr std::uint32_t kSides = 48;
@@ -88,7 +88,7 @@ TEST(MeshCorner, OfABoxCarriesABall) {
   }
 }
 
-// A ball that rolls over where flat triangles meet does not stumble.
+// A ball that rolls over edges between flat triangles does not stumble.
 TEST(MeshCorner, BetweenFlatTrianglesPushesNobodyAside) {
   world::TriangleMesh floor;
   floor.name = "fan";

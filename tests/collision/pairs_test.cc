@@ -1,4 +1,4 @@
-// Every pair of kinds of shape in an arrangement whose contact is known in closed form: depth, normal, count.
+// Every pair of kinds of shape, in an arrangement whose contact has a closed form: depth, normal, count.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ struct Case {
   friend void PrintTo(const Case& test, std::ostream* out) { *out << test.name; }
 };
 
-// a stands upon b, overlapping by 1 mm; b's top is at 0.5, or at 0 for the plane.
+// a stands upon b and overlaps by 1 mm. b's top is at 0.5, or at 0 for the plane.
 constexpr double kDepth = 1e-3;
 const Pose kOnTop = at(0.02, 0.01, 1.0 - kDepth);
 const Pose kTilted = at(0.02, 0.01, 1.0 - kDepth, kPi / 2, kX);
@@ -158,8 +158,8 @@ TEST_P(Pairs, ShapesApartDoNotTouch) {
 }
 
 TEST_P(Pairs, PointsLieMidwayBetweenTheSurfaces) {
-  // Pushing a out by half the depth moves each point by a quarter of it along the normal, not more than by
-  // half.
+  // Pushing a out by half the depth moves each point by a quarter of the depth along the normal, not by more
+  // than a half.
   const Case& test = GetParam();
   if (test.depth > 0.1) GTEST_SKIP() << "the nearest face is another one by then";
   const auto before = contacts_between(test.a, test.X_WA, test.b, test.X_WB);

@@ -1,4 +1,4 @@
-// The stage as a whole: order, purity, what never collides, surfaces, caps.
+// The stage as a whole: order, purity, pairs that never collide, surfaces, caps.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -15,7 +15,7 @@ namespace {
 using enum ShapeKind;
 const ShapeSpec kCube{kBox, {1, 1, 1}};
 
-// A heap of all kinds, thrown together with a seed.
+// A heap of all kinds of shapes, thrown together with a seed.
 SceneBuilder make_heap(unsigned seed, int count) {
   SceneBuilder scene;
   std::mt19937 random(seed);
@@ -73,9 +73,9 @@ double deepest(const std::vector<Contact>& contacts) {
   return depth;
 }
 
-// The normal's promise: pushed along it by the deepest point's depth (and a hair), two convex shapes are
-// apart. Where the deepest part lies beside the face that pushes, or between the corners that stand for a
-// rim, it takes a few.
+// The normal's promise: pushed along it by the depth of the deepest point (and a hair), two convex shapes are
+// apart. It takes a few pushes if the deepest part lies beside the face that pushes, or between the corners
+// that stand for a rim.
 TEST(CollisionStage, PushingAlongTheNormalSeparatesTwoConvexShapes) {
   const std::vector<ShapeSpec> kinds{
       kCube, {kSphere, {0.5}}, {kCylinder, {0.4, 1.0}}, {kCapsule, {0.3, 0.8}}, {kConvex, {1, 0.7, 0.5}}};
@@ -134,7 +134,7 @@ TEST(CollisionStage, IsAFunctionOfThePosesAlone) {
   EXPECT_TRUE(same_bits(first, contacts_of(scene.model))) << "a fresh stage finds the same";
 }
 
-// From creeping to leaping, turning and coming back: what a stage keeps of earlier calls saves work and
+// From creeping to leaping, turning and coming back. Whatever a stage keeps of earlier calls saves work and
 // changes nothing.
 TEST(CollisionStage, FindsOnItsWayWhatAFreshStageFinds) {
   std::size_t touching = 0;

@@ -1,5 +1,5 @@
-// What stands on a thin plate is pushed up wherever it stands, at the rim and at the corners, too. These
-// pairs go through GJK, whose cores must not be smaller than the plate by more than their skins.
+// A body on a thin plate is pushed up wherever it stands, at the rim and at the corners, too. These pairs go
+// through GJK, whose cores must not be smaller than the plate by more than their skins.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ using enum ShapeKind;
 constexpr double kPressedM = 1e-4;
 constexpr double kPlateHalfM = 0.01;
 
-// The corners of an upright prism; its hull has more directions than are asked one by one.
+// The corners of an upright prism. Its hull has more directions than are tested one by one.
 std::vector<Eigen::Vector3d> prism_points(double radius, double length) {
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 32; ++i) {
@@ -31,7 +31,7 @@ struct OnPlate {
   ShapeSpec upper;  // of kConvex: a prism, size as a cylinder's
   double half_height;
   ShapeSpec plate;
-  double reach;  // from the plate's middle; what is beyond is not asked
+  double reach;  // from the plate's middle; places farther out are not tested
 
   friend void PrintTo(const OnPlate& test, std::ostream* out) { *out << test.name; }
 };
@@ -74,7 +74,7 @@ INSTANTIATE_TEST_SUITE_P(
         OnPlate{"CanOnDisc", {kCylinder, {0.02, 0.1}}, 0.05, {kConvex, {0.5, 2 * kPlateHalfM}}, 0.012}),
     [](const auto& info) { return std::string(info.param.name); });
 
-// A lens tapers off to a rim so thin and flat that the core of a true inset, too, ends far from it.
+// A lens tapers off to a thin, flat rim. The core of even a true inset ends far from it.
 TEST(ThinLens, PushesUpWhatStandsOnItsRim) {
   constexpr double kSlope = 0.02, kRimM = 0.001;
   for (double x = 0.0; x < 0.51; x += 0.01) {

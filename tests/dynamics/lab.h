@@ -14,9 +14,10 @@ class Lab {
  public:
   explicit Lab(world::WorldModel model);  // throws std::runtime_error for a faulty model
 
-  // One tick; stops at the first engine that reports a fault.
+  // One tick. Stops at the first engine that reports a fault.
   StepResult step();
-  // As many ticks as the time holds. Throws std::runtime_error with the fault where one is reported.
+  // As many ticks as the time holds. Throws std::runtime_error with the fault's text if an engine reports
+  // one.
   void run(double seconds);
   void run_ticks(int ticks);
 

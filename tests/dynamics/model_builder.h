@@ -36,10 +36,11 @@ class ModelBuilder {
                       const Pose& X_WB);
   BodyId add_hull(const std::string& name, const std::vector<Eigen::Vector3d>& points, double mass_kg,
                   const Pose& X_WB);
-  // No shape: a rotor of moment of inertia `inertia` about every axis, its centre of mass at its frame.
+  // A body without a shape: a rotor with the moment of inertia `inertia` about every axis, its centre of mass
+  // at its frame.
   BodyId add_rotor(const std::string& name, double mass_kg, double inertia, const Pose& X_WB);
 
-  // Axis in W, through `anchor_W`, with the bodies as they stand. parent invalid: the world.
+  // Axis in W, through `anchor_W`, with the bodies where they are now. An invalid parent means the world.
   world::Joint& add_joint(const std::string& name, world::JointKind kind, BodyId parent, BodyId child,
                           const Eigen::Vector3d& anchor_W, const Eigen::Vector3d& axis_W);
 

@@ -1,4 +1,5 @@
-// Whether a restored world goes on with the same bits: back by seven ticks at each tick, and forward again.
+// Checks that a restored world goes on with the same bits: at each tick back by seven ticks, and forward
+// again.
 #pragma once
 
 #include <optional>
@@ -8,7 +9,8 @@
 
 namespace visum::dynamics::testing {
 
-// Two labs of the same world; the second is rolled back. The first tick whose hash differs, of `ticks`; none.
+// Two labs of the same world; the second is rolled back. Returns the first of `ticks` ticks whose hash
+// differs, or nothing.
 inline std::optional<int> first_difference_when_rolled_back(Lab& straight, Lab& rolled, int ticks) {
   constexpr std::size_t kBack = 7;
   std::vector<world::WorldState> history;

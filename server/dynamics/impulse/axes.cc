@@ -1,31 +1,31 @@
-// Drives, friction and damping of the joints' axes: hwparts/joint.h in impulses.
+// The laws of drives, friction and damping on the joints' axes: hwparts/joint.h written in impulses.
 //
 // clang-format off
 // Symbols:
 //   h      step                                  q, q'      position and velocity at t
 //   q'+    velocity at t+h                       q~         mean velocity of the look-ahead
 //   v*     the law's target                      c, k       its compliance, and k = c/h
-//   most   its largest effort                    s          the sign of the limit that it is at, -1 or 1
-//   L0, L1, L2                                   impulses of the law: when things hit, at t, at t+h
+//   most   its largest effort                    s          sign of the limit that it is at, -1 or 1
+//   L0, L1, L2                                   impulses of the law: for hits, at t, at t+h
 //
 //   the law           L0 + L1 + L2 = h clamp((v* - q'+)/c, -most, most)                    (hwparts/joint.h)
-//   when things hit   |L0| <= h most. In the tree the law answers what the hit changes; one that passes its
+//   for hits          |L0| <= h most. In the tree the law answers what the hit changes; a law that passes its
 //                     limit there is a row for the whole tick
 //   at t              half of it, with q'+ foreseen as 2 q~ - q':
 //                     q~ + k (L1 + L0/2) = (v* + q')/2,  |L1| <= h most/2
-//   at t+h            what is missing:
+//   at t+h            the rest:
 //                     q'+ + k (L0 + L1 + L2) = v*,  |L0 + L1 + L2| <= h most
-//   at the limit      L1 = s h most/2 and L0 + L1 + L2 = s h most, as long as s times what is then missing is
-//                     not below 0: a backlash that is crossed, a motor that gives all that it can
+//   at the limit      L1 = s h most/2 and L0 + L1 + L2 = s h most, as long as s times the missing rate is
+//                     not below 0. Examples: a backlash that is crossed, a motor that gives all it can
 //   damping d         the law with v* = 0, c = 1/d, without a limit
 //   dry friction      the law with v* = 0, c = 0, most = friction
-//   a geared rotor    the law with k = 1/J and v* its own speed (hwparts/drive/gear.h): that q~ is taken from
-//                     the look-ahead lets the rotor feel how the axis' speed changes in free flight
+//   a geared rotor    the law with k = 1/J and v* its own speed (hwparts/drive/gear.h). The law takes q~ from
+//                     the look-ahead, so the rotor feels how the axis' speed changes in free flight
 //
-// Sources: half of the law at t and the rest at t+h, as forces in RATTLE (Andersen, J. Comput. Phys. 52, 1983);
-// a compliance on the diagonal, as CFM in Hsu, Peters, Extending Open Dynamics Engine for the DARPA Virtual
-// Robotics Challenge, SIMPAR 2014; the rotor as a coordinate that is geared to the axis and answers with it,
-// as gears in Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 9.
+// Sources: half of the law at t and the rest at t+h, as forces in RATTLE (Andersen, J. Comput. Phys. 52,
+// 1983); a compliance on the diagonal, as CFM in Hsu, Peters, Extending Open Dynamics Engine for the DARPA
+// Virtual Robotics Challenge, SIMPAR 2014; the rotor as a coordinate that is geared to the axis and answers
+// with it, as gears in Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 9.
 // clang-format on
 #include <algorithm>
 #include <cmath>
@@ -36,17 +36,20 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kMostCompliance = 1e30;  // (rad/s)/(N·m): gives way to all, and is a single-precision number
-constexpr double kAtLimit = 1.0 - 1e-9;   // share of the limit from which on a law starts as a row
-constexpr double kMoves = 1e-9;           // rad/s, m/s: faster, dry friction starts at its limit
-constexpr double kPassed = 1e-12;         // share of the limit, that is rounding
+constexpr double kMostCompliance =
+    1e30;  // (rad/s)/(N·m): gives way to everything, and still fits a single-precision number
+constexpr double kAtLimit = 1.0 - 1e-9;  // share of the limit: a law that gave this much starts at its limit
+constexpr double kMoves = 1e-9;          // rad/s, m/s: above this speed dry friction starts at its limit
+constexpr double kPassed = 1e-12;        // share of the limit by which rounding may pass it
 
+// True if the drive gives no effort at all.
 bool says_nothing(const hwparts::JointDrive& drive) {
   return drive.max_effort == 0.0 && drive.feedforward == 0.0;
 }
 
-// Where joints are solved for one after the other, and for a joint that closes a loop, what is at its limit
-// is a row.
+// Decides how the law starts the tick: within its limit, at its limit (by the last effort, or for friction by
+// the direction of motion), or as a row. A law is a row if its joint closes a loop. With the iterative solver
+// (`as_row`) a law at its limit is a row, too.
 void take_limit(Axis& axis, bool as_row, bool driven) {
   double side = std::abs(axis.expected) >= kAtLimit * axis.most ? axis.expected : 0.0;
   if (!driven && std::abs(axis.rate) > kMoves) side = -axis.rate;
@@ -54,11 +57,12 @@ void take_limit(Axis& axis, bool as_row, bool driven) {
   axis.at_limit = axis.acts && !axis.boxed ? (side > 0.0) - (side < 0.0) : 0;
 }
 
+// Sets the axis' law from the drive, or from the model's friction and damping where the drive gives nothing.
 void take_law(Axis& axis, const hwparts::JointDrive& drive, double last_effort, bool as_row) {
   const bool driven = !says_nothing(drive);
   axis.target = driven ? drive.target_velocity : 0.0;
-  // To single precision: what changes by less from tick to tick (a winding that warms up) keeps the tree's
-  // factors.
+  // Rounded to single precision. A compliance that changes by less from tick to tick (a winding that warms
+  // up) then leaves the tree's factors valid.
   axis.compliance_s =
       driven ? static_cast<double>(static_cast<float>(std::min(drive.compliance, kMostCompliance))) : 0.0;
   axis.most = driven ? drive.max_effort : axis.model->friction;
@@ -69,6 +73,7 @@ void take_law(Axis& axis, const hwparts::JointDrive& drive, double last_effort, 
   take_limit(axis, as_row, driven);
 }
 
+// Reads where the axis is at t, and its law.
 void take_axis(Axis& axis, const hwparts::JointDrive& drive, const world::JointState& joint, bool as_row) {
   axis.start = joint.position;
   axis.rate = joint.velocity;
@@ -76,15 +81,18 @@ void take_axis(Axis& axis, const hwparts::JointDrive& drive, const world::JointS
   take_law(axis, drive, joint.effort, as_row);
 }
 
+// Position of the axis in a pose; an angle is unwrapped to the turn that is nearest to `near`.
 double position(const Axis& axis, const JointPose& pose, double near) {
   return axis.turns ? joint_angle(*axis.spec, pose, near) : pose.a.dot(pose.pb - pose.pa);
 }
 
+// Mean velocity from t to the pose ahead, h later.
 double mean_rate(const Axis& axis, const JointPose& ahead, double h) {
   return (position(axis, ahead, axis.start + h * axis.rate) - axis.start) / h;
 }
 
-// Of a law that wants `target`, has given `done`, and gives way by k for each N·m·s.
+// Rate that a law still misses: its target velocity is `target`, it has given the impulses `done`, and it
+// gives way by k for each N·m·s.
 inline double missing(const Plant& plant, const Axis& axis, Moment moment, double target, double k,
                       const std::array<double, kMoments>& done) {
   if (moment == kAhead)
@@ -96,7 +104,7 @@ inline double missing_of_law(const Plant& plant, const Axis& axis, Moment moment
   return missing(plant, axis, moment, axis.target, axis.compliance_s / h, axis.law);
 }
 
-// The limit that the law has passed, -1 or 1; 0: none.
+// The limit that the law's impulse has passed: -1, 1, or 0 for none.
 int passed_limit(const Axis& axis, Moment moment, double h) {
   const double given =
       moment == kAhead ? axis.law[kAhead] : axis.law[kHit] + axis.law[kAhead] + axis.law[kAfter];
@@ -104,13 +112,14 @@ int passed_limit(const Axis& axis, Moment moment, double h) {
   return (given > most) - (given < -most);
 }
 
-// Whether the law takes part as it does.
+// True if the law may go on taking part as it does now.
 bool suits(const Plant& plant, const Axis& axis, Moment moment, double h) {
   if (axis.at_limit != 0)
     return moment == kHit || axis.at_limit * missing_of_law(plant, axis, moment, h) >= 0.0;
   return !law_in_tree(axis) || passed_limit(axis, moment, h) == 0;
 }
 
+// Rate that is asked of the tree: the law's, or the damping's where no law is in the tree.
 inline double missing_in_tree(const Plant& plant, const Axis& axis, Moment moment, double h) {
   if (damping_in_tree(axis)) return missing(plant, axis, moment, 0.0, law_compliance(axis, h), axis.damped);
   return missing_of_law(plant, axis, moment, h);
@@ -123,6 +132,7 @@ double missing_rate(const Plant& plant, const Axis& axis, Moment moment, double 
 }
 
 void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, const world::WorldState& state) {
+  // Nothing to do where every axis was idle in the last tick and no drive gives anything now.
   if (plant.all_idle && std::ranges::all_of(drives, says_nothing)) return;
   const bool as_row = plant.setting.solver == "iterate";
   plant.all_idle = true;
@@ -133,6 +143,8 @@ void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, con
       Axis& axis = plant.axes[i];
       const hwparts::JointDrive& drive = drives[axis.joint.index()];
       const bool was_idle = axis.idle;
+      // An axis that stays idle is not read at all. One that has just become idle is read once more and taken
+      // out of the tree.
       axis.idle = axis.is_free && says_nothing(drive);
       plant.all_idle = plant.all_idle && axis.idle;
       if (axis.idle && was_idle) continue;
@@ -148,6 +160,7 @@ void measure_axes(Plant& plant, double h) {
   for (Axis& axis : plant.acting_axes()) {
     const double last = axis.rate;
     axis.rate = plant.rate(axis);
+    // The angle is unwrapped to the turn that the mean of old and new velocity predicts.
     const double expected = axis.start + 0.5 * h * (last + axis.rate);
     axis.start = position(axis, pose_now(*axis.spec, plant.bodies, axis.start), expected);
   }
@@ -161,6 +174,7 @@ void measure_ahead(const Plant& plant, Axis& axis, const JointPose& ahead, doubl
 void measure_ahead(Plant& plant, std::size_t mechanism, double h) {
   const bool bound = plant.mechanism_bound[mechanism] != 0;
   for (Axis& axis : plant.acting_axes_of(mechanism)) {
+    // Without law, damping or stops nothing needs the mean velocity.
     if (!axis.acts && axis.damping == 0.0 && !axis.model->limited) continue;
     if (bound)
       measure_ahead(plant, axis, *axis.ahead, h);
@@ -185,6 +199,7 @@ double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h) {
     if (!is_in_tree(axis)) continue;
     const double missing = missing_in_tree(plant, axis, moment, h);
     tree.ask_axis(static_cast<std::size_t>(axis.node), missing);
+    // Keeps a NaN as the largest.
     if (!(std::abs(missing) <= largest) && !std::isnan(largest)) largest = std::abs(missing);
   }
   return largest;
@@ -209,8 +224,11 @@ void reset_impulses(Plant& plant) {
 bool change_laws(Plant& plant, Moment moment, double h, bool as_rows) {
   bool any = false;
   for (Axis& axis : plant.acting_axes()) {
+    // A law at its limit has given its limit's impulse in this moment.
     if (axis.at_limit != 0) axis.law[moment] = limit_impulse(axis, moment, h);
     if (suits(plant, axis, moment, h)) continue;
+    // A law that leaves its limit goes back into the tree. One that passes it becomes a known impulse there.
+    // With `as_rows` both become rows.
     axis.at_limit = axis.at_limit != 0 || as_rows ? 0 : passed_limit(axis, moment, h);
     axis.boxed = as_rows;
     any = true;

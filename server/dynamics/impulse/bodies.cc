@@ -11,7 +11,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kSameMoment = 1e-12;  // relative: what rounding leaves of a symmetry
+constexpr double kSameMoment = 1e-12;  // relative: differences below are rounding of a symmetric body
 
 using Bits = long long __attribute__((vector_size(16)));
 
@@ -21,6 +21,7 @@ Bits bits_at(const double* from) {
   return bits;
 }
 
+// Compared as bits: -0 and 0 differ, and a NaN is equal to itself.
 bool are_same_bits(const Quaterniond& a, const Quaterniond& b) {
   const double *x = a.coeffs().data(), *y = b.coeffs().data();
   const Bits differ = (bits_at(x) ^ bits_at(y)) | (bits_at(x + 2) ^ bits_at(y + 2));
@@ -37,6 +38,7 @@ bool same(double a, double b) {
   return std::abs(a - b) <= kSameMoment * std::max(a, b);
 }
 
+// Two equal moments make a top, three a ball (a top about any axis).
 void find_symmetry(BodyConstants& body) {
   const Vector3d& j = body.moments;
   const bool xy = same(j.x(), j.y()), yz = same(j.y(), j.z()), zx = same(j.z(), j.x());
@@ -44,7 +46,7 @@ void find_symmetry(BodyConstants& body) {
   body.axis = xy ? 2 : yz ? 0 : 1;
 }
 
-// A link whose axes are principal already keeps them.
+// Principal moments and axes. A link whose axes are principal already keeps them.
 void find_principal_axes(const Matrix3d& inertia, BodyConstants& body) {
   Matrix3d off = inertia;
   off.diagonal().setZero();
@@ -59,7 +61,7 @@ void find_principal_axes(const Matrix3d& inertia, BodyConstants& body) {
   body.q_BP = Quaterniond(axes).normalized();
 }
 
-// What the kernels call alike: bodies that move by the same formulas.
+// Kernels treat bodies of one group alike: they move by the same formulas.
 constexpr int kGroups = 8;
 int group(const BodyConstants& body) {
   return 2 * (body.symmetry == Symmetry::kNone ? 3 : body.axis) + (body.aligned ? 0 : 1);
@@ -84,7 +86,7 @@ Bodies::Bodies(const world::WorldModel& model, std::int32_t engine_index)
   }
   const std::size_t n = constants.size();
   is_oriented_.assign(n, 0);
-  // The last one stands still: whatever is not ours.
+  // The entry behind the last body stands still, in place of everything that is not this engine's.
   for (auto* list : {&x, &v, &w, &x1}) list->assign(n + 1, Vector3d::Zero());
   for (auto* list : {&q, &q_WB, &q1}) list->assign(n + 1, Quaterniond::Identity());
   for (auto* list : {&R, &R1, &inertia, &inverse_inertia}) list->assign(n + 1, Matrix3d::Identity());
@@ -98,7 +100,7 @@ Bodies::Bodies(const world::WorldModel& model, std::int32_t engine_index)
   }
 }
 
-// A ball is a top about any axis.
+// Constants of up to four bodies, lane by lane; the last body fills the remaining lanes.
 BodyBlock Bodies::block(std::span<const int> numbers, std::span<const int> places) const {
   BodyBlock result;
   for (std::size_t lane = 0; lane < 4; ++lane) {
@@ -112,7 +114,7 @@ BodyBlock Bodies::block(std::span<const int> numbers, std::span<const int> place
     result.aligned = body.aligned;
     result.axis = body.axis;
     for (int i = 0; i < 3; ++i) {
-      const int from = result.top ? (body.axis + 1 + i) % 3 : i;  // of a top its axis is the last
+      const int from = result.top ? (body.axis + 1 + i) % 3 : i;  // a top's own axis comes last
       result.moments[i][lane] = body.moments[from];
       result.inverse_moments[i][lane] = body.inverse_moments[from];
     }
@@ -144,6 +146,7 @@ void Bodies::load(const world::WorldState& state) {
     const world::BodyState& from = state.bodies[constants[i].id.index()];
     v[i] = from.v_WC;
     w[i] = from.w_WB;
+    // Only a body that has moved makes placements() grow.
     if (!are_same_bits(x[i], from.p_WC)) {
       x[i] = from.p_WC;
       ++placements_;
@@ -187,8 +190,8 @@ void Bodies::look_ahead(std::span<const BodyBlock> blocks, double h, const Vecto
   kernels_.fly(arrays_, blocks.data(), blocks.size(), h, gravity.data());
 }
 
-// What is kept from step to step is the link's orientation, so that a restored state goes on with the same
-// bits: P's is made from it as load() does.
+// Only the link's orientation is kept from step to step. P's is computed from it, exactly as load() does, so
+// a restored state goes on with the same bits.
 bool Bodies::commit(std::span<const BodyBlock> blocks, double h, const Vector3d& gravity) {
   return kernels_.commit(arrays_, blocks.data(), blocks.size(), h, gravity.data());
 }

@@ -1,5 +1,6 @@
 // The bodies that the engine moves, as arrays by their number among them: constants, state at t, and where
-// they will be at t+h. Frame P: axes of the principal moments of inertia, origin at the centre of mass.
+// free flight leads at t+h. Frame P has the axes of the principal moments of inertia and its origin at the
+// centre of mass.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,25 +19,32 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-enum class Symmetry { kNone, kTop, kBall };  // of the principal moments: all differ; two or all are the same
+enum class Symmetry {
+  kNone,
+  kTop,
+  kBall
+};  // of the principal moments: all differ; two are the same; all are
 
+// The constants of a body: kg, kg·m².
 struct BodyConstants {
   world::BodyId id;
   double mass = 0.0, inverse_mass = 0.0;
-  Vector3d moments;  // principal, kg·m²
+  Vector3d moments;  // principal, in the order of P's axes
   Vector3d inverse_moments;
   Symmetry symmetry = Symmetry::kNone;
-  int axis = 2;         // top: whose moment is the odd one
+  int axis = 2;         // of a top: the axis whose moment differs
   Quaterniond q_BP;     // from P to the link's axes
   bool aligned = true;  // q_BP is the identity
 };
 
-// The state at t, as it is kept over a step that may fail.
+// The state at t, kept to be restored if a step fails.
 struct BodiesMotion {
   std::vector<Vector3d> x, v, w;
   std::vector<Quaterniond> q_WB;
 };
 
+// Plant owns it; used on the tick's thread only. Nothing here fails. Kernels work on the arrays in blocks of
+// four bodies.
 class Bodies {
  public:
   Bodies(const world::WorldModel& model, std::int32_t engine_index);
@@ -44,33 +52,38 @@ class Bodies {
   Bodies& operator=(const Bodies&) = delete;
 
   std::size_t size() const { return constants.size(); }
-  // A number for what is not ours: it stands, at the origin.
+  // The number of an extra body that stands for everything that is not this engine's: it rests at the origin.
   int still() const { return static_cast<int>(size()); }
-  int number(world::BodyId id) const { return id.valid() ? numbers_[id.index()] : -1; }  // -1: not ours
+  int number(world::BodyId id) const {
+    return id.valid() ? numbers_[id.index()] : -1;
+  }  // -1: this engine does not move it
 
+  // Loads positions and velocities, and computes what follows from orientations that have changed.
   void load(const world::WorldState& state);
   void store(world::WorldState& state) const;
+  // Keeps the state at t, and restores it.
   void keep(BodiesMotion& motion) const;
   void put_back(const BodiesMotion& motion);
 
-  // The bodies of a list, as the kernels take them. `answer`: each one's place in the list.
+  // Groups the bodies of a list in blocks for the kernels. `answer` of a block holds each body's place in the
+  // list.
   std::vector<BodyBlock> blocks_of(std::span<const int> numbers) const;
-  // One body.
+  // A block of one body.
   std::span<const BodyBlock> block_of(std::size_t i) const { return {&alone_[i], 1}; }
 
-  // Where free flight over h leads from the state at t.
+  // Flies the bodies freely over h from the state at t; results are in x1, q1, R1.
   void look_ahead(std::span<const BodyBlock> blocks, double h, const Vector3d& gravity);
-  // The state becomes that of the last look-ahead; angular momentum is kept. Whether that moved any.
+  // Makes the last look-ahead the state, with angular momentum kept. Returns whether any body has moved.
   bool commit(std::span<const BodyBlock> blocks, double h, const Vector3d& gravity);
   const BodyArrays& arrays() const { return arrays_; }
   const Kernels& kernels() const { return kernels_; }
-  // Goes on when load() or put_back() finds a body elsewhere.
+  // A count that grows whenever load() or put_back() finds a body in another place.
   std::uint64_t placements() const { return placements_; }
 
   std::vector<BodyConstants> constants;
-  // State at t, W: centre of mass, velocity, orientation of P and its matrix, angular velocity, inertia.
+  // State at t, in W: centre of mass, velocity, orientation of P and its matrix, angular velocity, inertia.
   std::vector<Vector3d> x, v, w;
-  std::vector<Quaterniond> q, q_WB;  // q_WB: of the link's axes, as the world's state has it
+  std::vector<Quaterniond> q, q_WB;  // q_WB: orientation of the link's axes, as the world's state has it
   std::vector<Matrix3d> R, inertia, inverse_inertia;
   // Where free flight leads at t+h.
   std::vector<Vector3d> x1;
@@ -81,14 +94,14 @@ class Bodies {
   BodyBlock block(std::span<const int> numbers, std::span<const int> places) const;
 
   std::vector<int> numbers_;       // by BodyId
-  std::vector<char> is_oriented_;  // what is made from q_WB is made
+  std::vector<char> is_oriented_;  // by body: everything that follows from q_WB is computed
   std::uint64_t placements_ = 1;
   const Kernels& kernels_ = impulse::kernels();
   BodyArrays arrays_{};
-  std::vector<BodyBlock> alone_;  // by body
+  std::vector<BodyBlock> alone_;  // by body: a block of it alone
 };
 
-// As an assignment; Eigen's would go number by number.
+// Copies a vector by memcpy: Eigen's assignment would go number by number.
 template <typename T>
 void copy(const std::vector<T>& from, std::vector<T>& to) {
   to.resize(from.size());

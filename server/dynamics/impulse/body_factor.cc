@@ -7,7 +7,7 @@ namespace {
 
 using Block = std::array<double, 36>;
 
-// c -= a b^T. The sums' order is written out: the same bits from every compiler.
+// c -= a b^T. The order of the sums is written out, so every compiler gives the same bits.
 void subtract_product(Block& c, const Block& a, const Block& b) {
   for (std::size_t i = 0; i < 36; i += 6)
     for (std::size_t j = 0; j < 6; ++j) {
@@ -16,7 +16,7 @@ void subtract_product(Block& c, const Block& a, const Block& b) {
     }
 }
 
-// a b.
+// a b, with blocks by rows.
 Block product(const Block& a, const Block& b) {
   Block c{};
   for (std::size_t i = 0; i < 6; ++i)
@@ -25,7 +25,7 @@ Block product(const Block& a, const Block& b) {
   return c;
 }
 
-// Gauss-Jordan in place; false where a pivot is not positive.
+// Gauss-Jordan in place. Returns false where a pivot is not positive.
 bool invert(Block& a) {
   for (std::size_t k = 0; k < 6; ++k) {
     if (!(a[7 * k] > 0.0)) return false;
@@ -42,7 +42,7 @@ bool invert(Block& a) {
   return true;
 }
 
-// b -= a x, b -= a^T x.
+// b -= a x, and b -= a^T x.
 void subtract(double* b, const Block& a, const double* x) {
   for (std::size_t i = 0; i < 6; ++i)
     for (std::size_t j = 0; j < 6; ++j) b[i] -= a[6 * i + j] * x[j];
@@ -65,6 +65,7 @@ Block mass_block(const FreeBody& body) {
 }  // namespace
 
 void BodyFactor::start(const std::vector<FreeBody>& bodies, bool symmetric) {
+  // Before any row connects bodies, the pattern is the diagonal.
   bodies_ = &bodies;
   symmetric_ = symmetric;
   first_.resize(bodies.size());
@@ -94,6 +95,8 @@ bool BodyFactor::place(std::size_t most_entries) {
 
 void BodyFactor::add(std::size_t a, std::span<const Vector6> push, std::size_t b,
                      std::span<const Vector6> measure) {
+  // Below the diagonal the block is stored by rows, above it transposed. The upper half is not needed where
+  // the matrix is symmetric.
   const bool below = b <= a;
   if (!below && symmetric_) return;
   Block& block = below ? row(a, b) : column(b, a);
@@ -106,8 +109,8 @@ void BodyFactor::add(std::size_t a, std::span<const Vector6> push, std::size_t b
   }
 }
 
-// As one number at a time (envelope_lu.cc): L_ij = (A_ij - sum L_ik U_kj) D_j^-1, U_ji = A_ji - sum L_jk
-// U_ki.
+// The same formulas as for single numbers (envelope_lu.cc): L_ij = (A_ij - sum L_ik U_kj) D_j^-1 and U_ji =
+// A_ji - sum L_jk U_ki.
 void BodyFactor::eliminate(std::size_t i, std::size_t j) {
   for (std::size_t k = std::max(first_[i], first_[j]); k < j; ++k) {
     subtract_product(row(i, j), row(i, k), column(j, k));
@@ -130,6 +133,7 @@ bool BodyFactor::factor() {
 }
 
 void BodyFactor::solve(std::vector<double>& b) const {
+  // Forwards with L, then backwards with D^-1 and U.
   for (std::size_t i = 0; i < first_.size(); ++i)
     for (std::size_t j = first_[i]; j < i; ++j)
       subtract(&b[6 * i], lower_[start_[i] + j - first_[i]], &b[6 * j]);

@@ -1,12 +1,13 @@
-// What free bodies answer to rows that hold them, solved for the bodies instead of the rows: six unknowns for
-// each body, however many contacts it stands on, and the mass matrix is at hand where the rows' response to
-// each other would have to be made.
+// The answer of free bodies to rows that hold them, solved for the bodies instead of the rows. That needs six
+// unknowns for each body, however many contacts it has. It also uses the mass matrix as it is, where the
+// rows' response to each other would have to be computed.
 //
-// Symbols: M mass, j direction that a row measures, p direction that it pushes (j, and the friction that it
+// Symbols: M mass, j direction that a row measures, p direction that it pushes (j plus the friction that it
 // drags along), s > 0 its softness, r what it misses, l its impulse. From  M dv = sum p l,  l = (r - j dv)/s:
 //   (M + sum p j^T / s) dv = sum p r / s
-// In blocks of a body by a body, each row of blocks from the first that is not zero (George, Liu, Computer
-// Solution of Large Sparse Positive Definite Systems, 1981, chapter 4), without exchanging rows.
+// The matrix is kept in blocks of a body by a body. Each row of blocks is stored from the first block that is
+// not zero (George, Liu, Computer Solution of Large Sparse Positive Definite Systems, 1981, chapter 4). Rows
+// are not exchanged.
 #pragma once
 
 #include <array>
@@ -16,36 +17,40 @@
 
 namespace visum::dynamics::impulse {
 
+// A body without joints: kg, kg·m².
 struct FreeBody {
   double mass = 0.0;
   std::array<double, 9> inertia{};  // about the centre of mass, in W
 };
 
+// Owned by Rows, used on the tick's thread. Call in the order of the declarations. From one use to the next
+// only the memory is kept.
 class BodyFactor {
  public:
   using Vector6 = std::array<double, 6>;  // angular, linear
 
-  // In this order, what is kept from one call to the next is memory only:
-  // Symmetric: all rows push as they measure.
+  // `symmetric`: all rows push along the directions that they measure. `bodies` must stay valid until
+  // factor().
   void start(const std::vector<FreeBody>& bodies, bool symmetric);
-  void connect(std::size_t a, std::size_t b);  // a row holds both
-  bool place(std::size_t most_entries);        // M; false where there would be more entries
-  // sum push measure^T: an impulse pushes a, b is where it measures.
+  void connect(std::size_t a, std::size_t b);  // a row holds both bodies
+  bool place(std::size_t most_entries);        // puts M in place; false if there would be more entries
+  // Adds sum push measure^T: an impulse pushes body a, and b is where the row measures.
   void add(std::size_t a, std::span<const Vector6> push, std::size_t b, std::span<const Vector6> measure);
   bool factor();                             // false where a pivot is not positive
-  void solve(std::vector<double>& b) const;  // in place, six for each body
+  void solve(std::vector<double>& b) const;  // in place, six numbers for each body
 
  private:
   using Block = std::array<double, 36>;
   Block& row(std::size_t i, std::size_t j) { return lower_[start_[i] + j - first_[i]]; }
   Block& column(std::size_t i, std::size_t j) { return upper_[start_[i] + j - first_[i]]; }
+  // Subtracts from block (i, j) what the columns before it explain.
   void eliminate(std::size_t i, std::size_t j);
 
   const std::vector<FreeBody>* bodies_ = nullptr;
   bool symmetric_ = false;
   std::vector<std::size_t> first_, start_;  // by body
-  std::vector<Block> lower_, upper_;        // upper_ transposed; of the diagonal only lower_ counts
-  std::vector<Block> inverse_;              // of the diagonal's blocks
+  std::vector<Block> lower_, upper_;        // upper_ is transposed; on the diagonal only lower_ counts
+  std::vector<Block> inverse_;              // of the blocks on the diagonal
 };
 
 }  // namespace visum::dynamics::impulse

@@ -1,4 +1,4 @@
-// What the rows of each moment ask, and what becomes of their impulses.
+// The aims of the rows at each moment, and the use of their impulses.
 //
 // clang-format off
 // Contacts. Symbols:
@@ -10,21 +10,21 @@
 //
 //   hit     u_n >= e |u_n before| (Newton); or twice: to 0, then at least (1 + e) of that impulse (Poisson).
 //           Where friction turns the other way in a hit, Newton's law can gain energy (Kane, Levinson,
-//           Dynamics: Theory and Applications, 1985): there e is cut back to where the hit gains none.
+//           Dynamics: Theory and Applications, 1985). There e is cut back until the hit gains none.
 //   ahead   the look-ahead's displacement:
-//           h u_n + h^2 a_n/2 >= d - s; beyond the layer a share of it, and with no more than kMostPush
-//           u_t + h a_t/2 = 0, or slides
-//   after   u_n >= 0 with P1 + P2 >= 0;  u_t = 0, or slides with the cone of all three impulses
+//           h u_n + h^2 a_n/2 >= d - s; beyond the layer only a share of it, at most at kMostPush
+//           u_t + h a_t/2 = 0, or the contact slides
+//   after   u_n >= 0 with P1 + P2 >= 0;  u_t = 0, or it slides with the cone of all three impulses
 //
-// That P2 may take back what P1 gave makes what rests have velocity zero at the end of each step, and an
-// impulse of h m g: half of it at t, half at t+h, as everything else has it.
-// Rolling and torsional friction, where surfaces have them: the bodies' relative angular velocity w, held
-// against w = 0 by torques of at most  rho P_n about the tangents (a disc, as friction), tau P_n about the
-// normal; rho, tau in m.
+// P2 may take back what P1 gave. A body at rest therefore has velocity zero at the end of each step, and an
+// impulse of h m g per step: half of it at t, half at t+h, as everything else has it.
+// Rolling and torsional friction, where surfaces have them: the bodies' relative angular velocity w is held
+// at w = 0 by torques of at most  rho P_n about the tangents (a disc, as friction), tau P_n about the normal;
+// rho and tau are in m.
 //
 // Sources: impulses for collisions and contacts alike, Mirtich, Canny, Impulse-based simulation of rigid
-// bodies, SI3D 1995; contacts beside joints that impulses hold, Bender, Schmitt, Constraint-based collision and
-// contact handling using impulses, CASA 2006; rolling and torsional friction, Johnson, Contact Mechanics
+// bodies, SI3D 1995; contacts beside joints that impulses hold, Bender, Schmitt, Constraint-based collision
+// and contact handling using impulses, CASA 2006; rolling and torsional friction, Johnson, Contact Mechanics
 // (1985), sections 8.3 and 9.1, as MuJoCo's condim 6.
 // clang-format on
 #include "server/dynamics/impulse/bounded.h"
@@ -41,23 +41,27 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kMostSweeps = 200;
 constexpr int kGentleSweeps = 10;
-constexpr double kGentleSoftness = 1.0;
-constexpr double kEnough = 1e-11;  // m/s, rad/s
-constexpr double kShare = 1e-7;    // of what impulses change, that may be left; a hit bounces exactly
-// (m/s)/N of a contact with what moves by another engine, and the layer that is left alone there, m: that
-// body cannot give way here, and what it squeezes must. At 1 ms a spring of 2 MN/m; ODE leaves its 10 um
-// alone.
+constexpr double kGentleSoftness = 1.0;  // share of the rows' free response
+constexpr double kEnough = 1e-11;        // m/s, rad/s that may be missing
+constexpr double kShare =
+    1e-7;  // share of what impulses change that may be missing; 0 for a hit, whose bounce is exact
+// A contact with a body that another engine moves: its compliance in (m/s)/N, and the layer that is left
+// alone, m. The other body cannot give way in this engine's solution, so whatever it squeezes must. At 1 ms
+// the compliance is a spring of 2 MN/m. ODE leaves its own 10 µm alone.
 constexpr double kYield = 1e-4;
 constexpr double kYieldingLayerM = 2e-5;
-constexpr double kSameEnergy = 1e-7;  // share of what a hit gives and takes, that is rounding
-constexpr int kMostCuts = 12;         // halvings of where a bounce may lie
-constexpr double kComesToRest = 0.1;  // of what may be left at rest: below, what has moved begins to rest
-constexpr double kPushShare = 0.2;    // of an overlap, per step
+constexpr double kSameEnergy =
+    1e-7;                      // share of the energy that a hit gives and takes which counts as rounding
+constexpr int kMostCuts = 12;  // halvings of the interval in which a bounce may lie
+constexpr double kComesToRest =
+    0.1;  // share of the miss that is allowed at rest: a body that has moved must get below it to rest
+constexpr double kPushShare = 0.2;  // share of an overlap that is taken out in one step
 
-// Depths are known to rounding. Without this the corners of a face would ask for motions that contradict each
-// other by that over h, and their impulses would drift apart.
+// Depths are only known to rounding. The corners of a face would otherwise ask for motions that contradict
+// each other by the rounding over h, and their impulses would drift apart.
 constexpr double kDepthNoiseM = 1e-9;
 
+// The depth without its noise.
 double beyond_noise(double depth) {
   return depth - std::clamp(depth, -kDepthNoiseM, kDepthNoiseM);
 }
@@ -82,6 +86,7 @@ double Bounded::velocity(std::size_t mechanism, const MechanismRow& row) const {
 }
 
 void Bounded::load_velocities() {
+  // Bodies without joints: six numbers each, angular before linear. Mechanisms: one number for each row.
   for (std::size_t i = 0; i < slotted_.size(); ++i) {
     const Vector3d &w = plant_.bodies.w[slotted_[i]], &v = plant_.bodies.v[slotted_[i]];
     for (int k = 0; k < 3; ++k) {
@@ -95,6 +100,7 @@ void Bounded::load_velocities() {
 }
 
 void Bounded::store_velocities() {
+  // Bodies without joints take their velocities as they are.
   Bodies& bodies = plant_.bodies;
   for (std::size_t i = 0; i < slotted_.size(); ++i) {
     const double* from = &rows_.velocities[6 * i];
@@ -102,6 +108,7 @@ void Bounded::store_velocities() {
     bodies.v[slotted_[i]] = Vector3d(from[3], from[4], from[5]);
   }
   if (rows_.responses.empty()) return;
+  // Mechanisms get the change of each row's impulse, and answer it with all their joints.
   for (std::size_t m = 0; m < of_mechanism_.size(); ++m)
     if (binds(m)) plant_.mechanisms[m].clear();
   for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
@@ -132,29 +139,32 @@ void Bounded::aim_touch(RowBlock& block, const Touch& touch, double bounce) cons
   block.low = 0.0;
   const double layer = touch.yields ? kYieldingLayerM : kSurfaceLayerM;
   const double yield = touch.yields ? kYield / h_ : 0.0;
-  // What moves by another engine is what yields.
+  // Only a body of another engine makes the contact yield; that body's velocity is part of the target.
   Eigen::Map<Vector3d> target(block.target.data());
   target.setZero();
   if (touch.yields) target -= touch.frame.transpose() * touch.foreign;
   block.compliance = moment_ == kAhead ? 2.0 * yield : yield;
   switch (moment_) {
     case kHit:
+      // To the bounce that is asked of a hit.
       target[0] += bounce * touch.bounce;
       return;
     case kAhead: {
       target -= 0.5 * h_ * (touch.frame.transpose() * touch.bias);
-      // Sinks into the layer, or is driven out of an overlap.
+      // Lets the bodies sink into the layer, or drives them out of an overlap.
       const double beyond = beyond_noise(touch.depth - layer);
       target[0] += std::min((beyond < 0.0 ? 1.0 : kPushShare) * beyond / h_, kMostPush);
       return;
     }
     default:
+      // The impulses at t count for the friction cone, and P2 may take back P1.
       Eigen::Map<Vector3d>(block.base.data()) = touch.impulse[kHit] + touch.impulse[kAhead];
       target[0] -= yield * block.base[0];
       block.low = -touch.impulse[kAhead][0];
   }
 }
 
+// Asks for no relative rotation; the impulses of the moments before count for the bounds.
 void Bounded::aim_twist(RowBlock& block, const Touch& touch) const {
   const Vector3d foreign = touch.frame.transpose() * touch.foreign_turn;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -164,7 +174,7 @@ void Bounded::aim_twist(RowBlock& block, const Touch& touch) const {
   }
 }
 
-// axes.cc has the law.
+// The law's equations are in axes.cc.
 void Bounded::aim_law(RowBlock& block, const Axis& axis) const {
   const double k = axis.compliance_s / h_, before = axis.law[kHit] + axis.law[kAhead];
   block.compliance = k;
@@ -179,6 +189,7 @@ void Bounded::aim_law(RowBlock& block, const Axis& axis) const {
   }
 }
 
+// Damping is a law with the target 0 and no limit.
 void Bounded::aim_damping(RowBlock& block, const Axis& axis) const {
   block.compliance = 1.0 / (axis.damping * h_);
   block.target[0] = moment_ == kAhead ? 0.5 * axis.rate - axis.bias
@@ -187,9 +198,11 @@ void Bounded::aim_damping(RowBlock& block, const Axis& axis) const {
   block.high = kInfinite;
 }
 
-// As a contact's normal. Upper stop: q~ <= room/h, impulse <= 0; lower: the mirror image.
+// A stop is like a contact's normal. Upper stop: q~ <= room/h, impulse <= 0; the lower one is its mirror
+// image.
 void Bounded::aim_stop(RowBlock& block, const Axis& axis, std::size_t side) const {
   const double sign = side == 0 ? -1.0 : 1.0;
+  // At the end of the step the stop may take back what it gave at t.
   const double taken_back = moment_ == kAfter ? -axis.stopped[side][kAhead] : 0.0;
   (side == 0 ? block.low : block.high) = taken_back;
   (side == 0 ? block.high : block.low) = -sign * kInfinite;
@@ -207,7 +220,7 @@ void Bounded::aim_stop(RowBlock& block, const Axis& axis, std::size_t side) cons
   }
 }
 
-// springs.cc has the law.
+// The law of springs is in springs.cc.
 void Bounded::aim_spring(RowBlock& block, const Spring& spring) const {
   const world::Joint& joint = *spring.spec.model;
   const double grip = 0.5 * h_ * joint.stiffness + joint.damping;
@@ -245,15 +258,16 @@ void Bounded::aim() {
   }
 }
 
-// A tick that stops a body starts the next one from half of that impulse too much. Left as it is that would
-// move the body, be answered, and so on for ever: it has to be solved for once more.
+// A tick that stops a body starts the next one with half of that impulse too much. Left alone, this would
+// move the body, be answered, and so on for ever. It therefore has to be solved once more: a body that has
+// moved gets the smaller bound kComesToRest.
 double Bounded::rest() const {
   if (moment_ == kAfter) return rests_ ? 1.0 : 0.0;
   return plant_.rested ? 1.0 : kComesToRest;
 }
 
-// What the look-ahead has changed the end of the step has to answer: were that left, as little as it is, the
-// next look-ahead would have to change it back.
+// If the look-ahead changed anything, the end of the step must be solved too. A small rest would otherwise
+// stay, and the next look-ahead would have to change it back.
 double Bounded::solve_rows() {
   load_velocities();
   for (std::size_t k = 0; k < rows_.blocks.size(); ++k) before_[k] = rows_.blocks[k].applied;
@@ -282,7 +296,8 @@ double Bounded::solve() {
   return solve_rows();
 }
 
-// Poisson's law brings all to rest first.
+// Poisson's law brings everything to rest first. Newton's asks for the whole bounce, then looks at the
+// energy.
 void Bounded::bounce() {
   const bool poisson = plant_.setting.impact == "poisson";
   shares_.assign(rows_.blocks.size(), {.now = poisson ? 0.0 : 1.0});
@@ -294,7 +309,7 @@ void Bounded::bounce() {
   poisson ? restore_by_poisson() : keep_energy();
 }
 
-// What a block's impulses do on its bodies, J, where that is more than rounding.
+// J, mean of the velocities before and after times the impulse; 0 where it is no more than rounding.
 double Bounded::work(std::size_t k) const {
   const RowBlock& block = rows_.blocks[k];
   double work = 0.0, size = 0.0;
@@ -306,7 +321,8 @@ double Bounded::work(std::size_t k) const {
   return work > kSameEnergy * size ? work : 0.0;
 }
 
-// Halves, for each contact by itself, the interval in which the largest bounce without a gain lies.
+// Finds, for each contact by itself, the largest share of the bounce that gains no energy, by halving the
+// interval.
 void Bounded::keep_energy() {
   for (int cut = 0; cut <= kMostCuts; ++cut) {
     bool changed = false;
@@ -324,7 +340,7 @@ void Bounded::keep_energy() {
   }
 }
 
-// The second half: at least (1 + e) of the impulse of the first.
+// The second half of the hit: at least (1 + e) of the impulse of the first half.
 void Bounded::restore_by_poisson() {
   for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
     if (owners_[k].of != Of::kTouch) continue;

@@ -1,5 +1,5 @@
-// The rows of one moment of a step: which contacts, stops, laws and springs bind, what is asked of each, and
-// how what they find comes back to bodies and mechanisms.
+// The rows (rows.h) of one moment of a step: which contacts, stops, laws, dampers and springs may bind, what
+// each of them asks for, and how the impulses come back to bodies and mechanisms.
 #pragma once
 
 #include "server/dynamics/impulse/plant.h"
@@ -7,70 +7,98 @@
 
 namespace visum::dynamics::impulse {
 
-// Overlap that is left alone, m: a contact at rest stays one from tick to tick.
+// Overlap that is left alone, m. A contact at rest then exists in every tick.
 inline constexpr double kSurfaceLayerM = 5e-7;
 
-inline constexpr double kMostPush = 0.5;  // m/s: what starts inside another thing is not shot out of it
+// Fastest separation of overlapping bodies: a body that starts inside another one is not shot out of it.
+inline constexpr double kMostPush = 0.5;  // m/s
 
+// Builds and solves the rows of one moment. Order of calls: build(), then solve() or bounce() any number of
+// times, then report(). Stepper owns it and uses it on the tick's thread. solve() may return NaN or infinity
+// where the rows have no answer; the caller looks at that.
 class Bounded {
  public:
   explicit Bounded(Plant& plant);
 
-  // The rows that may bind at this moment, starting from what the last step found. Mechanisms are factored.
+  // Makes the rows that may bind at this moment. They start from the impulses of the last tick or of the
+  // moment before. The mechanisms must be factored.
   void build(Moment moment, double h);
   bool empty() const { return rows_.blocks.empty(); }
-  std::span<const std::size_t> free_bodies() const { return slotted_; }  // that have rows
+  std::span<const std::size_t> free_bodies() const {
+    return slotted_;
+  }  // numbers of the bodies without joints that have rows
+  // True if any row acts on the mechanism.
   bool binds(std::size_t mechanism) const { return !of_mechanism_[mechanism].rows.empty(); }
 
-  // Solves with the bodies' velocities as they are, and changes them. Returns by how much they were not as
-  // the rows ask.
+  // Solves with the bodies' present velocities, and changes them. Returns the largest miss before: by how
+  // much the velocities were not as the rows ask, m/s or rad/s.
   double solve();
-  // Takes back all that solve() has done, its bodies' velocities being `v` and `w` again; from now on, and at
-  // the end of the step, it only comes near an answer.
+  // Undoes all that solve() has done: impulses go to zero, and bodies without joints get the velocities `v`
+  // and `w`. From now on, until the end of the step, the rows are softened and solved by a few sweeps only.
   void start_gently(std::span<const Vector3d> v, std::span<const Vector3d> w);
-  // Impulses of the rows into the touches, axes and springs they are of.
+  // Writes the rows' impulses to the touches, axes and springs.
   void report();
-  // A collision, after build(kHit): by Newton's law of restitution, or by Poisson's.
+  // Solves a collision, after build(kHit), by Newton's law of restitution or by Poisson's.
   void bounce();
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  // The kind of thing that a block of rows belongs to.
   enum class Of { kTouch, kTwist, kLaw, kDamping, kStop, kSpring };
+  // The thing that a block belongs to: its index in the plant's list, and for a stop its side.
   struct Owner {
     Of of;
-    std::size_t index = 0, side = 0;
+    std::size_t index = 0, side = 0;  // side: of a stop
   };
+  // One row on a mechanism.
   struct MechanismRow {
-    const Axis* axis = nullptr;  // of the tree; else a line
+    const Axis* axis = nullptr;  // an axis of the tree; null: `line` says the motion
     PathMotion line;
-    // An axis' response to itself, were there no loops; of one that closes a loop, no joints. 0: not known.
+    // The row's response to itself, 1/kg or 1/(kg·m²): of an axis of the tree as if there were no loops, of
+    // an axis that closes a loop as if there were no joints. 0: not known.
     double without_loops = 0.0;
   };
+  // All rows on one mechanism.
   struct MechanismRows {
     std::vector<MechanismRow> rows;
-    std::size_t offset = 0, response = 0;
+    std::size_t offset = 0, response = 0;  // where they begin in Rows::velocities and Rows::responses
   };
 
+  // Forgets the rows of the last moment; keeps the memory.
   void reset(Moment moment, double h);
+  // Adds the three rows of a contact, and those of its twist.
   void add_touch(std::size_t index);
+  // Adds the rows of rolling and torsional friction; comes right after its contact.
   void add_twist(std::size_t index);
+  // Adds the rows of an axis: its law, its damping, its stops.
   void add_axis(std::size_t index);
   void add_law(std::size_t index);
   void add_stop(std::size_t index, std::size_t side);
   void add_spring(std::size_t index);
+  // Adds an empty block of `dim` rows.
   RowBlock& add_block(Owner owner, std::size_t dim);
+  // Connects a block of one row to an axis, in the tree or closing a loop.
   void connect_axis(RowBlock& block, const Axis& axis);
   template <typename FindA, typename FindB>
+  // Connects a block to bodies a and b, each free or part of a mechanism.
   void connect_bodies(RowBlock& block, int a, int b, FindA find_a, FindB find_b);
+  // Adds an end on a body without joints, and gives the body a place in the velocities.
   RowEnd& add_free_end(RowBlock& block, std::size_t body);
+  // Computes what an impulse on each row does to a body without joints.
   void respond(RowBlock& block, RowEnd& end, int body) const;
+  // Connects a block to one or two bodies of the same mechanism, given the rows' directions there.
   void connect_mechanism(RowBlock& block, int a, const Reach* at_a, int b, const Reach* at_b);
   RowEnd& add_mechanism_end(RowBlock& block, int mechanism);
+  // Lays out velocities and responses once all rows are known, and finds the responses.
   void finish();
+  // Tells the blocks' ends where their mechanism's rows are, and finds all responses.
   void connect_responses();
+  // Computes W of a mechanism: what a unit impulse on each of its rows does to all of them.
   void find_response(std::size_t mechanism);
+  // Velocity of a row in the mechanism's last answer, rad/s or m/s.
   double rate_in_answer(std::size_t mechanism, const MechanismRow& row) const;
 
+  // Sets target, bounds and compliance of every block for this moment; one function for each kind of owner.
   void aim();
   void aim_touch(RowBlock& block, const Touch& touch, double bounce) const;
   void aim_twist(RowBlock& block, const Touch& touch) const;
@@ -78,31 +106,37 @@ class Bounded {
   void aim_damping(RowBlock& block, const Axis& axis) const;
   void aim_stop(RowBlock& block, const Axis& axis, std::size_t side) const;
   void aim_spring(RowBlock& block, const Spring& spring) const;
+  // Loads velocities, solves the rows, stores velocities. Returns the largest miss before.
   double solve_rows();
+  // Second half of a collision by Poisson's law.
   void restore_by_poisson();
+  // Cuts the bounces of a collision by Newton's law down until no contact gains energy.
   void keep_energy();
+  // Work of a block's impulses on its bodies during a hit, J; 0 where it is no more than rounding.
   double work(std::size_t block) const;
-  double rest() const;  // Rows::solve()
+  double rest() const;  // the argument `rest` of Rows::solve()
+  // Copies the velocities of bodies and mechanisms into the rows, and what the rows changed back.
   void load_velocities();
   void store_velocities();
+  // Present velocity of a mechanism's row, rad/s or m/s.
   double velocity(std::size_t mechanism, const MechanismRow& row) const;
 
   Plant& plant_;
   Rows rows_;
-  std::vector<Owner> owners_;  // by block
-  std::vector<MechanismRows> of_mechanism_;
-  std::vector<std::size_t> slot_;  // by body that stands free: its offset in the velocities
-  std::vector<std::size_t> slotted_;
-  std::vector<std::array<double, 3>> before_;  // by block: lambda before solve()
-  // Of a hit, by block: velocities before it, and the share of Newton's bounce that is asked for, with what
-  // it is known to lie between.
+  std::vector<Owner> owners_;                  // by block
+  std::vector<MechanismRows> of_mechanism_;    // by mechanism
+  std::vector<std::size_t> slot_;              // by body without joints: its offset in the velocities
+  std::vector<std::size_t> slotted_;           // numbers of those that have one
+  std::vector<std::array<double, 3>> before_;  // by block: impulses before solve()
+  // For a hit, by block: the velocities before it, and the share of Newton's bounce that is asked for, with
+  // the interval in which the right share is known to lie.
   std::vector<std::array<double, 3>> met_;
   struct Share {
     double now = 1.0, least = 0.0, most = 1.0;
   };
   std::vector<Share> shares_;
-  bool gently_ = false;  // solves by a few sweeps
-  bool rests_ = false;   // the look-ahead had nothing to solve
+  bool gently_ = false;  // solves by a few softened sweeps
+  bool rests_ = false;   // the look-ahead found nothing to solve
   Moment moment_ = kAhead;
   double h_ = 0.0;
 };

@@ -1,3 +1,4 @@
+// How the rows of a moment are made and connected to bodies and mechanisms.
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +8,7 @@ namespace visum::dynamics::impulse {
 
 namespace {
 
+// A direction of six numbers: angular, then linear.
 auto angular(const std::array<double, 6>& row) {
   return Eigen::Map<const Vector3d>(row.data());
 }
@@ -23,6 +25,7 @@ void put(std::array<double, 6>& row, const Vector3d& angular, const Vector3d& li
 Bounded::Bounded(Plant& plant)
     : plant_(plant), of_mechanism_(plant.mechanisms.size()), slot_(plant.bodies.size(), kNone) {}
 
+// Forgets the rows of the last moment.
 void Bounded::reset(Moment moment, double h) {
   moment_ = moment;
   h_ = h;
@@ -35,13 +38,16 @@ void Bounded::reset(Moment moment, double h) {
 
 void Bounded::build(Moment moment, double h) {
   reset(moment, h);
+  // The look-ahead rests until it has solved something. Softened solving lasts until the end of the step.
   if (moment == kAhead) rests_ = true;
   gently_ = gently_ && moment == kAfter;
   for (std::size_t i = 0; i < plant_.touches.size(); ++i) add_touch(i);
+  // Axes that are not in the tree, or that are near a stop.
   for (const std::size_t i : plant_.acting) {
     const Axis& axis = plant_.axes[i];
     if (axis.boxed || axis.loop >= 0 || is_within_reach(axis, h)) add_axis(i);
   }
+  // Springs are solved in the look-ahead only.
   if (moment == kAhead)
     for (std::size_t i = 0; i < plant_.springs.size(); ++i) add_spring(i);
   finish();
@@ -54,22 +60,25 @@ RowBlock& Bounded::add_block(Owner owner, std::size_t dim) {
   return block;
 }
 
-// `find_a` and `find_b` set J and what follows from it (Rows::respond()) of the block's end on each body,
-// right where that is kept if the body stands free.
+// `find_a` and `find_b` set an end's J and what follows from it (Rows::respond()). For a body without joints
+// they write into the block itself, which avoids a copy.
 template <typename FindA, typename FindB>
 void Bounded::connect_bodies(RowBlock& block, int a, int b, FindA find_a, FindB find_b) {
   const int of_a = a < 0 ? -1 : plant_.places[static_cast<std::size_t>(a)].mechanism;
   const int of_b = b < 0 ? -1 : plant_.places[static_cast<std::size_t>(b)].mechanism;
+  // Both bodies have no joints, or do not move.
   if (of_a < 0 && of_b < 0) {
     if (a >= 0) find_a(block, add_free_end(block, static_cast<std::size_t>(a)));
     if (b >= 0) find_b(block, add_free_end(block, static_cast<std::size_t>(b)));
     return;
   }
+  // At least one is part of a mechanism: only its directions are needed there.
   RowBlock alone;
   alone.dim = block.dim;
   RowEnd at_a, at_b;
   if (of_a >= 0) find_a(alone, at_a);
   if (of_b >= 0) find_b(alone, at_b);
+  // Both bodies in one mechanism: one end that moves both.
   if (of_a >= 0 && of_a == of_b) return connect_mechanism(block, a, &at_a.J, b, &at_b.J);
   if (of_a >= 0)
     connect_mechanism(block, a, &at_a.J, -1, nullptr);
@@ -82,6 +91,7 @@ void Bounded::connect_bodies(RowBlock& block, int a, int b, FindA find_a, FindB 
 }
 
 RowEnd& Bounded::add_free_end(RowBlock& block, std::size_t body) {
+  // The body's first row gives it six velocities and its mass.
   if (slot_[body] == kNone) {
     slot_[body] = 6 * slotted_.size();
     slotted_.push_back(body);
@@ -105,6 +115,7 @@ void Bounded::add_touch(std::size_t index) {
   if (touch.asleep) return;
   RowBlock& block = add_block({Of::kTouch, index}, 3);
   block.kind = RowBlock::Kind::kContact;
+  // Contacts yield a little, except in a hit, which must bounce exactly. The start is the last impulse.
   block.gives = moment_ != kHit;
   if (moment_ == kAfter) block.rest = touch.impulse[kAhead][0];
   for (int i = 0; i < 3; ++i) block.lambda[static_cast<std::size_t>(i)] = touch.impulse[moment_][i];
@@ -122,7 +133,7 @@ void Bounded::add_touch(std::size_t index) {
   if (is_held_from_turning(touch)) add_twist(index);
 }
 
-// Right after its contact.
+// Must come right after its contact, whose normal impulse bounds it.
 void Bounded::add_twist(std::size_t index) {
   const Touch& touch = plant_.touches[index];
   RowBlock& block = add_block({Of::kTwist, index}, 3);
@@ -131,6 +142,7 @@ void Bounded::add_twist(std::size_t index) {
   block.friction = touch.rolling_friction;
   block.torsion = touch.torsional_friction;
   for (int i = 0; i < 3; ++i) block.lambda[static_cast<std::size_t>(i)] = touch.twist[moment_][i];
+  // Mean inverse moment of the bodies: the measure of a free response.
   for (const int body : {touch.a, touch.b})
     if (body >= 0)
       block.free_response +=
@@ -161,9 +173,10 @@ void Bounded::add_law(std::size_t index) {
   connect_axis(block, axis);
 }
 
-// At the end only a stop that has pushed, or that the look-ahead has reached.
+// At the end of the step a stop takes part only if it has pushed at t, or if the look-ahead has reached it.
 void Bounded::add_stop(std::size_t index, std::size_t side) {
   const Axis& axis = plant_.axes[index];
+  // In a hit only the stops that find_hits() has marked.
   const double sign = side == 0 ? -1.0 : 1.0;
   if (moment_ == kHit && !axis.hits[side]) return;
   if (moment_ == kAfter && axis.stopped[side][kAhead] == 0.0 && room(axis, side) > h_ * sign * axis.mean_rate)
@@ -178,6 +191,7 @@ void Bounded::add_spring(std::size_t index) {
   if (!plant_.springs[index].acts) return;
   RowBlock& block = add_block({Of::kSpring, index}, 1);
   const auto find = [&](RowBlock& of, RowEnd& end, int body, const Vector3d& at, double sign) {
+    // J of a pull along (w, v) at a point: the torque about the centre of mass, and the force.
     const Vector3d lever = at - plant_.bodies.x[static_cast<std::size_t>(body)];
     put(end.J[0], sign * (w + lever.cross(v)), sign * v);
     respond(of, end, body);
@@ -190,10 +204,12 @@ void Bounded::add_spring(std::size_t index) {
 void Bounded::connect_axis(RowBlock& block, const Axis& axis) {
   MechanismRows& rows = of_mechanism_[axis.mechanism];
   add_mechanism_end(block, static_cast<int>(axis.mechanism));
+  // An axis of the tree is pushed directly.
   if (axis.node >= 0) {
     rows.rows.push_back({.axis = &axis});
     return;
   }
+  // An axis that closes a loop is a motion between two bodies of the tree.
   const Mechanism& mechanism = plant_.mechanisms[axis.mechanism];
   const JointSpec& joint = *axis.spec;
   const JointPose& pose = mechanism.loop_pose(static_cast<std::size_t>(axis.loop));
@@ -202,7 +218,7 @@ void Bounded::connect_axis(RowBlock& block, const Axis& axis) {
   rows.rows.push_back({.line = line, .without_loops = mechanism.free_response(line, plant_.bodies)});
 }
 
-// Its offset is known in finish().
+// The offset is known in finish() only.
 RowEnd& Bounded::add_mechanism_end(RowBlock& block, int mechanism) {
   RowEnd& end = block.ends[block.end_count++];
   end.free = false;
@@ -231,8 +247,10 @@ void Bounded::connect_mechanism(RowBlock& block, int a, const Reach* at_a, int b
 }
 
 void Bounded::finish() {
+  // measure_ahead() asks which mechanisms have rows.
   for (std::size_t m = 0; m < of_mechanism_.size(); ++m) plant_.mechanism_bound[m] = binds(m);
   if (empty()) return;
+  // First the bodies without joints, then the mechanisms; likewise W of each mechanism.
   std::size_t offset = 6 * slotted_.size(), response = 0;
   for (MechanismRows& rows : of_mechanism_) {
     rows.offset = offset;
@@ -259,6 +277,7 @@ void Bounded::connect_responses() {
     }
   }
   for (std::size_t m = 0; m < of_mechanism_.size(); ++m) find_response(m);
+  // Stops and laws measure their response by that of the axis alone.
   for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
     if (owners_[k].of != Of::kStop && owners_[k].of != Of::kLaw) continue;
     const RowEnd& end = rows_.blocks[k].ends[0];
@@ -272,7 +291,7 @@ double Bounded::rate_in_answer(std::size_t m, const MechanismRow& row) const {
                              : mechanism.rate(row.line);
 }
 
-// W, a row for each unit impulse.
+// Computes W row by row: a unit impulse on each of its rows, answered by the mechanism.
 void Bounded::find_response(std::size_t m) {
   MechanismRows& rows = of_mechanism_[m];
   Mechanism& mechanism = plant_.mechanisms[m];
@@ -285,6 +304,7 @@ void Bounded::find_response(std::size_t m) {
       mechanism.tree().push_axis(static_cast<std::size_t>(row.axis->node), 1.0);
     else
       mechanism.push(row.line, 1.0);
+    // Without the loops' answer: the tree's alone.
     if (mechanism.loop_count() > 0 && row.axis != nullptr) {
       mechanism.tree().solve();
       row.without_loops = rate_in_answer(m, row);

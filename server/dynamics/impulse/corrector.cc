@@ -6,6 +6,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
+// Largest component of two vectors.
 double largest_of(const Vector3d& a, const Vector3d& b) {
   return std::max(a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff());
 }
@@ -27,10 +28,12 @@ void Corrector::add_joint(std::size_t m, const JointSpec& spec, const JointPose&
   Joint& joint = joints_[m].emplace_back();
   joint.spec = &spec;
   joint.pose = &pose;
+  // A joint knows its axis, if it has one.
   for (std::size_t i = plant_.first_axis[m]; i < plant_.first_axis[m + 1]; ++i)
     if (plant_.axes[i].joint == spec.id) joint.own_axis = i;
 }
 
+// The axis of a joint is a row of its own while its law is within its limit.
 void Corrector::prepare(std::size_t m, double h) {
   for (Joint& joint : joints_[m]) {
     const bool gives = joint.own_axis != kNoAxis && is_in_tree(plant_.axes[joint.own_axis]);
@@ -45,12 +48,14 @@ void Corrector::add_rows(Joint& joint) {
   const Bodies& bodies = plant_.bodies;
   joint.rb = pose.pb - bodies.x[static_cast<std::size_t>(joint.spec->b)];
   if (joint.spec->a >= 0) joint.ra = pose.pb - bodies.x[static_cast<std::size_t>(joint.spec->a)];
+  // One row for each direction that the joint holds.
   const Held held = held_directions(*joint.spec, pose);
   joint.count = static_cast<std::size_t>(held.count);
   for (std::size_t k = 0; k < joint.count; ++k) {
     joint.w[k] = held.w[k];
     joint.v[k] = held.v[k];
   }
+  // The law of the axis is the last row.
   if (joint.axis == nullptr) return;
   const AxisDirection axis = axis_direction(*joint.spec, pose);
   joint.w[joint.count] = axis.w;
@@ -58,11 +63,12 @@ void Corrector::add_rows(Joint& joint) {
   ++joint.count;
 }
 
-// Rows that are not there answer 1 to themselves.
+// K is 6 x 6; rows that do not exist get 1 on the diagonal.
 void Corrector::invert(Joint& joint, double h) const {
   Eigen::Matrix<double, 6, 6> K = Eigen::Matrix<double, 6, 6>::Identity();
   const auto n = static_cast<int>(joint.count);
   K.topLeftCorner(n, n).setZero();
+  // Adds one body: its response to an impulse on row k, seen by row l.
   const auto add = [&](int number, const Vector3d& r) {
     if (number < 0) return;
     const auto body = static_cast<std::size_t>(number);
@@ -78,6 +84,7 @@ void Corrector::invert(Joint& joint, double h) const {
   };
   add(joint.spec->a, joint.ra);
   add(joint.spec->b, joint.rb);
+  // The drive gives way by its compliance.
   if (joint.axis != nullptr) K(n - 1, n - 1) += law_compliance(*joint.axis, h);
   const Eigen::Matrix<double, 6, 6> inverse = K.llt().solve(Eigen::Matrix<double, 6, 6>::Identity());
   for (int k = 0; k < n; ++k)
@@ -113,6 +120,7 @@ void Corrector::push(int number, const Vector3d& r, const Vector3d& T, const Vec
   is_ahead_[i] = 0;
 }
 
+// lambda = K^-1 errors; the last lambda is that of the law.
 void Corrector::push(Joint& joint, const Errors& errors, Moment moment) {
   Vector3d T = Vector3d::Zero(), F = Vector3d::Zero();
   double lambda = 0.0;
@@ -127,6 +135,7 @@ void Corrector::push(Joint& joint, const Errors& errors, Moment moment) {
   if (joint.axis != nullptr) take_law_impulse(*joint.axis, moment, lambda);
 }
 
+// Both bodies look ahead, the gap is projected on the rows, and an impulse closes it.
 double Corrector::close_gap(Joint& joint, double h, double d_max, const world::JointState& last) {
   look_ahead(joint.spec->a, h);
   look_ahead(joint.spec->b, h);
@@ -151,6 +160,7 @@ Vector3d Corrector::velocity_at(int number, const Vector3d& r) const {
   return plant_.bodies.v[i] + plant_.bodies.w[i].cross(r);
 }
 
+// The relative velocity at P, projected on the rows, must be zero; the law has its own error.
 double Corrector::match_velocity(Joint& joint, double h, double v_max) {
   const JointSpec& spec = *joint.spec;
   Vector3d w = plant_.bodies.w[static_cast<std::size_t>(spec.b)], v = velocity_at(spec.b, joint.rb);
@@ -177,6 +187,7 @@ double Corrector::sweep_gaps(std::size_t m, double h, double d_max, const world:
     if (gap <= largest) continue;
     largest = gap;
     worst_ = joint.spec;
+    // A NaN ends the sweep: the joint is named, and the step fails.
     if (std::isnan(gap)) break;
   }
   return largest;

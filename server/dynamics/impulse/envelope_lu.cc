@@ -5,7 +5,8 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// In four parts, whose order is fixed: the same bits from every compiler, and they can run side by side.
+// A dot product in four sums of fixed order: every compiler gives the same bits, and the sums can run in
+// parallel.
 double dot(const double* a, const double* b, std::size_t from, std::size_t to) {
   double sum[4] = {0.0, 0.0, 0.0, 0.0};
   std::size_t k = from;

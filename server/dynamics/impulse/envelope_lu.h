@@ -1,6 +1,6 @@
-// A square system whose pattern is symmetric, each row stored from the first entry that is not zero to the
-// diagonal, and each column likewise: the factors fill no more than that (George, Liu, Computer Solution of
-// Large Sparse Positive Definite Systems, 1981, chapter 4). Without exchanging rows.
+// LU factors of a square system whose pattern is symmetric. Each row is stored from its first entry that is
+// not zero to the diagonal, and each column likewise; the factors fill no more than that (George, Liu,
+// Computer Solution of Large Sparse Positive Definite Systems, 1981, chapter 4). Rows are not exchanged.
 #pragma once
 
 #include <cstddef>
@@ -8,14 +8,16 @@
 
 namespace visum::dynamics::impulse {
 
+// Order of calls: clear(), add() for each row, fill at(), factor(), solve(). Owned by Rows, used on the
+// tick's thread.
 class EnvelopeLu {
  public:
   void clear();  // keeps the memory
-  // The next row and column, whose first entries are in column and row `first`; all zero.
+  // Adds the next row and column. Their first entries are in column and row `first`; all entries are zero.
   void add(std::size_t first);
   std::size_t size() const { return first_.size(); }
-  std::size_t entries() const { return lower_.size(); }  // below the diagonal, and as many above
-  // Row i, column j, or the other way round, within the pattern.
+  std::size_t entries() const { return lower_.size(); }  // below the diagonal and on it; as many above
+  // Entry of row i, column j; it must be within the pattern.
   double& at(std::size_t i, std::size_t j) { return j <= i ? row(i)[j] : column(j)[i]; }
 
   bool factor();                             // false where a pivot is not positive
@@ -28,7 +30,7 @@ class EnvelopeLu {
   const double* column(std::size_t i) const { return upper_.data() + start_[i] - first_[i]; }
 
   std::vector<std::size_t> first_, start_;
-  std::vector<double> lower_, upper_;  // the diagonal is in lower_
+  std::vector<double> lower_, upper_;  // lower_ contains the diagonal
   std::vector<double> inverse_diagonal_;
 };
 

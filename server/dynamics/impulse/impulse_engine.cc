@@ -1,9 +1,11 @@
-// The engine `impulse`: joints held by impulses that are found by looking ahead (README.md beside this file).
+// The engine `impulse`: it looks ahead and finds the impulses that will hold the joints (see README.md beside
+// this file).
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
 
+#include "protocol/config/unknown_name.h"
 #include "server/dynamics/engine_factories.h"
 #include "server/dynamics/impulse/composition.h"
 #include "server/dynamics/impulse/sleep.h"
@@ -15,12 +17,15 @@ namespace visum::dynamics {
 namespace impulse {
 namespace {
 
-constexpr int kMostHalvings = 6;
+constexpr int kMostHalvings = 6;  // a tick's steps may be cut down to 1/64
 
+// True if the joint's position counts more than one turn.
 bool counts_turns(const world::Joint& joint) {
   return joint.kind == world::JointKind::kScrew || joint.kind == world::JointKind::kTorsionSpring;
 }
 
+// One instance for each engine entry of the scene. Lives on the tick's thread, owned by the simulation. A
+// step that fails returns its fault in words; the state must then not be used.
 class ImpulseEngine : public Engine {
  public:
   ImpulseEngine(const world::WorldModel& model, std::int32_t engine_index)
@@ -32,12 +37,13 @@ class ImpulseEngine : public Engine {
     for (std::size_t i = 0; i < model.joints.size(); ++i)
       if (counts_turns(model.joints[i])) turning_.push_back(i);
     if (plant_.setting.solver != "direct" && plant_.setting.solver != "iterate")
-      throw std::runtime_error("engine 'impulse' has no solver '" + plant_.setting.solver +
-                               "', only 'direct' and 'iterate'");
+      throw std::runtime_error("engine 'impulse': " +
+                               config::unknown_name("solver", plant_.setting.solver, {"direct", "iterate"}));
     if (plant_.setting.solver == "iterate" && plant_.setting.order != 2)
       throw std::runtime_error(
-          "engine 'impulse' is of order 2 with the solver 'iterate', and 'direct' with order 4 and 6: a step "
-          "back in time would gain the energy that an iteration loses");
+          "engine 'impulse': solver 'iterate' has order 2 only; set order: 2, or solver: direct (orders 4 "
+          "and 6 "
+          "step back in time, which would gain the energy that an iteration loses)");
   }
 
   StepResult step(const StepInput& input, world::WorldState& state) override {
@@ -45,6 +51,7 @@ class ImpulseEngine : public Engine {
       return {false, fault};
     prepare(input, state);
     warned_ = false;
+    // Orders above 2 need the factors to decide on the stages.
     if (plant_.setting.order > 2) stepper_.factor(input.tick_s, state);
     bool ok = true;
     for (const double share : stages(plant_, input.tick_s))
@@ -54,6 +61,7 @@ class ImpulseEngine : public Engine {
   }
 
  private:
+  // Loads everything that a tick starts from: bodies, sleep, drives, contacts, warm start.
   void prepare(const StepInput& input, const world::WorldState& state) {
     has_moved_ = false;
     moved_s_ = 0.0;
@@ -67,13 +75,15 @@ class ImpulseEngine : public Engine {
     read_warm_start(std::span(kept).first(kept.size() - rest), input.contacts, plant_);
   }
 
-  // A step whose joints do not close is made of two of half the length.
+  // Moves all by h. If the joints do not close, the step is made of two steps of half the length, down to
+  // kMostHalvings.
   bool advance(double h, int halvings, const StepInput& input, const world::WorldState& state) {
     if (moved_s_ != 0.0) measure_axes(plant_, moved_s_);
     moved_s_ = 0.0;
     Moving& before = before_[static_cast<std::size_t>(halvings)];
     if (has_moved_) before.keep(plant_);
     const world::WorldState& joints = has_moved_ && !turning_.empty() ? within_ : state;
+    // Joint states at the start of this step: those of the tick, or as far as the tick has turned them.
     if (stepper_.step(h, input.wrenches, joints, kMostHalvings - halvings)) {
       warned_ = warned_ || stepper_.fell_short();
       turn_on(h, state);
@@ -81,6 +91,7 @@ class ImpulseEngine : public Engine {
       moved_s_ = h;
       return true;
     }
+    // Back to the start of the step; at the start of the tick everything is loaded anew.
     if (has_moved_)
       before.put_back(plant_);
     else
@@ -90,16 +101,17 @@ class ImpulseEngine : public Engine {
     return advance(0.5 * h, halvings + 1, input, state) && advance(0.5 * h, halvings + 1, input, state);
   }
 
-  // Several steps of a tick may together turn a joint by more than half a turn.
+  // Steps of one tick may together turn a joint by more than half a turn, so its position is carried on.
   void turn_on(double h, const world::WorldState& state) {
     if (turning_.empty()) return;
     if (!has_moved_) within_.joints = state.joints;
     for (const std::size_t i : turning_) within_.joints[i].position += h * state.joints[i].velocity;
   }
 
+  // Fault text of a step that cannot be made: names the joint, or a body with contacts.
   std::string broken_text() const {
     const JointSpec* joint = stepper_.broken();
-    if (joint == nullptr) return "the contacts of a body '" + first_body() + "' have no solution";
+    if (joint == nullptr) return "the contacts of body '" + first_body() + "' have no solution";
     return "joint '" + joint->model->name + "' on body '" +
            plant_.model.bodies[joint->model->child.index()].name + "' cannot be held together";
   }
@@ -114,6 +126,8 @@ class ImpulseEngine : public Engine {
                                         .name;
   }
 
+  // Writes bodies, efforts, contact forces and the engine's memory to the state. Impulses over the tick are
+  // forces.
   StepResult store(const StepInput& input, world::WorldState& state) {
     plant_.bodies.store(state);
     for (const Axis& axis : plant_.axes)
@@ -138,7 +152,8 @@ class ImpulseEngine : public Engine {
     return {.warned = warned_};
   }
 
-  // What a step changes, to be put back where the tick has moved it already.
+  // Everything that a step changes, kept to be restored when an earlier step of the same tick has moved it
+  // already.
   struct Moving {
     void keep(Plant& plant) {
       plant.bodies.keep(bodies);
@@ -153,7 +168,7 @@ class ImpulseEngine : public Engine {
       plant.touches = touches;
     }
     BodiesMotion bodies;
-    std::vector<Axis> axes;  // that are not idle
+    std::vector<Axis> axes;  // those that are not idle
     std::vector<Touch> touches;
   };
 
@@ -161,12 +176,12 @@ class ImpulseEngine : public Engine {
   Plant plant_;
   Stepper stepper_;
   Sleep sleep_;
-  world::WorldState within_;          // the joints alone, where the tick has led them so far
-  std::vector<std::size_t> turning_;  // of those that matter
+  world::WorldState within_;          // joints only: where the steps of this tick have led them so far
+  std::vector<std::size_t> turning_;  // the joints in it that matter
   bool has_moved_ = false;            // in this tick
-  double moved_s_ = 0.0;              // by the last step of this tick: where the axes are is to be measured
-  std::array<Moving, kMostHalvings + 1> before_;
-  bool warned_ = false;  // in this tick
+  double moved_s_ = 0.0;              // length of the last step of this tick: the axes must still be measured
+  std::array<Moving, kMostHalvings + 1> before_;  // by number of halvings
+  bool warned_ = false;                           // in this tick
 };
 
 }  // namespace

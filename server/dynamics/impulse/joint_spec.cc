@@ -21,8 +21,9 @@ namespace {
 using world::JointKind;
 
 constexpr double kTurn = 6.28318530717958647693;
-const Matrix3d kStill = Matrix3d::Identity();  // the axes of what stands still
+const Matrix3d kStill = Matrix3d::Identity();  // axes of anything that does not move
 
+// The pose from given positions and orientations; A may be something that does not move.
 JointPose pose_of(const JointSpec& joint, const std::vector<Vector3d>& x, const std::vector<Matrix3d>& R,
                   double position) {
   JointPose pose;
@@ -46,6 +47,7 @@ JointPose pose_of(const JointSpec& joint, const std::vector<Vector3d>& x, const 
 
 }  // namespace
 
+// Springs hold nothing.
 Held held_directions(const JointSpec& joint, const JointPose& pose) {
   switch (joint.kind) {
     case JointKind::kFixed:
@@ -75,6 +77,7 @@ Held held_directions(const JointSpec& joint, const JointPose& pose) {
   return {};
 }
 
+// A fixed joint and the kinds that cannot carry a body have no free directions.
 Motion motion_directions(const JointSpec& joint, const JointPose& pose) {
   switch (joint.kind) {
     case JointKind::kHinge:
@@ -123,6 +126,7 @@ Gap joint_gap(const JointSpec& joint, const JointPose& pose) {
   return {};
 }
 
+// The direction is the axis as A carries it.
 AxisDirection axis_direction(const JointSpec& joint, const JointPose& pose) {
   if (world::info(joint.kind).is_angle) return {pose.a, Vector3d::Zero()};
   return {Vector3d::Zero(), pose.a};
@@ -137,8 +141,10 @@ JointSpec make_spec(const world::WorldModel& model, const Bodies& bodies, world:
   spec.a = bodies.number(joint.parent);
   spec.b = bodies.number(joint.child);
   spec.lift = world::screw_lift(joint, 1.0);
+  // Point and frame of the joint on one body, or in W where this engine does not move the body.
   const auto seat = [&](world::BodyId body, int number, const world::Pose& X_BJ, Vector3d& point,
                         Matrix3d& frame) {
+    // Not a body of this engine: the joint has a fixed place in W.
     if (number < 0) {
       const world::Pose X_WJ = (body.valid() ? model.bodies[body.index()].X_WB : world::Pose{}) * X_BJ;
       point = X_WJ.p;
@@ -151,6 +157,7 @@ JointSpec make_spec(const world::WorldModel& model, const Bodies& bodies, world:
   };
   seat(joint.parent, spec.a, joint.X_PJ, spec.point_a, spec.frame_a);
   seat(joint.child, spec.b, joint.X_CJ, spec.point_b, spec.frame_b);
+  // The axis, the direction of angle zero and the second axis, as each body carries them.
   spec.axis_a = spec.frame_a * joint.axis_J;
   spec.axis_b = spec.frame_b * joint.axis_J;
   const Vector3d zero_J = across(joint.axis_J).first;
@@ -168,7 +175,7 @@ JointPose pose_ahead(const JointSpec& joint, const Bodies& bodies, const world::
   return pose_of(joint, bodies.x1, bodies.R1, position_ahead(joint, last, h));
 }
 
-// A screw lifts by all that it turns, be it more than half a turn.
+// A screw lifts by its whole turn, even if it is more than half a turn.
 double position_ahead(const JointSpec& joint, const world::JointState& last, double h) {
   return last.position + (joint.kind == JointKind::kScrew ? h * last.velocity : 0.0);
 }
@@ -181,6 +188,7 @@ void find_angle(const JointSpec& joint, double position, JointPose& pose) {
 double joint_angle(const JointSpec& joint, const JointPose& pose, double near) {
   const Vector3d u = *pose.Ra * joint.zero_a, w = *pose.Rb * joint.zero_b;
   const double angle = config::arc_tangent(pose.a.dot(u.cross(w)), u.dot(w));
+  // The arc tangent gives one turn; whole turns are added to come near the expected angle.
   const double off = near - angle;
   return std::abs(off) < 0.5 * kTurn ? angle : angle + kTurn * std::round(off / kTurn);
 }

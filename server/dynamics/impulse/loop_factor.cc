@@ -8,6 +8,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
+// Rows whose remaining share is smaller follow from the others.
 constexpr double kDependent = 1e-10;
 
 }  // namespace
@@ -45,6 +46,8 @@ void LoopFactor::factor() {
   pivots_.resize(size());
   sorted_.resize(size());
   least_share_ = 1.0;
+  // Block by block; the first row that must be left out ends its block, since pivoting puts the best row
+  // first.
   for (const Block& block : blocks_) {
     take_order(block);
     eliminate_before(block);
@@ -56,7 +59,7 @@ void LoopFactor::factor() {
   }
 }
 
-// The columns of the blocks before, as those have put their rows.
+// Puts the columns of the blocks before in the order that their rows have got.
 void LoopFactor::take_order(const Block& block) {
   for (std::size_t i = block.begin; i < block.end; ++i) {
     for (std::size_t j = block.first; j < block.begin; ++j) sorted_[j] = at(i, order_[j]);
@@ -64,7 +67,7 @@ void LoopFactor::take_order(const Block& block) {
   }
 }
 
-// l_ij = (a_ij - sum l_ik l_jk) / l_jj, and what that leaves of the block itself.
+// l_ij = (a_ij - sum l_ik l_jk) / l_jj; then subtracts these from the block itself.
 void LoopFactor::eliminate_before(const Block& block) {
   for (std::size_t i = block.begin; i < block.end; ++i) {
     for (std::size_t j = block.first; j < block.begin; ++j) {
@@ -78,6 +81,7 @@ void LoopFactor::eliminate_before(const Block& block) {
   }
 }
 
+// Compares remaining shares by cross multiplication, without dividing.
 void LoopFactor::pivot(const Block& block, std::size_t i) {
   std::size_t best = i;
   for (std::size_t k = i + 1; k < block.end; ++k)
@@ -85,7 +89,7 @@ void LoopFactor::pivot(const Block& block, std::size_t i) {
   if (best != i) swap_rows(block, i, best);
 }
 
-// i < k. Columns beyond i belong to rows that come later: they change places as well.
+// Needs i < k. The entries of later rows in columns beyond i change places as well.
 void LoopFactor::swap_rows(const Block& block, std::size_t i, std::size_t k) {
   std::swap(order_[i], order_[k]);
   std::swap(scale_[i], scale_[k]);
@@ -96,6 +100,7 @@ void LoopFactor::swap_rows(const Block& block, std::size_t i, std::size_t k) {
   std::swap(at(i, i), at(k, k));
 }
 
+// One column of Cholesky: the pivot's root, the column, and the rest of the block.
 void LoopFactor::eliminate_with(const Block& block, std::size_t i) {
   least_share_ = std::min(least_share_, pivots_[i] / scale_[i]);
   inverse_diagonal_[i] = 1.0 / std::sqrt(pivots_[i]);
@@ -107,13 +112,14 @@ void LoopFactor::eliminate_with(const Block& block, std::size_t i) {
     for (std::size_t j = i + 1; j < k; ++j) at(k, j) -= at(k, i) * at(j, i);
 }
 
-// Entries of columns that are left out stand for nothing: their part of the solution is 0.
+// Columns that are left out have an inverse diagonal of 0, so their part of the solution is 0.
 void LoopFactor::solve(std::vector<double>& b) {
   for (std::size_t i = 0; i < size(); ++i) sorted_[i] = b[order_[i]];
   for (std::size_t i = 0; i < size(); ++i) {
     for (std::size_t j = first_of(i); j < i; ++j) sorted_[i] -= at(i, j) * sorted_[j];
     sorted_[i] *= inverse_diagonal_[i];
   }
+  // Back substitution, and back to the caller's order.
   for (std::size_t i = size(); i-- > 0;) {
     sorted_[i] *= inverse_diagonal_[i];
     for (std::size_t j = first_of(i); j < i; ++j) sorted_[j] -= at(i, j) * sorted_[i];

@@ -1,9 +1,9 @@
-// A symmetric positive semi-definite system, in blocks of rows (a loop's), each block stored from the first
-// column that is not zero in any of its rows: Cholesky, whose factor fills no more than that (George, Liu,
-// Computer Solution of Large Sparse Positive Definite Systems, 1981, chapter 4). Within a block the row comes
-// first of which the ones before explain least (complete pivoting: Higham, Accuracy and Stability of
-// Numerical Algorithms, 2002, section 10.3). A row that they explain up to a share of kDependent of what it
-// would be were nothing jointed is left out, and gets a solution of nothing.
+// Factors the symmetric positive semi-definite system of the loops. Its rows come in blocks, one for each
+// loop, and each block is stored from the first column that is not zero in any of its rows. Cholesky's factor
+// fills no more than that (George, Liu, Computer Solution of Large Sparse Positive Definite Systems, 1981,
+// chapter 4). Within a block, the next row is always the one that the rows before explain least (complete
+// pivoting: Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 10.3). A row is left out,
+// and gets the solution 0, if less than the share kDependent of its free response remains unexplained.
 #pragma once
 
 #include <cstddef>
@@ -11,33 +11,39 @@
 
 namespace visum::dynamics::impulse {
 
+// Order of calls: clear(), add_block() and add_row(), fill at(), factor(), solve(). A Mechanism owns it. It
+// does not fail: rows that cannot be solved for are left out.
 class LoopFactor {
  public:
   void clear();  // keeps the memory
-  // The next block begins, whose rows' first entries are in column `first`, the first of a block.
+  // Begins the next block, whose rows' first entries are in column `first`, the first column of a block.
   void add_block(std::size_t first);
-  // The block's next row; `scale` is its free response.
+  // Adds the block's next row; `scale` is its free response.
   void add_row(double scale);
   std::size_t size() const { return start_.size(); }
   std::size_t rank() const;
-  // Of the rows that are not left out, the least share of its free response that the ones before leave a row:
-  // near a pose where the loops lose their grip, little. 1 where there are none.
+  // The least share of its free response that a row keeps after the rows before it, among the rows that are
+  // not left out. It gets small near a pose where the loops lose their grip. 1 where there are none.
   double least_share() const { return least_share_; }
-  // Column j <= i, from the block's first on; to be filled (all of them) before factor().
+  // Entry of column j <= i, from the block's first column on. All must be filled before factor().
   double& at(std::size_t i, std::size_t j) { return lower_[start_[i] + j - first_of(i)]; }
   void factor();
-  void solve(std::vector<double>& b);  // the first size() of b, in place
+  void solve(std::vector<double>& b);  // solves for the first size() numbers of b, in place
 
  private:
   struct Block {
-    std::size_t first, begin, end;  // column, rows
+    std::size_t first, begin, end;  // first column; rows begin..end-1
   };
 
   std::size_t first_of(std::size_t i) const { return blocks_[block_of_[i]].first; }
   double at(std::size_t i, std::size_t j) const { return lower_[start_[i] + j - first_of(i)]; }
+  // Sorts a block's columns as the blocks before have sorted their rows.
   void take_order(const Block& block);
+  // Eliminates the rows of earlier blocks from a block.
   void eliminate_before(const Block& block);
+  // Brings the row with the largest remaining share to place i.
   void pivot(const Block& block, std::size_t i);
+  // Eliminates row i from the rest of its block.
   void eliminate_with(const Block& block, std::size_t i);
   void swap_rows(const Block& block, std::size_t i, std::size_t k);
 
@@ -45,7 +51,7 @@ class LoopFactor {
   std::vector<std::size_t> block_of_, start_;
   std::vector<double> scale_, lower_;
   std::vector<std::size_t> order_;        // which row stands where
-  std::vector<double> pivots_;            // what is left of each row of the block in hand
+  std::vector<double> pivots_;            // what remains of each row of the present block
   std::vector<double> inverse_diagonal_;  // of the factor; 0: left out
   std::vector<double> sorted_;
   double least_share_ = 1.0;

@@ -1,17 +1,19 @@
-// Closed loops on a spanning tree: G T^-1 G^T mu = e, with T^-1 the tree's response, G the rows that the
-// loops hold, e what is left of them after the tree alone has answered. After Baraff, Linear-time dynamics
-// using Lagrange multipliers, SIGGRAPH 1996, section 7 (auxiliary constraints). Only loops that share a part
-// of the tree, what hangs together without the ground, have anything to do with each other: in a row of
-// four-bars each with the next, and the cost grows with their number.
+// Closed loops on a spanning tree: G T^-1 G^T mu = e. T^-1 is the tree's response, G the rows that the loops
+// hold, and e what the loops still miss after the tree alone has answered. After Baraff, Linear-time dynamics
+// using Lagrange multipliers, SIGGRAPH 1996, section 7 (auxiliary constraints). Two loops have a common entry
+// only if they share a part of the tree, where a part is what hangs together without the ground. In a row of
+// four-bars each loop has an entry with the next one only, and the cost grows with their number.
 #include "server/dynamics/impulse/mechanism.h"
 
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kNearlySingular = 3e-4;  // share; a four-bar has it within 0.03 rad of the line
+constexpr double kNearlySingular =
+    3e-4;  // share of a row's free response; a four-bar has it within 0.03 rad of the line
 
 }  // namespace
 
+// At each end: the torque about the centre of mass, and the force; A gets the opposite.
 PathMotion line_at(const Mechanism& mechanism, const Bodies& bodies, int body_a, int body_b,
                    const Vector3d& p, const Vector3d& w, const Vector3d& v) {
   PathMotion line;
@@ -65,6 +67,7 @@ void Mechanism::find_loop_neighbours() {
         if (part >= 0 && (part == loop_parts_[j][0] || part == loop_parts_[j][1])) return true;
       return false;
     };
+    // A loop shares a part with itself at the latest.
     first_neighbour_[i] = 0;
     while (!share(first_neighbour_[i])) ++first_neighbour_[i];
   }
@@ -83,6 +86,7 @@ double Mechanism::free_response(const PathMotion& line, const Bodies& bodies) co
 void Mechanism::place_loop_rows(const Bodies& bodies) {
   loop_row_count_ = 0;
   for (std::size_t i = 0; i < loops_.size(); ++i) {
+    // One row for each direction that a loop's joint holds.
     const Held& held = loop_held_[i];
     first_loop_row_[i] = loop_row_count_;
     for (std::size_t k = 0; k < static_cast<std::size_t>(held.count); ++k) {
@@ -99,14 +103,17 @@ double Mechanism::rate_of_parts(const PathMotion& line, const std::array<int, 2>
     const int part = node < 0 ? -1 : tree_.part(static_cast<std::size_t>(node));
     return part >= 0 && (part == parts[0] || part == parts[1]);
   };
+  // Bodies of other parts keep old answers, which must not count.
   PathMotion there = line;
   if (!among(line.node_a)) there.node_a = -1;
   if (!among(line.node_b)) there.node_b = -1;
   return rate(there);
 }
 
-// What an impulse on a row does to itself and the rows before it: only the parts that its loop joins move.
+// Response of a row to itself and to the rows before it. An impulse on it moves only the parts that its loop
+// joins.
 void Mechanism::find_response(std::size_t i, const std::array<int, 2>& parts) {
+  // Both parts are pushed, then each is solved once.
   const bool two = parts[1] != parts[0];
   for (const int part : parts)
     if (part >= 0) tree_.clear_part(part);
@@ -133,6 +140,7 @@ bool Mechanism::is_nearly_singular() const {
 }
 
 void Mechanism::solve() {
+  // The tree answers alone; the loops then add what is still missing, and the tree answers again.
   tree_.solve();
   if (loop_row_count_ == 0) return;
   for (std::size_t i = 0; i < loop_row_count_; ++i)

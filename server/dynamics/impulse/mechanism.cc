@@ -11,24 +11,26 @@
 namespace visum::dynamics::impulse {
 namespace {
 
+// True if the joint holds something and moves a body of this engine.
 bool is_ours(const world::WorldModel& model, const Bodies& bodies, world::JointId id) {
   const world::Joint& joint = model.joints[id.index()];
   return world::info(joint.kind).holds_anything && bodies.number(joint.child) >= 0;
 }
 
-// The representative of a body's connected part, by a forest of parents (union-find).
+// The representative of a body's connected part, in a forest of parents (union-find).
 int representative(std::vector<int>& leader, int i) {
   const auto at = [&](int k) -> int& { return leader[static_cast<std::size_t>(k)]; };
   while (at(i) != i) i = at(i) = at(at(i));
   return i;
 }
 
-// Whether the joint's pose follows from where its bodies are, and from nothing that the world's state counts
-// on (turns, a place along a curve).
+// True if the joint's pose follows from its bodies alone. The others also need the world's state: a screw
+// counts its turns, a point on a curve its place along it.
 bool is_of_bodies_alone(const JointSpec& joint) {
   return joint.kind != world::JointKind::kScrew && joint.kind != world::JointKind::kPointOnCurve;
 }
 
+// Largest component of a gap, m or rad; NaN counts as the largest.
 double gap_size(const Gap& gap) {
   double size = 0.0;
   for (const Vector3d& part : {gap.turn, gap.shift})
@@ -44,17 +46,20 @@ constexpr long kNumbers = sizeof(Item) / sizeof(double);
 Mechanism::Mechanism(const world::WorldModel& model, const Bodies& bodies, std::vector<int> body_numbers,
                      const std::vector<world::JointId>& joints) {
   const std::vector<world::JointId> carrying = world::carrying_joints(model);
+  // Nodes of the tree and their specs, built side by side.
   std::vector<TreeNode> nodes;
   const auto node_with = [&](int body) {
     const auto found =
         std::find_if(nodes.begin(), nodes.end(), [&](const TreeNode& node) { return node.body == body; });
     return found == nodes.end() ? -1 : static_cast<int>(found - nodes.begin());
   };
+  // Bodies that no joint carries are free roots.
   for (const int body : body_numbers) {
     if (carrying[bodies.constants[static_cast<std::size_t>(body)].id.index()].valid()) continue;
     nodes.push_back({.body = body, .mass = bodies.constants[static_cast<std::size_t>(body)].mass});
     specs_.emplace_back();
   }
+  // A joint that carries its child adds a node; any other joint closes a loop.
   for (const world::JointId id : joints) {
     const JointSpec spec = make_spec(model, bodies, id);
     if (carrying[model.joints[id.index()].child.index()] != id) {
@@ -77,10 +82,12 @@ Mechanism::Mechanism(const world::WorldModel& model, const Bodies& bodies, std::
   loop_held_.resize(loops_.size());
   loop_rows_.resize(6 * loops_.size());
   loop_errors_.resize(6 * loops_.size());
+  // Tables by body, and blocks for the kernels, which write to the tree's answers directly.
   for (std::size_t i = 0; i < nodes.size(); ++i)
     node_by_body_.emplace_back(nodes[i].body, static_cast<int>(i));
   std::sort(node_by_body_.begin(), node_by_body_.end());
   foreseen_axis_.resize(nodes.size());
+  // Poses may be kept between steps only if all of them follow from the bodies.
   of_bodies_alone_ = std::ranges::all_of(loops_, is_of_bodies_alone);
   for (std::size_t i = 0; i < nodes.size(); ++i)
     of_bodies_alone_ = of_bodies_alone_ && (nodes[i].joint < 0 || is_of_bodies_alone(specs_[i]));
@@ -101,12 +108,14 @@ void Mechanism::find_blocks(const Bodies& bodies) {
       free_roots_.push_back(i);
       continue;
     }
+    // Hinges have kernels of their own, all other kinds share one.
     (specs_[i].kind == world::JointKind::kHinge ? hinge_nodes : other_nodes_).push_back(i);
     poses_[i] = pose_now(specs_[i], bodies, 0.0);
     poses_ahead_[i] = impulse::pose_ahead(specs_[i], bodies, {}, 0.0);
     motions_[i] = motion_directions(specs_[i], poses_[i]);
     JointEnds& ends = ends_.emplace_back();
     const int a = specs_[i].a, b = specs_[i].b;
+    // Offsets are counted in doubles, as kernels want them.
     ends.pose = static_cast<long>(i) * kNumbers<JointPose>;
     ends.impulse = static_cast<long>(i) * kNumbers<JointImpulse>;
     ends.vector_b = 3L * b;
@@ -125,6 +134,7 @@ void Mechanism::find_blocks(const Bodies& bodies) {
 std::vector<JointBlock> Mechanism::joint_blocks(const std::vector<std::size_t>& nodes,
                                                 const Bodies& bodies) const {
   std::vector<JointBlock> blocks((nodes.size() + 3) / 4);
+  // A last block that is not full repeats its last joint.
   for (std::size_t i = 0; i < 4 * blocks.size(); ++i) {
     JointBlock& block = blocks[i / 4];
     const std::size_t node = nodes[std::min(i, nodes.size() - 1)], lane = i % 4;
@@ -136,6 +146,7 @@ std::vector<JointBlock> Mechanism::joint_blocks(const std::vector<std::size_t>& 
       block.axis_b[k][lane] = spec.axis_b[k];
     }
     const int a = spec.a < 0 ? bodies.still() : spec.a;
+    // Where the kernels find the bodies and the joint, in numbers.
     block.vector_a[lane] = 3L * a;
     block.matrix_a[lane] = 9L * a;
     block.vector_b[lane] = 3L * spec.b;
@@ -156,14 +167,17 @@ int Mechanism::node_of(int body) const {
 }
 
 bool Mechanism::place(const Bodies& bodies, const world::WorldState& state) {
+  // Poses stay valid as long as no body has moved; poses that need the world's state are made anew.
   const bool stands = placed_at_ == bodies.placements();
   if (stands && of_bodies_alone_ && !axes_changed_) return false;
   const BodyArrays& of = bodies.arrays();
+  // Points and axes of all joints in the tree, and the free directions of hinges.
   if (!stands) {
     bodies.kernels().place_hinges(of.x, of.R, hinges_.data(), hinges_.size(), poses_[0].pa.data(),
                                   motions_[0].w[0].data());
     bodies.kernels().place_joints(of.x, of.R, others_.data(), others_.size(), poses_[0].pa.data());
   }
+  // Angles and free directions of the other kinds are computed one by one.
   for (const std::size_t i : other_nodes_) {
     if (stands && is_of_bodies_alone(specs_[i])) continue;
     find_angle(specs_[i], state.joints[specs_[i].id.index()].position, poses_[i]);
@@ -184,6 +198,7 @@ void Mechanism::factor(const Bodies& bodies) {
   if (factored_) return;
   tree_.factor(bodies, poses_, motions_, axes_);
   if (!loops_.empty()) {
+    // The loops need the factored tree.
     place_loop_rows(bodies);
     factor_loops();
   }
@@ -191,6 +206,7 @@ void Mechanism::factor(const Bodies& bodies) {
 }
 
 double Mechanism::ask_gaps(const Bodies& bodies, const world::WorldState& state, double h) {
+  // Hinges ask by themselves; the other kinds are asked one by one.
   const BodyArrays& of = bodies.arrays();
   double largest = bodies.kernels().ask_hinges_gaps(of.x1, of.R1, hinges_.data(), hinges_.size(), h,
                                                     poses_ahead_[0].pa.data(), tree_.asks());
@@ -201,6 +217,7 @@ double Mechanism::ask_gaps(const Bodies& bodies, const world::WorldState& state,
     tree_.ask(i, gap.turn / h, gap.shift / h);
     largest = larger(gap_size(gap), largest);
   }
+  // Loops: the directions that they hold are those at t.
   std::size_t row = 0;
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     loop_poses_ahead_[i] = impulse::pose_ahead(loops_[i], bodies, state.joints[loops_[i].id.index()], h);
@@ -215,7 +232,8 @@ double Mechanism::ask_gaps(const Bodies& bodies, const world::WorldState& state,
 
 const JointSpec* Mechanism::worst_joint() const {
   const JointSpec* worst = nullptr;
-  double largest = -1.0;  // so that joints without a gap have one to name, where an axis misses its aim
+  double largest = -1.0;  // joints without a gap can still be named, where an axis misses its aim
+  // A NaN counts as the largest gap.
   const auto look = [&](const JointSpec& joint, const JointPose& pose) {
     const double gap = gap_size(joint_gap(joint, pose));
     if (gap <= largest || std::isnan(largest)) return;
@@ -234,14 +252,15 @@ void Mechanism::ask_velocities(const Bodies& bodies) {
   for (const std::size_t i : other_nodes_) {
     const JointPose& pose = poses_[i];
     const auto b = static_cast<std::size_t>(specs_[i].b);
+    // Relative velocity of B against A, both at P.
     Vector3d w = bodies.w[b], v = bodies.v[b] + bodies.w[b].cross(pose.pb - bodies.x[b]);
     if (specs_[i].a >= 0) {
       const auto a = static_cast<std::size_t>(specs_[i].a);
       w -= bodies.w[a];
       v -= bodies.v[a] + bodies.w[a].cross(pose.pb - bodies.x[a]);
     }
-    // What the axes already do is no error: the rest must go. The rate is the one that drives know: of a
-    // screw that of its turn.
+    // The motion along the joint's own axis is no error, the rest must go. The rate is the one that drives
+    // use: of a screw the rate of its turn.
     const Motion& free = motions_[i];
     if (free.count == 1) {
       const bool turns = !free.w[0].isZero(0.0);
@@ -252,6 +271,7 @@ void Mechanism::ask_velocities(const Bodies& bodies) {
     }
     tree_.ask(i, -w, -v);
   }
+  // The present velocity along each row of a loop, with the opposite sign.
   for (std::size_t row = 0; row < loop_row_count_; ++row) {
     const PathMotion& line = loop_rows_[row].line;
     double rate = 0.0;
@@ -271,6 +291,7 @@ void Mechanism::clear() {
 }
 
 std::vector<Mechanism> find_mechanisms(const world::WorldModel& model, const Bodies& bodies) {
+  // Joins the parts of parent and child of every joint.
   std::vector<int> leader(bodies.size());
   std::iota(leader.begin(), leader.end(), 0);
   std::vector<bool> jointed(bodies.size(), false);
@@ -283,7 +304,7 @@ std::vector<Mechanism> find_mechanisms(const world::WorldModel& model, const Bod
     const int a = representative(leader, child), b = representative(leader, parent);
     leader[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
   }
-  // A body's representative is the lowest number of its part: one pass finds the parts in that order.
+  // A body's representative is the lowest number of its part, so one pass finds the parts in that order.
   std::vector<std::vector<int>> members(bodies.size());
   std::vector<std::vector<world::JointId>> joints(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i)

@@ -16,8 +16,10 @@ Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
       asleep(bodies.size(), 0),
       mechanism_asleep(mechanisms.size(), 0),
       mechanism_bound(mechanisms.size(), 0) {
+  // The iterative solver starts from what is left of the last step, and predicts nothing.
   if (setting.solver != "iterate")
     for (Mechanism& mechanism : mechanisms) mechanism.start_predicting(bodies);
+  // By joint: the mechanism and loop that it closes; -1 where it closes none.
   std::vector<std::pair<std::size_t, int>> loops(model.joints.size(), {0, -1});
   for (std::size_t m = 0; m < mechanisms.size(); ++m) {
     for (std::size_t i = 0; i < mechanisms[m].size(); ++i)
@@ -25,10 +27,12 @@ Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
     for (std::size_t i = 0; i < mechanisms[m].loop_count(); ++i)
       loops[mechanisms[m].loop(i).id.index()] = {m, static_cast<int>(i)};
   }
+  // Bodies that belong to no mechanism.
   std::vector<int> free;
   for (std::size_t i = 0; i < bodies.size(); ++i)
     if (places[i].mechanism < 0) free.push_back(static_cast<int>(i));
   free_blocks = bodies.blocks_of(free);
+  // Springs and axes, in the order of the joints.
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     const world::Joint& joint = model.joints[i];
     const world::JointId id{static_cast<std::int32_t>(i)};
@@ -58,6 +62,7 @@ Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
     axis.turns = world::info(joint.kind).is_angle;
     axes.push_back(axis);
   }
+  // Axes of one mechanism stand together, within it still in the order of the joints.
   std::stable_sort(axes.begin(), axes.end(),
                    [](const Axis& a, const Axis& b) { return a.mechanism < b.mechanism; });
   first_axis.assign(mechanisms.size() + 1, 0);

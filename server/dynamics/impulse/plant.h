@@ -1,5 +1,5 @@
-// All that one engine moves, and what acts on it during a tick. Built once; a step writes into it and nowhere
-// else.
+// The plant of one engine: the bodies, joint axes, springs and contacts that the engine moves, and everything
+// that acts on them during a tick. The functions below prepare and measure it; Stepper (stepper.h) moves it.
 #pragma once
 
 #include <cmath>
@@ -9,47 +9,50 @@
 
 namespace visum::dynamics::impulse {
 
-// The times within a step at which impulses are found: when things hit, for the look-ahead, and for the
-// velocities at the end.
+// A step finds impulses for three moments: for hits (at t), for the look-ahead (at t), and for the velocities
+// at t+h. Arrays of impulses are indexed by the moment.
 enum Moment : std::size_t { kHit, kAhead, kAfter, kMoments };
 
-// A joint's axis that drives, friction, damping or stops act on, in one tick.
+// One driven coordinate of a joint, during one tick: drives, friction, damping and stops act on it. Positions
+// are in rad or m, velocities in rad/s or m/s, efforts in N·m or N, impulses in N·m·s or N·s.
 struct Axis {
   const world::Joint* model = nullptr;
   world::JointId joint;
-  std::size_t mechanism = 0;
-  int node = -1;  // of the tree; -1: the joint closes a loop
-  int loop = -1;
-  // Of its joint: what it is, its poses at t and where the look-ahead has led, its bodies, whether it is an
-  // angle.
+  std::size_t mechanism = 0;  // index into Plant::mechanisms
+  int node = -1;              // of the mechanism's tree; -1: the joint closes a loop
+  int loop = -1;              // number of the loop; -1: the joint is in the tree
+  // Its joint: the spec, the pose at t, the pose that the look-ahead has reached, the two bodies, and whether
+  // the coordinate is an angle.
   const JointSpec* spec = nullptr;
   const JointPose *pose = nullptr, *ahead = nullptr;
   int a = -1, b = -1;
   bool turns = false;
-  bool is_free = false;  // as the model has it: no stops, friction or damping
-  bool idle = false;     // in this tick: is free, and nothing is given to it
+  bool is_free = false;  // the model gives it no stops, friction or damping
+  bool idle = false;     // in this tick: is_free, and its drive gives nothing
 
-  // hwparts/joint.h, or the model's friction as a drive that wants to stand.
+  // The drive's law (hwparts/joint.h). Without a drive the model's dry friction takes its place: a law whose
+  // target velocity is 0.
   bool acts = false;
   double target = 0.0, compliance_s = 0.0, most = 0.0;  // rad/s, (rad/s)/(N·m), N·m
   double feedforward = 0.0;
   double damping = 0.0;
-  // How the law takes part: as long as it is within its limit in the tree; at the limit as an impulse that is
-  // known (-1, +1: its sign), where that is seen to go on; as a row where neither does.
+  // How the law takes part in this step. Within its limit it is part of the tree. At its limit (at_limit is
+  // -1 or +1, the sign) it is a known impulse, as long as it stays there. Where neither holds, it is a row
+  // with bounds (boxed).
   int at_limit = 0;
   bool boxed = false;
-  double expected = 0.0;  // N·m, what the law gave in the last tick: where a row starts
+  double expected = 0.0;  // N·m, effort of the law in the last tick: a row starts from it
 
-  double start = 0.0, rate = 0.0;                // position and velocity at t
-  double mean_rate = 0.0;                        // what the last look-ahead gives
-  double bias = 0.0;                             // by how much that is not the velocity that it started with
-  std::array<bool, 2> hits{};                    // a stop, to bounce off it
-  std::array<double, kMoments> law{}, damped{};  // impulses, N·m·s
-  std::array<std::array<double, kMoments>, 2> stopped{};  // at the lower and the upper stop
-  double total = 0.0;                                     // of drive, friction and damping in this tick
+  double start = 0.0, rate = 0.0;  // at t
+  double mean_rate = 0.0;          // mean velocity over the last look-ahead
+  double bias = 0.0;               // mean_rate minus the velocity that the look-ahead started with
+  std::array<bool, 2> hits{};      // by lower and upper stop: is hit hard enough to bounce
+  std::array<double, kMoments> law{}, damped{};           // N·m·s
+  std::array<std::array<double, kMoments>, 2> stopped{};  // impulses of the lower and the upper stop
+  double total = 0.0;  // impulse of drive, friction and damping in this tick
 };
 
-// The axes of some numbers, to be gone through.
+// A view of the axes with the given numbers, for range-based loops.
 struct AxesOf {
   struct Iterator {
     Axis* axes;
@@ -68,56 +71,63 @@ struct AxesOf {
   std::span<const std::size_t> numbers;
 };
 
-// A contact in one tick. Frame: columns n, t1, t2 in W.
+// One contact during one tick. The columns of `frame` are the normal n and the tangents t1, t2, in W.
 struct Touch {
-  Touch() {}  // what has no value below is not set
+  Touch() {}  // members without a value below stay unset
 
-  std::size_t contact = 0;  // index in the tick's list
-  int a = -1, b = -1;       // numbers of bodies; -1: not ours
-  Vector3d ra, rb;          // from the centres of mass (-1: unused)
+  std::size_t contact = 0;  // index in the tick's list of contacts
+  int a = -1, b = -1;       // numbers of the bodies; -1: this engine does not move it
+  Vector3d ra, rb;          // contact point seen from the centres of mass (unused where the number is -1)
   Matrix3d frame;
-  Vector3d foreign;       // velocity of A against B as far as it is not ours
-  Vector3d foreign_turn;  // likewise the angular velocity
-  double bounce = 0.0;    // velocity along the normal after a hit
-  double returned = 0.0;  // share of the impulse that stops them, by Poisson's law
-  Vector3d bias;          // relative acceleration in free flight, over the step
-  Vector3d turn;          // angular velocity with which the contact turns
-  bool yields = false;    // one of the two moves by another engine
+  Vector3d foreign;       // m/s, the part of A's velocity against B that bodies of other engines cause
+  Vector3d foreign_turn;  // rad/s, the same for the angular velocity
+  double bounce = 0.0;    // m/s, velocity along the normal after a hit (Newton's law)
+  double returned = 0.0;  // restitution as a share of the impulse that stops them (Poisson's law)
+  Vector3d bias;          // m/s², relative acceleration of A against B in free flight
+  Vector3d turn;          // rad/s, angular velocity with which the contact's frame turns
+  bool yields = false;    // one of the two bodies moves by another engine
   double depth = 0.0, friction = 0.0, restitution = 0.0;
   double rolling_friction = 0.0, torsional_friction = 0.0;
-  std::array<Vector3d, kMoments> impulse;  // in the frame
-  std::array<Vector3d, kMoments> twist;    // of rolling and torsional friction, in the frame
+  std::array<Vector3d, kMoments> impulse;  // in the frame, N·s
+  std::array<Vector3d, kMoments> twist;    // of rolling and torsional friction, in the frame, N·m·s
   double total_normal = 0.0;
-  Vector3d total = Vector3d::Zero();        // on A, in W
-  Vector3d total_twist = Vector3d::Zero();  // likewise
-  bool asleep = false;                // keeps its impulses, those of the record that the last awake tick left
-  Vector3d kept_impulse, kept_twist;  // on A, in W
+  Vector3d total = Vector3d::Zero();        // impulse on A in this tick, in W
+  Vector3d total_twist = Vector3d::Zero();  // the same for the twist
+  bool asleep = false;                      // keeps the impulses that the last awake tick recorded
+  Vector3d kept_impulse, kept_twist;        // on A, in W, of one half of a tick
 };
 
+// True if rolling or torsional friction acts at this contact.
 inline bool is_held_from_turning(const Touch& touch) {
   return touch.rolling_friction > 0.0 || touch.torsional_friction > 0.0;
 }
 
-// A force between two points, or about an axis, along (w, v) at the points pa and pb.
+// Directions of a spring's force on B: (w, v) is a unit torque or a unit force in W, and pa, pb are the
+// points of the two bodies on which it acts.
 struct Pull {
   Vector3d w, v, pa, pb;
 };
 
+// A spring with a damper between two points, or about an axis (springs.cc).
 struct Spring {
   JointSpec spec;
   bool acts = false;
   Pull pull;
-  double length = 0.0;     // or angle, at t
-  double mean_rate = 0.0;  // of it, over the look-ahead
-  double impulse = 0.0;    // of the look-ahead, repeated at the end
+  double length = 0.0;     // at t: m, or rad for a torsion spring
+  double mean_rate = 0.0;  // of the length over the look-ahead
+  double impulse = 0.0;    // of the look-ahead; the end of the step repeats it
   double total = 0.0;
 };
 
+// Where a body belongs: to a mechanism (and its node there), or to none.
 struct Place {
-  int mechanism = -1;  // -1: stands free
+  int mechanism = -1;  // -1: the body is jointed to nothing
   int node = -1;
 };
 
+// Everything that one engine moves. ImpulseEngine owns it and uses it on the tick's thread only. The
+// constructor builds it from the model; after that only the members' values change. Input is checked before
+// it comes here (step_input.h), so nothing here fails.
 struct Plant {
   Plant(const world::WorldModel& world_model, std::int32_t engine_index);
 
@@ -126,35 +136,36 @@ struct Plant {
   Bodies bodies;
   std::vector<Mechanism> mechanisms;
   std::vector<Place> places;            // by body
-  std::vector<BodyBlock> free_blocks;   // of bodies that stand free
-  std::vector<Axis> axes;               // of one mechanism after the other
-  std::vector<std::size_t> first_axis;  // by mechanism, and one beyond
-  // Of this tick: the numbers of the axes that are not idle, of mechanisms that are awake; ranges as above.
+  std::vector<BodyBlock> free_blocks;   // of the bodies without joints
+  std::vector<Axis> axes;               // sorted by mechanism
+  std::vector<std::size_t> first_axis;  // by mechanism: its first axis; one entry beyond the last
+  // The axes of this tick that are not idle and whose mechanism is awake, and the ranges of each mechanism in
+  // that list.
   std::vector<std::size_t> acting, first_acting;
-  bool all_idle = false;  // all axes, in the last tick
+  bool all_idle = false;  // every axis was idle in the last tick
   std::vector<Spring> springs;
   std::vector<Touch> touches;
-  bool rested = false;  // the contacts' impulses of the last tick were left as they were
+  bool rested = false;                         // the last tick needed no change of the contacts' impulses
   std::vector<char> asleep, mechanism_asleep;  // by body, by mechanism (sleep.h)
-  std::vector<char> mechanism_bound;           // of the moment: rows act on it (bounded.h)
+  std::vector<char> mechanism_bound;           // by mechanism: rows act on it at this moment (bounded.h)
 
   AxesOf acting_axes() { return {axes.data(), acting}; }
   AxesOf acting_axes_of(std::size_t mechanism) {
     const std::size_t first = first_acting[mechanism];
     return {axes.data(), std::span(acting).subspan(first, first_acting[mechanism + 1] - first)};
   }
-  // All that stands free and does not sleep, by blocks.
+  // Calls `act` with the blocks of all bodies that have no joints and do not sleep.
   template <typename Act>
   void for_free(Act act) const {
     if (setting.sleep_s == 0.0) return act(std::span<const BodyBlock>(free_blocks));
     for (std::size_t i = 0; i < bodies.size(); ++i)
       if (places[i].mechanism < 0 && !asleep[i]) act(bodies.block_of(i));
   }
-  double rate(const Axis& axis) const;  // of the bodies' velocities as they are
+  double rate(const Axis& axis) const;  // rad/s or m/s, from the bodies' present velocities
   Vector3d parting(const Axis& axis) const;
 };
 
-// Velocity of B against A at the joint's point.
+// Velocity of B against A at the joint's point, m/s.
 inline Vector3d Plant::parting(const Axis& axis) const {
   const auto at = [&](int number) -> Vector3d {
     const auto i = static_cast<std::size_t>(number);
@@ -170,11 +181,12 @@ inline double Plant::rate(const Axis& axis) const {
   return axis.a < 0 ? along.dot(w) : along.dot(w - bodies.w[static_cast<std::size_t>(axis.a)]);
 }
 
-// How far an axis is from its lower (0) or upper (1) stop, and whether that may act in a step of length h.
+// Distance of an axis at t from its lower (0) or upper (1) stop, rad or m; negative beyond the stop.
 inline double room(const Axis& axis, std::size_t side) {
   return side == 0 ? axis.start - axis.model->lower : axis.model->upper - axis.start;
 }
-// A stop that is farther off than the axis comes in two steps, and this, takes no part: rad, m.
+// A stop takes part in a step only if the axis could reach it within two steps at its present velocity, plus
+// this distance (rad, m).
 inline constexpr double kStopReach = 1e-3;
 inline bool is_within_reach(const Axis& axis, std::size_t side, double h) {
   return axis.model->limited && room(axis, side) <= 2.0 * h * std::abs(axis.rate) + kStopReach;
@@ -183,20 +195,20 @@ inline bool is_within_reach(const Axis& axis, double h) {
   return is_within_reach(axis, 0, h) || is_within_reach(axis, 1, h);
 }
 
-// The tick's laws from drives or the model, where the axes are, and which of them are not idle. Nothing is
-// known of the others.
+// Takes the tick's laws from the drives or from the model, reads where the axes are, and lists those that are
+// not idle. The members of idle axes are not kept up to date.
 void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, const world::WorldState& state);
-// Where the bodies have been moved within a tick, in a step of length h: positions and velocities of the
-// axes.
+// Measures positions and velocities of the axes again, after the bodies have moved by a step of length h
+// within the tick.
 void measure_axes(Plant& plant, double h);
-// Where the look-ahead leads them; of a mechanism, once it is placed there.
-// `bias`: for its rows, if it has any.
+// Measures the mean velocity to where the look-ahead over h leads: of one axis, or of all axes of a mechanism
+// (whose poses ahead are then known). `bias` is set too; for a whole mechanism only where rows act on it.
 void measure_ahead(const Plant& plant, Axis& axis, const JointPose& ahead, double h);
 void measure_ahead(Plant& plant, std::size_t mechanism, double h);
 
-// A law that is not at its limit takes part where joints are solved for: its axis gives way by k for each
-// N·m·s, and misses a rate. Its impulses are counted by moment. A law at its limit gives known_impulse(),
-// with what is given beside the law.
+// A law within its limit is part of the system that is solved for the joints: its axis gives way by the
+// compliance k for each N·m·s and is asked for the rate that is missing. The impulses that come out are added
+// up by moment. A law at its limit gives known_impulse() instead, together with the feedforward.
 inline bool law_in_tree(const Axis& axis) {
   return axis.acts && !axis.boxed && axis.at_limit == 0;
 }
@@ -206,52 +218,60 @@ inline bool damping_in_tree(const Axis& axis) {
 inline bool is_in_tree(const Axis& axis) {
   return axis.node >= 0 && (law_in_tree(axis) || damping_in_tree(axis));
 }
+// The compliance k = c/h of the law, or of damping, in (rad/s)/(N·m·s).
 inline double law_compliance(const Axis& axis, double h) {
   return law_in_tree(axis) ? axis.compliance_s / h : 1.0 / (axis.damping * h);
 }
+// Rate that the law or the damping still misses at this moment, rad/s or m/s; see axes.cc.
 double missing_rate(const Plant& plant, const Axis& axis, Moment moment, double h);
 inline void take_law_impulse(Axis& axis, Moment moment, double impulse) {
   (law_in_tree(axis) ? axis.law : axis.damped)[moment] += impulse;
 }
-// What the law gives at this moment where it is at its limit; nothing in the instant of a hit.
+// Impulse of a law that is at its limit, for this moment. It is 0 in the instant of a hit.
 inline double limit_impulse(const Axis& axis, Moment moment, double h) {
   if (axis.at_limit == 0 || moment == kHit) return 0.0;
   const double most = axis.at_limit * h * axis.most;
   return moment == kAhead ? 0.5 * most : most - axis.law[kHit] - axis.law[kAhead];
 }
+// Limit impulse plus this moment's half of the feedforward.
 inline double known_impulse(const Axis& axis, Moment moment, double h) {
   return 0.5 * h * axis.feedforward + limit_impulse(axis, moment, h);
 }
 
-// Puts those laws into the mechanisms' trees.
+// Tells the mechanisms' trees which axes have a law in the tree, and how far each gives way.
 void set_tree_axes(Plant& plant, double h);
-// Returns the largest rate that is missing.
+// Asks the tree for the rates that the laws miss. Returns the largest of them.
 double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h);
+// Adds the tree's answer to the impulses of the laws.
 void take_axis_impulses(Plant& plant, std::size_t mechanism, Moment moment);
-// Forgets the impulses of a step that starts (again).
+// Sets the impulses of laws, stops and hits to zero: a step starts, or starts again.
 void reset_impulses(Plant& plant);
-// Counts what laws at their limit give. Where a law has passed its limit, or its limit is more than it asks
-// for, it takes part otherwise from now on: true, the moment is to be solved again. `as_rows`: what changes
-// is a row, which finds out itself.
+// Notes the impulses of the laws that are at their limit. Then checks each law: one that has passed its
+// limit, or that asks for less than its limit, takes part in another way from now on. Returns true if any
+// did, and the moment must then be solved again. With `as_rows` such a law becomes a row, which finds its
+// side of the limit itself.
 bool change_laws(Plant& plant, Moment moment, double h, bool as_rows);
 
 bool is_asleep(const Plant& plant, const Spring& spring);
-// Where the springs are at t, and what they pull on.
+// Measures the springs' lengths at t and the directions in which they pull.
 void measure_springs(Plant& plant, const world::WorldState& state);
-// Their rates over the look-ahead, where it has led.
+// Measures the rates of their lengths over the look-ahead of h.
 void measure_springs_ahead(Plant& plant, const world::WorldState& state, double h);
-void push_by_springs(Plant& plant, const world::WorldState& state);  // what the look-ahead found, once more
+void push_by_springs(Plant& plant,
+                     const world::WorldState& state);  // repeats the look-ahead's impulses at t+h
 
-// Which contacts and stops are hit hard enough to bounce; true if any.
+// Marks the contacts and stops that are hit hard enough to bounce. Returns true if there are any.
 bool find_hits(Plant& plant, double h);
-// At t+h the two bodies of a contact have slid past each other. Pushed each at a point of its own they would
-// win angular momentum: they meet at the point of that which turns more, as a ball that rolls keeps its
-// lever.
+// Moves each contact to one common point at t+h. The two bodies have slid past each other by then, and
+// impulses at two different points would add angular momentum. The point of the body that turns faster is
+// taken: the lever of a rolling ball then stays as it is.
 void meet_touches(Plant& plant);
-// Contacts move on with the bodies that they are of.
+// Moves the contacts' depths, levers and frames on by a step of length h.
 void carry_touches(Plant& plant, double h);
+// Velocity of A against B along the normal, m/s; positive: they part.
 double normal_speed(const Plant& plant, const Touch& touch);
 
+// Makes the touches of this tick from the contacts that concern this engine's bodies.
 void find_touches(Plant& plant, std::span<const collision::Contact> contacts, const world::WorldState& state);
 
 }  // namespace visum::dynamics::impulse

@@ -1,8 +1,8 @@
 // How a mechanism foresees what its joints give (prediction.h), and learns what they gave. Symbols: tree.h.
 //
-// The foreseen impulse of a joint has no share along the directions in which the joint is free, but for what
-// drives give there: whatever is wrong with it does no work on the joints' motion, and the joints' gaps show
-// all of it. Both bodies get it at the same point: momentum is kept to rounding.
+// The foreseen impulse of a joint has no share along the directions in which the joint is free, except what
+// drives give there. An error in it therefore does no work on the joints' motion, and the joints' gaps show
+// all of it. Both bodies get it at the same point, so momentum is kept to rounding.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -13,16 +13,18 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kMostSwing = 1.5;  // rad in a step: a symmetric one follows 2 at the very most
+constexpr double kMostSwing = 1.5;  // rad in a step; a symmetric step follows 2 at most
 
-// A body that hangs in a joint turns about it, under a tension F, as a string's bead does: with the frequency
-// 2 sqrt(F r / (m r^2 + J)), r from the axis to its centre of mass. Returns its square over F.
+// A body that hangs on a joint swings about it under a tension F, as a bead on a string does. The frequency
+// is 2 sqrt(F r / (m r^2 + J)), with r from the axis to the centre of mass. Returns its square over F,
+// 1/(kg·m).
 double square_of_swing(const BodyConstants& body, const Vector3d& lever, const Vector3d& axis) {
   const Vector3d across = lever - lever.dot(axis) * axis;
   const double moment = body.moments.dot(axis.cwiseAbs2()) + body.mass * across.squaredNorm();
   return 4.0 * across.norm() / moment;
 }
 
+// The same for any joint: 0 if it cannot turn, the larger of two axes if it can turn about several.
 double square_of_swing(const BodyConstants& body, const Motion& free, const Vector3d& lever,
                        const Vector3d& axis) {
   if (free.count == 0 || free.w[0].isZero(0.0)) return 0.0;  // it cannot turn there
@@ -48,7 +50,8 @@ void Mechanism::start_predicting(const Bodies& bodies) {
   }
 }
 
-// What is given at t is half of what a step takes: F = 2 lambda/h. One sum says that no joint is.
+// The impulse at t is half of what a step takes: F = 2 lambda/h. The sum over all joints is below the bound
+// in most steps, and then no single joint can be above it.
 bool Mechanism::is_too_taut(double h) const {
   const double most = 0.5 * kMostSwing * kMostSwing / std::abs(h);
   const std::span<const JointImpulse> given = prediction_.ahead();
@@ -65,6 +68,8 @@ bool Mechanism::is_too_taut(double h) const {
 
 bool Mechanism::predict(const Bodies& bodies) {
   if (!prediction_.is_ready()) return false;
+  // Free roots give nothing. Hinges lose their share about the axis, the other kinds theirs along each free
+  // direction.
   for (const std::size_t root : free_roots_) prediction_.foreseen()[root] = {};
   bodies.kernels().free_hinges_impulses(hinges_.data(), hinges_.size(), poses_[0].pa.data(),
                                         prediction_.foreseen()[0].w.data(), foreseen_axis_.data());
@@ -80,7 +85,7 @@ bool Mechanism::predict(const Bodies& bodies) {
   return true;
 }
 
-// On the coordinate of free direction k.
+// Adds an impulse on the coordinate of free direction k.
 void Mechanism::add_along(std::size_t i, std::size_t k, double impulse) {
   const Vector3d &w = motions_[i].w[k], &v = motions_[i].v[k];
   const double share = impulse / (w.squaredNorm() + v.squaredNorm());

@@ -11,14 +11,14 @@ namespace {
 
 constexpr std::uint64_t kMark = 0x3154'4a44'4552'5056;  // "VPREDJT1"
 constexpr std::size_t kLine = 2;                        // steps until the line is known
-constexpr std::size_t kKnown = 4;                       // until all is
+constexpr std::size_t kKnown = 4;                       // steps until K is known as well
 
 struct Header {
   std::uint64_t mark, newest, count;
   double lengths[2];
 };
 
-// As the kernels have it.
+// The kernels rely on this layout.
 static_assert(sizeof(JointImpulse) == 6 * sizeof(double));
 
 const double* numbers(const JointImpulse* from) {
@@ -32,8 +32,8 @@ Prediction::Prediction(std::size_t joints)
   static_assert(sizeof(Past) == 12 * sizeof(float));
 }
 
-// The line F(s) = f + g s, with the means f - g h1/2 over step 1 and f - g (h1 + h2/2) over step 2, gives
-// lambda = h (f/2 + g h/6).
+// The line F(s) = f + g s has the mean f - g h1/2 over step 1 and f - g (h1 + h2/2) over step 2. Its impulse
+// is lambda = h (f/2 + g h/6).
 void Prediction::begin(double h) {
   if (empty()) return;
   std::memset(static_cast<void*>(given_.data()), 0, given_.size() * sizeof(JointImpulse));
@@ -43,6 +43,7 @@ void Prediction::begin(double h) {
   const double h1 = lengths_[newest_], h2 = lengths_[1 - newest_];
   const double slope = h * (0.25 * h1 + h / 6.0) / (0.5 * (h1 + h2));
   const std::array<double, 2> given_weights{(0.5 * h + slope) / h1, -slope / h2};
+  // K grows with h^2 and goes on as a line. After one known miss it stays constant, before that it is 0.
   const double on = h1 / h2;
   std::array<double, 2> missed_weights{(1.0 + on) * (h / h1) * (h / h1), -on * (h / h2) * (h / h2)};
   if (count_ < kKnown) missed_weights = {count_ > kLine ? (h / h1) * (h / h1) : 0.0, 0.0};
@@ -65,7 +66,7 @@ std::size_t Prediction::bytes() const {
   return empty() ? 0 : sizeof(Header) + past_.size() * sizeof(Past);
 }
 
-// As before the first step: what write() says after it is the same whatever was there before.
+// write() must say the same after it, whatever was there before.
 void Prediction::clear() {
   std::fill(past_.begin(), past_.end(), Past{});
   lengths_ = {};

@@ -1,17 +1,18 @@
-// What a tree's joints will have to give in a step, from what they gave in the last ones: what is left to be
-// solved for is small, or nothing.
+// The prediction of what a tree's joints will have to give in a step, from what they gave in the last steps.
+// The rest that must be solved for is then small, or zero.
 //
-// Symbols: F a joint's reaction; h the step's length; lambda what the joint gives at its start, which closes
-// the gap at its end; P all that it gives in a step, at its start and end together; index 1, 2: the last
-// step and the one before it.
+// Symbols: F a joint's reaction; h the step's length; lambda the impulse at the start of the step, which
+// closes the gap at its end; P all that the joint gives in a step, at start and end together; index 1 the
+// last step, 2 the one before it.
 //   P_1 = integral of F over step 1,  lambda = 1/h integral of (t + h - s) F(s) ds + h^2 K
-// The first part is found from the line through the means P_1/h_1 and P_2/h_2 (steps of one length: 11/12 P_1
-// - 5/12 P_2). K is smooth: it comes of levers and inertias that turn within a step, and of F's curvature. It
-// is what the first part has missed in the last two steps, carried on as a line. Steps of a composition
-// differ in length and direction; the same formulas hold. Sums P are kept, and not lambda alone, because a
-// gap that was closed a step late kicks both ends of a step, once to and once fro.
+// The integral comes from the line through the means P_1/h_1 and P_2/h_2; for steps of one length it is 11/12
+// P_1
+// - 5/12 P_2. K is smooth: it stems from levers and inertias that turn within a step, and from F's curvature.
+// It is what the line has missed in the last two steps, carried on as a line. The steps of a composition
+// differ in length and direction; the same formulas hold. The sums P are kept, not lambda alone: a gap that
+// was closed one step late kicks both ends of a step, once forwards and once back.
 // Source: Adams' way to integrate (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I,
-// III.1), with the weight (t + h - s) of a position in place of a velocity's 1.
+// III.1), with the weight (t + h - s) of a position where a velocity has 1.
 #pragma once
 
 #include <algorithm>
@@ -25,55 +26,66 @@
 
 namespace visum::dynamics::impulse {
 
-// That a joint gives to its child, about its point P, in W; the opposite is the parent's.
+// The impulse that a joint gives to its child, about its point P, in W: N·m·s and N·s. The parent gets the
+// opposite.
 struct JointImpulse {
   Vector3d w = Vector3d::Zero(), v = Vector3d::Zero();
 };
 
+// One joint impulse per joint of a mechanism. Order of calls in a step: begin(), then foreseen impulses and
+// additions, then end() or forget(). Each Mechanism without loops owns one. Nothing fails: bytes of another
+// engine count as "nothing known".
 class Prediction {
  public:
   explicit Prediction(std::size_t joints = 0);
+  // True where the mechanism does not predict.
   bool empty() const { return line_.empty(); }
 
-  // A step of length h starts (again).
+  // Starts a step of length h, or starts it again.
   void begin(double h);
-  bool is_ready() const { return ready_; }  // enough is known for at()
+  bool is_ready() const { return ready_; }  // whether enough is known for at()
   const JointImpulse& at(std::size_t i) const { return foreseen_[i]; }
-  std::span<JointImpulse> foreseen() { return foreseen_; }  // to be changed before it is given
-  void give_foreseen() { std::copy(foreseen_.begin(), foreseen_.end(), given_.begin()); }  // before all else
-  // What the joints give in the step, at its start and at its end: nothing after begin(), to be added to.
+  std::span<JointImpulse> foreseen() { return foreseen_; }  // may be changed before it is given
+  // To be called before anything else is added.
+  void give_foreseen() { std::copy(foreseen_.begin(), foreseen_.end(), given_.begin()); }
+  // The impulses of the joints in this step, at its start and at its end. Zero after begin(); the solver adds
+  // to it.
   std::span<JointImpulse> ahead() { return std::span(given_).first(line_.size()); }
   std::span<const JointImpulse> ahead() const { return std::span(given_).first(line_.size()); }
   std::span<JointImpulse> after() { return std::span(given_).subspan(line_.size()); }
-  void take_back_after() { std::ranges::fill(after(), JointImpulse{}); }  // its end starts again
-  // The step is done. forget(): by something that the next step knows nothing of.
+  void take_back_after() {
+    std::ranges::fill(after(), JointImpulse{});
+  }  // the end of the step is solved again
+  // The step is done. forget(): it is done, but something acted that the next step cannot foresee.
   void end();
   void forget() { count_ = 0; }
 
-  // Its part of the world's state, so that a restored world goes on with the same bits.
+  // Its part of the world's state: a restored world goes on with the same bits.
   std::size_t bytes() const;
-  void read(std::span<const std::byte> from);  // bytes(), or others, that count for nothing
+  void read(std::span<const std::byte> from);  // anything but bytes() of its own counts as nothing known
   void write(std::span<std::byte> to) const;
 
  private:
-  // Of a step that is done, P and what the line has missed: to single precision, which is checked by the
-  // look-ahead as all of it is.
+  // The record of a step: P, and what the line has missed. Single precision is enough, since the look-ahead
+  // checks every foreseen impulse.
   struct Past {
     std::array<float, 6> given, missed;
   };
 
-  // Of the last step, and of the one before it.
+  // The last step, and the one before it.
   const Past* last() const { return past_.data() + newest_ * line_.size(); }
   Past* before() { return past_.data() + (1 - newest_) * line_.size(); }
+  // As before the first step.
   void clear();
 
-  std::vector<JointImpulse> given_;     // in the step, ahead of all joints, then after
-  std::vector<JointImpulse> line_;      // the first part of what is foreseen, of the step that began
-  std::vector<JointImpulse> foreseen_;  // all of it
-  std::vector<Past> past_;              // of two steps, by joint
-  std::array<double, 2> lengths_{};     // of those, s
-  std::size_t newest_ = 0, count_ = 0;  // which of the two is the last one, how many steps are known
-  double h_ = 0.0;
+  std::vector<JointImpulse> given_;     // in this step: `ahead` of all joints, then `after`
+  std::vector<JointImpulse> line_;      // first part of the foreseen impulses: the integral
+  std::vector<JointImpulse> foreseen_;  // the whole
+  std::vector<Past> past_;              // two steps, by joint
+  std::array<double, 2> lengths_{};     // of these, s
+  std::size_t newest_ = 0,
+              count_ = 0;  // newest_: which of the two is the last step; count_: how many are known
+  double h_ = 0.0;         // s, of the step that has begun
   bool ready_ = false;
 };
 

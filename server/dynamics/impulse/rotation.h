@@ -1,4 +1,4 @@
-// exp(u): the rotation by |u| about u.
+// The rotation exp(u): by the angle |u| about u.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -10,7 +10,7 @@ namespace visum::dynamics::impulse {
 inline Eigen::Quaterniond rotation(const Eigen::Vector3d& u) {
   const double half = 0.5 * u.norm();
   const config::SinCos turn = config::sin_cos(half);
-  // sin(a/2)/a, and its limit where a is nothing.
+  // sin(a/2)/a, and its limit where a is 0.
   const double scale = half > 1e-8 ? 0.5 * turn.sin / half : 0.5;
   return {turn.cos, scale * u.x(), scale * u.y(), scale * u.z()};
 }

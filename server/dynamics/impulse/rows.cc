@@ -1,15 +1,18 @@
-// Solves by proximal points (Rockafellar, Monotone operators and the proximal point algorithm, SIAM J.
-// Control and Optimization 14, 1976): each row is softened by s (lambda - c), c where lambda came from, and c
-// follows. Rows that say the same twice, or contradict each other by rounding, then have one answer, the one
-// nearest to the last tick's; at rest the softness is no error at all. A box between two jaws that both stand
-// fast has no room by a rounding: normals of contacts give way a little more, as a spring, and settle.
+// The solver for rows with bounds.
 //
-// What is at rest is not solved: where the impulses that it starts from leave next to nothing missing, they
-// are the answer. Else each point by a sweep of projected Gauss-Seidel, which finds out the rows that are at
-// their bounds, and the others at once (rows_active.cc); where that does not end, by sweeps sped up by
-// nonlinear conjugate gradients: Silcowitz-Hansen, Niebe, Erleben, A nonsmooth nonlinear conjugate gradient
-// method for interactive contact force problems, Visual Computer 26 (2010). A sweep there and back counts as
-// one gradient.
+// It works by proximal points (Rockafellar, Monotone operators and the proximal point algorithm, SIAM J.
+// Control and Optimization 14, 1976). Each row is softened by s (lambda - c), where c is the impulse from
+// which lambda came; c follows after each solution. Rows that repeat or, by rounding, contradict each other
+// then have one answer, the one nearest to the last tick's. At rest the softness causes no error at all. A
+// box between two jaws that both stand fast lacks room by a rounding: there the normals of contacts give way
+// a little more, as a spring, and settle.
+//
+// Rows at rest are not solved: if the starting impulses leave next to nothing missing, they are the answer.
+// Otherwise each proximal point takes a sweep of projected Gauss-Seidel, which finds the rows that are at
+// their bounds, and then solves the others at once (rows_active.cc). Where that does not end, it goes on with
+// sweeps that nonlinear conjugate gradients speed up: Silcowitz-Hansen, Niebe, Erleben, A nonsmooth nonlinear
+// conjugate gradient method for interactive contact force problems, Visual Computer 26 (2010). A sweep
+// forwards and back counts as one gradient.
 #include "server/dynamics/impulse/rows.h"
 
 #include <algorithm>
@@ -21,27 +24,30 @@ namespace visum::dynamics::impulse {
 namespace {
 
 constexpr double kSoftness = 1e-6;   // share of a row's response to itself
-constexpr double kGive = 1e-5;       // likewise, of a contact's normal
-constexpr double kRestShare = 1e-3;  // of what may be left: what is left at rest stays
+constexpr double kGive = 1e-5;       // the same, for a contact's normal
+constexpr double kRestShare = 1e-3;  // share of the allowed miss that counts as rest
+// Proximal points in one solution.
 constexpr int kMostPoints = 4;
-constexpr int kMostRounds = 8;  // of sweeps and a solution of what they leave within its bounds
+constexpr int kMostRounds = 8;  // rounds of sweeps and a solution at once, for one proximal point
 
+// How much the velocity of a block's first row changes for a unit impulse.
 double stiffness_of(const RowBlock& block) {
   return block.K[0] + block.compliance + block.softness[0];
 }
 
-// Where nothing can move a contact, none of its impulses is defined.
+// True if the block has tangents that can move. Where nothing can move a contact, none of its impulses is
+// defined.
 bool has_tangents(const RowBlock& block) {
   return block.kind != RowBlock::Kind::kBounded && stiffness_of(block) > kRigid * block.free_response;
 }
 
-// 1 over the larger eigenvalue of the tangents' response.
+// Step size for sliding: 1 over the larger eigenvalue of the tangents' response.
 double sliding_step(const RowBlock& block) {
   const double a = block.K[1] + block.softness[1], b = block.K[3], c = block.K[2] + block.softness[2];
   return 2.0 / (a + c + std::sqrt((a - c) * (a - c) + 4.0 * b * b));
 }
 
-// Adds what impulses on the rows of an end do to its free body.
+// Adds to a free body's velocities the effect of impulses on the rows of an end.
 void push_body(const RowEnd& end, const std::array<double, 3>& by, double* velocities) {
   std::array<double, 6> now;
   std::copy(velocities, velocities + 6, now.begin());
@@ -52,12 +58,14 @@ void push_body(const RowEnd& end, const std::array<double, 3>& by, double* veloc
   std::copy(now.begin(), now.end(), velocities);
 }
 
+// Inverts the tangents' 2 x 2 response, softened.
 void invert_tangents(RowBlock& block) {
   const double a = block.K[1] + block.softness[1], b = block.K[3], c = block.K[2] + block.softness[2];
   const double share = 1.0 / (a * c - b * b);
   block.inverse_tangential = {share * c, -share * b, share * a};
 }
 
+// Moves the proximal point to the present impulses; a yielding normal keeps its `rest`.
 void move_centre(RowBlock& block) {
   block.centre = block.lambda;
   if (block.gives) block.centre[0] = block.rest;
@@ -77,11 +85,13 @@ void Rows::prepare() {
   for (RowBlock& block : blocks) {
     for (std::size_t e = 0; e < block.end_count; ++e) {
       const RowEnd& end = block.ends[e];
+      // A mechanism's share of K is on the diagonal of its W.
       if (end.free) continue;
       const double* W = &responses[end.response + end.first * end.size + end.first];
       for (std::size_t i = 0; i < block.dim; ++i) block.K[i] += W[i * end.size + i];
       if (block.dim == 3) block.K[3] += W[end.size + 2];
     }
+    // The proximal softness follows from K. Both tangents get the same value.
     block.softness[0] = (block.gives ? kGive : kSoftness) * block.K[0];
     if (block.kind == RowBlock::Kind::kBounded) continue;
     block.softness[1] = block.softness[2] =
@@ -97,12 +107,12 @@ void Rows::soften(double share) {
   }
 }
 
-// Impulses, to the velocities.
 void Rows::push(const RowBlock& block, const std::array<double, 3>& by) {
   for (std::size_t e = 0; e < block.end_count; ++e) {
     const RowEnd& end = block.ends[e];
     double* velocity = &velocities[end.offset];
     if (end.free) {
+      // A mechanism: each impulse moves all of its rows.
       push_body(end, by, velocity);
       continue;
     }
@@ -122,14 +132,15 @@ void Rows::change(RowBlock& block, const std::array<double, 3>& by) {
   }
 }
 
-// What is missing from a row's equation.
+// The miss of a row's equation: target - u - k lambda - s (lambda - c).
 double Rows::error(const RowBlock& block, std::size_t row) const {
   const double soft = block.softness[row] * (block.lambda[row] - block.centre[row]);
   const double error = block.target[row] - velocity(block, row) - soft;
   return row == 0 ? error - block.compliance * block.lambda[0] : error;
 }
 
-// Where nothing can move the row: a drive gives what it may against what it misses, a stop nothing.
+// The change for a row that nothing can move. A drive gives what it may against what it misses; a stop gives
+// nothing.
 double Rows::step_of_rigid(const RowBlock& block) const {
   if (block.kind != RowBlock::Kind::kBounded) return 0.0;
   const double least = kRigid * block.free_response, now = block.lambda[0];
@@ -137,7 +148,7 @@ double Rows::step_of_rigid(const RowBlock& block) const {
   return std::clamp(may ? now + error(block, 0) / least : now, block.low, block.high) - now;
 }
 
-// The change that brings the row to its equation, or to its bound.
+// The change that brings the first row to its equation, or to its bound.
 double Rows::normal_step(const RowBlock& block) const {
   const double stiffness = stiffness_of(block);
   if (!(stiffness > kRigid * block.free_response)) return step_of_rigid(block);
@@ -165,7 +176,8 @@ Tangential Rows::tangents_step(const RowBlock& block) const {
   const double radius = block.friction * pressure(block);
   const auto& inverse = block.inverse_tangential;
   Tangential held{start[0] + inverse[0] * e1 + inverse[1] * e2, start[1] + inverse[1] * e1 + inverse[2] * e2};
-  // Where it slides, friction is to lie along the sliding: a step of one size for both directions.
+  // A sliding contact's friction must point against the sliding, so both directions take a step of the same
+  // size.
   if (!is_within_disc(held, radius)) {
     const double step = sliding_step(block);
     held = within_disc({start[0] + step * e1, start[1] + step * e2}, radius);
@@ -173,7 +185,8 @@ Tangential Rows::tangents_step(const RowBlock& block) const {
   return {held[0] - start[0], held[1] - start[1]};
 }
 
-// Returns by how much the velocities were not as the block's rows ask.
+// Returns by how much the velocities were not as the block's rows ask. The normal comes first: the tangents'
+// bound depends on it.
 double Rows::relax(RowBlock& block) {
   const double by = normal_step(block);
   change(block, {by, 0.0, 0.0});
@@ -184,7 +197,7 @@ double Rows::relax(RowBlock& block) {
   return std::max({normal, std::abs(along[0]) * block.K[1], std::abs(along[1]) * block.K[2]});
 }
 
-// As a sweep finds it, but that its blocks move nothing on the way.
+// The same figure as a sweep finds, but here no block moves anything.
 double Rows::largest_miss() const {
   double largest = 0.0;
   for (const RowBlock& block : blocks) {
@@ -203,7 +216,7 @@ double Rows::sweep(bool forwards) {
   return largest;
 }
 
-// Puts into the velocities what lambda starts with, which is the first proximal point's centre.
+// Puts the starting impulses into the velocities. They are the first proximal point, too.
 void Rows::start() {
   for (RowBlock& block : blocks) {
     std::array<double, 3> by{};
@@ -222,8 +235,8 @@ double Rows::largest_change() const {
   return largest;
 }
 
-// Whether next to nothing is missing with the impulses that it starts from. Where mechanisms take part a
-// sweep costs no more than to look.
+// True if next to nothing is missing with the starting impulses. With mechanisms this test is skipped: a
+// sweep costs no more than the look.
 bool Rows::is_at_rest(double least, double share, double rest) {
   if (rest == 0.0 || !responses.empty()) return false;
   largest_ = std::max(largest_, largest_change());
@@ -234,9 +247,12 @@ double Rows::solve(int most_sweeps, double least, double share, double rest) {
   start();
   rests_ = is_at_rest(least, share, rest);
   if (rests_) return 0.0;
+  // One sweep tells which rows are at their bounds, and how large the changes are.
   const double missed = sweep(true);
   largest_ = std::max(largest_, largest_change());
   const double enough = std::max(least, share * largest_);
+  // From proximal point to proximal point, until the softness leaves no error. A yielding normal is meant to
+  // stay soft.
   for (int point = 0; point < kMostPoints; ++point) {
     if (settle(enough) > enough) {
       sweep_and_accelerate(most_sweeps, enough);
@@ -260,9 +276,9 @@ double Rows::sweep_gently(int sweeps) {
   return missed;
 }
 
-// After a sweep, which has found out what is at its bounds. Where mechanisms take part more sweeps come
-// before a solution at once, which is dear there, and after it: what they smooth is not left to the next
-// look-ahead. Returns how much is missing at the end.
+// Comes after a sweep, which has found the rows at their bounds. With mechanisms a solution at once is dear,
+// so two more sweeps come before it and after it; what they smooth is not left to the next look-ahead.
+// Returns the largest miss at the end.
 double Rows::settle(double enough) {
   const bool alone = responses.empty();
   double largest = 0.0;
@@ -292,7 +308,8 @@ double Rows::sweep_and_accelerate(int most_sweeps, double enough) {
     if (largest <= enough) return largest;
     largest = sweep(false);
     if (largest <= enough || k + 1 == most_sweeps) return largest;
-    // The gradient is what the sweeps have moved. Where it grows, its past is forgotten.
+    // The gradient is what the two sweeps have moved. Where it grows, the directions of before are dropped
+    // (Fletcher-Reeves with restart).
     double norm = 0.0;
     for (std::size_t i = 0; i < velocities.size(); ++i) {
       const double moved = velocities[i] - last_velocities_[i];
@@ -301,6 +318,7 @@ double Rows::sweep_and_accelerate(int most_sweeps, double enough) {
     const double beta = last_norm > 0.0 ? norm / last_norm : 2.0;
     last_norm = norm;
     const double keep = beta <= 1.0 ? beta : 0.0;
+    // Along the old direction once more, for velocities and impulses alike.
     for (std::size_t i = 0; i < velocities.size(); ++i) {
       const double old = direction_velocities_[i];
       direction_velocities_[i] = keep * old + velocities[i] - last_velocities_[i];

@@ -1,8 +1,8 @@
-// Impulses that know bounds: contacts, stops, drives at their limit, springs. A row (three for a contact)
-// asks
-//     u + k lambda >= or = target,  lambda within its bounds
-// with u a relative velocity. Velocities are kept flat: six for each free body that a row touches (angular,
-// linear), and for each mechanism that one touches, one for each row on it, with the mechanism's response W.
+// Rows are impulses with bounds: contacts, stops, drives at their limit, springs. A row asks for
+//   u + k lambda >= target  or  = target,  lambda within its bounds
+// Here u is a relative velocity, lambda the row's impulse and k its compliance. A contact has three rows.
+// Velocities are kept in one flat list: six for each body without joints that a row touches (angular, then
+// linear), and one for each row on a mechanism, whose rows answer each other by the mechanism's response W.
 #pragma once
 
 #include <array>
@@ -17,72 +17,82 @@
 
 namespace visum::dynamics::impulse {
 
-// Share of a free response below which a row has none: what joints hold fast cannot be moved, and no impulse
-// of a contact or a stop is defined there.
+// Smallest response that counts, as a share of the response without joints. Below it the joints hold the row
+// fast: nothing can move it, and the impulse of a contact or a stop is not defined there.
 inline constexpr double kRigid = 1e-9;
 
-// What a block's rows reach on a free body: directions there, angular and linear.
+// The directions of a block's rows on one body, angular before linear.
 using Reach = std::array<std::array<double, 6>, 3>;
 
-// One end of a row's block. `sign`s are in J.
+// One end of a block of rows: a body without joints, or a mechanism. Signs are part of J.
 struct RowEnd {
-  RowEnd() {}  // J and MJ are not set: most of what a block weighs
+  RowEnd() {}  // J and MJ stay unset: they are most of a block's size
 
-  std::size_t offset = 0;  // of the body's or mechanism's velocities
+  std::size_t offset = 0;  // of the body's or the mechanism's velocities
+  // true: on a body without joints; false: on a mechanism
   bool free = true;
-  Reach J, MJ;                      // free body: directions, and what an impulse along them does
-  std::size_t mechanism = 0;        // mechanism: its number
-  std::size_t first = 0, size = 0;  // mechanism: the first of its rows, and how many it has
-  std::size_t response = 0;         // of W in Rows::responses
+  Reach J, MJ;                // body: directions, and the velocity that a unit impulse along each gives
+  std::size_t mechanism = 0;  // mechanism: its index in the plant
+  std::size_t first = 0,
+              size = 0;  // mechanism: the first of the block's rows there, and the number of all rows there
+  std::size_t response = 0;  // mechanism: where its W begins in Rows::responses
 };
 
-// Of a direction and a free body's velocities.
+// Velocity along a direction, from the six velocities of a free body.
 inline double dot(const std::array<double, 6>& a, const double* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
 }
 
+// Up to three rows that share bodies and bounds. kContact: normal and two tangents. kTwist: torsional and
+// rolling friction of a contact. kBounded: one row with two bounds (stop, law, damping, spring).
 struct RowBlock {
-  RowBlock() {}  // likewise
+  RowBlock() {}  // leaves the large arrays unset, as RowEnd does
 
   enum class Kind { kContact, kTwist, kBounded };
   Kind kind = Kind::kBounded;
-  std::size_t dim = 1;  // contact, twist: 3, about or along the normal first
+  std::size_t dim = 1;  // number of rows; contact, twist: 3, the one along (about) the normal first
   std::array<RowEnd, 2> ends;
   std::size_t end_count = 0;
 
+  // The relative velocity that each row asks for, m/s or rad/s.
   std::array<double, 3> target{};
-  double compliance = 0.0;          // bounded
-  double low = 0.0, high = 0.0;     // bounded: of lambda; contact: low, of the normal
-  double friction = 0.0;            // contact; twist: of rolling, m
-  double torsion = 0.0;             // twist, m
-  std::size_t contact = 0;          // twist: the block whose normal presses, an earlier one
-  std::array<double, 3> base{};     // contact, twist: impulses of before, which count for the bounds
-  std::array<double, 3> lambda{};   // in: where to start, out
-  std::array<double, 3> applied{};  // what of lambda the velocities hold already
+  double compliance = 0.0;          // bounded: k, in (m/s)/(N·s) or (rad/s)/(N·m·s)
+  double low = 0.0, high = 0.0;     // bounded: of lambda; contact: `low` is that of the normal
+  double friction = 0.0;            // contact: coefficient; twist: of rolling friction, m
+  double torsion = 0.0;             // twist: of torsional friction, m
+  std::size_t contact = 0;          // twist: the block whose normal presses on it, an earlier one
+  std::array<double, 3> base{};     // contact, twist: impulses of earlier moments, which count for the bounds
+  std::array<double, 3> lambda{};   // before solve(): where to start; after it: the solution
+  std::array<double, 3> applied{};  // the part of lambda that the velocities already contain
 
-  bool gives = false;  // contact: its normal yields a little (rows.cc), not at all at the impulse `rest`
+  bool gives = false;  // contact: its normal yields a little (rows.cc), around the impulse `rest`
   double rest = 0.0;
 
-  // What a response is measured by. Contact, twist: of its bodies, were they not jointed; stop, law: of its
-  // axis, were there no loops.
+  // The response that others are compared with. Contact, twist: of the bodies, as if they had no joints.
+  // Stop, law: of the axis, as if there were no loops.
   double free_response = 0.0;
 
-  // Response of each row to itself, and of the tangents to each other: of free bodies by Rows::respond(), of
-  // mechanisms by Rows::prepare(), which makes what follows.
+  // Response of each row to itself, and fourth the two tangents' response to each other. Rows::respond() adds
+  // the bodies' part, Rows::prepare() the mechanisms', and prepare() also computes the members below.
   std::array<double, 4> K{};
-  std::array<double, 3> inverse_tangential{};  // of their part of K, softened: 11, 12, 22
-  std::array<double, 3> softness{};            // of the proximal point, rows.cc
+  std::array<double, 3> inverse_tangential{};  // of the tangents' part of K, softened: entries 11, 12, 22
+  std::array<double, 3> softness{};            // of the proximal point, see rows.cc
+  // The proximal point: the impulses that the softness pulls towards.
   std::array<double, 3> centre{};
-  bool drags = false;     // rows_active.cc: slides, its friction follows its normal
-  bool at_bound = false;  // rows_active.cc: its tangents were led to their bound, and stay there
+  bool drags = false;     // rows_active.cc: it slides, and its friction follows its normal
+  bool at_bound = false;  // rows_active.cc: its tangents have met their bound and stay there
 };
 
+// Solves a set of rows with bounds. Order of calls: clear(), fill blocks, velocities, bodies and responses,
+// prepare(), then solve() any number of times. Owned by Bounded, used on the tick's thread. Allocates only
+// while it grows. Where no answer exists, the result may be NaN or infinite; the caller looks at that.
 class Rows {
  public:
   explicit Rows(const Kernels& by = kernels()) : kernels_(&by) {}
   void clear();  // keeps the memory
-  // Of a block's end on a free body, whose J is set: MJ, and its share of the block's K. Of three rows along
-  // a frame's columns, or against them, at a lever from the centre of mass: J, too.
+  // Computes MJ of an end on a free body from its J, and adds the end's share to the block's K.
+  // respond_at_point() also computes J, for three rows along the columns of a frame (sign +1) or against them
+  // (-1), at a lever from the centre of mass.
   void respond(RowBlock& block, RowEnd& end, const double* inverse_inertia, double inverse_mass) const {
     kernels_->respond_to_rows(end.J[0].data(), block.dim, inverse_inertia, inverse_mass, end.MJ[0].data(),
                               block.K.data());
@@ -93,73 +103,107 @@ class Rows {
                                end.MJ[0].data(), block.K.data());
   }
 
+  // Input and output, filled by Bounded.
   std::vector<RowBlock> blocks;
   std::vector<double> velocities;
-  std::vector<FreeBody> bodies;   // the free ones, in their order in the velocities
+  std::vector<FreeBody> bodies;   // the free ones, in the order of their velocities
   std::vector<double> responses;  // W of each mechanism that has rows, one after the other
 
+  // Completes the blocks' K and softness, once all ends are known.
   void prepare();
-  // Finds the impulses, but for `least`, m/s or rad/s, or the share of the largest change since clear();
-  // velocities and `applied` follow. Returns by how much the rows were not as they ask to be before.
-  // If no more is missing than the share `rest` of what may be left at rest, nothing is done; 0: solves.
+  // Finds the impulses; velocities and `applied` follow. Stops when no row misses more than `least` (m/s or
+  // rad/s), or more than `share` of the largest change of velocity since clear(). Returns the largest miss of
+  // the first sweep. Does nothing if the start misses no more than the share `rest` of the miss that is
+  // allowed at rest; 0: always solves.
   double solve(int most_sweeps, double least, double share, double rest);
-  // What joints all but block gives way from now on, by a share of what its bodies would, were they free.
+  // Softens every row from now on by a share of the response that its bodies would have without joints.
   void soften(double share);
-  // A few sweeps alone: what impulses hold against each other stays small, be it far from what is asked.
+  // A few sweeps only. Impulses that push against each other stay small, even if the rows are far from their
+  // targets.
   double sweep_gently(int sweeps);
-  bool rests() const { return rests_; }  // nothing was to be done in the last solve()
-  double velocity(const RowBlock& block, std::size_t row) const;  // relative, along the row
+  bool rests() const { return rests_; }  // the last solve() had nothing to do
+  double velocity(const RowBlock& block,
+                  std::size_t row) const;  // relative velocity along the row, m/s or rad/s
 
  private:
-  // A row that is solved for; the normal of what slides carries its friction along.
+  // A row of the system that is solved at once. The normal of a sliding contact carries its friction along
+  // (`drag`, by tangent).
   struct Row {
     std::size_t block, row;
     std::array<double, 2> drag{};
   };
 
-  // Of a step, up to a bound: of its first row, and of its tangents, or what rolls.
+  // The share of a step that a block can take before it meets a bound: of its first row, and of its tangents
+  // (or rolling).
   struct Shares {
     double first = 1.0, tangents = 1.0;
   };
 
+  // One projected Gauss-Seidel sweep over all blocks. Returns the largest miss that it found.
   double sweep(bool forwards);
+  // Sweeps with nonlinear conjugate gradients, until nothing misses more than `enough`. Returns the largest
+  // miss.
   double sweep_and_accelerate(int most_sweeps, double enough);
+  // Alternates sweeps with solutions at once for one proximal point. Returns the largest miss.
   double settle(double enough);
+  // The miss of a row's equation, m/s or rad/s.
   double error(const RowBlock& block, std::size_t row) const;
+  // Corrects one block. Returns the largest miss that it found.
   double relax(RowBlock& block);
+  // Change of impulse for a row that nothing can move.
   double step_of_rigid(const RowBlock& block) const;
+  // Change of impulse that brings a block's first row to its equation or its bound.
   double normal_step(const RowBlock& block) const;
+  // Change of impulse of the tangents, within the friction disc.
   Tangential tangents_step(const RowBlock& block) const;
+  // True if the impulses at the start are good enough to be the answer.
   bool is_at_rest(double least, double share, double rest);
+  // Largest miss of any block, without correcting it.
   double largest_miss() const;
+  // Largest change of velocity that any impulse has made to its own row.
   double largest_change() const;
-  // The contact's normal impulse so far; of a twist that of its contact.
+  // Normal impulse so far, N·s; of a twist that of its contact.
   double pressure(const RowBlock& block) const;
+  // Adds impulses to the velocities.
   void push(const RowBlock& block, const std::array<double, 3>& by);
+  // Adds impulses to the velocities, to lambda and to applied.
   void change(RowBlock& block, const std::array<double, 3>& by);
+  // Puts the starting impulses into the velocities, and the proximal points there.
   void start();
 
-  // rows_active.cc. False where there is nothing to be solved at once, or too much.
+  // rows_active.cc: solves all rows within their bounds at once. Returns false if there are too many of them.
   bool solve_active(double enough);
+  // Velocity of row r of block a for a unit impulse on row s of block b.
   double response(const RowBlock& a, std::size_t r, const RowBlock& b, std::size_t s) const;
+  // Velocity of row a for the friction that row b drags along.
   double dragged(const Row& a, const Row& b) const;
+  // Puts a contact's, and a twist's, rows into the active list.
   void add_contact(std::size_t index);
   void add_twist(std::size_t index);
+  // Lists the active rows: those within their bounds.
   void find_active();
+  // Factors their system, by bodies or by rows. Returns false where it is too large or has no positive pivot.
   bool factor_active();
   bool factor_rows();
+  // Solves the factored system: from the misses in missing_ to the changes of impulse.
   void solve_factored();
+  // Fills missing_ with the active rows' misses. Returns the largest.
   double find_missing();
+  // The nearest impulses that a block's bounds allow, given the pressure on a twist.
   static std::array<double, 3> within_bounds(const RowBlock& block, const std::array<double, 3>& lambda,
                                              double pressure);
   Shares shares_within_bounds(const RowBlock& block, const std::array<double, 3>& step) const;
   bool step_active();
 
-  // rows_bodies.cc
+  // rows_bodies.cc: the same system with the bodies' velocities as unknowns.
   double softness(const Row& row) const;
+  // True if all active rows are on free bodies only, and soft.
   bool bodies_alone() const;
+  // Impulse on a body for a unit impulse of the row, with the friction that it drags along.
   BodyFactor::Vector6 push(const Row& row, const RowEnd& end) const;
+  // The active rows from `i` on that belong to one block.
   std::span<const Row> rows_of_block(std::size_t i) const;
+  // Adds the rows of one block to the bodies' system.
   void add_to_bodies(std::span<const Row> rows);
   bool factor_bodies(std::size_t most_entries);
   void solve_bodies();
@@ -170,12 +214,13 @@ class Rows {
   EnvelopeLu factor_;
   BodyFactor body_factor_;
   std::vector<double> body_steps_;
-  bool by_bodies_ = false;  // which of the two factors holds
+  bool by_bodies_ = false;  // which of the two factors is in use
+  // Misses of the active rows, then their changes of impulse.
   std::vector<double> missing_;
-  std::vector<std::array<double, 3>> steps_;  // by block
-  std::vector<Shares> shares_;                // of those, by block
+  std::vector<std::array<double, 3>> steps_;  // by block: change of impulse
+  std::vector<Shares> shares_;                // by block: how much of steps_ fits
   bool rests_ = false;
-  double largest_ = 0.0;  // change that a solution began with since clear()
+  double largest_ = 0.0;  // largest change that a solution began with since clear()
   std::vector<double> last_lambda_, last_velocities_, direction_lambda_, direction_velocities_;
 };
 

@@ -1,10 +1,12 @@
 // The rows that are within their bounds, solved at once: the subspace step of Silcowitz-Hansen, Niebe,
 // Erleben, Projected Gauss-Seidel subspace minimization method for interactive rigid body dynamics, GRAPP
-// 2010. Sweeps find out which rows those are; the step finds their impulses, whatever the ratio of masses is.
+// 2010. Sweeps find out which rows those are. The step then finds their impulses, whatever the ratio of
+// masses is.
 //
-// Symbols: A response of the rows that are free to each other, S softness and compliance, r what they miss.
-//   (A + S) dl = r, as far as the first bound
-// Where the rows hold free bodies only, through the bodies (body_factor.h), else as it stands.
+// Symbols: A is the response of these rows to each other, S their softness and compliance, r what they miss.
+//   (A + S) dl = r, taken as far as the first bound
+// Where the rows hold free bodies only, the system is solved for the bodies (body_factor.h), otherwise as it
+// stands.
 #include <algorithm>
 #include <cmath>
 
@@ -14,28 +16,33 @@
 namespace visum::dynamics::impulse {
 namespace {
 
+// Solutions with the same active rows.
 constexpr int kMostRefinements = 2;
-constexpr int kMostSteps = 8;                  // from bound to bound
-constexpr std::size_t kMostEntries = 400'000;  // of the factor: beyond, sweeps alone are quicker
-constexpr double kInside = 1.0 - 1e-9;         // share of the friction's radius up to which a contact sticks
-constexpr double kAtBound = 1e-9;              // share of a step, or of a radius, that is as good as none
+constexpr int kMostSteps = 8;                  // steps in a row, each up to the next bound
+constexpr std::size_t kMostEntries = 400'000;  // of the factor: beyond this, sweeps alone are quicker
+constexpr double kInside =
+    1.0 - 1e-9;                    // share of the friction radius up to which a contact counts as sticking
+constexpr double kAtBound = 1e-9;  // share of a step, or of a radius, that counts as zero
 
-// The largest a of 0..1 with a dx <= room; all of it where it leads back to the bound from beyond.
+// The largest a in 0..1 with a dx <= room. Where a step leads back to the bound from beyond, all of it.
 double share_below(double room, double dx) {
   return dx <= room || dx <= 0.0 ? 1.0 : std::max(0.0, room / dx);
 }
 
-// The largest a of 0..1 with |t + a dt| <= r + a dr.
+// The largest a in 0..1 with |t + a dt| <= r + a dr: how far a step of the tangents stays in the friction
+// disc, whose radius changes along.
 double share_within_cone(const Tangential& t, const Tangential& dt, double r, double dr) {
   const double A = dt[0] * dt[0] + dt[1] * dt[1] - dr * dr, B = t[0] * dt[0] + t[1] * dt[1] - r * dr;
   const double C = std::min(0.0, t[0] * t[0] + t[1] * t[1] - r * r);
   if (A + 2.0 * B + C <= 0.0 && r + dr >= 0.0) return 1.0;
   if (C >= -kAtBound * r * r && B > 0.0) return 0.0;
-  // One root of A a^2 + 2 B a + C on each side of 0, or both on that of A.
+  // A a^2 + 2 B a + C has one root on each side of 0, or both on the same side as A. This form loses no
+  // digits.
   const double root = std::sqrt(std::max(0.0, B * B - A * C));
   return std::min(1.0, B > 0.0 ? -C / (B + root) : (root - B) / A);
 }
 
+// True if two ends, or two blocks, share a body or mechanism.
 bool meet(const RowEnd& a, const RowEnd& b) {
   return a.free == b.free && a.offset == b.offset;
 }
@@ -49,7 +56,7 @@ bool meet(const RowBlock& a, const RowBlock& b) {
 
 }  // namespace
 
-// What an impulse on row s of b does to row r of a, and the other way round.
+// The velocity that a unit impulse on row s of b causes in row r of a, and the other way round.
 double Rows::response(const RowBlock& a, std::size_t r, const RowBlock& b, std::size_t s) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.end_count; ++i) {
@@ -63,7 +70,7 @@ double Rows::response(const RowBlock& a, std::size_t r, const RowBlock& b, std::
   return sum;
 }
 
-// What b's friction does to row a, where it is dragged along.
+// The velocity that b's friction causes in row a, if b's normal drags friction along.
 double Rows::dragged(const Row& a, const Row& b) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < 2; ++i)
@@ -71,7 +78,8 @@ double Rows::dragged(const Row& a, const Row& b) const {
   return sum;
 }
 
-// What slides takes part with its normal, and with its tangents again where it is asked to slide less.
+// A sliding contact takes part with its normal only. Its tangents come back once they are asked to slide
+// less.
 void Rows::add_contact(std::size_t index) {
   RowBlock& block = blocks[index];
   if (block.K[0] <= kRigid * block.free_response || !(block.lambda[0] > block.low)) return;
@@ -89,7 +97,7 @@ void Rows::add_contact(std::size_t index) {
   active_.push_back({index, 2});
 }
 
-// What rolls or spins against its friction is left at the bound.
+// Rolling or spinning against friction stays at its bound and takes no part.
 void Rows::add_twist(std::size_t index) {
   const RowBlock& block = blocks[index];
   if (block.K[0] <= kRigid * block.free_response) return;
@@ -133,6 +141,7 @@ void Rows::solve_factored() {
 }
 
 bool Rows::factor_rows() {
+  // The pattern: each row begins at the first active row that it shares a body or mechanism with.
   factor_.clear();
   std::size_t block = kNoBlock, first = 0;
   for (std::size_t i = 0; i < active_.size(); ++i) {
@@ -165,7 +174,6 @@ double Rows::find_missing() {
   return largest;
 }
 
-// The nearest impulses that the block's bounds allow, under the pressure on a twist.
 std::array<double, 3> Rows::within_bounds(const RowBlock& block, const std::array<double, 3>& lambda,
                                           double pressure) {
   if (block.kind == RowBlock::Kind::kBounded) return {std::clamp(lambda[0], block.low, block.high), 0.0, 0.0};
@@ -179,12 +187,12 @@ std::array<double, 3> Rows::within_bounds(const RowBlock& block, const std::arra
   return {normal, held[0] - block.base[1], held[1] - block.base[2]};
 }
 
-// Of the block's step, as much as its bounds allow, which move with the pressure. What slides follows its
-// normal.
+// How much of a block's step its bounds allow; they move with the pressure. The tangents of a sliding contact
+// follow its normal, and limit nothing.
 Rows::Shares Rows::shares_within_bounds(const RowBlock& block, const std::array<double, 3>& step) const {
   Shares shares;
   const double dx = step[0];
-  double pressing = 0.0;  // what the step adds to the pressure
+  double pressing = 0.0;  // how much the step adds to the pressure
   if (block.kind == RowBlock::Kind::kTwist) {
     pressing = steps_[block.contact][0];
     const double most = block.torsion * pressure(block), spun = block.lambda[0] + block.base[0];
@@ -205,15 +213,18 @@ Rows::Shares Rows::shares_within_bounds(const RowBlock& block, const std::array<
   return shares;
 }
 
-// Moves by what missing_ holds, as far as the first bound; what meets it stays there. Impulses that hold each
-// other in balance do so no more when some of them are taken back. False where a bound was met.
+// Moves by the changes in missing_, as far as the first bound; a row that meets its bound stays there.
+// Impulses that balance each other would no longer do so if only some of them were cut, so all rows take the
+// same share of the step. Returns false where a bound was met.
 bool Rows::step_active() {
+  // The step of each block, with the friction that follows its normal.
   steps_.assign(blocks.size(), {});
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const Row& row = active_[i];
     steps_[row.block][row.row] += missing_[i];
     for (std::size_t k = 0; k < 2; ++k) steps_[row.block][k + 1] += row.drag[k] * missing_[i];
   }
+  // The smallest share that any block can take.
   shares_.resize(blocks.size());
   double share = 1.0;
   for (std::size_t k = 0; k < blocks.size(); ++k) {
@@ -226,10 +237,10 @@ bool Rows::step_active() {
     std::array<double, 3> next = block.lambda;
     for (std::size_t i = 0; i < 3; ++i) next[i] += share * steps_[k][i];
     const bool twists = block.kind == RowBlock::Kind::kTwist;
-    // But for rounding it is there.
+    // Exactly onto the bound: only rounding keeps it away.
     if (stops(shares_[k].first) && !twists) next[0] = steps_[k][0] < 0.0 ? block.low : block.high;
     if (stops(shares_[k].tangents)) block.at_bound = true;
-    // A twist's contact comes before it, and its step is what it has made of it by now.
+    // A twist's contact stands before it in the list, so its step has been limited already.
     const double pressing = twists ? std::max(0.0, pressure(block) + steps_[block.contact][0]) : 0.0;
     const std::array<double, 3> allowed = within_bounds(block, next, pressing);
     for (std::size_t i = 0; i < 3; ++i) steps_[k][i] = allowed[i] - block.lambda[i];
@@ -240,6 +251,7 @@ bool Rows::step_active() {
 
 bool Rows::solve_active(double enough) {
   for (RowBlock& block : blocks) block.at_bound = false;
+  // From active set to active set. Where the factor fails, it is tried once more without dragged friction.
   for (int step = 0; step < kMostSteps; ++step) {
     find_active();
     if (active_.empty()) return true;

@@ -1,5 +1,5 @@
-// The rows that are within their bounds, where they hold free bodies only: solved for the bodies
-// (body_factor.h, whose symbols these are).
+// The rows within their bounds, where they hold free bodies only: solved for the bodies' velocities. Symbols
+// as in body_factor.h.
 #include <algorithm>
 
 #include "server/dynamics/impulse/rows.h"
@@ -7,6 +7,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
+// Velocity along a direction.
 double along(const BodyFactor::Vector6& a, const double* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
 }
@@ -27,7 +28,7 @@ bool Rows::bodies_alone() const {
   });
 }
 
-// An impulse on the row, with the friction that it drags along.
+// Unit impulse on the row, with the friction that it drags along.
 BodyFactor::Vector6 Rows::push(const Row& row, const RowEnd& end) const {
   BodyFactor::Vector6 push = end.J[row.row];
   for (std::size_t i = 0; i < 2; ++i)
@@ -36,7 +37,6 @@ BodyFactor::Vector6 Rows::push(const Row& row, const RowEnd& end) const {
   return push;
 }
 
-// The active rows from `i` on that are of one block.
 std::span<const Rows::Row> Rows::rows_of_block(std::size_t i) const {
   std::size_t end = i + 1;
   while (end < active_.size() && active_[end].block == active_[i].block) ++end;
@@ -44,6 +44,7 @@ std::span<const Rows::Row> Rows::rows_of_block(std::size_t i) const {
 }
 
 void Rows::add_to_bodies(std::span<const Row> rows) {
+  // Each row adds  p j^T / s  to the blocks of its one or two bodies.
   const RowBlock& block = blocks[rows[0].block];
   std::array<std::array<BodyFactor::Vector6, 3>, 2> pushed, measured;
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -61,6 +62,7 @@ void Rows::add_to_bodies(std::span<const Row> rows) {
 }
 
 bool Rows::factor_bodies(std::size_t most_entries) {
+  // Without dragged friction the matrix is symmetric, and half of the work is saved.
   const bool symmetric = std::none_of(active_.begin(), active_.end(), [](const Row& row) {
     return row.drag[0] != 0.0 || row.drag[1] != 0.0;
   });
@@ -78,6 +80,7 @@ bool Rows::factor_bodies(std::size_t most_entries) {
 }
 
 void Rows::solve_bodies() {
+  // Right side: sum p r / s.
   body_steps_.assign(6 * bodies.size(), 0.0);
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const RowBlock& block = blocks[active_[i].block];
@@ -88,6 +91,7 @@ void Rows::solve_bodies() {
     }
   }
   body_factor_.solve(body_steps_);
+  // Back to the rows: l = (r - j dv)/s.
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const RowBlock& block = blocks[active_[i].block];
     double left = missing_[i];

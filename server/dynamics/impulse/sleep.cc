@@ -7,12 +7,14 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kAtRest = 1e-4;  // m/s, rad/s
+constexpr double kAtRest = 1e-4;  // m/s, rad/s: slower counts as standing still
 
+// Each component of both velocities counts, not their length.
 bool is_still(const Vector3d& v, const Vector3d& w) {
   return v.cwiseAbs().maxCoeff() <= kAtRest && w.cwiseAbs().maxCoeff() <= kAtRest;
 }
 
+// Hash of a unit's drives, one drive after the other.
 std::uint64_t hash_of(std::uint64_t before, const hwparts::JointDrive& drive) {
   const std::array<double, 4> values{drive.target_velocity, drive.compliance, drive.max_effort,
                                      drive.feedforward};
@@ -38,7 +40,7 @@ std::size_t Sleep::bytes() const {
   return is_wanted() ? records_.size() * sizeof(Record) : 0;
 }
 
-// Bytes of another engine, or of none yet: nothing sleeps.
+// Bytes of another engine, or no bytes yet: nothing sleeps.
 void Sleep::read(const std::vector<std::byte>& from) {
   std::fill(records_.begin(), records_.end(), Record{});
   if (from.size() >= bytes()) std::memcpy(records_.data(), from.data() + (from.size() - bytes()), bytes());
@@ -60,11 +62,13 @@ void Sleep::join(int body_a, int body_b) {
   leader_[std::max(a, b)] = std::min(a, b);
 }
 
+// A unit that moves is disturbed, also if its velocity was set from outside.
 void Sleep::note_motion(const Plant& plant) {
   for (std::size_t i = 0; i < unit_of_.size(); ++i)
     if (!is_still(plant.bodies.v[i], plant.bodies.w[i])) disturb(unit_of_[i]);
 }
 
+// Forces disturb at once; drives are compared by their hash, later in begin().
 void Sleep::note_inputs(const StepInput& input, const Plant& plant) {
   for (const Wrench& wrench : input.wrenches) {
     const int body = plant.bodies.number(wrench.body);
@@ -74,9 +78,11 @@ void Sleep::note_inputs(const StepInput& input, const Plant& plant) {
   std::fill(drives_.begin(), drives_.end(), 0);
   for (const Axis& axis : plant.axes)
     drives_[axis.mechanism] = hash_of(drives_[axis.mechanism], input.drives[axis.joint.index()]);
+  // Springs join islands, as contacts do.
   for (const Spring& spring : plant.springs) join(spring.spec.a, spring.spec.b);
 }
 
+// Contacts join islands. Their number per unit is compared with the last tick's.
 void Sleep::note_contacts(const StepInput& input, const world::WorldState& state, const Plant& plant) {
   std::fill(contacts_.begin(), contacts_.end(), 0);
   for (const collision::Contact& contact : input.contacts) {
@@ -88,6 +94,7 @@ void Sleep::note_contacts(const StepInput& input, const world::WorldState& state
       ++contacts_[unit];
       const world::BodyState& body = state.bodies[other.index()];
       const bool moves = !plant.model.bodies[other.index()].fixed && !is_still(body.v_WC, body.w_WB);
+      // A body of another engine that moves wakes what it touches.
       if (moves && plant.bodies.number(other) < 0) disturb(unit);
     }
   }
@@ -98,6 +105,7 @@ void Sleep::begin(const StepInput& input, const world::WorldState& state, const 
   if (!is_wanted()) return;
   read(from);
   std::iota(leader_.begin(), leader_.end(), std::size_t{0});
+  // A unit stands still for one tick more, unless something disturbs it.
   for (Record& record : records_) record.still_s += input.tick_s;
   note_motion(plant);
   note_inputs(input, plant);
@@ -110,7 +118,7 @@ void Sleep::begin(const StepInput& input, const world::WorldState& state, const 
   mark(plant);
 }
 
-// An island has stood still for as long as that of its units that moved last.
+// An island has stood still for as long as that unit of it which moved last.
 void Sleep::mark(Plant& plant) {
   for (std::size_t i = 0; i < records_.size(); ++i) {
     double& island_s = records_[island(i)].still_s;

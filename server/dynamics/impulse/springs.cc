@@ -1,25 +1,27 @@
-// Springs with dampers between two points, or about an axis.
+// Springs with dampers, between two points or about an axis.
 //
-// Symbols: k stiffness, d damping, l length (or angle) at t, l0 that without a load, q~ mean rate of length
-// in the look-ahead, L impulse at t (and the same again at t+h), h step.
+// Symbols: k stiffness, d damping, l length (or angle) at t, l0 length without load, q~ mean rate of the
+// length in the look-ahead, L impulse at t (and the same again at t+h), h step.
 //   F = -k (l + h q~/2 - l0) - d q~,  L = h F/2                 the force at the middle of the step
 //   q~ + 2/(h g) L = -k (l - l0)/g,  g = k h/2 + d              as a row
-// The implicit midpoint rule: second order, the same backwards in time, stable at any k, and no energy is
-// lost that d does not take. q~ is what the length does, not the velocity at t along the direction at t: that
-// differs where the spring turns, and by what falls. Look-aheads find the difference, as they do joints'
-// gaps. Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.
+// This is the implicit midpoint rule: second order, the same backwards in time, stable at any k; only d takes
+// energy. q~ is how the length really changes. The velocity at t along the direction at t would differ,
+// because the spring turns and bodies fall. The look-aheads find this difference, as they do with the gaps of
+// joints. Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.
 #include "server/dynamics/impulse/plant.h"
 
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kNoLengthM = 1e-12;  // a spring so short has no direction
+constexpr double kNoLengthM = 1e-12;  // a shorter spring has no direction
 
+// m, or rad for a torsion spring, unwrapped to the turn that is nearest to `last`.
 double length_of(const JointSpec& spec, const JointPose& pose, double last) {
   return spec.kind == world::JointKind::kTorsionSpring ? joint_angle(spec, pose, last)
                                                        : (pose.pb - pose.pa).norm();
 }
 
+// Length and direction of a spring in the bodies' present poses.
 void measure(Spring& spring, const Bodies& bodies, const world::WorldState& state) {
   const JointSpec& spec = spring.spec;
   const double last = state.joints[spec.id.index()].position;

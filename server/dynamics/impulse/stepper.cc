@@ -5,13 +5,15 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr int kMostPasses = 40;     // of Newton, each closes the joints to second order
-constexpr int kMostChanges = 12;    // repetitions because laws reached their limit, or left it
-constexpr int kTautCutsLeft = 3;    // tension asks for no more: where contacts wedge joints it has no end
-constexpr double kMostGain = 0.02;  // of the motion there is: more energy than that does not come by rounding
-constexpr int kFreeChanges = 2;     // of those, before what changes becomes a row
+constexpr int kMostPasses = 40;   // passes of Newton; each closes the joints to second order
+constexpr int kMostChanges = 12;  // repetitions because laws reached or left their limit
+constexpr int kTautCutsLeft =
+    3;  // with fewer cuts left, tension asks for no more: where contacts wedge joints it has no end
+constexpr double kMostGain = 0.02;  // share of the kinetic energy: rounding gains less than this
+constexpr int kFreeChanges = 2;     // repetitions before a law that still changes becomes a row
 
-// What suits the error of a step at 1 ms; of the iteration, what it reaches. Around a loop small gaps add up.
+// The default gap of each solver and order, m and rad. For `direct` it fits the error of a step at 1 ms, for
+// `iterate` it is what the iteration reaches. Around a loop small gaps add up.
 double default_d_max(const world::EngineSetting& setting, bool in_loops) {
   if (setting.solver == "iterate") return 1e-6;
   if (setting.order == 2) return in_loops ? 8e-11 : 1e-7;
@@ -19,14 +21,14 @@ double default_d_max(const world::EngineSetting& setting, bool in_loops) {
   return setting.order == 4 ? 1e-10 : 1e-13;
 }
 
-// Of a gap along each axis of W.
+// The setting holds for the whole gap; this is its share along each axis of W.
 double find_d_max(const Plant& plant, bool in_loops) {
   const double whole =
       plant.setting.d_max > 0.0 ? plant.setting.d_max : default_d_max(plant.setting, in_loops);
   return whole / std::numbers::sqrt3;
 }
 
-// A spring between two bodies of a mechanism closes a loop, too.
+// Mechanisms with loops have a smaller gap. A spring between two bodies of one mechanism closes a loop, too.
 std::vector<double> find_d_max_by_mechanism(const Plant& plant) {
   std::vector<double> found(plant.mechanisms.size(), find_d_max(plant, false));
   const double in_loops = find_d_max(plant, true);
@@ -42,7 +44,8 @@ std::vector<double> find_d_max_by_mechanism(const Plant& plant) {
   return found;
 }
 
-// At rest, what was given at t+h is half of the tick's.
+// Adds a contact's impulses to the tick's totals. A sleeping contact repeats what it gave at t+h, half of a
+// tick's.
 void count(Touch& touch) {
   if (touch.asleep) {
     touch.total_normal = 2.0 * touch.impulse[kAhead][0];
@@ -74,6 +77,8 @@ Stepper::Stepper(Plant& plant)
   most_passes_ = plant.setting.budget;
 }
 
+// A pure torque for an angle; for a distance a force at the joint's point, with its torque about each centre
+// of mass.
 void Stepper::push_axis(const Axis& axis, double impulse) {
   Bodies& bodies = plant_.bodies;
   const JointPose pose = pose_now(*axis.spec, bodies, axis.start);
@@ -89,9 +94,9 @@ void Stepper::push_axis(const Axis& axis, double impulse) {
   push(axis.b, 1.0);
 }
 
-// Half of what forces give in a step, at either end of it. What a drive gives beside its law would throw its
-// two bodies far off the joint, alone: where joints are solved for together, push_known() hands it to
-// all bodies of the tree at once.
+// At each end of a step the bodies get half of the forces' impulse. The feedforward of a drive is different:
+// given to its two bodies alone, it would throw them far off the joint. Where joints are solved together,
+// push_known() hands it to all bodies of the tree at once.
 void Stepper::push(double h, std::span<const Wrench> wrenches) {
   Bodies& bodies = plant_.bodies;
   for (const Wrench& wrench : wrenches) {
@@ -105,6 +110,7 @@ void Stepper::push(double h, std::span<const Wrench> wrenches) {
     if (axis.feedforward != 0.0 && (corrector_ || axis.node < 0)) push_axis(axis, 0.5 * h * axis.feedforward);
 }
 
+// The tree's axes only: axes that close loops are pushed by push().
 bool Stepper::push_known(std::size_t m, Moment moment, double h) {
   bool any = false;
   for (const Axis& axis : plant_.acting_axes_of(m)) {
@@ -117,7 +123,8 @@ bool Stepper::push_known(std::size_t m, Moment moment, double h) {
   return any;
 }
 
-// A moment is solved again only where a law takes part otherwise.
+// A moment is solved again only where a law changes how it takes part; without acting axes nothing need be
+// saved.
 void Stepper::save_velocities() {
   if (plant_.acting.empty()) return;
   for (const std::size_t i : plant_.acting) saved_rates_[i] = plant_.axes[i].rate;
@@ -132,6 +139,7 @@ void Stepper::restore_velocities() {
 }
 
 void Stepper::factor(double h, const world::WorldState& state) {
+  // The laws must be in the tree before it is factored.
   set_tree_axes(plant_, h);
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
     if (plant_.mechanism_asleep[m]) continue;
@@ -158,6 +166,7 @@ bool Stepper::is_too_taut(double h) const {
 bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::WorldState& state,
                    int cuts_left) {
   divisible_ = cuts_left > 0;
+  // Impulses at t, then the bodies move, then velocities at t+h. Everything after commit() concerns t+h.
   save_velocities();
   fell_short_ = false;
   if (!foresee(h, wrenches, state)) return false;
@@ -171,9 +180,9 @@ bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::Worl
   return true;
 }
 
-// A law that holds its axis in the tree may ask for what cannot be: where loops move that axis on, as a
-// crank does a piston with friction at its dead centre, and where they leave nothing free that could close
-// them. As a row it knows its limit.
+// A law in the tree may ask for the impossible in two cases. A loop may move the axis on, as a crank moves a
+// piston with friction through its dead centre. Or the laws hold so many axes that nothing free is left to
+// close the loop. As a row the law knows its limit.
 bool Stepper::has_laws_to_box(std::size_t m) const {
   bool any = false;
   if (plant_.mechanisms[m].loop_count() > 0)
@@ -187,19 +196,23 @@ bool Stepper::take_laws_as_rows(std::size_t m) {
   return true;
 }
 
-// Impulses at t. Again from the start where a law turns out to be at its limit.
+// Impulses at t. Each repetition starts from the saved velocities.
 bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
   for (int i = 0; i < kMostChanges; ++i) {
+    // Everything is undone that an earlier try has given.
     if (i > 0) restore_velocities();
     reset_impulses(plant_);
     for (Mechanism& mechanism : plant_.mechanisms) mechanism.prediction().begin(h);
+    // Forces, and the factors at t.
     push(h, wrenches);
     factor(h, state);
     measure_springs(plant_, state);
+    // Collisions change velocities at once; laws that they push over their limit change first.
     if (find_hits(plant_, h)) {
       hit(h);
       if (i + 1 < kMostChanges && change_laws(plant_, kHit, h, true)) continue;
     }
+    // The look-ahead, with rows that may bind. A law of a loop that cannot hold its axis becomes a row.
     bounded_.build(kAhead, h);
     note_energy(wrenches);
     if (!look_ahead(h, state)) {
@@ -207,6 +220,7 @@ bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::W
       return false;
     }
     bounded_.report();
+    // Solved, unless a law now takes part in another way. The iterative solver and late repetitions use rows.
     if (!change_laws(plant_, kAhead, h, corrector_ || i >= kFreeChanges)) return true;
   }
   fell_short_ = true;
@@ -223,9 +237,11 @@ void Stepper::hit(double h) {
 void Stepper::note_energy(std::span<const Wrench> wrenches) {
   bound_bodies_.clear();
   const auto is_pushed = [](const Touch& touch) { return !touch.foreign.isZero(0.0); };
+  // Not where anything but gravity does work: wrenches, drives, springs, bodies of other engines.
   if (bounded_.empty() || !wrenches.empty() || !plant_.acting.empty() || !plant_.springs.empty() ||
       std::ranges::any_of(plant_.touches, is_pushed))
     return;
+  // Bodies of the mechanisms with rows, and the free bodies that touch them.
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
     for (std::size_t node = 0; bounded_.binds(m) && node < plant_.mechanisms[m].size(); ++node)
       bound_bodies_.push_back(static_cast<std::size_t>(plant_.mechanisms[m].body(node)));
@@ -248,13 +264,14 @@ Stepper::Energy Stepper::bound_energy() const {
   return energy;
 }
 
-// What came only near an answer may have gained energy, more than what lifts things out of each other: then
-// all motion is slowed down alike, which joints allow.
+// A solution that only comes near an answer may have gained energy: more than rounding, and more than lifting
+// overlapping bodies apart takes. Then all motion is slowed down alike, which joints allow.
 void Stepper::give_back_energy(double h) {
   if (bound_bodies_.empty()) return;
   const Energy now = bound_energy();
   const double gained = now.kinetic + now.potential - energy_before_;
   if (!(gained > kMostGain * now.kinetic + std::abs(h) * kMostPush * now.weight)) return;
+  // Takes the gain out of the kinetic energy.
   const double share = std::sqrt(std::max(0.0, 1.0 - gained / now.kinetic));
   for (const std::size_t i : bound_bodies_) {
     plant_.bodies.v[i] *= share;
@@ -263,6 +280,7 @@ void Stepper::give_back_energy(double h) {
   fell_short_ = true;
 }
 
+// A mechanism that has moved needs new poses and factors.
 void Stepper::commit(double h) {
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
     if (!plant_.mechanism_asleep[m] &&
@@ -272,6 +290,7 @@ void Stepper::commit(double h) {
 }
 
 void Stepper::match_velocities(std::size_t m, double h) {
+  // The iterative solver sweeps until v_max, or until its budget is spent.
   if (corrector_) {
     const double v_max = plant_.setting.v_max;
     for (int sweep = 0; sweep < most_passes_; ++sweep)
@@ -279,6 +298,7 @@ void Stepper::match_velocities(std::size_t m, double h) {
     fell_short_ = true;
     return;
   }
+  // The direct solver asks for velocities that agree along all joints at once.
   Mechanism& mechanism = plant_.mechanisms[m];
   mechanism.clear();
   mechanism.ask_velocities(plant_.bodies);
@@ -288,6 +308,8 @@ void Stepper::match_velocities(std::size_t m, double h) {
 }
 
 void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
+  // The rows at t+h start from what they gave at t.
+  // The springs repeat their impulse; contacts meet at one point again.
   push_by_springs(plant_, state);
   save_velocities();
   meet_touches(plant_);
@@ -308,13 +330,15 @@ void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, con
     }
     if (!change_laws(plant_, kAfter, h, corrector_ || i >= kFreeChanges)) return;
     if (i + 1 == kMostChanges) break;
+    // The laws' impulses at t+h are found anew.
     for (Axis& axis : plant_.acting_axes()) axis.law[kAfter] = axis.damped[kAfter] = 0.0;
     for (Mechanism& mechanism : plant_.mechanisms) mechanism.prediction().take_back_after();
   }
   fell_short_ = true;
 }
 
-// What has rows may do something else in the next step: nothing is foreseen of the joints that it pushes.
+// Rows may push something else in the next step, so nothing is foreseen for the joints of a mechanism that
+// has them.
 void Stepper::note_joints() {
   if (corrector_) return;
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {

@@ -1,5 +1,6 @@
-// One step of the method: ballistic look-ahead, impulses at t, and the correction of velocities at t+h. For
-// rigid bodies this is SHAKE and RATTLE (Andersen 1983): second order, time-reversible, without drift.
+// One step of the method: a ballistic look-ahead, impulses at t that close the joints at t+h, and the
+// correction of velocities at t+h. For rigid bodies this is SHAKE and RATTLE (Andersen 1983): second order,
+// time-reversible, without drift.
 #pragma once
 
 #include <functional>
@@ -10,77 +11,121 @@
 
 namespace visum::dynamics::impulse {
 
+// Steps one plant. ImpulseEngine owns it and uses it on the tick's thread. A step fails where joints do not
+// close or contacts have no solution; the engine then tries shorter steps. Rows and mechanisms keep their
+// memory from step to step, so that a step allocates nothing once warm.
 class Stepper {
  public:
   explicit Stepper(Plant& plant);
 
-  // Moves the plant's bodies by h; forces and drives act as they were prepared. False where a joint cannot be
-  // closed: the plant is then to be thrown back to where it was, and broken() tells which joint. False, too,
-  // where shorter steps are called for; `cuts_left`: how often it may still be cut in halves.
+  // Moves the plant's bodies by h (s), with forces and drives as they were prepared. Returns false where a
+  // joint cannot be closed or where shorter steps are needed. The caller must then restore the plant;
+  // broken() names the joint, if there is one. `cuts_left`: how often the step may still be cut in halves.
   bool step(double h, std::span<const Wrench> wrenches, const world::WorldState& state, int cuts_left);
   const JointSpec* broken() const { return broken_; }
-  // The last step ended with its passes, or its budget, before gaps and velocities were within their bounds.
+  // The last step used up its passes or its budget before gaps and velocities were within their bounds, or
+  // took an answer that only comes near one.
   bool fell_short() const { return fell_short_; }
-  // Poses, directions and factors at t; step() does it, too.
+  // Computes poses, directions and factors at t. step() does it, too.
   void factor(double h, const world::WorldState& state);
 
  private:
+  // Gives half of a step's forces to the bodies: wrenches, and feedforwards that no tree takes.
   void push(double h, std::span<const Wrench> wrenches);
+  // Impulse on an axis (N·m·s or N·s), applied to its two bodies alone.
   void push_axis(const Axis& axis, double impulse);
+  // Hands a mechanism's known impulses (feedforward, laws at their limit) to its tree. Returns true if there
+  // are any.
   bool push_known(std::size_t mechanism, Moment moment, double h);
+  // Saves velocities of bodies and axes, to solve the same moment again.
   void save_velocities();
   void restore_velocities();
+  // The joint with the largest gap in the last look-ahead; null where there is none.
   const JointSpec* worst_joint(std::size_t mechanism) const;
+  // Notes the joint that does not close. Always returns false.
   bool break_at(std::size_t mechanism);
+  // True if a law in the tree could do better as a row: only mechanisms with loops have such laws.
   bool has_laws_to_box(std::size_t mechanism) const;
+  // Turns these laws into rows. Returns false where there are none.
   bool take_laws_as_rows(std::size_t mechanism);
+  // Largest gap that is allowed, along each axis of W: m, rad.
   double d_max(std::size_t mechanism) const { return d_max_by_mechanism_[mechanism]; }
+  // True if a link would swing too far in this step under the tension of its joint (predicting.cc).
   bool is_too_taut(double h) const;
+  // Solves the collisions at t.
   void hit(double h);
+  // Finds the impulses at t, again from the start where a law turns out to be at its limit. False: no
+  // solution.
   bool foresee(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
+  // Looks ahead and closes the joints of all mechanisms, with rows where there are any. False: no solution.
   bool look_ahead(double h, const world::WorldState& state);
+  // Gives the impulses that the last steps predict. False where too little is known.
   bool predict(std::size_t mechanism, double h);
+  // Takes everything back that was given to a mechanism at t.
   void take_back(std::size_t mechanism, double h);
+  // Looks ahead and asks the tree to close the gaps. Returns the largest gap in m or rad, or how far a law
+  // misses; that part is divided by `law_share`.
   double find_gap(std::size_t mechanism, double h, const world::WorldState& state, double law_share);
+  // Solves what was asked, and applies the answer to the bodies.
   void give_answer(std::size_t mechanism, Moment moment);
+  // Corrects what the prediction left. False where the prediction is of no use.
   bool close_foreseen(std::size_t mechanism, double h, const world::WorldState& state);
+  // One pass of Newton over a mechanism. Returns the gap that it found.
   double close(std::size_t mechanism, double h, const world::WorldState& state, int pass);
+  // Newton's passes until the gap is small enough. `foreseen`: known impulses have been given already.
   bool close_by_newton(std::size_t mechanism, double h, const world::WorldState& state, bool foreseen);
+  // One sweep of the iterative solver over a mechanism. Returns the largest gap that it found.
   double correct(std::size_t mechanism, double h, const world::WorldState& state, int sweep);
+  // Closes a mechanism on which no row acts. False: it does not close.
   bool close_alone(std::size_t mechanism, double h, const world::WorldState& state);
+  // The same with the iterative solver.
   bool correct_alone(std::size_t mechanism, double h, const world::WorldState& state);
+  // Closes all mechanisms on which rows act, together with the rows.
   bool close_together(double h, const world::WorldState& state);
+  // Measures the springs ahead; their bodies must have looked ahead.
   void look_at_springs(double h, const world::WorldState& state);
+  // How far closing with rows has come: within the bounds, near enough to go on, or neither.
   enum class Closed { kYes, kNearly, kNo };
+  // Alternates passes over joints and rows. `gently`: a few passes only, and what the rows then miss is left.
   Closed close_with_rows(double h, const world::WorldState& state, bool gently);
+  // Notes the energy before the look-ahead, of bodies with rows where nothing but gravity can move them.
   void note_energy(std::span<const Wrench> wrenches);
   struct Energy {
-    double kinetic = 0.0, potential = 0.0;  // J, in gravity
-    double weight = 0.0;                    // N, of all of them
+    double kinetic = 0.0, potential = 0.0;  // J
+    double weight = 0.0;                    // N, of all of these bodies
   };
+  // Present energy of those bodies.
   Energy bound_energy() const;
+  // Slows those bodies down if the step has gained energy.
   void give_back_energy(double h);
+  // Makes the joints' velocities of a mechanism agree at t+h.
   void match_velocities(std::size_t mechanism, double h);
+  // Look-ahead of a mechanism's bodies.
   void fly(std::size_t mechanism, double h);
+  // Moves all bodies to where the last look-ahead has led.
   void commit(double h);
+  // The second half of the step: forces, joints and rows at t+h.
   void correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
+  // Tells the predictions what the joints gave in this step.
   void note_joints();
+  // Adds the step's impulses to the tick's totals.
   void count_impulses();
 
   Plant& plant_;
   Bounded bounded_;
-  std::optional<Corrector> corrector_;      // solver: iterate
-  double d_max_;                            // along each axis, as the mechanisms' are
+  std::optional<Corrector> corrector_;      // only with solver: iterate
+  double d_max_;                            // along each axis, without loops
   std::vector<double> d_max_by_mechanism_;  // smaller with loops
   int most_passes_;
   const JointSpec* broken_ = nullptr;
   std::size_t broken_mechanism_ = 0;
   bool fell_short_ = false, divisible_ = false;
-  std::vector<std::size_t> bound_bodies_;  // of what has rows, where nothing but gravity can move them
-  double energy_before_ = 0.0;             // theirs, before the look-ahead
+  std::vector<std::size_t> bound_bodies_;  // of bodies with rows, where nothing but gravity can move them
+  double energy_before_ = 0.0;             // J, theirs before the look-ahead
+  // By axis, by body: at the start of the moment that is solved.
   std::vector<double> saved_rates_;
   std::vector<Vector3d> saved_v_, saved_w_;
-  std::vector<Vector3d> unpushed_v_, unpushed_w_;  // without what is foreseen of joints
+  std::vector<Vector3d> unpushed_v_, unpushed_w_;  // before what is foreseen of the joints was given
 };
 
 }  // namespace visum::dynamics::impulse

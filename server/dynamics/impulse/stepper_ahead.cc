@@ -1,4 +1,4 @@
-// How a step finds the impulses at t: look ahead, and close what opens there.
+// How a step finds the impulses at t: it looks ahead, and closes the gaps that open there.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,14 +8,15 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kPushed = 1.0;      // m, rad: where drives have pushed, the gap is not yet known
-constexpr double kLawShare = 1e-3;   // of D_max, that a drive's law may miss over a step without a solution
-constexpr double kUntouched = 0.17;  // of D_max: below such a gap of what was foreseen nothing is solved for
-constexpr double kFar = 1e-3;        // m, rad: a gap of what was foreseen, beyond which it is of no use
-constexpr double kApart = 3e-5;   // m, rad: beyond this it is broken, where shorter steps do not help, either
-constexpr int kGentlePasses = 5;  // in which contacts have their say
-constexpr double kRounding = 4.0;     // of D_max: a gap that does not, and is let be
-constexpr double kStandstill = 1e-9;  // m, rad: a gap below, which no longer shrinks, is rounding
+constexpr double kPushed = 1.0;  // m, rad: stands for the gap while a drive's push has not been looked at yet
+constexpr double kLawShare =
+    1e-3;  // share of d_max that a drive's law may miss over a step without a solution
+constexpr double kUntouched = 0.17;   // share of d_max: a smaller gap after the prediction is left as it is
+constexpr double kFar = 1e-3;         // m, rad: beyond such a gap the prediction is of no use
+constexpr double kApart = 3e-5;       // m, rad: a joint farther apart is broken, if shorter steps do not help
+constexpr int kGentlePasses = 5;      // passes in which contacts take part
+constexpr double kRounding = 4.0;     // share of d_max: a gap of rounding, which is let be
+constexpr double kStandstill = 1e-9;  // m, rad: a smaller gap that no longer shrinks is rounding
 
 }  // namespace
 
@@ -24,13 +25,15 @@ void Stepper::fly(std::size_t m, double h) {
   plant_.bodies.look_ahead(plant_.mechanisms[m].blocks(), h, plant_.model.gravity);
 }
 
-// What the joints and their drives gave in the last steps goes on; false where that is not known.
+// Gives what the joints and drives gave in the last steps, carried on. Returns false where too little is
+// known.
 bool Stepper::predict(std::size_t m, double h) {
   Mechanism& mechanism = plant_.mechanisms[m];
   if (!mechanism.predict(plant_.bodies)) return false;
   for (Axis& axis : plant_.acting_axes_of(m)) {
     const auto node = static_cast<std::size_t>(axis.node);
     const double known = known_impulse(axis, kAhead, h);
+    // A law in the tree gets what was predicted on its axis; otherwise the known impulse alone is given.
     const double impulse = is_in_tree(axis) ? mechanism.predicted_axis(node) : known;
     if (is_in_tree(axis)) take_law_impulse(axis, kAhead, impulse - known);
     if (impulse != 0.0) mechanism.push_predicted_axis(node, impulse);
@@ -50,7 +53,7 @@ void Stepper::take_back(std::size_t m, double h) {
   for (Axis& axis : plant_.acting_axes_of(m)) axis.law[kAhead] = axis.damped[kAhead] = 0.0;
 }
 
-// The gap that a look-ahead finds, asked of the tree.
+// Gap of the look-ahead, and the request to the tree that would close it.
 double Stepper::find_gap(std::size_t m, double h, const world::WorldState& state, double law_share) {
   Mechanism& mechanism = plant_.mechanisms[m];
   fly(m, h);
@@ -71,8 +74,8 @@ void Stepper::give_answer(std::size_t m, Moment moment) {
   take_axis_impulses(plant_, m, moment);
 }
 
-// One pass of Newton over a mechanism's joints, the first with what drives give. Returns the gap that it
-// found; below D_max nothing is done.
+// One pass of Newton over a mechanism's joints. The first pass includes the drives' known impulses. Returns
+// the gap that it found; below d_max it does nothing.
 double Stepper::close(std::size_t m, double h, const world::WorldState& state, int pass) {
   double largest = find_gap(m, h, state, 1.0);
   if (pass == 0 && push_known(m, kAhead, h)) largest = std::max(largest, kPushed);
@@ -80,15 +83,17 @@ double Stepper::close(std::size_t m, double h, const world::WorldState& state, i
   return largest;
 }
 
-// Newton's passes. False where the joints do not close.
+// Newton's passes. Returns false where the joints do not close.
 bool Stepper::close_by_newton(std::size_t m, double h, const world::WorldState& state, bool foreseen) {
-  // Where loops lose their grip a shorter step may find it.
+  // Near a pose where loops lose their grip, a shorter step may help.
   const bool may_cut = divisible_ && plant_.mechanisms[m].loop_count() > 0;
   double last = 0.0;
   for (int pass = foreseen ? 1 : 0; pass < most_passes_; ++pass) {
     const double gap = close(m, h, state, pass);
     if (gap <= d_max(m)) return true;
     if (!std::isfinite(gap)) return false;
+    // A tiny gap that no longer shrinks is rounding. It is accepted, unless shorter steps may still help a
+    // loop.
     if (pass > 2 && gap <= kStandstill && gap > 0.5 * last) {
       if (may_cut && gap > kRounding * d_max(m)) return false;
       fell_short_ = true;
@@ -100,9 +105,10 @@ bool Stepper::close_by_newton(std::size_t m, double h, const world::WorldState& 
   return false;
 }
 
-// What was foreseen, and what it has missed. Where the answer changes the look-ahead by little, that is
-// changed to first order: the rest is below the product of that change and what a body turns in a step, twice
-// over for the turned levers of both bodies. False where nothing of it is of use.
+// Corrects the prediction. If the answer changes the look-ahead by little, the look-ahead is changed to first
+// order instead of being flown again. The rest is below the product of that change and the angle that a body
+// turns in a step, taken twice because the levers of both bodies turn. Returns false where the prediction is
+// of no use.
 bool Stepper::close_foreseen(std::size_t m, double h, const world::WorldState& state) {
   const double gap = find_gap(m, h, state, kLawShare);
   if (gap <= kUntouched * d_max(m)) return true;
@@ -117,14 +123,14 @@ bool Stepper::close_foreseen(std::size_t m, double h, const world::WorldState& s
   return true;
 }
 
-// Returns false.
+// Notes the worst joint, and returns false for the caller to pass on.
 bool Stepper::break_at(std::size_t m) {
   broken_ = worst_joint(m);
   broken_mechanism_ = m;
   return false;
 }
 
-// From what is foreseen; from nothing where that is not known, or leads nowhere.
+// Starts from the prediction. Without one, or where it leads nowhere, starts from zero.
 bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& state) {
   if (corrector_) return correct_alone(m, h, state);
   if (predict(m, h)) {
@@ -134,7 +140,7 @@ bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& stat
   return close_by_newton(m, h, state, false) || break_at(m);
 }
 
-// One correction of each joint; what has bounds is told where that leads.
+// One correction of each joint. Rows that act on the mechanism need to know where it leads.
 double Stepper::correct(std::size_t m, double h, const world::WorldState& state, int sweep) {
   const double gap = corrector_->sweep_gaps(m, h, d_max_, state, sweep);
   if (bounded_.binds(m)) {
@@ -145,7 +151,7 @@ double Stepper::correct(std::size_t m, double h, const world::WorldState& state,
   return gap;
 }
 
-// What is left when the budget is spent is left to the next step.
+// If the budget is spent, the rest of the gap is left to the next step.
 bool Stepper::correct_alone(std::size_t m, double h, const world::WorldState& state) {
   corrector_->forget_look_ahead(m);
   double gap = 2.0 * d_max_;
@@ -161,11 +167,12 @@ void Stepper::look_at_springs(double h, const world::WorldState& state) {
   measure_springs_ahead(plant_, state, h);
 }
 
-// Newton's passes over the joints of what has rows, and over the rows. Gently, what the rows miss is left.
+// Alternates Newton's passes over the joints of mechanisms with rows, and solutions of the rows.
 Stepper::Closed Stepper::close_with_rows(double h, const world::WorldState& state, bool gently) {
   double largest = 0.0, moved = 0.0;
   bool closed = false;
   for (int pass = 0; pass < most_passes_; ++pass) {
+    // The joints first; the worst one is noted in case nothing closes.
     largest = 0.0;
     closed = true;
     for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
@@ -178,17 +185,21 @@ Stepper::Closed Stepper::close_with_rows(double h, const world::WorldState& stat
       break_at(m);
     }
     if (!std::isfinite(largest)) return Closed::kNo;
+    // Then springs and rows, with the bodies where the joints have brought them. `moved`: m or rad by which
+    // the rows moved them.
     look_at_springs(h, state);
     moved = gently && pass >= kGentlePasses ? 0.0 : std::abs(h) * bounded_.solve();
     if (!std::isfinite(moved)) return Closed::kNo;
     if (closed && (gently || moved <= d_max_)) return Closed::kYes;
   }
+  // The passes are used up: what is near enough goes on, unless shorter steps may do better.
   const double most = divisible_ ? 0.0 : kApart;
   return corrector_ || (moved <= kApart && (closed || largest <= most)) ? Closed::kNearly : Closed::kNo;
 }
 
-// Mechanisms that share contacts, or have bounds of their own. Contacts that wedge joints may have no answer,
-// or only with impulses that hold each other beyond all measure: then what comes near one is taken.
+// For mechanisms that share contacts or have bounds of their own. Contacts that wedge joints may have no
+// answer, or only impulses that push against each other without limit. The second try then takes what comes
+// near an answer.
 bool Stepper::close_together(double h, const world::WorldState& state) {
   broken_ = nullptr;
   Closed closed = close_with_rows(h, state, false);
@@ -202,6 +213,7 @@ bool Stepper::close_together(double h, const world::WorldState& state) {
   }
   if (closed == Closed::kNo) return false;
   fell_short_ = fell_short_ || closed == Closed::kNearly;
+  // Brings the look-ahead up to date with the last impulses.
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
     if (!bounded_.binds(m)) continue;
     if (corrector_) corrector_->forget_look_ahead(m);
@@ -211,10 +223,12 @@ bool Stepper::close_together(double h, const world::WorldState& state) {
 }
 
 bool Stepper::look_ahead(double h, const world::WorldState& state) {
+  // Kept for take_back().
   if (!corrector_) {
     copy(plant_.bodies.v, unpushed_v_);
     copy(plant_.bodies.w, unpushed_w_);
   }
+  // Mechanisms without rows are closed one by one, the others together; then everything without joints flies.
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
     if (!plant_.mechanism_asleep[m] && !bounded_.binds(m) && !close_alone(m, h, state)) return false;
   if (!bounded_.empty() && !close_together(h, state)) return false;

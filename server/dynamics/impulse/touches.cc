@@ -1,4 +1,4 @@
-// The tick's contacts as the solver takes them.
+// The tick's contacts in the form that the solver takes.
 #include <cmath>
 
 #include "server/dynamics/impulse/joints/directions.h"
@@ -8,7 +8,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// What moves by another engine moves as it moves.
+// Motion at a point of a body that another engine moves: m/s, rad/s.
 struct Foreign {
   Vector3d velocity, turn;
 };
@@ -18,11 +18,12 @@ Foreign foreign_motion(const world::WorldState& state, world::BodyId id, const V
   return {body.v_WC + body.w_WB.cross(p - body.p_WC), body.w_WB};
 }
 
-// What hits no faster than it falls in so many steps does not bounce.
+// A body that hits no faster than it falls in this many steps does not bounce.
 constexpr double kFallSteps = 2.0;
 
-// The speed that leaves the surface with e times the speed that met it, both as seen at the depth d at which
-// the contact was found: u'^2 = e^2 (u^2 - 2 a d) + 2 a d, a the acceleration towards the surface.
+// The speed after a hit, m/s, as seen at the depth d at which the contact was found. At the surface it leaves
+// with e times the speed that met it: u'^2 = e^2 (u^2 - 2 a d) + 2 a d, with a the acceleration towards the
+// surface.
 double speed_after_hit(double speed, double restitution, double depth, double acceleration) {
   const double fall = 2.0 * acceleration * std::max(0.0, depth);
   const double at_surface = speed * speed - fall;
@@ -61,6 +62,7 @@ bool find_hits(Plant& plant, double h) {
     touch.returned = touch.bounce / speed;
     any = true;
   }
+  // A stop is hit if the axis reaches it within the step at its present velocity.
   for (Axis& axis : plant.acting_axes()) {
     if (!axis.model->limited || axis.model->stop_restitution == 0.0) continue;
     for (const std::size_t side : {0u, 1u}) {
@@ -75,6 +77,7 @@ bool find_hits(Plant& plant, double h) {
 void meet_touches(Plant& plant) {
   const Bodies& bodies = plant.bodies;
   for (Touch& touch : plant.touches) {
+    // A contact with something that does not move, or by another engine, has only one lever.
     if (touch.asleep || touch.a < 0 || touch.b < 0) continue;
     const auto a = static_cast<std::size_t>(touch.a), b = static_cast<std::size_t>(touch.b);
     const Vector3d apart = bodies.x[b] + touch.rb - bodies.x[a] - touch.ra;
@@ -88,6 +91,7 @@ void meet_touches(Plant& plant) {
 void carry_touches(Plant& plant, double h) {
   for (Touch& touch : plant.touches) {
     if (touch.asleep) continue;
+    // The relative velocity changes the depth, and the contact turns with the slower body.
     touch.depth -= h * normal_speed(plant, touch);
     if (touch.turn.isZero(0.0)) continue;
     const Matrix3d R = rotation(h * touch.turn).toRotationMatrix();
@@ -104,6 +108,7 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const collision::Contact& contact = contacts[i];
     const int number_a = bodies.number(contact.body_a), number_b = bodies.number(contact.body_b);
+    // A contact between bodies of other engines is not ours.
     if (number_a < 0 && number_b < 0) continue;
     Touch& touch = plant.touches.emplace_back();
     touch.contact = i;
@@ -111,6 +116,7 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
     touch.b = number_b;
     touch.asleep = plant.asleep[static_cast<std::size_t>(std::max(touch.a, touch.b))] != 0;
     touch.kept_impulse = touch.kept_twist = Vector3d::Zero();
+    // The frame: the normal and two tangents.
     const Across tangents = across(contact.normal_W);
     touch.frame.col(0) = contact.normal_W;
     touch.frame.col(1) = tangents.first;
@@ -118,6 +124,7 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
     touch.foreign = touch.foreign_turn = Vector3d::Zero();
     touch.ra = touch.rb = touch.bias = Vector3d::Zero();
     Vector3d turn_a = Vector3d::Zero(), turn_b = Vector3d::Zero();
+    // Each body adds to the free fall, or, moved by another engine, to the foreign velocity.
     if (touch.a >= 0) {
       const auto a = static_cast<std::size_t>(touch.a);
       touch.ra = contact.p_W - bodies.x[a];
@@ -142,11 +149,11 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
       touch.foreign_turn -= motion.turn;
       turn_b = motion.turn;
     }
-    // A ball that rolls keeps its lever, what is held turns with its hand: the contact turns with the body
-    // that turns less.
+    // The contact turns with the body that turns less: a rolling ball keeps its lever, and a held thing turns
+    // with the hand.
     touch.turn = turn_a.squaredNorm() < turn_b.squaredNorm() ? turn_a : turn_b;
-    // Two bodies that turn together fly on straight lines until their next impulse: h/2 times this is how
-    // fast they part.
+    // Two bodies that turn together fly on straight lines until their next impulse. They part at h/2 times
+    // this acceleration.
     if (touch.a >= 0 && touch.b >= 0) touch.bias += touch.turn.cross(touch.turn.cross(touch.ra - touch.rb));
     touch.depth = contact.depth;
     touch.friction = contact.friction;

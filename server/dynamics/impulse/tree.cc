@@ -1,3 +1,4 @@
+// How the rows of a tree are laid out.
 #include "server/dynamics/impulse/tree.h"
 
 namespace visum::dynamics::impulse {
@@ -24,6 +25,7 @@ void Tree::add_rows(std::size_t i) {
   row.root = node.joint < 0;
   row.alone = node.freedoms == 1;
   if (row.root) roots_.emplace_back().row = rows_.size();
+  // All free directions but the last have a row without a body; the last row carries the body.
   for (int axis = 0; axis + 1 < node.freedoms; ++axis) {
     row.axis = axis;
     rows_.push_back(row);
@@ -39,6 +41,8 @@ void Tree::add_rows(std::size_t i) {
 void Tree::find_ways() {
   for (std::size_t i = rows_.size(); i-- > 0;) {
     TreeRow& row = rows_[i];
+    // From the last row to the first: a row that follows its parent directly passes its load on in a
+    // register. Otherwise the load goes to a sum in memory.
     row.sums = row.root || row.collects;
     row.tip = i + 1 == rows_.size() || rows_[i + 1].way != TreeRow::kOn;
     if (row.parent < 0) continue;
@@ -55,11 +59,13 @@ void Tree::find_ways() {
 void Tree::find_parts() {
   parts_.clear();
   part_of_.clear();
+  // A node without a parent begins a part.
   for (const TreeNode& node : nodes_) {
     part_of_.push_back(node.parent < 0 ? static_cast<int>(parts_.size())
                                        : part_of_[static_cast<std::size_t>(node.parent)]);
     if (node.parent < 0) parts_.emplace_back();
   }
+  // The part's rows, in runs without gaps.
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     std::vector<Run>& runs =
         parts_[static_cast<std::size_t>(part_of_[static_cast<std::size_t>(rows_[i].node)])].runs;

@@ -5,7 +5,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// From cyclic diagonals (tree_data.h).
+// A matrix from its cyclic diagonals (tree_data.h).
 Matrix3d full_matrix(const double* d0, const double* d1, const double* d2) {
   Matrix3d result;
   result << d0[0], d1[0], d2[0], d2[1], d0[1], d1[1], d1[2], d2[2], d0[2];

@@ -5,6 +5,7 @@
 
 namespace visum::dynamics::impulse {
 
+// All bits zero are all numbers zero.
 void Tree::clear() {
   static_assert(std::is_trivially_copyable_v<TreeAsked>);
   std::memset(static_cast<void*>(asked_.data()), 0, asked_.size() * sizeof(TreeAsked));
@@ -21,6 +22,7 @@ TreeData Tree::data() {
 
 void Tree::solve_part(int number) {
   const Part& part = parts_[static_cast<std::size_t>(number)];
+  // Loads go from the tips to the root, velocities from the root to the tips.
   for (std::size_t k = part.runs.size(); k-- > 0;)
     kernels_->load_tree(data(), part.runs[k].begin, part.runs[k].end);
   if (part.root >= 0) spread_root(roots_[static_cast<std::size_t>(part.root)]);
@@ -33,6 +35,7 @@ void Tree::solve() {
   kernels_->spread_tree(data(), 0, rows_.size());
 }
 
+// A free root: velocity = -I^-1 p, with p all load on it.
 void Tree::spread_root(const Root& root) {
   Eigen::Matrix<double, 6, 1> load;
   load << VectorView(loads_[root.row].w), VectorView(loads_[root.row].v);
@@ -41,7 +44,7 @@ void Tree::spread_root(const Root& root) {
   Eigen::Map<Vector3d>(answers_[root.row].v) = velocity.tail<3>();
 }
 
-// D q' + S^T p + U^T (w1, v1) = lambda: what the drive's part of it must have been.
+// D q' + S^T p + U^T (w1, v1) = lambda, solved for the drive's part of lambda.
 double Tree::axis_impulse(std::size_t i) const {
   const std::size_t row = row_of_[i];
   const TreeFactor& f = factors_[row];

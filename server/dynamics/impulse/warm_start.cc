@@ -6,6 +6,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
+// The record of a contact, as it stands in the bytes.
 struct Record {
   std::int32_t shape_a, shape_b, feature, rested;
   double impulse[3], twist[3];
@@ -16,7 +17,7 @@ Vector3d vector(const double (&from)[3]) {
   return {from[0], from[1], from[2]};
 }
 
-// Contacts and records are sorted by this.
+// Contacts and records are sorted by this key.
 auto key(const Record& record) {
   return std::tuple(record.shape_a, record.shape_b, record.feature);
 }
@@ -30,7 +31,7 @@ Record record_at(std::span<const std::byte> bytes, std::size_t i) {
   return record;
 }
 
-// Returns what is left.
+// Reads the mechanisms' predictions. Returns the bytes behind them.
 std::span<const std::byte> read_predictions(std::span<const std::byte> bytes, Plant& plant) {
   for (Mechanism& mechanism : plant.mechanisms) {
     const std::size_t size = std::min(mechanism.prediction().bytes(), bytes.size());
@@ -40,6 +41,7 @@ std::span<const std::byte> read_predictions(std::span<const std::byte> bytes, Pl
   return bytes;
 }
 
+// Writes them. Returns the space behind them.
 std::span<std::byte> write_predictions(const Plant& plant, std::span<std::byte> bytes) {
   for (const Mechanism& mechanism : plant.mechanisms) {
     const std::size_t size = mechanism.prediction().bytes();
@@ -49,11 +51,12 @@ std::span<std::byte> write_predictions(const Plant& plant, std::span<std::byte> 
   return bytes;
 }
 
+// True if the body belongs to a mechanism.
 bool is_jointed(const Plant& plant, int body) {
   return body >= 0 && plant.places[static_cast<std::size_t>(body)].mechanism >= 0;
 }
 
-// Where joints take part, drives start from what they gave for the look-ahead, and so do contacts. In W.
+// In W. Where joints take part, drives start from what they gave for the look-ahead, so contacts do the same.
 Vector3d to_start_from(const Touch& touch, const std::array<Vector3d, kMoments>& given, bool jointed) {
   if (jointed) return touch.frame * given[kAhead];
   return touch.frame * (0.5 * (given[kAhead] + given[kAfter]));
@@ -68,6 +71,7 @@ void read_warm_start(std::span<const std::byte> bytes, std::span<const collision
   if (bytes.size() % sizeof(Record) != 0) return;
   const std::size_t count = bytes.size() / sizeof(Record);
   std::size_t i = 0;
+  // Touches and records are sorted alike: one pass finds the pairs.
   for (Touch& touch : plant.touches) {
     const collision::Contact& contact = contacts[touch.contact];
     if (i == count) return;
@@ -77,12 +81,14 @@ void read_warm_start(std::span<const std::byte> bytes, std::span<const collision
       record = record_at(bytes, i);
     }
     const Vector3d impulse = vector(record.impulse), twist = vector(record.twist);
+    // A new contact starts from zero, and so does one with bad numbers.
     if (key(record) != key(contact) || !impulse.allFinite() || !twist.allFinite()) continue;
     plant.rested = plant.rested || record.rested != 0;
     touch.kept_impulse = impulse;
     touch.kept_twist = twist;
     if (is_held_from_turning(touch)) touch.twist[kAhead] = touch.frame.transpose() * twist;
     touch.impulse[kAhead] = touch.frame.transpose() * impulse;
+    // The surface may have turned since: a normal impulse never pulls.
     touch.impulse[kAhead][0] = std::max(0.0, touch.impulse[kAhead][0]);
   }
 }
@@ -100,6 +106,7 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
     const Touch& touch = plant.touches[i];
     const collision::Contact& contact = contacts[touch.contact];
     const bool jointed = is_jointed(plant, touch.a) || is_jointed(plant, touch.b);
+    // A sleeping contact keeps its record as it is.
     Vector3d impulse = touch.kept_impulse, twist = touch.kept_twist;
     if (!touch.asleep) {
       impulse = to_start_from(touch, touch.impulse, jointed);

@@ -5,9 +5,9 @@
 namespace visum::dynamics::ode {
 namespace {
 
-constexpr double kSoftness = 1e-6;           // (m/s)/N: what several contacts of one face share the load by
-constexpr double kLeastBounceSpeed = 0.05;   // m/s: slower, what hits stays
-constexpr double kLeastSlidingSpeed = 1e-3;  // m/s: faster, friction is laid along the sliding
+constexpr double kSoftness = 1e-6;           // (m/s)/N, by which the contacts of one face share the load
+constexpr double kLeastBounceSpeed = 0.05;   // m/s: a slower hit does not bounce
+constexpr double kLeastSlidingSpeed = 1e-3;  // m/s: above this speed, friction is laid along the sliding
 
 Eigen::Vector3d velocity_at(const world::WorldModel& model, const world::WorldState& state, world::BodyId id,
                             const Eigen::Vector3d& p_W) {
@@ -22,13 +22,14 @@ void copy(const Eigen::Vector3d& from, dReal* to) {
 
 dContact make_contact(const collision::Contact& contact, const Eigen::Vector3d& normal_W,
                       const Eigen::Vector3d& relative_velocity, const world::EngineSetting& setting) {
-  dContact result{};  // ODE reads fields that the mode does not name, too
+  dContact result{};  // zeroed, because ODE also reads fields that the mode does not name
   copy(contact.p_W, result.geom.pos);
   copy(normal_W, result.geom.normal);
   result.geom.depth = contact.depth;
   dSurfaceParameters& surface = result.surface;
   surface.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM;
   surface.mu = contact.friction;
+  // Approx1 makes friction proportional to the normal force.
   surface.soft_erp = setting.erp;
   surface.soft_cfm = std::max(kSoftness, setting.cfm);
   if (contact.restitution > 0.0) {
@@ -36,13 +37,14 @@ dContact make_contact(const collision::Contact& contact, const Eigen::Vector3d& 
     surface.bounce = contact.restitution;
     surface.bounce_vel = kLeastBounceSpeed;
   }
+  // With parameters by axis, ODE also reads those of the second direction.
   if (contact.rolling_friction > 0.0 || contact.torsional_friction > 0.0) {
     surface.mode |= dContactRolling | dContactAxisDep;
     surface.mu2 = surface.mu;
     surface.rho = surface.rho2 = contact.rolling_friction;
     surface.rhoN = contact.torsional_friction;
   }
-  // A friction pyramid brakes too strongly across its corners; laid along the sliding it brakes as a cone
+  // A friction pyramid brakes too strongly across its corners. Laid along the sliding it brakes as a cone
   // does.
   const Eigen::Vector3d sliding = relative_velocity - normal_W * normal_W.dot(relative_velocity);
   if (sliding.norm() > kLeastSlidingSpeed) {
@@ -67,7 +69,7 @@ void OdeContacts::make(OdeWorld& world, const world::EngineSetting& setting,
     for (const world::BodyId id : {contact.body_a, contact.body_b}) {
       if (!world.owns(id) && world.body(id) != nullptr) world.wake_stand_in(id, state);
     }
-    // ODE wants a body that moves first; its normal points to the first.
+    // ODE's first body must be one that moves, and its normal points to it.
     const bool turned = made.turned = world.body(contact.body_a) == nullptr;
     const world::BodyId first = turned ? contact.body_b : contact.body_a;
     const world::BodyId second = turned ? contact.body_a : contact.body_b;
@@ -86,10 +88,12 @@ void OdeContacts::report(std::span<collision::Contact> contacts) const {
   for (const Made& made : made_) {
     collision::Contact& contact = contacts[made.contact];
     const Eigen::Vector3d force_on_first = Eigen::Map<const Eigen::Vector3d>(made.feedback.f1);
-    // Whichever body was first, its force along the normal is the contact's.
+    // The force along the normal is the contact's, whichever body was first.
     contact.normal_force_n = std::abs(force_on_first.dot(contact.normal_W));
     contact.force_on_a_W = made.turned ? Eigen::Vector3d(-force_on_first) : force_on_first;
     if (contact.rolling_friction == 0.0 && contact.torsional_friction == 0.0) continue;
+    // The torque of the force at its lever is taken off: the moment of rolling and torsional friction
+    // remains.
     const Eigen::Vector3d torque =
         Eigen::Map<const Eigen::Vector3d>(made.feedback.t1) - made.lever.cross(force_on_first);
     contact.torque_on_a_W = made.turned ? Eigen::Vector3d(-torque) : torque;

@@ -1,6 +1,7 @@
 // The engine `ode`: Open Dynamics Engine behind the Engine seam.
 #include <cstring>
 
+#include "protocol/config/unknown_name.h"
 #include "server/dynamics/engine_factories.h"
 #include "server/dynamics/ode/ode_contacts.h"
 #include "server/dynamics/ode/ode_guard.h"
@@ -12,7 +13,7 @@ namespace visum::dynamics {
 namespace ode {
 namespace {
 
-// Everything that ODE holds for one engine. Made anew where ODE has given up.
+// Everything that ODE holds for one engine. It is made anew where ODE has given up.
 struct Mechanism {
   Mechanism(const world::WorldModel& model, std::int32_t engine_index) : world(model, engine_index) {
     for (std::size_t i = 0; i < model.joints.size(); ++i) {
@@ -23,14 +24,14 @@ struct Mechanism {
     }
   }
 
-  OdeWorld world;  // outlives the contacts' group, which leaves it
+  OdeWorld world;  // must outlive the contacts' group, which is part of it
   std::vector<world::JointId> joint_ids;
   std::vector<OdeJoint> joints;
   OdeContacts contacts;
 };
 
-// QuickStep shuffles its rows with one generator for the whole process. Its seed is part of this world's
-// state: put in before a step and taken out after, so that worlds do not disturb each other.
+// QuickStep shuffles its rows with one random generator for the whole process. The seed is part of this
+// world's state: it is set before a step and read back after it, so that worlds do not disturb each other.
 class Seed {
  public:
   explicit Seed(std::vector<std::byte>& bytes) : bytes_(bytes) {
@@ -50,13 +51,15 @@ class Seed {
   std::vector<std::byte>& bytes_;
 };
 
+// One instance for each engine entry of the scene, on the tick's thread. Where ODE gives up, the step fails
+// with ODE's message, and the ODE world is built anew.
 class OdeEngine : public Engine {
  public:
   OdeEngine(const world::WorldModel& model, std::int32_t engine_index)
       : model_(model), engine_index_(engine_index), quick_(setting().step == "quick") {
     if (!quick_ && setting().step != "world")
-      throw std::runtime_error("engine 'ode' knows no step '" + setting().step +
-                               "'; there are: world, quick");
+      throw std::runtime_error("engine 'ode': " +
+                               config::unknown_name("step", setting().step, {"world", "quick"}));
     ensure_ode();
     mechanism_ = std::make_unique<Mechanism>(model_, engine_index_);
   }
@@ -71,6 +74,7 @@ class OdeEngine : public Engine {
     } catch (const OdeError& error) {
       failure = error.what();
     }
+    // ODE's messages count as warnings of the solver.
     if (failure.empty()) return check(state, ode_messages() != messages_before);
     failure += first_broken_body();
     rebuild();
@@ -88,8 +92,9 @@ class OdeEngine : public Engine {
     if (quick_) {
       step_quickly(input.tick_s, bytes);
     } else if (!step_directly(input.tick_s)) {
+      // The direct solver has left forces out: the iterative one makes the tick again.
       prepare(input, state);
-      dRandSetSeed(0);  // of this tick alone
+      dRandSetSeed(0);  // the seed of this tick alone
       dWorldQuickStep(mechanism_->world.id(), input.tick_s);
     }
     mechanism_->world.store(state);
@@ -98,7 +103,7 @@ class OdeEngine : public Engine {
     mechanism_->contacts.report(input.contacts);
   }
 
-  // Everything that a step acts on, from the state and the input alone.
+  // Loads everything that a step acts on, from the state and the input alone.
   void prepare(const StepInput& input, const world::WorldState& state) {
     mechanism_->world.load(state);
     mechanism_->contacts.make(mechanism_->world, setting(), input.contacts, state);
@@ -107,9 +112,9 @@ class OdeEngine : public Engine {
     push(input.wrenches);
   }
 
-  // False where ODE's direct solver has given up on some of the contacts, as it may where many share a load:
-  // it says so, and leaves their forces at zero, so that a stack falls. The iterative solver then does the
-  // tick.
+  // Returns false where ODE's direct solver has given up on some contacts, which may happen where many share
+  // a load. ODE then prints a message and leaves their forces at zero, so that a stack falls. The iterative
+  // solver does this tick instead.
   bool step_directly(double tick_s) {
     const std::uint64_t before = ode_messages();
     dWorldStep(mechanism_->world.id(), tick_s);
@@ -136,7 +141,7 @@ class OdeEngine : public Engine {
     return {sane, offender, warned};
   }
 
-  // Where ODE gave up, for the fault's text.
+  // Text for the fault: the body at which ODE gave up.
   std::string first_broken_body() const {
     for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
       const world::BodyId id{static_cast<std::int32_t>(i)};

@@ -1,4 +1,4 @@
-// ODE's handles with their owners.
+// Owning handles for ODE's objects.
 #pragma once
 
 #include <ode/ode.h>

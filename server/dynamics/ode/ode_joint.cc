@@ -21,8 +21,8 @@ bool is_ground(const world::WorldModel& model, world::BodyId id) {
   return !id.valid() || model.bodies[id.index()].fixed;
 }
 
-// Where the joint's frame stands while the joint is made: with a parent that stands still, where that has it;
-// else in W itself, which keeps the numbers clean.
+// Where the joint's frame is while the joint is made. A parent that does not move says where; otherwise the
+// frame is W itself, which keeps the numbers clean.
 world::Pose joint_frame(const world::WorldModel& model, const world::Joint& joint) {
   if (!is_ground(model, joint.parent)) return {};
   return joint.parent.valid() ? model.bodies[joint.parent.index()].X_WB * joint.X_PJ : joint.X_PJ;
@@ -46,6 +46,7 @@ OdeJoint::OdeJoint(OdeWorld& world, const world::WorldModel& model, world::Joint
   make_motor(world, X_WJ.q * model_.axis_J);
 }
 
+// Throws std::runtime_error for kinds that ODE does not have.
 dJointID OdeJoint::make_joint(OdeWorld& world) const {
   switch (model_.kind) {
     case world::JointKind::kFixed:
@@ -59,9 +60,8 @@ dJointID OdeJoint::make_joint(OdeWorld& world) const {
     case world::JointKind::kUniversal:
       return dJointCreateUniversal(world.id(), nullptr);
     default:
-      throw std::runtime_error("engine 'ode' has no joint of type " +
-                               std::string(world::info(model_.kind).name) + ", which joint '" + model_.name +
-                               "' is; engine 'impulse' has");
+      throw std::runtime_error("joint '" + model_.name + "' is of type " + world::info(model_.kind).name +
+                               ", which engine 'ode' does not have; use engine 'impulse'");
   }
 }
 
@@ -90,6 +90,7 @@ void OdeJoint::place_joint(const world::Pose& X_WJ) const {
   }
 }
 
+// Two rows along the joint's axis, turning with the child. Feedback tells what they transmit.
 void OdeJoint::make_motor(OdeWorld& world, const Eigen::Vector3d& axis_W) {
   const bool hinge = model_.kind == world::JointKind::kHinge;
   motor_ = hinge ? dJointCreateAMotor(world.id(), nullptr) : dJointCreateLMotor(world.id(), nullptr);
@@ -107,7 +108,7 @@ void OdeJoint::set_row(int row, double velocity, double compliance, double max_e
   const auto set = model_.kind == world::JointKind::kHinge ? dJointSetAMotorParam : dJointSetLMotorParam;
   const int group = row * dParamGroup;
   set(motor_, group + dParamVel, velocity);
-  // Never harder than the other joints: with a softness of nothing at all ODE's solver may find no solution.
+  // Never harder than the other joints: without any softness, ODE's solver may find no solution.
   set(motor_, group + dParamCFM, std::max(compliance, setting_.cfm));
   set(motor_, group + dParamFMax, max_effort);
 }
@@ -123,6 +124,7 @@ void OdeJoint::add_effort(double effort) {
 void OdeJoint::apply(const hwparts::JointDrive& drive, const world::WorldState& state) {
   if (motor_ == nullptr) return;
   set_stops(joint_, model_, state.joints[id_.index()].position);
+  // A drive takes the place of the model's friction and damping.
   const bool driven = !says_nothing(drive);
   const double damping = driven ? 0.0 : model_.damping;
   if (driven)
@@ -138,6 +140,7 @@ void OdeJoint::apply(const hwparts::JointDrive& drive, const world::WorldState& 
 
 double OdeJoint::effort() const {
   if (motor_ == nullptr) return 0.0;
+  // The feedback is a vector on the child; its share along the axis is the effort.
   const dReal* transmitted = model_.kind == world::JointKind::kHinge ? feedback_->t1 : feedback_->f1;
   return Eigen::Map<const Eigen::Vector3d>(transmitted).dot(axis_W_) + feedforward_;
 }

@@ -8,8 +8,8 @@ namespace visum::dynamics::ode {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-// A stop farther off than this, rad, is moved up to here. At least one of both stops is then within ODE's
-// half turn, without which it would neither test them nor forget an earlier touch.
+// A stop that is farther away than this (rad) is moved up to this distance. At least one of both stops is
+// then within ODE's half turn. Otherwise ODE would neither test them nor forget an earlier touch.
 constexpr double kReach = 1.0;
 
 void set_hinge_stops(dJointID joint, const world::Joint& model, double position) {

@@ -1,4 +1,4 @@
-// Mechanical stops by ODE's own limit row, for joints that turn more than once too.
+// Mechanical stops by ODE's own limit row, also for joints that turn more than once.
 #pragma once
 
 #include <ode/ode.h>
@@ -7,10 +7,10 @@
 
 namespace visum::dynamics::ode {
 
-// Sets what does not change. `joint` is a hinge or a slider.
+// Sets the parameters that do not change. `joint` is a hinge or a slider.
 void prepare_stops(dJointID joint, const world::Joint& model, const world::EngineSetting& setting);
 
-// Before each step, with the bodies in place. `position` tells the turn.
+// To be called before each step, with the bodies in place. `position` says in which turn the joint is.
 void set_stops(dJointID joint, const world::Joint& model, double position);
 
 }  // namespace visum::dynamics::ode

@@ -5,13 +5,12 @@
 namespace visum::dynamics::ode {
 namespace {
 
-// Bodies that overlap are driven apart no faster than this: what starts inside another thing is not shot out
-// of it.
+// m/s, fastest separation of overlapping bodies: a body that starts inside another one is not shot out of it.
 constexpr double kMaxSeparatingSpeed = 0.5;
-// So much overlap is left alone: a contact at rest stays one from tick to tick. 10 µm are below what anyone
-// measures.
+// m, overlap that is left alone: a contact at rest then exists in every tick. Nobody measures as little as 10
+// µm.
 constexpr double kSurfaceLayerM = 1e-5;
-// Of the iterative solver where it does a tick that the direct one has given up on.
+// Iterations where the iterative solver does a tick that the direct one has given up on.
 constexpr int kStandInIterations = 200;
 
 void set_mass(dBodyID id, const world::Body& body) {
@@ -21,8 +20,8 @@ void set_mass(dBodyID id, const world::Body& body) {
   dBodySetMass(id, &mass);
 }
 
-// dBodySetQuaternion() would normalise once more, and lose the last bit. dQtoR() is what ODE itself applies
-// after each step, so that the matrix comes back with the same bits too.
+// dBodySetQuaternion() would normalise once more and change the last bit. ODE itself applies dQtoR() after
+// each step, so the matrix comes back with the same bits, too.
 void write_raw(dBodyID id, const world::BodyState& state) {
   dBodySetPosition(id, state.p_WC.x(), state.p_WC.y(), state.p_WC.z());
   auto* q = const_cast<dReal*>(dBodyGetQuaternion(id));

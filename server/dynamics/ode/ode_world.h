@@ -1,5 +1,5 @@
-// One dWorld with a dBody for each body that the engine moves, and a kinematic stand-in for each that another
-// engine moves. Holds no truth: load() before each step, store() after.
+// One dWorld, with a dBody for each body that the engine moves, and a kinematic stand-in for each body that
+// another engine moves. It holds no truth: call load() before each step and store() after it.
 #pragma once
 
 #include <ode/ode.h>
@@ -12,22 +12,23 @@
 
 namespace visum::dynamics::ode {
 
+// The Mechanism of ode_engine.cc owns it; tick's thread. ODE's failures come as OdeError (ode_guard.h).
 class OdeWorld {
  public:
   OdeWorld(const world::WorldModel& model, std::int32_t engine_index);
 
   dWorldID id() const { return world_.get(); }
 
-  // Null for what never moves: fixed bodies, and the world itself (an invalid id).
+  // Null for everything that never moves: fixed bodies, and the world itself (an invalid id).
   dBodyID body(world::BodyId id) const { return id.valid() ? bodies_[id.index()] : nullptr; }
   bool owns(world::BodyId id) const;
   const world::WorldModel& model() const { return model_; }
 
-  // Places a body's link frame, at rest: where joints are made.
+  // Places a body's link frame, at rest, so that joints can be made there.
   void place_link(world::BodyId id, const world::Pose& X_WB);
 
-  // Poses and velocities bit for bit, forces cleared. Stand-ins take part in a step only when woken after
-  // this.
+  // Loads poses and velocities bit for bit, and clears forces. A stand-in takes part in a step only if
+  // wake_stand_in() is called after this.
   void load(const world::WorldState& state);
   void wake_stand_in(world::BodyId id, const world::WorldState& state);
   void store(world::WorldState& state) const;

@@ -8,6 +8,7 @@
 namespace visum::dynamics::plugged {
 namespace {
 
+// Conversions between our types and the plug-ins' plain values.
 void put(const Eigen::Vector3d& from, double to[3]) {
   std::copy_n(from.data(), 3, to);
 }
@@ -26,6 +27,7 @@ plugin::Pose plain(const world::Pose& pose) {
 
 plugin::EngineBody plain(const world::Body& body, bool own) {
   plugin::EngineBody to{body.name, own};
+  // Of bodies that the engine does not move it learns the motion only.
   if (!own) return to;
   to.mass_kg = body.mass_kg;
   for (int i = 0; i < 9; ++i) to.inertia[i] = body.inertia_C(i / 3, i % 3);
@@ -68,6 +70,8 @@ PlainWorld::PlainWorld(const world::WorldModel& model, std::int32_t engine_index
     bodies.push_back(plain(body, !body.fixed && body.engine == engine_index));
   for (std::size_t i = 0; i < model.joints.size(); ++i)
     if (owns(model.joints[i].child)) add_joint(model.joints[i], {static_cast<std::int32_t>(i)});
+  // Joints belong to the engine that moves their child. All lists get their size here, so ticks need not
+  // allocate.
   samples_.resize(joints.size());
   drives_.resize(joints.size());
   efforts_.resize(joints.size());
@@ -78,7 +82,8 @@ void PlainWorld::add_joint(const world::Joint& joint, world::JointId id) {
   const world::JointKindInfo& kind = world::info(joint.kind);
   if (joint.kind == world::JointKind::kPointOnCurve)
     throw plugin::Error("joint '" + joint.name + "' is of kind " + kind.name +
-                        ", which engines of plug-ins are not told of");
+                        ", which engines of plug-ins do not support");
+  // Plug-ins see joints from the centres of mass.
   const auto seen_from_center = [&](world::BodyId body, const world::Pose& X_BJ) {
     const Eigen::Vector3d p_BC =
         body.valid() ? model_.bodies[body.index()].p_BC : Eigen::Vector3d(Eigen::Vector3d::Zero());
@@ -111,6 +116,7 @@ void PlainWorld::load(const StepInput& input, const world::WorldState& state) {
     samples_[i] = {joint.position, joint.velocity, joint.effort};
     drives_[i] = plain(input.drives[joint_ids_[i].index()]);
   }
+  // Pushes and contacts of this engine's bodies only, in the order of the world.
   std::ranges::fill(efforts_, 0.0);
   pushes_.clear();
   for (const Wrench& wrench : input.wrenches) {
@@ -156,6 +162,7 @@ void PlainWorld::store(const StepInput& input, world::WorldState& state) const {
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     collision::Contact& to = input.contacts[contact_ids_[i]];
     to.force_on_a_W = vector_of(contacts_[i].force_on_a);
+    // A contact cannot pull.
     to.normal_force_n = std::max(0.0, to.normal_W.dot(to.force_on_a_W));
   }
 }

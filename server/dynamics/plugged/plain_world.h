@@ -1,5 +1,5 @@
-// The world as plug-ins' engines see it: plain values, bodies by their centres of mass, and of the joints and
-// contacts those of the engine's own bodies. Nothing here allocates once warm.
+// The world as plug-ins' engines see it: plain values, bodies by their centres of mass, and only those joints
+// and contacts that belong to the engine's own bodies. Nothing here allocates once warm.
 #pragma once
 
 #include <vector>
@@ -9,18 +9,23 @@
 
 namespace visum::dynamics::plugged {
 
+// PluggedEngine owns it; tick's thread. Order of calls in a step: load(), tick(), the plug-in's step,
+// store().
 class PlainWorld {
  public:
-  // Throws plugin::Error at a joint that plug-ins cannot be told of.
+  // Throws plugin::Error at a joint of a kind that plug-ins do not know.
   PlainWorld(const world::WorldModel& model, std::int32_t engine_index);
 
   double tick_s;
   std::vector<plugin::EngineBody> bodies;  // by BodyId
   std::vector<plugin::EngineJoint> joints;
 
+  // Copies the state and the inputs of this engine's bodies.
   void load(const StepInput& input, const world::WorldState& state);
+  // The values that the plug-in's step reads and writes.
   plugin::EngineTick tick(double tick_s);
-  // Throws plugin::Error at an effort or a force that is no number.
+  // Copies the plug-in's results to the state. Throws plugin::Error at an effort or a force that is not
+  // finite.
   void store(const StepInput& input, world::WorldState& state) const;
 
  private:
@@ -28,8 +33,8 @@ class PlainWorld {
   bool owns(world::BodyId body) const { return bodies[body.index()].own; }
 
   const world::WorldModel& model_;
-  std::vector<world::JointId> joint_ids_;  // of joints
-  std::vector<std::size_t> contact_ids_;   // in StepInput::contacts
+  std::vector<world::JointId> joint_ids_;  // by number in `joints`
+  std::vector<std::size_t> contact_ids_;   // by number in contacts_: index in StepInput::contacts
   std::vector<plugin::EnginePush> pushes_;
   std::vector<plugin::JointDrive> drives_;
   std::vector<plugin::JointSample> samples_;

@@ -13,6 +13,7 @@ namespace visum::dynamics {
 namespace plugged {
 namespace {
 
+// Everything that the plug-in's constructor may ask for: its settings, the tick, bodies and joints.
 class Context final : public plugin::EngineContext {
  public:
   Context(const PlainWorld& world, const config::Node& entry, std::vector<std::string> resting)
@@ -29,6 +30,8 @@ class Context final : public plugin::EngineContext {
   plugin::NodeSettings settings_;
 };
 
+// Wraps one engine of a plug-in. Simulation owns it; tick's thread. Exceptions and bad numbers of the plug-in
+// become a failed step; the watch on calls that do not return is ForeignCall's.
 class PluggedEngine final : public Engine {
  public:
   PluggedEngine(const plugin::EngineKind& kind, const world::WorldModel& model, std::int32_t engine_index,
@@ -47,7 +50,7 @@ class PluggedEngine final : public Engine {
     try {
       advance(input, state);
     } catch (...) {
-      last_.reset();  // whatever it holds now is nothing to go on from
+      last_.reset();  // its state after a failure cannot be trusted
       return {false, name_ + ": " + plugin::text_of_current_exception()};
     }
     std::string offender;
@@ -70,12 +73,12 @@ class PluggedEngine final : public Engine {
     last_ = memory;
   }
 
-  // The state is another than the one that the last step left: a reset or a restored one.
+  // The state is not the one that the last step left: it was reset or restored.
   void recall(const std::vector<std::byte>& memory) {
     if (memory.empty()) return node_->reset();
     plugin::StateIn in(memory);
     node_->load(in);
-    if (!in.at_end()) throw plugin::Error("load: has read less than it saved");
+    if (!in.at_end()) throw plugin::Error("load: has read fewer bytes than it saved");
   }
 
   const world::WorldModel& model_;
@@ -83,7 +86,7 @@ class PluggedEngine final : public Engine {
   const std::string name_;
   PlainWorld world_;
   std::unique_ptr<plugin::Engine> node_;
-  // What it has saved last; of a new one nothing. Empty: its state is not to be trusted.
+  // The bytes that the plug-in saved last; empty bytes for a new one. No value: its state cannot be trusted.
   std::optional<std::vector<std::byte>> last_{std::in_place};
 };
 

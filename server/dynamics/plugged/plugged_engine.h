@@ -1,6 +1,5 @@
-// An engine whose kind comes from a plug-in (protocol/plugin/plugin.h), behind the Engine seam. What it
-// throws and what it leaves wrong is a fault of its step, in words; what it keeps is its memory in
-// WorldState.
+// An engine whose kind comes from a plug-in (protocol/plugin/plugin.h), behind the Engine seam. If it throws
+// or leaves bad numbers, its step fails with a text. What it saves is its memory in WorldState.
 #pragma once
 
 #include <memory>
@@ -12,7 +11,7 @@
 namespace visum::dynamics {
 
 // `entry`: the engine's entry in the scene, a map; `resting`: keys of other kinds, which mean nothing here.
-// Throws ConfigError at what is wrong in it, and for what the plug-in refuses.
+// Throws ConfigError for mistakes in the entry, and for what the plug-in refuses.
 std::unique_ptr<Engine> make_plugged_engine(const plugin::EngineKind& kind, const world::WorldModel& model,
                                             std::int32_t engine_index, const config::Node& entry,
                                             std::vector<std::string> resting);

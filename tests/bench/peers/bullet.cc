@@ -24,7 +24,7 @@ Eigen::Quaterniond eigen(const btQuaternion& q) {
   return {q.w(), q.x(), q.y(), q.z()};
 }
 
-// What every Bullet world needs; outlives the bodies in it.
+// Everything that a Bullet world needs. It must outlive the bodies in it.
 struct BulletWorld {
   explicit BulletWorld(const world::WorldModel& model) : tick_s(1e-9 * static_cast<double>(model.tick_ns)) {
     world.setGravity(bt(model.gravity));
@@ -39,7 +39,7 @@ struct BulletWorld {
   btMultiBodyDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
 };
 
-// Links as Bullet has them: their frames at their centres of mass.
+// Links as Bullet wants them: with frames at their centres of mass.
 class BulletChain : public Stepper {
  public:
   explicit BulletChain(const world::WorldModel& model)
@@ -93,7 +93,7 @@ class BulletChain : public Stepper {
 
   const world::WorldModel model_;
   BulletWorld bullet_;
-  mutable btMultiBody chain_;  // its kinematics are computed when asked for
+  mutable btMultiBody chain_;  // its kinematics are computed on demand
 };
 
 class BulletBoxes : public Stepper {
@@ -128,7 +128,7 @@ class BulletBoxes : public Stepper {
   }
 
  private:
-  // A pair's friction is the product of both.
+  // The friction of a pair is the product of both surfaces'.
   void add(const world::WorldModel& model, const world::Shape& shape) {
     const auto& body = model.bodies[shape.body.index()];
     const auto& surface = model.surfaces[shape.surface.index()];

@@ -1,4 +1,4 @@
-// Orocos KDL has forward dynamics and no integrator: semi-implicit Euler around it.
+// Orocos KDL has forward dynamics but no integrator; here it gets a semi-implicit Euler.
 #include <kdl/chainfdsolver_recursive_newton_euler.hpp>
 #include <kdl/chainfksolvervel_recursive.hpp>
 #include <stdexcept>
@@ -88,7 +88,7 @@ std::unique_ptr<Stepper> make(const world::WorldModel& model, const std::string&
   return std::make_unique<Kdl>(model);
 }
 
-// Its solver inverts the mass matrix: cubic in the number of links.
+// Its solver inverts the mass matrix, so the cost is cubic in the number of links.
 bool takes(const world::WorldModel& model) {
   return is_open_chain(model) && model.joints.size() <= 64;
 }

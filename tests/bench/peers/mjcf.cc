@@ -43,7 +43,7 @@ class Writer {
     out_ << " quat=\"" << X.q.w() << ' ' << X.q.x() << ' ' << X.q.y() << ' ' << X.q.z() << '"';
   }
 
-  // Bodies that a joint carries stand in their parent, the others in the world.
+  // Bodies that a joint carries are nested in their parent, all others in the world.
   void children_of(world::BodyId parent) {
     for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
       const world::JointId carrier = carrying_[i];
@@ -88,7 +88,7 @@ class Writer {
          << j(0, 2) << ' ' << j(1, 2) << "\"/>";
   }
 
-  // Friction of a pair is the larger of both: the same number on every surface means the same everywhere.
+  // The friction of a pair is the larger of both. With the same number on every surface, all engines agree.
   void shapes(world::BodyId id, const Pose& X_B) {
     for (const world::Shape& shape : model_.shapes) {
       if (shape.body != id) continue;

@@ -7,7 +7,7 @@
 
 namespace visum::bench {
 
-// MuJoCo 2.2's reader refuses deeper nesting (about 100), and a chain nests a level per link.
+// MuJoCo 2.2's reader refuses nesting deeper than about 100, and a chain nests one level per link.
 inline constexpr int kMaxMjcfDepth = 90;
 int mjcf_depth(const world::WorldModel& model);
 

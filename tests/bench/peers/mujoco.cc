@@ -10,10 +10,11 @@ namespace {
 
 constexpr int kErrorLength = 512;
 
-// A swing that explodes shows in its figures; by default MuJoCo also writes a log into the working directory.
+// A swing that explodes shows in its figures. By default MuJoCo would also write a log into the working
+// directory.
 void say_nothing(const char*) {}
 
-// MuJoCo reads its model from its virtual file system: no file on disk.
+// MuJoCo reads its model from its own virtual file system, so no file on disk is needed.
 mjModel* load(const std::string& text) {
   mju_user_warning = say_nothing;
   auto files = std::make_unique<mjVFS>();
@@ -73,7 +74,7 @@ class Mujoco : public Stepper {
 
  private:
   struct Start {
-    int position, velocity;  // where they stand in qpos and qvel
+    int position, velocity;  // where they are in qpos and qvel
     world::JointState joint;
   };
 

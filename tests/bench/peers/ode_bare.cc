@@ -1,4 +1,4 @@
-// ODE's dWorldStep as a program of its own would call it: what our seam adds is the difference to `ode`.
+// ODE's dWorldStep as a program without Visum would call it. The difference to `ode` is the cost of our seam.
 #include <ode/ode.h>
 
 #include "tests/bench/peers/peers.h"

@@ -1,6 +1,6 @@
-// The other engines, each in one file of its own that is built only where its package is found (peers.txt).
-// They get the same WorldModel: joints are hinges whose frame in the child is the identity, as
-// serial_models.h and loop_models.h build them; MuJoCo also closes loops, by its soft constraint `connect`.
+// The other engines, each in a file of its own that is built only if its package is found (peers.txt). They
+// get the same WorldModel: joints are hinges whose frame in the child is the identity, as serial_models.h and
+// loop_models.h build them. MuJoCo also closes loops, by its soft constraint `connect`.
 #pragma once
 
 #include <vector>

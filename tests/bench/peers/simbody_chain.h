@@ -1,5 +1,5 @@
-// An open chain of pins in Simbody, behind plain values: Simbody's headers are C++17 at most, ours are C++20,
-// and this one is both.
+// An open chain of pins in Simbody, behind plain values. Simbody's headers are C++17 at most and ours are
+// C++20; this header is both.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// One world, ready to be stepped by one engine, of ours or another's: what the benchmarks of physics compare.
+// One world, ready to be stepped by one engine, ours or another one. The physics benchmarks compare them.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@ namespace visum::bench {
 class Stepper {
  public:
   virtual ~Stepper() = default;
-  virtual void reset() = 0;  // to the model's initial state
+  virtual void reset() = 0;  // back to the model's initial state
   virtual void step() = 0;   // one tick of the model; collision included where there are shapes
   virtual void store(world::WorldState& state) const = 0;  // the bodies' motions (velocities: at their coms)
 };
@@ -23,7 +23,7 @@ struct StepperKind {
   std::unique_ptr<Stepper> (*make)(const world::WorldModel& model, const std::string& name);
 };
 
-// What other engines can be given of our models.
+// The kinds of our models that other engines can take.
 bool is_open_chain(const world::WorldModel& model);  // hinges only, no loop, no shape
 bool is_mechanism(const world::WorldModel& model);   // hinges only, loops allowed, no shape
 bool is_boxes_only(const world::WorldModel& model);  // free boxes on a plane, no joint

@@ -22,7 +22,7 @@ VISUM_INSTANTIATE_CONTRACT(BadNumbers);
 
 struct Poison {
   const char* name;
-  const char* named;  // what the fault must name
+  const char* named;  // the fault must name it
   std::function<void(Lab&, double)> apply;
 };
 

@@ -12,7 +12,7 @@ constexpr double kPi = std::numbers::pi;
 
 class Contacts : public Contract {
  protected:
-  // A box on a fixed slope about y; returns the direction downhill.
+  // A box on a fixed slope about y. Returns the direction downhill.
   Eigen::Vector3d add_slope(ModelBuilder& b, double angle, double friction) const {
     const world::SurfaceId surface = b.add_surface(friction, 0.0);
     const Pose tilt = at(0, 0, 0, angle, {0, 1, 0});
@@ -170,7 +170,7 @@ TEST_P(Contacts, ASpinningBallSlowsEvenlyAsItsTorsionalFrictionSays) {
   EXPECT_LT(lab.body("ball").p_WC.head<2>().norm(), 1e-4);
 }
 
-// On a slope it rolls where sin(angle) r > c cos(angle), and stays where not.
+// On a slope a ball rolls if sin(angle) r > c cos(angle), and stays otherwise.
 TEST_P(Contacts, RollingFrictionHoldsABallOnAGentleSlope) {
   const double r = 0.1, limit = std::atan2(0.01, r);
   for (const double share : {0.9, 1.2}) {

@@ -8,10 +8,9 @@ namespace {
 
 using world::JointKind;
 constexpr double kInertia = 0.25;        // kg·m², and kg of the slide
-constexpr double kSoftnessOfOde = 1e-9;  // m/s or rad/s that its least cfm lets through at about 1 N
+constexpr double kSoftnessOfOde = 1e-9;  // m/s or rad/s that ODE's least cfm lets through at about 1 N
 
-// One tick of an inertia under a drive, in closed form: the drive's first term, were it not limited, and its
-// limit.
+// One tick of an inertia under a drive, in closed form: the unlimited term of the drive, and its limit.
 struct ImplicitDrive {
   double inertia, tick_s;
 
@@ -35,14 +34,15 @@ class DriveLaw : public ::testing::TestWithParam<std::tuple<Row, Mechanism>> {
  protected:
   const Row& row() const { return std::get<0>(GetParam()); }
 
-  // The joint stands askew, so that no axis is a coordinate axis.
+  // The joint is askew, so that no axis is a coordinate axis.
   ModelBuilder builder() const {
     const Mechanism& mechanism = std::get<1>(GetParam());
     ModelBuilder b(row().engine);
     b.model.gravity.setZero();
     const Eigen::Vector3d axis = Eigen::Vector3d(1, -2, 3).normalized();
     BodyId parent;
-    // A free parent of a billion times the inertia stands for the ground, and goes through the two-body code.
+    // A free parent with a billion times the inertia stands for the ground, so the code for two bodies is
+    // tested as well.
     if (mechanism.on_a_free_parent)
       parent = b.add_rotor("base", 1e9 * kInertia, 1e9 * kInertia, at(0.3, 0.2, 0.1));
     const BodyId child = b.add_rotor("rotor", kInertia, kInertia, at(0.3, 0.2, 0.1, 0.5, {1, 1, 0}));

@@ -72,21 +72,31 @@ TEST(Engines, EveryEngineHasARow) {
   }
 }
 
-TEST(Engines, AnUnknownEngineIsRefusedWithTheNamesOfThoseThereAre) {
+// The text with which the engine is refused; empty if it is not.
+std::string refusal_of(const world::EngineSetting& setting) {
   world::WorldModel model;
-  model.engines.push_back({"bullet"});
+  model.engines.push_back(setting);
   try {
     make_engine(model, 0);
-    FAIL();
+    return "";
   } catch (const std::runtime_error& error) {
-    EXPECT_STREQ(error.what(), "there is no engine 'bullet'; there are: impulse, ode");
+    return error.what();
   }
 }
 
+TEST(Engines, AnUnknownEngineIsRefusedWithTheNamesOfThoseThereAre) {
+  EXPECT_EQ(refusal_of({"bullet"}), "there is no engine 'bullet'; there are: impulse, ode");
+  EXPECT_EQ(refusal_of({"impulze"}), "there is no engine 'impulze'; did you mean 'impulse'?");
+}
+
 TEST(Engines, AnUnknownStepIsRefusedWithTheNamesOfThoseThereAre) {
-  world::WorldModel model;
-  model.engines.push_back({"ode", "slow"});
-  EXPECT_THROW(make_engine(model, 0), std::runtime_error);
+  EXPECT_EQ(refusal_of({"ode", "slow"}), "engine 'ode': there is no step 'slow'; there are: world, quick");
+}
+
+TEST(Engines, AnUnknownSolverIsRefusedWithTheNamesOfThoseThereAre) {
+  world::EngineSetting setting{"impulse"};
+  setting.solver = "fast";
+  EXPECT_EQ(refusal_of(setting), "engine 'impulse': there is no solver 'fast'; there are: direct, iterate");
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
-// The state's hash after a second of the busy scene, for each engine and step setting: the same from GCC and
-// Clang, debug and optimised. A hash that changes needs a line in the changelog that says why. The bits are
-// promised per class of processor only (ODE chooses code by processor).
+// The state's hash after a second of the busy scene, for each engine and step setting. GCC and Clang, debug
+// and optimised, must give the same hash. A hash that changes needs a line in the changelog that says why.
+// The bits are promised for each class of processor only, since ODE chooses its code by processor.
 #include <map>
 
 #include "tests/dynamics/contract/scenes.h"

@@ -1,4 +1,4 @@
-// One engine goes on where another has stopped: "each time on whatever state it is given" (engine.h).
+// One engine goes on where another one has stopped: "each time with whatever state it is given" (engine.h).
 #include <algorithm>
 
 #include "tests/dynamics/contract/rows.h"
@@ -19,7 +19,7 @@ std::vector<Row> hand_over_rows() {
   return all;
 }
 
-// A double pendulum, a lever whose end lies on the ground, a crate that stands, and a ball that rolls.
+// A double pendulum, a lever whose end is on the ground, a crate that stands, and a ball that rolls.
 world::WorldModel handed_model(const world::EngineSetting& engine) {
   ModelBuilder b(engine);
   b.add_ground();
@@ -72,11 +72,11 @@ double farthest_apart(const Lab& a, const Lab& b) {
   return largest;
 }
 
-// Where it goes is judged by the engine that goes straight on; ODE misses a parabola by 0.2 mm in that time.
+// The engine that goes straight on is the reference; ODE misses a parabola by 0.2 mm in that time.
 void HandOver::expect_to_go_on(const world::WorldState& from, Lab& straight) const {
   Lab lab(handed_model(second().engine));
   lab.state = from;
-  // That a gap and a depth, which ODE leaves, are closed costs a millijoule.
+  // Closing a gap and an overlap that ODE leaves costs a millijoule.
   const double energy = physics::energy_of(lab.model, lab.state);
   const double drift = 2e-3 + second().accuracy.pendulum_energy * physics::energy_scale(lab.model);
   for (int i = 0; i < kAfter; ++i) {

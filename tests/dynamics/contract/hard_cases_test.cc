@@ -9,7 +9,8 @@ using world::JointKind;
 
 class HardCases : public Contract {
  protected:
-  // Survives: each tick is either good, with a finite state, or reported; and the engine lives on.
+  // The engine survives if each tick is either good, with a finite state, or reported, and if the engine goes
+  // on working.
   static void expect_survival(Lab& lab, int ticks) {
     const world::WorldState start = lab.state;
     for (int i = 0; i < ticks; ++i) {
@@ -93,7 +94,7 @@ TEST_P(HardCases, AMassOfAGramAndSpinsOfThousandsOfTurnsDoNotAbort) {
   expect_survival(lab, 1000);
 }
 
-// Each engine moves its own bodies; the other's are things that move as they move.
+// Each engine moves its own bodies. For each, the other's bodies move as that engine moves them.
 class TwoEngines : public ::testing::TestWithParam<std::tuple<Row, Row>> {
  protected:
   ModelBuilder builder() const {

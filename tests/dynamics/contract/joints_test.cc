@@ -9,7 +9,7 @@ using world::JointKind;
 
 class Joints : public Contract {
  protected:
-  // A rotor, or a carriage, of inertia 0.5 on a joint about or along x.
+  // A rotor, or a carriage, with the inertia 0.5, on a joint about or along x.
   world::Joint& add_single(ModelBuilder& b, JointKind kind) const {
     b.model.gravity.setZero();
     const BodyId rotor = b.add_rotor("rotor", 0.5, 0.5, at(0, 0, 1));

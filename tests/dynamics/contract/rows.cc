@@ -26,7 +26,7 @@ world::EngineSetting iterate() {
 
 }  // namespace
 
-// ODE is semi-implicit: it misses the parabola by g h t / 2 = 4.9 mm after 1 s at 1 ms.
+// ODE is semi-implicit: it misses the parabola by g h t / 2 = 4.9 mm after 1 s with steps of 1 ms.
 const std::vector<Row>& rows() {
   static const std::vector<Row> all{
       {"OdeWorld", ode("world", 20), {4.91e-3, 1e-9, 1e-3, 5e-3, 1e-3, 2e-3, 1e-6, 1e-5, 1e-5}},

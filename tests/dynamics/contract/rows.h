@@ -1,6 +1,6 @@
 // The rows over which the contract suite runs: every engine of the table, with each of its step settings, and
-// what accuracy it honestly has. A new engine gets its line in rows.cc on the day it comes;
-// EveryEngineHasARow demands it.
+// the accuracy that it really has. A new engine gets its line in rows.cc when it is added; EveryEngineHasARow
+// demands it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -19,13 +19,13 @@ struct Accuracy {
   double pendulum_energy;  // relative, over 10 s
   double contact_force;    // relative
   double slide;            // relative error of an acceleration
-  double creep_m_per_s;    // of what should stick
+  double creep_m_per_s;    // of a body that should stick
   double grasp_slip_m;     // in 5 s
   double stack_drift_m;    // sideways, in 10 s
 };
 
 struct Row {
-  std::string name;  // of the test
+  std::string name;  // part of the test's name
   world::EngineSetting engine;
   Accuracy accuracy;
 

@@ -5,8 +5,9 @@
 
 namespace visum::dynamics::testing {
 
-// An arm of three hinges and a slider on the world, over the ground, with boxes, a ball and a cylinder
-// falling on it: every kind of joint, contacts that come and go, drives in use.
+// An arm of three hinges and a slider on the world, above the ground, with boxes, a ball and a cylinder
+// falling on it. It has every kind of joint that both engines have, contacts that come and go, and drives in
+// use.
 world::WorldModel busy_model(const world::EngineSetting& engine);
 void set_busy_drives(Lab& lab);
 

@@ -1,5 +1,5 @@
-// A tick of the engine `impulse` and of the collision stage. Once warm: what happens has happened before,
-// from the same state. What FCL allocates inside is its own.
+// A warm tick of the engine `impulse` and of the collision stage allocates nothing. Warm means that the same
+// has happened before, from the same state. Allocations inside FCL are not counted.
 #include "tests/support/allocation_counter.h"
 
 #include "tests/dynamics/contract/scenes.h"
@@ -53,7 +53,8 @@ TEST_P(Allocation, ClosedLoopsNeedNone) {
   expect_none_the_second_time(lab, 200);
 }
 
-// A step whose joints do not close is cut in halves. `iterate` cuts none: it leaves what its budget leaves.
+// A step whose joints do not close is cut in halves. The solver `iterate` cuts none: it leaves what its
+// budget leaves.
 TEST_P(Allocation, StepsInHalvesNeedNone) {
   Lab arm(physics::arm7(GetParam().setting, 4e-2)), loops(physics::four_bars(GetParam().setting, 5e-2, 2));
   expect_none_the_second_time(arm, 50);

@@ -1,4 +1,4 @@
-// Rows that hold free bodies, solved for the bodies: the impulses are those of the rows' own system.
+// Rows on free bodies, solved for the bodies, give the impulses of the rows' own system.
 #include "server/dynamics/impulse/body_factor.h"
 
 #include <gtest/gtest.h>
@@ -12,11 +12,11 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// A chain of bodies, two rows between each and the next, one more over a body between, and one to the ground.
+// A chain of bodies: two rows between neighbours, one more across a body, and one to the ground.
 struct Lines {
   std::vector<FreeBody> bodies;
   std::vector<std::array<std::size_t, 2>> ends;
-  MatrixXd J, P, M;  // a row for each row; pushes; mass
+  MatrixXd J, P, M;  // row by row: J, P; mass
   VectorXd softness, missing;
 };
 

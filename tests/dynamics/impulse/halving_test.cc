@@ -1,4 +1,5 @@
-// Steps whose joints do not close: cut in halves, and refused with the joint's name where that does not help.
+// Steps whose joints do not close are cut in halves, and refused with the joint's name where that does not
+// help.
 #include <gmock/gmock.h>
 
 #include "tests/dynamics/lab.h"
@@ -49,7 +50,7 @@ TEST_P(Halving, WhatCannotBeHeldIsToldByNameAndTheStateStaysAsItWas) {
   }
 }
 
-// The chain goes on with what it had, though the engine has tried in vain meanwhile.
+// The chain goes on from its good state, though the engine has tried in vain meanwhile.
 TEST_P(Halving, AnEngineThatHasFailedGoesOnFromAGoodState) {
   const auto model = physics::chain(engine(), 1e-3, 4);
   Lab straight(model), failing(model);
@@ -64,7 +65,7 @@ TEST_P(Halving, AnEngineThatHasFailedGoesOnFromAGoodState) {
   EXPECT_EQ(straight.hash(), failing.hash());
 }
 
-// A free arm of seven links, in ticks in which its wrist turns too far for one step.
+// A free arm of seven links, in ticks during which its wrist turns too far for one step.
 TEST_P(Halving, AStepThatDoesNotCloseIsMadeOfShorterOnesAndIsTold) {
   constexpr int kTicks = 50;
   Lab lab(physics::arm7(engine(), 4e-2));

@@ -1,4 +1,4 @@
-// What is hit bounces once: by Poisson's law as by Newton's, and off a stop whatever else acts on the joint.
+// A hit bounces once: by Poisson's law as by Newton's, and off a stop whatever else acts on the joint.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Axes that are given nothing cost nothing, and come and go from tick to tick: with or without them before, a
-// tick has the same bits.
+// Idle axes cost nothing, and come and go from tick to tick. A tick has the same bits whether they were idle
+// before or not.
 #include <gtest/gtest.h>
 
 #include "tests/dynamics/lab.h"
@@ -9,7 +9,8 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// Driven for three ticks, left alone for as many, each joint at its own time; one feeds forward alone.
+// Driven for three ticks, left alone for three, each joint at its own time; one of them has a feedforward
+// only.
 void give(dynamics::testing::Lab& lab) {
   for (std::size_t i = 0; i < lab.drives.size(); ++i) {
     const bool is_driven = (lab.state.tick + static_cast<std::int64_t>(i)) % 6 < 3;

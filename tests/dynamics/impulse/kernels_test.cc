@@ -1,4 +1,4 @@
-// Bodies' and joints' kernels: both builds give the same bits, and what they give is right.
+// The kernels of bodies and joints: both builds give the same bits, and the right numbers.
 #include "server/dynamics/impulse/lanes/kernels.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kBodies = 4;
 
-// Bodies of a block, and four hinges that hang each of them on the next one.
+// The bodies of a block, and four hinges, each hanging on the next one.
 struct Four {
   explicit Four(std::uint64_t seed, bool top, bool aligned) {
     std::mt19937_64 random(seed);
@@ -154,7 +154,7 @@ TEST(Kernels, WhatStandsHasNotMoved) {
   EXPECT_TRUE(kernels().commit(of, &four.block, 1, 1e-3, gravity));
 }
 
-// What is no number is no small gap.
+// A gap that is not a number must not count as a small gap.
 TEST(Kernels, AGapThatIsNoNumberIsSeen) {
   Four four(5, true, true);
   const BodyArrays of = four.arrays();

@@ -1,5 +1,5 @@
-// Laws of drives and dry friction that reach their limits and leave them, all along one arm: hwparts/joint.h
-// holds in every tick, whether the law took part in the tree, as an impulse that is known, or as a row.
+// Laws of drives and dry friction that reach their limits and leave them, all along one arm. hwparts/joint.h
+// holds in every tick, whether the law took part in the tree, as a known impulse, or as a row.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ world::WorldModel arm() {
   return model;
 }
 
-// To and fro, each axis at its own pace; every other one pushes to one side only, as a flank of a gear does.
+// To and fro, each axis at its own pace. Every other axis pushes to one side only, as a flank of a gear does.
 void set_drives(dynamics::testing::Lab& lab) {
   const double time_s = static_cast<double>(lab.state.tick) * lab.tick_s();
   for (std::size_t i = 0; i < kDriven; ++i) {
@@ -67,7 +67,7 @@ TEST(LawLimits, TheLawHoldsWhereverItsLimitsAreReachedAndLeft) {
   EXPECT_GT(changes, 50);
 }
 
-// With a bob on a spring far away, or that alone.
+// With a bob on a spring far away, or the bob alone.
 world::WorldModel with_bob(bool beside_the_arm) {
   world::WorldModel model = arm();
   if (!beside_the_arm) {
@@ -102,7 +102,7 @@ TEST(LawLimits, LawsThatChangeSidesTakeNothingFromSprings) {
   }
 }
 
-// With two rods that swing far away, or those alone.
+// With two rods that swing far away, or the rods alone.
 world::WorldModel with_rods(bool beside_the_arm) {
   using dynamics::testing::at;
   dynamics::testing::ModelBuilder b(physics::engine_row("impulse").setting);
@@ -172,7 +172,7 @@ TEST(LawLimits, APistonWithFrictionPassesItsDeadCentres) {
       }
 }
 
-// Two bodies that two joints hold together so that nothing is left free, tumbling.
+// Two bodies that tumble; two joints together hold them completely.
 dynamics::testing::ModelBuilder held_twice(const char* solver, world::JointKind second) {
   using dynamics::testing::at;
   world::EngineSetting setting = physics::engine_row("impulse").setting;
@@ -205,7 +205,7 @@ TEST(LawLimits, FrictionInWhatIsHeldTwiceHoldsNothingUp) {
   }
 }
 
-// Nothing can move it: what it would have to give is not defined.
+// Nothing can move it, so the effort that it would need is not defined.
 TEST(LawLimits, AStopOfWhatIsHeldTwiceGivesNothing) {
   for (const char* solver : {"direct", "iterate"})
     for (const auto second :

@@ -8,7 +8,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// The rows of a chain of springs, tridiagonal, with the row `twice` said again right after itself.
+// The rows of a chain of springs, tridiagonal, with the row `twice` repeated right behind itself.
 struct Chain {
   static constexpr std::size_t kCount = 5;
   static double response(std::size_t i, std::size_t j) { return i == j ? 2.0 : i == j + 1 ? -1.0 : 0.0; }
@@ -24,12 +24,12 @@ TEST(LoopFactor, SolvesABandWithinItsEnvelope) {
   }
   factor.factor();
   EXPECT_EQ(factor.rank(), Chain::kCount);
-  std::vector<double> b{1.0, 0.0, 0.0, 0.0, 1.0};  // of x = 1
+  std::vector<double> b{1.0, 0.0, 0.0, 0.0, 1.0};  // for x = 1
   factor.solve(b);
   for (const double x : b) EXPECT_NEAR(x, 1.0, 1e-14);
 }
 
-// b = A x for x = (1, 2, 2, 3), A of rank 3: rows 1 and 2 are the same.
+// b = A x for x = (1, 2, 2, 3). A has rank 3: rows 1 and 2 are the same.
 TEST(LoopFactor, ARowThatSaysTheSameAgainIsLeftOutAndStillTrue) {
   const std::array<std::array<double, 4>, 4> A{{{2, 1, 1, 0}, {1, 2, 2, 1}, {1, 2, 2, 1}, {0, 1, 1, 2}}};
   LoopFactor factor;
@@ -51,8 +51,8 @@ TEST(LoopFactor, ARowThatSaysTheSameAgainIsLeftOutAndStillTrue) {
   }
 }
 
-// Two blocks, of which the second begins with a row that is nearly what the first block says: taken first, it
-// would have to carry what the row after it says properly.
+// Two blocks. The second begins with a row that nearly repeats the first block. Taken first, it would have to
+// carry what the row after it says properly.
 TEST(LoopFactor, ARowThatIsNearlySaidComesLastInItsBlock) {
   constexpr double kNearly = 1e-7;
   const std::array<std::array<double, 3>, 3> J{{{1, 0, 0}, {1, kNearly, 0}, {0, 1, 1}}};

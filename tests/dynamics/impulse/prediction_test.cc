@@ -10,7 +10,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// A reaction F(t) = 2 + 3 t: what it gives in a step, and what closes a gap (prediction.h).
+// A reaction F(t) = 2 + 3 t: its impulse in a step, and the impulse that closes a gap (prediction.h).
 double given(double t, double h) {
   return h * (2.0 + 3.0 * (t + 0.5 * h));
 }
@@ -82,14 +82,14 @@ INSTANTIATE_TEST_SUITE_P(Orders, PredictedArm,
                            return name;
                          });
 
-// Nothing but its joints hold it: every step is foreseen.
+// Only its joints hold it, so every step is foreseen.
 TEST_P(PredictedArm, GoesOnWithTheSameBitsFromARestoredState) {
   const auto setting = physics::engine_row(GetParam()).setting;
   dynamics::testing::Lab straight(physics::arm7(setting, 1e-3)), rolled(physics::arm7(setting, 1e-3));
   EXPECT_EQ(dynamics::testing::first_difference_when_rolled_back(straight, rolled, 100), std::nullopt);
 }
 
-// What was kept is of another motion: it costs a solution more, and nothing else.
+// The impulses that were kept belong to another motion. That costs one more solution, and nothing else.
 TEST_P(PredictedArm, StaysTogetherWhenItIsThrownElsewhere) {
   const auto setting = physics::engine_row(GetParam()).setting;
   dynamics::testing::Lab lab(physics::arm7(setting, 1e-3)), other(physics::arm7(setting, 1e-3));

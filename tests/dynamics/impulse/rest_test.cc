@@ -1,4 +1,4 @@
-// What stands still is left as it is, and not found out anew in each tick.
+// A body that stands still is left as it is, and not solved for anew in each tick.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,8 +8,8 @@
 namespace visum::dynamics::testing {
 namespace {
 
-// On the way there its impulses stop it; what is left of that must not be answered by the next tick, and so
-// on.
+// On the way there its impulses stop it. The rest of that must not be answered by the next tick, and so on
+// for ever.
 TEST(Rest, ForcesOfWhatStandsStillNoLongerChange) {
   world::EngineSetting setting;
   setting.name = "impulse";

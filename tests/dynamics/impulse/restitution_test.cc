@@ -1,4 +1,4 @@
-// What restitution means where normal and tangent act on each other: T. R. Kane's rod, which meets a plane
+// The meaning of restitution where normal and tangent act on each other: T. R. Kane's rod, which hits a plane
 // with one end (Kane, Levinson, Dynamics: Theory and Applications, 1985: with Newton's law it gains energy).
 #include <gtest/gtest.h>
 
@@ -140,7 +140,7 @@ TEST(Restitution, PoissonsLawGivesBackAShareOfTheImpulse) {
   EXPECT_GT(apart, 0.1) << "else it says nothing of which law it is";
 }
 
-// Where that does not gain energy.
+// Only where Newton's law gains no energy.
 TEST(Restitution, NewtonsLawGivesBackAShareOfTheVelocity) {
   for (const double friction : {0.2, 0.5, 1.0}) {
     for (const double e : kRestitutions) {

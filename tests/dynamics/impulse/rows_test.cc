@@ -1,4 +1,4 @@
-// A box between two fingers of a hand, alone with the solver of what has bounds.
+// A box between two fingers of a hand, given directly to the solver of rows with bounds.
 #include "server/dynamics/impulse/rows.h"
 
 #include <gtest/gtest.h>
@@ -19,11 +19,12 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double kGrip = 0.9, kHalf = 0.03;       // m
-constexpr double kSqueeze = 0.02, kFall = 15e-3;  // m/s: what a millisecond brings
-constexpr double kGive = 1e-5;                    // rows.cc: of a contact's normal
+constexpr double kSqueeze = 0.02, kFall = 15e-3;  // m/s: gained in a millisecond
+constexpr double kGive = 1e-5;                    // see rows.cc: for a contact's normal
 constexpr std::size_t kCorners = 4, kContacts = 2 * kCorners, kRows = 3 * kContacts;
 
-// Contact k: its corner of the box, the directions in which the box moves against the finger (normal first).
+// Contact k: its corner of the box, and the directions in which the box moves against the finger (normal
+// first).
 struct Corner {
   explicit Corner(std::size_t k)
       : finger(k / kCorners),
@@ -68,7 +69,7 @@ class Grasp {
   }
 
   Rows& rows() { return rows_; }
-  // The next tick's: what moves the box, the hand and the fingers is a little other than before.
+  // The next tick's world: what moves box, hand and fingers is a little different.
   void push(std::mt19937_64& random, double much) {
     std::uniform_real_distribution<double> any(-1.0, 1.0);
     for (std::size_t j = 0; j < 6; ++j) rows_.velocities[j] += much * any(random) * (j < 3 ? 30.0 : 1.0);
@@ -76,7 +77,7 @@ class Grasp {
     for (int j = 0; j < 8; ++j) by[j] = 0.1 * much * any(random);
     VectorXd::Map(&rows_.velocities[6], kRows) += jacobian_ * by;
   }
-  // By how much the impulses are not those that the velocities ask for, m/s.
+  // Largest difference between the impulses and those that the velocities ask for, m/s.
   double miss() const {
     double largest = 0.0;
     for (const RowBlock& block : rows_.blocks) {
@@ -120,7 +121,8 @@ class Grasp {
     hand.first = 3 * k;
     hand.size = kRows;
     hand.response = 0;
-    // As a tick before may have left it: near the edge of its cone, the corners of a face against each other.
+    // A start as a tick before may have left it: near the edge of the cone, the corners of a face against
+    // each other.
     block.lambda[0] = 0.002 * some(random);
     const double outwards = corner.point.x() > 0.0 ? 1.0 : -1.0;
     block.lambda[1] = 0.8 * outwards * kGrip * block.lambda[0] * (0.6 + 0.4 * some(random));
@@ -163,7 +165,7 @@ TEST(Rows, AGraspIsSolved) {
   EXPECT_EQ(found.missed, 0) << "the worst by " << found.worst << " m/s";
 }
 
-// Of impulses that hold each other in balance none is cut off alone: that would leave 0.017 m/s.
+// Impulses that balance each other must not be cut off singly: that would leave 0.017 m/s.
 TEST(Rows, WhatIsSolvedAtOnceTakesNoGraspApart) {
   EXPECT_LT(solve_many(0).worst, 5e-4);
 }
@@ -179,14 +181,14 @@ RowBlock row_along(const Rows& rows, const Vector3d& direction, double low) {
   return block;
 }
 
-// A stop is left at the very end of a step: what has no bounds, as a spring, stops at none.
+// A stop is left at the very end of a step. Rows without bounds, such as springs, stop nowhere.
 TEST(Rows, OnlyWhatIsLedToItsBoundStopsThere) {
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   constexpr double kSoftness = 1e-6,
                    kBeyond = 3e-10;  // rows.cc; share of a step beyond which the stop is left
   const double lean = -0.5, rise = std::sqrt(1.0 - lean * lean);
-  // What the stop and the row that leans on it ask for is -kBeyond of the one and -1 of the other. Alone the
-  // stop asks for 0.5: that is what a sweep gives it.
+  // The stop and the row that leans on it ask for -kBeyond of the one and -1 of the other. Alone, the stop
+  // asks for 0.5, and a sweep gives it that.
   const double u = lean + (1.0 + kSoftness) * kBeyond, leaning = lean * kBeyond + 1.0 + kSoftness;
   Rows rows;
   rows.velocities = {0.0, 0.0, 0.0, u, (leaning - lean * u) / rise, 0.3};

@@ -1,4 +1,4 @@
-// `sleep` of the engine `impulse`: what stands still is left out until something happens to it.
+// `sleep` of the engine `impulse`: a body that stands still is left out until something happens to it.
 #include <gtest/gtest.h>
 
 #include "tests/dynamics/lab.h"
@@ -16,7 +16,7 @@ world::EngineSetting impulse(double sleep_s) {
   return setting;
 }
 
-// Two boxes on each other, one beside them, a door that a drive holds.
+// Two boxes on each other, one beside them, and a door that a drive holds.
 ModelBuilder rooms(double sleep_s = kSleep) {
   ModelBuilder b(impulse(sleep_s));
   b.add_ground();

@@ -1,5 +1,5 @@
-// A tree of all kinds of joints: its answer is one of mechanics, by the equations it has to meet (tree.h has
-// the symbols), and the same bits in both builds of the kernels.
+// A tree with all kinds of joints. Its answer is checked by the equations of mechanics (tree.h has the
+// symbols), and both builds of the kernels must give the same bits.
 #include "server/dynamics/impulse/tree.h"
 
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ class Grove {
       if (axes_[i].implicit) tree.ask_axis(i, target_[i] = number());
     }
   }
-  // Of the child against the parent, at P, less what was asked.
+  // Relative velocity of the child against the parent, at P, less what was asked.
   Vector6 missed(std::size_t i) const {
     Vector6 result = at(i, poses_[i].pb) - asked_[i];
     if (nodes_[i].parent >= 0) result -= at(static_cast<std::size_t>(nodes_[i].parent), poses_[i].pb);
@@ -55,7 +55,7 @@ class Grove {
       result.col(k) = branches_[i].free[static_cast<std::size_t>(k)];
     return result;
   }
-  // What all beyond joint i got and was not pushed with, about its P.
+  // The impulses that all bodies beyond joint i got and were not pushed with, about its P.
   Vector6 given(std::size_t i) const {
     Vector6 sum = Vector6::Zero();
     for (std::size_t j = i; j < size(); ++j) {
@@ -72,7 +72,7 @@ class Grove {
     tree.apply_and_note(bodies_, result);
     return result;
   }
-  // By the law of its axis, without what is pushed on it: lambda = (b - q') / k.
+  // By the law of its axis, without the impulse that is pushed on it: lambda = (b - q') / k.
   void expect_drives_to_act() const {
     EXPECT_NEAR(tree.axis_rate(1) + 0.3 * tree.axis_impulse(1), target_[1], 1e-12);
     EXPECT_NEAR(tree.axis_rate(7), target_[7], 1e-12);

@@ -1,4 +1,4 @@
-// What is ODE's own: where its direct solver gives up, and its process-wide generator.
+// ODE's own peculiarities: where its direct solver gives up, and its random generator for the whole process.
 #include <gtest/gtest.h>
 
 #include "tests/dynamics/lab.h"
@@ -13,7 +13,7 @@ world::EngineSetting ode(const char* step) {
   return setting;
 }
 
-// Cubes as hulls of their corners: as boxes their contacts are even enough for it.
+// Cubes as hulls of their corners. As boxes, their contacts would be too regular to make it give up.
 world::WorldModel stack_of_ten() {
   std::vector<Eigen::Vector3d> corners;
   for (const double x : {-0.05, 0.05})

@@ -1,4 +1,4 @@
-// P4, P6, P7, P8: how right, of which order, reversible, and for how long.
+// P4, P6, P7, P8: accuracy, order, reversibility, and errors over a long time.
 #include <algorithm>
 #include <cmath>
 
@@ -33,8 +33,8 @@ double swing_error(const world::EngineSetting& engine, double tick_s, const TipA
   return tip_error(lab, end);
 }
 
-// The slope of log(error) over log(step) by least squares, over a decade of steps that end before rounding
-// does.
+// The slope of log(error) over log(step), by least squares, over a decade of steps above those where rounding
+// shows.
 double measured_order(const world::EngineSetting& engine, const std::vector<double>& ticks_s,
                       const TipAt& end) {
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
@@ -45,7 +45,7 @@ double measured_order(const world::EngineSetting& engine, const std::vector<doub
   return (n * xy - x * y) / (n * xx - x * x);
 }
 
-// An engine without the setting is of order 1 by its own word.
+// An engine without the setting is of order 1, as it says itself.
 std::vector<double> converge(const world::EngineSetting& engine) {
   const bool fine = engine.name != "impulse" || engine.order == 2;
   const int promised = engine.name == "impulse" ? engine.order : 1;
@@ -68,7 +68,7 @@ std::vector<double> swing_and_return(const world::EngineSetting& engine) {
   return {error};
 }
 
-// The mean energy error of the last tenth against that of the first: a slope shows, an oscillation does not.
+// The mean energy error of the last tenth, against that of the first. It shows a slope, but no oscillation.
 std::vector<double> swing_for_long(const world::EngineSetting& engine) {
   constexpr double kSeconds = 1000.0;
   Lab lab(double_pendulum(engine, 1e-3));

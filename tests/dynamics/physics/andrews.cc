@@ -34,7 +34,7 @@ struct Bodies {
   BodyId k1, k2, k3, k4, k5, k6, k7;
 };
 
-// With their centres of mass where they start.
+// The bodies with their centres of mass where they start.
 Bodies add_bodies(ModelBuilder& b) {
   const auto add = [&](const char* name, double mass_kg, double inertia, const Vector3d& p) {
     return b.add_rotor(name, mass_kg, inertia, at(p.x(), p.y(), p.z()));

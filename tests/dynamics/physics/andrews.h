@@ -1,6 +1,6 @@
-// Andrews' squeezing mechanism: seven bodies in a plane, ten hinges, a spring, driven by a constant torque
-// from rest; fast (the crank turns at up to 1000 rad/s) and stiff. Data: Hairer and Wanner, Solving ODEs II,
-// VI.9, and the test set for IVP solvers of the University of Bari. F is the end of the crank.
+// Andrews' squeezing mechanism: seven bodies in a plane, ten hinges and a spring, driven by a constant torque
+// from rest. It is fast (the crank turns at up to 1000 rad/s) and stiff. Data: Hairer and Wanner, Solving
+// ODEs II, VI.9, and the test set for IVP solvers of the University of Bari. F is the end of the crank.
 #pragma once
 
 #include <vector>

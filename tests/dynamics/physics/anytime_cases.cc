@@ -1,4 +1,5 @@
-// A: stopped after any number of corrections, a mechanism stays together, only loses energy, and says so.
+// A: a mechanism that is stopped after any number of corrections stays together, only loses energy, and
+// warns.
 #include <algorithm>
 #include <cmath>
 
@@ -38,8 +39,8 @@ std::vector<double> stop_anywhere(const world::EngineSetting& engine) {
   return {gap, std::max(0.0, widening), gain};
 }
 
-// Ticks with a gap that nobody has warned of, and warnings where there was budget enough. A gap's norm is up
-// to sqrt(3) times its largest coordinate, which d_max bounds.
+// Counts ticks with a gap and no warning, and warnings where the budget was large enough. The norm of a gap
+// is up to sqrt(3) times its largest coordinate, which d_max bounds.
 std::vector<double> tell(const world::EngineSetting& engine) {
   constexpr double kDMax = 1e-8;
   constexpr int kPlenty = 100'000;
@@ -74,8 +75,8 @@ std::vector<Case> anytime_cases() {
        stop_anywhere},
       {"A2",
        "WhatItsBudgetLeavesIsTold",
-       "each tick whose joints are farther apart than d_max is warned of, and none where the budget is "
-       "enough",
+       "a tick whose joints are farther apart than d_max gets a warning, a tick with budget enough gets "
+       "none",
        {{"untold_ticks", 0.0}, {"needless_warnings", 0.0}},
        tell}};
 }

@@ -37,7 +37,7 @@ std::vector<double> bounce(const world::EngineSetting& engine) {
   return {std::abs(first_apex(engine, 0.8) - 0.64), worst, std::abs(first_apex(engine, 0.0))};
 }
 
-// The apex of the k-th bounce, of the first five: e^2k.
+// The apexes of the first five bounces; the k-th is e^2k.
 std::vector<double> bounce_on(const world::EngineSetting& engine) {
   constexpr double kE = 0.8;
   Lab lab = falling_ball(engine, kE);
@@ -65,7 +65,7 @@ std::vector<double> bounce_for_ever(const world::EngineSetting& engine) {
   return {std::abs(energy() / start - 1.0), gained};
 }
 
-// All do the same: {largest change of energy, largest difference in height}.
+// All balls do the same. Returns {largest change of energy, largest difference in height}.
 std::vector<double> bounce_together(const world::EngineSetting& engine) {
   constexpr double kBall = 0.5, kDrop = 5.0;
   ModelBuilder b(engine);

@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Along edges of a cube, from corner to corner; the edge from the last to the first is the ground.
+// Along the edges of a cube, from corner to corner; the edge from the last to the first is the ground.
 const Vector3d kCorners[] = {{0, 0, 0}, {1, 0, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}, {0, 0, 1}};
 constexpr int kCount = 6;
 

@@ -1,6 +1,6 @@
-// The physics suite: each case sets a world up, lets an engine run it, and returns a few figures, all of them
-// errors: 0 is perfect, and at most the demand is right. Which engine is expected to reach what is in
-// expectations.cc. The test and the table (physics_table.cc) run the same cases.
+// The physics suite. Each case sets a world up, lets an engine run it, and returns a few figures. All of them
+// are errors: 0 is perfect, and up to the demand is right. expectations.cc says which engine is expected to
+// reach what. The test and the table (physics_table.cc) run the same cases.
 #pragma once
 
 #include <array>
@@ -18,7 +18,8 @@ using dynamics::testing::Lab;
 inline constexpr double kG = 9.81;                           // m/s^2
 inline constexpr double kDegree = std::numbers::pi / 180.0;  // rad
 
-// The higher orders may have demands of their own. An engine that knows no order is asked for the second.
+// A figure and what is demanded of it. Higher orders may have demands of their own. An engine without orders
+// is held to the demand on order 2.
 struct Figure {
   Figure(const char* figure_name, double demanded) : Figure(figure_name, demanded, demanded, demanded) {}
   Figure(const char* figure_name, double order2, double order4, double order6)
@@ -35,7 +36,7 @@ struct Figure {
   std::array<double, 3> demands;
 };
 
-// The largest gap of joints that close no loop: D_max by order, as server/dynamics/impulse/README.md has it.
+// The largest gap of joints that close no loop: d_max by order, see server/dynamics/impulse/README.md.
 inline Figure gap_figure(const char* name) {
   return {name, 1e-7, 1e-10, 1e-13};
 }
@@ -44,7 +45,7 @@ struct Case {
   const char* id;      // letter and number: F free, P pendulums, C chains, L loops, J joints, K contacts, G
                        // grasps, S servos, A anytime, D determinism
   const char* claim;   // as a test's name
-  const char* source;  // the closed form, or where the reference values come from
+  const char* source;  // the closed form, or the source of the reference values
   std::vector<Figure> figures;
   std::vector<double> (*measure)(const world::EngineSetting& engine);
   bool takes_long = false;  // not in the default run
@@ -71,13 +72,14 @@ std::vector<Case> anytime_cases();
 std::vector<Case> determinism_cases();
 
 const std::vector<Case>& cases();
-// Throws std::runtime_error for an id that no case has.
+// Throws std::runtime_error for an unknown id.
 const Case& find_case(const std::string& id);
 
-// The case's figures; all infinite where the engine reports a fault, one infinite where it is not a number.
+// The case's figures. All are infinite if the engine reports a fault; one that is not a number becomes
+// infinite.
 std::vector<double> run(const Case& what, const world::EngineSetting& engine);
 
-// Ticks for `seconds`, with `look` after each tick.
+// Runs ticks for `seconds`, and calls `look` after each.
 void watch(Lab& lab, double seconds, const std::function<void()>& look);
 
 }  // namespace visum::physics

@@ -53,8 +53,7 @@ std::vector<double> hold_thousandfold(const world::EngineSetting& engine) {
   return hold_heavy_tip(engine, 1000.0);
 }
 
-// A mobile: every bar hangs in its middle from an end of the one above, by a ball joint; 1 + 2 + 4 + ...
-// bars.
+// A mobile: every bar hangs by a ball joint in its middle from an end of the bar above; 1 + 2 + 4 + ... bars.
 world::WorldModel mobile(const world::EngineSetting& engine, int bars) {
   constexpr double kDrop = 0.2;
   auto model = serial_model(engine, 1e-3, {});
@@ -78,7 +77,7 @@ world::WorldModel mobile(const world::EngineSetting& engine, int bars) {
     model.bodies.push_back(body);
     model.joints.push_back(joint);
   }
-  // One arm is loaded: all of it moves.
+  // One arm is loaded, so that all of it moves.
   model.bodies.back().mass_kg *= 4.0;
   return model;
 }

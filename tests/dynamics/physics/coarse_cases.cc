@@ -1,4 +1,4 @@
-// P5: steps that are coarse for what moves.
+// P5: steps that are coarse for the motion.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 // M. Müller's pendulum challenge: three links of 0.3 m with 1 kg at their ends, g 10 m/s², pictures 1/60 s
-// apart; let go level. Of each end: its moment of inertia, of a ball of 5 cm.
+// apart, let go from level. Each end has the moment of inertia of a ball of 5 cm.
 constexpr double kLinkReach = 0.3, kDown = 10.0, kBall = 1e-3, kPicture = 1.0 / 60.0;
 constexpr int kLinks = 3;
 

@@ -36,7 +36,8 @@ double deepest(const std::vector<collision::Contact>& contacts) {
   return depth;
 }
 
-// A millimetre and centimetres down, one on the other: they may lie closely, not in one another.
+// The balls end up a millimetre and some centimetres lower, one on another: they may lie close, but not in
+// each other.
 std::vector<double> fall_on_one_another(const world::EngineSetting& engine) {
   Lab lab(cube_of_balls(engine, kMarble + 1e-3, 0.0));
   const double energy = energy_of(lab.model, lab.state);
@@ -61,7 +62,7 @@ std::vector<double> bounce_through_one_another(const world::EngineSetting& engin
 world::WorldModel plate_with_balls(const world::EngineSetting& engine) {
   constexpr double kThickness = 0.1, kPitch = 0.4;
   ModelBuilder b(engine);
-  // Of two surfaces, the geometric mean counts: 0.4 under the plate, 0.8 on it.
+  // The geometric mean of two surfaces counts: 0.4 under the plate, 0.8 on it.
   const auto under = b.add_surface(0.2, 0.0), plate = b.add_surface(0.8, 0.0);
   b.add_ground(under);
   b.add_box("plate", {2.5, 2.5, kThickness}, 10.0, at(0, 0, 0.5 * kThickness - kTouch), plate);
@@ -71,7 +72,7 @@ world::WorldModel plate_with_balls(const world::EngineSetting& engine) {
   return b.model;
 }
 
-// The plate with A, the balls with 2 A / 7: they roll backwards on it, f = 2 m A / 7 each.
+// The plate accelerates with A, the balls with 2 A / 7: they roll backwards on it, f = 2 m A / 7 each.
 std::vector<double> roll_on_a_plate(const world::EngineSetting& engine) {
   constexpr double kForceN = 150.0, kPlateKg = 10.0, kBallsKg = 25.0, kSeconds = 1.0;
   Lab lab(plate_with_balls(engine));

@@ -8,7 +8,7 @@
 namespace visum::physics {
 namespace {
 
-// QuickStep with its own default of 20 sweeps, as ODE's users run it.
+// QuickStep with its own default of 20 sweeps, as users of ODE run it.
 world::EngineSetting ode(const std::string& step) {
   world::EngineSetting setting;
   setting.name = "ode";

@@ -13,9 +13,9 @@ struct EngineRow {
   world::EngineSetting setting;
 };
 
-// Those whose engine is in the table of this build.
+// The rows whose engine is in the table of this build.
 const std::vector<EngineRow>& engine_rows();
-// Throws std::runtime_error for a name that is not among them.
+// Throws std::runtime_error for an unknown name.
 const EngineRow& engine_row(const std::string& name);
 
 }  // namespace visum::physics

@@ -12,7 +12,7 @@ using Bounds = std::vector<double>;
 constexpr std::array kRows{"impulse", "impulse-order4", "impulse-order6", "impulse-iterate",
                            "ode",     "ode-quick"};
 
-// By row, in the order of kRows; {}: why_not() tells why the case is not for it.
+// By row, in the order of kRows. {}: the case is not for the row, and why_not() says why.
 struct Line {
   const char* id;
   std::array<Bounds, kRows.size()> bounds;
@@ -277,28 +277,29 @@ bool is_of_higher_order(const std::string& row) {
 }
 
 const std::vector<Miss> kMisses{
-    {"P3", "tip_10s_m", "impulse", "it moves chaotically: the error of 5 s has grown four hundredfold"},
+    {"P3", "tip_10s_m", "impulse", "the motion is chaotic: the error at 5 s has grown four hundredfold"},
     {"P5", "energy", "impulse", "a tenth of the last link's swing is a long step for order 2"},
-    {"P5", "energy", "impulse-order6", "steps of a composition are up to 1.2 of that, and go back"},
+    {"P5", "energy", "impulse-order6",
+     "steps of a composition are up to 1.2 times as long, and some go backwards"},
 };
 
 std::string why_not(const std::string& id, const std::string& row) {
   if (is_of_higher_order(row) && (std::string("KGS").find(id[0]) != std::string::npos || id == "D2"))
-    return "with contacts, drives or stops a step is of order 2: as impulse";
-  if (id == "A1") return "has no budget of corrections: all runs would be the same";
+    return "contacts, drives and stops make a step one of order 2, as with impulse";
+  if (id == "A1") return "has no budget of corrections, so all runs would be the same";
   if (id == "C5u") return "at ticks of 10 ms it breaks, and says so";
   if (id.starts_with("J")) return "has no such joint";
-  if (id == "L3t") return "seven seconds of computing: L3 shows it";
+  if (id == "L3t") return "seven seconds of computing; L3 shows it";
   if (id.starts_with("G3")) return "half a minute of computing; 0.14 mm of slip were seen";
   if (id == "A2") return "has no bound for its joints' gaps";
   if (id == "L4" && row == "impulse-iterate")
-    return "a shaft of 5e-6 kg·m² that carries 10 kg·m² is too much for joint after joint: it breaks, and "
+    return "a shaft of 5e-6 kg·m² that carries 10 kg·m² is too much for Gauss-Seidel: it breaks, and "
            "says so";
   if (id == "L2" || id == "L4") return "has no springs";
   if (find_case(id).takes_long && row == "impulse-iterate")
-    return "minutes of computing: the case of the same letter that takes less shows it";
+    return "minutes of computing; a shorter case of the same letter shows it";
   if (id.starts_with("G1l") && row == "ode")
-    return "more than three minutes of computing: G1 and G1c show it";
+    return "more than three minutes of computing; G1 and G1c show it";
   throw std::logic_error("no bounds and no reason for case " + id + " with " + row);
 }
 

@@ -22,8 +22,8 @@ double elliptic_f(double angle, double k_squared) {
   return sum * step / 3.0;
 }
 
-// When the angular velocity about the middle axis changes its sign: w = -m sn(λ (t - t0)), zero at t0 and
-// then after each 2 K / λ. Landau, Lifshitz, Mechanics, section 37; moments A < B < C, L² > 2 E B.
+// The times at which the angular velocity about the middle axis changes its sign: w = -m sn(λ (t - t0)), zero
+// at t0 and then after each 2 K / λ. Landau, Lifshitz, Mechanics, section 37; moments A < B < C, L² > 2 E B.
 struct Flips {
   Flips(const Vector3d& moments, const Vector3d& w) {  // moments C, B, A, as tossed_box has them
     const double c = moments[0], b = moments[1], a = moments[2];
@@ -31,7 +31,7 @@ struct Flips {
     const double rate = std::sqrt((c - b) * (l_squared - twice_e * a) / (a * b * c));
     const double k_squared = (b - a) * (twice_e * c - l_squared) / ((c - b) * (l_squared - twice_e * a));
     const double most = std::sqrt((twice_e * c - l_squared) / (b * (c - b)));
-    // With all of w above zero its middle part falls: B w' = (A - C) w_A w_C.
+    // With all components of w above zero the middle one falls: B w' = (A - C) w_A w_C.
     first_s = elliptic_f(std::asin(w[1] / most), k_squared) / rate;
     apart_s = 2.0 * elliptic_f(0.5 * std::numbers::pi, k_squared) / rate;
   }
@@ -62,7 +62,7 @@ std::vector<double> flip(const world::EngineSetting& engine) {
           std::abs(apart / exact.apart_s - 1.0)};
 }
 
-// The worst of `count` boxes that start alike.
+// The worst among `count` boxes that start alike.
 void add_worst(const world::EngineSetting& engine, double tick_s, int count, std::vector<double>& worst) {
   auto model = tumbling_box(engine, tick_s);
   for (int i = 1; i < count; ++i) {

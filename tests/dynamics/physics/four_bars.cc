@@ -43,7 +43,7 @@ void add_upright(world::WorldModel& model, int index) {
   model.bodies.push_back(body);
 }
 
-// From the top of the rod before to the top of the one that was added last.
+// From the top of the rod before, to the top of the rod that was added last.
 void add_coupler(world::WorldModel& model, int index, std::size_t from, std::size_t to) {
   const std::string number = std::to_string(index);
   world::Body body = rod("coupler_" + number, Vector3d::UnitX(), {static_cast<double>(index), 0.0, 1.0});

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 using world::BodyId;
 
 constexpr double kDensity = 3000.0, kWidth = 0.01, kRodKg = kDensity * kWidth * kWidth, kBallKg = 5.0;
-constexpr double kMiddle = 0.5;  // m along a rod: where its coupler takes hold, and the couplers' length
+constexpr double kMiddle = 0.5;  // m along a rod: where its coupler holds it, and the couplers' length
 constexpr double kShaftStiffness = 8e5, kDamping = 4e4;
 constexpr double kSpin = 2.0 * std::numbers::pi;
 const Vector3d kUp = Vector3d::UnitZ();

@@ -84,13 +84,13 @@ std::vector<double> hold_for_long_coarsely(const world::EngineSetting& engine) {
   return slips(engine, 5e-3, 100.0, {1, 3, 5, 7, 9, 11});
 }
 
-// W = 2 μ N is the edge: one block, with friction a little beyond and a little below.
+// W = 2 μ N is the limit: one block, with friction a little above and a little below.
 std::vector<double> hold_at_the_edge(const world::EngineSetting& engine) {
   constexpr double kSqueeze = 50.0, kCritical = kG / (2.0 * kSqueeze);
   Grasp held(engine, 1e-3, 1, kSqueeze, 1.01 * kCritical), lost(engine, 1e-3, 1, kSqueeze, 0.99 * kCritical);
   held.lab.run(1.0);
   lost.lab.run(1.0);
-  const double fall = 0.5 * 0.01 * kG;  // what friction does not carry, for 1 s
+  const double fall = 0.5 * 0.01 * kG;  // friction does not carry this part, for 1 s
   return {held.slip_m(0), std::abs(lost.slip_m(0) / fall - 1.0)};
 }
 

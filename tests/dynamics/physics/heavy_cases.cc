@@ -1,4 +1,4 @@
-// C4, C5: heavy ends of light chains in ticks that are coarse for them.
+// C4, C5: heavy ends of light chains, in ticks that are coarse for them.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -19,8 +19,8 @@ using Eigen::Vector3d;
 constexpr double kBroken = std::numeric_limits<double>::infinity();
 
 struct EnergyCourse {
-  double off = kBroken;   // the largest share by which it is off
-  double rise = kBroken;  // above the least that it has been
+  double off = kBroken;   // the largest relative deviation
+  double rise = kBroken;  // above the smallest value before
 };
 
 // Infinite where the engine reports a fault.
@@ -54,7 +54,7 @@ std::vector<double> swing_heavy_tip(const world::EngineSetting& engine) {
   return figures;
 }
 
-// Eight capsules on hinges, their axes across in turn, the last of 100 times the mass; the first half a metre
+// Eight capsules on hinges, their axes alternating, the last with 100 times the mass, the first half a metre
 // above the ground. They lie along x, or stand with the heavy one on top.
 constexpr double kCapsule = 0.02, kCapsuleLength = 0.1, kAbove = 0.5, kCapsuleKg = 0.2;
 
@@ -99,7 +99,7 @@ std::vector<double> fall_upright(const world::EngineSetting& engine) {
 }  // namespace
 
 std::vector<Case> heavy_cases() {
-  // At 3 m/s things sink in by 3 mm for each millisecond of a tick.
+  // At 3 m/s bodies sink in by 3 mm for each millisecond of a tick.
   const std::vector<Figure> rises{{"rise_1ms", 6e-3}, {"rise_5ms", 3e-2}, {"rise_10ms", 6e-2}};
   const char* source = "closed form: E falls, and rises by no more than it takes to lift what has sunk in";
   return {

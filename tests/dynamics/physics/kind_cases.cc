@@ -1,4 +1,4 @@
-// J: kinds of joints, each by itself, where what it leaves free has a closed form.
+// J: kinds of joints, each one alone, where the motion that it leaves free has a closed form.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -18,7 +18,7 @@ using world::JointKind;
 const Vector3d kAskew = Vector3d(1.0, 2.0, 2.0) / 3.0;
 const Vector3d kAside = Vector3d(2.0, -2.0, 1.0) / 3.0;  // across it
 
-// Two shafts at 30° in the plane x, y, each on a hinge, joined where they meet. Their rotors stand off their
+// Two shafts at 30° in the plane x, y, each on a hinge, joined where they meet. Their rotors are off their
 // axes by kOff. The cross's arm on the first shaft starts in that plane.
 constexpr double kShaftBend = 30.0 * kDegree, kOff = 0.1, kFirst = 0.02, kSecond = 0.05, kTurning = 5.0;
 
@@ -65,7 +65,7 @@ std::vector<double> turn_shafts(const world::EngineSetting& engine) {
   return {ratio, speed, gap};
 }
 
-// A box whose centre of mass is 0.3 m off an axis, with gravity along that.
+// A box whose centre of mass is 0.3 m off an axis; gravity acts along the axis.
 struct OnAxis {
   static constexpr double kAway = 0.3;
 
@@ -117,7 +117,7 @@ std::vector<double> screw_down(const world::EngineSetting& engine) {
   return {std::abs(lab.joint("joint").position - angle), (lab.body("box").p_WC - p).norm(), gap};
 }
 
-// A rod with its end in a plane without friction: the plane gives a force along its normal, no more.
+// A rod with its end in a plane without friction: the plane's force is along its normal only.
 std::vector<double> slip_on_plane(const world::EngineSetting& engine) {
   constexpr double kSeconds = 1.0;
   const Vector3d normal = Vector3d(0.3, -0.2, 1.0).normalized();
@@ -147,11 +147,11 @@ std::vector<double> slip_on_plane(const world::EngineSetting& engine) {
   return {way, turn, drift, gap};
 }
 
-// P1's angles after 1 s and 2 s: of what swings as a point on a rod of 1 m does, from 90°.
+// P1's angles after 1 s and 2 s, of a pendulum that swings as a point on a rod of 1 m does, from 90°.
 constexpr double kAt1s = -1.4050273115248, kAt2s = 0.91664758966324;
 
-// Swings across a line that falls by 30° while its end slides down that. Across the line gravity is weaker by
-// cos 30°: it swings as on level ground where its equivalent length is shorter by as much.
+// A rod swings across a line that falls by 30° while its end slides down the line. Across the line gravity is
+// weaker by cos 30°: it swings as if on level ground, with an equivalent length that is shorter by as much.
 std::vector<double> swing_below_line(const world::EngineSetting& engine) {
   const double fall = 30.0 * kDegree, reach = 0.5;
   const Vector3d line(std::cos(fall), 0.0, -std::sin(fall)), down(-std::sin(fall), 0.0, -std::cos(fall));
@@ -174,7 +174,7 @@ std::vector<double> swing_below_line(const world::EngineSetting& engine) {
   return figures;
 }
 
-// A bead on an upright circle of 1 m; it spins, which is nothing to the wire.
+// A bead on an upright circle of 1 m; it spins, which does not matter to the wire.
 std::vector<double> slide_on_circle(const world::EngineSetting& engine) {
   ModelBuilder b(engine);
   const auto id = add_bulk(b, "bead", 1.0, {0.01, 0.02, 0.015}, at(1.0, 0.0, 0.0));
@@ -214,7 +214,7 @@ world::WorldModel sprung_wheels(const world::EngineSetting& engine, double dampi
   return b.model;
 }
 
-// Of x'' + 2 δ x' + ω² x = 0 from x = -kRest, at rest; seen from there.
+// Solution of x'' + 2 δ x' + ω² x = 0 from x = -kRest, at rest; measured from there.
 double sprung_angle(double damping, double t) {
   const double delta = 0.5 * damping * (kFirst + kSecond) / (kFirst * kSecond);
   const double rate = std::sqrt(4.0 * std::numbers::pi * std::numbers::pi - delta * delta);

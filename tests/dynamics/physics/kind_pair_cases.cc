@@ -1,5 +1,5 @@
-// J7o: of what order springs are. J8, J9: kinds of joints whose motion has no closed form: what they must
-// keep.
+// J7o: the order of springs. J8, J9: kinds of joints whose motion has no closed form, and the quantities that
+// they must keep.
 #include <algorithm>
 #include <cmath>
 
@@ -19,7 +19,7 @@ using world::JointKind;
 
 const Vector3d kPairPlace{0.25, 0.1, 0.15}, kPairAxis = Vector3d(1.0, -2.0, 2.0) / 3.0;
 
-// What B may do against A at the joint's place: an angular velocity, and a velocity there.
+// The motion that is free for B against A at the joint: an angular velocity, and a velocity there.
 struct Freedom {
   Vector3d w = Vector3d::Zero(), v = Vector3d::Zero();
 };
@@ -40,7 +40,7 @@ Freedom freedom_of(const world::Joint& joint, const Eigen::Quaterniond& q_WJ) {
   }
 }
 
-// Two bodies in space that turn together, and against each other as the joint lets them.
+// Two bodies in space that turn together, and against each other as the joint allows.
 world::WorldModel pair_in_space(const world::EngineSetting& engine, JointKind kind) {
   ModelBuilder b(engine);
   b.model.gravity.setZero();
@@ -105,7 +105,7 @@ ModelBuilder mixed_chain(const world::EngineSetting& engine) {
   return b;
 }
 
-// kind: what the last link's end is led by; kBall: by nothing.
+// kind: the joint that leads the last link's end; kBall: none does.
 world::WorldModel mixed(const world::EngineSetting& engine, JointKind kind) {
   ModelBuilder b = mixed_chain(engine);
   if (kind == JointKind::kBall) return b.model;
@@ -117,7 +117,7 @@ world::WorldModel mixed(const world::EngineSetting& engine, JointKind kind) {
 }
 
 std::vector<double> keep_energy(const world::EngineSetting& engine) {
-  constexpr double kScaleJ = 4.0 * kG * 0.8;  // all of it, as far down as it reaches
+  constexpr double kScaleJ = 4.0 * kG * 0.8;  // the whole mechanism, as far down as it reaches
   std::vector<double> figures;
   double gap = 0.0, most_j = 0.0;
   for (const JointKind kind :
@@ -131,13 +131,13 @@ std::vector<double> keep_energy(const world::EngineSetting& engine) {
       gap = std::max(gap, max_gap(lab.model, lab.state));
       most_j = std::max(most_j, lab.kinetic_energy());
     });
-    figures.push_back(most_j > 1.0 ? worst : 1.0);  // what hangs still keeps its energy, too
+    figures.push_back(most_j > 1.0 ? worst : 1.0);  // a mechanism that hangs still keeps its energy, too
   }
   figures.push_back(gap);
   return figures;
 }
 
-// A mass that goes round the end of a spring: m p'' = -k (|p| - l0) p/|p|.
+// A mass that circles at the end of a spring: m p'' = -k (|p| - l0) p/|p|.
 constexpr double kOrbitStiffness = 100.0, kOrbitRest = 0.5;
 const Vector3d kOrbitFrom{0.8, 0.0, 0.0}, kOrbitSpeed{0.0, 2.0, 1.0};
 

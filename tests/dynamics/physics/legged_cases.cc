@@ -1,5 +1,5 @@
-// K11: a robot of four legs, its twelve joints held by springs with dampers in software (40 N·m/rad, 1
-// N·m·s/rad) in ticks of 5 ms, as learned gaits command ANYmal.
+// K11: a robot with four legs. Springs with dampers in software (40 N·m/rad, 1 N·m·s/rad) hold its twelve
+// joints, in ticks of 5 ms, as learned gaits command ANYmal.
 #include <algorithm>
 #include <cmath>
 
@@ -31,8 +31,7 @@ BodyId add_limb(ModelBuilder& b, const std::string& name, double mass_kg, double
   return limb;
 }
 
-// `hip` is where the leg hangs, its thigh `bend` forwards and its shank as far back; the foot is a ball at
-// its end.
+// The leg hangs at `hip`, its thigh `bend` forwards and its shank as far back; the foot is a ball at its end.
 void add_leg(ModelBuilder& b, const std::string& name, BodyId trunk, const Vector3d& hip, double bend) {
   const auto turn = [](double angle) { return Eigen::AngleAxisd(angle, Vector3d::UnitY()); };
   const Vector3d knee = hip + turn(-bend) * Vector3d(0.0, 0.0, -kUpper);
@@ -94,7 +93,7 @@ std::vector<double> stand_on_four_legs(const world::EngineSetting& engine) {
   return {fastest(lab), std::abs(carried / weight - 1.0)};
 }
 
-// In space, hit by a ball of 10 kg at 5 m/s: what its joints do among themselves moves nothing.
+// In space, hit by a ball of 10 kg at 5 m/s: forces among its own joints move it as a whole by nothing.
 std::vector<double> be_hit_in_space(const world::EngineSetting& engine) {
   auto b = robot(engine);
   b.model.gravity.setZero();
@@ -107,8 +106,8 @@ std::vector<double> be_hit_in_space(const world::EngineSetting& engine) {
   return {drift.linear, drift.angular, hit ? 0.0 : 1.0};
 }
 
-// Its joints loose, thrown up by a force on the trunk for 1 s, then 2 s of falling: the force's work is what
-// it gains, and then nothing is. It does not touch itself.
+// Its joints are loose. A force on the trunk throws it up for 1 s, then it falls for 2 s. It gains exactly
+// the force's work, and afterwards nothing. It does not touch itself.
 std::vector<double> throw_and_drop(const world::EngineSetting& engine) {
   auto b = robot(engine);
   const auto bodies = static_cast<std::int32_t>(b.model.bodies.size());

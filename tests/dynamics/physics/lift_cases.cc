@@ -16,9 +16,9 @@ using world::JointKind;
 
 constexpr double kCube = 0.1, kClose = 2.0, kSqueeze = 50.0, kOpen = 0.5, kLift = 0.2;  // m, N, N, N, m
 constexpr double kShake = 0.02, kShakes = 2.0 * std::numbers::pi * 2.0;                 // m, rad/s: 3.2 m/s²
-constexpr double kAxisN = 2000.0;  // of the axes that carry
+constexpr double kAxisN = 2000.0;  // N, of the axes that carry
 
-// sway (along y) carries lift (along z) carries both jaws (along x).
+// `sway` (along y) carries `lift` (along z), which carries both jaws (along x).
 world::WorldModel crane(const world::EngineSetting& engine, double tick_s) {
   ModelBuilder b(engine);
   b.model.tick_ns = std::llround(1e9 * tick_s);
@@ -41,7 +41,7 @@ world::WorldModel crane(const world::EngineSetting& engine, double tick_s) {
 struct Crane {
   Crane(const world::EngineSetting& engine, double tick_s) : lab(crane(engine, tick_s)) {}
 
-  // For so long, with the jaws' force and the axes' speeds over time.
+  // Runs for this long, with the jaws' force and the axes' speeds over time.
   template <typename Sway, typename Up, typename Look>
   void run(double seconds, double squeeze_n, Sway sway, Up up, Look look) {
     const long ticks = std::lround(seconds / lab.tick_s());
@@ -55,7 +55,7 @@ struct Crane {
       look();
     }
   }
-  // The block against the palm.
+  // The block's place against the palm.
   Vector3d grip() { return lab.body("block").p_WC - lab.body("palm").p_WC; }
 
   Lab lab;

@@ -75,7 +75,7 @@ std::vector<double> fold_bricard_for(const world::EngineSetting& engine, double 
     gap = std::max(gap, max_gap(lab.model, lab.state));
     kinetic_j = std::max(kinetic_j, lab.kinetic_energy());
   });
-  // By count it has no freedom: an engine that believes so leaves it where it is.
+  // By counting it has no freedom, and an engine that believes so leaves it where it is.
   return {drift, gap, kinetic_j > 1.0 ? 0.0 : 1.0};
 }
 
@@ -112,7 +112,7 @@ std::vector<Case> loop_cases() {
       {"L1n",
        "FortyFourBarsTurn",
        "IFToMM A02, forty loops; one degree of freedom integrated to 1e-12",
-       {{"b0_1s_m", 1e-5}, {"energy_j", 6e-2}, {"gap_m", 1e-10}},  // L1's energy, of twenty times the bars
+       {{"b0_1s_m", 1e-5}, {"energy_j", 6e-2}, {"gap_m", 1e-10}},  // as L1, for twenty times the bars
        turn_forty_four_bars,
        true},
       {"L1m",

@@ -17,7 +17,7 @@ Pose joint_frame(const world::WorldModel& model, const world::WorldState& state,
   return link_pose(model.bodies[body.index()], state.bodies[body.index()]) * X_BJ;
 }
 
-// By which part of `d` (the child's point against the parent's, in the parent's J) the joint is open.
+// The part of `d` (the child's point against the parent's, in the parent's J) by which the joint is open.
 Vector3d held(const world::Joint& joint, const world::JointState& state, const Vector3d& d) {
   const Vector3d along = joint.axis_J * joint.axis_J.dot(d);
   switch (joint.kind) {

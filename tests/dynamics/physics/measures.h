@@ -1,4 +1,4 @@
-// What the suite and the benchmarks measure of a world: points, energy, momentum, gaps.
+// The figures that the suite and the benchmarks measure in a world: points, energy, momentum, gaps.
 #pragma once
 
 #include "server/world/world_model.h"
@@ -12,14 +12,14 @@ Eigen::Vector3d point_of(const world::WorldModel& model, const world::WorldState
 
 // Kinetic, potential in gravity, and of springs; J.
 double energy_of(const world::WorldModel& model, const world::WorldState& state);
-// Σ m g (path from the world along the joints to the body's centre of mass): what errors of energy are
-// divided by, so that they mean the same for a short and a long chain.
+// Σ m g (path from the world along the joints to the body's centre of mass). Errors of energy are divided by
+// it, so that they mean the same for a short and a long chain.
 double energy_scale(const world::WorldModel& model);
 
 Eigen::Vector3d momentum_of(const world::WorldModel& model, const world::WorldState& state);
 // About W's origin.
 Eigen::Vector3d angular_momentum_of(const world::WorldModel& model, const world::WorldState& state);
-// The largest changes of both since the beginning, relative.
+// The largest relative changes of both since the beginning.
 struct MomentumDrift {
   MomentumDrift(const world::WorldModel& model, const world::WorldState& state);
   void look(const world::WorldModel& model, const world::WorldState& state);
@@ -30,7 +30,7 @@ struct MomentumDrift {
 // R J Rᵀ ω, about the body's own centre of mass.
 Eigen::Vector3d spin_of(const world::Body& body, const world::BodyState& state);
 
-// The largest distance, m, by which a joint's point is off where the joint holds it.
+// The largest distance, m, between a joint's point and the place where the joint holds it.
 double max_gap(const world::WorldModel& model, const world::WorldState& state);
 
 }  // namespace visum::physics

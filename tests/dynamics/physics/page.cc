@@ -1,6 +1,7 @@
 #include "tests/dynamics/physics/page.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -36,7 +37,7 @@ std::string number(double value) {
   return text.data();
 }
 
-// By order, where they differ.
+// The demands: one, or one for each order if they differ.
 std::string demanded(const std::array<double, 3>& demands) {
   const bool one = demands[1] == demands[0] && demands[2] == demands[0];
   std::array<char, 96> text{};
@@ -45,7 +46,7 @@ std::string demanded(const std::array<double, 3>& demands) {
   return text.data();
 }
 
-// A cell must not end early.
+// Escapes bars, which would end the cell.
 std::string in_cell(std::string text) {
   for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
   return text;
@@ -55,6 +56,26 @@ std::string joined(const std::vector<std::string>& parts) {
   std::string all;
   for (const std::string& part : parts) all += (all.empty() ? "" : ", ") + part;
   return all;
+}
+
+std::size_t columns(const std::string& text) {
+  const auto begins_a_character = [](char byte) { return (static_cast<unsigned char>(byte) & 0xc0) != 0x80; };
+  return static_cast<std::size_t>(std::ranges::count_if(text, begins_a_character));
+}
+
+// An item of a list, wrapped at 100 columns as prose is.
+std::string item(const std::string& text) {
+  constexpr std::size_t kMostColumns = 100;
+  std::istringstream words(text);
+  std::string all, line = "-";
+  for (std::string word; words >> word;) {
+    if (columns(line) + 1 + columns(word) > kMostColumns) {
+      all += line + "\n";
+      line = " ";
+    }
+    line += " " + word;
+  }
+  return all + line + "\n";
 }
 
 std::vector<std::string> ids_with(const std::string& row, Mark mark) {
@@ -123,8 +144,8 @@ std::string misses_text() {
   for (const std::string& row : expected_rows()) {
     const auto missed = ids_with(row, Mark::kMissed);
     const std::size_t run = missed.size() + ids_with(row, Mark::kReached).size();
-    text += "- `" + row + "` misses " + std::to_string(missed.size()) + " of " + std::to_string(run) +
-            (missed.empty() ? "" : ": " + joined(missed)) + "\n";
+    text += item("`" + row + "` misses " + std::to_string(missed.size()) + " of " + std::to_string(run) +
+                 (missed.empty() ? "" : ": " + joined(missed)));
   }
   return text;
 }
@@ -133,7 +154,7 @@ std::string not_run_text() {
   struct Said {
     std::string reason, ids, rows;
   };
-  std::vector<Said> all;  // rows that say the same of the same cases stand together
+  std::vector<Said> all;  // rows with the same reason for the same cases share an item
   for (const std::string& row : expected_rows()) {
     std::vector<std::pair<std::string, std::vector<std::string>>> reasons;
     for (const std::string& id : ids_with(row, Mark::kNotRun)) {
@@ -154,7 +175,7 @@ std::string not_run_text() {
     }
   }
   std::string text;
-  for (const Said& one : all) text += "- " + one.rows + ": " + one.reason + " (" + one.ids + ")\n";
+  for (const Said& one : all) text += item(one.rows + ": " + one.reason + " (" + one.ids + ")");
   return text;
 }
 
@@ -215,7 +236,7 @@ std::vector<std::string> marks_of(const std::string& line) {
     cells.push_back(cell);
     cell.clear();
   }
-  constexpr std::size_t kBefore = 4;  // what stands before the first bar, and the cells of line_start()
+  constexpr std::size_t kBefore = 4;  // the text before the first bar, and the cells of line_start()
   std::vector<std::string> marks;
   for (std::size_t i = kBefore; i < cells.size(); ++i)
     marks.push_back(cells[i].substr(1, cells[i].find(' ', 1) - 1));

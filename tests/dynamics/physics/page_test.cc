@@ -1,26 +1,36 @@
-// The pages that show the suite say what expectations.cc says: marks, demands, sources, what is missed.
-// `physics_table --write` writes them anew.
+// The suite's page agrees with expectations.cc: marks, demands, sources, misses. `physics_table --write`
+// writes the page anew.
 #include "tests/dynamics/physics/page.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace visum::physics {
 namespace {
 
 TEST(PhysicsPage, CountsWhatEachEngineMisses) {
-  for (const char* path : kPagesWithMisses)
-    EXPECT_EQ(block(read_page(path), "misses"), misses_text()) << path;
+  EXPECT_EQ(block(read_page(kPage), "misses"), misses_text());
 }
 
 TEST(PhysicsPage, TellsWhichCaseIsNotForWhichEngine) {
-  EXPECT_EQ(block(read_page(kTablePage), "not run"), not_run_text());
+  EXPECT_EQ(block(read_page(kPage), "not run"), not_run_text());
+}
+
+TEST(PhysicsPage, WrapsItsListsAt100Columns) {
+  std::istringstream lines(misses_text() + not_run_text());
+  for (std::string line; std::getline(lines, line);) {
+    const auto columns = std::ranges::count_if(line, [](char byte) { return (byte & 0xc0) != 0x80; });
+    EXPECT_LE(columns, 100) << line;
+    EXPECT_TRUE(line.starts_with("- ") || line.starts_with("  ")) << line;
+  }
 }
 
 TEST(PhysicsPage, MarksEveryCaseAsItIsExpected) {
-  const std::string table = block(read_page(kTablePage), "table");
+  const std::string table = block(read_page(kPage), "table");
   ASSERT_TRUE(table.starts_with(table_head())) << "other engines stand in the table's head";
   auto lines = table_lines(table);
   for (const Case& what : cases()) {

@@ -29,8 +29,8 @@ std::vector<double> swing_from_level(const world::EngineSetting& engine) {
   return errors;
 }
 
-// From rest at one end to rest at the other, twice: between the ticks where the velocity changes its sign it
-// is straight.
+// From rest at one end to rest at the other, twice. Between the ticks in which the velocity changes its sign,
+// the velocity counts as straight.
 double period(world::WorldModel model) {
   Lab lab(std::move(model));
   const double tick = lab.tick_s();

@@ -1,6 +1,6 @@
-// physics_table: runs the suite's cases and prints what came out as a table in Markdown, beside what is
-// demanded: ✓ right, ✗ wrong, and with "!" where expectations.cc has it otherwise. With --write it puts it on
-// the pages instead (page.h): the cases that it runs, the others keep their lines.
+// physics_table: runs the suite's cases and prints their figures as a table in Markdown, beside the demands:
+// ✓ right, ✗ wrong, and "!" where expectations.cc expects otherwise. With --write it updates the suite's page
+// instead (page.h); cases that it does not run keep their lines.
 // usage: physics_table [--long] [--case ID] [--row ROW] [--write]
 #include <algorithm>
 #include <cstdio>
@@ -36,7 +36,7 @@ Options parse(int argc, char** argv) {
     }
   }
   if (options.writes && !options.row.empty())
-    throw std::invalid_argument("--write needs all rows of a case: without --row");
+    throw std::invalid_argument("--write needs all rows of a case; leave --row out");
   return options;
 }
 
@@ -78,7 +78,7 @@ void print_head(const std::vector<EngineRow>& rows) {
   std::printf("\n");
 }
 
-// By row; a row without figures is not for this engine.
+// Prints a case, with a column for each row. A row without figures is one that the case is not for.
 void print_case(const Case& what, const std::vector<EngineRow>& rows) {
   std::vector<std::vector<double>> results;
   for (const EngineRow& row : rows)
@@ -98,7 +98,7 @@ void print_case(const Case& what, const std::vector<EngineRow>& rows) {
   std::fflush(stdout);
 }
 
-// Why, where the impulse engine is expected to miss a figure of these cases.
+// Prints why the impulse engine is expected to miss figures of these cases.
 void print_misses(const std::vector<Case>& chosen, const std::vector<EngineRow>& rows) {
   for (const Miss& miss : declared_misses()) {
     const bool is_shown =
@@ -108,13 +108,15 @@ void print_misses(const std::vector<Case>& chosen, const std::vector<EngineRow>&
   }
 }
 
-// What a mark says is what is expected; where that is looser or stricter than what came out, expectations.cc
-// is to be looked at.
+// Marks on the page show the expectations. Where the figures are better or worse than expected, the user is
+// told to look at expectations.cc.
 void compare(const Case& what, const std::string& row, const std::vector<double>& figures) {
   const bool reached = worst_share(what, row, figures) <= 1.0;
   if (reached == (expected_mark(what, row) == Mark::kReached)) return;
-  std::fprintf(stderr, "physics_table: %s with %s %s what is demanded, and expectations.cc says otherwise\n",
-               what.id, row.c_str(), reached ? "reaches" : "misses");
+  std::fprintf(
+      stderr,
+      "physics_table: %s with %s %s the demand, but expectations.cc expects otherwise; correct it there\n",
+      what.id, row.c_str(), reached ? "reaches" : "misses");
 }
 
 std::string measured_line(const Case& what) {
@@ -127,12 +129,11 @@ std::string measured_line(const Case& what) {
   return table_line(what, figures);
 }
 
-void write_pages(const std::vector<Case>& chosen) {
-  // What is missing is told before minutes of computing.
+void update_page(const std::vector<Case>& chosen) {
+  // A missing row or block is found before minutes of computing.
   for (const std::string& row : expected_rows()) engine_row(row);
-  for (const char* path : kPagesWithMisses) block(read_page(path), "misses");
-  block(read_page(kTablePage), "not run");
-  auto lines = table_lines(block(read_page(kTablePage), "table"));
+  for (const char* name : {"misses", "not run"}) block(read_page(kPage), name);
+  auto lines = table_lines(block(read_page(kPage), "table"));
   for (const Case& what : chosen) {
     lines[what.id] = measured_line(what);
     std::fputs(lines[what.id].c_str(), stdout);
@@ -140,10 +141,9 @@ void write_pages(const std::vector<Case>& chosen) {
   }
   std::string table = table_head();
   for (const Case& what : cases()) table += lines[what.id];
-  write_page(kTablePage,
-             with_block(with_block(read_page(kTablePage), "table", table), "not run", not_run_text()));
-  for (const char* path : kPagesWithMisses)
-    write_page(path, with_block(read_page(path), "misses", misses_text()));
+  std::string page = with_block(read_page(kPage), "table", table);
+  page = with_block(page, "not run", not_run_text());
+  write_page(kPage, with_block(page, "misses", misses_text()));
 }
 
 }  // namespace
@@ -152,7 +152,7 @@ int main(int argc, char** argv) {
   try {
     const Options options = parse(argc, argv);
     if (options.writes) {
-      write_pages(chosen_cases(options));
+      update_page(chosen_cases(options));
       return 0;
     }
     const auto rows = chosen_rows(options);

@@ -75,7 +75,7 @@ const Miss* find_miss(const Case& what, const Figure& figure, const EngineRow& r
   return found == declared_misses().end() ? nullptr : &*found;
 }
 
-// What is expected of it is what the cases demand, but for what expectations.cc declares.
+// The expectations equal the demands, except for the misses that expectations.cc declares.
 TEST(PhysicsSuite, TheImpulseEngineIsExpectedToBeRight) {
   for (const Case& what : cases()) {
     for (const EngineRow& row : engine_rows()) {

@@ -30,18 +30,18 @@ std::vector<double> reach_speed(const world::EngineSetting& engine) {
     torque = std::max(torque, std::abs(lab.joint("axle").effort));
     speed = std::max(speed, lab.joint("axle").velocity);
   });
-  // Time is counted in ticks: half of one is the finest that a ramp made of constant torques can be right.
+  // Time is counted in ticks: a ramp made of constant torques cannot be more accurate than half a tick.
   return {std::abs(lab.joint("axle").position - 0.75), std::max(0.0, speed - 1.0),
           std::max(0.0, torque - 2.0), std::abs(lab.joint("axle").effort)};
 }
 
-// A quarter turn by a profile of speed: as much as the cap on the torque gives, 1 rad/s, and down again so
-// late that the cap stops it at the end. Between two ticks the wheel's speed changes evenly.
+// A quarter turn by a profile of speed: as much as the cap on the torque allows, 1 rad/s, and down again so
+// late that the cap just stops it at the end. Between two ticks the wheel's speed changes evenly.
 struct Trapezoid {
   static constexpr double kEnd = 0.5 * std::numbers::pi, kFastest = 1.0, kMost = 2.0;    // rad, rad/s, N·m
   static constexpr double kRamp = kFastest / kMost, kArrives = kEnd / kFastest + kRamp;  // s
 
-  // As fast as what is left can be braked away, and not past the end within a tick of length h.
+  // As fast as the rest of the way can be braked, and not past the end within a tick of length h.
   static double speed(double angle, double h) {
     const double left = kEnd - angle, away = std::abs(left);
     return std::copysign(std::min({kFastest, std::sqrt(2.0 * kMost * away), away / h}), left);
@@ -79,7 +79,7 @@ std::vector<double> saturate(const world::EngineSetting& engine) {
   return {std::abs(lab.joint("axle").velocity - 1.0), std::abs(lab.joint("axle").position - 0.5), torque};
 }
 
-// A servo holds a loaded arm level: its torque is the load's, and it does not sink.
+// A servo holds a loaded arm level: its torque equals the load's, and the arm does not sink.
 std::vector<double> hold_load(const world::EngineSetting& engine) {
   ModelBuilder b(engine);
   const auto id = b.add_rotor("arm", 2.0, 0.1, at(0.5, 0, 0));

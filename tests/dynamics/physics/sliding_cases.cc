@@ -13,7 +13,7 @@ using dynamics::testing::at;
 using dynamics::testing::ModelBuilder;
 using Eigen::Vector3d;
 
-// A flat box on the plane, gravity tilted instead of the plane.
+// A flat box on the plane; gravity is tilted instead of the plane.
 world::WorldModel box_on_slope(const world::EngineSetting& engine, double slope, double friction) {
   ModelBuilder b(engine);
   const auto surface = b.add_surface(friction, 0.0);
@@ -60,7 +60,7 @@ std::vector<double> slide_then_roll(const world::EngineSetting& engine) {
   return {std::abs(lab.body("ball").v_WC.x() / (2.0 * 5.0 / 7.0) - 1.0)};
 }
 
-// What moves once the first touch is over.
+// The motion once the first touch is over.
 std::vector<double> stand(world::WorldModel model, double seconds) {
   Lab lab(std::move(model));
   lab.run(0.2);

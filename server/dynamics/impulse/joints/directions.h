@@ -1,4 +1,4 @@
-// Pieces that the kinds of joint share. Symbols: joint.h.
+// Pieces that several kinds of joint share. Symbols: joint.h.
 #pragma once
 
 #include <cmath>
@@ -7,8 +7,8 @@
 
 namespace visum::dynamics::impulse {
 
-// Two unit vectors that make a right-handed frame with the unit vector n (n, first, second). Duff et al.,
-// Building an orthonormal basis, revisited, JCGT 6 (2017), formula of listing 3.
+// Two unit vectors across the unit vector n; (n, first, second) is right-handed. Duff et al., Building an
+// orthonormal basis, revisited, JCGT 6 (2017), formula of listing 3.
 struct Across {
   Vector3d first, second;
 };
@@ -40,17 +40,18 @@ void add_shifts_across(const Vector3d& axis, Directions<kMost>& to) {
   to.add(Vector3d::Zero(), second);
 }
 
-// Turns b onto a: |b x a| = sin of the angle between them.
+// The turn that takes b to a; its length is the sine of the angle between them.
 inline Vector3d turn_onto(const Vector3d& b, const Vector3d& a) {
   return b.cross(a);
 }
 
+// The part of u across the axis.
 inline Vector3d without(const Vector3d& axis, const Vector3d& u) {
   return u - axis * axis.dot(u);
 }
 
-// Turns the frame of B onto that of A: half the sum over the axes b_i x a_i is sin(angle) times the axis of
-// the turn; 0 at 180 degrees, too (fixed.h). Luh (joint.h).
+// The turn that takes B's frame to A's. Half the sum over the axes of b_i x a_i is sin(angle) times the axis
+// of the turn. It is 0 at 180 degrees, too (fixed.h). Luh (joint.h).
 inline Vector3d turn_onto(const JointSpec& joint, const JointPose& pose) {
   const Matrix3d to = *pose.Ra * joint.frame_a, from = *pose.Rb * joint.frame_b;
   return 0.5 * (from.col(0).cross(to.col(0)) + from.col(1).cross(to.col(1)) + from.col(2).cross(to.col(2)));

@@ -2,9 +2,9 @@
 //   place         P_A - P = 0                           v = 0
 //   orientation   (b_1 x a_1 + b_2 x a_2 + b_3 x a_3)/2 = 0,  a_i the columns of R_A J_A, b_i of R_B J_B
 //                                                       w = 0
-// The sum is sin(angle) times the axis of the turn that is missing. It is good for small gaps, as a step's
-// are; from 90 degrees on it falls, and at 180 it is 0: a joint that far apart does not feel it. Symbols,
-// sources: joint.h. Source: Luh; of the rows Shabana.
+// The sum is sin(angle) times the axis of the turn that is missing. It is good for small gaps, as those of a
+// step are. From 90 degrees on it falls, and at 180 it is 0: a joint that far apart does not notice. Symbols,
+// sources: joint.h. Source: Luh; for the rows Shabana.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

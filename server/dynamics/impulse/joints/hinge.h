@@ -2,9 +2,9 @@
 //   place   P_A - P = 0                    v = 0
 //   axis    b x a = 0                      t_i . w = 0,  t_i across a
 //   free    w = q' a,  angle q
-// The paper (section 5, below definition (8)) makes a revolute joint of two spherical ones: six rows of rank
-// five, which Gauss-Seidel can take and a direct solution cannot. Symbols, sources: joint.h. Source:
-// Featherstone.
+// The paper (section 5, below definition (8)) makes a revolute joint of two spherical ones. These are six
+// rows of rank five, which Gauss-Seidel can solve and a direct solution cannot. Symbols, sources: joint.h.
+// Source: Featherstone.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

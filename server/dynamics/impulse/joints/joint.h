@@ -1,5 +1,6 @@
 // A joint as the solvers see it: where it sits on its two bodies, and what its kind says about a relative
-// motion. The kinds' formulas are beside this, one page each. The pages use these symbols, all in W:
+// motion. The formulas of the kinds are beside this file, one page each. The pages use these symbols, all in
+// W:
 //
 // clang-format off
 //   A, B          the parent (or the world), and the child
@@ -9,8 +10,8 @@
 //   P, P_A        the joint's point on B, and its counterpart on A
 //   a, b          the axis as A carries it, and as B does;  c  a second one, that B carries
 //   t_i           t_1 and t_2: unit vectors across an axis, and across each other (across(), directions.h)
-//   (w, v)        relative motion of B against A: the angular velocity, and the velocity of P with both bodies
-//                 taken at P: A's lever is P - x_A, not P_A - x_A
+//   (w, v)        relative motion of B against A: the angular velocity, and the velocity of P with both
+//                 bodies taken at P: A's lever is P - x_A, not P_A - x_A
 //   q, q'         coordinate of a free direction, and its rate
 //   n~            the matrix of the cross product: n~ u = n x u
 //
@@ -19,11 +20,11 @@
 //   T2  the point on a line of A                      R2  two axes parallel
 //   T1  the point in a plane of A                     R1  two axes perpendicular
 //
-// A page states what is zero in place when the joint is closed, what is zero in velocity (the rows of Held),
-// and what is free (the columns of Motion). Its gap, the motion of B that would close it, has the sign of
-// P_A - P and of b x a. Sources, by what the pages call them:
+// A page states three things: what is zero in place when the joint is closed, what is zero in velocity (the
+// rows of Held), and what is free (the columns of Motion). The gap is the motion of B that would close the
+// joint; it has the sign of P_A - P and of b x a. Sources, by the names that the pages use:
 //   the paper     VISUM: A VR system for the interactive and dynamics simulation of mechatronic systems,
-//                 section 5. Numbered there are definitions only, (1) to (8); formulas have no numbers.
+//                 section 5. Its definitions have numbers, (1) to (8); its formulas have none.
 //   Featherstone  Rigid Body Dynamics Algorithms, Springer 2008: table 4.1, joints by their free directions
 //   Shabana       Computational Dynamics, 3rd edition, Wiley 2010: chapter 7, joints by what they hold
 //   Luh           Luh, Walker, Paul, Resolved-Acceleration Control of Mechanical Manipulators, IEEE
@@ -41,31 +42,32 @@ namespace visum::dynamics::impulse {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+// The constants of a joint between the engine's bodies.
 struct JointSpec {
   world::JointKind kind = world::JointKind::kFixed;
   world::JointId id;
-  int a = -1, b = -1;         // numbers among the engine's bodies; a = -1: what stands still
+  int a = -1, b = -1;         // numbers among the engine's bodies; a = -1: A does not move
   Vector3d point_a, point_b;  // P_A and P, from the centre of mass in the body's P axes (a = -1: in W)
   Matrix3d frame_a, frame_b;  // J's axes in the bodies' P axes
-  Vector3d axis_a, axis_b;    // axis_J, likewise
-  Vector3d zero_a, zero_b;    // a direction across the axis, the same on both at angle 0
+  Vector3d axis_a, axis_b;    // axis_J in the same axes
+  Vector3d zero_a, zero_b;    // a direction across the axis; A's and B's agree at angle 0
   Vector3d axis2_b;           // universal: axis2_J in B
   double lift = 0.0;          // screw: m per rad
   const world::Joint* model = nullptr;
 };
 
-// A joint with its bodies in a certain pose. The four vectors stand together, as kernels write them
-// (lanes/joints_kernels.h).
+// A joint with its bodies in a certain pose. The first four vectors must stay together: kernels write them as
+// one (lanes/joints_kernels.h).
 struct JointPose {
   Vector3d pa, pb;  // P_A, P
-  Vector3d a, b;    // the axis, as A and as B carry it
-  // The bodies' P axes in W: theirs, good until they move.
+  Vector3d a, b;    // the axis as A carries it, and as B does
+  // The bodies' P axes in W. They point into Bodies, and change when the bodies move.
   const Matrix3d* Ra = nullptr;
   const Matrix3d* Rb = nullptr;
   double angle = 0.0;  // screw: unwrapped; curve: the parameter
 };
 
-// Directions of relative motion, a column each.
+// Directions of relative motion, one per column.
 template <int kMost>
 struct Directions {
   int count = 0;

@@ -1,6 +1,6 @@
 // Point on plane: P stays in the plane of A through P_A with the normal a. One row: T1.
 //   place   a . (P_A - P) = 0              a . v = 0
-// v is taken at P on both bodies, so that the turning of the normal is in it. Symbols, sources: joint.h.
+// v is taken at P on both bodies, and so contains the turning of the normal. Symbols, sources: joint.h.
 // Source: Shabana.
 #pragma once
 

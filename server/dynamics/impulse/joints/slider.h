@@ -4,7 +4,7 @@
 //                                                       w = 0
 //   free          v = q' a,  distance q = a . (P - P_A)
 // v is taken at P on both bodies: A's lever is P - x_A, which grows with q. Symbols, sources: joint.h.
-// Source: Featherstone (prismatic); of the orientation Luh.
+// Source: Featherstone (prismatic); for the orientation Luh.
 #pragma once
 
 #include "server/dynamics/impulse/joints/directions.h"

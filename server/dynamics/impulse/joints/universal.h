@@ -10,6 +10,7 @@
 
 namespace visum::dynamics::impulse::universal {
 
+// The axis c in W.
 inline Vector3d second_axis(const JointSpec& joint, const JointPose& pose) {
   return *pose.Rb * joint.axis2_b;
 }

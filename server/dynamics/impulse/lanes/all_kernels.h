@@ -1,4 +1,5 @@
-// All kernels, in a file of their own for each build (kernels_baseline.cc, kernels_wide.cc).
+// All kernels in one place. Each build includes it in a file of its own (kernels_baseline.cc,
+// kernels_wide.cc).
 #pragma once
 
 #include <cstddef>

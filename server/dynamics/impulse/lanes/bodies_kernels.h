@@ -1,5 +1,5 @@
-// Bodies in flight, by fours: the paper's Integrate() without its Taylor series. The angular
-// momentum L = J w is constant in W; the ways differ in the orientation that they find.
+// The flight of bodies, four at once: the paper's Integrate() without its Taylor series. The angular momentum
+// L = J w is constant in W; the orientation is found in one of three ways.
 //
 // Symbols: R orientation of the principal axes, J1 J2 J3 principal moments, L_k the momentum about axis k of
 // the body, exp(u) the rotation by |u| about u.
@@ -17,11 +17,12 @@
 namespace visum::dynamics::impulse {
 namespace {
 
+// The tops' own axis in W.
 VISUM_LANES_INLINE Vectors axes_of_tops(const BodyArrays& of, const BodyBlock& block) {
   return load_vectors(moved(Four{of.R, block.matrix}, 3 * block.axis));
 }
 
-// exp(h L/J1) exp(h L_3 (1/J3 - 1/J1) e_3) q, with e_3 in W.
+// The top's formula above, with e_3 in W: exp(h L/J1) exp(h L_3 (1/J3 - 1/J1) e_3) q.
 VISUM_LANES_INLINE Quaternions fly_tops(const BodyArrays& of, const BodyBlock& block, Quaternions q,
                                         Vectors w, double h) {
   const Vectors axis = axes_of_tops(of, block);
@@ -33,7 +34,7 @@ VISUM_LANES_INLINE Quaternions fly_tops(const BodyArrays& of, const BodyBlock& b
   return rotations(h * precession) * (own * q);
 }
 
-// R <- R rot(angle about axis k), L <- rot(-angle) L.
+// One of the five rotations: R <- R rot(angle about axis k), L <- rot(-angle) L.
 VISUM_LANES_INLINE void turn_about(Lanes angle, Lanes& qk, Lanes& qi, Lanes& qj, Lanes& qw, Lanes& Li,
                                    Lanes& Lj) {
   const Lanes half = all(0.5) * angle;
@@ -50,6 +51,7 @@ VISUM_LANES_INLINE void turn_about(Lanes angle, Lanes& qk, Lanes& qi, Lanes& qj,
   Lj = cos * lj - sin * li;
 }
 
+// Bodies with three different moments: the five rotations.
 VISUM_LANES_INLINE Quaternions fly_others(const BodyArrays& of, const BodyBlock& block, Quaternions q,
                                           Vectors w, double h) {
   const Matrices R = load_matrices(Four{of.R, block.matrix});
@@ -67,6 +69,7 @@ VISUM_LANES_INLINE Quaternions fly_others(const BodyArrays& of, const BodyBlock&
   return q;
 }
 
+// Free flight over h: parabola, and rotation with constant angular momentum.
 void fly(const BodyArrays& of, const BodyBlock* blocks, std::size_t count, double h, const double* gravity) {
   const Vectors fall = (0.5 * h * h) * everywhere(gravity);
   for (const BodyBlock* block = blocks; block != blocks + count; ++block) {
@@ -81,7 +84,7 @@ void fly(const BodyArrays& of, const BodyBlock* blocks, std::size_t count, doubl
   }
 }
 
-// By h times what velocities have changed by, to first order.
+// Changes the flight by h times a change of velocities, to first order.
 void nudge(const BodyArrays& of, const BodyBlock* blocks, std::size_t count, double h, const double* dv,
            const double* dw) {
   for (const BodyBlock* block = blocks; block != blocks + count; ++block) {
@@ -94,7 +97,7 @@ void nudge(const BodyArrays& of, const BodyBlock* blocks, std::size_t count, dou
   }
 }
 
-// The largest share of an angular velocity along an axis of W.
+// The largest component of any angular velocity in W, rad/s.
 double largest_turn(const BodyArrays& of, const BodyBlock* blocks, std::size_t count) {
   Lanes most = all(0.0);
   for (const BodyBlock* block = blocks; block != blocks + count; ++block)
@@ -106,14 +109,14 @@ struct Inertias {
   Matrices of, inverse;
 };
 
-// m E + (n - m) a a^T: of tops with the axis a.
+// Inertia of tops with the axis a: m E + (n - m) a a^T, with n along and m across the axis.
 VISUM_LANES_INLINE Matrices turned_tops(Lanes along, Lanes across, Vectors a) {
   const Vectors s = (along - across) * a;
   const Lanes xy = s.x * a.y, yz = s.y * a.z, zx = s.z * a.x;
   return {{{s.x * a.x + across, xy, zx}, {xy, s.y * a.y + across, yz}, {zx, yz, s.z * a.z + across}}};
 }
 
-// R diag(moments) R^T.
+// Inertia of other bodies: R diag(moments) R^T.
 VISUM_LANES_INLINE Matrices turned_others(const double (&moments)[3][4], const Matrices& R) {
   const Vectors a = load(moments[0]) * R.column[0], b = load(moments[1]) * R.column[1],
                 c = load(moments[2]) * R.column[2];
@@ -132,7 +135,8 @@ VISUM_LANES_INLINE Inertias inertias(const BodyArrays& of, const BodyBlock& bloc
           turned_tops(load(block.inverse_moments[2]), load(block.inverse_moments[0]), axis)};
 }
 
-// What follows from the links' orientations: that of the principal axes, its matrix, inertias in W.
+// Everything that follows from the links' orientations: orientation of the principal axes, its matrix,
+// inertias in W.
 VISUM_LANES_INLINE Inertias orient_block(const BodyArrays& of, const BodyBlock& block, Quaternions q_WB) {
   const Quaternions turn{load(block.q_BP[0]), load(block.q_BP[1]), load(block.q_BP[2]), load(block.q_BP[3])};
   const Quaternions q = block.aligned ? q_WB : q_WB * turn;
@@ -150,6 +154,7 @@ void orient(const BodyArrays& of, const BodyBlock* blocks, std::size_t count) {
     orient_block(of, *block, load_quaternions(Four{of.q_WB, block->quaternion}));
 }
 
+// L = J w.
 VISUM_LANES_INLINE Vectors momentum_of(const BodyArrays& of, const BodyBlock& block, Vectors w) {
   if (!block.top) return load_matrices(Four{of.inertia, block.matrix}) * w;
   const Vectors axis = axes_of_tops(of, block);
@@ -157,7 +162,7 @@ VISUM_LANES_INLINE Vectors momentum_of(const BodyArrays& of, const BodyBlock& bl
   return across * w + ((load(block.moments[2]) - across) * dot(axis, w)) * axis;
 }
 
-// Whether any of them has moved.
+// Makes the last flight the state. Returns whether any of the bodies has moved.
 bool commit(const BodyArrays& of, const BodyBlock* blocks, std::size_t count, double h,
             const double* gravity) {
   const Vectors fall = h * everywhere(gravity);
@@ -168,6 +173,7 @@ bool commit(const BodyArrays& of, const BodyBlock* blocks, std::size_t count, do
     const Vectors momentum = momentum_of(of, *block, load_vectors(w));
     const Vectors x1 = load_vectors(Four{of.x1, block->vector});
     Quaternions q1 = load_quaternions(Four{of.q1, block->quaternion});
+    // From P's axes back to the link's.
     if (!block->aligned)
       q1 = renormalised(q1 * Quaternions{-load(block->q_BP[0]), -load(block->q_BP[1]), -load(block->q_BP[2]),
                                          load(block->q_BP[3])});
@@ -176,9 +182,10 @@ bool commit(const BodyArrays& of, const BodyBlock* blocks, std::size_t count, do
     store_vectors(v, load_vectors(v) + fall);
     store_quaternions(q, q1);
     const Inertias inertia = orient_block(of, *block, q1);
+    // The angular velocity follows from the momentum, in the new orientation.
     Vectors w1 = inertia.inverse * momentum;
-    // Where the moments differ, what the rounded inverse has lost is given back: the momentum is kept to
-    // rounding.
+    // With three different moments, what the rounded inverse has lost is given back. The momentum is thus
+    // kept to rounding.
     if (!block->top) w1 = w1 + inertia.inverse * (momentum - inertia.of * w1);
     store_vectors(w, w1);
   }

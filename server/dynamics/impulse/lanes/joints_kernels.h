@@ -1,4 +1,4 @@
-// Joints in their bodies' poses, by fours. Symbols: joints/joint.h, tree.h; of a hinge: joints/hinge.h.
+// Joints in their bodies' poses, four at once. Symbols: joints/joint.h, tree.h; for hinges joints/hinge.h.
 #pragma once
 
 #include "server/dynamics/impulse/lanes/joints_data.h"
@@ -22,7 +22,7 @@ VISUM_LANES_INLINE Poses poses(const double* x, const double* R, const JointBloc
           Rb * constant(block.axis_b)};
 }
 
-// Four vectors one behind the other, as a pose begins.
+// The four vectors with which a JointPose begins, one behind the other.
 VISUM_LANES_INLINE void store_poses(Four<double> at, const Poses& of) {
   store_two(at, of.pa.x, of.pa.y);
   store_two(moved(at, 2), of.pa.z, of.pb.x);
@@ -37,7 +37,7 @@ void place_joints(const double* x, const double* R, const JointBlock* blocks, st
     store_poses(Four{to, block->pose}, poses(x, R, *block));
 }
 
-// With the direction in which they are free.
+// Also stores the direction in which each hinge is free.
 void place_hinges(const double* x, const double* R, const JointBlock* blocks, std::size_t count, double* to,
                   double* free) {
   for (const JointBlock* block = blocks; block != blocks + count; ++block) {
@@ -47,7 +47,7 @@ void place_hinges(const double* x, const double* R, const JointBlock* blocks, st
   }
 }
 
-// Asks for what closes their gaps, and returns the largest; NaN where one is none.
+// Asks for the motion that closes the hinges' gaps. Returns the largest gap, m or rad; NaN if one is NaN.
 double ask_hinges_gaps(const double* x, const double* R, const JointBlock* blocks, std::size_t count,
                        double h, double* to, Asks asks) {
   const double per_h = 1.0 / h;
@@ -62,11 +62,13 @@ double ask_hinges_gaps(const double* x, const double* R, const JointBlock* block
     store_vectors(Four{asks.beta, block->request}, per_h * turn);
     store_vectors(Four{asks.alpha, block->request}, per_h * shift);
   }
+  // A NaN in any gap makes the sum NaN, since largest() does not notice it.
   const double nothing = (first(sum) + low(sum)[1]) + (high(sum)[0] + high(sum)[1]);
   return nothing == nothing ? largest_of(most) : nothing;
 }
 
-// Asks that their bodies' velocities agree. What the axes already do is no error: the rest must go.
+// Asks for what makes the velocities of the hinges' bodies agree. The rate about the axis is no error, the
+// rest must go.
 void ask_hinges_velocities(const BodyArrays& of, const JointBlock* blocks, std::size_t count, double* poses,
                            Asks asks) {
   for (const JointBlock* block = blocks; block != blocks + count; ++block) {
@@ -84,7 +86,7 @@ void ask_hinges_velocities(const BodyArrays& of, const JointBlock* blocks, std::
   }
 }
 
-// Takes from hinges' impulses their share about the axis, and notes it.
+// Takes from the hinges' impulses their share about the axis, and stores that share.
 void free_hinges_impulses(const JointBlock* blocks, std::size_t count, double* poses, double* impulses,
                           double* shares) {
   for (const JointBlock* block = blocks; block != blocks + count; ++block) {
@@ -97,6 +99,7 @@ void free_hinges_impulses(const JointBlock* blocks, std::size_t count, double* p
   }
 }
 
+// Gives the impulse (w, v) at the point p to one body.
 VISUM_LANES_INLINE void push(const BodyArrays& of, long vector, long matrix, double inverse_mass, Lanes p,
                              Lanes w, Lanes v) {
   double *at_v = of.v + vector, *at_w = of.w + vector;
@@ -105,7 +108,7 @@ VISUM_LANES_INLINE void push(const BodyArrays& of, long vector, long matrix, dou
   store3(at_w, load3(at_w) + matrix_times(of.inverse_inertia + matrix, twist));
 }
 
-// Gives to both bodies of each joint its impulse at the joint's point P, one after the other.
+// Gives each joint's impulse at its point P to both of its bodies, joint after joint.
 void push_joints(const BodyArrays& of, const JointEnds* joints, std::size_t count, double* poses,
                  double* impulses) {
   for (const JointEnds* joint = joints; joint != joints + count; ++joint) {

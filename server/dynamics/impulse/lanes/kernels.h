@@ -1,6 +1,6 @@
-// The hot loops of the engine over many bodies or joints, compiled twice: for every x86-64 processor, and for
-// those with AVX2. The process takes one of the two when it starts. Both give the same bits: no fused
-// multiply-add, the same order of operations.
+// The hot loops of the engine over many bodies or joints. They are compiled twice: for every x86-64
+// processor, and for those with AVX2. The process chooses one of the two when it starts. Both give the same
+// bits, since neither fuses a multiplication with an addition and both keep the same order of operations.
 #pragma once
 
 #include <cstddef>
@@ -11,10 +11,13 @@
 
 namespace visum::dynamics::impulse {
 
+// A table of functions. They are pure: they read and write only the memory that they are given, and do not
+// fail.
 struct Kernels {
-  const char* build;
+  const char* build;  // for which processor: x86-64 or x86-64-v3
 
-  // Bodies (bodies.h), blocks of four.
+  // Bodies (bodies.h), in blocks of four: free flight over h, first-order change of it, move to it, the
+  // fastest angular velocity (rad/s), and everything that follows from the orientations.
   void (*fly)(const BodyArrays&, const BodyBlock*, std::size_t count, double h, const double* gravity);
   void (*nudge)(const BodyArrays&, const BodyBlock*, std::size_t count, double h, const double* dv,
                 const double* dw);
@@ -22,7 +25,7 @@ struct Kernels {
   double (*largest_turn)(const BodyArrays&, const BodyBlock*, std::size_t count);
   void (*orient)(const BodyArrays&, const BodyBlock*, std::size_t count);
 
-  // Joints (mechanism.h), blocks of four. x, R: of the bodies, now or where the look-ahead leads.
+  // Joints (mechanism.h), in blocks of four. x and R belong to the bodies, now or where the look-ahead leads.
   void (*place_joints)(const double* x, const double* R, const JointBlock*, std::size_t count, double* poses);
   void (*place_hinges)(const double* x, const double* R, const JointBlock*, std::size_t count, double* poses,
                        double* free);
@@ -33,18 +36,18 @@ struct Kernels {
   void (*push_joints)(const BodyArrays&, const JointEnds*, std::size_t count, double* poses,
                       double* impulses);
   void (*ask_hinges_velocities)(const BodyArrays&, const JointBlock*, std::size_t count, double* poses, Asks);
-  // The prediction (prediction.h), over all joints.
+  // The prediction (prediction.h), over all joints: what is foreseen, and what is kept of a step.
   void (*foresee_joints)(std::size_t count, const double* given_weights, const double* missed_weights,
                          const float* last, const float* before, double* line, double* foreseen);
   void (*keep_joints)(std::size_t count, const double* ahead, const double* after, const double* line,
                       float* past);
-  // Rows of contacts (rows.h).
+  // Rows of contacts (rows.h): MJ and K of an end, from J or from a frame and a lever.
   void (*respond_to_rows)(const double* J, std::size_t rows, const double* inverse_inertia,
                           double inverse_mass, double* MJ, double* K);
   void (*respond_at_point)(const double* frame, const double* lever, double sign,
                            const double* inverse_inertia, double inverse_mass, double* J, double* MJ,
                            double* K);
-  // Of a tree (tree.h): all its rows, or those from `begin` on to before `end`.
+  // Recursions over a tree (tree.h): over all its rows, or over the rows begin..end-1.
   void (*factor_tree)(const TreeRow* rows, TreeFactor* factors, TreePlace place, std::size_t count);
   void (*load_tree)(TreeData tree, std::size_t begin, std::size_t end);
   void (*spread_tree)(TreeData tree, std::size_t begin, std::size_t end);
@@ -54,11 +57,12 @@ struct Kernels {
   double (*largest_answer_of_tree)(const TreeAnswer* answers, std::size_t count);
 };
 
-// What this processor takes, or the environment's VISUM_KERNELS names: x86-64 or x86-64-v3. Throws where it
-// names what is not here.
+// The kernels that this process uses: the best for its processor, or the build that the environment's
+// VISUM_KERNELS names (x86-64 or x86-64-v3). Throws std::runtime_error where it names another one, or one
+// that this processor or build does not have.
 const Kernels& kernels();
 
-// Those compiled; the second is null where the compiler has none.
+// The two builds; the second is null where the compiler cannot make it.
 extern const Kernels kBaselineKernels;
 extern const Kernels* const kWideKernels;
 

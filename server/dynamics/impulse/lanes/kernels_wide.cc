@@ -1,4 +1,4 @@
-// The kernels for processors with AVX2: the same text, compiled with -mavx2.
+// The kernels for processors with AVX2: the same source, compiled with -mavx2.
 #if defined(__AVX2__)
 #include "server/dynamics/impulse/lanes/all_kernels.h"
 

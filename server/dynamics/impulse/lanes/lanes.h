@@ -1,10 +1,10 @@
-// Four doubles that are worked on at once: four bodies (x, y and z each a Lanes), or one vector (x, y, z,
-// unused). Compiled with AVX2 they are one register, else two of SSE2. Each lane is rounded as a double alone
-// is, so that both give the same bits.
+// Lanes: four doubles that one instruction works on (SIMD). They are one number of four bodies, or one vector
+// (x, y, z, unused). With AVX2 they are one register, otherwise two of SSE2. Each lane is rounded as a single
+// double is, so both builds give the same bits.
 //
-// Everything here is inline and private to the file that includes it: what is compiled for AVX2 must not be
-// taken by the linker for what runs on every processor. So no Eigen, and nothing of the standard library, in
-// files that include this.
+// Everything here is inline and private to the file that includes it: the linker must not use a function that
+// was compiled for AVX2 where every processor has to run it. Files that include this therefore use no Eigen
+// and nothing of the standard library.
 #pragma once
 
 #if defined(__SSE2__)
@@ -30,6 +30,7 @@ VISUM_LANES_INLINE void store_pair(double* to, Pair from) {
 
 #if defined(__AVX2__)
 
+// Four doubles, and four conditions, each all ones or all zeros.
 struct Lanes {
   using Raw = double __attribute__((vector_size(32)));
   Raw raw;
@@ -72,11 +73,11 @@ VISUM_LANES_INLINE Lanes operator-(Lanes a) {
 VISUM_LANES_INLINE Lanes magnitude(Lanes a) {
   return {_mm256_andnot_pd(_mm256_set1_pd(-0.0), a.raw)};
 }
-// A vector of three: the fourth is 0.
+// Three numbers; the fourth lane is 0.
 VISUM_LANES_INLINE Lanes load3(const double* from) {
   return {_mm256_maskload_pd(from, _mm256_set_epi64x(0, -1, -1, -1))};
 }
-// As a > b ? a : b; of what is no number, b.
+// Like a > b ? a : b in each lane; where a number is NaN, b.
 VISUM_LANES_INLINE Lanes larger(Lanes a, Lanes b) {
   return {_mm256_max_pd(a.raw, b.raw)};
 }
@@ -92,7 +93,7 @@ VISUM_LANES_INLINE Mask operator<=(Lanes a, Lanes b) {
 VISUM_LANES_INLINE bool is_all(Mask mask) {
   return _mm256_movemask_pd(_mm256_castsi256_pd(reinterpret_cast<__m256i>(mask.raw))) == 15;
 }
-VISUM_LANES_INLINE bool is_zero(Lanes a) {  // every bit of it
+VISUM_LANES_INLINE bool is_zero(Lanes a) {  // every bit is 0
   return _mm256_testz_si256(_mm256_castpd_si256(a.raw), _mm256_castpd_si256(a.raw)) != 0;
 }
 VISUM_LANES_INLINE Lanes join(Pair low, Pair high) {
@@ -104,14 +105,14 @@ VISUM_LANES_INLINE Pair low(Lanes a) {
 VISUM_LANES_INLINE Pair high(Lanes a) {
   return _mm256_extractf128_pd(a.raw, 1);
 }
-// Within each half: (a0 b0 a2 b2), (a1 b1 a3 b3).
+// evens: within each half (a0 b0 a2 b2); odds: (a1 b1 a3 b3).
 VISUM_LANES_INLINE Lanes evens(Lanes a, Lanes b) {
   return {_mm256_unpacklo_pd(a.raw, b.raw)};
 }
 VISUM_LANES_INLINE Lanes odds(Lanes a, Lanes b) {
   return {_mm256_unpackhi_pd(a.raw, b.raw)};
 }
-// (y z x w) and (z x y w).
+// next: (y z x w); after_next: (z x y w).
 VISUM_LANES_INLINE Lanes next(Lanes a) {
   return {_mm256_permute4x64_pd(a.raw, 0b11'00'10'01)};
 }
@@ -119,12 +120,13 @@ VISUM_LANES_INLINE Lanes after_next(Lanes a) {
   return {_mm256_permute4x64_pd(a.raw, 0b11'01'00'10)};
 }
 template <int k>
-VISUM_LANES_INLINE Lanes each(Lanes a) {  // of one lane
+VISUM_LANES_INLINE Lanes each(Lanes a) {  // lane k in all four lanes
   return {_mm256_permute4x64_pd(a.raw, k * 0b01'01'01'01)};
 }
 
 #else
 
+// The same operations with two SSE2 registers; each must give the bits of its AVX2 twin above.
 struct Lanes {
   Pair lo, hi;
 };
@@ -242,11 +244,11 @@ VISUM_LANES_INLINE Lanes operator*(double a, Lanes b) {
   return all(a) * b;
 }
 
-// One vector (x y z unused) in Lanes.
+// From here on: one vector (x y z unused) in Lanes.
 VISUM_LANES_INLINE Lanes cross(Lanes a, Lanes b) {  // a x b
   return next(a * next(b) - next(a) * b);
 }
-// The sum of the first three lanes, (x + y) + z, in each of them.
+// The sum of the first three lanes, (x + y) + z, in every lane.
 VISUM_LANES_INLINE Lanes sum3(Lanes a) {
   return (each<0>(a) + each<1>(a)) + each<2>(a);
 }
@@ -257,11 +259,11 @@ VISUM_LANES_INLINE void store3(double* to, Lanes from) {
   store_pair(to, low(from));
   to[2] = high(from)[0];
 }
-// By columns.
+// The matrix is stored by columns.
 VISUM_LANES_INLINE Lanes matrix_times(const double* matrix, Lanes u) {
   return (each<0>(u) * load3(matrix) + each<1>(u) * load3(matrix + 3)) + each<2>(u) * load3(matrix + 6);
 }
-// Two vectors of three, one right after the other.
+// Stores two vectors of three, one right behind the other.
 VISUM_LANES_INLINE void store6(double* to, Lanes a, Lanes b) {
   store(to, a);
   store3(to + 3, b);

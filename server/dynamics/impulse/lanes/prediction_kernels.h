@@ -1,5 +1,5 @@
-// The sums of a prediction (prediction.h) over all joints. A joint's impulse is six doubles (w, v); what is
-// kept of a step that is done is twelve floats, P and what the line has missed (w, v each).
+// The sums of a prediction (prediction.h) over all joints. A joint's impulse is six doubles (w, v). A step
+// that is done is kept as twelve floats: P and what the line has missed, (w, v) each.
 #pragma once
 
 #include "server/dynamics/impulse/lanes/lanes.h"
@@ -7,8 +7,8 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// For each joint, of the last step and the one before it, weighed: the line, and the line with what it has
-// missed.
+// Weighs, for each joint, the last step and the one before it. Writes the line, and the line plus what it is
+// expected to miss.
 void foresee_joints(std::size_t count, const double* given_weights, const double* missed_weights,
                     const float* last, const float* before, double* line, double* foreseen) {
   const double g1 = given_weights[0], g2 = given_weights[1];
@@ -30,8 +30,8 @@ void foresee_joints(std::size_t count, const double* given_weights, const double
   }
 }
 
-// For each joint what is to be kept of a step: all that it gave, at the start (ahead) and the end (after);
-// what the line has missed at the start, nothing without a line (null).
+// Writes for each joint what is kept of a step: P, the sum of what it gave at the start (ahead) and at the
+// end (after), and what the line has missed at the start; 0 without a line (null).
 void keep_joints(std::size_t count, const double* ahead, const double* after, const double* line,
                  float* past) {
   for (std::size_t i = 0; i < count; ++i) {

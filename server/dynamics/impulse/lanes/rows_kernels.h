@@ -1,6 +1,6 @@
-// Rows on free bodies (rows.h). A row is six doubles, its direction on a body: angular, linear. For each row
-// of a block J is that, MJ what an impulse along it does to the body, and K, to which it is added, its
-// response J MJ to itself; of three rows K's fourth is the last two's response to each other.
+// Rows on free bodies (rows.h). A row J is six doubles, its direction on a body: angular, linear. MJ is the
+// velocity that a unit impulse along J gives the body. K gets the row's response J MJ to itself added; for
+// three rows, K's fourth number gets the last two rows' response to each other.
 #pragma once
 
 #include "server/dynamics/impulse/lanes/lanes.h"
@@ -31,8 +31,8 @@ void respond_to_rows(const double* J, std::size_t rows, const double* inverse_in
   if (rows == 3) K[3] += dot({load(J + 6), load3(J + 9)}, response);
 }
 
-// Three rows along the columns of a frame, or against them (sign), at a lever from the centre of mass. What
-// has just been written would be slow to read: J is made here, too.
+// Three rows along the columns of a frame, or against them (sign), at a lever from the centre of mass. J is
+// computed here as well, because reading it right after it was written would be slow.
 void respond_at_point(const double* frame, const double* lever, double sign, const double* inverse_inertia,
                       double inverse_mass, double* J, double* MJ, double* K) {
   const Lanes r = load3(lever), signs = all(sign);

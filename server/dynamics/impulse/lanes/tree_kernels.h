@@ -1,8 +1,8 @@
-// The recursions over a tree's rows (tree.h has the symbols, tree_data.h the rows). A vector is one Lanes.
+// The recursions over a tree's rows. Symbols are in tree.h, the rows in tree_data.h. A vector is one Lanes.
 //
-// In a chain each row waits for the one before it, so the way from row to row is kept short: what a row has
-// is taken at its parent's point before its axis is eliminated, not after, for the axis is the longest part.
-// With X^T the move of a velocity to that point,
+// In a chain each row waits for the one before it, so the work from row to row is kept short. The longest
+// part is the elimination of the axis. A row is therefore moved to its parent's point before its axis is
+// eliminated, not after. With X^T the move of a velocity to that point,
 //   T = X U,   X (I - U D^-1 U^T) X^T = X I X^T - T D^-1 T^T,   U^T (w1, v1) = T^T X^T (w1, v1).
 #pragma once
 
@@ -12,7 +12,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// By cyclic diagonals. A symmetric one's third is after_next() of its second.
+// Matrices by cyclic diagonals. The third one of a symmetric matrix is after_next() of its second.
 struct LanesSymmetric {
   Lanes diagonal, off;
 };
@@ -72,7 +72,8 @@ VISUM_LANES_INLINE LanesInertia no_inertia() {
   return {{none, none}, {none, none, none}, {none, none}};
 }
 
-// With a body about the point from which it is c away: A = I + m (c.c E - c c^T), B = [m c]x, C = m E.
+// Adds a body whose centre of mass is at c, seen from the point: A = I + m (c.c E - c c^T), B = [m c]x, C = m
+// E.
 VISUM_LANES_INLINE LanesInertia with_body(const LanesInertia& m, double mass, const double* inertia,
                                           Lanes c) {
   const Lanes lever = mass * c, far = dot(lever, c);
@@ -83,8 +84,8 @@ VISUM_LANES_INLINE LanesInertia with_body(const LanesInertia& m, double mass, co
           {m.C.diagonal + all(mass), m.C.off}};
 }
 
-// At the parent's point: B' = B + r x C,  A' = A + r x B'^T + (r x B^T)^T,  C' = C. Of a product r x M the
-// diagonals are next(r) after_next(d[k+1]) - after_next(r) next(d[k-1]).
+// The inertia at the parent's point: B' = B + r x C,  A' = A + r x B'^T + (r x B^T)^T,  C' = C. The diagonals
+// of a product r x M are next(r) after_next(d[k+1]) - after_next(r) next(d[k-1]).
 VISUM_LANES_INLINE LanesInertia at_parent(const LanesInertia& m, Lanes r) {
   const Lanes r1 = next(r), r2 = after_next(r);
   const auto& [c0, c1] = m.C;
@@ -97,7 +98,7 @@ VISUM_LANES_INLINE LanesInertia at_parent(const LanesInertia& m, Lanes r) {
           m.C};
 }
 
-// I - T D^-1 T^T.
+// I - T D^-1 T^T: the axis' freedom taken out.
 VISUM_LANES_INLINE LanesInertia without_axis(const LanesInertia& m, LanesPair T, double inverse_D) {
   const Lanes gw = inverse_D * T.w, gv = inverse_D * T.v, w1 = next(T.w), v1 = next(T.v);
   return {{m.A.diagonal - gw * T.w, m.A.off - gw * w1},
@@ -105,11 +106,13 @@ VISUM_LANES_INLINE LanesInertia without_axis(const LanesInertia& m, LanesPair T,
           {m.C.diagonal - gv * T.v, m.C.off - gv * v1}};
 }
 
+// P of a row; a free root's is the centre of mass.
 VISUM_LANES_INLINE const double* point_of(const TreePlace& place, const TreeRow& row) {
   return row.root ? place.x + 3 * static_cast<std::size_t>(row.body)
                   : place.points + place.point_stride * static_cast<std::size_t>(row.node);
 }
 
+// The effective 1/D and the gain of an axis, with or without a drive in the tree.
 VISUM_LANES_INLINE void divide(TreeFactor& f, const TreeAxis* axis) {
   f.implicit = axis != nullptr && axis->implicit;
   if (f.implicit) {
@@ -122,7 +125,7 @@ VISUM_LANES_INLINE void divide(TreeFactor& f, const TreeAxis* axis) {
   }
 }
 
-// What the parent feels of m. A row without an axis keeps S = T = 0.
+// The inertia m as the parent feels it. A row without an axis keeps S = T = 0.
 VISUM_LANES_INLINE LanesInertia eliminate(const TreePlace& place, const TreeRow& row, TreeFactor& f,
                                           const LanesInertia& m, Lanes r) {
   const LanesInertia moved = at_parent(m, r);
@@ -132,7 +135,7 @@ VISUM_LANES_INLINE LanesInertia eliminate(const TreePlace& place, const TreeRow&
   const LanesPair S{load3(place.free_w + at), load3(place.free_v + at)};
   LanesPair U{times(m.A, S.w), transposed_times(m.B, S.w)};
   Lanes D = S.w * U.w;
-  if (!is_zero(S.v)) {  // more than a turn
+  if (!is_zero(S.v)) {  // the axis does not only turn
     U = U + LanesPair{times(m.B, S.v), times(m.C, S.v)};
     D = S.w * U.w + S.v * U.v;
   }
@@ -146,16 +149,19 @@ VISUM_LANES_INLINE LanesInertia eliminate(const TreePlace& place, const TreeRow&
   return without_axis(moved, T, f.inverse_D);
 }
 
+// Factors all rows, from the tips to the root.
 void factor_tree(const TreeRow* rows, TreeFactor* factors, TreePlace place, std::size_t count) {
   LanesInertia m = no_inertia();  // of what hangs on the row
   Lanes p = all(0.0);
   for (std::size_t i = count; i-- > 0;) {
     const TreeRow& row = rows[i];
     TreeFactor& f = factors[i];
+    // A new chain begins at a tip.
     if (row.tip) {
       m = no_inertia();
       p = load3(point_of(place, row));
     }
+    // Branches that end here, and the row's own body.
     if (row.collects) m = m + load_inertia(f);
     if (row.body >= 0) {
       const auto body = static_cast<std::size_t>(row.body);
@@ -163,6 +169,7 @@ void factor_tree(const TreeRow* rows, TreeFactor* factors, TreePlace place, std:
       store(f.c, c);
       m = with_body(m, row.mass, place.inertia + 9 * body, c);
     }
+    // Moved to the parent's point, without the axis' freedom.
     const Lanes up_p = row.parent < 0 ? p : load3(point_of(place, rows[row.parent])), r = p - up_p;
     store(f.r, r);
     m = eliminate(place, row, f, m, r);
@@ -186,7 +193,7 @@ VISUM_LANES_INLINE LanesPair no_pair() {
   return {all(0.0), all(0.0)};
 }
 
-// What the next row gets of it; else it goes to a sum in memory.
+// Passes a row's load on: returns it for the next row, or adds it to a sum in memory and returns zero.
 VISUM_LANES_INLINE LanesPair hand_on(const TreeData& tree, const TreeRow& row, LanesPair given) {
   if (row.way == TreeRow::kOn) return given;
   if (row.way != TreeRow::kNowhere) {
@@ -196,7 +203,8 @@ VISUM_LANES_INLINE LanesPair hand_on(const TreeData& tree, const TreeRow& row, L
   return no_pair();
 }
 
-// t = -D^-1 (S^T p - lambda) + gain b,  f = X (I (beta, alpha) + p + U t), handed to the parent.
+// From the tips to the root: t = -D^-1 (S^T p - lambda) + gain b,  f = X (I (beta, alpha) + p + U t), which
+// goes to the parent.
 void load_tree(TreeData tree, std::size_t begin, std::size_t end) {
   LanesPair p = no_pair();  // of what hangs on the row
   for (std::size_t i = end; i-- > begin;) {
@@ -213,6 +221,7 @@ void load_tree(TreeData tree, std::size_t begin, std::size_t end) {
       const Lanes linear = load(asked.linear);
       p = {p.w - (load(asked.angular) + cross(load(f.c), linear)), p.v - linear};
     }
+    // The load of branches that end here.
     if (row.sums) {
       if (row.collects) p = p + load_pair(tree.loads[i]);
       store_pair(tree.loads[i], p);
@@ -225,13 +234,15 @@ void load_tree(TreeData tree, std::size_t begin, std::size_t end) {
   }
 }
 
-// q' = t - D^-1 U^T (w1, v1),  (w1, v1) the velocity of P before the axis moves.
+// From the root to the tips: q' = t - D^-1 U^T (w1, v1), with (w1, v1) the velocity of P before the axis
+// moves.
 void spread_tree(TreeData tree, std::size_t begin, std::size_t end) {
   LanesPair up = no_pair();
   for (std::size_t i = begin; i < end; ++i) {
     const TreeRow& row = tree.rows[i];
     const TreeFactor& f = tree.factors[i];
     TreeAnswer& answer = tree.answers[i];
+    // A row that does not follow its parent directly reads the parent's velocity from memory.
     if (row.way != TreeRow::kOn) {
       const TreeAnswer* from = row.root ? &answer : row.parent >= 0 ? tree.answers + row.parent : nullptr;
       up = no_pair();
@@ -255,14 +266,14 @@ VISUM_LANES_INLINE void apply_row(const TreeRow& row, Lanes dv, Lanes dw, double
   store3(w + at, load3(w + at) + dw);
 }
 
-// The answers, to the bodies' velocities.
+// Adds the answers to the bodies' velocities.
 void apply_tree(const TreeRow* rows, const TreeAnswer* answers, std::size_t count, double* v, double* w) {
   for (std::size_t i = 0; i < count; ++i)
     if (rows[i].body >= 0) apply_row(rows[i], load(answers[i].dv), load(answers[i].w), v, w);
 }
 
-// The same, and what the joints give in it, added to `given` by node. From the tips to the root: what a joint
-// gives is what all beyond it got, and was not pushed with.
+// Does the same, and adds what the joints give in it to `given`, by node. From the tips to the root: a joint
+// gives what all bodies beyond it got, less what was pushed on them.
 void apply_and_note_tree(TreeData tree, const double* inertia, std::size_t count, double* v, double* w,
                          double* given) {
   LanesPair f = no_pair();  // of what hangs on the row

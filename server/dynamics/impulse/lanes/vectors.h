@@ -1,4 +1,4 @@
-// Vectors, quaternions and matrices of four bodies at once, from and to where each body has its own.
+// Vectors, quaternions and matrices of four bodies at once, loaded from and stored to each body's own place.
 #pragma once
 
 #include "protocol/config/trig.h"
@@ -17,7 +17,7 @@ struct Matrices {
   Vectors column[3];
 };
 
-// Where the four have what is worked on: `base` and an index for each.
+// Where the four bodies keep what is worked on: `base`, and an index for each.
 template <typename Number>
 struct Four {
   Number* base;
@@ -31,6 +31,7 @@ VISUM_LANES_INLINE Four<Number> moved(Four<Number> at, int by) {
   return {at.base + by, at.index};
 }
 
+// One number of each of the four, two adjacent ones, and so on.
 template <typename Number>
 VISUM_LANES_INLINE Lanes load_one(Four<Number> at) {
   return lanes(at.base[at.index[0]], at.base[at.index[1]], at.base[at.index[2]], at.base[at.index[3]]);
@@ -128,7 +129,7 @@ VISUM_LANES_INLINE Mask same_bits(Quaternions a, Quaternions b) {
 VISUM_LANES_INLINE Vectors everywhere(const double* u) {
   return {all(u[0]), all(u[1]), all(u[2])};
 }
-// The largest of x, y and z, by magnitude, and of what is `so far`. A NaN is not noticed.
+// The largest of |x|, |y|, |z| and `so_far`, lane by lane. A NaN goes unnoticed.
 VISUM_LANES_INLINE Lanes largest(Vectors u, Lanes so_far) {
   return larger(larger(magnitude(u.x), magnitude(u.y)), larger(magnitude(u.z), so_far));
 }
@@ -148,11 +149,12 @@ VISUM_LANES_INLINE Quaternions operator*(Quaternions a, Quaternions b) {
 VISUM_LANES_INLINE Quaternions operator*(Lanes s, Quaternions q) {
   return {s * q.x, s * q.y, s * q.z, s * q.w};
 }
-// A product of unit quaternions: one step of Newton's square root brings it back to unit length.
+// A product of unit quaternions, brought back to unit length by one step of Newton's square root.
 VISUM_LANES_INLINE Quaternions renormalised(Quaternions q) {
   const Lanes square = (q.x * q.x + q.y * q.y) + (q.z * q.z + q.w * q.w);
   return (all(1.5) - all(0.5) * square) * q;
 }
+// The rotation matrices.
 VISUM_LANES_INLINE Matrices matrices(Quaternions q) {
   const Lanes x2 = q.x + q.x, y2 = q.y + q.y, z2 = q.z + q.z;
   const Lanes wx = x2 * q.w, wy = y2 * q.w, wz = z2 * q.w;
@@ -164,7 +166,7 @@ VISUM_LANES_INLINE Matrices matrices(Quaternions q) {
            {xz + wy, yz - wx, one - (xx + yy)}}};
 }
 
-// By z = x^2: sin(x)/x and cos(x), for |x| <= pi/4 (protocol/config/trig.h).
+// sin(x)/x and cos(x) for |x| <= pi/4, as polynomials of z = x^2 (protocol/config/trig.h).
 VISUM_LANES_INLINE Lanes sine_share(Lanes z) {
   const auto& S = config::kSine;
   const Lanes s =
@@ -181,7 +183,7 @@ VISUM_LANES_INLINE Lanes cosine(Lanes z) {
 struct Turns {
   Lanes sin_share, cos;  // sin(x)/x, cos(x)
 };
-// Of any x, by its square.
+// The same for any x, from its square. Lanes with a larger x are computed one by one.
 VISUM_LANES_INLINE Turns turns(Lanes z) {
   constexpr double kSmall = config::kQuarterPi * config::kQuarterPi;
   if (is_all(z <= all(kSmall))) [[likely]]
@@ -200,7 +202,7 @@ VISUM_LANES_INLINE Turns turns(Lanes z) {
   return {load(shares), load(cosines)};
 }
 
-// exp(u): the rotations by |u| about u.
+// exp(u): the rotation by the angle |u| about u.
 VISUM_LANES_INLINE Quaternions rotations(Vectors u) {
   const Turns turn = turns(all(0.25) * dot(u, u));
   const Vectors v = (all(0.5) * turn.sin_share) * u;
