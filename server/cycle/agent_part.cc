@@ -9,7 +9,7 @@
 
 namespace visum::cycle {
 
-// What an agent is told when it is made.
+// Answers an agent's questions while it is made: its settings and parts.
 class AgentPart::Context final : public plugin::AgentContext {
  public:
   Context(const scene::AgentPlan& plan, std::vector<BoundPart>& parts, AgentPart& agent)
@@ -37,7 +37,7 @@ class AgentPart::Context final : public plugin::AgentContext {
     return plugged::add_port(agent_.description_.sensor_outputs, port);
   }
 
-  // What the scene gives and the agent did not ask for is most likely a mistake.
+  // Fails where the scene gives the agent something that it did not ask for: most likely a mistake.
   void refuse_others() const {
     settings_.refuse_others();
     for (const auto& [word, number] : plan_.parts)
@@ -46,6 +46,7 @@ class AgentPart::Context final : public plugin::AgentContext {
   }
 
  private:
+  // Index of the part that the scene gives the agent under this word.
   std::size_t number_of(std::string_view word) {
     asked_.emplace_back(word);
     for (const auto& [known, number] : plan_.parts)

@@ -1,8 +1,11 @@
-// An agent of the scene as a node of the world: it thinks once per period, in the cycle's phase of that name.
-// It reads the outputs of parts and writes the inputs of those that it commands. To everybody else it is a
-// part that has outputs only: the agent's own, then `Turns` and `Node State` (0 it works, 1 it is in fault,
-// and the blackboard `fault` says why). An agent in fault thinks no more, and the parts that it commands have
-// lost their controller.
+// An agent of the scene, as a part of the world. Once per period, in the phase "think", the agent reads the
+// outputs of parts and writes the inputs of the parts that it commands. Clients see it as a part with outputs
+// only: the agent's own, then `Turns` and `Node State` (0: it works; 1: it is in fault, and the blackboard
+// `fault` says why).
+//
+// Lives on the tick's thread, among Simulation::parts(). The agent's code comes from a plug-in. An exception
+// or nonsense from it puts the agent in fault: it thinks no more, and the parts that it commanded lose their
+// controller.
 #pragma once
 
 #include <memory>
@@ -19,12 +22,12 @@ class BoundLink;
 
 class AgentPart final : public hwparts::Part {
  public:
-  // `parts` holds the scene's parts and sensors, in that order, where this agent and those after it will
-  // stand, too. Keeps references to both. Throws ConfigError.
+  // `parts` holds the scene's parts, then its sensors; this agent and those after it will be appended. Keeps
+  // references to `plan` and `parts`. Throws ConfigError.
   AgentPart(const scene::AgentPlan& plan, std::int64_t tick_ns, std::vector<BoundPart>& parts);
   ~AgentPart() override;
 
-  // At the beginning of the tick that begins at `now_ns`.
+  // Once per tick, at its beginning. Does nothing until the agent's next turn.
   void think(std::int64_t now_ns);
 
   const protocol::PartDescription& description() const override { return description_; }
@@ -44,8 +47,10 @@ class AgentPart final : public hwparts::Part {
  private:
   class Context;
 
+  // True where a period begins in the tick that begins now.
   bool due(std::int64_t now_ns) const;
   void start_outputs();
+  // Takes the agent's parts from it, once it is in fault.
   void let_go();
 
   const std::int64_t tick_ns_, period_ns_;

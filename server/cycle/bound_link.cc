@@ -9,7 +9,7 @@ namespace visum::cycle {
 void BoundLink::begin_turn() {
   inputs_.assign(part().controller_inputs.begin(), part().controller_inputs.end());
   if (!part().network.ideal())
-    part().network.writes().pour_into(inputs_);  // what it said last, arrived or not
+    part().network.writes().pour_into(inputs_);  // the agent's last words, arrived or not
   changed_ = false;
 }
 
@@ -22,7 +22,7 @@ void BoundLink::end_turn(std::int64_t tick) {
 
 void BoundLink::lose_controller() {
   part().part->controller_lost();
-  part().network.writes().clear();  // what is under way from it comes too late
+  part().network.writes().clear();  // the agent's writes that are under way count no more
 }
 
 const protocol::PartDescription& BoundLink::description() const {

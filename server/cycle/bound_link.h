@@ -1,4 +1,6 @@
-// A part of the simulation, as an agent of the scene meets it. What is set is kept until the turn is over.
+// A part of the simulation as an agent of the scene sees it. What the agent sets is kept until its turn is
+// over, and then reaches the part as one write. Lives on the tick's thread; the AgentPart owns it. Wrong use
+// by the plug-in throws plugin::Error.
 #pragma once
 
 #include <string>
@@ -16,8 +18,9 @@ class BoundLink final : public plugin::PartLink {
 
   bool commanded() const { return commanded_; }
 
+  // Copies the part's inputs, as the agent last wrote them.
   void begin_turn();
-  // The part takes what was set; throws plugin::Error where it refuses that.
+  // Sends the inputs to the part if any was set. Throws plugin::Error where the part refuses them.
   void end_turn(std::int64_t tick);
   void lose_controller();
 
@@ -37,7 +40,7 @@ class BoundLink final : public plugin::PartLink {
   std::vector<BoundPart>& parts_;
   const std::size_t number_;
   const bool commanded_;
-  std::vector<double> inputs_;  // in this turn
+  std::vector<double> inputs_;  // of this turn; empty before the first
   bool changed_ = false;
 };
 

@@ -1,7 +1,9 @@
-// What happened in the last 4096 ticks (fewer where a world is large), per joint and per body, so that a
-// reader that samples now and then still sees every peak. Written on the tick's thread; read from any one
-// other thread at the same time: the numbers are relaxed atomics, and a row that was overwritten meanwhile
-// can only show a newer tick's number.
+// The peaks of the last 4096 ticks (fewer where a world is large), per joint and per body, so that a client
+// that samples now and then still sees every peak.
+//
+// The tick's thread writes; any other thread may read at the same time. The numbers are relaxed atomics, and
+// a row that is overwritten while it is read can only show the number of a newer tick. Holds at most
+// kMostBytes, unless kLeastTicks need more.
 #pragma once
 
 #include <atomic>
@@ -16,27 +18,29 @@ namespace visum::cycle {
 class FlightRing {
  public:
   static constexpr std::int64_t kTicks = 4096, kLeastTicks = 256;
-  static constexpr std::size_t kMostBytes = std::size_t{32} << 20;  // with more than kLeastTicks
+  static constexpr std::size_t kMostBytes = std::size_t{32} << 20;
 
   FlightRing(std::size_t joints, std::size_t bodies);
 
-  // The state after tick number `tick` (1 is the first). `errors` per joint, `forces` per body; magnitudes
-  // are kept.
+  // Notes the following errors (by joint) and contact forces (by body) after tick number `tick`; 1 is the
+  // first. Keeps their magnitudes.
   void record(std::int64_t tick, std::span<const double> errors, std::span<const double> forces);
 
-  // What another ring recorded, up to `until`, before bodies were added behind its own, or `gone` went.
+  // Copies the ticks up to `until` from the ring of the world before a change: bodies were added at the end,
+  // or the body `gone` was removed.
   void take_over(const FlightRing& other, std::int64_t until, world::BodyId gone);
 
-  // What was recorded is of another era: nothing up to `tick` is looked at any more.
+  // Begins a new era: peaks() ignores all ticks up to `tick` from now on.
   void begin(std::int64_t tick) { begin_.store(tick, std::memory_order_relaxed); }
 
-  // Largest magnitudes over the ticks (after, until], as far as they are still there.
+  // Largest magnitudes over the ticks (after, until], as far back as the ring reaches.
   void peaks(std::int64_t after, std::int64_t until, std::span<double> errors,
              std::span<double> forces) const;
 
-  std::int64_t ticks() const { return ticks_; }  // that it holds
+  std::int64_t ticks() const { return ticks_; }  // how many the ring holds
 
  private:
+  // Index of the tick's first number: errors of all joints, then forces of all bodies.
   std::size_t row(std::int64_t tick) const {
     return static_cast<std::size_t>(tick % ticks_) * (joints_ + bodies_);
   }

@@ -1,5 +1,5 @@
-// How late ticks begin, as a histogram of fixed size: eight bins per octave from 1 ns to 2^40 ns, so a
-// quantile is right to 9 %. Written by one thread, read by any: the counts are relaxed atomics.
+// A histogram of how late ticks begin. Its size is fixed: eight bins per octave from 1 ns to 2^40 ns, so that
+// a quantile is right to 9 %. One thread adds, any thread reads: the counts are relaxed atomics.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ class LatenessHistogram {
     bins_[bin(ns)].fetch_add(1, std::memory_order_relaxed);
     if (ns > max_.load(std::memory_order_relaxed)) max_.store(ns, std::memory_order_relaxed);
   }
-  // The value that a share `q` (0..1) of all ticks does not exceed; 0 before the first.
+  // The lateness in ns that a share `q` (0..1) of all ticks does not exceed; 0 before the first tick.
   std::int64_t quantile(double q) const {
     std::uint64_t total = 0;
     for (const auto& count : bins_) total += count.load(std::memory_order_relaxed);
@@ -34,7 +34,7 @@ class LatenessHistogram {
  private:
   static constexpr std::size_t kBins = 40 * 8;
   static std::size_t bin(std::int64_t ns) {
-    const auto value = static_cast<std::uint64_t>(ns) + 8;  // below 8 each ns is a bin of its own
+    const auto value = static_cast<std::uint64_t>(ns) + 8;  // below 8 ns each ns has a bin of its own
     const int octave = std::bit_width(value) - 4;
     const auto index = static_cast<std::size_t>(octave) * 8 + static_cast<std::size_t>((value >> octave) & 7);
     return index < kBins ? index : kBins - 1;

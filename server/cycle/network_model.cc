@@ -6,10 +6,11 @@
 namespace visum::cycle {
 namespace {
 
-constexpr std::size_t kLeastWrites = 1024, kWritesPerTick = 4;  // that have room under way
+constexpr std::size_t kLeastWrites = 1024, kWritesPerTick = 4;  // room for writes that are under way
 constexpr double kNsPerMs = 1e6;
 
-// That something can be under way, from its tick to the last one where it can arrive.
+// For how many ticks a message can be under way: from the one in which it leaves to the last one in which it
+// can arrive.
 std::size_t most_ticks(const NetworkModel::Quality& quality) {
   return static_cast<std::size_t>(quality.delay_ticks + quality.jitter_ticks) + 2;
 }
@@ -58,7 +59,7 @@ void DelayLine::save(hwparts::StateWriter& to) const {
   }
 }
 
-// Into a delay_line of the same capacity and width.
+// The line has the capacity and width of the one that was saved.
 void DelayLine::load(hwparts::StateReader& from) {
   std::uint64_t count = 0;
   head_ = 0;
@@ -75,7 +76,7 @@ void DelayLine::load(hwparts::StateReader& from) {
 
 NetworkModel::Quality NetworkModel::quality_of(std::span<const hwparts::ActiveFault> faults,
                                                std::int64_t tick_ns) {
-  // A delay that is none would be another one than was asked for.
+  // A short delay is rounded up to one tick: rounded to none, it would be no delay at all.
   const auto ticks = [tick_ns](double ms) {
     const auto nearest = std::llround(ms * kNsPerMs / static_cast<double>(tick_ns));
     return ms > 0.0 ? std::max(nearest, 1LL) : nearest;
@@ -91,16 +92,17 @@ NetworkModel::Quality NetworkModel::quality_of(std::span<const hwparts::ActiveFa
   return quality;
 }
 
-std::optional<std::string> NetworkModel::refuse(const hwparts::Fault& fault,
-                                                const protocol::PartDescription& part, std::int64_t tick_ns) {
+Outcome NetworkModel::has_room_for(const hwparts::Fault& fault, const protocol::PartDescription& part,
+                                   std::int64_t tick_ns) {
   if (fault.kind != hwparts::FaultKind::kNetworkDelay) return {};
   const hwparts::ActiveFault alone{0, fault, 0};
   const auto ticks = most_ticks(quality_of({&alone, 1}, tick_ns));
   const auto room = kMostBytes / (kWritesPerTick * DelayLine::bytes_per_slot(part.controller_inputs.size()) +
                                   DelayLine::bytes_per_slot(part.sensor_outputs.size()));
   if (ticks <= room) return {};
-  return "with ticks of " + std::to_string(tick_ns) + " ns '" + part.name + "' would have " +
-         std::to_string(ticks) + " ticks under way, and there is room for " + std::to_string(room);
+  return {Refusal::kBadValue, "with ticks of " + std::to_string(tick_ns) + " ns '" + part.name +
+                                  "' would have " + std::to_string(ticks) +
+                                  " ticks under way, and there is room for " + std::to_string(room)};
 }
 
 void NetworkModel::begin(const Quality& quality, std::uint64_t seed, std::span<const double> shown,

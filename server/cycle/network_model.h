@@ -1,34 +1,37 @@
-// The network between a part and its controllers, where a fault slows it or loses what goes over it: in
-// simulated time, from a seed, so that equal runs are equal. What is under way keeps its order, as over TCP.
-// Lives on the tick's thread; allocates only when its quality changes.
+// The network between a part and its controllers. A fault makes it late or lets it lose messages, in
+// simulated time and by a seeded chance, so that equal runs are equal. Messages keep their order, as over
+// TCP. Lives on the tick's thread, in a BoundPart; allocates only when its quality changes.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "hwparts/fault_set.h"
 #include "hwparts/sensors/random.h"
 #include "hwparts/state_archive.h"
 #include "protocol/part_description.h"
+#include "server/cycle/outcome.h"
 
 namespace visum::cycle {
 
-// Numbers on their way in one direction, in their order.
+// The messages that are under way in one direction: a ring of bounded size. A message is some numbers for the
+// ports from `first` on.
 class DelayLine {
  public:
+  // Empties the line and gives it room for `capacity` messages of at most `width` numbers.
   void reset(std::size_t capacity, std::size_t width);
   static std::size_t bytes_per_slot(std::size_t width) { return sizeof(Slot) + width * sizeof(double); }
-  // Not before those ahead of it. Where the delay_line is full it is lost.
+  // The message is due no sooner than those before it. It is lost where the line is full.
   void push(std::int64_t due_tick, std::size_t first, std::span<const double> numbers);
+  // The oldest message: whether it has arrived by `tick`, its first port, its numbers. Only while one is due.
   bool due(std::int64_t tick) const { return count_ > 0 && slots_[head_].due_tick <= tick; }
   std::size_t first() const { return slots_[head_].first; }
   std::span<const double> front() const;
   void pop();
   void clear() { head_ = count_ = 0; }
-  void pour_into(std::span<double> inputs) const;  // all that is under way, in its order
+  // Writes all messages over `inputs`, in their order, as if they had arrived.
+  void pour_into(std::span<double> inputs) const;
 
   void save(hwparts::StateWriter& to) const;
   void load(hwparts::StateReader& from);
@@ -55,21 +58,24 @@ class NetworkModel {
   };
   static Quality quality_of(std::span<const hwparts::ActiveFault> faults, std::int64_t tick_ns);
 
-  // Why a fault of a part cannot act: more would be under way than there is room for. Nothing: it can.
-  static std::optional<std::string> refuse(const hwparts::Fault& fault, const protocol::PartDescription& part,
-                                           std::int64_t tick_ns);
-  static constexpr std::size_t kMostBytes = std::size_t{64} << 20;  // of one part, there and back
+  // Refuses a delay that is so long, counted in ticks, that more messages of the part would be under way than
+  // kMostBytes hold. Pure; any thread.
+  static Outcome has_room_for(const hwparts::Fault& fault, const protocol::PartDescription& part,
+                              std::int64_t tick_ns);
+  static constexpr std::size_t kMostBytes = std::size_t{64} << 20;  // of one part, both ways together
 
-  bool ideal() const { return quality_ == Quality{}; }
+  bool ideal() const { return quality_ == Quality{}; }  // neither late nor lossy
   const Quality& quality() const { return quality_; }
-  // Nothing is under way then. `shown`: the part's readings; `inputs`: how many numbers it can be written.
+  // Sets the quality; nothing is under way afterwards. `shown`: the part's readings as they are shown now.
+  // `inputs`: how many controller inputs the part has. `seed`: of the chance that delays and loses.
   void begin(const Quality& quality, std::uint64_t seed, std::span<const double> shown, std::size_t inputs);
 
-  // A write that leaves its controller at `tick`, and those that have arrived by then.
+  // Sends a write that leaves its controller at `tick`; writes() gives it out when it is due.
   void send(std::int64_t tick, std::size_t first, std::span<const double> values);
   DelayLine& writes() { return writes_; }
   const DelayLine& writes() const { return writes_; }
-  // The part's own readings, to be filled each tick; then what of them has arrived.
+  // The part fills readings() each tick. show() sends them and copies the newest that have arrived to
+  // `shown`.
   std::vector<double>& readings() { return readings_; }
   void show(std::int64_t tick, std::span<double> shown);
 
@@ -78,7 +84,7 @@ class NetworkModel {
 
  private:
   bool lost() { return quality_.loss > 0.0 && chance_.uniform() < quality_.loss; }
-  std::int64_t arrival(std::int64_t tick);
+  std::int64_t arrival(std::int64_t tick);  // of a message that leaves at `tick`; draws its jitter
 
   Quality quality_;
   sensors::Random chance_{1, "wire"};

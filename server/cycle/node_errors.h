@@ -1,4 +1,5 @@
-// What is wrong with the parts and sensors of a scene, each made by itself; a Simulation throws the first.
+// Finds all errors in the parts and sensors of a scene, by making each one alone. A Simulation would throw
+// the first and hide the others, so `visumd check` asks here.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,6 @@
-// Pacing to the wall clock for clock realtime: when the next tick is due, and what to do when it is already
-// late. Lives on the tick's thread; the counters may be read from others.
+// Paces a realtime world to the wall clock: says when the next tick is due, and counts ticks that come too
+// late. It does not sleep; the loop does. Lives on the tick's thread, owned by TickSide; any thread may read
+// the counters.
 #pragma once
 
 #include <atomic>
@@ -16,17 +17,17 @@ class Pacer {
 
   explicit Pacer(std::int64_t tick_ns) : tick_ns_(tick_ns) {}
 
-  // Simulated seconds per second of wall time, > 0. What is left until the next tick goes by that fast, too.
+  // Simulated seconds per second of wall time, > 0. The time that is left until the next tick is scaled, too.
   void set_speed(double factor, Clock::time_point now);
   double speed() const { return speed_; }
 
-  // Time starts now (after a pause, a reset): nothing is owed.
+  // Starts the time anew, after a pause or a reset: the next tick is a period away, and none was missed.
   void restart(Clock::time_point now) { due_ = now + period(); }
 
   Clock::time_point due() const { return due_; }
 
-  // A tick begins at `now`. One that begins more than a period late is an overrun: counted, and what was
-  // missed is dropped, so that no burst of ticks follows.
+  // A tick begins at `now`. If that is more than a period late, it counts as an overrun. The missed ticks are
+  // dropped, so that no burst of ticks follows.
   void begin_tick(Clock::time_point now);
 
   std::uint64_t overruns() const { return overruns_.load(std::memory_order_relaxed); }

@@ -1,5 +1,5 @@
-// How long each phase of the tick takes, in wall time: the cycle's profile. Never influences the world.
-// Lives on the tick's thread; others get copies of summary().
+// The cycle's profile: how long each phase of the tick takes, in wall time. It never influences the world.
+// Lives on the tick's thread; other threads get copies of summary().
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ class Phases {
   };
   using Summary = std::array<Time, kPhases>;
 
-  // Begins a tick, then ends each phase in turn.
+  // begin() starts the clock of a tick; end() stops it for the phase that ran since the call before.
   void begin() { last_ = Clock::now(); }
   void end(Phase phase) {
     const auto now = Clock::now();
@@ -40,7 +40,7 @@ class Phases {
     ticks_ = 0;
     window_start_ = last_;
   }
-  // Of the last full window.
+  // Covers the last full window of about a second.
   const Summary& summary() const { return summary_; }
 
  private:

@@ -40,7 +40,7 @@ std::unique_ptr<dynamics::Engine> make_engine_of(const scene::Scene& scene, std:
   if (std::ranges::any_of(dynamics::engine_kinds(),
                           [&](const auto& kind) { return std::string_view(kind.name) == plugged->name; }))
     throw std::runtime_error("a plug-in brings an engine '" + std::string(plugged->name) +
-                             "', which there is without it");
+                             "', which Visum has already");
   const auto entry = scene.plugged_engines.find(number);
   const auto keys = scene::engine_keys();
   return dynamics::make_plugged_engine(
@@ -49,7 +49,8 @@ std::unique_ptr<dynamics::Engine> make_engine_of(const scene::Scene& scene, std:
       {keys.begin(), keys.end()});
 }
 
-// An engine that is not there, or cannot hold what the scene gives it, is wrong where the scene names it.
+// An engine that does not exist, or that cannot hold what the scene gives it, is reported at the place where
+// the scene names the engine.
 std::unique_ptr<dynamics::Engine> make_engine(const scene::Scene& scene, std::size_t number) {
   try {
     return make_engine_of(scene, number);
@@ -78,7 +79,7 @@ std::unique_ptr<sensors::Sensor> make_sensor(const scene::Scene& scene, const sc
   return sensors::make_sensor(plan.kind, context);
 }
 
-// Each camera keeps where its pixels look, and pictures.
+// Bounds the memory of all cameras together: each keeps a direction for every pixel, and pictures.
 class PixelBudget {
  public:
   void take(const sensors::Sensor& sensor, const scene::SensorPlan& plan) {
@@ -185,8 +186,8 @@ void Simulation::use(Machinery machinery) {
   contacts_.clear();
 }
 
-// Either the scene and all that is made of it, or nothing: what is made refers to scene_, so that the new one
-// stands there first, and the old one comes back where something cannot be made.
+// Machinery refers to scene_. So the new scene is put there first, and the old one is put back where the
+// machinery of the new one cannot be made.
 void Simulation::change_scene(scene::Scene changed, world::BodyId gone) {
   std::swap(scene_, changed);
   try {
@@ -221,7 +222,7 @@ void Simulation::start_state() {
 
 void Simulation::tick() {
   if (frozen()) return;
-  end_faults();  // a restored state may hold some that are over
+  end_faults();  // a restored state may hold faults whose time is over
   for (auto& bound : parts_) bound.deliver(state_.tick);
   phases_.begin();
   sense();
@@ -237,7 +238,7 @@ void Simulation::tick() {
   step();
   phases_.end(Phase::kStep);
   publish();
-  end_faults();  // what comes before the first tick without them is not for them
+  end_faults();  // now, so that a write before the first tick without a fault is not lost to it
   phases_.end(Phase::kPublish);
   phases_.tick_done();
   if (observer_) observer_->ticked();
@@ -251,7 +252,7 @@ void Simulation::sense() {
 
 void Simulation::think() {
   for (AgentPart* agent : agents_) agent->think(sim_time_ns());
-  for (auto& bound : parts_) bound.deliver(state_.tick);  // what they sent over wires that only lose
+  for (auto& bound : parts_) bound.deliver(state_.tick);  // agents' writes over networks without a delay
 }
 
 void Simulation::act() {
@@ -371,21 +372,20 @@ void Simulation::load_rest(std::span<const std::byte> bytes) {
     if (auto* modules = bound.part->modules()) modules->load_chance(from);
   }
   hwparts::StateReader again(bytes);
-  load_parts(parts_, again);  // a fault that came or went may have changed a supply: what was saved counts
+  load_parts(parts_, again);  // handing out faults may have changed a part's supply: the saved one counts
 }
 
-// All of it, or nothing: why not; empty: done.
-std::string Simulation::load_all(const world::WorldState& state, std::span<const std::byte> rest) {
+Outcome Simulation::load_all(const world::WorldState& state, std::span<const std::byte> rest) {
   const world::WorldState kept = state_;
   scratch_.clear();
   save_rest(scratch_);
-  std::string why;
+  Outcome outcome;
   try {
     state_ = state;
     load_rest(rest);
-    return {};
+    return outcome;
   } catch (const std::exception& error) {
-    why = error.what();
+    outcome = {Refusal::kDamaged, error.what()};
   }
   state_ = kept;
   try {
@@ -394,7 +394,7 @@ std::string Simulation::load_all(const world::WorldState& state, std::span<const
     before_ = state_;
     freeze(std::string("a snapshot was restored in part: ") + error.what());
   }
-  return why;
+  return outcome;
 }
 
 }  // namespace visum::cycle

@@ -1,7 +1,13 @@
-// The world at work: the cycle of the paper's figure 1, one function that reads aloud, and what happens
-// between ticks. Knows no socket and no thread, and waits for nothing: pacing is the loop's (server/gateway),
-// commands come in as calls between ticks. Lives on the tick's thread. tick() does not allocate once warm
-// (FCL and ODE inside do).
+// A world that runs: its parts, engines, collisions and sensors, and the cycle that moves them on by one
+// tick.
+//
+// Lives on the tick's thread; the caller owns it. It knows no socket and no thread, and it never waits: the
+// loops of server/gateway keep the pace. Everything that changes the world is a call between two ticks, and
+// the observer is told of each that was done. Once warm, tick() allocates nothing (FCL and ODE inside do).
+//
+// The constructor throws where the scene is wrong. Afterwards a request that cannot be done comes back as an
+// Outcome and changes nothing. An engine that fails, or a state that explodes, freezes the world at its last
+// good state; only reset() or a restore makes it run again.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +29,7 @@
 #include "server/cycle/agent_part.h"
 #include "server/cycle/flight_ring.h"
 #include "server/cycle/network_model.h"
+#include "server/cycle/outcome.h"
 #include "server/cycle/phases.h"
 #include "server/dynamics/engine.h"
 #include "server/scene/scene.h"
@@ -35,25 +42,52 @@ enum class BusFraming;
 
 namespace visum::cycle {
 
-// One part bound to its joints, with its two vectors. All spans are in the part's own order.
+// One part bound to its joints, with its inputs and outputs. Lives on the tick's thread; the Simulation owns
+// it. All spans are in the part's own order.
+//
+// A controller input exists in five copies, each with its own reason. In the order of a write's journey:
+//
+//   1. Gateway::latched_       sessions' thread. All inputs of the part as last accepted, with the writes
+//                              that are still under way: the part judges its inputs together (Part::refuse).
+//   2. gateway::Input::values  the mailbox. Carries the ports of one write to the tick's thread without a
+//                              lock, and waits there for the next tick border.
+//   3. controller_inputs       tick's thread. The inputs that act in the next tick. They are what snapshots,
+//                              the state's hash and recordings hold; agents of the scene write here too. A
+//                              NetworkModel with a fault delays a write between 2 and 3, or loses it.
+//   4. DriveState::commanded   tick's thread. The target that the ports command of one drive. Telegrams and
+//                              the drive's supervision, which see no ports, note there which target they
+//                              override until the ports command another one.
+//   5. gateway::Published      handed back to the sessions' thread with the whole published world, so that
+//                              reads and samples never touch the tick's thread. After a reset, a restore or
+//                              a missed deadline the gateway sets copy 1 to these values.
+//
+// A write becomes a torque in Part::act(), which reads copy 3, and in the engine's step after it.
 struct BoundPart {
   std::unique_ptr<hwparts::Part> part;
   std::vector<world::JointId> joints;
-  std::vector<double> controller_inputs;  // as in force
+  std::vector<double> controller_inputs;  // in force, see above
   std::vector<double> sensor_outputs;
   std::vector<hwparts::JointSample> samples;
   std::vector<hwparts::JointDrive> drives;
   std::vector<double> following_errors;
-  std::string agent;      // of the scene, that commands it; empty: none, clients may
-  bool onlooker = false;  // no part of the world's state: see Simulation::add_onlooker
+  std::string agent;      // name of the scene's agent that commands the part; empty: clients may command it
+  bool onlooker = false;  // not part of the world's state: see Simulation::add_onlooker
 
-  // What stands between it and its controllers, clients and agents alike: nothing but where a fault is.
+  // The network between the part and its controllers, clients and agents alike. It is ideal unless a fault
+  // acts on it.
   NetworkModel network;
-  bool silent = false;
-  void hear(std::int64_t tick, std::size_t first, std::span<const double> values);  // a write
-  void take(std::size_t first, std::span<const double> values);                     // one that has arrived
-  void deliver(std::int64_t until_tick);                     // what has arrived of the writes
-  std::vector<double>& readings(std::vector<double>& lost);  // where they go; `lost`: where nobody sees them
+  bool silent = false;  // a fault: the part hears no write and shows no new reading
+
+  // A write leaves its controller at `tick`. It is in force at once where the network is ideal.
+  void hear(std::int64_t tick, std::size_t first, std::span<const double> values);
+  // Puts values in force that have arrived, from port number `first` on.
+  void take(std::size_t first, std::span<const double> values);
+  // Takes all writes that arrive until this tick.
+  void deliver(std::int64_t until_tick);
+  // The numbers that publish() is to fill: the outputs themselves, those that the network will delay, or
+  // `lost` where the part is silent and no controller may see them.
+  std::vector<double>& readings(std::vector<double>& lost);
+  // Writes and readings that are under way when the quality changes arrive at once. `seed`: of its chance.
   void set_network(const NetworkModel::Quality& quality, std::uint64_t seed);
 };
 
@@ -63,65 +97,76 @@ struct Push {
   std::int64_t until_tick = 0;
 };
 
-// Is told of everything that changes a world, in order: what it took between ticks, and every tick. On the
-// tick's thread, which it must not hold up.
+// Hears of everything that changes a world, in order: each input that it took between ticks, and every tick.
+// Recorders are observers. The calls come on the tick's thread, which they must not hold up.
 class Observer {
  public:
   virtual ~Observer() = default;
-  virtual void took(const recording::TimedInput& input) = 0;  // when it was done; nothing that was refused
-  virtual void ticked() = 0;                                  // also by a tick that froze the world
+  virtual void took(const recording::TimedInput& input) = 0;  // after it was done; never for a refused one
+  virtual void ticked() = 0;                                  // also after a tick that froze the world
 };
 
-// Makes a part from its plan; hwparts::make_part unless parts are to stand in front of something real.
+// Makes a part of a kind. It is hwparts::make_part, except where parts stand in front of real hardware.
 using PartMaker =
     std::function<std::unique_ptr<hwparts::Part>(const std::string& kind, const hwparts::PartContext&)>;
 
 class Simulation {
  public:
-  // Throws ConfigError, std::runtime_error from an engine, and what `make` throws.
+  // Throws ConfigError where the scene is wrong, and whatever `make` throws.
   explicit Simulation(scene::Scene scene, const PartMaker& make = hwparts::make_part);
   ~Simulation();
 
-  // One pass of the cycle. Does nothing once frozen.
+  // One pass of the cycle: sense, think, act, collide, step, publish. Does nothing once frozen.
   void tick();
 
-  // Between ticks.
-  void write_inputs(std::size_t part, std::size_t first, std::span<const double> values);  // already checked
+  // The functions from here to restore() are for between ticks. `part` is an index into parts().
+
+  // The caller has checked ports, ranges and Part::refuse().
+  void write_inputs(std::size_t part, std::size_t first, std::span<const double> values);
+  // The part's controller is gone without a release, or missed its deadline.
   void lose_controller(std::size_t part);
-  // These return why not; nothing if done.
-  std::optional<std::string> set_parameter(std::size_t part, const std::string& name,
-                                           const protocol::ParameterValue& value);
-  std::optional<std::string> write_blackboard(std::size_t part, std::size_t board, std::uint64_t offset,
-                                              std::span<const std::byte> data);
-  // A telegram for the part's modules, which it must have.
+  Outcome set_parameter(std::size_t part, const std::string& name, const protocol::ParameterValue& value);
+  Outcome write_blackboard(std::size_t part, std::size_t board, std::uint64_t offset,
+                           std::span<const std::byte> data);
+  // A telegram from a field bus for the part's modules; the part must have modules. Returns their answer, or
+  // nothing where they give none.
   std::optional<powercube::Telegram> handle_telegram(std::size_t part, const powercube::Telegram& telegram,
                                                      powercube::BusFraming framing);
-  void reset();                   // the scene's initial state, a new era
-  std::uint64_t take_snapshot();  // its number; the oldest beyond kMaxSnapshots is dropped
-  bool has_snapshot(std::uint64_t number) const;
-  // A new era. False, and why: there is no such snapshot, or what it holds (it may come from a file) is none
-  // of this world, which is then as it was.
-  bool restore_snapshot(std::uint64_t number, std::string* why = nullptr);
-  bool push(const Push& push);                     // false: kMaxPushes act already
-  bool inject(const hwparts::ActiveFault& fault);  // already checked; false: FaultSet::kMost act already
+
+  // Goes back to the scene's initial state and begins a new era.
+  void reset();
+  // Returns the snapshot's number. Drops the oldest one beyond kMaxSnapshots.
+  std::uint64_t take_snapshot();
+  // Begins a new era. Refuses with kUnknownName where there is no such snapshot, and with kDamaged where its
+  // bytes, which may come from a file, do not fit this world.
+  Outcome restore_snapshot(std::uint64_t number);
+
+  // Refuses with kFull where kMaxPushes act already.
+  Outcome push(const Push& push);
+  // The caller has checked the fault. Refuses with kFull where FaultSet::kMost act already.
+  Outcome inject(const hwparts::ActiveFault& fault);
+  // Clears the faults of one part: of all kinds and all drives, unless one is named.
   void clear_faults(std::size_t part, std::optional<hwparts::FaultKind> kind,
                     std::optional<std::size_t> drive);
-  // Throws ConfigError, and what an engine or a sensor has against the world with the body, and changes
-  // nothing. Drops the snapshots.
-  void add_body(const std::string& yaml);
-  std::string remove_body(const std::string& name);  // why not; empty: done. Drops the snapshots.
 
-  // The whole of it at this tick border, and back there, in a world of the same scene: no input, so no
-  // observer is told. restore() believes nothing: it returns why not, and then the world is the scene's
-  // initial one; empty: done. Not of a frozen world.
+  // Adds the body of this YAML entry. Refuses what the scene's reader, an engine or a sensor refuses. Drops
+  // the snapshots, which have another number of bodies.
+  Outcome add_body(const std::string& yaml);
+  // Refuses bodies that a model, a joint, a push or a sensor needs. Drops the snapshots.
+  Outcome remove_body(const std::string& name);
+
+  // Saves the whole world as it is at this tick border. The world must not be frozen.
   void keep(recording::State& whole) const;
-  std::string restore(const recording::State& whole);
+  // Restores what keep() saved in a world of the same scene. Checks everything, since it may come from a
+  // file. Where it refuses, the world is the scene's initial one. The observer hears nothing: a restored
+  // state is no input.
+  Outcome restore(const recording::State& whole);
 
-  // Another part beside the world's, that its clients see and that is no part of its state: in no snapshot
-  // and no hash. Before the first tick.
+  // Adds a part that clients see beside the world's. It is in no snapshot and in no hash. Only before the
+  // first tick.
   void add_onlooker(std::unique_ptr<hwparts::Part> part);
 
-  // From now on; null: nobody. It has to outlive the simulation or be taken away before.
+  // Null: no observer. It must outlive the simulation, or be taken away before it is destroyed.
   void set_observer(Observer* observer) { observer_ = observer; }
 
   const scene::Scene& scene() const { return scene_; }
@@ -133,18 +178,19 @@ class Simulation {
   std::span<const collision::Contact> contacts() const { return contacts_; }  // of the last tick, with forces
   std::span<const hwparts::ActiveFault> faults() const { return faults_.all(); }
   std::span<const double> following_errors() const { return following_errors_; }  // by JointId
-  // Shared with readers on another thread, who may still hold it when a change of the world makes a new one.
+  // Shared, since a reader on another thread may still hold the old ring when a change of the bodies makes a
+  // new one.
   std::shared_ptr<const FlightRing> ring() const { return ring_; }
   const Phases& phases() const { return phases_; }
   std::int64_t tick_count() const { return state_.tick; }
   std::int64_t sim_time_ns() const { return state_.tick * scene_.world.tick_ns; }
   std::uint64_t era() const { return era_; }
-  // Ticks in which an engine fell short of what it was set to (dynamics::StepResult), since the start.
+  // Ticks since the start in which an engine warned that it missed its tolerance (dynamics::StepResult).
   std::uint64_t solver_warnings() const { return solver_warnings_; }
   std::uint64_t revision() const { return revision_; }  // changes when bodies come or go
   bool frozen() const { return !fault_.empty(); }
-  const std::string& fault() const { return fault_; }
-  std::uint64_t state_hash() const;  // XXH64 over all that a snapshot holds
+  const std::string& fault() const { return fault_; }  // why the world is frozen; empty: it runs
+  std::uint64_t state_hash() const;                    // XXH64 over everything that a snapshot holds
 
   static constexpr std::size_t kMaxSnapshots = 16;
   static constexpr std::size_t kMaxPushes = 64;
@@ -153,10 +199,10 @@ class Simulation {
   struct Snapshot {
     std::uint64_t number;
     world::WorldState state;
-    std::vector<std::byte> rest;  // parts, their inputs, pushes
+    std::vector<std::byte> rest;  // see save_rest()
   };
 
-  // What is made of the scene, and anew when bodies come or go. Refers to it.
+  // Everything that is made from the scene and made anew when bodies come or go. Refers to the scene.
   struct Machinery {
     std::vector<std::unique_ptr<dynamics::Engine>> engines;
     std::unique_ptr<collision::CollisionStage> collision;
@@ -166,46 +212,67 @@ class Simulation {
     std::vector<double> following_errors, contact_forces;
   };
 
+  // Construction. make_sensors() and make_agents() append to parts_, in that order.
   void make_parts(const PartMaker& make);
   void make_sensors();
   void make_agents();
   Machinery make_machinery() const;
   void use(Machinery machinery);
-  void change_scene(scene::Scene changed, world::BodyId gone = {});  // `gone`: it had it, the new one has not
+  // Changes to another scene with the same parts. Throws, and changes nothing, where its machinery cannot be
+  // made. `gone`: the body of the old scene that the new one lacks.
+  void change_scene(scene::Scene changed, world::BodyId gone = {});
+  // Puts bodies, joints and ports to the scene's initial state.
   void start_state();
+  // Collects the parts' following errors by JointId.
   void follow_parts();
+  // After a restore: drops contacts and peaks of the ticks before, which no snapshot holds.
   void forget_ticks();
+
+  // The phases of tick(), in their order.
   void sense();
   void think();
   void act();
   void collide();
   void step();
   void publish();
+  // Stops the world at before_, its last good state.
   void freeze(std::string fault);
+
   std::string_view name_of(std::size_t part) const;
-  // Tells the observer of what was taken when the world stood at `now`.
+  // When an input is taken: some inputs change tick and era, so their functions ask before they act.
   recording::TimedInput now() const { return {state_.tick, era_, {}}; }
   void tell(recording::TimedInput now, const recording::Input& input);
+
+  // Gives each part its own faults and sets its network accordingly.
   void hand_out_faults();
+  // Drops the faults whose time is over.
   void end_faults();
   void load_faults(hwparts::StateReader& from);
+
+  // "Rest": all of a snapshot beside the WorldState, which is parts, ports, pushes and faults. load_rest()
+  // throws on bytes that do not fit, and leaves the rest half loaded.
   void save_rest(std::vector<std::byte>& bytes) const;
   void load_rest(std::span<const std::byte> bytes);
-  std::string load_all(const world::WorldState& state, std::span<const std::byte> rest);
+  // Loads state and rest, or neither.
+  Outcome load_all(const world::WorldState& state, std::span<const std::byte> rest);
   void save_all(const world::WorldState& state, std::vector<std::byte>& bytes) const;
+
+  // Keeps edits_ short: a body that came and went leaves no entry.
   void note_removed(const std::string& name);
+  // Starts from the original scene and applies these edits; throws where one is refused.
   void edit_bodies(const std::vector<recording::State::Edit>& edits);
+  // restore() without its way back: throws where something does not fit, in the middle of the work.
   void restore_all(const recording::State& whole);
 
   scene::Scene scene_;
-  std::optional<scene::Scene> original_;       // as it was loaded, once bodies came or went
-  std::vector<recording::State::Edit> edits_;  // without bodies that came and went
-  std::vector<std::string> edited_;            // beside edits_: the body that came; empty: one went
+  std::optional<scene::Scene> original_;       // as it was loaded; set once bodies have come or gone
+  std::vector<recording::State::Edit> edits_;  // from original_ to scene_
+  std::vector<std::string> edited_;            // for each edit the body that came; empty: one went
   world::WorldState state_;
-  world::WorldState before_;  // the last good state: what a frozen world shows
+  world::WorldState before_;  // the last good state, which a frozen world shows
   std::vector<BoundPart> parts_;
   std::vector<sensors::Sensor*> sensors_;  // those of parts_
-  std::vector<AgentPart*> agents_;         // likewise
+  std::vector<AgentPart*> agents_;         // those of parts_
   std::vector<std::unique_ptr<dynamics::Engine>> engines_;
   std::unique_ptr<collision::CollisionStage> collision_;
   std::unique_ptr<sensing::Senses> senses_;
@@ -215,7 +282,7 @@ class Simulation {
   std::vector<double> contact_forces_;       // by BodyId
   std::vector<Push> pushes_;
   hwparts::FaultSet faults_;
-  std::vector<double> unheard_;  // what a silent part would show
+  std::vector<double> unheard_;  // takes the readings of a silent part
   std::vector<dynamics::Wrench> wrenches_;
   std::vector<Snapshot> snapshots_;
   std::shared_ptr<FlightRing> ring_;

@@ -1,5 +1,5 @@
-// The whole of a world at a tick border, and back there. What is restored may come from a file: every length
-// is checked, and every number that an engine would see.
+// Simulation: saves the whole world at a tick border, and restores it. A saved state may come from a file, so
+// every length in it is checked, and every number that an engine would see.
 #include <stdexcept>
 #include <utility>
 
@@ -25,7 +25,6 @@ void Simulation::keep(recording::State& whole) const {
   whole.edits = edits_;
 }
 
-// Bodies as they were after these edits of the scene that was loaded.
 void Simulation::edit_bodies(const std::vector<recording::State::Edit>& edits) {
   if (edits == edits_) return;
   change_scene(original_ ? *original_ : scene_);
@@ -34,9 +33,8 @@ void Simulation::edit_bodies(const std::vector<recording::State::Edit>& edits) {
   snapshots_.clear();
   start_state();
   for (const auto& edit : edits) {
-    if (edit.came) add_body(edit.text);
-    if (edit.came) continue;
-    if (const auto reason = remove_body(edit.text); !reason.empty()) throw std::invalid_argument(reason);
+    const auto outcome = edit.came ? add_body(edit.text) : remove_body(edit.text);
+    if (!outcome.done()) throw std::invalid_argument(outcome.text());
   }
 }
 
@@ -62,19 +60,19 @@ void Simulation::restore_all(const recording::State& whole) {
   next_snapshot_ = whole.next_snapshot;
 }
 
-std::string Simulation::restore(const recording::State& whole) {
+Outcome Simulation::restore(const recording::State& whole) {
   auto* const observer = std::exchange(observer_, nullptr);
-  std::string why;
+  Outcome outcome;
   try {
     restore_all(whole);
   } catch (const std::exception& error) {
-    why = error.what();
+    outcome = {Refusal::kDamaged, error.what()};
     edit_bodies({});
     snapshots_.clear();
     reset();
   }
   observer_ = observer;
-  return why;
+  return outcome;
 }
 
 void Simulation::add_onlooker(std::unique_ptr<hwparts::Part> part) {

@@ -1,4 +1,4 @@
-// Faults on purpose: those that act, and what stands between a part and its controllers while they do.
+// Simulation: the faults that act, and how a BoundPart's network behaves while they do.
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
@@ -31,7 +31,6 @@ std::vector<double>& BoundPart::readings(std::vector<double>& lost) {
   return lost;
 }
 
-// What is under way on a wire whose quality changes arrives at once.
 void BoundPart::set_network(const NetworkModel::Quality& quality, std::uint64_t seed) {
   if (network.quality() == quality) return;
   if (!network.ideal()) {
@@ -41,13 +40,13 @@ void BoundPart::set_network(const NetworkModel::Quality& quality, std::uint64_t 
   network.begin(quality, seed, sensor_outputs, controller_inputs.size());
 }
 
-bool Simulation::inject(const hwparts::ActiveFault& fault) {
-  if (!faults_.inject(fault)) return false;
+Outcome Simulation::inject(const hwparts::ActiveFault& fault) {
+  if (!faults_.inject(fault)) return {Refusal::kFull, "too many faults act at once"};
   hand_out_faults();
   const auto& kind = hwparts::fault_info(fault.fault.kind);
   const auto numbers = std::span<const double>(fault.fault.numbers).first(hwparts::number_count(kind));
   tell(now(), recording::InjectFault{name_of(fault.part), kind.name, numbers, fault.until_tick});
-  return true;
+  return {};
 }
 
 void Simulation::clear_faults(std::size_t part, std::optional<hwparts::FaultKind> kind,
@@ -68,8 +67,8 @@ void Simulation::load_faults(hwparts::StateReader& from) {
     const auto& part = *parts_[active.part].part;
     if (!part.has(hwparts::fault_info(active.fault.kind).target))
       throw std::out_of_range("a fault of a part that has none of the kind");
-    if (const auto reason = NetworkModel::refuse(active.fault, part.description(), scene_.world.tick_ns))
-      throw std::out_of_range(*reason);
+    const auto room = NetworkModel::has_room_for(active.fault, part.description(), scene_.world.tick_ns);
+    if (!room.done()) throw std::out_of_range(room.text());
   }
 }
 

@@ -7,18 +7,20 @@
 
 namespace visum::cycle {
 
-std::string why_not_removable(const world::WorldModel& model, world::BodyId body) {
+Outcome can_remove(const world::WorldModel& model, world::BodyId body) {
   const auto& name = model.bodies[body.index()].name;
-  if (!model.bodies[body.index()].model.empty()) return "'" + name + "' belongs to a model";
+  if (!model.bodies[body.index()].model.empty())
+    return {Refusal::kWrongState, "'" + name + "' belongs to a model"};
   for (const auto& joint : model.joints)
     if (joint.parent == body || joint.child == body)
-      return "the joint '" + joint.name + "' holds '" + name + "'";
+      return {Refusal::kWrongState, "the joint '" + joint.name + "' holds '" + name + "'"};
   return {};
 }
 
 namespace {
 
-// From the back, so that those before keep their numbers.
+// Erases those of the candidates that no shape uses any more. From the back, so that those before keep their
+// numbers.
 void erase_meshes(world::WorldModel& model, std::vector<world::MeshId> candidates) {
   std::ranges::sort(candidates, std::greater<>());
   candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());

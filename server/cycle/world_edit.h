@@ -1,17 +1,16 @@
-// Taking a body out of a model, with everything that counts by its number.
+// Takes a body out of a model and renumbers everything that refers to bodies by their ids. Pure functions.
 #pragma once
 
-#include <string>
-
+#include "server/cycle/outcome.h"
 #include "server/world/world_model.h"
 
 namespace visum::cycle {
 
-// Why the body has to stay (it belongs to a model, a joint holds it); empty: it may go.
-std::string why_not_removable(const world::WorldModel& model, world::BodyId body);
+// Refuses where the body belongs to a model or a joint holds it.
+Outcome can_remove(const world::WorldModel& model, world::BodyId body);
 
-// Removes the body, its shapes, and the meshes that nothing else uses; the ids of the bodies behind it move
-// down by one.
+// Removes the body, its shapes, and the meshes that nothing else uses. The ids of the bodies behind it move
+// down by one. The body must be removable.
 void erase_body(world::WorldModel& model, world::BodyId body);
 
 }  // namespace visum::cycle

@@ -36,8 +36,9 @@ std::optional<std::string> Gateway::why_not(std::uint32_t part, const hwparts::F
   const bool of_bus = hwparts::fault_info(fault.kind).target == hwparts::FaultTarget::kBus;
   const bool has_bus = std::ranges::find(buses_, name, &protocol::PartBus::part) != buses_.end();
   if (auto reason = world_.parts[part]->refuse_fault(fault)) return reason;
-  if (auto reason = cycle::NetworkModel::refuse(fault, world_.parts[part]->description(), world_.tick_ns))
-    return reason;
+  const auto room =
+      cycle::NetworkModel::has_room_for(fault, world_.parts[part]->description(), world_.tick_ns);
+  if (!room.done()) return room.text();
   if (of_bus && !has_bus) return "'" + name + "' is on no field bus (visumd --bus)";
   return std::nullopt;
 }

@@ -50,14 +50,12 @@ void TickSide::tick() {
   if (steps_left_ > 0 && (--steps_left_ == 0 || simulation_.frozen())) finish_steps();
 }
 
-// Time stands, as after a pause.
 void TickSide::hold() {
   paused_ = true;
   finish_steps();
   touch();
 }
 
-// What fails is told of once.
 void TickSide::watch_nodes() {
   for (auto& node : nodes_) {
     const bool failed = !node.part->node_fault()->empty();
@@ -98,13 +96,17 @@ void TickSide::apply(const Input& input) {
     case Input::Kind::kPush:
       return apply_push(input);
     case Input::Kind::kFault:
-      if (!simulation_.inject(
-              {input.part, input.fault, input.duration_ticks == 0 ? 0 : now + input.duration_ticks}))
-        tell({Notice::Kind::kFaultRefused, input.part, 0, now});
-      return;
+      return apply_fault(input);
     case Input::Kind::kClearFault:
       return simulation_.clear_faults(input.part, input.fault_kind, input.fault_drive);
   }
+}
+
+void TickSide::apply_fault(const Input& input) {
+  const auto now = simulation_.tick_count();
+  const auto until = input.duration_ticks == 0 ? 0 : now + input.duration_ticks;
+  if (!simulation_.inject({input.part, input.fault, until}).done())
+    tell({Notice::Kind::kFaultRefused, input.part, 0, now});
 }
 
 void TickSide::apply_push(const Input& input) {
@@ -114,7 +116,7 @@ void TickSide::apply_push(const Input& input) {
   const bool pushed = input.revision == simulation_.revision() && [&] {
     if (input.push_point)
       wrench.torque_nm += (*input.push_point - bodies[wrench.body.index()].p_WC).cross(wrench.force_n);
-    return simulation_.push({wrench, now + input.duration_ticks});
+    return simulation_.push({wrench, now + input.duration_ticks}).done();
   }();
   if (!pushed) tell({Notice::Kind::kPushRefused, 0, 0, now});
 }

@@ -1,5 +1,7 @@
-// The tick's side of the gateway: what is done with the mailbox between ticks, and whether time runs at all.
-// Lives on the tick's thread.
+// The gateway's counterpart on the tick's thread: empties the mailbox between ticks, gives the world its
+// inputs in a fixed order, answers commands, and decides whether time runs at all. The loop in daemon.cc owns
+// it. It never waits. A refused push or fault becomes a notice to the sessions' side; a refused command
+// becomes its reply.
 #pragma once
 
 #include <chrono>
@@ -19,16 +21,18 @@ namespace visum::gateway {
 
 class TickSide {
  public:
+  // `running_at_once`: time runs from the beginning. Otherwise it starts with the first lease, the first step
+  // of a member, or Resume.
   TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running_at_once);
 
-  // Takes everything out of the mailbox: commands are done at once, inputs are kept for the next tick.
+  // Takes everything out of the mailbox. Commands are done at once, inputs wait for the next tick.
   void empty_mailbox();
-  // Commands that are done go back to the sessions' side. Once it has a copy of the world that is as late:
-  // what it answers next is read from that.
+  // Gives done commands back to the sessions' side. Call it after the world was published: the sessions' side
+  // answers the next request from that copy, which must not be older than the command.
   void give_back();
 
-  // Ticks are those of a recording from now on, by `next`, which tells whether there was one; `era` is the
-  // one that clients are shown.
+  // From now on the ticks come from a recording. `next` makes the next one and returns false at the end;
+  // `era` returns the era that clients are shown.
   void play(std::function<bool()> next, std::function<std::uint64_t()> era) {
     next_ = std::move(next);
     shown_era_ = std::move(era);
@@ -37,21 +41,21 @@ class TickSide {
   // One tick: the inputs first, in their order, then the cycle.
   void tick();
 
-  // True if neither a pause nor a fault nor a start still to come holds the time.
+  // False while the world is frozen or paused, or has not started. A Step in progress overrides the last two.
   bool time_runs() const { return !simulation_.frozen() && (started_ && !paused_ ? true : steps_left_ > 0); }
   bool stepping() const { return steps_left_ > 0; }
-  void start() {  // first lease, first step of a member, resume
+  void start() {  // at the first lease, the first step of a member, or Resume
     if (!std::exchange(started_, true)) ++version_;
   }
   Pace pace() const { return {!started_ || paused_, pacer_.speed(), real_time_factor_}; }
-  // Changes with everything that a tick does not announce by itself: start, pauses, commands.
+  // Changes with everything that shows between ticks: start, pauses, commands. The loop then publishes anew.
   std::uint64_t version() const { return version_; }
   void touch() { ++version_; }  // something beside the mailbox changed the world between ticks
 
-  // When the last tick was over.
+  // When the last tick ended.
   std::chrono::steady_clock::time_point ticked_at() const { return ticked_at_; }
 
-  // True once after the tick's side gave something to the sessions' side that waits to be sent on.
+  // True once after a notice or a finished Step was given to the sessions' side, which then has to send it.
   bool has_told() { return std::exchange(told_, false); }
 
   cycle::Pacer& pacer() { return pacer_; }
@@ -59,30 +63,40 @@ class TickSide {
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct Watch {  // a lease with a deadline
+  struct Watch {  // the deadline of a part's lease
     std::uint64_t epoch = 0;
     std::int64_t deadline_ticks = 0;  // 0: none
-    std::int64_t last_tick = 0;
-    std::uint64_t lost = 0;  // the newest lease that was lost: what was still on its way is not done
+    std::int64_t last_tick = 0;       // of the last write
+    std::uint64_t lost = 0;  // epoch of the newest lost lease; its writes that come later are dropped
   };
 
-  struct WatchedNode {  // of a plug-in
+  struct WatchedNode {  // a part that a plug-in brings
     const hwparts::Part* part;
     bool failed = false;
   };
 
+  // Pauses where a recording ends.
   void hold();
+  // Applies the waiting inputs, sorted so that it does not matter which of two clients' bytes came first.
   void apply_inputs();
   void apply(const Input& input);
+  void apply_fault(const Input& input);
   void apply_push(const Input& input);
+  // Takes the part from each controller that has not written within its deadline.
   void check_deadlines();
+  // Ends the part's deadline, and drops later writes of this lease and those before it.
   void end_watch(std::uint32_t part, std::uint64_t lost_epoch);
+  // Answers a command, or begins a Step, which is answered by finish_steps().
   void run(std::unique_ptr<Command> command);
+  // Replies to the running Step: all its ticks are done, or something stopped the time.
   void finish_steps();
+  // Renews the real-time factor about once a second.
   void measure_speed();
+  // Logs, once, that a plug-in's node has failed.
   void watch_nodes();
   void tell(const Notice& notice);
 
+  // The answers to commands are in tick_side_commands.cc.
   protocol::Reply answer(Command& command, const protocol::Pause&);
   protocol::Reply answer(Command& command, const protocol::Resume&);
   protocol::Reply answer(Command& command, const protocol::SetSpeed& request);
@@ -101,12 +115,12 @@ class TickSide {
   cycle::Simulation& simulation_;
   Mailbox& mailbox_;
   cycle::Pacer pacer_;
-  std::function<bool()> next_;                // none: the world's own tick
-  std::function<std::uint64_t()> shown_era_;  // none: the world's own era
+  std::function<bool()> next_;                // empty: the world makes its own ticks
+  std::function<std::uint64_t()> shown_era_;  // empty: the world's own era
   std::vector<Input*> inputs_;                // for the next tick
   std::vector<Watch> watches_;                // by part
   std::vector<WatchedNode> nodes_;
-  std::unique_ptr<Command> step_command_;
+  std::unique_ptr<Command> step_command_;       // the running Step; null: none
   std::vector<std::unique_ptr<Command>> done_;  // to be given back
   std::int64_t steps_left_ = 0;
   bool started_;

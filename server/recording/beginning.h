@@ -1,4 +1,5 @@
-// How every recording begins: the files of the scene, the header, the channels, and what each part is.
+// Writes the beginning of a recording, which is the same for all recorders: the files of the scene, the
+// header, the channels, and a description of each part. Called once per file, before any other message.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +12,21 @@
 
 namespace visum::recording {
 
-// What the scene was made of, beside itself.
+// Where a world comes from. A recording needs it so that a replay can make the same world again.
 struct Origin {
-  config::Files files;       // all that was read for it
-  std::string engine;        // instead of the scene's; empty: none
-  std::string parameters{};  // of the scene's file, as scene::Options has them
-  bool has_past = false;     // the world is not as the scene says: a recording of it begins with its state
+  config::Files files;       // every file that was read for the scene
+  std::string engine;        // used in place of the scene's engine; empty: the scene's own
+  std::string parameters{};  // given to the scene's file, as in scene::Options
+  bool has_past = false;  // the world has left the scene's initial state: a recording begins with its state
 };
 
-// By their numbers in the file.
+// The channels' numbers in the file.
 struct Channels {
   std::uint16_t inputs = 0, ticks = 0, states = 0, log = 0;
   std::vector<std::uint16_t> parts;
 };
 
+// Throws what the writer throws where the file cannot be written.
 Channels write_beginning(McapWriter& writer, const cycle::Simulation& simulation, const Origin& origin);
 
 }  // namespace visum::recording

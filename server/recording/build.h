@@ -1,4 +1,5 @@
-// Which program this is: what a recording says of the build that wrote it, and a replay compares.
+// Names the build of this program: version, commit, compiler, instruction set, engines. A recording holds it,
+// and a replay compares it, since another build may compute other bits.
 #pragma once
 
 #include <string>
@@ -10,7 +11,7 @@ namespace visum::recording {
 
 Build this_build(const scene::Scene& scene);
 
-// What differs, in words; empty: nothing.
+// Says in words what differs; empty: nothing. The engines are not compared.
 std::string difference(const Build& recorded, const Build& here);
 
 }  // namespace visum::recording

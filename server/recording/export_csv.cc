@@ -17,26 +17,26 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
-// As few digits as come back to the same bits.
+// As few digits as are needed to read the same bits again.
 template <typename... Format>
 std::string exact(double number, Format... format) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, number, format...).ptr};
 }
 
-// Divided, not multiplied: the double nearest to what a user types for it.
+// Divides by 1e9: multiplying by 1e-9 can miss the double that a user's "0.003" means.
 double time_s_of(const Tick& tick) {
   return static_cast<double>(tick.sim_time_ns) / 1e9;
 }
 
-// A part of the recording with its newest sample, empty before the first, and the columns that are wanted of
-// it.
+// A part of the recording, its newest sample (empty before the first), and the ports that become columns.
 struct Source {
   protocol::PartDescription description;
   protocol::PartSample sample;
   std::vector<std::size_t> inputs, outputs;
 };
 
+// Reads the recording front to back and writes a row for each wanted tick.
 class Exporter {
  public:
   Exporter(const std::filesystem::path& file, const CsvOptions& options, std::ostream& out)
@@ -59,6 +59,7 @@ class Exporter {
   }
 
  private:
+  // Writes the head line, once all parts are known: their descriptions stand before the first tick.
   void begin() {
     std::vector<bool> found(options_.ports.size(), options_.ports.empty());
     out_ << "tick,era,time_s";
@@ -73,6 +74,7 @@ class Exporter {
                                options_.ports[static_cast<std::size_t>(missing - found.begin())] + "'");
   }
 
+  // Adds the wanted ports to `columns` and to the head line, and marks in `found` the names that were used.
   void choose(const Source& source, const std::vector<protocol::Port>& ports,
               std::vector<std::size_t>& columns, std::vector<bool>& found) {
     const auto& part = source.description.name;
@@ -90,6 +92,7 @@ class Exporter {
     }
   }
 
+  // A damaged file may hold samples of another length: they are cut or filled to the part's ports.
   void keep(const protocol::PartSample& sample) {
     const auto source =
         std::ranges::find(sources_, sample.part, [](const Source& each) { return each.description.name; });

@@ -1,4 +1,4 @@
-// A recording's ports as CSV (RFC 4180): a row per tick, a column per port.
+// Writes a recording's ports as CSV (RFC 4180): a row per tick, a column per port. Any one thread.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@
 namespace visum::recording {
 
 struct CsvOptions {
-  std::vector<std::string> ports;  // PART, PART/GROUP or PART/PORT; none: all
+  std::vector<std::string> ports;  // PART, PART/GROUP or PART/PORT; empty: all ports
   double from_s = 0.0;             // of simulated time
   double to_s = std::numeric_limits<double>::infinity();
-  std::int64_t every = 1;  // ticks
+  std::int64_t every = 1;  // in ticks: 10 writes every tenth
 };
 
 struct CsvResult {
@@ -22,8 +22,8 @@ struct CsvResult {
   std::string damage;  // why the file was not read to its end; empty: it was
 };
 
-// Throws ConfigError where the file is no recording, std::runtime_error where it has no port of a name that
-// is asked for.
+// Throws ConfigError where the file is no recording, and std::runtime_error where it lacks ports that
+// `options` names.
 CsvResult export_csv(const std::filesystem::path& file, const CsvOptions& options, std::ostream& out);
 
 }  // namespace visum::recording

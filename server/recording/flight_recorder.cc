@@ -43,7 +43,7 @@ void FlightRecorder::forget() {
 
 void FlightRecorder::took(const TimedInput& input) {
   if (simulation_.frozen()) return;
-  if (!now_.in_use) {  // a frozen world lives again, by this very input
+  if (!now_.in_use) {  // a frozen world runs again: this input revived it
     dump_.clear();
     return begin_half();
   }
@@ -52,7 +52,7 @@ void FlightRecorder::took(const TimedInput& input) {
   const auto size = now_.input_bytes.size() - from;
   now_.inputs.push_back({now_.ticks.size(), input.tick, from, size});
   if (now_.input_bytes.size() <= kInputBytes) return;
-  if (size > kInputBytes) forget();  // that one alone is too much to be kept
+  if (size > kInputBytes) forget();  // this input alone is too large to be kept
   begin_half();
 }
 
@@ -92,7 +92,8 @@ void FlightRecorder::dump_now() {
   forget();
 }
 
-// Of a name that none has: in a container every run has the same process number.
+// O_EXCL finds a free name. The process number alone is not enough: in a container every run has the same
+// one.
 std::filesystem::path FlightRecorder::make_file() const {
   const auto folder = std::filesystem::absolute(folder_).lexically_normal();
   std::filesystem::create_directories(folder);

@@ -1,7 +1,9 @@
-// What a world did last, always kept in memory, for the case that it freezes: then the ticks before it, their
-// inputs and the whole state that they began with are written to a file, as a recording that replays. Two
-// halves take turns, so that it holds between one and two thousand ticks in bounded memory; once warm, a tick
-// allocates nothing. Lives on the tick's thread.
+// Keeps the last ticks of a world in memory, in case the world freezes. Then it writes a recording that can
+// be replayed: the whole state at some tick, the ticks after it with all ports, and their inputs.
+//
+// Two halves of a thousand ticks take turns, so that it holds between one and two thousand ticks in bounded
+// memory. Once warm, a tick allocates nothing. Lives on the tick's thread, where the file is written, too:
+// the world stands then. A file that cannot be written is logged; the world does not care.
 #pragma once
 
 #include <cstdint>
@@ -19,40 +21,44 @@ namespace visum::recording {
 class FlightRecorder : public cycle::Observer {
  public:
   static constexpr std::size_t kTicks = 1000;           // of a half
-  static constexpr std::size_t kHashEvery = 50;         // ticks: to hash each of them costs a tenth of a tick
+  static constexpr std::size_t kHashEvery = 50;         // ticks: a hash costs a tenth of a tick
   static constexpr std::size_t kInputBytes = 1u << 20;  // of a half: more of them end it sooner
-  static constexpr int kMostFiles = 10;  // of one run: who freezes it over and over fills no disk
+  static constexpr int kMostFiles = 10;  // of one run: a world that freezes over and over fills no disk
 
-  // `folder`: where the file is made, which has not to be there yet.
+  // Observes the simulation, which must outlive this. `folder`: for the files; made when it is needed.
   FlightRecorder(cycle::Simulation& simulation, Origin origin, std::filesystem::path folder);
   ~FlightRecorder() override;
 
   void took(const TimedInput& input) override;
   void ticked() override;
 
-  // The file of the freeze that the world is in; empty: it is in none, or there was no writing it.
+  // The file of the present freeze; empty: the world runs, or the file could not be written.
   const std::string& dump() const { return dump_; }
 
  private:
   struct KeptInput {
-    std::size_t ticks;  // of the half that were before it
-    std::int64_t tick;  // of the world that took it
-    std::size_t from, size;
+    std::size_t ticks;       // how many ticks of the half came before it
+    std::int64_t tick;       // of the world when it took the input
+    std::size_t from, size;  // in input_bytes
   };
   struct Half {
-    State begin;
-    std::vector<Tick> ticks;    // without their fault
-    std::vector<double> ports;  // of each tick: by part its inputs, then its outputs
+    State begin;                // the whole state before its first tick
+    std::vector<Tick> ticks;    // without their fault: only the last tick can have one
+    std::vector<double> ports;  // for each tick and part: inputs, then outputs
     std::vector<KeptInput> inputs;
-    std::vector<std::byte> input_bytes;
+    std::vector<std::byte> input_bytes;  // encoded inputs, one behind the other
     bool in_use = false;
   };
 
+  // The present half becomes the one before; the older one is overwritten.
   void begin_half();
   void forget();
+  // Writes both halves to a new file, and logs where it is or why it is not.
   void dump_now();
+  // Makes an empty file of a name that no other file has.
   std::filesystem::path make_file() const;
   void write(const std::filesystem::path& file) const;
+  // Appends a half; `time_ns` counts the ticks of the file.
   void write_half(const Half& half, McapWriter& writer, const Channels& channels,
                   std::uint64_t& time_ns) const;
 

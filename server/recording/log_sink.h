@@ -1,4 +1,5 @@
-// A sink of the log that puts every line into a recording, too, once there is one.
+// A sink of the log that copies every line into the recording, while there is one. Lines may come from any
+// thread; the sink's lock orders them.
 #pragma once
 
 #include <memory>
@@ -9,15 +10,16 @@ namespace visum::recording {
 
 class LogSink {
  public:
-  // Before other threads log, and gone after they have ended.
+  // Make it before other threads log, and destroy it after they have ended: the log's list of sinks has no
+  // lock.
   LogSink();
   ~LogSink();
-  // Any thread. From now on into this one; null: into none any more.
+  // From now on copies to this recorder; null: to none. Any thread.
   void follow(Recorder* recorder);
 
  private:
   struct Sink;
-  std::shared_ptr<Sink> sink_;  // the log keeps it so
+  std::shared_ptr<Sink> sink_;  // spdlog wants shared sinks
 };
 
 }  // namespace visum::recording

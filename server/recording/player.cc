@@ -1,6 +1,7 @@
 #include "server/recording/player.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "server/cycle/apply_input.h"
 #include "server/world/world_state.h"
@@ -23,7 +24,7 @@ void Player::read_through() {
     if (std::holds_alternative<const State*>(item)) points_.push_back({ticks_, file_.place_of_last()});
   }
   damage_ = file_.damage();
-  position_ = ticks_ + 1;  // the world is nowhere in it yet
+  position_ = ticks_ + 1;  // no position of the file: the first seek() must go to a state
 }
 
 bool Player::advance() {
@@ -32,7 +33,10 @@ bool Player::advance() {
   while (true) {
     const auto item = file_.next();
     if (std::holds_alternative<RecordingFile::End>(item)) return false;
-    if (const auto* input = std::get_if<const TimedInput*>(&item)) cycle::apply(*world_, (*input)->input);
+    // A world that goes another way than the recorded one may refuse an input. It goes on without it, until
+    // the next state puts it right; Replayer is there to report the difference.
+    if (const auto* input = std::get_if<const TimedInput*>(&item))
+      std::ignore = cycle::apply(*world_, (*input)->input);
     if (const auto* sample = std::get_if<const protocol::PartSample*>(&item))
       samples_[(*sample)->part] = **sample;
     if (const auto* state = std::get_if<const State*>(&item)) put_right(**state);
@@ -43,10 +47,11 @@ bool Player::advance() {
   }
 }
 
-// Restoring costs the contacts' memory, which is nothing but looks; so only where there is need.
+// Restores only where the world differs: restoring drops the contacts, which are shown. Where this world
+// cannot take the state, it is the scene's initial one and goes on from there.
 void Player::put_right(const State& state) {
   if (world::hash_bytes(state.state) != world_->state_hash() || state.era != world_->era())
-    world_->restore(state);
+    std::ignore = world_->restore(state);
 }
 
 void Player::seek(std::uint64_t position) {
@@ -65,7 +70,7 @@ void Player::go_to(const StatePoint& point) {
   position_ = point.position;
   const auto item = file_.next();
   const auto* state = std::get_if<const State*>(&item);
-  if (!state || !world_->restore(**state).empty()) go_to_beginning();
+  if (!state || !world_->restore(**state).done()) go_to_beginning();
 }
 
 void Player::go_to_beginning() {
@@ -73,7 +78,7 @@ void Player::go_to_beginning() {
   file_.go_to(beginning_);
   samples_.clear();
   position_ = 0;
-  world_->restore(initial_);
+  std::ignore = world_->restore(initial_);  // its own state; refused, it would be the scene's initial one too
 }
 
 const protocol::PartSample* Player::sample(const std::string& part) const {

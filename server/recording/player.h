@@ -1,7 +1,10 @@
-// A recording to look at: a world that can be put to any of its ticks. A seek restores the whole state that
-// the file holds before that tick and runs the inputs up to it; where the file holds none, from its
-// beginning. Where this program's world goes another way than the recorded one, it is put right at each such
-// state. Lives on the tick's thread.
+// Shows a recording: a world that can be put to any of its ticks. The file holds whole states now and then. A
+// seek restores the last one before the wanted tick, or begins at the beginning, and runs the inputs from
+// there.
+//
+// Lives on the tick's thread. This program's world may go another way than the recorded one (another build,
+// another processor); then it is put right at each state of the file. Replayer is there to report
+// differences.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +22,8 @@ namespace visum::recording {
 
 class Player {
  public:
-  // Reads the file through once, for its length and its states; throws what replay() throws. A place in it is
-  // a position: ticks since its beginning, over all eras.
+  // Reads the whole file once, for its length and its states. Throws what replay() throws. A position counts
+  // the ticks since the file's beginning, over all eras.
   Player(const std::filesystem::path& file, const PluginFolders& plugins, const Adjust& adjust = {});
 
   cycle::Simulation& world() { return *world_; }
@@ -28,29 +31,31 @@ class Player {
   const Header& header() const { return file_.header(); }
   std::uint64_t ticks() const { return ticks_; }
   std::uint64_t position() const { return position_; }
-  // Why the file ends there; empty: it is whole.
+  // Why the file ends at ticks(); empty: it is complete.
   const std::string& damage() const { return damage_; }
 
   const std::vector<StatePoint>& points() const { return points_; }
 
-  // The next recorded tick; false: there is none.
+  // Makes the next recorded tick; false: the recording has ended.
   bool advance();
-  // To `position`, or the end where that is sooner.
+  // Goes to `position`, or to the end where that is sooner.
   void seek(std::uint64_t position);
 
-  // A part's ports as they were recorded at this position; null: as the world's.
+  // A part's ports as recorded at this position; null: none were, and the world's ports are shown.
   const protocol::PartSample* sample(const std::string& part) const;
 
  private:
+  // Counts the ticks and finds the states; the world stands nowhere in the file afterwards.
   void read_through();
   void go_to(const StatePoint& point);
   void go_to_beginning();
+  // Restores the state where the world differs from it.
   void put_right(const State& state);
 
   RecordingFile file_;
   const config::Files files_;
   const std::unique_ptr<cycle::Simulation> world_;
-  State initial_;  // of the scene
+  State initial_;  // the scene's
   RecordingFile::Place beginning_;
   std::vector<StatePoint> points_;  // by position
   std::map<std::string, protocol::PartSample> samples_;

@@ -1,4 +1,5 @@
-// A part's ports over a stretch of a recording, for plots. Any one thread.
+// Reads a part's ports over a stretch of a recording, for plots. Reads the file itself, independently of the
+// player. Any one thread.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,7 @@
 
 namespace visum::recording {
 
-// Where the whole state stands after so many ticks since the recording's beginning.
+// A whole state in the file: how many ticks since the recording's beginning come before it, and where it is.
 struct StatePoint {
   std::uint64_t position;
   RecordingFile::Place place;
@@ -18,11 +19,11 @@ struct StatePoint {
 
 class PortReader {
  public:
-  // `points`: of this file, by position.
+  // `points`: the states of this file, sorted by position, as Player::points() has them.
   PortReader(const std::filesystem::path& file, std::vector<StatePoint> points);
 
-  // A row for each of the last `count` ticks up to position `to` that are of one era: simulated seconds,
-  // controller inputs, sensor outputs.
+  // Returns the last `count` ticks up to position `to`, as far back as they are of one era. Each row is
+  // simulated seconds, controller inputs, sensor outputs.
   std::vector<double> read(const std::string& part, std::uint64_t to, std::uint64_t count);
 
  private:

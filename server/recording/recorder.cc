@@ -74,7 +74,8 @@ void Recorder::take_state() {
   encode(state_, bytes_);
 }
 
-// For seeking only: better a recording without it than none.
+// The state serves seeking only. Where the queue has no room for it, it is left out, so that the recording
+// goes on.
 void Recorder::put_state() {
   next_state_ns_ = time_ns_ + kStatePeriod_ns;
   take_state();

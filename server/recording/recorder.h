@@ -1,6 +1,9 @@
-// Writes down what happens in a world: everything that it takes between ticks, and after each tick every port
-// and the hash of its state, in a file that holds all that is needed to go through it again. Lives on the
-// tick's thread and never holds it up; the file is written by a thread of its own (recording_writer.h).
+// Records a world in a file that holds everything that a replay needs: the scene's files, each input that the
+// world took between ticks, and after each tick every port and the hash of the state. Once per simulated
+// second it adds the whole state, so that a player can seek.
+//
+// Lives on the tick's thread and never makes a realtime tick wait: a thread of its own writes the file
+// (recording_writer.h). Where the disk fails, the recording ends, the log says so, and the world goes on.
 #pragma once
 
 #include <filesystem>
@@ -18,25 +21,25 @@ class RecordingWriter;
 
 class Recorder : public cycle::Observer {
  public:
-  // From now on, which has to be before the first tick and the first input, or `origin` says that the world
-  // has a past. Throws std::runtime_error where the file cannot be written.
+  // Observes the simulation from now on. That must be before its first tick and input, unless
+  // `origin.has_past`. Throws std::runtime_error where the file cannot be written.
   Recorder(cycle::Simulation& simulation, const Origin& origin, const std::filesystem::path& file);
-  ~Recorder() override;  // finishes the file
+  ~Recorder() override;  // completes the file
 
   void took(const TimedInput& input) override;
   void ticked() override;
   void log(std::string_view level, std::string_view text);  // any thread
 
  private:
-  void put(std::uint16_t channel, std::int64_t publish_time_ns);  // what stands in bytes_
-  void take_state();                                              // into bytes_
+  void put(std::uint16_t channel, std::int64_t publish_time_ns);  // hands bytes_ to the writer
+  void take_state();                                              // encodes the whole state into bytes_
   void put_state();
 
   cycle::Simulation& simulation_;
   const std::unique_ptr<RecordingWriter> writer_;
   Channels channels_;
-  std::uint64_t time_ns_ = 0;                    // of all ticks so far, in all eras
-  std::uint64_t next_state_ns_ = 1'000'000'000;  // the whole state is due
+  std::uint64_t time_ns_ = 0;                    // the length of all ticks so far, over all eras
+  std::uint64_t next_state_ns_ = 1'000'000'000;  // of time_ns_: when the next whole state is due
   State state_;
   std::vector<std::byte> bytes_;
 };

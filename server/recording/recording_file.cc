@@ -13,7 +13,8 @@ std::ifstream open(const std::filesystem::path& file) {
   return in;
 }
 
-// A part may have the name "description".
+// "/parts/arm/description" is the description of the part "arm". But "/parts/description" holds the samples
+// of a part that is itself called "description".
 bool is_of_description(std::string_view topic) {
   const auto name = topic.substr(kPartTopic.size());
   return name.size() > kDescriptionTopic.size() && name.ends_with(kDescriptionTopic);
@@ -89,7 +90,7 @@ RecordingFile::Item RecordingFile::take_as(Kind& kind, const Message& message) {
     right = decode(message.data, kind);
   if (!right) {
     damage_ = "channel " + reader_.channel(message.channel).topic + ": message " +
-              std::to_string(message.sequence) + " is none of this channel";
+              std::to_string(message.sequence) + " cannot be decoded";
     return End{};
   }
   if constexpr (std::is_same_v<Kind, InputMessage>)
@@ -100,7 +101,6 @@ RecordingFile::Item RecordingFile::take_as(Kind& kind, const Message& message) {
     return &kind;
 }
 
-// End: nothing that anybody here wants to know of, or damage.
 RecordingFile::Item RecordingFile::take(const Message& message) {
   const auto& topic = reader_.channel(message.channel).topic;
   if (topic == kHeaderTopic || topic == kLogTopic) return End{};

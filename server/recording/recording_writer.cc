@@ -31,7 +31,7 @@ int make_file(const std::filesystem::path& file) {
   if (fd < 0) fail(fd, std::strerror(errno));
   struct stat what {};
   if (::fstat(fd, &what) != 0 || !S_ISREG(what.st_mode)) return fd;
-  // Not every file system has locks; where there are none, nobody is known to write.
+  // Not every file system has locks. Without them, nothing shows that another program writes the file.
   if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) fail(fd, "another program is writing it");
   if (::ftruncate(fd, 0) != 0) fail(fd, std::strerror(errno));
   return fd;
@@ -69,7 +69,7 @@ void RecordingWriter::put_first(std::uint16_t channel, std::uint64_t publish_tim
   last_publish_ns_ = publish_time_ns;
 }
 
-// Where the tick waits for room anyway, the answer must not hang on the disk: equal runs are equal files.
+// Where the tick waits for room anyway, the answer must not depend on the disk: equal runs make equal files.
 bool RecordingWriter::has_room_for(std::size_t bytes) const {
   return bytes <= (overflow_ == Overflow::kWait ? kQueueBytes : queue_.write_available()) / 2;
 }

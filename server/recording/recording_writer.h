@@ -1,7 +1,7 @@
-// The thread that writes a recording's file, so that a tick never waits for a disk. The tick's thread hands
-// it messages through a bounded queue; where the disk is full, gone or slower than the queue is long, the
-// recording ends there, and says so in the log, and the ticks go on. What is written is on its way to the
-// disk half a second later at the latest.
+// Writes a recording's file on a thread of its own, so that a tick never waits for a disk. The tick's thread
+// hands it messages through a bounded queue. Where the disk is full or gone, or where the queue overflows
+// because the disk is slow, the recording ends there. The log says so, and the ticks go on. A message is
+// handed to the operating system at most half a second after it was put.
 #pragma once
 
 #include <atomic>
@@ -21,35 +21,37 @@ namespace visum::recording {
 class RecordingWriter {
  public:
   static constexpr std::size_t kQueueBytes = 32u << 20;
-  static constexpr std::size_t kMaxLines = 1000;  // of the log that wait to be written; more are dropped
+  static constexpr std::size_t kMaxLines = 1000;  // of the log that wait; more are dropped
 
   enum class Overflow {
     kEnd,   // the recording ends: a realtime world does not wait
-    kWait,  // the tick waits for room, as time does not count in it; for ten seconds at most
+    kWait,  // the tick waits for room, ten seconds at most: the world is not bound to the wall clock
   };
 
-  // Makes the file anew. Throws std::runtime_error where that cannot be.
+  // Makes the file, or empties the one that is there. Throws std::runtime_error where that fails, also where
+  // another program is writing it.
   RecordingWriter(const std::filesystem::path& file, Overflow overflow);
-  ~RecordingWriter();  // writes what waits, and the summary
+  ~RecordingWriter();  // writes the waiting messages and the file's summary
 
-  // For what stands at the beginning; until start().
+  // Order of calls: writer() for the beginning, put_first() where the world has a past, start(), then put()
+  // and put_line() as often as needed. After start() the writer belongs to the thread.
   McapWriter& writer() { return writer_; }
-  // The first message of a world with a past, which may be longer than the queue; until start().
+  // The state that the recording begins with. It may be longer than the queue.
   void put_first(std::uint16_t channel, std::uint64_t publish_time_ns, Bytes data);
   void start();
 
-  // One thread, the tick's. Does nothing once the recording has ended.
+  // Tick's thread. Does nothing once the recording has ended.
   void put(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data);
-  // The same thread. Whether a message that nobody needs may be put: it would wait for little, and leave
-  // room.
+  // Tick's thread. Whether an optional message of this length may be put: it takes at most half of the
+  // queue's room.
   bool has_room_for(std::size_t bytes) const;
-  // Any thread. Stands in the file at the times of the message before it.
+  // Any thread. The line gets the times of the message that is written before it.
   void put_line(std::uint16_t channel, std::vector<std::byte> data);
 
   bool ended() const { return ended_.load(std::memory_order_relaxed); }
 
  private:
-  struct Head {
+  struct Head {  // stands before each message in the queue
     std::uint16_t channel;
     std::uint32_t size;
     std::uint64_t log_time_ns, publish_time_ns;
@@ -59,11 +61,16 @@ class RecordingWriter {
     std::vector<std::byte> data;
   };
 
+  // The thread's loop, until the destructor stops it.
   void run();
-  void work();  // writes what waits
+  // Writes everything that waits in the queue.
+  void work();
   void write_lines();
+  // Writes to the file descriptor; throws where that fails.
   void write(Bytes bytes);
+  // Waits for room in the queue where `overflow_` allows it; false: there is none.
   bool make_room(std::size_t bytes);
+  // Ends the recording and logs why, once.
   void end(const std::string& why);
 
   struct Descriptor {
@@ -76,11 +83,11 @@ class RecordingWriter {
   const Descriptor out_;
   McapWriter writer_;
   boost::lockfree::spsc_queue<std::byte> queue_{kQueueBytes};
-  std::vector<std::byte> message_;                       // the tick's thread: in the making
-  std::vector<std::byte> taken_;                         // the recording writer's
-  std::uint64_t last_log_ns_ = 0, last_publish_ns_ = 0;  // likewise: times of the last message
+  std::vector<std::byte> message_;                       // tick's thread: the message being put
+  std::vector<std::byte> taken_;                         // this thread: the message being written
+  std::uint64_t last_log_ns_ = 0, last_publish_ns_ = 0;  // this thread: times of the last message
   std::atomic<bool> ended_{false};
-  std::mutex mutex_;  // of lines_ and stopping_
+  std::mutex mutex_;  // guards lines_ and stopping_
   std::condition_variable stopped_;
   std::vector<LogEntry> lines_;
   bool stopping_ = false;

@@ -21,13 +21,14 @@ std::uint64_t ticks_of(double seconds, std::int64_t tick_ns) {
   return ticks < 1e18 ? static_cast<std::uint64_t>(ticks) : kAll;
 }
 
-// Where a replay that did not come as far as it should has come to.
+// How far the replay came, in simulated seconds.
 std::string place_of(const Replay& replay) {
   const auto time_ns = static_cast<double>(replay.ticks) * static_cast<double>(replay.header.tick_ns);
   char text[64];
   return {text, std::to_chars(text, text + sizeof text, time_ns / 1e9, std::chars_format::fixed).ptr};
 }
 
+// Warns, or throws, where the recording ends before the tick that was asked for.
 void check_reach(const std::filesystem::path& file, const Replay& replay, std::uint64_t asked) {
   if (replay.ticks >= asked) return;
   const auto place = place_of(replay);
@@ -42,7 +43,7 @@ void check_reach(const std::filesystem::path& file, const Replay& replay, std::u
                place, replay.damage);
 }
 
-// The state in these bytes without what the engines kept for themselves.
+// The same state without the memories of its engines, which another engine could not read.
 std::vector<std::byte> for_other_engines(std::span<const std::byte> bytes, const world::WorldModel& model) {
   world::WorldState state;
   std::string fault;
@@ -55,6 +56,7 @@ std::vector<std::byte> for_other_engines(std::span<const std::byte> bytes, const
   return result;
 }
 
+// Puts the state of the rewound world into `to`, the same world with another engine.
 void hand_over(Rewound& rewound, std::unique_ptr<cycle::Simulation> to, const std::string& engine) {
   const config::FilesGiven given(rewound.origin.files);
   State whole;
@@ -62,8 +64,8 @@ void hand_over(Rewound& rewound, std::unique_ptr<cycle::Simulation> to, const st
   const auto& model = rewound.world->model();
   whole.state = for_other_engines(whole.state, model);
   for (auto& kept : whole.snapshots) kept.state = for_other_engines(kept.state, model);
-  if (const auto why = to->restore(whole); !why.empty())
-    throw std::runtime_error("engine '" + engine + "' cannot go on from there: " + why);
+  if (const auto outcome = to->restore(whole); !outcome.done())
+    throw std::runtime_error("engine '" + engine + "' cannot go on from there: " + outcome.text());
   rewound.world = std::move(to);
   rewound.origin.engine = engine;
 }

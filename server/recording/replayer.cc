@@ -39,7 +39,8 @@ Replayer::Replayer(const std::filesystem::path& file, const PluginFolders& plugi
   begin();
 }
 
-// The first tick may be asked for long after this, or never.
+// Reads ahead to the first record that is no description. A state is restored here and not in run(), which
+// may come much later, or never.
 void Replayer::begin() {
   const config::FilesGiven given(files_);
   do ahead_ = file_.next();
@@ -84,20 +85,20 @@ void Replayer::take(const TimedInput& input) {
   if (input.tick != world_.tick_count() || input.era != world_.era())
     return differ("an input that was taken at tick " + std::to_string(input.tick) + " of era " +
                   std::to_string(input.era));
-  if (const auto reason = cycle::apply(world_, input.input); !reason.empty())
-    return differ("an input is refused that was taken: " + reason);
+  if (const auto outcome = cycle::apply(world_, input.input); !outcome.done())
+    return differ("an input is refused that was taken: " + outcome.text());
   ++result_.inputs;
 }
 
-// A recording that begins with one begins there; later ones are compared, as ticks are.
+// A state at the beginning is restored. Later ones are compared, as ticks are.
 void Replayer::take(const State& state) {
   if (begun_) {
     if (world::hash_bytes(state.state) != world_.state_hash()) differ("the whole state is another one");
     return;
   }
   begun_ = true;
-  if (const auto reason = world_.restore(state); !reason.empty())
-    differ("the state that it begins with cannot be restored: " + reason);
+  if (const auto outcome = world_.restore(state); !outcome.done())
+    differ("the state that it begins with cannot be restored: " + outcome.text());
 }
 
 void Replayer::compare(const Tick& tick) {

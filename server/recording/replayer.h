@@ -1,5 +1,5 @@
-// A recording gone through again, some ticks at a time: the inputs between the same ticks, the hash compared
-// after each. Any one thread.
+// Replays a recording some ticks at a time, so that a server can do it while it has nothing else to do. Any
+// one thread. A difference or a damaged file ends the replay; result() says where and why.
 #pragma once
 
 #include <cstdint>
@@ -14,45 +14,49 @@
 
 namespace visum::recording {
 
-// A fresh world as the header says, made of `files` alone.
+// Makes a fresh world as the header says, from `files` alone: the disk is not read.
 std::unique_ptr<cycle::Simulation> make_world(const Header& header, const config::Files& files,
                                               const PluginFolders& plugins, const Adjust& adjust);
 
-// Nothing beside the ticks: no thread paints pictures that nobody looks at.
+// Sets the clock to free, so that cameras start no thread for pictures that nobody looks at.
 void without_real_time(scene::Scene& scene);
 
 class Replayer {
  public:
-  // At the state that the recording begins with, if it does. Throws what replay() throws.
+  // Restores the state that the recording begins with, if there is one. Throws what replay() throws.
   Replayer(const std::filesystem::path& file, const PluginFolders& plugins,
            const Adjust& adjust = without_real_time);
 
-  // Goes on for so many ticks at most; false: it is over, at the file's end or where it differs.
+  // Replays at most so many ticks; false: the replay is over, at the file's end or at the first difference.
   bool run(std::uint64_t ticks);
   const Replay& result() const { return result_; }
-  // The world with what it was made of, to go on without the recording.
+  // Gives the world away, to go on without the recording. The replayer must not be used afterwards.
   Rewound take_world();
 
  private:
+  // Restores the first state, if the recording begins with one.
   void begin();
   RecordingFile::Item next();
   void take(const RecordingFile::Item& item);
   void take(const TimedInput& input);
   void take(const State& state);
+  // Makes a tick and compares it with the recorded one.
   void compare(const Tick& tick);
+  // Ends the replay; result() then says `what` and where the world stands.
   void differ(const std::string& what);
+  // Notes the ports that differ, for the user.
   void compare_ports();
   void compare_ports(const std::string& part, const std::vector<protocol::Port>& ports,
                      const std::vector<double>& recorded, const std::vector<double>& replayed);
 
   RecordingFile file_;
-  config::Files files_;  // the world is made of these, not of what lies on the disk today
+  config::Files files_;  // of the recording; bodies that come later may read them, too
   std::unique_ptr<cycle::Simulation> kept_;
   cycle::Simulation& world_;
   std::map<std::string, protocol::PartSample> samples_;
   Replay result_;
-  std::optional<RecordingFile::Item> ahead_;  // read and not taken yet
-  bool begun_ = false;                        // something was taken
+  std::optional<RecordingFile::Item> ahead_;  // read but not yet taken
+  bool begun_ = false;                        // the first record was taken
   bool over_ = false;
 };
 

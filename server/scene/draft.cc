@@ -9,26 +9,8 @@
 namespace visum::scene {
 namespace {
 
-// Enough of a world around one body, shape or joint to ask find_fault about it alone.
-world::WorldModel surroundings(const world::WorldModel& world) {
-  world::WorldModel probe;
-  probe.engines = world.engines;
-  return probe;
-}
-
-void refuse_fault(const world::WorldModel& probe, const config::Place& place) {
-  if (const std::string fault = world::find_fault(probe); !fault.empty())
-    throw config::ConfigError(place, fault);
-}
-
-// A joint between copies of its two bodies, as ids of the probe.
-world::Joint copied_joint(const world::WorldModel& world, world::Joint joint, world::WorldModel& probe) {
-  for (world::BodyId* end : {&joint.parent, &joint.child}) {
-    if (!end->valid()) continue;
-    probe.bodies.push_back(world.bodies[end->index()]);
-    *end = {static_cast<std::int32_t>(probe.bodies.size() - 1)};
-  }
-  return joint;
+void refuse_fault(const std::string& fault, const config::Place& place) {
+  if (!fault.empty()) throw config::ConfigError(place, fault);
 }
 
 [[noreturn]] void fail_unknown(const config::Node& node, const std::string& what,
@@ -119,9 +101,7 @@ world::BodyId Draft::add_body(const world::Body& body, const config::Place& plac
   claim("body", body.name, place);
   if (scene.world.bodies.size() == world::kMaxBodies)
     throw config::ConfigError(place, "there are more than " + std::to_string(world::kMaxBodies) + " bodies");
-  world::WorldModel probe = surroundings(scene.world);
-  probe.bodies.push_back(body);
-  refuse_fault(probe, place);
+  refuse_fault(world::fault_of(scene.world, body), place);
   scene.world.bodies.push_back(body);
   const world::BodyId id{static_cast<std::int32_t>(scene.world.bodies.size() - 1)};
   add_link_name(body.name, {id, {}});
@@ -129,29 +109,13 @@ world::BodyId Draft::add_body(const world::Body& body, const config::Place& plac
 }
 
 void Draft::add_shape(const world::Shape& shape, const config::Place& place) {
-  world::WorldModel probe = surroundings(scene.world);
-  probe.bodies.push_back(scene.world.bodies[shape.body.index()]);
-  probe.shapes.push_back(shape);
-  probe.shapes[0].body = {0};
-  probe.surfaces = {scene.world.surfaces[shape.surface.index()]};
-  probe.shapes[0].surface = {0};
-  // The mesh is lent, not copied: it may be large.
-  if (shape.mesh.valid()) {
-    probe.shapes[0].mesh = {0};
-    probe.meshes.emplace_back();
-    std::swap(probe.meshes[0], scene.world.meshes[shape.mesh.index()]);
-  }
-  const std::string fault = world::find_fault(probe);
-  if (shape.mesh.valid()) std::swap(probe.meshes[0], scene.world.meshes[shape.mesh.index()]);
-  if (!fault.empty()) throw config::ConfigError(place, fault);
+  refuse_fault(world::fault_of(scene.world, shape), place);
   scene.world.shapes.push_back(shape);
 }
 
 void Draft::add_joint(const world::Joint& joint, const config::Place& place) {
   claim("joint", joint.name, place);
-  world::WorldModel probe = surroundings(scene.world);
-  probe.joints.push_back(copied_joint(scene.world, joint, probe));
-  refuse_fault(probe, place);
+  refuse_fault(world::fault_of(scene.world, joint), place);
   scene.world.joints.push_back(joint);
   if (joint.parent.valid() && world::info(joint.kind).holds_anything)
     forbid_collision(joint.parent, joint.child);

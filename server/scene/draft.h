@@ -1,6 +1,6 @@
-// A scene while it is being read: the world so far, and what only reading needs (who took which name, meshes
-// already read, links that were joined into others). Everything throws ConfigError at the value that is
-// wrong.
+// A scene while it is being read: the world so far, and what only its readers need (which names are taken,
+// meshes that were read already, links that were joined into others). The loader owns it for the time of one
+// load. Every function throws ConfigError at the place of the value that is wrong.
 #pragma once
 
 #include <map>
@@ -28,7 +28,7 @@ class Draft {
   explicit Draft(Scene& scene);
 
   Scene& scene;
-  std::vector<config::Node> part_entries;     // made last, when all joints stand in their final order
+  std::vector<config::Node> part_entries;     // parts are made last, when the joints have their final order
   std::map<std::string, world::Pose> frames;  // X_WF by name
   std::map<std::string, std::shared_ptr<const RobotModel>> robots;  // by file: read once, placed often
   std::vector<std::filesystem::path> plugin_folders;                // see plugin::open_library
@@ -48,7 +48,7 @@ class Draft {
   world::BodyId body(const std::string& name) const;
   void add_link_name(const std::string& name, const LinkFrame& frame) { links_[name] = frame; }
 
-  // Appends; fails at `place` if the world is full or find_fault finds something in it.
+  // Appends; fails at `place` if the world is full or world::fault_of finds something in it.
   world::BodyId add_body(const world::Body& body, const config::Place& place);
   void add_shape(const world::Shape& shape, const config::Place& place);
   void add_joint(const world::Joint& joint, const config::Place& place);

@@ -1,4 +1,5 @@
-// Kind `camera`: gives the camera a camera renderer, and copies where all bodies are when a picture is taken.
+// Kind `camera`. Its truth is where all bodies are when the picture is taken; a CameraRenderer paints from
+// that.
 #include "server/sensing/camera_renderer.h"
 #include "server/sensing/probes.h"
 

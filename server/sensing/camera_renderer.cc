@@ -5,6 +5,8 @@
 namespace visum::sensing {
 namespace {
 
+// True if an agent of the scene has this camera among its parts. Their numbers count parts first, then
+// sensors.
 bool has_agent_that_looks(const scene::Scene& scene, const std::string& camera) {
   const auto is_camera = [&](const auto& part) {
     return part.second >= scene.parts.size() &&

@@ -1,8 +1,10 @@
-// Where a camera's pictures are made. In `realtime` on a thread of its own: a slow picture comes late, and
-// replaces those that it was too slow for; the tick waits for none. Under the other clocks, and where an
-// agent of the scene has the camera, when somebody looks at the blackboard, so that the picture there is
-// always that of the reading that is shown, with the same bits in every run, and costs nothing where nobody
-// looks: what an agent makes of it is part of the world.
+// Makes a camera's pictures. Its probe owns it.
+//
+// With clock `realtime` it paints on a thread of its own. A slow picture comes late and skips the readings in
+// between; the tick never waits for one. With the other clocks, and where an agent of the scene uses the
+// camera, it paints on the tick's thread when the blackboard is read. The picture is then always that of the
+// reading that is shown, with the same bits in every run, as it must be: what an agent makes of it is part of
+// the world. And it costs nothing while nobody looks.
 #pragma once
 
 #include <atomic>
@@ -21,24 +23,26 @@ class CameraRenderer : public sensors::PictureMaker {
   CameraRenderer(const CameraRenderer&) = delete;
   CameraRenderer& operator=(const CameraRenderer&) = delete;
 
-  // On the tick's thread.
+  // Tick's thread, both. expose() takes the reading to be painted; picture() stays valid until the next call.
   void expose(std::span<const double> reading) override;
   std::span<const std::byte> picture() override;
 
  private:
-  void work();
+  void work();  // the thread's loop
 
   Painter painter_;
   const std::size_t image_bytes_;
-  std::vector<double> reading_;   // lazily: the one that is shown
-  std::vector<std::byte> image_;  // lazily: the picture of it
+  // Without a thread:
+  std::vector<double> reading_;   // the one that is shown
+  std::vector<std::byte> image_;  // its picture, unless stale; with a thread: shown before the first picture
   bool stale_ = true;
 
+  // With a thread:
   world::Exchange<std::vector<double>> readings_;     // to the thread
-  world::Exchange<std::vector<std::byte>> pictures_;  // from it
-  std::atomic<std::uint32_t> exposures_{0};           // counts; wakes the thread
+  world::Exchange<std::vector<std::byte>> pictures_;  // from the thread
+  std::atomic<std::uint32_t> exposures_{0};           // counts readings; a change wakes the thread
   std::atomic<bool> ending_{false};
-  std::thread thread_;  // realtime only, and without agents that look
+  std::thread thread_;
 };
 
 }  // namespace visum::sensing

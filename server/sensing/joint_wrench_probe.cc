@@ -1,6 +1,7 @@
-// Kind `joint_wrench`. No engine is asked what its joints transmit: what hangs on the joint tells. Its
-// momentum changes by gravity, by contacts, by pushes, and by what comes through the joint; the first four
-// are known. Newton and Euler for the tick as a whole, about the joint's origin at its end:
+// Kind `joint_wrench`. Engines do not say what their joints transmit, so it follows from the bodies that hang
+// on the joint. Their momentum changes by gravity, by contacts, by pushes, and by the force F and torque T
+// through the joint. All but F and T are known. Newton's and Euler's laws over the whole tick, about the
+// joint's origin at the tick's end, give:
 //     F = dp/dt - m g - F_contacts - F_pushes
 //     T = dL/dt - r x m g - T_contacts - T_pushes
 #include "server/sensing/probes.h"
@@ -21,7 +22,8 @@ struct Wrench {
   }
 };
 
-// The bodies that hang on the joint, by BodyId. Fails where they hang on something else, too.
+// The bodies that hang on the joint, by BodyId. Fails where they also hang on something else: the two loads
+// could not be told apart.
 std::vector<bool> hanging_on(const world::WorldModel& model, world::JointId cut, const config::Node& config) {
   const auto stands = [&](BodyId id) { return !id.valid() || model.bodies[id.index()].fixed; };
   std::vector<bool> hangs(model.bodies.size(), false);
@@ -78,7 +80,7 @@ class JointWrenchProbe : public Probe {
   }
 
  private:
-  // What moves body i as it moves, less its weight.
+  // Adds the force and torque that move body i as it moved in the tick, without its weight.
   static void add_motion(const Moment& moment, std::size_t i, const Vector3d& about, Wrench& through) {
     const world::Body& body = moment.model.bodies[i];
     const world::BodyState &before = moment.before.bodies[i], &now = moment.now.bodies[i];

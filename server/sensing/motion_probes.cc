@@ -10,7 +10,7 @@ void put(const Eigen::Vector3d& vector, std::span<double> to) {
   for (int axis = 0; axis < 3; ++axis) to[static_cast<std::size_t>(axis)] = vector[axis];
 }
 
-// The acceleration is the mean of the tick: what the velocity changed by.
+// The acceleration is the mean over the tick: the change of the velocity, divided by the tick's length.
 class ImuProbe : public Probe {
  public:
   explicit ImuProbe(const ProbeContext& context) : mount_(context.mount) {}

@@ -14,11 +14,12 @@ using Eigen::Vector3d;
 using scene::Light;
 using scene::LightKind;
 
-constexpr double kOffSurface = 1e-6;  // share of the distance: where a shadow's ray begins
-constexpr double kGrazing = 1e-3;     // the least sine of a ray to a surface that counts
-constexpr double kEndless_m = 1e6;    // of a ray to a light that is not in the scene
+constexpr double kOffSurface =
+    1e-6;                          // a shadow's ray begins so far off the surface, as a share of the distance
+constexpr double kGrazing = 1e-3;  // flatter rays count as if this were their sine to the surface
+constexpr double kEndless_m = 1e6;  // length of a ray to a light that is infinitely far away
 
-// Of a scene without lights: some from everywhere, a sun, and a weak light from the other side.
+// The lights of a scene that names none: an ambient light, a sun, and a weak light from the other side.
 std::vector<Light> studio() {
   Light sky, sun, back;
   sky.kind = LightKind::kAmbient;
@@ -65,9 +66,8 @@ Painter::Painter(const scene::Scene& scene, const Mount& mount, const sensors::C
   }
 }
 
-// Reads the textures that something wears, each once.
 void Painter::cover_shapes(const scene::Looks& looks) {
-  std::map<std::int32_t, std::int32_t> known;  // of the scene's textures, where they are in ours
+  std::map<std::int32_t, std::int32_t> known;  // from the scene's textures to ours
   for (std::size_t i = 0; i < covers_.size(); ++i) {
     const std::int32_t number = model_.shapes[i].material;
     if (number < 0) continue;
@@ -127,7 +127,7 @@ Painter::Color Painter::own_color_of(const Hit& hit, const Ray& ray) const {
   const auto place =
       place_on(shape, X_SW * (ray.p_W + hit.distance_m * ray.direction_W), X_SW.q * hit.normal_W);
   if (!place) return color;
-  // What a pixel covers of the surface, the longer way.
+  // How much of the surface a pixel covers, in the direction in which it covers most.
   const double covers_m =
       pixel_at_1m_ * hit.distance_m / std::max(kGrazing, std::abs(hit.normal_W.dot(ray.direction_W)));
   const Texture& texture = textures_[static_cast<std::size_t>(cover.texture)];
@@ -178,7 +178,7 @@ void Painter::paint(std::span<const double> reading, std::span<std::byte> image)
   if (!taken) return;
   place(reading);
   const world::Pose X_WC = pose_of(mount_, model_, state_);
-  // Each picture has random numbers of its own, whenever and wherever it is painted.
+  // The random numbers of a picture depend on its time alone, not on when or on which thread it is painted.
   sensors::Random random(settings_.seed ^ static_cast<std::uint64_t>(header.taken_ns), settings_.name);
   std::byte* to = image.data() + sizeof header;
   for (const Vector3d& direction_C : directions_C_) {

@@ -1,4 +1,6 @@
-// A sensor whose kind comes from a plug-in: hands it the world, as far as a sensor may know it.
+// The probe of sensors that plug-ins bring. It measures nothing itself: it shows the plug-in the world, as
+// far as a sensor may know it, and the plug-in measures. Nonsense from the plug-in throws plugin::Error,
+// which becomes a fault of that sensor.
 #include <limits>
 
 #include "hwparts/plugged/plugged_sensor.h"

@@ -1,4 +1,4 @@
-// The probes of the built-in kinds. What each truth is stands in hwparts/sensors.
+// Makes the probes of the built-in kinds. hwparts/sensors says what the truth of each kind is.
 #pragma once
 
 #include "server/sensing/probe.h"
@@ -17,7 +17,7 @@ std::unique_ptr<Probe> make_contact_probe(const ProbeContext& context);
 std::unique_ptr<Probe> make_joint_wrench_probe(const ProbeContext& context);
 std::unique_ptr<Probe> make_camera_probe(const ProbeContext& context);
 
-// Of a kind that a plug-in brings; it stands in no table.
+// For a sensor that a plug-in brings: all of them share this probe, which is in no table.
 std::unique_ptr<Probe> make_plugged_probe(const Mount& mount, const plugged::PluggedSensor& sensor);
 
 }  // namespace visum::sensing

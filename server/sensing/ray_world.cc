@@ -23,11 +23,12 @@ struct Item {
   Solid solid;
   world::Pose X_WS;
   bool placed = false;
-  RTCGeometry geometry = nullptr;  // null: a plane, which has no end and is asked by itself
+  RTCGeometry geometry = nullptr;  // null: a plane, which is endless; Embree does not know it
   const world::TriangleMesh* mesh = nullptr;
 };
 
-// What the callbacks know of the ray beside Embree's own floats. Embree hands its first member back.
+// Carries the ray in double precision to the callbacks, and their best hit back. Embree hands the callbacks a
+// pointer to the first member.
 struct Query {
   RTCIntersectContext embree;
   const Ray* ray;
@@ -41,7 +42,8 @@ Query& query_of(RTCIntersectContext* context) {
   return *reinterpret_cast<Query*>(context);
 }
 
-// Where the ray first meets the solid's surface beyond its start; false where not before `nearest`.
+// Finds where the ray first meets the solid's surface beyond the ray's start. True, and noted in the query,
+// if that is nearer than the best hit so far.
 bool meet_solid(const Item& item, Query& query) {
   const Ray& ray = *query.ray;
   if (ray.blind_to.valid() && item.shape->body == ray.blind_to) return false;
@@ -67,7 +69,7 @@ void bounds_of_solid(const RTCBoundsFunctionArguments* args) {
                  half = (item.solid.high - item.solid.low) / 2;
   const Vector3d reach = item.X_WS.q.toRotationMatrix().cwiseAbs() * half;
   const Vector3d middle = item.X_WS * center;
-  // Wider than the rounding to floats and of Embree's own arithmetic.
+  // Wider than the errors of rounding to float and of Embree's own arithmetic.
   const Vector3d margin = 1e-6 * (middle.cwiseAbs() + reach) + Vector3d::Constant(1e-9);
   const Eigen::Vector3f low = (middle - reach - margin).cast<float>();
   const Eigen::Vector3f high = (middle + reach + margin).cast<float>();
@@ -84,7 +86,7 @@ void intersect_solid(const RTCIntersectFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   Query& query = query_of(args->context);
   auto& found = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  query.nearest = std::min(query.nearest, static_cast<double>(found.ray.tfar));  // of a mesh, it may be
+  query.nearest = std::min(query.nearest, static_cast<double>(found.ray.tfar));  // perhaps a mesh was nearer
   if (!meet_solid(*static_cast<const Item*>(args->geometryUserPtr), query)) return;
   found.ray.tfar = static_cast<float>(query.nearest);
   found.hit.geomID = args->geomID;
@@ -98,15 +100,15 @@ void occlude_solid(const RTCOccludedFunctionNArguments* args) {
   reinterpret_cast<RTCRay*>(args->ray)->tfar = -std::numeric_limits<float>::infinity();
 }
 
-// Passes over the triangles of the body that the ray is blind to.
+// Lets the ray pass through the triangles of the body that it is blind to.
 void filter_mesh(const RTCFilterFunctionNArguments* args) {
   const Query& query = query_of(args->context);
   const Item& item = (*query.items)[args->context->instID[0]];
   if (query.ray->blind_to.valid() && item.shape->body == query.ray->blind_to) args->valid[0] = 0;
 }
 
-// Where the ray's line meets the triangle's plane, in double precision. `about` is what to say where the two
-// are parallel.
+// Where the ray's line meets the triangle's plane, in double precision. `about`: Embree's own distance, which
+// is the answer where line and plane are nearly parallel.
 Hit meet_triangle(const Item& item, unsigned triangle, const Ray& ray, double about) {
   const auto& corners = item.mesh->triangles[triangle];
   const auto corner = [&](std::size_t i) { return item.X_WS * item.mesh->vertices[corners[i]]; };
@@ -147,7 +149,7 @@ struct RayWorld::Impl {
     rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
     add_meshes();
     add_items();
-    rtcCommitScene(scene);  // there may be nothing to place
+    rtcCommitScene(scene);  // now, since place() commits only where something moves
   }
   ~Impl() {
     rtcReleaseScene(scene);
@@ -166,7 +168,7 @@ struct RayWorld::Impl {
   RTCDevice device;
   RTCScene scene;
   std::vector<RTCScene> meshes;                 // by MeshId
-  std::map<world::MeshId, const Solid*> hulls;  // of items: shapes of one mesh have one hull
+  std::map<world::MeshId, const Solid*> hulls;  // in items: shapes of the same mesh share one hull
   std::vector<Item> items;                      // their geometries have their indices
 };
 

@@ -1,9 +1,13 @@
-// All that is to be seen of a world (shapes that are not wholly transparent), and rays through it. A surface
-// stops a ray from both sides. Embree says which surface a ray meets first; where it does is then computed in
-// double precision from that surface, so that the answer does not hang on the processor. Embree stays inside
-// ray_world.cc, with its slowest instruction set (SSE2) and one thread: the same on every machine.
+// Casts rays through the visible shapes of a world: those that are not wholly transparent. A surface stops a
+// ray from both sides.
 //
-// place() and cast() on one thread at a time. Nothing of ours allocates there; Embree does inside.
+// Embree finds the surface that a ray meets first. Where exactly the ray meets it is then computed in double
+// precision from that surface, so that the answer does not depend on the processor. Embree stays inside
+// ray_world.cc. It uses one thread and its slowest instruction set (SSE2), which is the same on every
+// machine.
+//
+// place(), cast() and blocked() must be called by one thread at a time. Nothing of ours allocates there;
+// Embree does inside.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +22,7 @@ struct Ray {
   Eigen::Vector3d p_W;
   Eigen::Vector3d direction_W;  // unit
   double length_m = 0.0;
-  world::BodyId blind_to;  // a body that it passes through: the one that carries the sensor
+  world::BodyId blind_to;  // the ray passes through this body: the one that carries the sensor
 };
 
 struct Hit {
@@ -29,17 +33,17 @@ struct Hit {
 
 class RayWorld {
  public:
-  // Keeps the reference. Throws std::runtime_error where Embree cannot be had.
+  // Keeps the reference. Throws std::runtime_error where Embree does not start.
   explicit RayWorld(const world::WorldModel& model);
   ~RayWorld();
   RayWorld(const RayWorld&) = delete;
   RayWorld& operator=(const RayWorld&) = delete;
 
-  // Where the bodies are from now on; before the first cast().
+  // Moves the shapes to where this state has their bodies. Needed once before the first cast().
   void place(const world::WorldState& state);
 
   Hit cast(const Ray& ray) const;      // the nearest surface
-  bool blocked(const Ray& ray) const;  // any surface
+  bool blocked(const Ray& ray) const;  // whether there is any surface within the ray's length
 
  private:
   struct Impl;

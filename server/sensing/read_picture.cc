@@ -40,8 +40,9 @@ std::string read_png(const std::string& bytes, int max_side, int max_pixels, Pic
   return {};
 }
 
-// libjpeg ends what it was at by a jump out of its callbacks. Nothing with a destructor may stand between:
-// what is made in between lives here.
+// libjpeg reports an error through a callback that must not return, so the callback jumps out (longjmp). The
+// jump runs no destructors. Therefore everything that is made on the way lives in this struct, outside of the
+// jump.
 struct JpegJob {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -56,12 +57,12 @@ void leave(j_common_ptr jpeg) {
   std::longjmp(job.out, 1);
 }
 
-// A warning means that something is missing or made up.
+// Treats a warning as an error: libjpeg has left something out, or made it up.
 void warn(j_common_ptr jpeg, int level) {
   if (level < 0) leave(jpeg);
 }
 
-// A progressive picture may have any number of scans, each of which takes as long as all of a usual one.
+// Ends a progressive picture with too many scans: each takes as long as a whole usual picture.
 void watch_scans(j_common_ptr jpeg) {
   auto& job = *static_cast<JpegJob*>(jpeg->client_data);
   if (job.jpeg.input_scan_number <= kMaxScans) return;

@@ -1,4 +1,5 @@
-// All sensors of a world with what feeds them. Made anew when bodies come or go. Lives on the tick's thread.
+// Feeds all sensors of a world: holds a probe for each, and lets it measure when the sensor is due. Lives on
+// the tick's thread; the Simulation owns it, and makes a new one when bodies come or go.
 #pragma once
 
 #include <memory>
@@ -13,15 +14,16 @@ namespace visum::sensing {
 
 class Senses {
  public:
-  // One sensor for each of the scene's plans, in their order. Keeps references to both, and leaves the
-  // sensors as they are. Throws ConfigError.
+  // `sensors`: one for each of the scene's sensor plans, in their order. Keeps references to scene and
+  // sensors. Does not change the sensors yet, so that a construction that throws (ConfigError) leaves the old
+  // Senses in use.
   Senses(const scene::Scene& scene, std::span<sensors::Sensor* const> sensors);
 
-  // Once, before the first feel(): the sensors are fed from here from now on.
+  // Attaches the probes to their sensors. Once, before the first feel().
   void attach();
 
-  // Fills the truth of the sensors that are due. The engines' step is done, the sensors' publish() comes
-  // next.
+  // Fills the truth of the sensors that are due. Comes after the engines' step and before the sensors'
+  // publish().
   void feel(const world::WorldState& before, const world::WorldState& now,
             std::span<const collision::Contact> contacts, std::span<const dynamics::Wrench> pushes);
 
@@ -33,7 +35,7 @@ class Senses {
 
   const scene::Scene& scene_;
   std::vector<Bound> bound_;
-  std::unique_ptr<RayWorld> rays_;  // null: nobody wants any
+  std::unique_ptr<RayWorld> rays_;  // null: no probe wants rays
 };
 
 }  // namespace visum::sensing

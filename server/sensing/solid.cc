@@ -16,6 +16,7 @@ Passage miss() {
   return {kNever, -kNever};
 }
 
+// Cuts off the part of the passage that lies outside of a half-space.
 void clip(Passage& passage, const HalfSpace& half, const Vector3d& p, const Vector3d& d) {
   const double speed = half.normal.dot(d);
   const double ahead = half.offset - half.normal.dot(p);
@@ -33,8 +34,8 @@ void clip(Passage& passage, const HalfSpace& half, const Vector3d& p, const Vect
   }
 }
 
-// Through |x - center| <= radius, of which only the components with a 1 in `mask` count: a ball, or a bar.
-// With m the point of the line that is nearest to the centre, |m + s d|² = radius² without cancellation.
+// Passes through |x - center| <= radius. Only the components with a 1 in `mask` count: all make a ball, x and
+// y a bar. Uses m, the point of the line nearest to the centre: |m + s d|² = radius² suffers no cancellation.
 Passage pass_round(const Vector3d& mask, double radius, const Vector3d& from_center, const Vector3d& d) {
   const Vector3d flat_d = mask.cwiseProduct(d), flat_p = mask.cwiseProduct(from_center);
   const double square = flat_d.squaredNorm();
@@ -49,7 +50,7 @@ Passage pass_round(const Vector3d& mask, double radius, const Vector3d& from_cen
 
 const Vector3d kAll(1, 1, 1), kAcross(1, 1, 0);
 
-// What is inside of either; together they are convex.
+// The union of two passages, for solids whose union is convex.
 Passage joined(const Passage& a, const Passage& b) {
   if (a.in > a.out) return b;
   if (b.in > b.out) return a;

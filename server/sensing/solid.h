@@ -1,5 +1,5 @@
-// Where a line passes through a convex solid: in double precision, from the solid's own formula, so that a
-// ball is a ball. Everything is in the solid's own frame.
+// Computes where a line passes through a convex solid, in double precision and from the solid's own formula:
+// a ball stays round, however near one looks. Everything is in the solid's own frame. Pure functions.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,8 +10,8 @@
 
 namespace visum::sensing {
 
-// The part of the line p + t d that lies inside: in <= t <= out, with the surface's normals there.
-// in > out: it misses.
+// The part of the line p + t d that lies inside the solid: in <= t <= out, with the surface's normals at both
+// ends. Where in > out, the line misses the solid.
 struct Passage {
   double in = -std::numeric_limits<double>::infinity();
   double out = std::numeric_limits<double>::infinity();
@@ -19,13 +19,14 @@ struct Passage {
   Eigen::Vector3d normal_out = Eigen::Vector3d::Zero();
 };
 
-// All x with normal . x <= offset.
+// All points x with normal . x <= offset.
 struct HalfSpace {
   Eigen::Vector3d normal;  // unit, outwards
   double offset;
 };
 
-// What all half-spaces have in common, and, where there is one, a ball or a round bar about z.
+// The intersection of its half-spaces with a ball, an endless round bar about z, or a capsule, if `round`
+// says so.
 struct Solid {
   enum class Round { kNone, kBall, kBar, kCapsule };
   std::vector<HalfSpace> faces;
@@ -35,7 +36,7 @@ struct Solid {
   Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  // of a box around it
 };
 
-// Of every kind but a mesh. The box around a plane is not to be used.
+// For shapes of every kind but a mesh. The solid of a plane has no box: it is endless.
 Solid make_solid(const world::WorldModel& model, const world::Shape& shape);
 
 Passage pass_through(const Solid& solid, const Eigen::Vector3d& p, const Eigen::Vector3d& d);

@@ -13,15 +13,15 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kTwoPi = 6.28318530717958647693;
-constexpr double kPlaneCorner_m = -30.0;  // of what the page shows of a plane
+constexpr double kPlaneCorner_m = -30.0;  // x and y: the page shows a plane from this corner on
 
-// How far about the axis, m: from -y to the left, as the page's cylinders have it.
+// The way around the axis, m, as the page lays pictures on cylinders: it begins at -y.
 double around(const Vector3d& p, double radius) {
   const double angle = config::arc_tangent(p.x(), -p.y());
   return radius * (angle < 0.0 ? angle + kTwoPi : angle);
 }
 
-// Each face for itself, as seen from outside.
+// Each face has the picture for itself, as seen from outside.
 std::array<double, 2> place_on_box(const Vector3d& half, const Vector3d& p, const Vector3d& normal) {
   int axis = 0;
   normal.cwiseAbs().maxCoeff(&axis);
@@ -51,7 +51,7 @@ Texture::Texture(const scene::Texture& file) {
   while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(half_of(levels_.back()));
 }
 
-// Each pixel is the mean of four, or of two where one side is a single pixel.
+// Each pixel is the mean of four, or of two where the picture is one pixel wide or high.
 Texture::Level Texture::half_of(const Level& level) {
   Level half{std::max(1, level.width / 2), std::max(1, level.height / 2), {}};
   const auto at = [&](int column, int row, int channel) {
@@ -89,7 +89,7 @@ Vector3d Texture::between(const Level& level, double u, double v) {
          down * ((1.0 - right) * pixel(level, column, row + 1) + right * pixel(level, column + 1, row + 1));
 }
 
-// The two levels between whose pixels the viewer's one lies, in parts: 1 to 2 pixels of the first.
+// Mixes two levels. The viewer's pixel covers 1 to 2 pixels of the first, and so lies between both in size.
 Vector3d Texture::at(double u, double v, double across) const {
   double pixels = across * std::max(levels_[0].width, levels_[0].height);
   std::size_t level = 0;

@@ -1,6 +1,6 @@
-// The latest value of something big, handed from one thread to another without a lock and without waiting: a
-// triple buffer. The writer fills its own copy and swaps it in; the reader takes the newest when it wants
-// one.
+// A triple buffer: hands the latest value of something large from one thread to another, without a lock and
+// without waiting. The writer fills its own copy and swaps it in; the reader takes the newest when it wants
+// one. One writer thread, one reader thread. Values that the reader does not take are overwritten.
 #pragma once
 
 #include <array>
@@ -11,12 +11,13 @@ namespace visum::world {
 template <typename T>
 class Exchange {
  public:
-  // The writer's copy: any older value, to be overwritten whole.
+  // Writer: its copy holds any older value, and has to be overwritten as a whole before publish().
   T& back() { return copies_[back_]; }
   void publish() { back_ = middle_.exchange(back_ | kFresh, std::memory_order_acq_rel) & kIndex; }
 
-  // The reader's copy: the newest value published before the last refresh().
+  // Reader: the newest value that was published before the last refresh().
   const T& front() const { return copies_[front_]; }
+  // Reader: takes the newest value; false: nothing was published since.
   bool refresh() {
     if (!(middle_.load(std::memory_order_relaxed) & kFresh)) return false;
     front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kIndex;
@@ -26,8 +27,9 @@ class Exchange {
  private:
   static constexpr unsigned kFresh = 4, kIndex = 3;
   std::array<T, 3> copies_{};
+  // Indices into copies_: the writer's, the one in between, the reader's. Always three different ones.
   unsigned back_ = 0;
-  std::atomic<unsigned> middle_{1};
+  std::atomic<unsigned> middle_{1};  // with kFresh where the reader has not seen it
   unsigned front_ = 2;
 };
 

@@ -11,7 +11,7 @@ constexpr double kMinCfm = 1e-9;  // below, ODE's direct solver aborts on contra
 constexpr int kMaxIterations = 100'000;
 constexpr double kMinMassKg = 1e-9;
 constexpr double kMaxMassKg = 1e12;
-constexpr double kInertiaTolerance = 1e-6;  // relative: what files with six digits may be off
+constexpr double kInertiaTolerance = 1e-6;  // relative: files with six digits are off by so much
 
 std::string engine_fault(const EngineSetting& engine) {
   if (engine.iterations < 1 || engine.iterations > kMaxIterations) return "needs 1 to 100000 iterations";
@@ -34,7 +34,7 @@ std::string find_setting_fault(const WorldModel& model) {
   return "";
 }
 
-// The triangle inequality A + B >= C is what tells the inertia of a real solid from three arbitrary numbers.
+// The triangle inequality A + B >= C tells the inertia of a real solid from three arbitrary numbers.
 std::string inertia_fault(const Eigen::Matrix3d& inertia) {
   if (!inertia.allFinite()) return "has an inertia that is not finite";
   const double scale = inertia.cwiseAbs().maxCoeff();
@@ -75,8 +75,7 @@ std::string find_body_fault(const WorldModel& model) {
     return "there are more than " + std::to_string(kMaxBodies) + " bodies";
   std::unordered_set<std::string> names;
   for (const Body& body : model.bodies) {
-    if (const std::string fault = body_fault(model, body); !fault.empty())
-      return "body " + quoted(body.name) + " " + fault;
+    if (std::string fault = fault_of(model, body); !fault.empty()) return fault;
     if (!names.insert(body.name).second) return "there are two bodies called " + quoted(body.name);
   }
   return "";
@@ -95,6 +94,11 @@ std::string find_pair_fault(const WorldModel& model) {
 }
 
 }  // namespace
+
+std::string fault_of(const WorldModel& model, const Body& body) {
+  const std::string fault = body_fault(model, body);
+  return fault.empty() ? "" : "body " + quoted(body.name) + " " + fault;
+}
 
 std::string find_fault(const WorldModel& model) {
   for (const auto find :

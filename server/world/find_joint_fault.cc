@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kMaxStiffness = 1e12;
 
-// What stands still without a joint: the world itself, or a fixed body.
+// The world itself and fixed bodies stand still without a joint.
 bool is_ground(const WorldModel& model, BodyId body) {
   return !body.valid() || model.bodies[body.index()].fixed;
 }
@@ -90,12 +90,13 @@ std::string joint_fault(const WorldModel& model, const Joint& joint) {
   return stops_fault(joint);
 }
 
-// Joints that carry must come parents first; that also rules out a tree that bites its own tail. A body's
-// second joint closes a loop and may stand anywhere after its first.
+// Checks the order of the joints that carry bodies: parents first. That order also rules out a tree that
+// bites its own tail. A body's second joint closes a loop and may stand anywhere after its first.
 class TreeOrder {
  public:
   explicit TreeOrder(const WorldModel& model) : hangs_(model.bodies.size()), carries_(model.bodies.size()) {}
 
+  // True if the joint may stand here, after those that were accepted before.
   bool accepts(const Joint& joint) {
     if (!carries(joint.kind)) return true;
     if (!hangs_[joint.child.index()] && carries_[joint.child.index()]) return false;
@@ -110,12 +111,16 @@ class TreeOrder {
 
 }  // namespace
 
+std::string fault_of(const WorldModel& model, const Joint& joint) {
+  const std::string fault = joint_fault(model, joint);
+  return fault.empty() ? "" : "joint " + quoted(joint.name) + " " + fault;
+}
+
 std::string find_joint_fault(const WorldModel& model) {
   std::unordered_set<std::string> names;
   TreeOrder order(model);
   for (const Joint& joint : model.joints) {
-    if (const std::string fault = joint_fault(model, joint); !fault.empty())
-      return "joint " + quoted(joint.name) + " " + fault;
+    if (std::string fault = fault_of(model, joint); !fault.empty()) return fault;
     if (!order.accepts(joint))
       return "joint " + quoted(joint.name) + " stands after a joint below it, or closes a cycle";
     if (!names.insert(joint.name).second) return "there are two joints called " + quoted(joint.name);

@@ -7,11 +7,11 @@ namespace {
 
 constexpr double kMinSizeM = 1e-6;
 constexpr std::size_t kMinHullVertices = 4;
-constexpr std::size_t kMaxHullVertices = 4096;  // support search is linear
-constexpr double kMinHullFlatness =
-    1e-9;  // least over largest spread (squared lengths): below, it has no volume
+constexpr std::size_t kMaxHullVertices = 4096;  // the search for a support point is linear
+// Least over largest spread of the vertices, as squared lengths. A hull that is flatter has no volume.
+constexpr double kMinHullFlatness = 1e-9;
 
-std::string surface_fault(const Surface& surface) {
+std::string friction_fault(const Surface& surface) {
   if (!is_in_range(surface.friction, 0.0, kMaxMagnitude)) return "needs a friction of at least 0";
   if (!is_in_range(surface.restitution, 0.0, 1.0)) return "needs a restitution from 0 to 1";
   if (!is_in_range(surface.rolling_friction, 0.0, kMaxMagnitude))
@@ -21,7 +21,12 @@ std::string surface_fault(const Surface& surface) {
   return "";
 }
 
-std::string mesh_fault(const TriangleMesh& mesh) {
+std::string surface_fault(const Surface& surface) {
+  const std::string fault = friction_fault(surface);
+  return fault.empty() ? "" : "surface " + quoted(surface.name) + " " + fault;
+}
+
+std::string triangles_fault(const TriangleMesh& mesh) {
   if (mesh.vertices.empty()) return "has no vertices";
   for (const Eigen::Vector3d& vertex : mesh.vertices) {
     if (!is_placed(vertex)) return "has a vertex that is not finite or beyond 1e6 m";
@@ -32,6 +37,11 @@ std::string mesh_fault(const TriangleMesh& mesh) {
     }
   }
   return "";
+}
+
+std::string mesh_fault(const TriangleMesh& mesh) {
+  const std::string fault = triangles_fault(mesh);
+  return fault.empty() ? "" : "mesh " + quoted(mesh.name) + " " + fault;
 }
 
 bool has_volume(const TriangleMesh& mesh) {
@@ -88,27 +98,39 @@ std::string shape_fault(const WorldModel& model, const Shape& shape) {
 
 std::string find_surface_and_mesh_fault(const WorldModel& model) {
   for (const Surface& surface : model.surfaces) {
-    if (const std::string fault = surface_fault(surface); !fault.empty())
-      return "surface " + quoted(surface.name) + " " + fault;
+    if (std::string fault = surface_fault(surface); !fault.empty()) return fault;
   }
   std::size_t triangles = 0;
   for (const TriangleMesh& mesh : model.meshes) {
-    if (const std::string fault = mesh_fault(mesh); !fault.empty())
-      return "mesh " + quoted(mesh.name) + " " + fault;
+    if (std::string fault = mesh_fault(mesh); !fault.empty()) return fault;
     triangles += mesh.triangles.size();
   }
   if (triangles > kMaxTriangles) return "there are more than " + std::to_string(kMaxTriangles) + " triangles";
   return "";
 }
 
+// Without the shape's surface and mesh, which find_fault() checks once and not for each shape.
+std::string own_fault(const WorldModel& model, const Shape& shape) {
+  const std::string fault = shape_fault(model, shape);
+  return fault.empty() ? "" : "shape " + quoted(shape.name) + " " + fault;
+}
+
 }  // namespace
+
+std::string fault_of(const WorldModel& model, const Shape& shape) {
+  if (shape.surface.valid() && shape.surface.index() < model.surfaces.size())
+    if (std::string fault = surface_fault(model.surfaces[shape.surface.index()]); !fault.empty())
+      return fault;
+  if (shape.mesh.valid() && shape.mesh.index() < model.meshes.size())
+    if (std::string fault = mesh_fault(model.meshes[shape.mesh.index()]); !fault.empty()) return fault;
+  return own_fault(model, shape);
+}
 
 std::string find_shape_fault(const WorldModel& model) {
   if (std::string fault = find_surface_and_mesh_fault(model); !fault.empty()) return fault;
   BodyId previous;
   for (const Shape& shape : model.shapes) {
-    if (const std::string fault = shape_fault(model, shape); !fault.empty())
-      return "shape " + quoted(shape.name) + " " + fault;
+    if (std::string fault = own_fault(model, shape); !fault.empty()) return fault;
     if (shape.body < previous) return "shape " + quoted(shape.name) + " is not in the order of the bodies";
     previous = shape.body;
   }

@@ -1,4 +1,5 @@
-// Typed indices: a BodyId cannot be taken for a JointId. Stable for the life of a world; -1 is none.
+// Typed indices, so that a BodyId cannot be passed as a JointId. An id is stable until a body is removed; -1
+// means none.
 #pragma once
 
 #include <compare>

@@ -24,9 +24,9 @@ bool moves_its_child(const Joint& joint) {
   return is_drivable(joint.kind) && joint.initial_position != 0.0;
 }
 
-// Where the links stand once the initial positions are in force: each joint passes on to its child the
-// displacement of its parent, and adds its own. Joints stand parents first, so that one pass does. A link
-// that nothing displaces keeps the pose of the model to the bit.
+// The poses of the links with all initial positions applied. Each joint passes the displacement of its parent
+// on to its child and adds its own. Joints stand parents first, so one pass is enough. A link that nothing
+// displaces keeps the pose of the model to the bit.
 std::vector<Pose> displaced_links(const WorldModel& model) {
   std::vector<Pose> links;
   for (const Body& body : model.bodies) links.push_back(body.X_WB);
@@ -51,7 +51,8 @@ BodyState body_state(const Body& body, const Pose& X_WB) {
   return {X_WB.p + p_BC_W, X_WB.q, body.v_WB + body.w_WB.cross(p_BC_W), body.w_WB};
 }
 
-// A curve may come near itself: which of its places is meant is settled here, and followed from then on.
+// A curve may come near itself. The start decides which of its places is meant; measuring then follows that
+// one.
 double start_position(const Joint& joint) {
   if (joint.kind == JointKind::kPointOnCurve) return joint.curve_J.nearest(Eigen::Vector3d::Zero());
   return joint.initial_position;

@@ -1,5 +1,6 @@
-// The kinds of joint: what each holds, leaves free, and measures. P is the joint's point on the child (the
-// origin of X_CJ), a the axis fixed to the parent, b the axis fixed to the child.
+// The kinds of joint: what each kind holds, and which coordinate it measures. P is the joint's point on the
+// child (the origin of X_CJ), a the axis fixed to the parent, b the axis fixed to the child. Constant; any
+// thread.
 //
 //   kind            holds                                        coordinate (JointState)
 //   fixed           all six                                      -
@@ -25,10 +26,10 @@ namespace visum::world {
 struct JointKindInfo {
   JointKind kind;
   const char* name;     // in scene files and on the wire
-  bool carries;         // makes a tree: a body's first joint of such a kind carries it
-  bool drivable;        // one axis with stops, friction, damping and a drive
-  bool is_angle;        // the coordinate is one
-  bool holds_anything;  // false: a force
+  bool carries;         // a body's first joint of such a kind carries it: these joints make the tree
+  bool drivable;        // has one axis that may have stops, friction, damping and a drive
+  bool is_angle;        // the coordinate is an angle
+  bool holds_anything;  // false: the joint is only a force
 };
 
 std::span<const JointKindInfo> joint_kinds();
@@ -41,7 +42,7 @@ inline bool is_drivable(JointKind kind) {
   return info(kind).drivable;
 }
 
-// How far along its axis a screw has moved at this angle, m.
+// How far a screw has moved along its axis at this angle (rad), m.
 double screw_lift(const Joint& joint, double angle);
 
 }  // namespace visum::world

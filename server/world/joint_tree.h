@@ -1,5 +1,5 @@
-// The tree that joints make of bodies. A body's first joint that carries (joint_kinds.h) carries it;
-// a second one closes a loop.
+// The tree that joints make of the bodies. A body hangs on its first joint of a kind that carries
+// (joint_kinds.h). A second such joint closes a loop. Pure functions.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace visum::world {
 
-// By BodyId: the joint that carries the body; invalid for what stands free or is fixed.
+// By BodyId: the joint that carries the body; invalid for bodies that are free or fixed.
 std::vector<JointId> carrying_joints(const WorldModel& model);
 
 }  // namespace visum::world

@@ -28,12 +28,12 @@ struct Side {
   return {X_WJ, motion.v_WC + motion.w_WB.cross(X_WJ.p - motion.p_WC), motion.w_WB};
 }
 
-// Of the child's J origin against the parent, in W.
+// The velocity of the child's J origin against the parent, in W.
 Eigen::Vector3d relative_velocity(const Side& parent, const Side& child) {
   return child.v_WJ - parent.v_WJ - parent.w_W.cross(child.X_WJ.p - parent.X_WJ.p);
 }
 
-// Most joints' frames are turned as their body is.
+// q_WB * q_BJ. Spares the product where the joint's frame is turned as its body is, as most are.
 [[gnu::always_inline]] inline const Eigen::Quaterniond& turned_by(const Eigen::Quaterniond& q_WB,
                                                                   const Eigen::Quaterniond& q_BJ,
                                                                   Eigen::Quaterniond& product) {
@@ -42,7 +42,7 @@ Eigen::Vector3d relative_velocity(const Side& parent, const Side& child) {
   return product;
 }
 
-// As std::round, which is a call; seldom is more than half a turn to be gone back.
+// As std::round, but without a call in the usual case of less than half a turn.
 double nearest(double turns) {
   return std::abs(turns) < 0.5 ? std::copysign(0.0, turns) : std::round(turns);
 }
@@ -54,19 +54,19 @@ void measure_angle(const Joint& joint, const WorldState& world, double elapsed_s
   const Eigen::Quaterniond& p = turned_by(parent.q_WB, joint.X_PJ.q, parent_product);
   const Eigen::Quaterniond& c = turned_by(child.q_WB, joint.X_CJ.q, child_product);
   const Eigen::Vector3d u = p.vec(), t = c.vec(), &axis = joint.axis_J;
-  // Of conj(p) c, the share about the axis, and the rest.
+  // The quaternion conj(p) c, split into its share about the axis and the rest.
   const double along = axis.dot(p.w() * t - c.w() * u - u.cross(t));
   const double angle = 2.0 * config::arc_tangent(along, p.w() * c.w() + u.dot(t));
   const Eigen::Vector3d across = 2.0 * u.cross(axis);
   const Eigen::Vector3d axis_W = axis + p.w() * across + u.cross(across);
   const double velocity = axis_W.dot(child.w_WB - parent.w_WB);
-  // Of the angles that look the same, the one nearest to where the mean velocity leads.
+  // Chooses among the angles that look the same the one nearest to where the mean velocity leads.
   const double expected = state.position + 0.5 * elapsed_s * (state.velocity + velocity);
   state.position = angle + kTurn * nearest((expected - angle) * (1.0 / kTurn));
   state.velocity = velocity;
 }
 
-// By force: of a side only what is asked for is then worked out.
+// Forced inline, so that the compiler leaves out those members of a Side that the kind does not use.
 [[gnu::always_inline]] inline void measure_distance(const Joint& joint, const Side& parent, const Side& child,
                                                     JointState& state) {
   const Eigen::Vector3d axis_W = parent.X_WJ.q * joint.axis_J;

@@ -1,5 +1,6 @@
-// A saved state: the tick, then each list as its length (64 bits) and its items' fields in the order of their
-// declaration; quaternions as x y z w. Native endianness: a snapshot stays on its machine.
+// Writes and reads a state as bytes: the tick, then each list as its length (64 bits) and its items' fields
+// in the order of their declaration, quaternions as x y z w. Native endianness: a snapshot stays on its
+// machine.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
@@ -27,7 +28,8 @@ class Appender {
   std::vector<std::byte>& bytes_;
 };
 
-// Takes from the front what an Appender put there; from bytes that are too few it takes nothing any more.
+// Reads from the front what an Appender wrote. Once the bytes are too few it reads nothing more, and
+// complete() is false.
 class Taker {
  public:
   explicit Taker(std::span<const std::byte> bytes) : left_(bytes) {}
@@ -47,7 +49,7 @@ class Taker {
   void take(Eigen::PlainObjectBase<Derived>& vector) {
     take(vector.data(), static_cast<std::size_t>(vector.size()));
   }
-  // A list's length, which is known.
+  // Reads the length of a list that must have this length.
   void expect(std::size_t length) {
     std::uint64_t found = 0;
     take(&found, 1);
@@ -120,7 +122,7 @@ std::span<const std::byte> load(std::span<const std::byte> bytes, const WorldMod
   from.expect(model.engines.size());
   taken.engines.resize(model.engines.size());
   for (auto& engine : taken.engines) from.take_list(engine);
-  // From half of what nanoseconds can count on there is room to go on.
+  // Half of the nanoseconds that 64 bits can count: the restored world needs room to go on.
   const std::int64_t last_tick = std::numeric_limits<std::int64_t>::max() / model.tick_ns / 2;
   if (!from.complete() || taken.tick < 0 || taken.tick > last_tick) {
     fault = "the state is not one of this world";

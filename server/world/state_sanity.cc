@@ -7,7 +7,7 @@
 namespace visum::world {
 namespace {
 
-constexpr double kQuaternionDrift = 1e-3;  // what an engine may leave between two normalisations, amply
+constexpr double kQuaternionDrift = 1e-3;  // amply more than an engine leaves between two normalisations
 
 const char* body_offence(const BodyState& body) {
   if (!is_placed(body.p_WC)) return "has a position that is not finite or beyond 1e6 m";
@@ -18,7 +18,7 @@ const char* body_offence(const BodyState& body) {
   return nullptr;
 }
 
-// Two doubles that are worked on at once.
+// Two doubles in one vector register.
 using Pair = double __attribute__((vector_size(16)));
 
 Pair pair_at(const double* from) {
@@ -27,8 +27,9 @@ Pair pair_at(const double* from) {
   return pair;
 }
 
-// Sums of squares over many bodies or joints: where they are small all is sane, by few instructions and no
-// branches. A sum that is large or no number says nothing: then all are looked at one by one.
+// A fast first look: where the sums of squares over all bodies or joints are small, all are sane. That takes
+// few instructions and no branches. A sum that is large or NaN decides nothing: then each one is looked at by
+// itself.
 bool are_quiet(std::span<const BodyState> bodies) {
   Pair sums{0.0, 0.0};
   double size = 0.0, drift = 0.0;

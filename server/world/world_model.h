@@ -1,6 +1,6 @@
-// The constant half of a world: what bodies, shapes, joints and surfaces there are. Built once by a scene (or
-// by a test), checked by find_fault(), then never changed while ticking; adding or removing a body builds a
-// new model.
+// The constant half of a world: its bodies, shapes, joints, surfaces and engines. A scene (or a test) builds
+// it once, find_fault() checks it, and then it does not change while the world ticks. Adding or removing a
+// body makes a new model.
 //
 // Frames: W world (right-handed, z up), B a body's link frame (as in the URDF), C its centre of mass (axes
 // parallel to B), S a shape, J a joint. p_BC is the vector from B's origin to C's, in B. X_BS maps S
@@ -28,13 +28,14 @@ struct Pose {
   Pose inverse() const { return {q.conjugate() * -p, q.conjugate()}; }
 };
 
-// How two surfaces act together: friction is the geometric mean, all else the larger of both.
+// The material of a shape, as far as contacts need it. Where two surfaces touch, friction is the geometric
+// mean and everything else the larger of both.
 struct Surface {
   std::string name;
   double friction = 0.8;            // Coulomb, >= 0
   double restitution = 0.0;         // 0..1
   double rolling_friction = 0.0;    // m, >= 0: torque against rolling for each N of the normal force
-  double torsional_friction = 0.0;  // m, >= 0: likewise against spinning about the normal
+  double torsional_friction = 0.0;  // m, >= 0: the same against spinning about the normal
 };
 
 struct TriangleMesh {
@@ -55,16 +56,15 @@ struct Shape {
   MeshId mesh;  // convex: the hull of its vertices
   Pose X_BS;
   SurfaceId surface;
-  bool collides = true;  // false: only to be looked at
+  bool collides = true;  // false: the shape is only seen
   std::array<double, 4> color{0.7, 0.7, 0.7, 1.0};
-  std::int32_t material =
-      -1;  // how it looks, for viewers: index into the scene's materials; -1: its colour alone
+  std::int32_t material = -1;  // for viewers: index into the scene's materials; -1: the colour alone
 };
 
 struct Body {
   std::string name;    // "box", "arm/link_3"
-  std::string model;   // "arm"; empty: stands alone
-  bool fixed = false;  // scenery: never moves; mass and inertia are then not used
+  std::string model;   // "arm"; empty: belongs to no model
+  bool fixed = false;  // scenery: never moves, and needs no mass and inertia
   double mass_kg = 0.0;
   Eigen::Vector3d p_BC = Eigen::Vector3d::Zero();
   Eigen::Matrix3d inertia_C = Eigen::Matrix3d::Zero();  // kg·m², about C, axes of B
@@ -74,7 +74,7 @@ struct Body {
   Eigen::Vector3d w_WB = Eigen::Vector3d::Zero();       // initial angular velocity, in W
 };
 
-// What each kind holds and leaves free is in joint_kinds.h.
+// joint_kinds.h says what each kind holds and measures.
 enum class JointKind {
   kFixed,
   kHinge,
@@ -101,18 +101,18 @@ struct Joint {
   Pose X_PJ;                                          // in the parent's B frame, or in W
   Pose X_CJ;                                          // in the child's B frame
   Eigen::Vector3d axis_J = Eigen::Vector3d::UnitZ();  // unit
-  Eigen::Vector3d axis2_J =
-      Eigen::Vector3d::UnitX();  // universal: of the child, unit, perpendicular to axis_J
-  double pitch_m = 0.0;          // screw: along the axis per turn
-  Curve curve_J;                 // point on curve: in the parent's J
-  double stiffness = 0.0;        // springs: N/m or N·m/rad
-  double rest = 0.0;             // springs: length or angle without a load
+  // Universal: the axis on the child, unit, perpendicular to axis_J.
+  Eigen::Vector3d axis2_J = Eigen::Vector3d::UnitX();
+  double pitch_m = 0.0;    // screw: along the axis per turn
+  Curve curve_J;           // point on curve: in the parent's J
+  double stiffness = 0.0;  // springs: N/m or N·m/rad
+  double rest = 0.0;       // springs: length or angle without a load
   bool limited = false;
   double lower = 0.0;  // mechanical stops
   double upper = 0.0;
   double stop_restitution = 0.0;
-  double friction = 0.0;  // constant, N·m or N; of a joint that no part drives
-  double damping = 0.0;   // N·m·s/rad or N·s/m; of a joint that no part drives, and of a spring
+  double friction = 0.0;  // constant, N·m or N; acts where no part drives the joint
+  double damping = 0.0;   // N·m·s/rad or N·s/m; acts where no part drives the joint, and in a spring
   double initial_position = 0.0;
 };
 
@@ -121,15 +121,15 @@ struct EngineSetting {
   std::string name;               // row of the engine table, "ode"
   std::string step = "world";     // ode: "world" (dWorldStep) or "quick" (QuickStep)
   int iterations = 20;            // ode quick
-  double erp = 0.2;               // ode: share of a joint's error corrected per step
+  double erp = 0.2;               // ode: share of a joint's error that is corrected per step
   double cfm = 1e-9;              // ode: softness; >= 1e-9 keeps contradictory joints solvable
   std::string solver = "direct";  // impulse: "direct" (all joints of a mechanism at once) or "iterate"
-  int order = 2;                  // impulse: of the step's error, 2, 4 or 6
-  double d_max = 0.0;             // impulse: gap that a joint may have, m and rad; 0: what suits the order
-  double v_max = 1e-4;            // impulse iterate: relative velocity that a joint may have, m/s and rad/s
-  int budget = 100;               // impulse iterate: corrections of each joint per tick
-  double sleep_s = 0.0;           // impulse: what has stood still for so long sleeps; 0: nothing sleeps
-  std::string impact = "newton";  // impulse: "newton" or "poisson", what restitution means
+  int order = 2;                  // impulse: order of the step's error, 2, 4 or 6
+  double d_max = 0.0;    // impulse: gap that a joint may have, m and rad; 0: chosen to suit the order
+  double v_max = 1e-4;   // impulse iterate: relative velocity that a joint may have, m/s and rad/s
+  int budget = 100;      // impulse iterate: corrections of each joint per tick
+  double sleep_s = 0.0;  // impulse: bodies that stood still for so long sleep; 0: none ever sleeps
+  std::string impact = "newton";  // impulse: "newton" or "poisson", the meaning of restitution
 };
 
 struct WorldModel {
@@ -142,9 +142,11 @@ struct WorldModel {
   std::vector<Body> bodies;
   std::vector<Shape> shapes;  // sorted by body
   std::vector<Joint> joints;  // parents before children within a model
-  // Pairs of bodies that never collide (a < b, sorted): those that a joint connects are always among them.
+  // Pairs of bodies that never collide, a < b, sorted. The bodies that a joint connects are always among
+  // them.
   std::vector<std::pair<BodyId, BodyId>> no_collision;
 
+  // By name; invalid where there is none.
   BodyId find_body(const std::string& name) const;
   JointId find_joint(const std::string& name) const;
 };
@@ -152,9 +154,18 @@ struct WorldModel {
 inline constexpr std::size_t kMaxBodies = 10'000;
 inline constexpr std::size_t kMaxTriangles = 2'000'000;
 
-// Everything that would make an engine abort or lie: finite numbers, mass > 0, A + B >= C, unit quaternions
-// and axes, sizes, mesh indices, joints within one engine, caps. Returns the first fault in words, empty if
-// there is none.
+// Looks for everything that would make an engine abort or compute nonsense: numbers that are not finite, a
+// mass of 0, moments of inertia with A + B < C, quaternions and axes that are not of unit length, bad sizes
+// and mesh indices, joints between two engines, and lists beyond their caps. Returns the first fault in
+// words, empty if there is none.
 std::string find_fault(const WorldModel& model);
+
+// The same for one thing alone, which `model` need not hold yet: a reader of scenes asks about each thing
+// where it stands in the file. Faults that lie between things (two bodies of one name, the order of joints)
+// show only in the whole model. The ids in a shape or joint refer to `model`; a shape answers for its surface
+// and its mesh, too.
+std::string fault_of(const WorldModel& model, const Body& body);
+std::string fault_of(const WorldModel& model, const Shape& shape);
+std::string fault_of(const WorldModel& model, const Joint& joint);
 
 }  // namespace visum::world

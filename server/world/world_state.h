@@ -1,5 +1,6 @@
-// The changing half of a world: flat, copyable, hashable. This is the only truth: an engine reads it before a
-// step and writes it after; restoring is assigning. Lives on the tick's thread; others get copies.
+// The changing half of a world: flat, copyable, hashable. It is the only truth: an engine reads it before a
+// step and writes it after the step, so that restoring is an assignment. Lives on the tick's thread; other
+// threads get copies.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,8 +15,8 @@
 
 namespace visum::world {
 
-// One body's motion, of its centre of mass. q is kept exactly as the engine left it: never renormalised on
-// the way.
+// The motion of one body, at its centre of mass. The quaternion stays exactly as the engine left it: it is
+// never renormalised by saving, loading or publishing.
 struct BodyState {
   Eigen::Vector3d p_WC;     // m
   Eigen::Quaterniond q_WB;  // unit
@@ -23,7 +24,7 @@ struct BodyState {
   Eigen::Vector3d w_WB;     // rad/s, in W
 };
 
-// Of a joint with one coordinate (joint_kinds.h); else all zero.
+// The state of a joint with one coordinate (joint_kinds.h). All zero for the other kinds.
 struct JointState {
   double position = 0.0;  // rad or m, unwrapped; along a curve: its parameter
   double velocity = 0.0;
@@ -34,30 +35,33 @@ struct WorldState {
   std::int64_t tick = 0;
   std::vector<BodyState> bodies;      // by BodyId, fixed ones too
   std::vector<JointState> joints;     // by JointId; derived from bodies, except that position counts turns
-  std::vector<std::uint64_t> random;  // one generator per world: its words
-  std::vector<std::vector<std::byte>>
-      engines;  // what an engine needs beyond bodies (seeds, warm starts), by engine
+  std::vector<std::uint64_t> random;  // the words of the world's one random generator
+  // By engine: what it needs to go on beside bodies and joints (seeds, warm starts).
+  std::vector<std::vector<std::byte>> engines;
 };
 
-// The scene's initial state. Applies each joint's initial position by moving the subtree below it.
+// The initial state of a scene. Each joint's initial position moves the whole subtree below the joint.
 WorldState initial_state(const WorldModel& model);
 
 Pose link_pose(const Body& body, const BodyState& state);                 // X_WB
 Eigen::Vector3d link_velocity(const Body& body, const BodyState& state);  // of B's origin, in W
 
-// Joint positions and velocities from the bodies'; angles go on from the previous ones across turns, also
-// those of which more than half is turned in the time since, `elapsed_s`.
+// Derives positions and velocities of the joints from the bodies. Angles count turns: they go on from the
+// previous ones, also where a joint turns by more than half a turn within `elapsed_s`, the time since then.
 void measure_joints(const WorldModel& model, WorldState& state, double elapsed_s = 0.0);
 
-// True if all is finite and within 1e6 m, m/s, rad/s. Names the first offender otherwise.
+// True if all numbers are finite, quaternions are of unit length, and bodies are within 1e6 m, m/s and rad/s.
+// Otherwise `offender` (may be null) gets a text that names the first body or joint.
 bool is_sane(const WorldModel& model, const WorldState& state, std::string* offender);
 
-// Appends every field, in order, without padding; state_hash is XXH64 over those bytes.
+// Appends every field in order, without padding. A world's state hash is XXH64 over these bytes and those
+// that cycle::Simulation appends.
 void save(const WorldState& state, std::vector<std::byte>& bytes);
-// The way back, for a state of this very model; returns what follows it. Where the bytes are none, or a
-// number in them is not sane, `fault` (empty before) tells so and `state` stays as it is.
+// Reads a state of this very model and returns the bytes that follow it. `fault` must be empty before. Where
+// the bytes are no such state, or a number in them is not sane, it says so and `state` stays as it is.
 std::span<const std::byte> load(std::span<const std::byte> bytes, const WorldModel& model, WorldState& state,
                                 std::string& fault);
+// XXH64 with seed 0.
 std::uint64_t hash_bytes(std::span<const std::byte> bytes);
 
 }  // namespace visum::world

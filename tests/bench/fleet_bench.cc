@@ -43,7 +43,7 @@ void fleet_ticks(benchmark::State& state, const std::string& engine) {
     simulation.tick();
     if (simulation.tick_count() < first + 2000) continue;
     state.PauseTiming();
-    simulation.restore_snapshot(start);
+    if (!simulation.restore_snapshot(start).done()) state.SkipWithError("the snapshot is gone");
     state.ResumeTiming();
   }
   if (simulation.frozen()) state.SkipWithError(simulation.fault().c_str());

@@ -45,7 +45,7 @@ void tick(benchmark::State& state, const std::string& engine, const std::string&
     gateway::fill(published, simulation, {});
     if (simulation.tick_count() == 22'000) {
       state.PauseTiming();
-      simulation.restore_snapshot(start);
+      if (!simulation.restore_snapshot(start).done()) state.SkipWithError("the snapshot is gone");
       state.ResumeTiming();
     }
   }

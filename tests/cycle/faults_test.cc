@@ -1,4 +1,5 @@
-// Faults at the borders between ticks: when they let go of what is written, and which a world cannot hold.
+// Faults at the borders between ticks: which write is the first that passes again, and which faults are too
+// large.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -26,12 +27,12 @@ hwparts::ActiveFault fault_of_robot(const char* kind, const hwparts::NamedNumber
   return {0, fault.value_or(hwparts::Fault{}), until};
 }
 
-// What is written until a fault is over is lost, and nothing after that.
+// Writes before the end of a fault are lost, later ones are not.
 void expect_a_clean_end(const hwparts::ActiveFault& fault) {
   Simulation simulation(two_link_with_tick(1'000'000));
   const auto input = [&] { return simulation.parts()[0].controller_inputs[0]; };
   const double before = input();
-  ASSERT_TRUE(simulation.inject(fault));
+  ASSERT_TRUE(simulation.inject(fault).done());
   while (simulation.tick_count() < fault.until_tick - 1) simulation.tick();
   simulation.write_inputs(0, 0, std::vector{0.1});
   simulation.tick();
@@ -54,19 +55,21 @@ TEST(FaultTooLargeForTheTick, IsRefusedAndChangesNothing) {
   Simulation simulation(two_link_with_tick(1'000));
   const auto before = simulation.state_hash();
   const std::vector<double> longest{1000.0, 0.0}, shorter{10.0, 0.0};
-  EXPECT_NE(apply(simulation, recording::InjectFault{"robot", "network_delay", longest, 0})
-                .find("'robot' would have 1000002 ticks under way"),
-            std::string::npos);
+  const auto outcome = apply(simulation, recording::InjectFault{"robot", "network_delay", longest, 0});
+  EXPECT_EQ(outcome.refusal(), Refusal::kBadValue);
+  EXPECT_NE(outcome.text().find("'robot' would have 1000002 ticks under way"), std::string::npos);
   EXPECT_EQ(simulation.state_hash(), before);
-  EXPECT_EQ(apply(simulation, recording::InjectFault{"robot", "network_delay", shorter, 0}), "");
+  EXPECT_EQ(apply(simulation, recording::InjectFault{"robot", "network_delay", shorter, 0}).text(), "");
 }
 
 TEST(FaultTooLargeForTheTick, IsNotRestoredEither) {
   Simulation slow(two_link_with_tick(1'000'000)), fast(two_link_with_tick(1'000));
-  ASSERT_TRUE(slow.inject(fault_of_robot("network_delay", {{"ms", 1000}}, 0)));
+  ASSERT_TRUE(slow.inject(fault_of_robot("network_delay", {{"ms", 1000}}, 0)).done());
   recording::State whole;
   slow.keep(whole);
-  EXPECT_NE(fast.restore(whole).find("ticks under way"), std::string::npos);
+  const auto outcome = fast.restore(whole);
+  EXPECT_EQ(outcome.refusal(), Refusal::kDamaged);
+  EXPECT_NE(outcome.text().find("ticks under way"), std::string::npos);
   EXPECT_TRUE(fast.faults().empty());
 }
 

@@ -34,7 +34,7 @@ class Sine {
 
   // The angle at each tick, without the command of that number.
   std::vector<double> run(std::optional<int> lost = {}) {
-    simulation_.restore_snapshot(begin_);
+    EXPECT_TRUE(simulation_.restore_snapshot(begin_).done());
     std::vector<double> angles;
     for (int tick = 0; tick < kTicks; ++tick) {
       const double target =
@@ -65,7 +65,7 @@ TEST(LostCommand, MakesNoJumpWhereverInTheSineItIs) {
   const double usual = largest_step(all);
   const auto [least, most] = std::ranges::minmax(all);
   ASSERT_GT(most - least, 1.8 * kAmplitude) << "the joint follows";
-  int felt = 0;  // at its ends a sine stands: a command more or less is nothing there
+  int felt = 0;  // not all are felt: at its ends the sine stands still, and one command less changes nothing
   for (int lost = 1; lost < kTicks / kPeriod; ++lost) {
     const auto angles = sine.run(lost);
     double apart = 0.0;

@@ -10,7 +10,7 @@ NetworkModel::Quality quality(double ms, double jitter_ms) {
   return NetworkModel::quality_of({&late, 1}, 1'000'000);
 }
 
-TEST(Wire, ADelayIsWholeTicksAndNeverNone) {
+TEST(NetworkModel, ADelayIsWholeTicksAndNeverNone) {
   EXPECT_EQ(quality(25.0, 3.0).delay_ticks, 25);
   EXPECT_EQ(quality(25.0, 3.0).jitter_ticks, 3);
   EXPECT_EQ(quality(2.4, 0.0).delay_ticks, 2);
@@ -19,15 +19,15 @@ TEST(Wire, ADelayIsWholeTicksAndNeverNone) {
   EXPECT_EQ(quality(0.0, 0.0), NetworkModel::Quality{});
 }
 
-TEST(Wire, HasRoomForTheLongestDelayAtUsualTicks) {
+TEST(NetworkModel, HasRoomForTheLongestDelayAtUsualTicks) {
   protocol::PartDescription part{.name = "arm"};
   part.controller_inputs.resize(70);
   part.sensor_outputs.resize(400);
   const hwparts::Fault longest{hwparts::FaultKind::kNetworkDelay, {1000, 1000}};
-  EXPECT_EQ(NetworkModel::refuse(longest, part, 1'000'000), std::nullopt);
-  EXPECT_NE(NetworkModel::refuse(longest, part, 10'000), std::nullopt);
-  EXPECT_NE(NetworkModel::refuse(longest, part, 1), std::nullopt);
-  EXPECT_EQ(NetworkModel::refuse({hwparts::FaultKind::kNetworkLoss, {1.0}}, part, 1), std::nullopt);
+  EXPECT_TRUE(NetworkModel::has_room_for(longest, part, 1'000'000).done());
+  EXPECT_EQ(NetworkModel::has_room_for(longest, part, 10'000).refusal(), Refusal::kBadValue);
+  EXPECT_EQ(NetworkModel::has_room_for(longest, part, 1).refusal(), Refusal::kBadValue);
+  EXPECT_TRUE(NetworkModel::has_room_for({hwparts::FaultKind::kNetworkLoss, {1.0}}, part, 1).done());
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "hwparts/powercube/module_bus.h"
-#include "protocol/config/config.h"
 #include "tests/support/temp_files.h"
 
 namespace visum::cycle {
@@ -49,7 +48,7 @@ TEST(Simulation, ABoxFallsAndComesToRestWithItsWeightOnTheFloor) {
   EXPECT_EQ(simulation.sim_time_ns(), 2'000'000'000);
 }
 
-// Of 50 ticks in which two rods fall from level; `settings`: lines of the scene.
+// Counts the warnings in 50 ticks in which two rods fall from level. `settings`: lines of the scene.
 std::uint64_t warnings_of_falling_rods(const std::string& settings) {
   const test::TempFiles files;
   Simulation simulation(scene::load_scene(files.write("two_rods.yaml", "visum: 1\n" + settings + R"(
@@ -131,7 +130,7 @@ TEST(Simulation, ASnapshotGoesOnWithTheSameBits) {
   const auto at_snapshot = simulation.state_hash();
   run(simulation, 400);
   const auto later = simulation.state_hash();
-  ASSERT_TRUE(simulation.restore_snapshot(snapshot));
+  ASSERT_TRUE(simulation.restore_snapshot(snapshot).done());
   EXPECT_EQ(simulation.state_hash(), at_snapshot);
   EXPECT_EQ(simulation.tick_count(), 150);
   EXPECT_EQ(simulation.era(), 2u);
@@ -150,7 +149,7 @@ TEST(Simulation, RollingBackSevenTicksChangesNothing) {
     run(rolled, 4);
     const auto snapshot = rolled.take_snapshot();
     run(rolled, 7);
-    ASSERT_TRUE(rolled.restore_snapshot(snapshot));
+    ASSERT_TRUE(rolled.restore_snapshot(snapshot).done());
     run(rolled, 7);
     ASSERT_EQ(straight.state_hash(), rolled.state_hash()) << "round " << round;
   }
@@ -168,7 +167,7 @@ TEST(Simulation, ResetGoesBackToTheSameFirstBits) {
   EXPECT_EQ(simulation.tick_count(), 0);
 }
 
-// Of the arm's joints and bodies, over all ticks up to now: is there anything but zeros?
+// True if any joint or body of the arm has a peak above zero, over all ticks up to now.
 bool has_peaks(const Simulation& simulation) {
   std::vector<double> errors(simulation.model().joints.size()), forces(simulation.model().bodies.size());
   simulation.ring()->peaks(0, simulation.tick_count(), errors, forces);
@@ -203,7 +202,7 @@ TEST(Simulation, ARestoredWorldHasItsFollowingErrorsAndNoPeaks) {
   const auto errors = errors_of(simulation);
   run(simulation, 50);
   ASSERT_NE(errors_of(simulation), errors);
-  ASSERT_TRUE(simulation.restore_snapshot(snapshot));
+  ASSERT_TRUE(simulation.restore_snapshot(snapshot).done());
   EXPECT_EQ(errors_of(simulation), errors);
   EXPECT_FALSE(has_peaks(simulation));
   run(simulation, 1);
@@ -221,8 +220,8 @@ TEST(Simulation, ThrowsTheOldestSnapshotAwayBeyondTheLimit) {
   Simulation simulation(falling_box());
   const auto first = simulation.take_snapshot();
   for (std::size_t i = 0; i < Simulation::kMaxSnapshots; ++i) simulation.take_snapshot();
-  EXPECT_FALSE(simulation.restore_snapshot(first));
-  EXPECT_TRUE(simulation.restore_snapshot(first + 1));
+  EXPECT_EQ(simulation.restore_snapshot(first).refusal(), Refusal::kUnknownName);
+  EXPECT_TRUE(simulation.restore_snapshot(first + 1).done());
 }
 
 TEST(Simulation, APushActsForItsTicksAndNoLonger) {
@@ -230,7 +229,7 @@ TEST(Simulation, APushActsForItsTicksAndNoLonger) {
   scene.world.gravity.setZero();
   Simulation simulation(scene);
   const auto box = simulation.model().find_body("box");
-  ASSERT_TRUE(simulation.push({{box, {2.0, 0, 0}, {0, 0, 0}}, 50}));
+  ASSERT_TRUE(simulation.push({{box, {2.0, 0, 0}, {0, 0, 0}}, 50}).done());
   run(simulation, 200);
   EXPECT_NEAR(simulation.state().bodies[box.index()].v_WC.x(), 2.0 * 0.05, 1e-9) << "impulse over mass";
 }
@@ -238,26 +237,29 @@ TEST(Simulation, APushActsForItsTicksAndNoLonger) {
 TEST(Simulation, RefusesMorePushesThanItHolds) {
   Simulation simulation(falling_box());
   const Push push{{simulation.model().find_body("box"), {1, 0, 0}, {0, 0, 0}}, 10};
-  for (std::size_t i = 0; i < Simulation::kMaxPushes; ++i) EXPECT_TRUE(simulation.push(push));
-  EXPECT_FALSE(simulation.push(push));
+  for (std::size_t i = 0; i < Simulation::kMaxPushes; ++i) EXPECT_TRUE(simulation.push(push).done());
+  EXPECT_EQ(simulation.push(push).refusal(), Refusal::kFull);
   run(simulation, 11);
-  EXPECT_TRUE(simulation.push(push)) << "those that ended made room";
+  EXPECT_TRUE(simulation.push(push).done()) << "those that ended made room";
 }
 
 TEST(Simulation, BodiesComeAndGo) {
   Simulation simulation(falling_box());
   run(simulation, 100);
   const double before = height(simulation, "box");
-  simulation.add_body("{name: ball, mass: 0.5, pose: {xyz: [1, 0, 2]}, shapes: [{sphere: 0.1}]}");
+  EXPECT_TRUE(
+      simulation.add_body("{name: ball, mass: 0.5, pose: {xyz: [1, 0, 2]}, shapes: [{sphere: 0.1}]}").done());
   EXPECT_EQ(simulation.revision(), 2u);
   EXPECT_EQ(height(simulation, "box"), before) << "the others stay where they are";
   run(simulation, 100);
   EXPECT_NEAR(height(simulation, "ball"), 2.0 - 0.5 * 9.81 * 0.01, 2e-3);
-  EXPECT_EQ(simulation.remove_body("box"), "");
+  EXPECT_EQ(simulation.remove_body("box").text(), "");
   EXPECT_FALSE(simulation.model().find_body("box").valid());
   run(simulation, 100);
   EXPECT_FALSE(simulation.frozen());
-  EXPECT_EQ(simulation.remove_body("box"), "there is no body 'box'");
+  const auto again = simulation.remove_body("box");
+  EXPECT_EQ(again.refusal(), Refusal::kUnknownName);
+  EXPECT_EQ(again.text(), "there is no body 'box'; there are: floor, ball");
 }
 
 TEST(Simulation, PeaksOutliveBodiesThatComeAndGo) {
@@ -270,30 +272,37 @@ TEST(Simulation, PeaksOutliveBodiesThatComeAndGo) {
   };
   const double before = peak_of_box();
   ASSERT_GT(before, 10.0 * 9.81) << "it has hit the floor";
-  simulation.add_body("{name: ball, mass: 0.5, pose: {xyz: [1, 0, 2]}, shapes: [{sphere: 0.1}]}");
+  EXPECT_TRUE(
+      simulation.add_body("{name: ball, mass: 0.5, pose: {xyz: [1, 0, 2]}, shapes: [{sphere: 0.1}]}").done());
   EXPECT_EQ(peak_of_box(), before);
-  ASSERT_EQ(simulation.remove_body("ball"), "");
+  ASSERT_EQ(simulation.remove_body("ball").text(), "");
   EXPECT_EQ(peak_of_box(), before);
 }
 
 TEST(Simulation, ABodyMayGoOnceItsPushIsOver) {
   Simulation simulation(falling_box());
-  ASSERT_TRUE(simulation.push({{simulation.model().find_body("box"), {1, 0, 0}, {0, 0, 0}}, 1}));
-  EXPECT_EQ(simulation.remove_body("box"), "'box' is being pushed");
+  ASSERT_TRUE(simulation.push({{simulation.model().find_body("box"), {1, 0, 0}, {0, 0, 0}}, 1}).done());
+  const auto refused = simulation.remove_body("box");
+  EXPECT_EQ(refused.refusal(), Refusal::kWrongState);
+  EXPECT_EQ(refused.text(), "'box' is being pushed");
   run(simulation, 1);
-  EXPECT_EQ(simulation.remove_body("box"), "");
+  EXPECT_EQ(simulation.remove_body("box").text(), "");
   const auto hash = simulation.state_hash();
   recording::State whole;
   simulation.keep(whole);
-  EXPECT_EQ(simulation.restore(whole), "") << "nothing is left of the push";
+  EXPECT_EQ(simulation.restore(whole).text(), "") << "nothing is left of the push";
   EXPECT_EQ(simulation.state_hash(), hash);
 }
 
 TEST(Simulation, ABadBodyChangesNothing) {
   Simulation simulation(falling_box());
   const auto before = simulation.state_hash();
-  EXPECT_THROW(simulation.add_body("{name: ball, mass: -1, shapes: [{sphere: 0.1}]}"), config::ConfigError);
-  EXPECT_THROW(simulation.add_body("{name: box, mass: 1, shapes: [{sphere: 0.1}]}"), config::ConfigError);
+  for (const char* body :
+       {"{name: ball, mass: -1, shapes: [{sphere: 0.1}]}", "{name: box, mass: 1, shapes: [{sphere: 0.1}]}"}) {
+    const auto outcome = simulation.add_body(body);
+    EXPECT_EQ(outcome.refusal(), Refusal::kBadValue) << body;
+    EXPECT_NE(outcome.text(), "") << body;
+  }
   EXPECT_EQ(simulation.state_hash(), before);
   EXPECT_EQ(simulation.revision(), 1u);
 }
@@ -306,21 +315,22 @@ TEST(Simulation, ASnapshotThatHoldsNonsenseChangesNothing) {
   recording::State whole;
   simulation.keep(whole);
   whole.snapshots.at(0).state.pop_back();
-  ASSERT_EQ(simulation.restore(whole), "");
+  ASSERT_EQ(simulation.restore(whole).text(), "");
   run(simulation, 30);
   const auto before = simulation.state_hash();
-  std::string why;
-  EXPECT_FALSE(simulation.restore_snapshot(snapshot, &why));
-  EXPECT_EQ(why, "the snapshot's state is shorter than the part's");
+  const auto damaged = simulation.restore_snapshot(snapshot);
+  EXPECT_EQ(damaged.refusal(), Refusal::kDamaged);
+  EXPECT_EQ(damaged.text(), "the snapshot's state is shorter than the part's");
   EXPECT_EQ(simulation.state_hash(), before);
   EXPECT_EQ(simulation.era(), 1u);
   run(simulation, 10);
   EXPECT_EQ(simulation.tick_count(), 60);
-  EXPECT_FALSE(simulation.restore_snapshot(99, &why));
-  EXPECT_EQ(why, "there is no snapshot 99");
+  const auto unknown = simulation.restore_snapshot(99);
+  EXPECT_EQ(unknown.refusal(), Refusal::kUnknownName);
+  EXPECT_EQ(unknown.text(), "there is no snapshot 99");
 }
 
-// The scene takes the body; the camera that is to see it cannot read the picture on it.
+// The scene takes the body, but the camera that would see it cannot read the picture on it.
 TEST(Simulation, ABodyThatASensorCannotBearChangesNothing) {
   const test::TempFiles files;
   files.write("bad.png", "\x89PNG\r\n\x1a\nnothing more");
@@ -340,14 +350,14 @@ sensors:
   const auto snapshot = simulation.take_snapshot();
   const std::string box = "{name: box, mass: 1, pose: {xyz: [3, 0, 1]}, shapes: [{box: [1, 1, 1]}]";
   for (int i = 0; i < 3; ++i)
-    EXPECT_THROW(simulation.add_body(box + ", material: picture}"), config::ConfigError);
+    EXPECT_EQ(simulation.add_body(box + ", material: picture}").refusal(), Refusal::kBadValue);
   EXPECT_EQ(simulation.state_hash(), before);
   EXPECT_EQ(simulation.revision(), 1u);
   EXPECT_EQ(simulation.model().bodies.size(), 2u);
   run(simulation, 20);
-  EXPECT_TRUE(simulation.restore_snapshot(snapshot));
+  EXPECT_TRUE(simulation.restore_snapshot(snapshot).done());
   EXPECT_EQ(simulation.state_hash(), before);
-  simulation.add_body(box + "}");
+  EXPECT_TRUE(simulation.add_body(box + "}").done());
   run(simulation, 20);
   EXPECT_FALSE(simulation.frozen()) << simulation.fault();
   EXPECT_EQ(simulation.state().bodies.size(), 3u);
@@ -363,28 +373,29 @@ bodies: [{name: floor, fixed: true, shapes: [{plane: true}]}, {name: box, mass: 
 )")));
   const std::string wedge = "{name: wedge, mass: 1, pose: {xyz: [3, 0, 1]}, shapes: [{convex: wedge.obj}]}";
   for (int i = 0; i < 3; ++i) {
-    simulation.add_body(wedge);
+    EXPECT_TRUE(simulation.add_body(wedge).done());
     EXPECT_EQ(simulation.model().meshes.size(), 1u);
-    ASSERT_EQ(simulation.remove_body("wedge"), "");
+    ASSERT_EQ(simulation.remove_body("wedge").text(), "");
   }
   EXPECT_TRUE(simulation.model().meshes.empty());
   recording::State whole;
   simulation.keep(whole);
   EXPECT_TRUE(whole.edits.empty());
-  // What the scene itself holds has to be taken away again in a restored world.
-  ASSERT_EQ(simulation.remove_body("box"), "");
-  simulation.add_body("{name: box, mass: 2, pose: {xyz: [0, 0, 1]}, shapes: [{sphere: 0.1}]}");
-  simulation.add_body(wedge);
-  ASSERT_EQ(simulation.remove_body("box"), "");
+  // A body of the scene itself that was removed must be removed again in a restored world.
+  ASSERT_EQ(simulation.remove_body("box").text(), "");
+  EXPECT_TRUE(
+      simulation.add_body("{name: box, mass: 2, pose: {xyz: [0, 0, 1]}, shapes: [{sphere: 0.1}]}").done());
+  EXPECT_TRUE(simulation.add_body(wedge).done());
+  ASSERT_EQ(simulation.remove_body("box").text(), "");
   simulation.keep(whole);
   EXPECT_EQ(whole.edits, (std::vector<recording::State::Edit>{{false, "box"}, {true, wedge}}));
   const auto before = simulation.state_hash();
-  simulation.add_body("{name: other, mass: 1, shapes: [{sphere: 0.1}]}");
-  ASSERT_EQ(simulation.restore(whole), "");
+  EXPECT_TRUE(simulation.add_body("{name: other, mass: 1, shapes: [{sphere: 0.1}]}").done());
+  ASSERT_EQ(simulation.restore(whole).text(), "");
   EXPECT_EQ(simulation.state_hash(), before);
 }
 
-// What would not be found any more would fall through the floor.
+// If contacts beyond the limit were dropped, bodies would fall through the floor.
 TEST(Simulation, MoreContactsThanAreFoundFreezeTheWorld) {
   const test::TempFiles files;
   Simulation simulation(scene::load_scene(files.write("s.yaml", R"(
@@ -404,7 +415,7 @@ TEST(Simulation, AnExplosionFreezesTheWorldAtItsLastGoodState) {
   Simulation simulation(falling_box());
   run(simulation, 10);
   const auto box = simulation.model().find_body("box");
-  ASSERT_TRUE(simulation.push({{box, {1e12, 0, 0}, {0, 0, 0}}, 100}));
+  ASSERT_TRUE(simulation.push({{box, {1e12, 0, 0}, {0, 0, 0}}, 100}).done());
   run(simulation, 50);
   ASSERT_TRUE(simulation.frozen());
   EXPECT_NE(simulation.fault().find("box"), std::string::npos) << simulation.fault();

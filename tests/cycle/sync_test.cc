@@ -1,5 +1,5 @@
-// Forgotten state shows here: after every tick the world goes back by seven and comes again, with the same
-// inputs, to the same bits (GGPO's SyncTest). Longer, by hand:
+// Finds state that snapshots forget: after every tick the world goes back by seven ticks, gets the same
+// inputs again, and must come to the same bits (GGPO's SyncTest). Longer, by hand:
 //   VISUM_SYNC_TICKS=100000 build/release/bin/cycle_test --gtest_filter='*Sync*'
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ int ticks_to_go() {
   return wanted ? std::atoi(wanted) : 100;
 }
 
-// Every part's first two inputs, on their way from tick to tick.
+// Moves the first two inputs of every part a little from tick to tick.
 void write_inputs(Simulation& simulation, std::int64_t tick) {
   const auto parts = std::as_const(simulation).parts();
   for (std::size_t part = 0; part < parts.size(); ++part) {
@@ -53,7 +53,7 @@ TEST_P(Sync, SevenTicksBackAndAgainAreTheSameBits) {
     tick(simulation);
     if (snapshots.size() < kBack) continue;
     const auto hash = simulation.state_hash();
-    ASSERT_TRUE(simulation.restore_snapshot(snapshots.front()));
+    ASSERT_TRUE(simulation.restore_snapshot(snapshots.front()).done());
     snapshots.pop_front();
     for (int k = 0; k < kBack; ++k) tick(simulation);
     ASSERT_EQ(simulation.state_hash(), hash) << "at tick " << simulation.tick_count();

@@ -57,10 +57,11 @@ TEST(WorldEdit, AWorldJointKeepsItsNoParent) {
 
 TEST(WorldEdit, WhatAJointHoldsOrAModelOwnsStays) {
   auto model = three_bodies();
-  EXPECT_EQ(why_not_removable(model, BodyId{0}), "");
-  EXPECT_EQ(why_not_removable(model, BodyId{1}), "the joint 'hinge' holds 'b'");
+  EXPECT_TRUE(can_remove(model, BodyId{0}).done());
+  EXPECT_EQ(can_remove(model, BodyId{1}).refusal(), Refusal::kWrongState);
+  EXPECT_EQ(can_remove(model, BodyId{1}).text(), "the joint 'hinge' holds 'b'");
   model.bodies[0].model = "arm";
-  EXPECT_EQ(why_not_removable(model, BodyId{0}), "'a' belongs to a model");
+  EXPECT_EQ(can_remove(model, BodyId{0}).text(), "'a' belongs to a model");
 }
 
 }  // namespace

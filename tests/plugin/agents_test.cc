@@ -56,7 +56,7 @@ TEST(Agent, IsPartOfSnapshotsAndOfTheHash) {
   const auto at_snapshot = simulation.state_hash();
   run(simulation, 100);
   const auto later = simulation.state_hash();
-  ASSERT_TRUE(simulation.restore_snapshot(snapshot));
+  ASSERT_TRUE(simulation.restore_snapshot(snapshot).done());
   EXPECT_EQ(simulation.state_hash(), at_snapshot);
   run(simulation, 100);
   EXPECT_EQ(simulation.state_hash(), later);
@@ -71,7 +71,7 @@ TEST(Agent, SpeaksAndHearsOverTheSameBrokenNetwork) {
   std::string why;
   const auto late = hwparts::make_fault("network_delay", {{"ms", 25}}, why);
   ASSERT_TRUE(late) << why;
-  ASSERT_TRUE(simulation.inject({0, *late, 0}));
+  ASSERT_TRUE(simulation.inject({0, *late, 0}).done());
   run(simulation, 25);
   EXPECT_EQ(desired(), 0.0) << "under way";
   run(simulation, 1);
@@ -81,7 +81,7 @@ TEST(Agent, SpeaksAndHearsOverTheSameBrokenNetwork) {
   simulation.clear_faults(0, {}, {});
   EXPECT_EQ(desired(), 0.004) << "what was under way has come";
   const auto silent = hwparts::make_fault("part_silent", {}, why);
-  ASSERT_TRUE(simulation.inject({0, *silent, 0}));
+  ASSERT_TRUE(simulation.inject({0, *silent, 0}).done());
   run(simulation, 100);
   EXPECT_EQ(desired(), 0.004);
 }
@@ -91,7 +91,7 @@ TEST(Agent, WhatALossyNetworkLetsThroughActsInItsTick) {
   std::string why;
   const auto lossy = hwparts::make_fault("network_loss", {{"share", 1e-9}}, why);
   ASSERT_TRUE(lossy) << why;
-  ASSERT_TRUE(simulation.inject({0, *lossy, 0}));
+  ASSERT_TRUE(simulation.inject({0, *lossy, 0}).done());
   run(simulation, 1);
   EXPECT_EQ(part_of(simulation, "arm").controller_inputs[0], 0.001);
 }
@@ -102,7 +102,7 @@ TEST(Agent, WhatIsUnderWayFromOneInFaultComesTooLate) {
   std::string why;
   const auto late = hwparts::make_fault("network_delay", {{"ms", 25}}, why);
   ASSERT_TRUE(late) << why;
-  ASSERT_TRUE(simulation.inject({0, *late, 0}));
+  ASSERT_TRUE(simulation.inject({0, *late, 0}).done());
   run(simulation, 22);
   ASSERT_EQ(fault_of(simulation, "hand"), "lost its head");
   const double before = part_of(simulation, "arm").controller_inputs[0];
@@ -120,7 +120,7 @@ TEST(Agent, TheExplorerTakenBackGoesOnWithTheSameBits) {
     run(rolled, 300);
     const auto snapshot = rolled.take_snapshot();
     run(rolled, 200);
-    ASSERT_TRUE(rolled.restore_snapshot(snapshot));
+    ASSERT_TRUE(rolled.restore_snapshot(snapshot).done());
     run(rolled, 200);
     ASSERT_EQ(straight.state_hash(), rolled.state_hash()) << "round " << round;
   }
@@ -174,7 +174,7 @@ TEST(Agent, WhatCannotBeSavedIsInFaultOnceItIsTakenBack) {
   run(simulation, 5);
   const auto snapshot = simulation.take_snapshot();
   run(simulation, 5);
-  ASSERT_TRUE(simulation.restore_snapshot(snapshot));
+  ASSERT_TRUE(simulation.restore_snapshot(snapshot).done());
   EXPECT_EQ(fault_of(simulation, "hand"), "save: has no paper");
   run(simulation, 20);
   EXPECT_FALSE(simulation.frozen());
@@ -193,7 +193,7 @@ TEST(Agent, AFaultIsPartOfTheState) {
   const auto snapshot = simulation.take_snapshot();
   const auto hash = simulation.state_hash();
   simulation.reset();
-  ASSERT_TRUE(simulation.restore_snapshot(snapshot));
+  ASSERT_TRUE(simulation.restore_snapshot(snapshot).done());
   EXPECT_EQ(simulation.state_hash(), hash);
   EXPECT_EQ(fault_of(simulation, "hand"), "lost its head");
 }

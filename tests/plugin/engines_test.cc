@@ -36,7 +36,7 @@ TEST(PluggedEngine, WhatItKeepsIsPartOfSnapshotsAndOfTheHash) {
   const auto snapshot = simulation.take_snapshot();
   run(simulation, 5);
   const auto later = simulation.state_hash();
-  ASSERT_TRUE(simulation.restore_snapshot(snapshot));
+  ASSERT_TRUE(simulation.restore_snapshot(snapshot).done());
   run(simulation, 5);
   EXPECT_EQ(simulation.state_hash(), later);
   simulation.reset();
@@ -59,17 +59,19 @@ TEST(PluggedEngine, ThatRefusesAWorldLeavesTheOneThatItHas) {
   const auto before = simulation.state_hash();
   const auto snapshot = simulation.take_snapshot();
   for (int i = 0; i < 3; ++i)
-    EXPECT_THROW(
-        simulation.add_body("{name: ball, mass: 1, pose: {xyz: [9, 0, 0]}, shapes: [{sphere: 0.1}]}"),
-        config::ConfigError);
-  EXPECT_NE(simulation.remove_body("other").find("has two hands"), std::string::npos);
+    EXPECT_EQ(simulation.add_body("{name: ball, mass: 1, pose: {xyz: [9, 0, 0]}, shapes: [{sphere: 0.1}]}")
+                  .refusal(),
+              cycle::Refusal::kBadValue);
+  const auto outcome = simulation.remove_body("other");
+  EXPECT_EQ(outcome.refusal(), cycle::Refusal::kWrongState);
+  EXPECT_NE(outcome.text().find("has two hands"), std::string::npos);
   EXPECT_EQ(simulation.model().bodies.size(), 2u);
   EXPECT_EQ(simulation.revision(), 1u);
   EXPECT_EQ(simulation.state_hash(), before);
   run(simulation, 5);
   const auto later = simulation.state_hash();
   EXPECT_EQ(simulation.tick_count(), 10);
-  ASSERT_TRUE(simulation.restore_snapshot(snapshot));
+  ASSERT_TRUE(simulation.restore_snapshot(snapshot).done());
   run(simulation, 5);
   EXPECT_EQ(simulation.state_hash(), later);
 }
@@ -118,7 +120,7 @@ TEST(PluggedEngineScene, NamesThePlaceOfWhatIsWrong) {
   EXPECT_EQ(error_of_scene("engine: clumsy"),
             "s.yaml:2: engine: there is no engine 'clumsy'; there are: impulse, ode");
   EXPECT_EQ(error_of_scene("plugins: [usurper]\nengine: ode"),
-            "s.yaml:3: engine: a plug-in brings an engine 'ode', which there is without it");
+            "s.yaml:3: engine: a plug-in brings an engine 'ode', which Visum has already");
 }
 
 TEST(PluggedEngineScene, KeysOfOtherKindsRest) {

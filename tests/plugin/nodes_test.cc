@@ -72,7 +72,7 @@ TEST(PluggedSensor, ThatFailsIsOffWhateverFaultActs) {
       std::string why;
       const auto made = hwparts::make_fault(fault, {}, why);
       ASSERT_TRUE(made) << why;
-      ASSERT_TRUE(simulation.inject({0, *made, 1000}));
+      ASSERT_TRUE(simulation.inject({0, *made, 1000}).done());
       run(simulation, 50);
       EXPECT_LE(output_of(simulation, "tilt", "Changed"), 5.0);
       EXPECT_TRUE(std::isfinite(output_of(simulation, "tilt", "Tilt")));
@@ -118,7 +118,7 @@ TEST(PluggedPart, IsTakenBackAndResetAsOthersAre) {
   const auto snapshot = simulation.take_snapshot();
   run(simulation, 30);
   const auto later = simulation.state_hash();
-  ASSERT_TRUE(simulation.restore_snapshot(snapshot));
+  ASSERT_TRUE(simulation.restore_snapshot(snapshot).done());
   run(simulation, 30);
   EXPECT_EQ(simulation.state_hash(), later);
   simulation.reset();

@@ -1,4 +1,4 @@
-// What a frozen world leaves behind: a file that replays up to the freeze.
+// A frozen world leaves a file that replays up to the freeze.
 #include "server/recording/flight_recorder.h"
 
 #include <gtest/gtest.h>
@@ -30,8 +30,10 @@ class Flight : public testing::Test {
   }
   // A solver that explodes, as the world sees it.
   void explode() {
-    world().push(
-        {{world().model().find_body("robot/fore"), {1e12, 0, 0}, {0, 0, 0}}, world().tick_count() + 9});
+    EXPECT_TRUE(world()
+                    .push({{world().model().find_body("robot/fore"), {1e12, 0, 0}, {0, 0, 0}},
+                           world().tick_count() + 9})
+                    .done());
     run(9);
     ASSERT_TRUE(world().frozen());
   }
@@ -57,7 +59,7 @@ TEST_F(Flight, AFrozenWorldLeavesItsLastThousandTicks) {
   EXPECT_EQ(result.last_hash, world().state_hash());
 }
 
-// Of most ticks it has no hash, but all ports.
+// The file has no hash for most ticks, but it has all their ports.
 TEST_F(Flight, EveryTickOfItIsCompared) {
   world().write_inputs(0, 0, std::vector{0.7, -0.3});
   run(1500);
@@ -93,11 +95,13 @@ TEST_F(Flight, ThePageShowsItFromItsFirstTickToTheFreeze) {
 }
 
 TEST_F(Flight, KnowsTheBodiesThatCameLongBefore) {
-  world().add_body("{name: ball, mass: 0.5, pose: {xyz: [0.6, 0.5, 1.0]}, shapes: [{sphere: 0.05}]}");
+  EXPECT_TRUE(world()
+                  .add_body("{name: ball, mass: 0.5, pose: {xyz: [0.6, 0.5, 1.0]}, shapes: [{sphere: 0.05}]}")
+                  .done());
   run(2500);
   const auto snapshot = world().take_snapshot();
   run(1200);
-  ASSERT_TRUE(world().restore_snapshot(snapshot));
+  ASSERT_TRUE(world().restore_snapshot(snapshot).done());
   run(10);
   explode();
   const auto result = replay(flight_->dump());
@@ -118,7 +122,7 @@ TEST_F(Flight, AWorldThatLivesAgainCanFreezeAgain) {
   EXPECT_EQ(replay(first).ticks, 51u);
 }
 
-// What it is made of is taken from the recording, whatever lies on the disk by now.
+// The second dump takes the scene's files from the first recording, whatever is on the disk by now.
 TEST_F(Flight, AWorldThatWasRewoundLeavesItsLastTicks) {
   world().write_inputs(0, 0, std::vector{0.7, -0.3});
   run(500);
@@ -127,7 +131,10 @@ TEST_F(Flight, AWorldThatWasRewoundLeavesItsLastTicks) {
   FlightRecorder second(*again, std::move(origin), files_.folder());
   again->write_inputs(0, 0, std::vector{0.2});
   for (int i = 0; i < 20; ++i) again->tick();
-  again->push({{again->model().find_body("robot/fore"), {1e12, 0, 0}, {0, 0, 0}}, again->tick_count() + 9});
+  EXPECT_TRUE(
+      again
+          ->push({{again->model().find_body("robot/fore"), {1e12, 0, 0}, {0, 0, 0}}, again->tick_count() + 9})
+          .done());
   for (int i = 0; i < 9; ++i) again->tick();
   ASSERT_NE(second.dump(), "");
   const auto result = replay(second.dump());
@@ -136,7 +143,7 @@ TEST_F(Flight, AWorldThatWasRewoundLeavesItsLastTicks) {
   EXPECT_EQ(result.last_hash, again->state_hash());
 }
 
-// In a container each run has the same process number, and ticks are the same in each.
+// In a container each run has the same process number, and the same ticks, so names could clash.
 TEST_F(Flight, ADumpTakesThePlaceOfNoOther) {
   const auto explode_anew = [&] {
     simulation_.emplace(

@@ -1,4 +1,4 @@
-// Recordings that say something else than what happened.
+// Forged recordings: they say something else than what happened.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace visum::recording {
 
-// The same file with one message of a topic changed by `change`, only with the topics that `keeps` keeps, and
-// all CRCs right.
+// Copies a file: changes one message of a topic by `change`, keeps only the topics that `keeps` accepts, and
+// makes all CRCs right.
 inline void forge(
     const std::filesystem::path& from, const std::filesystem::path& to, std::string_view topic,
     std::uint32_t number, const std::function<void(std::vector<std::byte>&)>& change,

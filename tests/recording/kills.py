@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 
 SCENE = Path(__file__).resolve().parents[2] / "models/scenes/two_link.yaml"
-MOST_BYTES = 3_000_000  # that are written before the kill: from none to some chunks
+MOST_BYTES = 3_000_000  # written before the kill: from nothing to several chunks
 
 
 def kill_one(visum: Path, file: Path, after_bytes: int) -> int:

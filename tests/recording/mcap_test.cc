@@ -1,4 +1,4 @@
-// The file format: what is written can be read, and nothing else is ever read from it.
+// The file format: reading returns what was written, and never anything else.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -114,7 +114,7 @@ TEST(Mcap, EveryFlippedBitIsNoticedAndNoMessageIsChanged) {
 
 TEST(Mcap, LengthsBeyondTheFileAllocateNothing) {
   auto file = small_file();
-  for (std::size_t i = 0; i < 8; ++i) file[9 + i] = static_cast<char>(0xFF);  // of the header
+  for (std::size_t i = 0; i < 8; ++i) file[9 + i] = static_cast<char>(0xFF);  // the header's length
   EXPECT_NE(read(file).damage.find("too long"), std::string::npos);
   EXPECT_EQ(read("no such thing at all").damage, "byte 0: this is no MCAP file");
   EXPECT_EQ(read("").damage, "byte 0: this is no MCAP file");

@@ -1,4 +1,4 @@
-// What stands in a recording, as any MCAP tool sees it.
+// The messages of a recording, as any MCAP tool sees them.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
-// A recording to look at: any tick of it, with the bits that it had, by the states in the file and without
-// them.
+// The player shows any tick of a recording with the bits that it had, with and without states in the file.
 #include "server/recording/player.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +12,7 @@
 namespace visum::recording {
 namespace {
 
-// What a world was after each of its ticks.
+// A world's hash and ports after each of its ticks.
 struct Moment {
   std::int64_t tick;
   std::uint64_t era, hash;
@@ -44,22 +43,24 @@ class Life {
   RecordedWorld world_;
 };
 
-// Over two seconds, with all that makes going back hard: bodies that come and go, a snapshot that is restored
-// in another second than it was taken, a reset.
+// Lasts over two seconds and has everything that makes going back hard: bodies that come and go, a snapshot
+// that is restored in another second than it was taken, and a reset.
 void live(Life& life) {
   auto& world = life.world();
   world->write_inputs(0, 0, std::vector{0.7, -0.3});
   life.run(700);
-  world->add_body(kBall);
+  EXPECT_TRUE(world->add_body(kBall).done());
   life.run(200);
   const auto snapshot = world->take_snapshot();
-  world->push(
-      {{world->model().find_body("ball"), {1.0, 0.5, 0.0}, {0.0, 0.0, 0.1}}, world->tick_count() + 150});
+  EXPECT_TRUE(world
+                  ->push({{world->model().find_body("ball"), {1.0, 0.5, 0.0}, {0.0, 0.0, 0.1}},
+                          world->tick_count() + 150})
+                  .done());
   life.run(400);
-  ASSERT_TRUE(world->restore_snapshot(snapshot));
+  ASSERT_TRUE(world->restore_snapshot(snapshot).done());
   world->write_inputs(0, 1, std::vector{0.9});
   life.run(800);
-  ASSERT_EQ(world->remove_body("ball"), "");
+  ASSERT_EQ(world->remove_body("ball").text(), "");
   life.run(100);
   world->reset();
   life.run(300);
@@ -114,14 +115,14 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(std::string_view(info.param).substr(0, std::string_view(info.param).find('.')));
     });
 
-// What breaks on purpose, and what is under way on a network that is late, goes on from a state, too.
+// Faults, and messages that are under way on a late network, also go on from a state.
 TEST(Player, GoesOnWithFaultsAndMessagesUnderWay) {
   Life life("amtec_arm.yaml");
   const auto inject = [&](const char* kind, const hwparts::NamedNumbers& numbers) {
     std::string why;
     const auto fault = hwparts::make_fault(kind, numbers, why);
     ASSERT_TRUE(fault) << why;
-    ASSERT_TRUE(life.world()->inject({0, *fault, 0}));
+    ASSERT_TRUE(life.world()->inject({0, *fault, 0}).done());
   };
   inject("encoder_noise", {{"joint", 2}, {"deviation", 1e-3}});
   inject("network_delay", {{"ms", 7}, {"jitter_ms", 9}});
@@ -166,7 +167,7 @@ TEST(Player, ShowsPortsAsTheyWereRecordedWhereTheWorldGoesAnotherWay) {
   life.world()->write_inputs(0, 0, std::vector{0.7, -0.3});
   life.run(1200);
   const auto forged = life.world().files().folder() / "forged.mcap";
-  InputMessage message;  // what was asked for is another value than what the file says was done with it
+  InputMessage message;  // the forged file asks for another value than its later ticks show
   const auto other = [&](std::vector<std::byte>& bytes) {
     message.decode(bytes);
     bytes.clear();
@@ -183,7 +184,7 @@ TEST(Player, ShowsPortsAsTheyWereRecordedWhereTheWorldGoesAnotherWay) {
   EXPECT_FALSE(replay(forged).equal);
 }
 
-// Nothing happened after it was rewound: what it shows is what it begins with.
+// No tick happened after the world was rewound, so the player shows the state that the recording begins with.
 TEST(Player, ShowsTheStateThatIsAllThatThereIs) {
   Life life;
   life.world()->write_inputs(0, 0, std::vector{0.7, -0.3});
@@ -201,7 +202,7 @@ TEST(Player, ShowsTheStateThatIsAllThatThereIs) {
   EXPECT_FALSE(player.advance());
 }
 
-// A state is believed no more than an input: it is restored whole, or not at all.
+// A state is checked as an input is: it is restored as a whole, or not at all.
 TEST(Player, AStateThatIsNoneIsPassedOver) {
   Life life;
   life.run(1200);

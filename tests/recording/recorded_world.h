@@ -1,4 +1,4 @@
-// A world with a robot in it that is recorded while a test does things to it.
+// A world with a robot that is recorded while a test works on it.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// The thread that writes: what it is given is in the file, and a disk that fails ends the recording alone.
+// The writer's thread: the file holds what it was given, and a disk that fails ends only the recording.
 #include "server/recording/recording_writer.h"
 
 #include <gtest/gtest.h>
@@ -44,8 +44,7 @@ TEST(RecordingWriter, WhatWaitsIsBoundedAndARealtimeWorldNeverWaits) {
   RecordingWriter writer(files.folder() / "slow.mcap", RecordingWriter::Overflow::kEnd);
   const auto channel = writer.writer().add_channel("/x", 0, "");
   const std::vector<std::byte> big(1 << 20);
-  for (int i = 0; i < 40 && !writer.ended(); ++i)
-    writer.put(channel, 0, 0, big);  // nobody writes yet
+  for (int i = 0; i < 40 && !writer.ended(); ++i) writer.put(channel, 0, 0, big);  // nobody writes yet
   EXPECT_TRUE(writer.ended());
 }
 
@@ -59,7 +58,7 @@ TEST(Recorder, GoesOnTickingWhereTheRecordingEnded) {
   EXPECT_EQ(replay(world.file()).ticks, 10u);
 }
 
-// Cameras whose pictures come late keep much, and each snapshot as much again.
+// Cameras with a long latency keep many readings, and each snapshot keeps as many again.
 std::string much_to_keep() {
   return R"(
 visum: 1
@@ -72,7 +71,7 @@ sensors:
 )";
 }
 
-// A state is for seeking, unless the recording begins with it: it may be longer than what waits for the disk.
+// A state serves seeking only, unless the recording begins with it. It may be longer than the queue.
 TEST(Recorder, AStateThatIsTooLongIsLeftOutAndTheRecordingGoesOn) {
   const test::TempFiles files;
   const auto first = files.folder() / "first.mcap", second = files.folder() / "second.mcap";
@@ -95,7 +94,7 @@ TEST(Recorder, AStateThatIsTooLongIsLeftOutAndTheRecordingGoesOn) {
   {
     Recorder recorder(*again, origin, second);
     for (int i = 0; i < 10; ++i) again->tick();
-    ASSERT_TRUE(again->restore_snapshot(16));
+    ASSERT_TRUE(again->restore_snapshot(16).done());
     again->tick();
   }
   const auto result = replay(second);

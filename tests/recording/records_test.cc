@@ -1,4 +1,4 @@
-// The messages of a recording: what goes in comes out, and what is none is refused.
+// The messages of a recording: decoding returns what was encoded, and refuses other bytes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace visum::recording {
 namespace {
 
-// What comes out of what goes in; the message keeps what it looks at.
+// Encodes an input and decodes it again. `message` keeps the bytes that the result refers to.
 const TimedInput& through(const Input& input, InputMessage& message) {
   std::vector<std::byte> bytes;
   encode(TimedInput{1234, 5, input}, bytes);

@@ -17,18 +17,20 @@ namespace {
 void live(RecordedWorld& world) {
   world->write_inputs(0, 0, std::vector{0.7, -0.3});
   world.run(40);
-  world->add_body(kBall);
+  EXPECT_TRUE(world->add_body(kBall).done());
   world.run(20);
-  world->push(
-      {{world->model().find_body("ball"), {1.0, 0.5, 0.0}, {0.0, 0.0, 0.1}}, world->tick_count() + 15});
+  EXPECT_TRUE(world
+                  ->push({{world->model().find_body("ball"), {1.0, 0.5, 0.0}, {0.0, 0.0, 0.1}},
+                          world->tick_count() + 15})
+                  .done());
   const auto snapshot = world->take_snapshot();
   world.run(40);
   world->lose_controller(0);
   world.run(10);
-  ASSERT_TRUE(world->restore_snapshot(snapshot));
+  ASSERT_TRUE(world->restore_snapshot(snapshot).done());
   world->write_inputs(0, 1, std::vector{0.9});
   world.run(30);
-  ASSERT_EQ(world->remove_body("ball"), "");
+  ASSERT_EQ(world->remove_body("ball").text(), "");
   world.run(5);
   world->reset();
   world.run(25);
@@ -57,10 +59,10 @@ hwparts::ActiveFault broken(const char* kind, const hwparts::NamedNumbers& numbe
 // Chance is part of the bits: noise, what a network delays and loses, and which telegrams never arrive.
 TEST(Replay, BreaksTheSameThingsByTheSameChance) {
   RecordedWorld world("amtec_arm.yaml");
-  ASSERT_TRUE(world->inject(broken("encoder_noise", {{"joint", 2}, {"deviation", 1e-3}})));
-  ASSERT_TRUE(world->inject(broken("network_delay", {{"ms", 3}, {"jitter_ms", 9}}, 70)));
-  ASSERT_TRUE(world->inject(broken("network_loss", {{"share", 0.5}}, 90)));
-  ASSERT_TRUE(world->inject(broken("bus_lost", {{"share", 0.5}})));
+  ASSERT_TRUE(world->inject(broken("encoder_noise", {{"joint", 2}, {"deviation", 1e-3}})).done());
+  ASSERT_TRUE(world->inject(broken("network_delay", {{"ms", 3}, {"jitter_ms", 9}}, 70)).done());
+  ASSERT_TRUE(world->inject(broken("network_loss", {{"share", 0.5}}, 90)).done());
+  ASSERT_TRUE(world->inject(broken("bus_lost", {{"share", 0.5}})).done());
   for (int i = 0; i < 60; ++i) {
     world->write_inputs(0, 0, std::vector{0.005 * i});
     powercube::Telegram there{powercube::Telegram::Kind::kSet, 3, {0x0B, 0x04}};
@@ -82,12 +84,12 @@ TEST(Replay, BreaksTheSameThingsByTheSameChance) {
   EXPECT_EQ(result.last_hash, hash);
 }
 
-// Which of its telegrams are lost next, too, and what becomes of the modules' answers.
+// A snapshot also decides which telegrams are lost next, and what becomes of the modules' answers.
 TEST(Replay, ARestoredWorldGoesOnByTheSameChance) {
   RecordedWorld world("amtec_arm.yaml");
-  ASSERT_TRUE(world->inject(broken("bus_lost", {{"share", 0.5}})));
-  ASSERT_TRUE(world->inject(broken("bus_doubled", {{"share", 0.3}})));
-  ASSERT_TRUE(world->inject(broken("bus_corrupted", {{"share", 0.2}})));
+  ASSERT_TRUE(world->inject(broken("bus_lost", {{"share", 0.5}})).done());
+  ASSERT_TRUE(world->inject(broken("bus_doubled", {{"share", 0.3}})).done());
+  ASSERT_TRUE(world->inject(broken("bus_corrupted", {{"share", 0.2}})).done());
   const auto go_on = [&] {
     std::string fates;
     for (int i = 0; i < 30; ++i) {
@@ -104,20 +106,20 @@ TEST(Replay, ARestoredWorldGoesOnByTheSameChance) {
   go_on();
   const auto snapshot = world->take_snapshot();
   const auto once = go_on();
-  ASSERT_TRUE(world->restore_snapshot(snapshot));
+  ASSERT_TRUE(world->restore_snapshot(snapshot).done());
   EXPECT_EQ(go_on(), once);
-  // A fault elsewhere is none of the bus's business.
-  ASSERT_TRUE(world->restore_snapshot(snapshot));
-  EXPECT_TRUE(world->inject(broken("encoder_stuck", {{"joint", 7}}, 1)));
+  // A fault elsewhere does not change the chance of the bus.
+  ASSERT_TRUE(world->restore_snapshot(snapshot).done());
+  EXPECT_TRUE(world->inject(broken("encoder_stuck", {{"joint", 7}}, 1)).done());
   const auto result = replay(world.finish());
   EXPECT_TRUE(result.equal) << result.difference.what << " at tick " << result.difference.tick;
 }
 
-// What was under way from a controller that is lost does not come after its loss.
+// Writes that were under way when their controller was lost do not arrive any more.
 TEST(Replay, NothingComesFromALostController) {
   RecordedWorld world("amtec_arm.yaml");
   const auto before = world->parts()[0].controller_inputs;
-  ASSERT_TRUE(world->inject(broken("network_delay", {{"ms", 50}})));
+  ASSERT_TRUE(world->inject(broken("network_delay", {{"ms", 50}})).done());
   world->write_inputs(0, 0, std::vector{0.2});
   world.run(10);
   world->lose_controller(0);
@@ -212,7 +214,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"NoSuchPart", LoseController{"nobody"}, "no part 'nobody'"},
         BadInput{"NoBody", PushBody{99, {}, {}, 5}, "no body number 99"},
         BadInput{"NegativeBody", PushBody{-1, {}, {}, 5}, "no body number -1"},
-        BadInput{"PushOfNaN", PushBody{0, {kNaN[0], 0, 0}, {}, 5}, "no number"},
+        BadInput{"PushOfNaN", PushBody{0, {kNaN[0], 0, 0}, {}, 5}, "must be finite"},
         BadInput{"NoSnapshot", RestoreSnapshot{7}, "no snapshot 7"},
         BadInput{"OtherSnapshot", TakeSnapshot{7}, "is number 1"},
         BadInput{"BadYaml", AddBody{"{name: ["}, "refused"},
@@ -222,7 +224,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"NoFaultNumbers", InjectFault{"robot", "network_loss", {}, 0}, "has 1 numbers"},
         BadInput{"FaultOfNaN", InjectFault{"robot", "network_loss", kNaN, 0}, "finite"},
         BadInput{"FaultOfNobody", InjectFault{"robot", "sensor_off", {}, 0}, "no sensor"},
-        BadInput{"FaultUntilBefore", InjectFault{"robot", "part_silent", {}, -1}, "until tick -1"},
+        BadInput{"FaultUntilBefore", InjectFault{"robot", "part_silent", {}, -1}, "cannot end at tick -1"},
         BadInput{"NoFaultToClear", ClearFault{"robot", "flat_tyre", 0}, "no fault 'flat_tyre'"},
         BadInput{"NoParameter", SetParameter{"robot", "No Such", 1.0}, "refused"},
         BadInput{"NoBlackboard", WriteBlackboard{"robot", "none", 0, {}}, "no blackboard 'none'"}),

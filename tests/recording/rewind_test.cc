@@ -40,12 +40,14 @@ TEST(Rewind, GoesOnFromAMomentWithTheSameBitsOrWithOtherInputs) {
   EXPECT_EQ(rewind(file, std::numeric_limits<double>::infinity(), {}).world->tick_count(), 60) << "the end";
 }
 
-// Of a world with a past: its state comes first, so that what was before is not asked for.
+// A recording of a world with a past begins with its state, so that a replay does not need the past.
 TEST(Rewind, WhatComesAfterwardsCanBeRecordedAndGoneThroughAgain) {
   RecordedWorld world;
   world->write_inputs(0, 0, std::vector{0.7, -0.3});
   world.run(30);
-  world->add_body("{name: ball, mass: 0.5, pose: {xyz: [0.6, 0.5, 1.0]}, shapes: [{sphere: 0.05}]}");
+  EXPECT_TRUE(
+      world->add_body("{name: ball, mass: 0.5, pose: {xyz: [0.6, 0.5, 1.0]}, shapes: [{sphere: 0.05}]}")
+          .done());
   world->reset();
   const auto first = world.finish();
   const auto second = first.parent_path() / "second.mcap";
@@ -83,7 +85,7 @@ TEST(Rewind, AnotherEngineGoesOnFromTheSameBodies) {
   RecordedWorld world("two_link.yaml", "ode");
   world->write_inputs(0, 0, std::vector{0.7, -0.3});
   world.run(30);
-  world->add_body(kBall);
+  EXPECT_TRUE(world->add_body(kBall).done());
   world.run(30);
   const world::WorldState before = world->state();
   world.run(20);
@@ -127,7 +129,7 @@ TEST(Rewind, WhatCannotBeReadIsNotPassedOverInSilence) {
   RecordedWorld world;
   world.run(500);
   const std::string long_line = "\n# " + std::string(600'000, 'x');
-  world->add_body(kBall + long_line + long_line);  // ends a chunk
+  EXPECT_TRUE(world->add_body(kBall + long_line + long_line).done());  // ends a chunk
   world.run(500);
   const auto file = world.finish();
   const auto whole = bytes_of_file(file);

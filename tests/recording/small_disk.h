@@ -1,4 +1,4 @@
-// A disk with little room.
+// Simulates a disk with little room.
 #pragma once
 
 #include <sys/resource.h>
@@ -7,8 +7,8 @@
 
 namespace visum::recording {
 
-// No file of this process may grow beyond `bytes` while the object lives; writing more is an error, as on a
-// full disk.
+// No file of this process may grow beyond `bytes` while the object lives; writing more fails, as on a full
+// disk.
 class SmallDisk {
  public:
   explicit SmallDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

@@ -179,7 +179,7 @@ TEST(Camera, ASilentOneKeepsItsPictureThroughARestoreAndShowsTheNewestInTheEnd) 
   WorldBench bench(kLockstep + kFalling);
   bench.run(60);
   const auto before = image_of(bench, "eye").pixels;
-  ASSERT_TRUE(bench.simulation.inject({0, {hwparts::FaultKind::kPartSilent, {}}, 100}));
+  ASSERT_TRUE(bench.simulation.inject({0, {hwparts::FaultKind::kPartSilent, {}}, 100}).done());
   bench.run(40);
   EXPECT_EQ(image_of(bench, "eye").pixels, before);
   const auto snapshot = bench.simulation.take_snapshot();
@@ -187,7 +187,7 @@ TEST(Camera, ASilentOneKeepsItsPictureThroughARestoreAndShowsTheNewestInTheEnd) 
     bench.run(1);
     EXPECT_EQ(image_of(bench, "eye").header.taken_ns, 60'000'000);
     EXPECT_EQ(bench.port("eye", "Changed"), 3.0);
-    ASSERT_TRUE(bench.simulation.restore_snapshot(snapshot));
+    ASSERT_TRUE(bench.simulation.restore_snapshot(snapshot).done());
     EXPECT_EQ(image_of(bench, "eye").header.taken_ns, 20'000'000);
     EXPECT_EQ(image_of(bench, "eye").pixels, before);
   }
@@ -207,7 +207,7 @@ TEST(Camera, PicturesAreTheSameInEveryRunLookedAtOrNotAndAfterARestore) {
   once.run(100);
   const Image later = image_of(once, "eye");
   EXPECT_NE(later.pixels, image.pixels);
-  ASSERT_TRUE(once.simulation.restore_snapshot(snapshot));
+  ASSERT_TRUE(once.simulation.restore_snapshot(snapshot).done());
   EXPECT_EQ(image_of(once, "eye").pixels, image.pixels);
   once.run(100);
   EXPECT_EQ(image_of(once, "eye").pixels, later.pixels) << "with those that were on their way";
@@ -221,8 +221,9 @@ sensors:
 )" + camera("body: cart, shows: segmentation"));
   bench.run(1);
   EXPECT_EQ(image_of(bench, "eye").at<std::uint16_t>(80, 60), 0);
-  bench.simulation.add_body(
-      "{name: wall, fixed: true, pose: {xyz: [3, 0, 0]}, shapes: [{box: [0.2, 1, 1]}]}");
+  EXPECT_TRUE(bench.simulation
+                  .add_body("{name: wall, fixed: true, pose: {xyz: [3, 0, 0]}, shapes: [{box: [0.2, 1, 1]}]}")
+                  .done());
   bench.run(1);
   EXPECT_EQ(image_of(bench, "eye").at<std::uint16_t>(80, 60), 2);
 }

@@ -1,5 +1,5 @@
-// Eight calibrated cameras at once: models/scenes/eight_cameras.yaml, each picture against the projection of
-// what is known.
+// Eight calibrated cameras at once: models/scenes/eight_cameras.yaml, each picture is compared with the
+// projection of bodies whose places are known.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
 
-// The middle of the pixels of the ball, which alone is red.
+// The middle of the ball's pixels; only the ball is red.
 Eigen::Vector2d middle_of_ball(std::span<const std::byte> image) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   int count = 0;

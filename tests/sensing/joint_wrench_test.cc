@@ -119,7 +119,7 @@ bodies: [{name: mass, mass: 2, pose: {xyz: [0.3, 0, 1]}, shapes: [{sphere: 0.05}
 joints: [{name: wrist, type: fixed, child: mass, pose: {xyz: [0, 0, 1]}}]
 sensors: [{name: cell, kind: joint_wrench, joint: wrist}]
 )");
-  ASSERT_TRUE(bench.simulation.push({{{0}, {5, 0, 2 * 9.81}, {0, 0, 1}}, 100'000}));
+  ASSERT_TRUE(bench.simulation.push({{{0}, {5, 0, 2 * 9.81}, {0, 0, 1}}, 100'000}).done());
   bench.run(1000);
   EXPECT_NEAR((force(bench) - Vector3d(-5, 0, 0)).norm(), 0.0, 1e-3);
   EXPECT_NEAR((torque(bench) - Vector3d(0, 0, -1)).norm(), 0.0, 1e-3);

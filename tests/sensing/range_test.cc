@@ -105,7 +105,7 @@ sensors: [{name: scan, kind: scanner, range: [0.1, 50], rays: 3, angle: [-1, 1]}
   };
   bench.run(10);
   const auto before = scan();
-  ASSERT_TRUE(bench.simulation.inject({0, {hwparts::FaultKind::kPartSilent, {}}, 20}));
+  ASSERT_TRUE(bench.simulation.inject({0, {hwparts::FaultKind::kPartSilent, {}}, 20}).done());
   bench.run(10);
   EXPECT_EQ(scan(), before);
   bench.run(1);

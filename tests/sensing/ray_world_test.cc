@@ -1,4 +1,4 @@
-// Rays through whole worlds: the nearest of many, meshes, what moves, what is not to be seen.
+// Rays through whole worlds: the nearest of many shapes, meshes, moving bodies, invisible shapes.
 #include "server/sensing/ray_world.h"
 
 #include <gtest/gtest.h>
@@ -153,7 +153,7 @@ TEST(RayWorld, AnEmptyWorldHasNothingInIt) {
   EXPECT_FALSE(place.rays.blocked({{0, 0, 0}, {1, 0, 0}, 10.0, {}}));
 }
 
-// A heap of everything: each ray's answer is that of asking each solid by itself.
+// A heap of all kinds: each ray must find what asking each solid by itself finds.
 TEST(RayWorld, AgreesWithAskingEachShapeByItself) {
   std::string yaml = "bodies:\n";
   std::mt19937 generator(5);

@@ -1,4 +1,4 @@
-// Sensors in the world's life: hash, snapshots, reset, bodies that come and go, scenes that are wrong.
+// Sensors through the life of a world: hash, snapshots, reset, bodies that come and go, wrong scenes.
 #include "server/sensing/senses.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ TEST(Senses, ASnapshotGoesOnWithTheSameBits) {
   const auto snapshot = bench.simulation.take_snapshot();
   bench.run(200);
   const auto later = bench.simulation.state_hash();
-  ASSERT_TRUE(bench.simulation.restore_snapshot(snapshot));
+  ASSERT_TRUE(bench.simulation.restore_snapshot(snapshot).done());
   bench.run(200);
   EXPECT_EQ(bench.simulation.state_hash(), later);
 }
@@ -76,10 +76,11 @@ TEST(Senses, OneSensorMoreChangesNoOther) {
 TEST(Senses, ComeAlongWhenBodiesComeAndGo) {
   WorldBench bench("gravity: [0, 0, 0]" + kWorld);
   bench.run(10);
-  EXPECT_EQ(bench.simulation.remove_body("ball"), "it carries the sensor 'imu'");
-  EXPECT_EQ(bench.simulation.remove_body("spare"), "");
-  bench.simulation.add_body(
-      "{name: wall, fixed: true, pose: {xyz: [2, 5, 1]}, shapes: [{box: [0.2, 9, 9]}]}");
+  EXPECT_EQ(bench.simulation.remove_body("ball").text(), "'ball' carries the sensor 'imu'");
+  EXPECT_EQ(bench.simulation.remove_body("spare").text(), "");
+  EXPECT_TRUE(bench.simulation
+                  .add_body("{name: wall, fixed: true, pose: {xyz: [2, 5, 1]}, shapes: [{box: [0.2, 9, 9]}]}")
+                  .done());
   bench.run(10);
   EXPECT_NEAR(bench.port("fan", "Nearest Distance"), 1.9, 0.1) << "on 'last' still, whose number has changed";
   EXPECT_GT(bench.port("fan", "Changed"), 10.0);
@@ -125,13 +126,13 @@ TEST(Senses, WrongScenesAreRefusedWhereTheyAreWrong) {
             "camera, is "
             "'imo'; did you mean 'imu'?");
   EXPECT_EQ(sensor_error("- {name: a, kind: imu, body: bax}"),
-            "s.yaml:5: sensors[0].body: there is no body called 'bax'; did you mean 'box'?");
+            "s.yaml:5: sensors[0].body: there is no body 'bax'; did you mean 'box'?");
   EXPECT_EQ(sensor_error("- {name: a, kind: imu, pose: {xyz: [0, 0]}}"),
             "s.yaml:5: sensors[0].pose.xyz: must be a list of 3 numbers, has 2");
   EXPECT_EQ(sensor_error("- {name: a, kind: contact}"),
             "s.yaml:5: sensors[0]: a contact sensor needs 'body': what it feels touches that");
   EXPECT_EQ(sensor_error("- {name: a, kind: joint_wrench, joint: hing}"),
-            "s.yaml:5: sensors[0].joint: there is no joint called 'hing'; did you mean 'hinge'?");
+            "s.yaml:5: sensors[0].joint: there is no joint 'hing'; did you mean 'hinge'?");
   EXPECT_EQ(sensor_error("- {name: a, kind: imu, joint: hinge}"),
             "s.yaml:5: sensors[0]: unknown key 'joint'");
   EXPECT_EQ(sensor_error("  {name: a}"), "s.yaml:5: sensors: must be a list, is a map");

@@ -1,4 +1,4 @@
-// Passages against what is known of each solid, and against its own definition along the line.
+// Compares passages with closed forms of each solid, and with the solid's own definition along the line.
 #include "server/sensing/solid.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Pictures on surfaces, as cameras see them, and picture files that are none.
+// Pictures on surfaces, as cameras see them, and files that are no pictures.
 #include <gtest/gtest.h>
 #include <png.h>
 

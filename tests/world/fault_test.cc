@@ -217,6 +217,48 @@ TEST(FindFault, ALoopClosedByASecondJointIsAllowed) {
   EXPECT_EQ(find_fault(model), "");
 }
 
+// fault_of() checks one thing alone, which the model need not hold.
+TEST(FaultOf, ABodyIsNamedWithItsFault) {
+  const WorldModel model = good_model();
+  Body body = model.bodies[3];
+  EXPECT_EQ(fault_of(model, body), "");
+  body.mass_kg = 0.0;
+  EXPECT_EQ(fault_of(model, body), "body 'box' needs a mass between 1e-9 and 1e12 kg");
+  body = model.bodies[3];
+  body.engine = 2;
+  EXPECT_EQ(fault_of(model, body), "body 'box' is to be moved by an engine that does not exist");
+}
+
+TEST(FaultOf, AShapeAnswersForItsSurfaceAndItsMeshToo) {
+  WorldModel model = good_model();
+  Shape box = model.shapes[3];
+  const Shape hull = model.shapes[2];
+  EXPECT_EQ(fault_of(model, box), "");
+  EXPECT_EQ(fault_of(model, hull), "");
+  box.size[1] = 0.0;
+  EXPECT_EQ(fault_of(model, box), "shape 'shape_3' needs sizes between 1e-6 and 1e6 m");
+  box.surface = {3};
+  EXPECT_EQ(fault_of(model, box), "shape 'shape_3' has no surface");
+  model.meshes[0].vertices[1].x() = kNan;
+  EXPECT_EQ(fault_of(model, model.shapes[3]), "") << "another shape's mesh does not matter";
+  EXPECT_EQ(fault_of(model, hull), "mesh 'tetrahedron' has a vertex that is not finite or beyond 1e6 m");
+  model.surfaces[0].friction = -0.1;
+  EXPECT_EQ(fault_of(model, hull), "surface 'default' needs a friction of at least 0");
+}
+
+TEST(FaultOf, AJointIsCheckedAgainstTheBodiesOfTheModel) {
+  const WorldModel model = good_model();
+  Joint joint = model.joints[1];
+  EXPECT_EQ(fault_of(model, joint), "");
+  joint.parent = joint.child;
+  EXPECT_EQ(fault_of(model, joint), "joint 'slider' connects a body with itself");
+  joint.parent = {12};
+  EXPECT_EQ(fault_of(model, joint), "joint 'slider' has a parent that does not exist");
+  joint = model.joints[1];
+  std::swap(joint.parent, joint.child);
+  EXPECT_EQ(fault_of(model, joint), "") << "the order of the joints shows only in the whole model";
+}
+
 TEST(WorldModel, FindsBodiesAndJointsByName) {
   const WorldModel model = good_model();
   EXPECT_EQ(model.find_body("link_2"), BodyId{2});

@@ -61,7 +61,7 @@ TEST(StateHash, IsThatOfTheBytesAlone) {
 }
 
 TEST(StateHash, IsXxh64) {
-  // Of no bytes with seed 0, as xxHash's specification gives it.
+  // The hash of no bytes with seed 0, as in xxHash's specification.
   EXPECT_EQ(hash_bytes({}), 0xef46db3751d8e999ull);
 }
 

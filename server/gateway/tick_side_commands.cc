@@ -1,10 +1,7 @@
-// What the tick's side answers between ticks: one function per request.
+// TickSide: how it answers the requests that came as commands, between ticks. One function per request.
 #include <algorithm>
-#include <exception>
-#include <new>
 #include <utility>
 
-#include "protocol/config/config.h"
 #include "server/gateway/tick_side.h"
 #include "server/world/world_state.h"
 
@@ -14,6 +11,31 @@ using protocol::Error;
 using protocol::ErrorCode;
 using protocol::Ok;
 using protocol::Reply;
+
+namespace {
+
+ErrorCode code_of(cycle::Refusal refusal) {
+  switch (refusal) {
+    case cycle::Refusal::kUnknownName:
+      return ErrorCode::kUnknownName;
+    case cycle::Refusal::kBadValue:
+      return ErrorCode::kBadValue;
+    case cycle::Refusal::kWrongState:
+      return ErrorCode::kWrongState;
+    case cycle::Refusal::kFull:
+      return ErrorCode::kBusy;
+    case cycle::Refusal::kNone:
+    case cycle::Refusal::kDamaged:
+      break;
+  }
+  return ErrorCode::kInternal;
+}
+
+Error error_of(const cycle::Outcome& refused) {
+  return {code_of(refused.refusal()), refused.text(), {}};
+}
+
+}  // namespace
 
 void TickSide::run(std::unique_ptr<Command> command) {
   if (const auto* step = std::get_if<protocol::Step>(&command->request)) {
@@ -31,7 +53,7 @@ void TickSide::run(std::unique_ptr<Command> command) {
     done_.push_back(std::move(command));
     return;
   }
-  // What a client wrote before this request counts as written before it.
+  // The client's writes that came before this request take effect before it.
   apply_inputs();
   command->reply =
       std::visit([&](const auto& request) { return answer(*command, request); }, command->request);
@@ -68,34 +90,20 @@ Reply TickSide::answer(Command&, const protocol::TakeSnapshot&) {
 }
 
 Reply TickSide::answer(Command&, const protocol::RestoreSnapshot& request) {
-  const bool known = simulation_.has_snapshot(request.snapshot);
-  std::string why;
-  if (!simulation_.restore_snapshot(request.snapshot, &why))
-    return Error{known ? ErrorCode::kInternal : ErrorCode::kUnknownName, std::move(why), {}};
+  if (const auto outcome = simulation_.restore_snapshot(request.snapshot); !outcome.done())
+    return error_of(outcome);
   for (auto& watch : watches_) watch.last_tick = simulation_.tick_count();
   return Ok{};
 }
 
 Reply TickSide::answer(Command& command, const protocol::AddBody& request) {
-  try {
-    simulation_.add_body(request.yaml);
-  } catch (const config::ConfigError& error) {
-    return Error{ErrorCode::kBadValue, error.what(), {}};
-  } catch (const std::bad_alloc&) {
-    throw;                                 // no body's fault
-  } catch (const std::exception& error) {  // of an engine or a sensor that cannot be had for that world
-    return Error{ErrorCode::kBadValue, error.what(), {}};
-  }
+  if (const auto outcome = simulation_.add_body(request.yaml); !outcome.done()) return error_of(outcome);
   command.view = std::make_unique<WorldView>(describe_world(simulation_.scene(), simulation_.revision()));
   return Ok{};
 }
 
 Reply TickSide::answer(Command& command, const protocol::RemoveBody& request) {
-  if (auto reason = simulation_.remove_body(request.body); !reason.empty())
-    return Error{simulation_.model().find_body(request.body).valid() ? ErrorCode::kWrongState
-                                                                     : ErrorCode::kUnknownName,
-                 std::move(reason),
-                 {}};
+  if (const auto outcome = simulation_.remove_body(request.body); !outcome.done()) return error_of(outcome);
   command.view = std::make_unique<WorldView>(describe_world(simulation_.scene(), simulation_.revision()));
   return Ok{};
 }
@@ -105,8 +113,8 @@ Reply TickSide::answer(Command& command, const protocol::GetParameters&) {
 }
 
 Reply TickSide::answer(Command& command, const protocol::SetParameter& request) {
-  if (auto reason = simulation_.set_parameter(command.part, request.name, request.value))
-    return Error{ErrorCode::kBadValue, std::move(*reason), {}};
+  const auto outcome = simulation_.set_parameter(command.part, request.name, request.value);
+  if (!outcome.done()) return error_of(outcome);
   return Ok{};
 }
 
@@ -128,15 +136,15 @@ Reply TickSide::answer(Command& command, const protocol::ReadBlackboard& request
 Reply TickSide::answer(Command& command, const protocol::WriteBlackboard& request) {
   const auto& boards = simulation_.parts()[command.part].part->description().blackboards;
   const auto board = std::ranges::find(boards, request.name, &protocol::Blackboard::name) - boards.begin();
-  if (auto reason = simulation_.write_blackboard(command.part, static_cast<std::size_t>(board),
-                                                 request.offset, request.data))
-    return Error{ErrorCode::kBadValue, std::move(*reason), {}};
+  const auto outcome = simulation_.write_blackboard(command.part, static_cast<std::size_t>(board),
+                                                    request.offset, request.data);
+  if (!outcome.done()) return error_of(outcome);
   return Ok{};
 }
 
 template <typename Other>
 Reply TickSide::answer(Command&, const Other&) {
-  return Error{ErrorCode::kInternal, "a request that is no command", {}};
+  return Error{ErrorCode::kInternal, "this request is no command", {}};
 }
 
 }  // namespace visum::gateway
