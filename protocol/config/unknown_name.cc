@@ -51,6 +51,7 @@ std::string unknown_name(std::string_view what, std::string_view name,
   std::string text = "there is no " + std::string(what) + " '" + std::string(name) + "'";
   const std::string near = did_you_mean(name, known);
   if (!near.empty() || known.empty() || known.size() > kMaxListed) return text + near;
+  if (known.size() == 1) return text + "; there is only '" + known[0] + "'";
   std::string list;
   for (const std::string& one : known) list += (list.empty() ? "" : ", ") + one;
   return text + "; there are: " + list;

@@ -125,13 +125,13 @@ TEST(Senses, WrongScenesAreRefusedWhereTheyAreWrong) {
             "camera, is "
             "'imo'; did you mean 'imu'?");
   EXPECT_EQ(sensor_error("- {name: a, kind: imu, body: bax}"),
-            "s.yaml:5: sensors[0].body: there is no body called 'bax'; did you mean 'box'?");
+            "s.yaml:5: sensors[0].body: there is no body 'bax'; did you mean 'box'?");
   EXPECT_EQ(sensor_error("- {name: a, kind: imu, pose: {xyz: [0, 0]}}"),
             "s.yaml:5: sensors[0].pose.xyz: must be a list of 3 numbers, has 2");
   EXPECT_EQ(sensor_error("- {name: a, kind: contact}"),
             "s.yaml:5: sensors[0]: a contact sensor needs 'body': what it feels touches that");
   EXPECT_EQ(sensor_error("- {name: a, kind: joint_wrench, joint: hing}"),
-            "s.yaml:5: sensors[0].joint: there is no joint called 'hing'; did you mean 'hinge'?");
+            "s.yaml:5: sensors[0].joint: there is no joint 'hing'; did you mean 'hinge'?");
   EXPECT_EQ(sensor_error("- {name: a, kind: imu, joint: hinge}"),
             "s.yaml:5: sensors[0]: unknown key 'joint'");
   EXPECT_EQ(sensor_error("  {name: a}"), "s.yaml:5: sensors: must be a list, is a map");
