@@ -53,7 +53,7 @@ struct Connection::Impl {
   std::chrono::nanoseconds spin_{0};
 };
 
-// ---------------------------------------------------------------------------------------------------- bytes
+// ---------------------------------------- bytes
 
 std::uint64_t Connection::Impl::encode(const Request& request) {
   const std::uint64_t id = ++last_id_;
@@ -142,8 +142,7 @@ void Connection::Impl::read_frames() {
   }
 }
 
-// ----------------------------------------------------------------------------------------------------
-// requests
+// ---------------------------------------- requests
 
 Deadline Connection::Impl::deadline_of(std::uint64_t id) const {
   return inbox_.unbounded(id) ? kNever : steady_clock::now() + timeout_;

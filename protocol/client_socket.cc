@@ -165,7 +165,7 @@ ClientSocket::~ClientSocket() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-// ---------------------------------------------------------------------------------------------------- TLS
+// ---------------------------------------- TLS
 
 void ClientSocket::shake_hands(const std::string& host, const TlsFiles& files, Deadline deadline) {
   context_ = make_client_context(files);

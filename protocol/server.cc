@@ -126,8 +126,7 @@ Server::Impl::~Impl() {
   for (auto& [id, session] : sessions_) session->let_go();
 }
 
-// ----------------------------------------------------------------------------------------------------
-// accepting
+// ---------------------------------------- accepting
 
 void Server::Impl::admit(tcp::socket socket, const tcp::endpoint& peer) {
   const std::string why = refusal(peer.address());
@@ -189,8 +188,7 @@ void Server::Impl::count_open() {
   open_sessions_.store(count([](const WireSession& s) { return !s.closing(); }), std::memory_order_relaxed);
 }
 
-// ---------------------------------------------------------------------------------------------------- other
-// threads
+// ---------------------------------------- other threads
 
 // One write wakes the server, however often it is asked until it looks.
 void Server::Impl::signal() {
@@ -233,8 +231,7 @@ void Server::Impl::begin_shutdown() {
   for (auto& [id, session] : sessions_) session->close(CloseReason::kShutdown);
 }
 
-// ----------------------------------------------------------------------------------------------------
-// deadlines
+// ---------------------------------------- deadlines
 
 void Server::Impl::arm_sweep() {
   if (sweeping_ || (sessions_.empty() && !(http_ && http_->busy()))) return;
@@ -256,8 +253,7 @@ void Server::Impl::sweep() {
   arm_sweep();
 }
 
-// ---------------------------------------------------------------------------------------------------- the
-// loop
+// ---------------------------------------- the loop
 
 // The end of an event: closes are told, batches written, the finished freed. Whatever this wakes is settled
 // as well.

@@ -29,8 +29,7 @@ SessionCore::SessionCore(SessionContext& context, std::uint64_t id, std::string 
       opened_(context.now),
       in_(kHelloBufferBytes, kHelloBufferBytes) {}
 
-// ----------------------------------------------------------------------------------------------------
-// sending
+// ---------------------------------------- sending
 
 void SessionCore::send(std::uint64_t reply_to, const Reply& reply) {
   assert(phase_ != Phase::kHello && "nothing may be sent before Welcome");
@@ -83,8 +82,7 @@ bool SessionCore::tell_room() {
   return true;
 }
 
-// ----------------------------------------------------------------------------------------------------
-// receiving
+// ---------------------------------------- receiving
 
 // A client that asks faster than it reads is not answered faster: half of its queue stays free for events.
 bool SessionCore::behind() const {
@@ -158,8 +156,7 @@ void SessionCore::peer_closed() {
   close(frame_began_ ? CloseReason::kLost : CloseReason::kGoodbye);
 }
 
-// ---------------------------------------------------------------------------------------------------- time,
-// faults
+// ---------------------------------------- time, faults
 
 bool SessionCore::over(ServedTime since, std::chrono::milliseconds deadline) const {
   return context_.now - since > deadline + context_.step;

@@ -91,8 +91,7 @@ void WebSession::start() {
   });
 }
 
-// ----------------------------------------------------------------------------------------------------
-// reading
+// ---------------------------------------- reading
 
 void WebSession::read() {
   if (reading_ || !is_open()) return;
@@ -124,8 +123,7 @@ void WebSession::on_read(const error_code& error, std::size_t bytes) {
   proceed();
 }
 
-// ----------------------------------------------------------------------------------------------------
-// writing
+// ---------------------------------------- writing
 
 void WebSession::flush() {
   if (!is_open()) return;

@@ -58,8 +58,7 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// --- What a node keeps
-// ---------------------------------------------------------------------------------------
+// ---------------------------------------- What a node keeps
 
 // Numbers, truth values and enums, one after the other.
 class StateOut {
@@ -113,8 +112,7 @@ class Node {
   virtual void load(StateIn&) {}
 };
 
-// --- What a node is told when it is made
-// -----------------------------------------------------------------------
+// ---------------------------------------- What a node is told when it is made
 
 // The node's own keys in the scene. Whoever asks for a key that is missing or wrong ends the reading of the
 // scene there, with file and line. A key that nobody asks for is refused as unknown.
@@ -140,8 +138,7 @@ struct Port {
   double initial = 0.0;
 };
 
-// --- Agents
-// ------------------------------------------------------------------------------------------------------
+// ---------------------------------------- Agents
 
 // One part, as an agent meets it: virtual or real, in the same process or far away.
 class PartLink {
@@ -200,8 +197,7 @@ std::unique_ptr<Agent> make_agent(AgentContext& context) {
   return std::make_unique<T>(context);
 }
 
-// --- Sensors
-// -----------------------------------------------------------------------------------------------------
+// ---------------------------------------- Sensors
 
 struct Pose {
   double p[3];
@@ -258,8 +254,7 @@ std::unique_ptr<Sensor> make_sensor(SensorContext& context) {
   return std::make_unique<T>(context);
 }
 
-// --- Hardware parts
-// ----------------------------------------------------------------------------------------------
+// ---------------------------------------- Hardware parts
 
 struct Joint {
   std::string name;
@@ -319,8 +314,7 @@ std::unique_ptr<Part> make_part(PartContext& context) {
   return std::make_unique<T>(context);
 }
 
-// --- Engines
-// -----------------------------------------------------------------------------------------------------
+// ---------------------------------------- Engines
 
 // What an engine moves or meets. Here and in all that follows a body's place is that of its centre of mass,
 // with the axes of the body.
@@ -412,8 +406,7 @@ std::unique_ptr<Engine> make_engine(EngineContext& context) {
   return std::make_unique<T>(context);
 }
 
-// --- The plug-in itself
-// -------------------------------------------------------------------------------------------
+// ---------------------------------------- The plug-in itself
 
 struct Manifest {
   // These two come first in every version of this header.

@@ -238,7 +238,7 @@ TEST_F(Client, SendsMoreThanTheSocketsHoldWithoutDeadlock) {
   for (const auto id : ids) EXPECT_TRUE(std::holds_alternative<Ok>(connection.wait(id)));
 }
 
-// ---------------------------------------------------------------------------------------------------- no
+// ---------------------------------------- no
 // Visum there
 
 // Listens on a free loopback port; what it says to its first client is given.
@@ -313,7 +313,7 @@ TEST(ClientAlone, ASilentServerTimesOut) {
   EXPECT_THROW(Connection("127.0.0.1", impostor.port, kHello, milliseconds(30)), RequestError);
 }
 
-// ---------------------------------------------------------------------------------------------------- pieces
+// ---------------------------------------- pieces
 
 TEST(ClientInbox, KeepsTheNewestEvents) {
   ClientInbox inbox;

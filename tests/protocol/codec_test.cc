@@ -109,8 +109,7 @@ TEST(Codec, HeaderIsLittleEndian) {
   EXPECT_EQ(frame_length(header), 0x01020304u);
 }
 
-// ----------------------------------------------------------------------------------------------------
-// refusals
+// ---------------------------------------- refusals
 
 TEST(Codec, RefusesAMessageWithoutARequest) {
   std::string why;

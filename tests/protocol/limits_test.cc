@@ -21,8 +21,7 @@ class Limited : public testing::ServerTest {
   }
 };
 
-// ----------------------------------------------------------------------------------------------------
-// deadlines
+// ---------------------------------------- deadlines
 
 TEST_F(Limited, WithoutAHelloTheConnectionEnds) {
   RawClient silent(port());
@@ -99,7 +98,7 @@ TEST_F(Limited, AReaderThatStallsIsClosedWhileOthersAreServed) {
   expect<Ok>(good);
 }
 
-// ---------------------------------------------------------------------------------------------------- sizes
+// ---------------------------------------- sizes
 
 TEST_F(Limited, AFrameOverTheLimitIsRefusedByItsHeader) {
   RawClient client(port());
@@ -131,8 +130,7 @@ TEST_F(Limited, OnlyAnAdminMaySendLargeFrames) {
   EXPECT_EQ(std::get<AddBody>(handler.asked[0].request).yaml.size(), 1u << 20);
 }
 
-// ----------------------------------------------------------------------------------------------------
-// numbers
+// ---------------------------------------- numbers
 
 TEST_F(Limited, OneSessionTooManyIsToldSo) {
   options.limits.max_sessions = 2;

@@ -14,7 +14,7 @@ using testing::RawClient;
 
 class Serving : public testing::ServerTest {};
 
-// ---------------------------------------------------------------------------------------------------- hello
+// ---------------------------------------- hello
 
 TEST_F(Serving, WelcomeTellsVersionSessionAndRole) {
   RawClient client(port());
@@ -108,8 +108,7 @@ TEST_F(Serving, APortInUseIsNamed) {
   }
 }
 
-// ----------------------------------------------------------------------------------------------------
-// requests
+// ---------------------------------------- requests
 
 TEST_F(Serving, AnswersInOrderHoweverTheBytesCome) {
   RawClient client(port());
@@ -208,8 +207,7 @@ TEST_F(Serving, AThrowingNotificationCostsNothing) {
   greet(client);
 }
 
-// ----------------------------------------------------------------------------------------------------
-// samples
+// ---------------------------------------- samples
 
 TEST_F(Serving, SamplesOfOneTickComeBeforeTheReplyToIt) {
   RawClient client(port());
@@ -245,8 +243,7 @@ TEST_F(Serving, ASlowReaderGetsTheNewestSampleOnceItReads) {
   }));
 }
 
-// ----------------------------------------------------------------------------------------------------
-// closing
+// ---------------------------------------- closing
 
 TEST_F(Serving, AFinBetweenFramesIsGoodbye) {
   RawClient client(port());
@@ -350,8 +347,7 @@ TEST_F(Serving, AThousandConnectionsLeaveNoDescriptorBehind) {
       << open_descriptors() << " descriptors, before: " << before;
 }
 
-// ----------------------------------------------------------------------------------------------------
-// threads
+// ---------------------------------------- threads
 
 TEST_F(Serving, NotificationsFromAnotherThreadArriveOnTheServersOwn) {
   std::thread::id seen;
