@@ -31,10 +31,10 @@ using boost::system::error_code;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr std::size_t kMaxLeaving = 64;   // refused sessions that linger; above it they are cut off
-constexpr std::size_t kSpareEvents = 16;  // per poll(), beyond one for each session
+constexpr std::size_t kMaxLeaving = 64;   // refused sessions that linger; further ones are cut off
+constexpr std::size_t kSpareEvents = 16;  // handled per poll(), beyond one for each session
 
-// The sweep is fine enough for the shortest deadline, and rare enough to cost nothing.
+// Fine enough for the shortest deadline, and rare enough to cost nothing.
 milliseconds sweep_period(const Limits& limits) {
   const milliseconds shortest =
       std::min({limits.hello_deadline, limits.frame_deadline, limits.stall_deadline});
@@ -81,8 +81,8 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   void count_open();
   bool over() const { return stopping_ && sessions_.empty(); }
 
-  // The io_context is destroyed last but for what its handlers use, so that sockets and timers go before it;
-  // it then drops pending handlers without calling them.
+  // Members are destroyed from the last to the first. So sockets and timers go before the io_context, which
+  // then drops pending handlers without calling them. Only tls_, which its handlers use, outlives it.
   std::unique_ptr<TlsContext> tls_;  // null: plain text
   asio::io_context io_{1};
   asio::executor_work_guard<asio::io_context::executor_type> stay_{io_.get_executor()};
@@ -92,7 +92,7 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   Listener listener_{
       io_, options_.address, options_.port, options_.limits.accepts_per_second,
       [this](tcp::socket socket, const tcp::endpoint& peer) { admit(std::move(socket), peer); }};
-  std::unique_ptr<HttpDoor> http_;  // none: no HTTP
+  std::unique_ptr<HttpDoor> http_;  // null: no HTTP
   const milliseconds sweep_period_;
   asio::steady_timer sweep_timer_{io_};
   bool sweeping_ = false;
@@ -134,7 +134,7 @@ void Server::Impl::admit(tcp::socket socket, const tcp::endpoint& peer) {
   keep(std::make_unique<TcpSession>(context_, *this, std::move(socket), next_id_++, peer, tls_.get()), why);
 }
 
-// A session like any other from here on: the same limits, the same refusals in the same words.
+// From here on it is a session like any other, with the same limits and the same refusals.
 void Server::Impl::upgraded(UpgradePointer upgrade) {
   tcp::endpoint peer;
   if (stopping_ || !peer_of(*upgrade, peer)) return;
@@ -169,7 +169,7 @@ std::string Server::Impl::refusal(const asio::ip::address& peer) const {
   return {};
 }
 
-// Without a session: as much of the reason as goes at once.
+// Refuses a connection without making a session: sends as much of the reason as goes at once.
 void Server::Impl::turn_away(tcp::socket& socket, const std::string& why) {
   context_.refused.fetch_add(1, std::memory_order_relaxed);
   std::vector<std::byte> frame;
@@ -190,11 +190,11 @@ void Server::Impl::count_open() {
 
 // ---------------------------------------- other threads
 
-// One write wakes the server, however often it is asked until it looks.
+// One write wakes the server, however often signal() is called before it looks.
 void Server::Impl::signal() {
   if (signalled_.exchange(true)) return;
   const std::uint64_t one = 1;
-  // Can fail only if the counter is full, and then the server is awake.
+  // The write fails only if the counter is full, and then the server is awake.
   [[maybe_unused]] const auto written = ::write(signal_fd_.native_handle(), &one, sizeof one);
 }
 
@@ -210,7 +210,7 @@ void Server::Impl::await_signal() {
 void Server::Impl::on_signal() {
   signalled_.store(false);
   const bool stops = stop_asked_.load();
-  if (notified_.exchange(false)) notify_handler();  // sessions that end are told of it before
+  if (notified_.exchange(false)) notify_handler();  // before sessions are told to close
   if (stops) begin_shutdown();
 }
 
@@ -245,8 +245,7 @@ void Server::Impl::arm_sweep() {
 }
 
 void Server::Impl::sweep() {
-  // What is more than two periods was not spent serving: nobody's deadline runs while the server looks
-  // elsewhere.
+  // Time beyond two periods was not spent serving. No deadline runs while the server is busy elsewhere.
   context_.now += std::min<ServedTime>(steady_clock::now() - last_sweep_, 2 * sweep_period_);
   for (auto& [id, session] : sessions_) session->sweep();
   if (http_) http_->sweep();
@@ -255,8 +254,8 @@ void Server::Impl::sweep() {
 
 // ---------------------------------------- the loop
 
-// The end of an event: closes are told, batches written, the finished freed. Whatever this wakes is settled
-// as well.
+// Ends an event: tells the handler of closes, writes batches, frees finished sessions. Sessions that are
+// woken meanwhile are handled, too.
 void Server::Impl::settle(Held held) {
   if (woken_.empty()) return;
   bool any_closed = false;
@@ -275,7 +274,7 @@ void Server::Impl::settle(Held held) {
   if (any_closed) count_open();
 }
 
-// Bounded, so that no client can hold the caller here.
+// Bounded, so that no client can keep the caller here.
 bool Server::Impl::serve_ready() {
   bool any = false;
   const std::size_t connections = http_ ? http_->connection_count() : 0;

@@ -5,8 +5,8 @@
 namespace visum::config {
 namespace {
 
-constexpr std::size_t kMaxWord = 64;   // a longer word is not misspelt, it is something else
-constexpr std::size_t kMaxListed = 8;  // a longer list helps nobody
+constexpr std::size_t kMaxWord = 64;   // a longer word is not a misspelt name
+constexpr std::size_t kMaxListed = 8;  // a longer list is of no help
 
 // Edit distance in which exchanging two neighbouring letters counts as one step ("lenght").
 std::size_t edit_distance(std::string_view a, std::string_view b) {

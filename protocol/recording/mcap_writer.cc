@@ -20,7 +20,7 @@ McapWriter::McapWriter(Sink sink, std::string_view library) : sink_(std::move(si
   put(std::as_bytes(std::span(kMcapMagic)));
   std::vector<std::byte> header;
   LittleWriter to(header);
-  to.text("");  // no profile of anybody's
+  to.text("");  // no profile
   to.text(library);
   put_record(Op::kHeader, header);
 }
@@ -92,7 +92,7 @@ void McapWriter::attach(const Attachment& attachment) {
   content.reserve(64 + attachment.name.size() + attachment.data.size());
   LittleWriter to(content);
   to.number(std::uint64_t{0});  // log time: the beginning
-  to.number(std::uint64_t{0});  // made: not told, so that equal runs are equal files
+  to.number(std::uint64_t{0});  // creation time: left out, so that equal runs give equal files
   to.text(attachment.name);
   to.text(attachment.media_type);
   to.number(static_cast<std::uint64_t>(attachment.data.size()));
@@ -156,7 +156,7 @@ void McapWriter::close() {
   sink_(std::as_bytes(std::span(kMcapMagic)));
 }
 
-// Groups of records by kind, where each begins, and the footer, whose CRC covers all of it.
+// The summary: records grouped by kind, where each group begins, and the footer, whose CRC covers all of it.
 void McapWriter::put_summary() {
   const auto summary = place_;
   crc_ = {};
