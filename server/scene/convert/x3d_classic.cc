@@ -90,7 +90,7 @@ class Tokens {
   Token now_;
 };
 
-// As XML attributes have several texts.
+// Quotes a text, as XML attributes with several texts do.
 std::string in_quotes(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) {
@@ -118,7 +118,7 @@ class Reader {
  private:
   using Kind = Token::Kind;
 
-  // What stands among nodes and is none.
+  // Skips statements that are not nodes. Returns false if the next thing is none of them.
   bool skip_statement() {
     const Token& now = tokens_.now();
     if (now.kind != Kind::kWord) return false;

@@ -70,7 +70,7 @@ std::string yaml_text(const std::string& text) {
       quoted += kDigits[byte >> 4];
       quoted += kDigits[byte & 15];
     } else {
-      if (c == '$' && i + 1 < text.size() && text[i + 1] == '{') quoted += '$';  // no sum
+      if (c == '$' && i + 1 < text.size() && text[i + 1] == '{') quoted += '$';  // so that it is not expanded
       quoted += c;
     }
   }
