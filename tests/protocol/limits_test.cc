@@ -1,5 +1,5 @@
-// Every limit of the server, with the deadlines short enough to be met in a test. What is measured is that a
-// deadline acts, and never early; how late depends on the machine and is not asserted.
+// Every limit of the server, with deadlines short enough for a test. The tests check that a deadline acts,
+// and never too early. How late it acts depends on the machine and is not checked.
 #include <gmock/gmock.h>
 
 #include <sys/resource.h>
@@ -215,7 +215,7 @@ TEST_F(Limited, AReplyLargerThanTheQueueIsStillSent) {
   expect<Ok>(client);
 }
 
-// To requests that waited behind another one, say.
+// For example replies to requests that waited behind another one.
 TEST_F(Limited, RepliesThatComeTogetherEndNoSession) {
   options.limits.stall_deadline = milliseconds(10'000);
   RawClient client(port(), {.receive_buffer = 4096});

@@ -1,4 +1,4 @@
-// The server as its owner and its clients see it: hello, requests, samples, threads, the end.
+// The server as its owner and its clients see it: hello, requests, samples, threads, closing.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -284,7 +284,7 @@ TEST_F(Serving, AHandlerMayCloseASessionFromWithinARequest) {
   handler.answer = [](Session& session, std::uint64_t id, const Request&) {
     session.send(id, Ok{});
     session.close(CloseReason::kRefused);
-    session.send(id, Ok{});  // too late, and ignored
+    session.send(id, Ok{});  // too late, so it is ignored
   };
   RawClient client(port());
   greet(client);

@@ -1,4 +1,4 @@
-// Scenes that are wrong: each is refused with file, line, key and reason.
+// Wrong scenes: each is refused with file, line, key and reason.
 #include <gtest/gtest.h>
 
 #include "server/scene/scene.h"
@@ -16,7 +16,7 @@ std::string scene_error(const std::string& yaml) {
 }
 
 struct BadCase {
-  std::string yaml;  // after "visum: 1\n"
+  std::string yaml;  // without the first line "visum: 1\n"
   std::string message;
 };
 
