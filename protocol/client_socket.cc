@@ -47,6 +47,7 @@ int milliseconds_until(Deadline deadline) {
   return static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000));
 }
 
+// Returns false if the deadline passed.
 bool wait_for(int fd, short events, Deadline deadline) {
   for (;;) {
     pollfd poll_fd{fd, events, 0};
@@ -114,6 +115,7 @@ std::unique_ptr<TlsContext> make_client_context(const TlsFiles& files) try {
   throw RequestError(ErrorCode::kUnauthenticated, error.what());
 }
 
+// True for a TLS handshake or alert.
 bool is_tls_answer(std::span<const std::byte> answer) {
   constexpr std::byte kAlert{0x15};
   return looks_like_tls(answer) || answer[0] == kAlert;
@@ -132,6 +134,7 @@ ClientSocket::ClientSocket(const std::string& host, std::uint16_t port, const Tl
   }
 }
 
+// Tries all addresses again and again until one answers, one refuses, or the deadline passes.
 void ClientSocket::connect(const std::string& host, std::uint16_t port, Deadline deadline) {
   const AddressList addresses = resolve(host, port);
   int error = ETIMEDOUT;
@@ -167,6 +170,7 @@ ClientSocket::~ClientSocket() {
 
 // ---------------------------------------- TLS
 
+// Feeds the TLS stream with what arrives and sends what it has pending, until both certificates are accepted.
 void ClientSocket::shake_hands(const std::string& host, const TlsFiles& files, Deadline deadline) {
   context_ = make_client_context(files);
   tls_ = std::make_unique<TlsStream>(*context_, host);

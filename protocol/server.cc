@@ -57,28 +57,34 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   void http_connected() override { arm_sweep(); }
   void upgraded(UpgradePointer upgrade) override;
 
+  // Makes a session of a new TCP connection, or turns it away.
   void admit(tcp::socket socket, const tcp::endpoint& peer);
+  // Owns and starts a session. With a `refusal`, the session tells it to the client and closes.
   void keep(std::unique_ptr<WireSession> session, const std::string& refusal);
+  // The limit that a further session from this address would exceed; "" if there is none.
   std::string refusal(const asio::ip::address& peer) const;
+  // So many refused sessions linger that no more are made.
   bool crowded() const {
     return count([](const WireSession& s) { return s.closing(); }) >= kMaxLeaving;
   }
   void turn_away(tcp::socket& socket, const std::string& why);
   std::size_t count(bool (*of)(const WireSession&)) const;
 
+  // Other threads wake the server by an eventfd: signal() writes it, on_signal() runs on the server's thread.
   void await_signal();
   void on_signal();
   void notify_handler();
   void signal();
   void begin_shutdown();
 
+  // The sweep checks all deadlines. Its timer runs only while there are sessions or connections.
   void arm_sweep();
   void sweep();
 
-  enum class Held { kStay, kLeave };
+  enum class Held { kStay, kLeave };  // sessions that hold() their queue: leave them alone, or write
   void settle(Held held = Held::kLeave);
   bool serve_ready();
-  void count_open();
+  void count_open();  // publishes the number of open sessions for other threads
   bool over() const { return stopping_ && sessions_.empty(); }
 
   // Members are destroyed from the last to the first. So sockets and timers go before the io_context, which

@@ -27,6 +27,8 @@ websocket::close_code code_for(CloseReason reason) {
                                          : websocket::close_code::normal;
 }
 
+// Writes one piece of at most ReadingWindow::kPiece at a time, and only so far ahead as pongs confirm. Closes
+// by WebSocket's closing handshake.
 class WebSession final : public WireSession {
  public:
   WebSession(SessionContext& context, SessionOwner& owner, std::uint64_t id,
@@ -64,9 +66,9 @@ class WebSession final : public WireSession {
 
   void on_read(const error_code& error, std::size_t bytes);
   void write();
-  void ping();
-  void written_out();
-  void begin_closing();
+  void ping();           // its pong will confirm all that was sent before
+  void written_out();    // the queue is empty: closes if that is due, or reads on
+  void begin_closing();  // starts the closing handshake
 
   websocket::stream<WebStream> stream_;
   http::request<http::empty_body> request_;

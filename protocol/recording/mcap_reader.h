@@ -47,13 +47,13 @@ class McapReader {
     Op op;
     Bytes content;
   };
-  // Each of these returns false at the end or at damage; fail() has then set damage_.
+  // These return false at the end of the file or at damage.
   bool read(std::uint64_t size, std::vector<std::byte>& to);
   bool read_record(Record& record);
   // Checks a chunk's CRC and goes on with the records in it.
   bool enter_chunk(Bytes content);
   bool read_attachment(Bytes content, Attachment& attachment);
-  // Handles a record outside of chunks, or inside one. False: it was no message or attachment.
+  // Handle a record outside of chunks, and one inside a chunk.
   bool take(const Record& record);
   bool take_in_chunk(const Record& record);
   bool take_channel(Bytes content);

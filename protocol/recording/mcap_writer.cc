@@ -25,6 +25,7 @@ McapWriter::McapWriter(Sink sink, std::string_view library) : sink_(std::move(si
   put_record(Op::kHeader, header);
 }
 
+// Everything that goes into the file passes here, so that place and CRC are right.
 void McapWriter::put(Bytes bytes) {
   crc_.add(bytes);
   sink_(bytes);
@@ -38,6 +39,7 @@ void McapWriter::put_record(Op op, const std::vector<std::byte>& content) {
   put(record);
 }
 
+// Schemas and channels stand in the chunk before their messages, and again in the summary.
 std::uint16_t McapWriter::add_schema(std::string_view name, std::string_view encoding, Bytes data) {
   std::vector<std::byte> schema;
   LittleWriter to(schema);
@@ -107,6 +109,7 @@ void McapWriter::flush() {
   if (!chunk_.empty()) put_chunk();
 }
 
+// Writes the chunk and the indexes of its messages, and remembers it for the summary.
 void McapWriter::put_chunk() {
   const auto until_ns = indexes_.empty() ? 0 : until_ns_;
   ChunkIndex index{chunk_from_ns_, until_ns, place_, 0, 0, chunk_.size(), {}};

@@ -87,6 +87,7 @@ MassProperties solid_mesh(const world::TriangleMesh& mesh) {
   return {volume, origin + com, inertia_from_second_moments(second) - point_inertia(volume, com)};
 }
 
+// An edge of a triangle, with its vertices in order of their numbers.
 struct Edge {
   std::uint32_t low, high;
   int direction;  // +1: from low to high
@@ -150,6 +151,7 @@ MassProperties moved(const MassProperties& part, const world::Pose& X_BS) {
   return {part.mass_kg, X_BS * part.com, R * part.inertia_C * R.transpose()};
 }
 
+// Adds both, about their common centre of mass.
 MassProperties together(const MassProperties& a, const MassProperties& b) {
   const double mass = a.mass_kg + b.mass_kg;
   if (mass <= 0) return {};

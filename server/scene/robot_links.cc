@@ -63,6 +63,7 @@ RobotLink& find_link(RobotModel& model, const std::string& name) {
                        [&](const RobotLink& l) { return l.name == name; });
 }
 
+// Joins the child of a fixed joint into its parent; a child of the world is fixed there instead.
 void join(RobotModel& model, const RobotJoint& joint) {
   if (joint.parent == kWorldLink) {
     find_link(model, joint.child).on_ground = true;
@@ -78,6 +79,7 @@ void join(RobotModel& model, const RobotJoint& joint) {
   reattach(model, joint, X_UL);
 }
 
+// One note for each link that others were joined into.
 void note_joined(RobotModel& model) {
   std::map<std::string, std::string> lists;
   for (const JoinedLink& joined : model.joined)

@@ -150,6 +150,7 @@ class Loader {
     each(root, "panels", [&](const Node& entry) { read_panel(draft_, entry); });
   }
 
+  // Reads an included file, placed where the entry says. Its errors also name the entry.
   void include(const Node& entry) {
     const IncludeEntry wanted = read_include(draft_, entry);
     includes_.check(wanted.file, entry);

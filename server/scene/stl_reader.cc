@@ -42,6 +42,7 @@ world::TriangleMesh read_binary(std::string_view bytes, const std::string& file)
   return builder.take();
 }
 
+// Reads the text form. Several solids in one file become one mesh.
 class TextStl {
  public:
   TextStl(std::string_view text, const std::string& file) : cursor_(text), file_(file), builder_(file) {}

@@ -9,6 +9,7 @@
 namespace visum::scene {
 namespace {
 
+// How many numbers an attribute holds, and which. Elements are checked wherever they stand.
 struct AttributeRule {
   const char* element;
   const char* attribute;

@@ -60,9 +60,10 @@ Order required_order(const world::WorldModel& world) {
                                        "' hangs below itself: its parents form a cycle");
 }
 
+// Kahn's topological sort. Among the joints that may come next, the earliest in the files does.
 void sort_joints(world::WorldModel& world, const config::Place& place) {
   Order order = required_order(world);
-  std::priority_queue<int, std::vector<int>, std::greater<>> ready;  // the earliest in the files first
+  std::priority_queue<int, std::vector<int>, std::greater<>> ready;  // the smallest number first
   for (std::size_t i = 0; i < world.joints.size(); ++i)
     if (order.waits_for[i] == 0) ready.push(static_cast<int>(i));
   std::vector<Joint> sorted;

@@ -22,6 +22,7 @@ std::string owner(const XMLElement& element) {
   return "";
 }
 
+// Says what is wrong with the number by `rule`; null if nothing is. kNotZero is checked by the caller.
 const char* number_fault(double number, NumberRule rule) {
   if (std::isnan(number)) return "must be a finite number";
   if (std::isinf(number)) return rule == NumberRule::kMayBeInfinite ? nullptr : "must be a finite number";

@@ -7,6 +7,7 @@ namespace {
 
 using config::Node;
 
+// True for a scalar that YAML reads as a number, so that it needs no quotes.
 bool is_number(const Node& node) {
   try {
     node.number();
