@@ -31,12 +31,15 @@ struct Connection::Impl {
   ~Impl();
 
   void say_hello(const Hello& hello, Deadline deadline);
-  std::uint64_t encode(const Request& request);  // as one more request in flight; its id
-  void flush();                                  // what was encoded
-  bool receive(Deadline deadline);               // false: the deadline passed
+  std::uint64_t encode(const Request& request);  // queues one more request in flight; returns its id
+  void flush();                                  // sends what encode() queued
+  // Waits for bytes and files the frames in them.
+  bool receive(Deadline deadline);  // false: the deadline passed
   bool taken(std::size_t received);
+  // After a read over TLS: reads all that is there.
   void drain();
   template <typename Call>
+  // Runs `call`; adds the server's last words to a ConnectionError.
   std::size_t explained(Call call);
   void read_frames();
   std::optional<Reply> wait_for(std::uint64_t id, Deadline deadline);  // nothing: the deadline passed
@@ -53,7 +56,7 @@ struct Connection::Impl {
   std::chrono::nanoseconds spin_{0};
 };
 
-// ---------------------------------------------------------------------------------------------------- bytes
+// ---------------------------------------- bytes
 
 std::uint64_t Connection::Impl::encode(const Request& request) {
   const std::uint64_t id = ++last_id_;
@@ -62,18 +65,18 @@ std::uint64_t Connection::Impl::encode(const Request& request) {
   return id;
 }
 
-// What waits is handed to the socket, as far as that takes it at once.
+// Hands what still waits to the socket, as far as the socket takes it at once.
 Connection::Impl::~Impl() {
   try {
     if (!out_.empty()) socket_.send(out_);
   } catch (const std::runtime_error&) {
-    // the connection is gone, and with it what waited
+    // The connection is gone, and the waiting requests with it.
   }
   socket_.finish();
 }
 
-// While the server is slow to read, it may be waiting for us to read: so both at once. What could not be sent
-// is not sent again: some of it may have left.
+// Sends all that waits. A server that is slow to read may itself be waiting for us to read, so this reads
+// too. After a failure nothing is sent again, because some of it may have left.
 void Connection::Impl::flush() {
   leaving_.clear();
   leaving_.swap(out_);
@@ -96,13 +99,13 @@ bool Connection::Impl::receive(Deadline deadline) {
   return any;
 }
 
-// What TLS holds back is not to be seen by who polls the socket. An end that is met here is met again by who
-// reads on: first what came before it.
+// A caller that polls the socket cannot see bytes that TLS holds back, so all of them are read at once. If
+// the stream ends here, the next receive() meets that end again, after the frames that came before it.
 void Connection::Impl::drain() try {
   while (taken(socket_.receive(in_.space()))) {
   }
 } catch (const std::runtime_error&) {
-  // told by the next receive()
+  // The next receive() reports it.
 }
 
 bool Connection::Impl::taken(std::size_t received) {
@@ -111,7 +114,8 @@ bool Connection::Impl::taken(std::size_t received) {
   return received > 0;
 }
 
-// A lost connection, with what the server said last where it said something: that may not have been read yet.
+// Runs `call`. If the connection is lost, first reads what the server sent before, and adds its last error to
+// the exception: that may say why.
 template <typename Call>
 std::size_t Connection::Impl::explained(Call call) {
   try {
@@ -121,7 +125,7 @@ std::size_t Connection::Impl::explained(Call call) {
       while (taken(socket_.receive(in_.space()))) {
       }
     } catch (const ConnectionError&) {
-      // all is read
+      // All is read.
     }
     if (inbox_.last_error().empty()) throw;
     throw ConnectionError(std::string(error.what()) + ": " + inbox_.last_error());
@@ -142,8 +146,7 @@ void Connection::Impl::read_frames() {
   }
 }
 
-// ----------------------------------------------------------------------------------------------------
-// requests
+// ---------------------------------------- requests
 
 Deadline Connection::Impl::deadline_of(std::uint64_t id) const {
   return inbox_.unbounded(id) ? kNever : steady_clock::now() + timeout_;
@@ -166,8 +169,8 @@ Reply Connection::Impl::wait(std::uint64_t id, Deadline deadline) {
   throw RequestError(ErrorCode::kTimeout, "no answer within " + std::to_string(timeout_.count()) + " ms");
 }
 
-// A refusal before the server looked at the hello (busy, ...) answers no request: it counts as the answer all
-// the same.
+// The server may refuse (busy, ...) before it looks at the hello. Such an Error answers no request, but it
+// counts as the answer here.
 void Connection::Impl::say_hello(const Hello& hello, Deadline deadline) {
   const std::uint64_t id = encode(hello);
   try {

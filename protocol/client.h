@@ -1,6 +1,7 @@
-// The client's end of the TCP session: blocking, one thread. Requests are answered in order of arrival;
-// samples and events that come in between are kept (bounded: the latest sample of a stream wins, events up to
-// 1024). Plain POSIX sockets inside client.cc, so that a client costs no Asio.
+// The client's end of a session over TCP or TLS. A Connection blocks and belongs to one thread, the one that
+// calls it. The server answers requests in the order of their arrival. Samples and events that arrive in
+// between are kept for next(): the newest sample of each stream, and the newest 1024 events. client.cc uses
+// plain POSIX sockets, so that a client does not have to build Asio.
 #pragma once
 
 #include <chrono>
@@ -17,8 +18,8 @@
 
 namespace visum::protocol {
 
-// The server's refusal of a request, or (kTimeout, kInternal with no text from the server) the connection's
-// own trouble.
+// The server refused a request. Also thrown when no answer came in time (kTimeout), and when the server's
+// answer was of an unexpected kind.
 class RequestError : public std::runtime_error {
  public:
   RequestError(ErrorCode code, const std::string& text, std::string owner = {})
@@ -31,58 +32,67 @@ class RequestError : public std::runtime_error {
   std::string owner_;
 };
 
-// The connection could not be made, or is gone.
+// The connection could not be made, or it is lost.
 class ConnectionError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
+// One session with a server, open from the constructor to the destructor. The caller owns it. Once a
+// ConnectionError was thrown, the connection is of no more use.
 class Connection {
  public:
-  // Connects, over TLS where there are files for it, and says hello. Throws ConnectionError, or RequestError
-  // where the server, or TLS on either side, refused.
+  // Connects, makes the TLS handshake if `tls` names files, and says hello; `timeout` bounds all of it
+  // together, and later the wait for each reply. Throws ConnectionError if that fails, and RequestError if
+  // the server refuses or if TLS fails on either side.
   Connection(const std::string& host, std::uint16_t port, const Hello& hello,
              std::chrono::milliseconds timeout = std::chrono::seconds(5), const TlsFiles& tls = {});
-  ~Connection();  // closes in good order
+  ~Connection();  // tells the server that no more comes, and waits up to 250 ms for it to close
   Connection(Connection&&) noexcept;
   Connection& operator=(Connection&&) noexcept;
 
   const Welcome& welcome() const;
 
-  // Sends a request and waits for its reply. Throws RequestError if that is an Error or does not come in time
-  // (no timeout: Advance and Step wait as long as the world takes).
+  // Sends a request and waits for its reply. Throws RequestError if the reply is an Error or does not come in
+  // time. Advance and Step have no time limit: they take as long as the world takes.
   Reply request(const Request& request);
+  // As request(). Throws RequestError (kMalformed) if the reply is not a T.
   template <typename T>
   T request_as(const Request& message) {
     Reply reply = request(message);
     if (auto* value = std::get_if<T>(&reply)) return std::move(*value);
     throw RequestError(ErrorCode::kMalformed, "the server answered with a message of another kind");
   }
-  // Sends without asking for a reply; a refusal arrives as an Error from next().
+  // Sends a request without an id: the server sends no reply. If it refuses, next() returns the Error.
   void post(const Request& request);
-  // Several requests in flight: send() now, wait() for the reply to that id later.
+  // For several requests in flight: send() returns the id of the request, wait() takes it to wait for the
+  // reply.
   std::uint64_t send(const Request& request);
-  // The same, which leaves with what is sent next, or once something is waited for.
+  // As send(), but the request leaves together with the next one that is sent, or at the next wait.
   std::uint64_t send_along(const Request& request);
-  // The same for several at once, which leave, and mostly arrive, together. Their ids, in the same order.
+  // As send() for several requests, which leave together and mostly arrive together. Returns their ids in
+  // order.
   std::vector<std::uint64_t> send_together(const std::vector<Request>& requests);
+  // Waits for the reply to this request. Throws as request() does.
   Reply wait(std::uint64_t id);
-  // The same for at most `timeout`; nothing if it did not come by then: it can still be waited for.
+  // As wait(), but for at most `timeout`. Returns nothing if no reply came by then; it can still be waited
+  // for.
   std::optional<Reply> wait_for(std::uint64_t id, std::chrono::milliseconds timeout);
 
-  // The next sample or event, waiting up to `timeout`; nothing if none came.
+  // The next sample or event. Returns nothing if none came within `timeout`.
   std::optional<Reply> next(std::chrono::milliseconds timeout);
 
   int native_handle() const;  // for poll()
-  void set_spin(
-      std::chrono::microseconds spin);  // busy-polls this long before it blocks; 0 (default): blocks at once
+  // How long to poll the socket busily before blocking. 0 (the default) blocks at once.
+  void set_spin(std::chrono::microseconds spin);
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 
-// "HOST:PORT", "[::1]:PORT" or "PORT". Throws std::invalid_argument that says what is wrong.
+// Reads "HOST:PORT", "[::1]:PORT" or "PORT" (of 127.0.0.1). Throws std::invalid_argument that says what is
+// wrong.
 std::pair<std::string, std::uint16_t> parse_address(const std::string& text);
 
 }  // namespace visum::protocol

@@ -7,7 +7,7 @@
 namespace visum::protocol {
 namespace {
 
-// The stream that a sample belongs to: "part NAME" or "world". Nothing for all else.
+// The stream that a sample belongs to: "part NAME" or "world". Nothing if the reply is no sample.
 std::optional<std::string> stream_of(const Reply& reply) {
   if (const auto* part = std::get_if<PartSample>(&reply)) return "part " + part->part;
   if (std::holds_alternative<WorldSample>(reply)) return "world";

@@ -1,6 +1,6 @@
-// What arrived at a client and was not fetched yet: replies to requests in flight, and samples and events in
-// the order of their arrival. Bounded: of each stream only the newest sample is kept, of events and late
-// errors the newest 1024. No socket, not thread-safe.
+// Keeps what arrived at a client until the client fetches it: replies to requests in flight, and samples and
+// events in the order of their arrival. Memory is bounded: the newest sample of each stream is kept, and the
+// newest 1024 events and late errors. Owned by a Connection (client.cc). Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -18,19 +18,22 @@ inline constexpr std::size_t kMaxKeptEvents = 1024;
 
 class ClientInbox {
  public:
-  // A reply to `id` is wanted from now on. Replies that nobody wants (any more) are dropped.
+  // Announces that a reply to `id` is wanted. A reply that is not wanted, or no longer, is dropped.
+  // `unbounded`: its wait has no time limit.
   void expect(std::uint64_t id, bool unbounded);
+  // Gives up waiting for the reply to `id`.
   void forget(std::uint64_t id);
-  // Whether waiting for it has no time limit, as the caller of expect() said. Throws std::invalid_argument
-  // where it is not expected.
+  // True if the wait for this reply has no time limit, as told to expect(). Throws std::invalid_argument if
+  // `id` is not expected.
   bool unbounded(std::uint64_t id) const;
 
+  // Files a frame that arrived: as the reply to its request, or as a sample or event.
   void put(ReplyFrame frame);
 
   std::optional<Reply> take_reply(std::uint64_t id);
   std::optional<Reply> take_next();  // the oldest sample, event, or error that answers no request
 
-  // The text of the last error that answered no request: why the server hung up, most likely.
+  // The text of the last error that answered no request. It most likely says why the server hung up.
   const std::string& last_error() const { return last_error_; }
 
  private:
@@ -46,7 +49,7 @@ class ClientInbox {
   std::deque<Reply> kept_;
   std::size_t kept_events_ = 0;
   std::map<std::string, std::uint64_t>
-      dropped_;  // samples dropped here, by stream; see the sample's `conflated`
+      dropped_;  // samples dropped here, by stream; added to `conflated` of those that follow
   std::string last_error_;
 };
 

@@ -26,13 +26,13 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kFarewell{250};
-constexpr std::size_t kCipheredBytes = 16u << 10;  // about a record of TLS
+constexpr std::size_t kCipheredBytes = 16u << 10;  // about one TLS record
 constexpr const char* kClosed = "the server closed the connection";
-// What is sent to connect is repeated by the kernel after 1, 3, 7, 15 s: who begins anew is there sooner once
-// a wire that was cut is back. From attempt to attempt longer, for answers that take long.
+// The kernel repeats an unanswered attempt to connect after 1, 3, 7, 15 s. Beginning anew connects sooner
+// once a cut cable is back. Each attempt is longer than the one before, because an answer may take long.
 constexpr std::chrono::seconds kFirstAttempt{1}, kLongestAttempt{4};
-// A receive with more time than this sleeps in recv() itself, in slices of this: one system call instead of
-// two.
+// With more time left than this, receive() sleeps in recv() itself, for so long at a time. That is one system
+// call instead of two.
 constexpr std::chrono::seconds kSlice{1};
 
 std::string place(const std::string& host, std::uint16_t port) {
@@ -40,13 +40,14 @@ std::string place(const std::string& host, std::uint16_t port) {
   return (v6 ? "[" + host + "]" : host) + ":" + std::to_string(port);
 }
 
-// For poll(): rounded up, so that a wait never ends early and never spins.
+// The timeout for poll(), rounded up, so that a wait never ends early and never spins.
 int milliseconds_until(Deadline deadline) {
   if (deadline == kNever) return -1;
   const auto left = std::chrono::ceil<milliseconds>(deadline - steady_clock::now()).count();
   return static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000));
 }
 
+// Returns false if the deadline passed.
 bool wait_for(int fd, short events, Deadline deadline) {
   for (;;) {
     pollfd poll_fd{fd, events, 0};
@@ -70,7 +71,7 @@ AddressList resolve(const std::string& host, std::uint16_t port) {
   return {list, ::freeaddrinfo};
 }
 
-// Waiting for the world has no time limit, so a server whose machine is gone must be noticed by the kernel.
+// A wait for the world has no time limit, so the kernel must notice a server whose machine is gone.
 void set_options(int fd) {
   set_tcp_options(fd);
   const timeval slice{kSlice.count(), 0};
@@ -78,7 +79,7 @@ void set_options(int fd) {
   ::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) & ~O_NONBLOCK);
 }
 
-// 0, or errno.
+// Returns 0 or an errno.
 int connect_within(int fd, const addrinfo& address, Deadline deadline) {
   if (::connect(fd, address.ai_addr, address.ai_addrlen) == 0) return 0;
   if (errno != EINPROGRESS && errno != EINTR) return errno;
@@ -99,7 +100,7 @@ bool would_block() {
   return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
 }
 
-// What a server without TLS says to its first bytes, where that can be read.
+// The error text that a server without TLS sends in answer to TLS, if it can be read.
 std::string plain_words(std::span<const std::byte> answer) {
   std::string why;
   if (answer.size() <= kHeaderBytes) return {};
@@ -114,6 +115,7 @@ std::unique_ptr<TlsContext> make_client_context(const TlsFiles& files) try {
   throw RequestError(ErrorCode::kUnauthenticated, error.what());
 }
 
+// True for a TLS handshake or alert.
 bool is_tls_answer(std::span<const std::byte> answer) {
   constexpr std::byte kAlert{0x15};
   return looks_like_tls(answer) || answer[0] == kAlert;
@@ -132,6 +134,7 @@ ClientSocket::ClientSocket(const std::string& host, std::uint16_t port, const Tl
   }
 }
 
+// Tries all addresses again and again until one answers, one refuses, or the deadline passes.
 void ClientSocket::connect(const std::string& host, std::uint16_t port, Deadline deadline) {
   const AddressList addresses = resolve(host, port);
   int error = ETIMEDOUT;
@@ -165,8 +168,9 @@ ClientSocket::~ClientSocket() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-// ---------------------------------------------------------------------------------------------------- TLS
+// ---------------------------------------- TLS
 
+// Feeds the TLS stream with what arrives and sends what it has pending, until both certificates are accepted.
 void ClientSocket::shake_hands(const std::string& host, const TlsFiles& files, Deadline deadline) {
   context_ = make_client_context(files);
   tls_ = std::make_unique<TlsStream>(*context_, host);
@@ -275,7 +279,7 @@ void ClientSocket::finish() noexcept {
     const Deadline deadline = steady_clock::now() + kFarewell;
     while (wait_for(fd_, POLLIN, deadline)) receive(ignored);
   } catch (const std::runtime_error&) {
-    // which is what was waited for
+    // The server has closed the connection, as wanted.
   }
 }
 

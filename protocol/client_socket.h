@@ -1,6 +1,6 @@
-// A connected TCP socket of the client, in plain text or over TLS: POSIX, non-blocking inside, blocking with
-// deadlines outside. Internal to client.cc. Throws ConnectionError where the connection is gone, RequestError
-// where TLS refuses it.
+// The client's connected TCP socket, in plain text or over TLS. The socket itself does not block; the calls
+// here block up to a deadline. Owned by a Connection (client.cc), used on its thread. Throws ConnectionError
+// if the connection is lost, and RequestError if TLS fails.
 #pragma once
 
 #include <chrono>
@@ -22,8 +22,8 @@ inline constexpr Deadline kNever = Deadline::max();
 
 class ClientSocket {
  public:
-  // Tries each address of `host` (a name, IPv4 or IPv6) until one answers; then, where there are `tls` files,
-  // the handshake.
+  // Tries each address of `host` (a name, IPv4 or IPv6) until one answers. If `tls` names files, makes the
+  // TLS handshake then.
   ClientSocket(const std::string& host, std::uint16_t port, const TlsFiles& tls, Deadline deadline);
   ~ClientSocket();
   ClientSocket(const ClientSocket&) = delete;
@@ -31,36 +31,40 @@ class ClientSocket {
 
   int fd() const { return fd_; }
 
-  // What goes out without waiting.
+  // Sends what can be sent without waiting. Returns how many of the bytes were taken.
   std::size_t send(std::span<const std::byte> bytes);
-  // Whether something that send() took still waits here; send({}) sends it.
+  // True if bytes that send() took still wait here (encrypted, for TLS). send({}) tries to send them.
   bool has_unsent();
   bool is_secure() const { return tls_ != nullptr; }
-  // Until there is room to write, or something to read. False where the deadline passed.
+  // Waits until there is room to write or something to read. Returns false if the deadline passed.
   bool wait_to_send(Deadline deadline) const;
-  // What is there, without waiting; 0: nothing yet.
+  // Receives what is there, without waiting. Returns 0 if nothing is there yet.
   std::size_t receive(std::span<std::byte> into);
-  // Waits for something to be there; 0: the deadline passed. Spins for `spin` before it sleeps.
+  // Waits until something arrives. Returns 0 if the deadline passed. Polls busily for `spin` before it
+  // sleeps.
   std::size_t receive(std::span<std::byte> into, Deadline deadline, std::chrono::nanoseconds spin);
 
-  // Tells the server that no more comes, and waits a moment for it to close, so that nothing sent is lost.
+  // Tells the server that no more comes and waits up to 250 ms for it to close, so that nothing sent is lost.
   void finish() noexcept;
 
  private:
+  // Connects before the deadline, or throws. A try without an answer begins anew after 1, 2, then every 4 s.
   void connect(const std::string& host, std::uint16_t port, Deadline deadline);
-  int connect_to_any(const addrinfo* addresses, Deadline deadline,
-                     std::chrono::seconds attempt);  // once each; 0, or errno
+  // Tries each address once, each for at most `attempt`. Returns 0 or an errno.
+  int connect_to_any(const addrinfo* addresses, Deadline deadline, std::chrono::seconds attempt);
   void shake_hands(const std::string& host, const TlsFiles& files, Deadline deadline);
   std::size_t send_raw(std::span<const std::byte> bytes);
+  // Sends what TLS has encrypted. Returns false if the socket takes no more now.
   bool send_pending();
   std::size_t receive_raw(std::span<std::byte> into, int flags);
   std::size_t receive_with(std::span<std::byte> into, int flags);
+  // Throws if TLS has failed.
   void check_tls() const;
 
   int fd_ = -1;
   std::unique_ptr<TlsContext> context_;
   std::unique_ptr<TlsStream> tls_;   // null: plain text
-  std::vector<std::byte> ciphered_;  // as read, where there is TLS
+  std::vector<std::byte> ciphered_;  // as received, when the connection uses TLS
 };
 
 }  // namespace visum::protocol

@@ -1,5 +1,5 @@
-// Protobuf lives here and in wire_*.cc. The generated code is the lite runtime's, because that keeps unknown
-// fields as the bytes that they came in, where the full runtime turns each of them into an object of its own.
+// Only this file and wire_*.cc know Protobuf. They use the lite runtime, because it keeps unknown fields as
+// the bytes that arrived; the full runtime turns each unknown field into an object.
 #include "protocol/codec.h"
 
 #include <google/protobuf/arena.h>
@@ -18,15 +18,15 @@ namespace {
 
 using google::protobuf::Arena;
 
-// What Protobuf would write to standard error about a bad message is returned as a value, and a hostile
-// client must not fill the log.
+// Errors about bad messages are returned as values. Protobuf would also write them to standard error, and a
+// hostile client could fill the log.
 [[maybe_unused]] const bool kProtobufIsQuiet = (google::protobuf::SetLogHandler(nullptr), true);
 
-// Messages above this size are parsed on the heap: an arena keeps what a repeated oneof throws away, so that
-// a message made of empty sub-messages would need many times its own size.
+// Messages above this size are parsed on the heap. An arena keeps what a repeated oneof throws away, so a
+// message made of empty sub-messages would need many times its own size.
 constexpr std::size_t kMaxOnArena = 64u << 10;
 
-// One arena per thread, emptied after each message: the frequent ones then cost no allocation.
+// One arena per thread, emptied after each message, so that frequent messages need no allocation.
 class Scratch {
  public:
   Scratch() : arena_(options(block_)) {}
@@ -59,7 +59,8 @@ struct ResetOnExit {
 template <typename Message>
 bool parse(std::span<const std::byte> payload, int max_depth, Message& message) {
   if (payload.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return false;
-  // A flat array: every length inside is checked against what is left of it before anything is allocated.
+  // The payload is one flat array, so every length in it is checked against what is left before memory is
+  // allocated.
   google::protobuf::io::CodedInputStream input(reinterpret_cast<const std::uint8_t*>(payload.data()),
                                                static_cast<int>(payload.size()));
   input.SetRecursionLimit(max_depth);

@@ -15,8 +15,8 @@ std::span<std::byte> FrameBuffer::space() {
     begin_ = end_ = 0;
     shrink_when_idle();
   }
-  // A frame that does not fit behind what is there moves to the front, then grows by doubling as its bytes
-  // come.
+  // If a frame does not fit behind the bytes that are there, it moves to the front. Then the buffer grows by
+  // doubling as its bytes arrive.
   if (begin_ > 0 && (end_ == bytes_.size() || begin_ + wanted_ > bytes_.size())) compact();
   if (end_ == bytes_.size()) bytes_.resize(std::max(std::min(wanted_, 2 * bytes_.size()), bytes_.size() + 1));
   return {bytes_.data() + end_, bytes_.size() - end_};

@@ -13,7 +13,7 @@ std::string range(std::uint32_t from, std::uint32_t to) {
   return from == to ? std::to_string(from) : std::to_string(from) + " to " + std::to_string(to);
 }
 
-// Names are shown in terminals and logs.
+// Refused, because names are shown in terminals and logs.
 bool has_control_character(const std::string& name) {
   return std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
 }

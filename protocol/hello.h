@@ -1,4 +1,4 @@
-// The checks of a Hello that need no knowledge of the world: version, role, name. Pure.
+// Checks of a Hello that need no knowledge of the world: version, role and name. Pure function, any thread.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,8 @@ namespace visum::protocol {
 
 inline constexpr std::size_t kMaxClientName = 64;  // bytes
 
-// Nothing if the hello is good; `version` is then the highest that both sides speak.
+// Returns nothing if the hello is good; `version` is then the highest that both sides speak. Otherwise
+// returns the refusal to send.
 std::optional<Error> refuse_hello(const Hello& hello, std::uint32_t& version);
 
 }  // namespace visum::protocol

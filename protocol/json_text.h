@@ -1,4 +1,4 @@
-// A text as JSON wants it (RFC 8259, section 7), for the few lines that programs print for scripts.
+// Quotes a text as JSON requires (RFC 8259, section 7), for the few lines that programs print for scripts.
 #pragma once
 
 #include <cstdio>

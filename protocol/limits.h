@@ -1,4 +1,4 @@
-// Named maxima of the protocol (reliability.md §3, "Our limit"). Checked before anything is allocated.
+// The protocol's maxima, each with a name. They are checked before memory is allocated.
 #pragma once
 
 #include <chrono>
@@ -10,21 +10,22 @@ namespace visum::protocol {
 inline constexpr std::uint32_t kProtocolVersion = 1;
 inline constexpr std::uint16_t kDefaultPort = 1500;
 
+// The server's limits. SPEC.md, section 1, lists what happens when one is exceeded.
 struct Limits {
-  std::size_t max_frame = 64u << 10;  // a request's payload
+  std::size_t max_frame = 64u << 10;  // payload of a request
   std::size_t max_frame_before_hello = 1u << 10;
-  std::size_t max_frame_admin = 16u << 20;         // AddBody, role admin only
-  std::size_t max_frame_to_client = 64u << 20;     // what a client accepts
-  int max_depth = 16;                              // protobuf nesting
-  std::chrono::milliseconds hello_deadline{2000};  // the whole message, not per read
+  std::size_t max_frame_admin = 16u << 20;  // payload of an admin's request (AddBody carries a scene's YAML)
+  std::size_t max_frame_to_client = 64u << 20;     // payload that a client accepts
+  int max_depth = 16;                              // how deep Protobuf messages may be nested
+  std::chrono::milliseconds hello_deadline{2000};  // for the whole Hello, counted from connecting
   std::chrono::milliseconds frame_deadline{1000};  // from a frame's first byte to its last
-  std::chrono::milliseconds stall_deadline{2000};  // a writer without progress is closed
+  std::chrono::milliseconds stall_deadline{2000};  // a session that takes no bytes for so long is closed
   std::size_t max_sessions = 512;
   std::size_t max_unauthenticated = 32;
-  std::size_t max_sessions_per_peer = 128;    // loopback exempt
-  double accepts_per_second = 200.0;          // token bucket; delays, never refuses
-  std::size_t max_queued_replies = 1024;      // per session; more: close
-  std::size_t max_queued_bytes = 256u << 10;  // of replies and events, beyond the one being written
+  std::size_t max_sessions_per_peer = 128;    // from one address; loopback is exempt
+  double accepts_per_second = 200.0;          // a token bucket: connections above it wait, none is refused
+  std::size_t max_queued_replies = 1024;      // per session; above it the session is closed
+  std::size_t max_queued_bytes = 256u << 10;  // replies and events that wait, besides the batch being written
 };
 
 }  // namespace visum::protocol

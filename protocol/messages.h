@@ -1,6 +1,6 @@
-// The messages of the port protocol as plain values, one struct per message of visum.proto, same names, same
-// meaning: the comments there and SPEC.md are not repeated here. codec.h turns them into frames; Protobuf
-// stays inside.
+// The messages of the port protocol as plain values: one struct per message of visum.proto, with the same
+// names and the same meaning. Their comments stand in visum.proto and in SPEC.md and are not repeated here.
+// codec.h turns these structs into frames, so that Protobuf's headers stay inside protocol/.
 #pragma once
 
 #include <cstddef>
@@ -37,8 +37,7 @@ enum class ErrorCode {
 const char* to_string(ErrorCode code);  // "bad value", ...
 const char* to_string(Role role);       // "observer", ...
 
-// ------------------------------------------------------------------------------------------------ client to
-// server
+// ---------------------------------------- client to server
 
 struct Hello {
   std::uint32_t min_version = 1, max_version = 1;
@@ -180,8 +179,7 @@ using Request =
                  ReadTexture, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot, RestoreSnapshot, PushBody,
                  AddBody, RemoveBody, Shutdown, InjectFault, ClearFault, ListFaults>;
 
-// ------------------------------------------------------------------------------------------------ server to
-// client
+// ---------------------------------------- server to client
 
 struct Error {
   ErrorCode code = ErrorCode::kUnspecified;

@@ -1,5 +1,6 @@
-// What a hardware part has to offer: its ports, parameters and blackboards, in the order that is its
-// contract. Plain values; the wire form is PartDescription in visum.proto, translated in protocol/wire.h.
+// Describes what a hardware part offers: its ports, parameters and blackboards, in the order that its
+// contract fixes. Plain values. On the wire this is PartDescription of visum.proto, translated in
+// protocol/wire_part.cc.
 #pragma once
 
 #include <cstdint>
@@ -9,31 +10,31 @@
 
 namespace visum::protocol {
 
-// One number of a part. Its index in the vector is the contract; saved panels refer to it.
+// One number of a part. Its index in the vector is part of the contract: writes and saved panels refer to it.
 struct Port {
-  std::string name;  // natural form, "Desired Angle 1"
+  std::string name;  // as people write it, "Desired Angle 1"
   std::string unit;  // "rad", "rad/s", "m", "m/s", "A"; empty for counters and bit fields
   double minimum;    // a value outside [minimum, maximum] is refused
   double maximum;
-  double initial;     // controller inputs: value until somebody writes
-  std::string group;  // the ports that belong together, "Desired Angle"
+  double initial;     // controller inputs: the value until the first write
+  std::string group;  // shared by ports that belong together, "Desired Angle"
 };
 
 using ParameterValue = std::variant<double, std::int64_t, bool, std::string>;
 
-// A named, typed setting of a part that can be changed while it runs.
+// A setting of a part, with a name and a type, that can be changed while the part runs.
 struct Parameter {
   std::string name;
   std::string unit;
   std::string help;
-  ParameterValue value;  // as it was when described
-  double minimum = 0.0;  // numbers and integers
+  ParameterValue value;  // at the time of the description
+  double minimum = 0.0;  // for numbers and integers
   double maximum = 0.0;
-  std::vector<std::string> choices;  // texts; empty: any
+  std::vector<std::string> choices;  // for texts; empty: any text
   bool read_only = false;
 };
 
-// A named block of bytes beside the ports.
+// A block of bytes beside the ports, with a name.
 struct Blackboard {
   std::string name;
   std::string content_type;  // "text/plain", "image/x-rgb24", ...

@@ -31,10 +31,10 @@ using boost::system::error_code;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr std::size_t kMaxLeaving = 64;   // refused sessions that linger; above it they are cut off
-constexpr std::size_t kSpareEvents = 16;  // per poll(), beyond one for each session
+constexpr std::size_t kMaxLeaving = 64;   // refused sessions that linger; further ones are cut off
+constexpr std::size_t kSpareEvents = 16;  // handled per poll(), beyond one for each session
 
-// The sweep is fine enough for the shortest deadline, and rare enough to cost nothing.
+// Fine enough for the shortest deadline, and rare enough to cost nothing.
 milliseconds sweep_period(const Limits& limits) {
   const milliseconds shortest =
       std::min({limits.hello_deadline, limits.frame_deadline, limits.stall_deadline});
@@ -57,32 +57,38 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   void http_connected() override { arm_sweep(); }
   void upgraded(UpgradePointer upgrade) override;
 
+  // Makes a session of a new TCP connection, or turns it away.
   void admit(tcp::socket socket, const tcp::endpoint& peer);
+  // Owns and starts a session. With a `refusal`, the session tells it to the client and closes.
   void keep(std::unique_ptr<WireSession> session, const std::string& refusal);
+  // The limit that a further session from this address would exceed; "" if there is none.
   std::string refusal(const asio::ip::address& peer) const;
+  // So many refused sessions linger that no more are made.
   bool crowded() const {
     return count([](const WireSession& s) { return s.closing(); }) >= kMaxLeaving;
   }
   void turn_away(tcp::socket& socket, const std::string& why);
   std::size_t count(bool (*of)(const WireSession&)) const;
 
+  // Other threads wake the server by an eventfd: signal() writes it, on_signal() runs on the server's thread.
   void await_signal();
   void on_signal();
   void notify_handler();
   void signal();
   void begin_shutdown();
 
+  // The sweep checks all deadlines. Its timer runs only while there are sessions or connections.
   void arm_sweep();
   void sweep();
 
-  enum class Held { kStay, kLeave };
+  enum class Held { kStay, kLeave };  // sessions that hold() their queue: leave them alone, or write
   void settle(Held held = Held::kLeave);
   bool serve_ready();
-  void count_open();
+  void count_open();  // publishes the number of open sessions for other threads
   bool over() const { return stopping_ && sessions_.empty(); }
 
-  // The io_context is destroyed last but for what its handlers use, so that sockets and timers go before it;
-  // it then drops pending handlers without calling them.
+  // Members are destroyed from the last to the first. So sockets and timers go before the io_context, which
+  // then drops pending handlers without calling them. Only tls_, which its handlers use, outlives it.
   std::unique_ptr<TlsContext> tls_;  // null: plain text
   asio::io_context io_{1};
   asio::executor_work_guard<asio::io_context::executor_type> stay_{io_.get_executor()};
@@ -92,7 +98,7 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   Listener listener_{
       io_, options_.address, options_.port, options_.limits.accepts_per_second,
       [this](tcp::socket socket, const tcp::endpoint& peer) { admit(std::move(socket), peer); }};
-  std::unique_ptr<HttpDoor> http_;  // none: no HTTP
+  std::unique_ptr<HttpDoor> http_;  // null: no HTTP
   const milliseconds sweep_period_;
   asio::steady_timer sweep_timer_{io_};
   bool sweeping_ = false;
@@ -126,8 +132,7 @@ Server::Impl::~Impl() {
   for (auto& [id, session] : sessions_) session->let_go();
 }
 
-// ----------------------------------------------------------------------------------------------------
-// accepting
+// ---------------------------------------- accepting
 
 void Server::Impl::admit(tcp::socket socket, const tcp::endpoint& peer) {
   const std::string why = refusal(peer.address());
@@ -135,7 +140,7 @@ void Server::Impl::admit(tcp::socket socket, const tcp::endpoint& peer) {
   keep(std::make_unique<TcpSession>(context_, *this, std::move(socket), next_id_++, peer, tls_.get()), why);
 }
 
-// A session like any other from here on: the same limits, the same refusals in the same words.
+// From here on it is a session like any other, with the same limits and the same refusals.
 void Server::Impl::upgraded(UpgradePointer upgrade) {
   tcp::endpoint peer;
   if (stopping_ || !peer_of(*upgrade, peer)) return;
@@ -170,7 +175,7 @@ std::string Server::Impl::refusal(const asio::ip::address& peer) const {
   return {};
 }
 
-// Without a session: as much of the reason as goes at once.
+// Refuses a connection without making a session: sends as much of the reason as goes at once.
 void Server::Impl::turn_away(tcp::socket& socket, const std::string& why) {
   context_.refused.fetch_add(1, std::memory_order_relaxed);
   std::vector<std::byte> frame;
@@ -189,14 +194,13 @@ void Server::Impl::count_open() {
   open_sessions_.store(count([](const WireSession& s) { return !s.closing(); }), std::memory_order_relaxed);
 }
 
-// ---------------------------------------------------------------------------------------------------- other
-// threads
+// ---------------------------------------- other threads
 
-// One write wakes the server, however often it is asked until it looks.
+// One write wakes the server, however often signal() is called before it looks.
 void Server::Impl::signal() {
   if (signalled_.exchange(true)) return;
   const std::uint64_t one = 1;
-  // Can fail only if the counter is full, and then the server is awake.
+  // The write fails only if the counter is full, and then the server is awake.
   [[maybe_unused]] const auto written = ::write(signal_fd_.native_handle(), &one, sizeof one);
 }
 
@@ -212,7 +216,7 @@ void Server::Impl::await_signal() {
 void Server::Impl::on_signal() {
   signalled_.store(false);
   const bool stops = stop_asked_.load();
-  if (notified_.exchange(false)) notify_handler();  // sessions that end are told of it before
+  if (notified_.exchange(false)) notify_handler();  // before sessions are told to close
   if (stops) begin_shutdown();
 }
 
@@ -233,8 +237,7 @@ void Server::Impl::begin_shutdown() {
   for (auto& [id, session] : sessions_) session->close(CloseReason::kShutdown);
 }
 
-// ----------------------------------------------------------------------------------------------------
-// deadlines
+// ---------------------------------------- deadlines
 
 void Server::Impl::arm_sweep() {
   if (sweeping_ || (sessions_.empty() && !(http_ && http_->busy()))) return;
@@ -248,19 +251,17 @@ void Server::Impl::arm_sweep() {
 }
 
 void Server::Impl::sweep() {
-  // What is more than two periods was not spent serving: nobody's deadline runs while the server looks
-  // elsewhere.
+  // Time beyond two periods was not spent serving. No deadline runs while the server is busy elsewhere.
   context_.now += std::min<ServedTime>(steady_clock::now() - last_sweep_, 2 * sweep_period_);
   for (auto& [id, session] : sessions_) session->sweep();
   if (http_) http_->sweep();
   arm_sweep();
 }
 
-// ---------------------------------------------------------------------------------------------------- the
-// loop
+// ---------------------------------------- the loop
 
-// The end of an event: closes are told, batches written, the finished freed. Whatever this wakes is settled
-// as well.
+// Ends an event: tells the handler of closes, writes batches, frees finished sessions. Sessions that are
+// woken meanwhile are handled, too.
 void Server::Impl::settle(Held held) {
   if (woken_.empty()) return;
   bool any_closed = false;
@@ -279,7 +280,7 @@ void Server::Impl::settle(Held held) {
   if (any_closed) count_open();
 }
 
-// Bounded, so that no client can hold the caller here.
+// Bounded, so that no client can keep the caller here.
 bool Server::Impl::serve_ready() {
   bool any = false;
   const std::size_t connections = http_ ? http_->connection_count() : 0;

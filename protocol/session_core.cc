@@ -29,15 +29,14 @@ SessionCore::SessionCore(SessionContext& context, std::uint64_t id, std::string 
       opened_(context.now),
       in_(kHelloBufferBytes, kHelloBufferBytes) {}
 
-// ----------------------------------------------------------------------------------------------------
-// sending
+// ---------------------------------------- sending
 
 void SessionCore::send(std::uint64_t reply_to, const Reply& reply) {
   assert(phase_ != Phase::kHello && "nothing may be sent before Welcome");
   if (phase_ != Phase::kOpen) return;
   if (queue_full() && !out_.in_flight()) flush();
   if (phase_ != Phase::kOpen) return;
-  // Replies are bounded by who answers: there is none while behind().
+  // Only events need this check: the handler sends no replies while behind().
   if (reply_to == 0 && queue_full()) return close(CloseReason::kLost);
   out_.push(reply_to, reply, context_.limits.max_frame_to_client);
   owes_room_ = owes_room_ || behind();
@@ -70,7 +69,8 @@ void SessionCore::tell_closed() {
   guarded(0, [this] { context_.handler.on_close(*this, reason_); });
 }
 
-// A reply may be larger than all that may wait: its bytes do not count against the events behind it.
+// Counts the bytes of events only: one reply may be larger than all that may wait, and must not displace
+// events.
 bool SessionCore::queue_full() const {
   return out_.waiting_replies() >= context_.limits.max_queued_replies ||
          out_.waiting_event_bytes() >= context_.limits.max_queued_bytes;
@@ -83,10 +83,9 @@ bool SessionCore::tell_room() {
   return true;
 }
 
-// ----------------------------------------------------------------------------------------------------
-// receiving
+// ---------------------------------------- receiving
 
-// A client that asks faster than it reads is not answered faster: half of its queue stays free for events.
+// A client that asks faster than it reads gets its answers later. Half of the queue stays free for events.
 bool SessionCore::behind() const {
   return out_.waiting_replies() >= context_.limits.max_queued_replies / 2 ||
          out_.waiting_bytes() >= context_.limits.max_queued_bytes / 2;
@@ -158,8 +157,7 @@ void SessionCore::peer_closed() {
   close(frame_began_ ? CloseReason::kLost : CloseReason::kGoodbye);
 }
 
-// ---------------------------------------------------------------------------------------------------- time,
-// faults
+// ---------------------------------------- time, faults
 
 bool SessionCore::over(ServedTime since, std::chrono::milliseconds deadline) const {
   return context_.now - since > deadline + context_.step;
@@ -174,7 +172,7 @@ void SessionCore::check_deadlines() {
            {ErrorCode::kTimeout, "a frame was not complete within " + in_words(limits.frame_deadline), {}});
 }
 
-// What the handler throws is a bug of ours; it costs this session, not the server.
+// An exception of the handler is a bug of ours. It costs this session, not the server.
 template <typename Call>
 void SessionCore::guarded(std::uint64_t request_id, Call call) {
   std::string what = "unknown exception";

@@ -1,6 +1,7 @@
-// One session without its socket: hello, requests, deadlines, bounded queue. What feeds it with bytes and
-// drains it (tcp_session.h, or a test) derives from it. No socket, no clock, no thread of its own: everything
-// is called on the server's one thread, and time is what the context says.
+// One session without its socket: hello, requests, deadlines, bounded queue. A transport (tcp_session.h,
+// web_session.h, or a test) derives from it, feeds it with bytes and writes what it queued. It has no socket,
+// no clock and no thread: everything is called on the server's one thread, and SessionContext gives the time.
+// Owned by the server.
 #pragma once
 
 #include <atomic>
@@ -14,11 +15,11 @@
 
 namespace visum::protocol {
 
-// Time in which the server was there to serve, since its start: what it spent elsewhere (a debugger, a slow
-// tick) does not count against its clients. Moves in steps of the sweep.
+// The time that the server has spent serving since its start. Time that it spent elsewhere (in a debugger, in
+// a slow tick) does not count against its clients. It advances with each sweep.
 using ServedTime = std::chrono::nanoseconds;
 
-// What all sessions of a server share.
+// Shared by all sessions of a server; owned by the server.
 struct SessionContext {
   const Limits& limits;
   SessionHandler& handler;
@@ -42,7 +43,7 @@ class SessionCore : public Session {
   void hold() override { held_ = phase_ == Phase::kOpen; }
   void close(CloseReason reason) override;
 
-  // Says why, and closes.
+  // Sends the error as the last reply and closes.
   void refuse(std::uint64_t reply_to, Error error);
 
   bool awaits_hello() const { return phase_ == Phase::kHello; }
@@ -50,32 +51,36 @@ class SessionCore : public Session {
   bool held() const { return held_ && phase_ == Phase::kOpen && !owes_room_; }
   CloseReason close_reason() const { return reason_; }
 
-  // Tells the handler of a close, once, outside of the call that caused it.
+  // Tells the handler once that the session was closed, outside of the call that closed it.
   void tell_closed();
 
  protected:
   enum class Appetite {
     kMore,    // wants bytes
-    kTurn,    // whole frames are left: others first, then handle_frames() again
-    kPaused,  // its replies must be written first, then handle_frames() again
+    kTurn,    // whole frames are left: serve the other sessions first, then call handle_frames() again
+    kPaused,  // its replies must be written first, then call handle_frames() again
     kNone,    // closing
   };
 
   void end_hold() { held_ = false; }
-  // There is something to write or to close; comes at most once per batch of calls.
+  // Asks for a call of flush(): there is something to write or to close. Called at most once per batch of
+  // calls.
   virtual void wake() = 0;
-  // Writes now what can be written without waiting.
+  // Writes what can be written without waiting.
   virtual void flush() = 0;
 
   FrameBuffer& in() { return in_; }
   WriteQueue& out() { return out_; }
+  // Handles the frames that have arrived, up to a number per turn.
   Appetite handle_frames();
-  void peer_closed();  // the end of the stream
+  void peer_closed();  // at the end of the peer's stream
+  // Refuses a peer whose Hello or whose frame takes too long.
   void check_deadlines();
-  // It was behind() and has not told the handler of room since.
+  // True if the session was behind() and the handler was not told of room since.
   bool owes_room() const { return owes_room_; }
-  // Tells it where there is room again, outside of the handler's calls; whether it did.
+  // If there is room again, tells the handler (never from within one of its calls) and returns true.
   bool tell_room();
+  // True if `deadline` has passed since `since`, with allowance for the coarse clock.
   bool over(ServedTime since, std::chrono::milliseconds deadline) const;
   SessionContext& context() { return context_; }
 
@@ -83,10 +88,12 @@ class SessionCore : public Session {
   enum class Phase { kHello, kOpen, kClosing };
 
   std::size_t max_frame() const;
+  // True if no further event may wait; events are then no longer accepted.
   bool queue_full() const;
   void handle(std::span<const std::byte> payload);
   void handle_hello(std::uint64_t id, const Request& request);
   void too_large(std::uint32_t length);
+  // Calls `call`. An exception is a bug of ours: it is logged, and this session is refused.
   template <typename Call>
   void guarded(std::uint64_t request_id, Call call);
 

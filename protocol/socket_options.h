@@ -1,12 +1,12 @@
-// What both ends of a session ask of the kernel for their TCP connection.
+// Options that both ends of a session set on their TCP socket.
 #pragma once
 
 namespace visum::protocol {
 
-// Frames leave at once, and a peer that vanished without a word is noticed: while nothing is to be sent by
-// probes, within 4 s; while something is, after 4 s without an acknowledgement (probes rest as long as that
-// is open). So is one that reads nothing for 4 s while more is to be sent than the kernels hold. An option
-// that is refused leaves the kernel's default.
+// Sends frames at once and makes the kernel notice a peer that vanished: within 4 s by probes while nothing
+// waits to be sent, and after 4 s without an acknowledgement otherwise (the kernel sends no probes then). A
+// peer that reads nothing for 4 s while the kernels' buffers are full counts as vanished, too. If the kernel
+// refuses an option, its default remains.
 void set_tcp_options(int socket);
 
 }  // namespace visum::protocol

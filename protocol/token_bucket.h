@@ -1,4 +1,5 @@
-// A rate limit that allows bursts of one second's worth. Time is given, not taken.
+// A rate limit: `per_second` tokens a second, with bursts of one second's worth. The caller passes the time,
+// so that tests need no clock. Not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -13,14 +14,14 @@ class TokenBucket {
 
   TokenBucket(double per_second, Time now) : per_second_(per_second), tokens_(capacity()), filled_(now) {}
 
-  // Takes one token if there is one.
+  // Takes one token. Returns false if there is none.
   bool take(Time now) {
     refill(now);
     if (tokens_ < 1.0) return false;
     tokens_ -= 1.0;
     return true;
   }
-  // How long until the next token, after take() failed.
+  // The time until the next token. Call it after take() returned false.
   std::chrono::nanoseconds wait() const {
     return std::chrono::nanoseconds(static_cast<std::int64_t>((1.0 - tokens_) / per_second_ * 1e9) + 1);
   }

@@ -13,7 +13,7 @@ Role role_named(const std::string& word) {
   return Role::kUnspecified;
 }
 
-// Whether a token that gives `offered` serves somebody who wants `wanted` better than one that gives `best`.
+// True if a token for `offered` suits a client that wants `wanted` better than a token for `best` does.
 bool is_better(Role offered, Role best, Role wanted) {
   if (best < wanted) return offered > best;
   return offered >= wanted && offered < best;
@@ -32,7 +32,7 @@ std::string read_token_file(const std::string& file, Role role) {
     std::string first, second;
     if (!(words >> first)) continue;
     if (!(words >> second)) return first;
-    if (second.starts_with("CN=")) continue;  // of a certificate
+    if (second.starts_with("CN=")) continue;  // grants a role to a certificate, holds no token
     if (is_better(role_named(first), best_role, role)) {
       best = second;
       best_role = role_named(first);

@@ -1,4 +1,4 @@
-// Where a client (a mirror is one, too) finds the token that a server asks for.
+// Reads the token that a server asks for. Clients use it; a mirror is one of them.
 #pragma once
 
 #include <string>
@@ -7,9 +7,10 @@
 
 namespace visum::protocol {
 
-// The token for `role`: the first line that is a token alone or, in a file as the server's own with lines of
-// "ROLE TOKEN", that of the least role that is enough (else of the greatest there is). # begins a comment. No
-// file name: no token. Throws std::runtime_error that names the file.
+// Returns the token for `role`. A line holds a token alone, or (as in the server's own file) "ROLE TOKEN".
+// The first line with a token alone wins. Otherwise the token of the least role that suffices is taken, and
+// if none suffices, that of the greatest role. # begins a comment. An empty file name gives no token. Throws
+// std::runtime_error that names the file.
 std::string read_token_file(const std::string& file, Role role);
 
 }  // namespace visum::protocol

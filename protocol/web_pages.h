@@ -1,5 +1,5 @@
-// The HTTP door beside the TCP port, in plain words: what it may answer to a GET. Sessions over WebSocket
-// come through the same door and are sessions like any other (server.h).
+// The pages of the HTTP port as plain values, without HTTP's library: a request for a page and its answer.
+// Sessions over WebSocket use the same port and are sessions like any other (server.h).
 #pragma once
 
 #include <cstdint>
@@ -11,23 +11,23 @@ namespace visum::protocol {
 
 struct WebRequest {
   std::string path;           // "/assets/index.js", without the query
-  bool takes_gzip = false;    // Accept-Encoding
+  bool takes_gzip = false;    // from Accept-Encoding
   std::string if_none_match;  // an entity tag, or empty
   std::string bearer;         // the token of "Authorization: Bearer ...", or empty
-  std::string identity;       // the name in the certificate that the client showed, or empty
+  std::string identity;       // the name in the client's certificate; empty if it showed none
 };
 
 struct WebReply {
   int status = 200;
   std::string content_type = "text/plain; charset=utf-8";
-  std::string text;        // the body, or else
-  std::string_view fixed;  // one that lives as long as the pages do
-  bool gzip = false;       // of the body
+  std::string text;        // the body, if `fixed` is empty
+  std::string_view fixed;  // a body that lives as long as the pages do
+  bool gzip = false;       // the body is compressed
   std::string etag;
-  bool immutable = false;  // its name changes with its content: may be kept for a year
+  bool immutable = false;  // the name changes with the content, so it may be cached for a year
 };
 
-// Answers a GET; changes nothing. Called on the server's thread.
+// Answers GET requests and changes nothing. Called on the server's thread. Must outlive the server.
 class WebPages {
  public:
   virtual ~WebPages() = default;
@@ -35,15 +35,15 @@ class WebPages {
 };
 
 struct WebOptions {
-  WebPages* pages = nullptr;  // none: no HTTP
-  std::uint16_t port = 0;     // 0: any free one
-  bool any_if_taken = false;  // where somebody else has that port, take any free one
-  // Names besides localhost, 127.0.0.1, [::1] and the address that a connection came to, under which the page
-  // may be asked for: "visum.lab", or with a port of its own "visum.lab:80".
+  WebPages* pages = nullptr;  // null: no HTTP
+  std::uint16_t port = 0;     // 0: any free port
+  bool any_if_taken = false;  // if another program has that port, take any free one
+  // Further names under which the page may be asked for: "visum.lab", or with an own port "visum.lab:80".
+  // Always allowed are localhost, 127.0.0.1, [::1] and the address that the connection came to.
   std::vector<std::string> hosts;
 };
 
-// How sessions over WebSocket are asked for (SPEC.md, section 1).
+// A client asks for a session over WebSocket with this path and this subprotocol (SPEC.md, section 1).
 inline constexpr std::string_view kWebSocketPath = "/session";
 inline constexpr std::string_view kWebSocketProtocol = "visum.v1";
 

@@ -27,6 +27,8 @@ websocket::close_code code_for(CloseReason reason) {
                                          : websocket::close_code::normal;
 }
 
+// Writes one piece of at most ReadingWindow::kPiece at a time, and only so far ahead as pongs confirm. Closes
+// by WebSocket's closing handshake.
 class WebSession final : public WireSession {
  public:
   WebSession(SessionContext& context, SessionOwner& owner, std::uint64_t id,
@@ -64,9 +66,9 @@ class WebSession final : public WireSession {
 
   void on_read(const error_code& error, std::size_t bytes);
   void write();
-  void ping();
-  void written_out();
-  void begin_closing();
+  void ping();           // its pong will confirm all that was sent before
+  void written_out();    // the queue is empty: closes if that is due, or reads on
+  void begin_closing();  // starts the closing handshake
 
   websocket::stream<WebStream> stream_;
   http::request<http::empty_body> request_;
@@ -91,8 +93,7 @@ void WebSession::start() {
   });
 }
 
-// ----------------------------------------------------------------------------------------------------
-// reading
+// ---------------------------------------- reading
 
 void WebSession::read() {
   if (reading_ || !is_open()) return;
@@ -109,13 +110,13 @@ void WebSession::read() {
 
 void WebSession::on_read(const error_code& error, std::size_t bytes) {
   const bool goodbye = error == websocket::error::closed;
-  if (goodbye) peer_closed();  // the stream has closed the socket by now
+  if (goodbye) peer_closed();  // the stream has already closed the socket
   if (goodbye || !is_open()) return wake();
   if (error) {
     if (!saying_goodbye_) lost();
     return;
   }
-  if (closing()) {  // nobody listens any more; read on until the peer closes
+  if (closing()) {  // nothing is handled any more; read on until the peer closes
     in().clear();
     return read();
   }
@@ -124,23 +125,23 @@ void WebSession::on_read(const error_code& error, std::size_t bytes) {
   proceed();
 }
 
-// ----------------------------------------------------------------------------------------------------
-// writing
+// ---------------------------------------- writing
 
 void WebSession::flush() {
   if (!is_open()) return;
   if (closing() && accepted_ && !stream_.is_open()) return hang_up();
   if (!accepted_ || writing_since_ || saying_goodbye_) return;
   if (out().empty()) return written_out();
-  // Samples wait for a page that does not read, the newest of each stream. While replies hold up requests, or
-  // a reason must be told, no pong would be read: then the deadline of a stalled writer is what ends it.
+  // For a page that does not read, samples wait: the newest of each stream. While replies hold up requests,
+  // or a reason must be told, write on: no pong would be read then, and the stall deadline ends a peer that
+  // reads nothing.
   if (window_.open() || paused() || closing()) return write();
-  // More than a window is out since that pause: the pong of before it does not open it.
+  // If more than a window was sent during such a pause, the pong from before it does not open the window.
   if (window_.ping_due()) ping();
 }
 
-// Each piece is a message of its own: a browser tells its page of a message when all of it is there, and a
-// page that heard nothing of a long frame would take the session for dead.
+// Sends each piece as a message of its own. A browser tells its page of a message only when all of it has
+// arrived, and a page that hears nothing during a long frame would take the session for dead.
 void WebSession::write() {
   const auto batch = out().front();
   const std::size_t bytes = std::min(batch.size(), ReadingWindow::kPiece);

@@ -1,5 +1,5 @@
-// A session over WebSocket: the byte stream of a TCP session, carried in binary messages. Internal to the
-// server; Boost.Beast stays inside web_session.cc and http_connection.cc.
+// A session over WebSocket: the byte stream of a TCP session, carried in binary messages. Owned by the
+// server, used on its thread. Boost.Beast stays inside web_session.cc and http_connection.cc.
 #pragma once
 
 #include <memory>
@@ -9,12 +9,12 @@
 
 namespace visum::protocol {
 
-// Answers the handshake once started.
+// Makes the session. Its start() answers the handshake.
 std::unique_ptr<WireSession> make_web_session(SessionContext& context, SessionOwner& owner, std::uint64_t id,
                                               const boost::asio::ip::tcp::endpoint& peer,
                                               UpgradePointer upgrade);
 
-// The client's address; nothing if it is gone already.
+// Reads the client's address. Returns false if the client is gone already.
 bool peer_of(const Upgrade& upgrade, boost::asio::ip::tcp::endpoint& peer);
 
 }  // namespace visum::protocol

@@ -1,4 +1,5 @@
-// What http_connection.cc hands to web_session.cc: the only header that knows Beast, for those two alone.
+// A socket and the request that asked for WebSocket on it. http_connection.cc hands it to web_session.cc;
+// only these two may include this header, because it is the one that knows Beast.
 #pragma once
 
 #include <boost/beast/http/empty_body.hpp>

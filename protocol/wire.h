@@ -1,8 +1,9 @@
-// Between the plain messages (messages.h) and Protobuf's. For codec.cc and the wire_*.cc files only;
-// Protobuf's own headers are included by those, never from here. Pure functions, any thread.
+// Translates between the plain messages (messages.h) and Protobuf's. Only codec.cc and the wire_*.cc files
+// use it; they include Protobuf's headers, this file does not. Pure functions, any thread.
 //
-// `put` fills an empty Protobuf message. `take` fills a plain one, and returns false where a value is one
-// that no message of ours has (`why` says which): an empty oneof, an enumerator that does not exist.
+// put() fills an empty Protobuf message. take() fills a plain message. It returns false if the Protobuf
+// message holds a value that no message of ours can have, and `why` names it: an empty oneof, or an
+// enumerator that does not exist.
 #pragma once
 
 #include <string>
@@ -49,7 +50,7 @@ void take(const v1::WorldSample& from, WorldSample& to);
 void put(const MeshData& from, v1::MeshData& to);
 void take(const v1::MeshData& from, MeshData& to);
 
-// Streams, of Advance and Advanced.
+// For Advance and Advanced, which both carry a list of Stream.
 template <typename Repeated>
 void put_streams(const std::vector<Stream>& from, Repeated* to) {
   for (const Stream& stream : from) {
@@ -71,7 +72,7 @@ void take(const v1::InjectFault& from, InjectFault& to);
 void put(const FaultList& from, v1::FaultList& to);
 void take(const v1::FaultList& from, FaultList& to);
 
-// An enumerator from the wire, where 0..last are the ones that exist.
+// Takes an enumerator from the wire. The valid ones are 0 to `last`.
 template <typename Enum>
 bool take_enum(int from, Enum last, Enum& to, const char* name, std::string& why) {
   if (from < 0 || from > static_cast<int>(last)) {
@@ -82,7 +83,7 @@ bool take_enum(int from, Enum last, Enum& to, const char* name, std::string& why
   return true;
 }
 
-// Numbers, as one block: RepeatedField stores them side by side.
+// Copies numbers as one block, which RepeatedField stores side by side.
 template <typename T, typename Field>
 void put_numbers(const std::vector<T>& from, Field* to) {
   to->Add(from.begin(), from.end());
@@ -92,7 +93,7 @@ void take_numbers(const Field& from, std::vector<T>& to) {
   to.assign(from.data(), from.data() + from.size());
 }
 
-// Bytes: Protobuf keeps them in a std::string.
+// Protobuf keeps bytes in a std::string.
 std::string bytes_of(const std::vector<std::byte>& from);
 std::vector<std::byte> bytes_of(const std::string& from);
 

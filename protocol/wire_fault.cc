@@ -1,4 +1,4 @@
-// Faults: what is asked of them, and what there are.
+// Faults: requests about them, and the list of their kinds.
 #include "protocol/wire.h"
 #include "visum.pb.h"
 

@@ -1,4 +1,5 @@
-// How a scene wants to be seen, as part of its description (wire_world.cc).
+// Translates the parts of a world's description that say how it looks: materials, lights, viewpoints, panels.
+// Used by wire_world.cc.
 #pragma once
 
 #include "protocol/wire.h"

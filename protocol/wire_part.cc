@@ -1,4 +1,4 @@
-// What a part has to offer: ports, parameters, blackboards.
+// Descriptions of parts: ports, parameters, blackboards.
 #include "protocol/wire.h"
 #include "visum.pb.h"
 

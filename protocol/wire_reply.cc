@@ -36,7 +36,7 @@ struct PutReply {
       w.set_kind(part.kind);
       w.set_lease_owner(part.lease_owner);
     }
-    to.mutable_parts();  // also where there is none
+    to.mutable_parts();  // selects the oneof also if there is no part
   }
   void operator()(const LeaseGrant& m) const {
     to.mutable_lease()->set_part(m.part);

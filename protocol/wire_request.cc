@@ -164,8 +164,7 @@ void take(const v1::PushBody& from, PushBody& to) {
   to.duration_ns = from.duration_ns();
 }
 
-// The requests that name a part: leases, ports, parameters, blackboards. Nothing to refuse but a parameter's
-// value.
+// Requests that name a part: leases, ports, parameters, blackboards. Only a parameter's value can be refused.
 bool take_part_request(const v1::ClientMessage& from, Request& to, std::string& why) {
   switch (from.request_case()) {
     case v1::ClientMessage::kDescribePart:
@@ -212,7 +211,7 @@ bool take_part_request(const v1::ClientMessage& from, Request& to, std::string& 
   }
 }
 
-// The requests to the world as a whole.
+// Requests to the world as a whole.
 bool take_world_request(const v1::ClientMessage& from, Request& to) {
   switch (from.request_case()) {
     case v1::ClientMessage::kAdvance:

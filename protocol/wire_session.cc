@@ -15,7 +15,7 @@ using boost::system::error_code;
 }  // namespace
 
 void set_socket_options(asio::ip::tcp::socket& socket) {
-  error_code ignored;  // a socket that fails here fails again, and is seen, at the first read
+  error_code ignored;  // a socket that fails here fails again at the first read, where it is noticed
   socket.non_blocking(true, ignored);
   set_tcp_options(socket.native_handle());
 }
@@ -40,8 +40,8 @@ void WireSession::wake() {
 }
 
 void WireSession::work() {
-  // A transport may close its socket by itself (a WebSocket does after the closing handshake): nobody may
-  // keep a session that is about to be freed.
+  // A transport may close its socket by itself (a WebSocket does after the closing handshake). The handler
+  // must be told before the session is freed.
   if (!is_open()) close(CloseReason::kLost);
   woken_ = false;
   end_hold();
@@ -72,7 +72,7 @@ void WireSession::proceed() {
   });
 }
 
-// Requests that the handler has put off come before those that are not read yet: see work().
+// The handler's postponed requests come before requests that are not read yet: see work().
 void WireSession::proceed_if_due() {
   if (owes_room()) return wake();
   if (std::exchange(paused_, false)) proceed();

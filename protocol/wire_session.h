@@ -1,5 +1,6 @@
-// A session with a transport below it: what the server keeps of every client, whether its bytes come over
-// plain TCP (tcp_session.h) or in WebSocket messages (web_session.h). Internal to the server; knows Asio.
+// A session with a transport below it. The server holds each client as one of these, whether its bytes come
+// over plain TCP (tcp_session.h) or in WebSocket messages (web_session.h). Owned by the server and used on
+// its thread. Internal to the server, because it knows Asio.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
@@ -10,7 +11,7 @@ namespace visum::protocol {
 
 class WireSession;
 
-// Who gathers the sessions that have something to do, for the end of the current event.
+// Collects the sessions that have something to do, for the end of the current event. The server is one.
 class SessionOwner {
  public:
   virtual ~SessionOwner() = default;
@@ -21,18 +22,19 @@ class WireSession : public SessionCore {
  public:
   using Socket = boost::asio::ip::tcp::socket;
 
-  // The session must outlive its pending operations: destroy it when finished(), or when its io_context runs
-  // no more handlers.
+  // The session must outlive its pending operations. Destroy it only when finished() is true, or when its
+  // io_context runs no more handlers.
   WireSession(SessionContext& context, SessionOwner& owner, std::uint64_t id,
               const boost::asio::ip::tcp::endpoint& peer);
 
   const boost::asio::ip::address& address() const { return address_; }
 
   virtual void start() = 0;   // begins to read
-  void work();                // at the end of an event: tells of a close, writes
+  void work();                // at the end of an event: tells the handler of a close, writes
   virtual void sweep() = 0;   // checks the deadlines
-  virtual void let_go() = 0;  // writes what goes without waiting, and closes, now
+  virtual void let_go() = 0;  // closes at once, after writing what can be written without waiting
   bool is_woken() const { return woken_; }
+  // True once the socket is closed and no operation holds a pointer to this session.
   bool finished() const { return !is_open() && operations_ == 0; }
 
  protected:
@@ -42,28 +44,30 @@ class WireSession : public SessionCore {
 
   bool is_open() const { return socket().is_open(); }
   void wake() override;
-  void proceed();         // handles the frames that are there, then reads on
-  void proceed_if_due();  // after writing: reading may have waited for it
+  void proceed();         // handles the frames that have arrived, then reads on
+  void proceed_if_due();  // continues reading that waited for writing
   bool paused() const { return paused_; }
+  // Closes at once: the connection failed.
   void lost();
+  // Closes the socket.
   void hang_up();
 
-  int operations_ = 0;  // pending in the io_context, with a pointer to this
+  int operations_ = 0;  // pending in the io_context; each holds a pointer to this
 
  private:
   SessionOwner& owner_;
   const boost::asio::ip::address address_;
-  bool woken_ = false;  // stands in the owner's list
+  bool woken_ = false;  // is in the owner's list
   bool turn_posted_ = false;
   bool paused_ = false;  // reading waits for writing
 };
 
-// No delay for small frames, and probes that find a silent peer (limits.h).
+// Makes the socket non-blocking and sets the options of socket_options.h.
 void set_socket_options(boost::asio::ip::tcp::socket& socket);
 
-// The address and port as "127.0.0.1:43210" or "[::1]:43210".
+// The address and port as text: "127.0.0.1:43210" or "[::1]:43210".
 std::string to_text(const boost::asio::ip::tcp::endpoint& endpoint);
-// What a socket for both IPv4 and IPv6 calls ::ffff:192.0.2.7 is 192.0.2.7 to everybody else.
+// A socket for both IPv4 and IPv6 calls 192.0.2.7 ::ffff:192.0.2.7. This turns it into the usual form.
 boost::asio::ip::address unmapped(const boost::asio::ip::address& address);
 
 }  // namespace visum::protocol

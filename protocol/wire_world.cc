@@ -1,4 +1,4 @@
-// The world and its status: what observers read.
+// The world and its status, as observers read them.
 #include "protocol/wire.h"
 #include "protocol/wire_looks.h"
 #include "visum.pb.h"

@@ -9,14 +9,14 @@
 namespace visum::protocol {
 namespace {
 
-constexpr std::size_t kKeepBytes = 256u << 10;  // buffers above this are given back once they are empty
+constexpr std::size_t kKeepBytes = 256u << 10;  // larger buffers are freed once they are empty
 
 void empty_out(std::vector<std::byte>& buffer) {
   if (buffer.capacity() > kKeepBytes) buffer = {};
   buffer.clear();
 }
 
-// A client would close the connection over a frame above its limit: it gets an error in its place.
+// A client would close the connection over a frame above its limit, so it gets an error instead.
 void encode_within(std::uint64_t reply_to, const Reply& reply, std::size_t max_frame,
                    std::vector<std::byte>& out) {
   const std::size_t start = out.size();

@@ -22,7 +22,7 @@ std::string describe(const Place& place, const std::string& message) {
   return text + message;
 }
 
-// Shortest form that reads back as the same number: 0.1, not 0.10000000000000001.
+// The shortest form that reads back as the same number: 0.1, not 0.10000000000000001.
 std::string shown(double number) {
   char buffer[32];
   const auto end = std::to_chars(buffer, buffer + sizeof buffer, number).ptr;

@@ -15,7 +15,7 @@ namespace visum::config {
 namespace {
 
 constexpr const char* kRepeat = "repeat";
-constexpr const char* kIndex = "index";          // what `repeat: N` counts by
+constexpr const char* kIndex = "index";          // the name that `repeat: N` counts with
 constexpr std::size_t kMaxTextBytes = 1u << 16;  // of one computed text
 constexpr std::size_t kMaxCounters = 3;
 
@@ -26,7 +26,7 @@ struct Counter {
 
 using Scope = std::map<std::string, const Value*>;
 
-// A step on the way to a value: into an entry of a map, or an item of a list.
+// One step of the path to a value: into an entry of a map, or an item of a list.
 struct Step {
   const std::string* key;
   std::size_t item;
@@ -139,7 +139,7 @@ class Expander {
 
   std::int64_t read_count(const Value& value) const { return node_of(value).integer(0, kMaxRepeats); }
 
-  // Like the value of a repeat in a document of its own, for its strict reading and its errors.
+  // Makes a repeat's value a document of its own, to use Node's strict reading and its errors.
   Node node_of(const Value& value) const {
     return make_node({root_.place().file, root_.folder(), value}, {root_.place().file, value.line, path()});
   }
@@ -189,7 +189,7 @@ class Expander {
     return end;
   }
 
-  // A variable keeps its kind: a list stays a list.
+  // A value that is one variable and nothing else keeps the variable's kind: a list stays a list.
   Value whole(const std::string& inside, int line, const Scope& scope) {
     const std::string name = trimmed(inside);
     if (!is_variable_name(name) || is_reserved_name(name))
@@ -197,7 +197,7 @@ class Expander {
     return placed(variable(name, line, scope), line);
   }
 
-  // What a variable brings along stands where it is used.
+  // Copies a variable's value. In errors it has the place where it is used.
   Value placed(const Value& from, int line) {
     spend(line);
     Value to = from;

@@ -17,8 +17,8 @@ constexpr const char* kPiName = "pi";
 
 struct Function {
   const char* name;
-  double (*one)(double);          // of one number, or
-  double (*two)(double, double);  // of two
+  double (*one)(double);          // takes one number, or
+  double (*two)(double, double);  // takes two
 };
 constexpr std::array<Function, 10> kFunctions{{
     {"abs", [](double x) { return std::abs(x); }, nullptr},
@@ -45,7 +45,7 @@ const Function* find_function(std::string_view name) {
   return found == kFunctions.end() ? nullptr : &*found;
 }
 
-// By recursive descent.
+// A recursive-descent parser that computes as it reads.
 class Reader {
  public:
   Reader(std::string_view text, const LookUp& look_up) : text_(text), look_up_(look_up) {}

@@ -1,11 +1,12 @@
-// What stands in "${...}": a sum of numbers, names and a few functions. Inner header of protocol/config.
+// Evaluates the expression in "${...}": a sum of numbers, names and a few functions. Inner header of
+// protocol/config.
 //
 //   sum     = product { ("+" | "-") product }
 //   product = factor { ("*" | "/" | "%") factor }
 //   factor  = "-" factor | "(" sum ")" | number | name | function "(" sum { "," sum } ")"
 //
-// Functions: abs ceil cos floor max min round sin sqrt tan; "pi" is a name that is always known. a % b has
-// the sign of b, so that rows and columns can be counted. Angles in rad.
+// Functions: abs ceil cos floor max min round sin sqrt tan. "pi" is a name that is always known. a % b has
+// the sign of b, so that rows and columns can be counted with it. Angles in rad.
 #pragma once
 
 #include <functional>
@@ -17,15 +18,16 @@ namespace visum::config {
 
 inline constexpr std::size_t kMaxExpressionBytes = 1000;
 
-// Tells the number that a name stands for. Throws what it likes where there is none.
+// Returns the number that a name stands for. It may throw anything if there is none.
 using LookUp = std::function<double(const std::string& name)>;
 
-// Throws std::invalid_argument with a reason ("'x y' ..."): no such function, not a sum, no finite number.
+// The value of an expression. Throws std::invalid_argument with the reason ("'x y' ..."): unknown function,
+// wrong syntax, or no finite value.
 double evaluate(std::string_view text, const LookUp& look_up);
 
-// Whether `text` is a name: letters, digits and "_", no digit first.
+// True if `text` is a name: letters, digits and "_", not beginning with a digit.
 bool is_variable_name(std::string_view text);
-// Names that a file cannot take for its own: "pi" and the functions.
+// True for names that a file cannot define: "pi" and the functions.
 bool is_reserved_name(std::string_view text);
 
 }  // namespace visum::config

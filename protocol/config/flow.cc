@@ -12,7 +12,7 @@ bool is_plain(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
 }
 
-// Words and numbers, which mean nothing more to YAML wherever they stand.
+// True for words and numbers that have no special meaning in YAML, in any place.
 bool is_harmless(std::string_view text) {
   if (text.starts_with('-')) text.remove_prefix(1);
   if (text.empty() || !is_plain(text.front())) return false;

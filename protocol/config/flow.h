@@ -1,5 +1,5 @@
-// A value as YAML on one line, which reads back as the same value: for options of other programs, and
-// reports.
+// Writes a value as YAML on one line, which reads back as the same value. Used for reports and for options
+// that are passed to other programs.
 #pragma once
 
 #include <string>

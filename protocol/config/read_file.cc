@@ -42,7 +42,8 @@ FileContent read_disk(const std::filesystem::path& path, std::size_t max_bytes) 
   content.bytes.resize(size);
   stream.read(content.bytes.data(), static_cast<std::streamsize>(size));
   content.bytes.resize(static_cast<std::size_t>(stream.gcount()));
-  // A file that grew since its size was asked for is being written: what we have is not the whole of it.
+  // If the file grew since its size was asked for, it is being written, and these bytes are not the whole of
+  // it.
   if (stream.bad() || content.bytes.size() != size || stream.peek() != std::ifstream::traits_type::eof())
     return {"", "changed while it was read"};
   return content;

@@ -1,4 +1,4 @@
-// Reads a whole file into memory, but never more than was agreed: the size is checked before a byte is read.
+// Reads a whole file into memory, but at most `max_bytes`: the size is checked before a byte is read.
 #pragma once
 
 #include <cstddef>
@@ -10,20 +10,20 @@ namespace visum::config {
 
 struct FileContent {
   std::string bytes;
-  std::string fault;  // why it could not be read, "no such file"; empty: it was
+  std::string fault;  // why it could not be read, "no such file"; empty if it was read
 };
 
-// Never throws for a file that is missing, forbidden, no regular file (a folder, a pipe) or larger than
-// `max_bytes`.
+// Does not throw. `fault` is set if the file is missing, may not be read, is no regular file (a folder, a
+// pipe), or is larger than `max_bytes`.
 FileContent read_file(const std::filesystem::path& path, std::size_t max_bytes);
 
-// Whether it is there to be read, for those who look for a file in several places.
+// True if there is a file that can be read. For callers that look for a file in several places.
 bool is_file(const std::filesystem::path& path);
 
 // Contents by absolute path without "." and "..".
 using Files = std::map<std::string, std::string>;
 
-// Keeps what read_file() reads on this thread while the object lives.
+// While the object lives, collects what read_file() reads on this thread.
 class FilesNoted {
  public:
   FilesNoted();
@@ -33,8 +33,8 @@ class FilesNoted {
   Files files;
 };
 
-// While the object lives these are all the files that there are to read_file() and is_file() on this thread:
-// the disk is not asked. They have to live as long; objects may stand within each other.
+// While the object lives, read_file() and is_file() on this thread see only these files and not the disk. A
+// replay reads its scene this way. The files must outlive the object. Objects may be nested.
 class FilesGiven {
  public:
   explicit FilesGiven(const Files& all);

@@ -10,7 +10,7 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kTwoByPi = 6.36619772367581382433e-01;
 constexpr double kHalfPiHigh = 1.57079632673412561417e+00;  // 33 bits, so that n times it is exact
 constexpr double kHalfPiLow = 6.07710050650619224932e-11;
-constexpr double kMost = 1e6;  // n times kHalfPiHigh is exact up to here
+constexpr double kMost = 1e6;  // up to here n * kHalfPiHigh is exact
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRound = 6755399441055744.0;  // 1.5·2^52: adding it rounds to a whole number
 
@@ -24,7 +24,7 @@ constexpr double kAtan[] = {
     6.66107313738753120669e-02,  -5.83357013379057348645e-02, 4.97687799461593236017e-02,
     -3.65315727442169155270e-02, 1.62858201153657823623e-02};
 
-// x - atan(x) for |x| <= 7/16. In two sums that do not wait for each other.
+// x - atan(x) for |x| <= 7/16, as two sums that do not wait for each other.
 double atan_rest(double x) {
   const double z = x * x, w = z * z;
   const auto& a = kAtan;

@@ -1,6 +1,6 @@
-// Sine, cosine and arc tangent of our own: the C library chooses other code on other processors (with and
-// without fused multiply-add), and gives other bits. Within 1 unit in the last place or so. Polynomials and
-// reduction: fdlibm (Sun Microsystems, 1993), k_sin.c, k_cos.c, s_atan.c.
+// Own sine, cosine and arc tangent, because the C library's give other bits on other processors: it chooses
+// code with or without fused multiply-add. Accurate to about 1 unit in the last place. Polynomials and
+// reduction follow fdlibm (Sun Microsystems, 1993): k_sin.c, k_cos.c, s_atan.c. Pure functions, any thread.
 #pragma once
 
 namespace visum::config {
@@ -11,9 +11,9 @@ struct SinCos {
 
 inline constexpr double kQuarterPi = 0.78539816339744830962;
 
-// |x| up to 1e6; beyond it, and for what is no number, NaN.
+// For |x| up to 1e6. NaN beyond it, and for NaN.
 SinCos sin_cos_large(double x);
-double tangent(double x);                // likewise
+double tangent(double x);                // the same range as sin_cos_large()
 double arc_tangent(double y, double x);  // as std::atan2
 
 // sin x = x + x z S(z),  cos x = 1 - (z/2 - z^2 C(z)),  z = x^2, |x| <= pi/4: the coefficients of S and C.
@@ -34,7 +34,7 @@ inline SinCos sin_cos_small(double x) {
   return {x + x * z * s, 1.0 - (0.5 * z - z * z * c)};
 }
 
-// Likewise.
+// For |x| up to 1e6, as sin_cos_large().
 inline SinCos sin_cos(double x) {
   return x <= kQuarterPi && x >= -kQuarterPi ? sin_cos_small(x) : sin_cos_large(x);
 }

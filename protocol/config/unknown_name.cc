@@ -5,8 +5,8 @@
 namespace visum::config {
 namespace {
 
-constexpr std::size_t kMaxWord = 64;   // a longer word is not misspelt, it is something else
-constexpr std::size_t kMaxListed = 8;  // a longer list helps nobody
+constexpr std::size_t kMaxWord = 64;   // a longer word is not a misspelt name
+constexpr std::size_t kMaxListed = 8;  // a longer list is of no help
 
 // Edit distance in which exchanging two neighbouring letters counts as one step ("lenght").
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -51,6 +51,7 @@ std::string unknown_name(std::string_view what, std::string_view name,
   std::string text = "there is no " + std::string(what) + " '" + std::string(name) + "'";
   const std::string near = did_you_mean(name, known);
   if (!near.empty() || known.empty() || known.size() > kMaxListed) return text + near;
+  if (known.size() == 1) return text + "; there is only '" + known[0] + "'";
   std::string list;
   for (const std::string& one : known) list += (list.empty() ? "" : ", ") + one;
   return text + "; there are: " + list;

@@ -13,7 +13,8 @@
 namespace visum::config {
 namespace {
 
-// yaml-cpp calls the handler while it descends, so throwing at the depth cap also bounds its recursion.
+// Builds the tree from yaml-cpp's events. yaml-cpp calls it while it descends, so throwing at the depth limit
+// also bounds yaml-cpp's recursion.
 class TreeBuilder : public YAML::EventHandler {
  public:
   explicit TreeBuilder(std::string file) : file_(std::move(file)) {}
@@ -36,7 +37,7 @@ class TreeBuilder : public YAML::EventHandler {
                 const std::string& text) override {
     refuse_anchor(mark, anchor);
     refuse_tag(mark, tag);
-    const bool plain = tag != "!";  // yaml-cpp's word for "was quoted"
+    const bool plain = tag != "!";  // yaml-cpp's mark for a quoted scalar
     if (expects_key()) return open_entry(mark, text, plain);
     Value value = make(mark, Node::Kind::kScalar);
     value.plain = plain;
@@ -64,7 +65,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   struct Frame {
     Value value;
-    bool key_open = false;  // map: the last entry has its key, its value comes next
+    bool key_open = false;  // map: the last entry has its key; its value comes next
   };
 
   bool expects_key() const {
@@ -120,7 +121,8 @@ class TreeBuilder : public YAML::EventHandler {
     } else if (Frame& frame = frames_.back(); frame.value.kind == Node::Kind::kList) {
       frame.value.items.push_back(std::move(value));
     } else {
-      // What is missing, yaml-cpp sees where the next thing begins; readers look at the key.
+      // For a missing value yaml-cpp gives the place where the next thing begins. Readers look at the key, so
+      // take its line.
       if (value.kind == Node::Kind::kNull) value.line = frame.value.entries.back().line;
       frame.value.entries.back().value = std::move(value);
       frame.key_open = false;
@@ -141,7 +143,7 @@ class TreeBuilder : public YAML::EventHandler {
         "key '" + twin[1]->key + "' appears twice, first on line " + std::to_string(twin[0]->line));
   }
 
-  // Where the parser stands: the path of the value that is being built.
+  // The path of the value that is being built, for errors.
   std::string path() const {
     std::string path;
     for (const Frame& frame : frames_) {
@@ -161,9 +163,9 @@ class TreeBuilder : public YAML::EventHandler {
   std::size_t nodes_ = 0;
 };
 
-// What yaml-cpp must not see. It takes byte 4 for the end of the text and a NUL for UTF-16, which would cut a
-// file short in silence; and it gathers all tokens of a line before the first event, so that a line's length
-// bounds memory.
+// Refuses text that would harm yaml-cpp. It takes byte 4 for the end of the text and a NUL for UTF-16, which
+// would cut a file short in silence. And it gathers all tokens of a line before the first event, so a line's
+// length bounds its memory.
 void refuse_hostile_text(const std::string& yaml, const std::string& file) {
   int line = 1;
   std::size_t line_bytes = 0;

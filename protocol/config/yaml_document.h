@@ -1,6 +1,6 @@
-// A YAML document as a plain tree, read through yaml-cpp's events with caps on depth, nodes and keys. Inner
-// header of protocol/config: config.cc looks at the tree, expand.cc makes new ones, yaml_document.cc builds
-// it from text and is the only file that knows yaml-cpp.
+// A YAML document as a plain tree, read through yaml-cpp's events, with limits on depth, nodes and keys.
+// Inner header of protocol/config: config.cc reads the tree, expand.cc makes new ones, and yaml_document.cc
+// builds it from text. Only yaml_document.cc knows yaml-cpp.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,8 @@ struct Value {
   bool plain = false;  // scalar without quotes: may be a number or a boolean
   int line = 0;        // from 1
   std::string scalar;
-  std::string index;  // of an item, as errors say it, where that is not its place in the list: "2, row 1"
+  // For an item whose place in the list is not its number: shown in errors in its stead, "2, row 1".
+  std::string index;
   std::vector<Value> items;    // of a list
   std::vector<Entry> entries;  // of a map, in the order of the file
 };
@@ -37,7 +38,8 @@ struct Document {
 };
 
 inline constexpr std::size_t kMaxKeysPerMap = 10'000;  // look-ups are linear
-// YAML finds the colon behind a key within 1024 bytes only; one in quotes may take four for each.
+// YAML finds the colon behind a key only within 1024 bytes. A quoted key may take four bytes for each of its
+// own.
 inline constexpr std::size_t kMaxKeyBytes = 250;
 inline constexpr std::size_t kMaxLineBytes = 1u << 20;
 
@@ -46,13 +48,12 @@ std::string member_path(const std::string& parent, const std::string& key);
 std::string item_path(const std::string& parent, std::size_t index);
 std::string item_path(const std::string& parent, const std::string& index);
 
-// From a node to its value and back.
+// Converts between a node and its value.
 const Value& value_of(const Node& node);
 Node make_node(Document document, const Place& place);
 
-// Throws ConfigError for what is no YAML, beyond the caps, or refused: anchors, aliases, merge keys, tags,
-// several documents, repeated keys, keys that are no scalars, control
-// characters.
+// Throws ConfigError for text that is not YAML or exceeds a limit, and for what is refused: anchors, aliases,
+// merge keys, tags, several documents, repeated keys, keys that are not scalars, control characters.
 Value parse_yaml(const std::string& yaml, const std::string& file);
 
 }  // namespace visum::config

@@ -8,7 +8,7 @@ namespace {
 std::atomic<const char*> standing_node{nullptr};
 std::atomic<std::uint64_t> calls{0};
 
-// One writer: a plain load and store do, and cost no lock.
+// Only one thread writes, so a plain load and store suffice and need no lock.
 void put(const char* node) {
   standing_node.store(node, std::memory_order_release);
   calls.store(calls.load(std::memory_order_relaxed) + 1, std::memory_order_release);

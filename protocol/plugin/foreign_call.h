@@ -1,15 +1,16 @@
-// Which call of a plug-in's code this process is in, so that a watchdog on another thread can tell of one
-// that does not come back. There is one such call at most: all of a process's plug-ins live on one thread.
+// Records which call into a plug-in's code this process is in. A watchdog on another thread uses it to find a
+// call that does not come back. At most one call stands at a time, because all plug-ins of a process run on
+// one thread.
 #pragma once
 
 #include <cstdint>
 
 namespace visum::plugin {
 
-// Stands while plug-in code runs; may stand within another one.
+// Lives on the stack while plug-in code runs. Calls may be nested.
 class ForeignCall {
  public:
-  // `node`: "agent 'explorer'"; must outlive this by far (foreign_node).
+  // `node`: "agent 'explorer'". The text must outlive this object by far: the watchdog may still read it.
   explicit ForeignCall(const char* node);
   ~ForeignCall();
   ForeignCall(const ForeignCall&) = delete;
@@ -19,10 +20,10 @@ class ForeignCall {
   const char* outer_;
 };
 
-// For the watchdog: changes with every call that begins or ends.
+// For the watchdog: this number changes with every call that begins or ends.
 std::uint64_t foreign_calls();
-// The node of the call that stands; null: none. May be looked into only once foreign_calls() has not changed
-// for far longer than a call takes.
+// The node that is being called; null if none is. Read the text only if foreign_calls() has not changed for
+// far longer than a call takes.
 const char* foreign_node();
 
 }  // namespace visum::plugin

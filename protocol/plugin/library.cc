@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A name, not a way to a file.
+// Refuses anything but a plain name, so that a scene cannot name a path.
 void check_name(const std::string& name) {
   const bool plain = std::ranges::all_of(name, [](unsigned char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -27,7 +27,7 @@ void refuse_if_anybody_may_write(const fs::path& path) {
     throw Error("anybody may write to '" + path.string() + "', so nothing is loaded from there");
 }
 
-// The library's file; it may be a link, but not out of its folder.
+// Finds the library's file. It may be a link, but not to a place outside of its folder.
 fs::path find_file(const std::string& name, const std::vector<fs::path>& folders) {
   std::string searched;
   for (const fs::path& folder : folders) {
@@ -54,8 +54,8 @@ std::string last_dl_error() {
 }
 
 const Manifest* manifest_of(const fs::path& file) {
-  // Local: two plug-ins may have functions of the same name. Never closed: vtables and texts of exceptions
-  // are used to the end.
+  // RTLD_LOCAL: two plug-ins may have functions of the same name. Never closed, because vtables and texts of
+  // exceptions are used until the end.
   void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (!library) throw Error("cannot be loaded: " + last_dl_error());
   const auto entry = reinterpret_cast<const Manifest* (*)()>(::dlsym(library, kEntryName));

@@ -1,6 +1,6 @@
-// Finds and opens plug-ins: shared libraries with code that runs in this process with all its rights. So they
-// come from folders that an operator named, or from the installed one, and a scene gives no more than a name.
-// Once open, a library stays until the process ends. Before the first tick only.
+// Finds and opens plug-ins: shared libraries whose code runs in this process with all its rights. So they
+// come only from folders that an operator named, or from the installed folder; a scene gives only a name. An
+// open library stays loaded until the process ends. Used before the first tick only.
 #pragma once
 
 #include <filesystem>
@@ -11,24 +11,25 @@
 
 namespace visum::plugin {
 
-// An open plug-in. Its manifest has been checked.
+// An open plug-in, with a checked manifest.
 struct Library {
-  std::string name;            // as the scene says it, "explorer"
+  std::string name;            // as in the scene, "explorer"
   std::filesystem::path file;  // "/usr/lib/visum/plugins/explorer.so"
   const Manifest* manifest;
 };
 
-// Opens NAME.so from the first of the folders that has it. Throws Error, with what is wrong in words: no such
-// file, one that leads out of its folder or that anybody may write, no plug-in, another version.
+// Opens NAME.so from the first of the folders that has it. Throws Error that says what is wrong: there is no
+// such file, it leads out of its folder, anybody may write it, it is no plug-in, or it has another version.
 Library open_library(const std::string& name, const std::vector<std::filesystem::path>& folders);
 
-// Beside this program: installed (../lib/visum/plugins) or in the build tree (../plugins). Empty: in neither.
+// The folder beside this program: installed (../lib/visum/plugins) or in the build tree (../plugins). Empty
+// if neither exists.
 std::filesystem::path find_plugin_folder();
 
-// The folders that were named, then the one of find_plugin_folder().
+// The named folders, then that of find_plugin_folder().
 std::vector<std::filesystem::path> plugin_folders(const std::vector<std::string>& named);
 
-// Every kind of all libraries, for lookups by name; null: none has it.
+// Finds a kind by name in all libraries. Null: no library has it.
 const AgentKind* find_agent(const std::vector<Library>& libraries, const std::string& kind);
 const SensorKind* find_sensor(const std::vector<Library>& libraries, const std::string& kind);
 const PartKind* find_part(const std::vector<Library>& libraries, const std::string& kind);

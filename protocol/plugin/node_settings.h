@@ -1,5 +1,5 @@
-// A plug-in's settings out of a scene's entry: every answer knows its file and line, and what nobody asked
-// for is found in the end.
+// A plug-in's settings, read from an entry of a scene. Errors name file and line. Keys that the plug-in did
+// not ask for are found at the end (refuse_others). Used while the scene is loaded.
 #pragma once
 
 #include <set>
@@ -14,7 +14,7 @@ namespace visum::plugin {
 
 class NodeSettings final : public Settings {
  public:
-  // `known`: the keys of the entry that are not the plug-in's.
+  // `known`: the keys of the entry that do not belong to the plug-in.
   NodeSettings(config::Node entry, std::vector<std::string> known)
       : entry_(std::move(entry)), known_(known.begin(), known.end()) {}
 
@@ -33,7 +33,7 @@ class NodeSettings final : public Settings {
   std::set<std::string, std::less<>> known_;
 };
 
-// Makes a node by a plug-in's `make`; what that throws becomes a ConfigError at `entry`.
+// Makes a node by the plug-in's `make`. An exception from there becomes a ConfigError at `entry`.
 template <typename Kind, typename Context>
 auto make_node(const Kind& kind, Context& context, const config::Node& entry) {
   const ForeignCall standing(kind.name);
@@ -50,7 +50,7 @@ auto make_node(const Kind& kind, Context& context, const config::Node& entry) {
   }
 }
 
-// The text of the exception that is being handled.
+// The text of the exception that is being handled. Call it in a catch block only.
 std::string text_of_current_exception();
 
 }  // namespace visum::plugin

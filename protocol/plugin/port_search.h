@@ -1,4 +1,5 @@
-// What both sides of an agent need to look things up by name: in the daemon, and in a client.
+// Look-ups by name for agents' PartLinks, shared by the daemon's and the client's. Pure functions, any
+// thread.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +14,7 @@
 
 namespace visum::plugin {
 
-// Index of the entry of this name. Throws Error: "part 'cart': there is no output 'Sped 1'; did you mean
+// Index of the entry with this name. Throws Error: "part 'cart': there is no output 'Sped 1'; did you mean
 // 'Speed 1'?"
 template <typename Named>
 std::size_t index_of(const std::vector<Named>& list, std::string_view name, const std::string& part,
@@ -26,7 +27,7 @@ std::size_t index_of(const std::vector<Named>& list, std::string_view name, cons
   throw Error("part '" + part + "': " + config::unknown_name(what, name, names));
 }
 
-// Port number `index`; throws Error where there is none.
+// The port with this index. Throws Error if there is none.
 template <typename Port>
 const Port& port_at(const std::vector<Port>& ports, std::size_t index, const std::string& part,
                     const char* what) {
@@ -35,10 +36,10 @@ const Port& port_at(const std::vector<Port>& ports, std::size_t index, const std
               std::to_string(ports.size()));
 }
 
-// Throws Error where a value cannot be written to this port.
+// Throws Error if the port cannot take this value.
 template <typename Port>
 void check_value(const Port& port, double value, const std::string& part) {
-  if (value >= port.minimum && value <= port.maximum) return;  // false for what is not a number
+  if (value >= port.minimum && value <= port.maximum) return;  // false for NaN
   throw Error("part '" + part + "': '" + port.name + "' must be a number from " +
               std::to_string(port.minimum) + " to " + std::to_string(port.maximum) + ", is " +
               std::to_string(value));

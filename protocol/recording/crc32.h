@@ -1,4 +1,5 @@
-// CRC-32 as MCAP, zip and Ethernet have it (reflected polynomial 0xEDB88320), over bytes that come in pieces.
+// CRC-32 as MCAP, zip and Ethernet use it (reflected polynomial 0xEDB88320), over bytes that arrive in
+// pieces.
 #pragma once
 
 #include <array>
@@ -8,7 +9,7 @@
 
 namespace visum::recording {
 
-// What a byte does to the rest.
+// The CRC of each single byte, so that a byte needs one look-up instead of eight steps.
 inline constexpr std::array<std::uint32_t, 256> kCrcTable = [] {
   std::array<std::uint32_t, 256> table{};
   for (std::uint32_t i = 0; i < 256; ++i) {

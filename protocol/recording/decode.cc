@@ -1,5 +1,5 @@
-// Bytes to plain values. What a file says is not believed: lengths and kinds are checked here, names and
-// numbers by the world that takes them.
+// Bytes to plain values. Nothing in a file is trusted: lengths and kinds are checked here, names and numbers
+// by the world that takes the inputs.
 #include "protocol/codec.h"
 #include "protocol/recording/records.h"
 #include "protocol/wire.h"

@@ -1,4 +1,4 @@
-# cmake -D FROM=file -D TO=file.cc -P embed.cmake: the bytes of a file as C++, for recording::schema().
+# cmake -D FROM=file -D TO=file.cc -P embed.cmake: writes the bytes of a file as C++, for recording::schema().
 file(READ ${FROM} hex HEX)
 string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
 file(WRITE ${TO} "#include \"protocol/recording/records.h\"

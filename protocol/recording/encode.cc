@@ -1,4 +1,4 @@
-// Plain values to bytes. The messages are made in an arena of the thread's own that is emptied after each.
+// Plain values to bytes. Each message is built in an arena of the thread, which is emptied afterwards.
 #include <google/protobuf/arena.h>
 
 #include <array>
@@ -12,7 +12,7 @@ namespace {
 
 using google::protobuf::Arena;
 
-// Fills a message of this kind by `fill` and appends its bytes.
+// Builds a message with `fill` and appends its bytes.
 template <typename Message, typename Fill>
 void append(std::vector<std::byte>& to, const Fill& fill) {
   struct Scratch {

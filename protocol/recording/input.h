@@ -1,6 +1,6 @@
-// What changes a world between its ticks: all of it, as plain values. A world that gets the same inputs in
-// the same order between the same ticks goes through the same bits. Texts and numbers are views: they live as
-// long as the call that hands them over.
+// Inputs: everything that changes a world between its ticks, as plain values. A world that gets the same
+// inputs in the same order between the same ticks goes through the same bits. Texts, numbers and bytes are
+// views; they are valid only during the call that passes them.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct WriteInputs {
   std::uint32_t first_port = 0;
   std::span<const double> values;
 };
-// The part's controller is gone without a release, or missed the deadline that it asked for.
+// The part's controller is gone without a release, or it missed the deadline that it asked for.
 struct LoseController {
   std::string_view part;
 };
@@ -32,18 +32,18 @@ struct WriteBlackboard {
   std::uint64_t offset = 0;
   std::span<const std::byte> data;
 };
-// A telegram that came over a field bus to the part's modules.
+// A telegram that a field bus brought to the part's modules.
 struct BusTelegram {
   std::string_view part;
   std::uint8_t wire = 0, kind = 0, module = 0;  // numbers as in hwparts/powercube/message.h
-  std::span<const std::byte> data;              // at most 8
+  std::span<const std::byte> data;              // at most 8 bytes
 };
 struct PushBody {
-  std::int32_t body = 0;                         // by its number in the world as it is
-  std::array<double, 3> force_n{}, torque_nm{};  // in W, about the centre of mass
+  std::int32_t body = 0;                         // its number in the world at that time
+  std::array<double, 3> force_n{}, torque_nm{};  // in the world's frame W, about the centre of mass
   std::int64_t until_tick = 0;
 };
-// A fault on purpose: its kind by name, with all numbers of that kind in their order.
+// A fault that is caused on purpose: its kind by name, and all numbers of that kind in their order.
 struct InjectFault {
   std::string_view part, kind;
   std::span<const double> numbers;
@@ -51,7 +51,7 @@ struct InjectFault {
 };
 struct ClearFault {
   std::string_view part, kind;  // no kind: all faults of the part
-  std::uint32_t drive = 0;      // from 1; 0: of all drives
+  std::uint32_t drive = 0;      // from 1; 0: all drives
 };
 struct Reset {};
 struct TakeSnapshot {
@@ -71,7 +71,7 @@ using Input =
     std::variant<WriteInputs, LoseController, SetParameter, WriteBlackboard, BusTelegram, PushBody, Reset,
                  TakeSnapshot, RestoreSnapshot, AddBody, RemoveBody, InjectFault, ClearFault>;
 
-// An input, and where the world stood when it took it.
+// An input, and the tick and era in which the world took it.
 struct TimedInput {
   std::int64_t tick = 0;
   std::uint64_t era = 0;

@@ -1,5 +1,6 @@
-// Numbers, texts and lists as MCAP has them: little-endian, texts after their length. A reader that meets the
-// end says so once and for all, and gives zeros from then on: what was read is looked at when all was read.
+// Numbers and texts in MCAP's form: little-endian, and each text after its length. The reader does not throw.
+// After the end of its bytes it returns zeros, and complete() is false from then on. So a caller reads all
+// fields first and checks once. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +18,7 @@ inline Bytes bytes_of(std::string_view text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 
-// Appends to a vector that keeps its capacity.
+// Appends to a vector of the caller, which keeps its capacity.
 class LittleWriter {
  public:
   explicit LittleWriter(std::vector<std::byte>& out) : out_(out) {}
@@ -50,7 +51,7 @@ class LittleReader {
       value |= std::to_integer<std::uint64_t>(bytes[i]) << (8 * i);
     return static_cast<T>(value);
   }
-  // A view of the next `size` bytes; empty where there are fewer.
+  // A view of the next `size` bytes; empty if there are fewer.
   Bytes raw(std::uint64_t size) {
     if (size > left_.size()) {
       complete_ = false;
@@ -68,7 +69,7 @@ class LittleReader {
   Bytes rest() { return raw(left_.size()); }
   bool at_end() const { return left_.empty(); }
   Bytes left() const { return left_; }
-  bool complete() const { return complete_; }  // false: more was asked for than was there
+  bool complete() const { return complete_; }  // false: more was read than there was
 
  private:
   Bytes left_;

@@ -1,6 +1,6 @@
-// What an MCAP file is made of (the format's own specification, version 0): magic, a header, records of one
-// byte of kind and eight of length, messages in chunks with their CRC, an index at the end. Shared by writer
-// and reader.
+// The elements of an MCAP file (version 0 of MCAP's own specification), shared by writer and reader. A file
+// is the magic, a header, records, and an index at the end. A record is one byte of kind, eight bytes of
+// length, and its content. Messages stand in chunks, each with a CRC.
 #pragma once
 
 #include <array>
@@ -40,16 +40,16 @@ struct Channel {
   std::string encoding;  // of its messages, "protobuf"
 };
 
-// A message as it stands in a file. `data` is valid until the next one is read.
+// A message as it stands in a file. `data` is valid until the next message is read.
 struct Message {
   std::uint16_t channel = 0;
-  std::uint32_t sequence = 0;     // counts the channel's messages, from 0
+  std::uint32_t sequence = 0;     // counts the messages of the channel, from 0
   std::uint64_t log_time_ns = 0;  // never goes back within a file
   std::uint64_t publish_time_ns = 0;
   Bytes data;
 };
 
-// A file that a recording carries with it.
+// A file that is stored in the recording.
 struct Attachment {
   std::string name;
   std::string media_type;

@@ -6,7 +6,7 @@
 namespace visum::recording {
 namespace {
 
-// Whether `content` holds a message; no more is said about one that is too short.
+// Reads a message from a record. Returns false if the record is too short.
 bool read_message(Bytes content, Message& message) {
   LittleReader from(content);
   message.channel = from.number<std::uint16_t>();
@@ -63,7 +63,7 @@ bool McapReader::read_record(Record& record) {
   if (length > kMaxRecordBytes) return fail("a record of " + std::to_string(length) + " bytes is too long");
   if (!read(length, record_)) return false;
   record.content = record_;
-  // The data's end and the footer hold the CRC of all before: of the footer, all but the CRC itself.
+  // Two records hold a CRC of everything before them: DataEnd, and the footer (of itself all but the CRC).
   if (record.op == Op::kDataEnd) return true;
   crc_.add(head);
   crc_.add(record.op == Op::kFooter
@@ -108,7 +108,7 @@ std::variant<McapReader::End, Attachment, Message> McapReader::next() {
   return item_;
 }
 
-// A record outside of chunks. Kinds that are not known are skipped, as the format wants it.
+// Handles a record outside of chunks. Unknown kinds are skipped, as the format demands.
 bool McapReader::take(const Record& record) {
   switch (record.op) {
     case Op::kChunk:
@@ -153,7 +153,7 @@ bool McapReader::take_channel(Bytes content) {
 
 bool McapReader::enter_chunk(Bytes content) {
   LittleReader from(content);
-  from.raw(8 + 8);  // the times of its messages, which tell for themselves
+  from.raw(8 + 8);  // earliest and latest time of its messages; each message has its own
   const auto size = from.number<std::uint64_t>();
   const auto crc = from.number<std::uint32_t>();
   const std::string compression(from.text());
@@ -162,14 +162,14 @@ bool McapReader::enter_chunk(Bytes content) {
   if (!compression.empty()) return fail("a chunk is compressed; only plain ones are read");
   if (records.size() != size || crc32(records) != crc) return fail("a chunk's CRC is wrong");
   chunk_at_ = record_at_;
-  std::swap(chunk_, record_);  // the views stay: the bytes do not move
+  std::swap(chunk_, record_);  // views into the chunk stay valid: its bytes do not move
   in_chunk_ = LittleReader(records);
   return true;
 }
 
 bool McapReader::read_attachment(Bytes content, Attachment& attachment) {
   LittleReader from(content);
-  from.raw(8 + 8);  // its times
+  from.raw(8 + 8);  // log time and creation time
   attachment.name = from.text();
   attachment.media_type = from.text();
   attachment.data = from.raw(from.number<std::uint64_t>());
@@ -191,7 +191,7 @@ bool McapReader::finish(Bytes footer) {
   ended_ = true;
   LittleReader from(footer);
   const auto summary = from.number<std::uint64_t>();
-  from.number<std::uint64_t>();  // where the summary's own index begins
+  from.number<std::uint64_t>();  // where the index of the summary begins
   const auto crc = from.number<std::uint32_t>();
   if (!from.complete() || !from.at_end() || summary_at_ == 0) return fail("the footer is no record");
   if (summary != 0 && summary != summary_at_) return fail("the summary is not where the footer says");

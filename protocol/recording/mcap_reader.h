@@ -1,5 +1,6 @@
-// Reads an MCAP file front to back, without its index: a file that was cut short reads up to its last whole
-// record. No chunk is believed whose CRC is wrong, and none that is compressed. Never throws, and never
+// Reads an MCAP file from front to back, without its index. So a file that was cut short can be read up to
+// its last whole record. A chunk with a wrong CRC or with compression is refused. Never throws, and never
+// allocates more memory than the file is long. Owned by its user; any one thread.
 // allocates more than the file is long. Any one thread.
 #pragma once
 
@@ -17,27 +18,28 @@ namespace visum::recording {
 
 class McapReader {
  public:
-  // `in`: a file, which has to outlive the reader.
+  // `in` is a file; it must outlive the reader.
   explicit McapReader(std::istream& in);
 
   struct End {};
-  // What comes next. After the End, damage() tells whether it was the file's.
+  // Reads the next attachment or message. After End, damage() says if the file was damaged.
   std::variant<End, Attachment, Message> next();
 
-  // Where the next record will be read, to come back to it: within one reader, of a place that it has passed.
+  // A place to come back to with go_to(): where the next record begins. Valid within one reader, for places
+  // that it has passed.
   struct Place {
-    std::uint64_t record = 0;  // where the chunk begins that holds it
-    std::size_t left = 0;      // bytes of that chunk from there on; 0: the record stands outside of chunks
+    std::uint64_t record = 0;  // where the chunk with the record begins
+    std::size_t left = 0;      // bytes of that chunk from the record on; 0: the record is not in a chunk
   };
   Place place() const;
-  // Reads on from there. What was passed once is known to be whole: the CRC over the whole file is not looked
-  // at any more.
+  // Continues reading from there. The CRC over the whole file is not checked any more: what was passed once
+  // is known to be whole.
   void go_to(const Place& place);
 
-  // The channel of a message that was read.
+  // The channel of a message that was read before.
   const Channel& channel(std::uint16_t id) const { return channels_.at(id); }
 
-  // Why nothing more was read, and where: "byte 1234: cut short"; empty: the file is whole.
+  // The reason and the place where reading stopped: "byte 1234: cut short". Empty if the file is whole.
   const std::string& damage() const { return damage_; }
 
  private:
@@ -45,10 +47,13 @@ class McapReader {
     Op op;
     Bytes content;
   };
+  // These return false at the end of the file or at damage.
   bool read(std::uint64_t size, std::vector<std::byte>& to);
   bool read_record(Record& record);
+  // Checks a chunk's CRC and goes on with the records in it.
   bool enter_chunk(Bytes content);
   bool read_attachment(Bytes content, Attachment& attachment);
+  // Handle a record outside of chunks, and one inside a chunk.
   bool take(const Record& record);
   bool take_in_chunk(const Record& record);
   bool take_channel(Bytes content);
@@ -58,9 +63,9 @@ class McapReader {
 
   std::istream& in_;
   std::uint64_t size_ = 0, place_ = 0;
-  std::uint64_t chunk_at_ = 0;    // where the chunk in hand begins
-  bool went_ = false;             // elsewhere: crc_ tells nothing
-  std::uint64_t record_at_ = 0;   // where the record in hand begins
+  std::uint64_t chunk_at_ = 0;    // where the current chunk begins
+  bool went_ = false;             // go_to() was called, so crc_ is not the file's
+  std::uint64_t record_at_ = 0;   // where the current record begins
   Crc32 crc_;                     // of the data section, then of the summary
   std::uint64_t summary_at_ = 0;  // 0: still in the data section
   std::vector<std::byte> record_, chunk_;

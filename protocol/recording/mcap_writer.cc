@@ -20,11 +20,12 @@ McapWriter::McapWriter(Sink sink, std::string_view library) : sink_(std::move(si
   put(std::as_bytes(std::span(kMcapMagic)));
   std::vector<std::byte> header;
   LittleWriter to(header);
-  to.text("");  // no profile of anybody's
+  to.text("");  // no profile
   to.text(library);
   put_record(Op::kHeader, header);
 }
 
+// Everything that goes into the file passes here, so that place and CRC are right.
 void McapWriter::put(Bytes bytes) {
   crc_.add(bytes);
   sink_(bytes);
@@ -38,6 +39,7 @@ void McapWriter::put_record(Op op, const std::vector<std::byte>& content) {
   put(record);
 }
 
+// Schemas and channels stand in the chunk before their messages, and again in the summary.
 std::uint16_t McapWriter::add_schema(std::string_view name, std::string_view encoding, Bytes data) {
   std::vector<std::byte> schema;
   LittleWriter to(schema);
@@ -92,7 +94,7 @@ void McapWriter::attach(const Attachment& attachment) {
   content.reserve(64 + attachment.name.size() + attachment.data.size());
   LittleWriter to(content);
   to.number(std::uint64_t{0});  // log time: the beginning
-  to.number(std::uint64_t{0});  // made: not told, so that equal runs are equal files
+  to.number(std::uint64_t{0});  // creation time: left out, so that equal runs give equal files
   to.text(attachment.name);
   to.text(attachment.media_type);
   to.number(static_cast<std::uint64_t>(attachment.data.size()));
@@ -107,6 +109,7 @@ void McapWriter::flush() {
   if (!chunk_.empty()) put_chunk();
 }
 
+// Writes the chunk and the indexes of its messages, and remembers it for the summary.
 void McapWriter::put_chunk() {
   const auto until_ns = indexes_.empty() ? 0 : until_ns_;
   ChunkIndex index{chunk_from_ns_, until_ns, place_, 0, 0, chunk_.size(), {}};
@@ -156,7 +159,7 @@ void McapWriter::close() {
   sink_(std::as_bytes(std::span(kMcapMagic)));
 }
 
-// Groups of records by kind, where each begins, and the footer, whose CRC covers all of it.
+// The summary: records grouped by kind, where each group begins, and the footer, whose CRC covers all of it.
 void McapWriter::put_summary() {
   const auto summary = place_;
   crc_ = {};

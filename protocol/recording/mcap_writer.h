@@ -1,5 +1,6 @@
-// Writes an MCAP file front to back: chunks without compression, each with its CRC and the indexes of its
-// messages; on close() the summary. What was flushed can be read even if close() never comes. Any one thread.
+// Writes an MCAP file from front to back: uncompressed chunks, each with its CRC and the indexes of its
+// messages, and the summary on close(). What was flushed can be read even if close() is never called. Any one
+// thread.
 #pragma once
 
 #include <functional>
@@ -16,21 +17,21 @@ namespace visum::recording {
 
 class McapWriter {
  public:
-  // Takes bytes that go to the end of the file; throws where it cannot. The writer is lost then.
+  // Appends bytes to the file. It throws if it cannot; the writer must not be used after that.
   using Sink = std::function<void(Bytes)>;
-  static constexpr std::size_t kChunkBytes = 1u << 20;  // a chunk that has so many ends
-  static constexpr std::size_t kMaxMessageBytes =
-      kMaxRecordBytes - 2 * kChunkBytes;  // in a chunk that is read
+  static constexpr std::size_t kChunkBytes = 1u << 20;  // a chunk ends when it has so many bytes
+  // So that a chunk with one such message can still be read.
+  static constexpr std::size_t kMaxMessageBytes = kMaxRecordBytes - 2 * kChunkBytes;
 
   McapWriter(Sink sink, std::string_view library);
 
   std::uint16_t add_schema(std::string_view name, std::string_view encoding, Bytes data);
   std::uint16_t add_channel(std::string_view topic, std::uint16_t schema, std::string_view encoding);
-  // `log_time_ns` never goes back. Throws std::length_error where `data` is longer than a message may be.
+  // `log_time_ns` must never go back. Throws std::length_error if `data` is longer than kMaxMessageBytes.
   void write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data);
-  void attach(const Attachment& attachment);  // a file of its own, outside of chunks
-  void flush();                               // ends the chunk, if there is something in it
-  void close();                               // the summary and the end; nothing may be written after it
+  void attach(const Attachment& attachment);  // as a record of its own, outside of chunks
+  void flush();                               // ends the chunk, if it holds anything
+  void close();                               // writes the summary and the end; the last call
 
  private:
   using MessageIndex = std::vector<std::pair<std::uint64_t, std::uint64_t>>;  // log time, place in the chunk
@@ -57,9 +58,9 @@ class McapWriter {
   std::uint64_t place_ = 0;
   std::vector<std::byte> chunk_, content_;
   std::uint64_t chunk_from_ns_ = 0;
-  std::map<std::uint16_t, MessageIndex> indexes_;   // of the chunk, by channel
-  std::vector<std::byte> schemas_, channels_;       // their records, for the summary
-  std::vector<std::uint32_t> messages_by_channel_;  // by channel's number - 1
+  std::map<std::uint16_t, MessageIndex> indexes_;   // of the current chunk, by channel
+  std::vector<std::byte> schemas_, channels_;       // their records, repeated in the summary
+  std::vector<std::uint32_t> messages_by_channel_;  // by the channel's number - 1
   std::vector<ChunkIndex> chunks_;
   std::vector<AttachmentIndex> attachments_;
   std::uint16_t schema_count_ = 0;

@@ -1,6 +1,6 @@
-// What a recording holds, as plain values, and their translation into the messages of recording.proto. Pure
-// functions, any thread; `encode` appends to a vector that keeps its capacity and allocates nothing else once
-// warm, `decode` returns false for bytes that are no such message.
+// The messages of a recording as plain values, and their translation to and from recording.proto. Pure
+// functions, any thread. encode() appends to a vector that keeps its capacity, and allocates nothing else
+// once warm. decode() returns false for bytes that are no such message.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace visum::recording {
 
-// The topics. A part's samples stand under kPartTopic + its name, its description under that +
+// The topics. A part's samples have the topic kPartTopic + NAME; its description has that +
 // kDescriptionTopic.
 inline constexpr std::string_view kHeaderTopic = "/recording";
 inline constexpr std::string_view kInputTopic = "/inputs";
@@ -45,9 +45,9 @@ struct Header {
   std::int64_t tick_ns = 0;
   Build build;
   std::vector<FileEntry> files;
-  std::string parameters;  // of the scene's file, a YAML map; empty: its defaults
+  std::string parameters;  // of the scene's file, as a YAML map; empty: its defaults
 };
-inline constexpr std::uint64_t kNoHash = 0;  // it was not taken in this tick
+inline constexpr std::uint64_t kNoHash = 0;  // the hash was not computed in this tick
 struct Tick {
   std::int64_t tick = 0;
   std::uint64_t era = 0;
@@ -55,7 +55,7 @@ struct Tick {
   std::uint64_t state_hash = 0;
   std::string_view fault;
 };
-// A part's ports after a tick.
+// The ports of a part after a tick.
 struct Sample {
   std::string_view part;
   std::int64_t tick = 0, sim_time_ns = 0;
@@ -78,7 +78,7 @@ bool decode(Bytes from, Header& to);
 bool decode(Bytes from, State& to);
 bool decode(Bytes from, protocol::PartSample& to);
 bool decode(Bytes from, protocol::PartDescription& to);
-// Messages with views keep what the views look at.
+// A decoded message whose fields are views. It owns the memory that they refer to.
 class TickMessage {
  public:
   bool decode(Bytes from);
@@ -99,9 +99,9 @@ class InputMessage {
   std::unique_ptr<Impl> impl_;
 };
 
-// The descriptions of all messages above, as Protobuf's FileDescriptorSet: the schema of each channel.
+// The schema of each channel: the descriptions of all messages above, as Protobuf's FileDescriptorSet.
 Bytes schema();
-// The schemas' names.
+// The names of the schemas.
 inline constexpr std::string_view kHeaderSchema = "visum.recording.v1.Header";
 inline constexpr std::string_view kInputSchema = "visum.recording.v1.Input";
 inline constexpr std::string_view kTickSchema = "visum.recording.v1.Tick";

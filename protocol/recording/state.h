@@ -1,5 +1,5 @@
-// A world as a whole at a tick border: all that a fresh world of the same scene needs to go on from there
-// with the same bits. Plain values; its vectors keep their capacity.
+// The whole state of a world at a tick border: all that a fresh world of the same scene needs to continue
+// with the same bits. Plain values; the vectors keep their capacity.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ struct State {
     std::uint64_t number = 0;
     std::vector<std::byte> state;
   };
-  // A body that came (the YAML of its entry) or went (its name) since the scene was loaded.
+  // A body that was added (the YAML of its entry) or removed (its name) since the scene was loaded.
   struct Edit {
     bool came = true;
     std::string text;
@@ -24,7 +24,7 @@ struct State {
   std::uint64_t era = 1;
   std::uint64_t revision = 1;  // counts the edits
   std::uint64_t next_snapshot = 1;
-  std::vector<std::byte> state;  // what the state's hash is the XXH64 of
+  std::vector<std::byte> state;  // the bytes whose XXH64 is the state's hash
   std::vector<Kept> snapshots;
   std::vector<Edit> edits;
 };

@@ -1,4 +1,4 @@
-// All that is wrong with a scene, for `visum check`; load_scene() ends at the first.
+// Finds all that is wrong with a scene, for `visum check`. load_scene() of scene.h stops at the first error.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@
 
 namespace visum::scene {
 
-// The scene, or nothing and every error that can be told apart: an entry that is wrong is left out, and so
-// are the complaints about its name that follow from that.
+// Returns the scene, or nothing and in `errors` every error that can be told apart. A wrong entry is left
+// out. Later complaints that its name is missing are left out, too, because they follow from the first error.
 std::optional<Scene> load_scene(const std::filesystem::path& file, const Options& options,
                                 std::vector<config::ConfigError>& errors);
 

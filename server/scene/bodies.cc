@@ -22,7 +22,7 @@ std::vector<world::Shape> read_shapes(Draft& draft, const Node& body) {
   return shapes;
 }
 
-// Together as if of density 1. Shapes that overlap count twice.
+// All shapes together, with density 1. Overlapping shapes count twice.
 MassProperties solid_of_shapes(const Draft& draft, const Node& body,
                                const std::vector<world::Shape>& shapes) {
   MassProperties solid;
@@ -45,7 +45,7 @@ Eigen::Matrix3d read_inertia(const Node& node) {
   return inertia;
 }
 
-// Mass and inertia: given, or from the shapes and a mass or density.
+// Mass and inertia as given, or computed from the shapes and a mass or density.
 MassProperties read_mass(const Draft& draft, const Node& body, const std::vector<world::Shape>& shapes) {
   const auto mass = body.find("mass"), density = body.find("density"), inertia = body.find("inertia");
   if (mass && density) body.fail("has both 'mass' and 'density', one is enough");

@@ -1,4 +1,4 @@
-// The entries of `bodies:`.
+// Reads the entries of `bodies:`. Throws ConfigError.
 #pragma once
 
 #include "server/scene/draft.h"

@@ -1,5 +1,5 @@
-// The kinds of clocks that a scene's time follows, and their names in scene files, options, messages and
-// recordings; how fast realtime may be.
+// The kinds of clocks that pace a world, with their names in scene files, options, messages and recordings,
+// and the bounds of realtime's speed.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ constexpr std::string_view name_of(ClockKind clock) {
   return kClockNames[static_cast<std::size_t>(clock)];
 }
 
-// `name`: one of kClockNames.
+// `name` must be one of kClockNames.
 constexpr ClockKind clock_of(std::string_view name) {
   std::size_t kind = 0;
   while (kind + 1 < kClockNames.size() && kClockNames[kind] != name) ++kind;

@@ -20,7 +20,7 @@ constexpr std::size_t kMaxParts = 1000;
   throw std::runtime_error("its reader's answer is no mesh");
 }
 
-// The next line of `text`, which loses it.
+// Takes the next line off `text`.
 std::string take_line(std::string_view& text) {
   const std::size_t end = text.find('\n');
   if (end == std::string_view::npos) fail_answer();
@@ -29,7 +29,7 @@ std::string take_line(std::string_view& text) {
   return line;
 }
 
-// "R G B A BYTES" or "none BYTES".
+// Reads "R G B A BYTES" or "none BYTES" and returns BYTES.
 std::size_t read_part_line(std::istringstream& words, ColladaPart& part) {
   std::string first;
   words >> first;

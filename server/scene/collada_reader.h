@@ -1,5 +1,5 @@
-// Collada meshes, for looks only: another process, visum-mesh, turns them into plain triangles, which our own
-// reader takes. That process may fail, die or hang; then there is a reason, and no mesh.
+// Reads Collada meshes, for looks only. A process of its own, visum-mesh, turns them into plain triangles,
+// and our own reader takes those. That process may fail, die or hang; then there is no mesh, and a reason.
 #pragma once
 
 #include <array>
@@ -20,24 +20,25 @@ struct ColladaPart {
 };
 
 struct ColladaMesh {
-  std::vector<ColladaPart> parts;  // by material
-  bool textured = false;           // has textures, which are not shown
+  std::vector<ColladaPart> parts;  // one for each material
+  bool textured = false;           // it has textures, which are not shown
 };
 
-// The process that reads, and how long it may take by the wall clock.
+// The reading process, and its time limit by the wall clock.
 struct ColladaProcess {
-  std::string program;  // empty: visum-mesh beside the running program
+  std::string program;  // empty: the visum-mesh beside the running program
   std::chrono::milliseconds deadline{30'000};
 };
 
-// By the file's extension.
+// Decides by the file's extension.
 bool is_collada(const std::filesystem::path& file);
 
-// Throws std::runtime_error: why there is no mesh, as what "it" (the file) is or its reader did.
+// Reads the mesh. Throws std::runtime_error with the reason, as a clause about the file: "it cannot be
+// opened".
 ColladaMesh read_collada(const std::filesystem::path& file, const ColladaProcess& process = {});
 
-// What visum-mesh answered (collada/import.h has the form); `file` only names the place in errors. Throws
-// as above.
+// Reads the answer of visum-mesh, whose form collada/import.h describes. `file` names the place in errors.
+// Throws as read_collada() does.
 ColladaMesh read_collada_answer(std::string_view answer, const std::string& file);
 
 }  // namespace visum::scene

@@ -34,7 +34,7 @@ void check_kind(const Node& value, const Node& otherwise) {
              place_of(otherwise));
 }
 
-// A default that is left empty must be given.
+// Reports a parameter without default that was not given.
 [[noreturn]] void fail_missing(const Node& parameter, const std::string& name, const Node* asked_by) {
   if (!asked_by)
     parameter.fail("has no value: this file is made to be included by another, which gives it one");

@@ -14,7 +14,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-constexpr double kMinVolume = 1e-18;  // m³: a cube of a micrometre
+constexpr double kMinVolume = 1e-18;  // m³: a cube with sides of a micrometre
 
 MassProperties centred(double volume, double ixx, double iyy, double izz) {
   return {volume, Vector3d::Zero(), Vector3d(ixx, iyy, izz).asDiagonal()};
@@ -37,8 +37,8 @@ MassProperties solid_cylinder(double r, double length) {
   return centred(m, across, across, m * r * r / 2);
 }
 
-// A cylinder and two half spheres; a half sphere's centre lies 3r/8 above its disc, its inertia across the
-// axis about that centre is 83/320 m r².
+// A cylinder and two half spheres. The centre of mass of a half sphere lies 3r/8 above its disc; its inertia
+// about that centre, across the axis, is 83/320 m r².
 MassProperties solid_capsule(double r, double length) {
   MassProperties capsule = solid_cylinder(r, length);
   const double half = 2.0 / 3.0 * pi * r * r * r;
@@ -53,14 +53,14 @@ Matrix3d inertia_from_second_moments(const Matrix3d& moments) {
   return moments.trace() * Matrix3d::Identity() - moments;
 }
 
-// Parallel axes: the inertia of a point mass at `offset`.
+// The inertia of a point mass at `offset` (parallel axis theorem).
 Matrix3d point_inertia(double mass, const Vector3d& offset) {
   return mass * inertia_from_second_moments(offset * offset.transpose());
 }
 
-// Sums the tetrahedra between a vertex of the mesh and each triangle; those that see it from behind count
-// negative. Over a tetrahedron (0, a, b, c) of volume V: integral of x x^T = V/20 (aa^T + bb^T + cc^T +
-// ss^T), s = a + b + c.
+// Sums the tetrahedra between a vertex of the mesh and each triangle. Tetrahedra whose triangle is seen from
+// behind count negative. Over a tetrahedron (0, a, b, c) of volume V: integral of x x^T = V/20 (aa^T + bb^T +
+// cc^T + ss^T), s = a + b + c.
 MassProperties solid_mesh(const world::TriangleMesh& mesh) {
   const Vector3d origin = mesh.vertices.front();
   double volume = 0.0;
@@ -76,7 +76,7 @@ MassProperties solid_mesh(const world::TriangleMesh& mesh) {
     first += v * s / 4;
     second += v / 20 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
   }
-  // All triangles facing inwards: the same solid with every sign turned.
+  // All triangles face inwards: the same solid with every sign reversed.
   if (volume < 0) {
     volume = -volume;
     first = -first;
@@ -87,12 +87,14 @@ MassProperties solid_mesh(const world::TriangleMesh& mesh) {
   return {volume, origin + com, inertia_from_second_moments(second) - point_inertia(volume, com)};
 }
 
+// An edge of a triangle, with its vertices in order of their numbers.
 struct Edge {
   std::uint32_t low, high;
   int direction;  // +1: from low to high
 };
 
-// Closed: each edge is walked as often one way as the other. Also tells apart faces turned inside out.
+// A mesh is closed if its triangles walk each edge as often one way as the other. That also finds faces
+// turned inside out.
 bool is_closed(const world::TriangleMesh& mesh) {
   std::vector<Edge> edges;
   edges.reserve(mesh.triangles.size() * 3);
@@ -149,6 +151,7 @@ MassProperties moved(const MassProperties& part, const world::Pose& X_BS) {
   return {part.mass_kg, X_BS * part.com, R * part.inertia_C * R.transpose()};
 }
 
+// Adds both, about their common centre of mass.
 MassProperties together(const MassProperties& a, const MassProperties& b) {
   const double mass = a.mass_kg + b.mass_kg;
   if (mass <= 0) return {};

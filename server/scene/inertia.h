@@ -1,4 +1,5 @@
-// Mass, centre and inertia of solids: closed forms for the primitives, signed tetrahedra for meshes.
+// Mass, centre of mass and inertia of solids: closed forms for primitives, signed tetrahedra for meshes. Pure
+// functions.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,15 +15,16 @@ struct MassProperties {
   Eigen::Matrix3d inertia_C = Eigen::Matrix3d::Zero();  // kg·m², about com
 };
 
-// Of a solid with density 1 kg/m³, in the shape's frame. `mesh` is for convex and mesh, which must be closed
-// (see solid_fault). A plane has no volume and gives zeros.
+// The properties of a solid of density 1 kg/m³, in the shape's frame. `mesh` is for the kinds convex and
+// mesh, and must be closed (see solid_fault). A plane has no volume and gives zeros.
 MassProperties solid_of(const world::Shape& shape, const world::TriangleMesh* mesh);
 
-// Why a mesh bounds no solid, in words: open, or without volume. Empty: it does.
+// Says why a mesh encloses no solid (it is open, or has no volume). Empty if it does.
 std::string solid_fault(const world::TriangleMesh& mesh);
 
 MassProperties scaled(const MassProperties& part, double factor);  // as if `factor` times as dense
+// From the shape's frame S to the body's frame B.
 MassProperties moved(const MassProperties& part, const world::Pose& X_BS);
-MassProperties together(const MassProperties& a, const MassProperties& b);  // both in one frame
+MassProperties together(const MassProperties& a, const MassProperties& b);  // both in the same frame
 
 }  // namespace visum::scene

@@ -31,7 +31,7 @@ bool needs_axis(JointKind kind) {
   }
 }
 
-// What an entry may hold besides the keys of all joints, by kind.
+// The keys that an entry of this kind may hold besides the keys of all joints.
 struct KindKeys {
   JointKind kind;
   std::vector<std::string_view> keys;
@@ -59,7 +59,7 @@ const world::JointKindInfo& read_kind(const Node& node) {
                        [&](const auto& kind) { return kind.name == word; });
 }
 
-// Keys that other kinds know and this one does not.
+// Refuses keys that belong to other kinds of joints.
 void refuse_foreign_keys(const Node& node, const world::JointKindInfo& kind) {
   const auto own = std::find_if(kKindKeys.begin(), kKindKeys.end(),
                                 [&](const KindKeys& keys) { return keys.kind == kind.kind; });
@@ -124,7 +124,7 @@ void read_second_axis(const Node& node, world::Joint& joint) {
     second.fail("must be perpendicular to 'axis'");
 }
 
-// What the kind of joint needs beyond its place.
+// Reads what the kind of joint needs besides its place.
 void read_kind_settings(const Node& node, world::Joint& joint) {
   if (node.find("axis") || needs_axis(joint.kind)) joint.axis_J = read_axis(node.get("axis"));
   if (world::is_drivable(joint.kind)) read_freedom(node, joint);
@@ -134,7 +134,7 @@ void read_kind_settings(const Node& node, world::Joint& joint) {
   if (!world::info(joint.kind).holds_anything) read_spring(node, joint);
 }
 
-// `pose` places the joint in the frame of the parent (a link's own frame, in W without a parent). The child
+// `pose` places the joint in the parent's frame (a link's own frame; W if there is no parent). The child
 // stays where its own entry puts it.
 void place(const Draft& draft, const Node& node, const LinkFrame& parent, const LinkFrame& child,
            world::Joint& joint) {

@@ -1,4 +1,4 @@
-// The entries of `joints:` and `no_collision:`, and the order in which joints stand in a world.
+// Reads the entries of `joints:` and `no_collision:`, and puts the joints of a world into their order.
 #pragma once
 
 #include "server/scene/draft.h"
@@ -7,14 +7,14 @@ namespace visum::scene {
 
 void read_joint(Draft& draft, const config::Node& node);
 
-// Where a joint starts that no file places: at 0, or at the limit that is nearest to it.
+// The starting position of a joint that the scene does not place: 0, or the limit nearest to 0.
 double nearest_to_zero(const world::Joint& joint);
 
-// [[body, body], ...]; `prefix` is put before each name ("arm/").
+// Reads [[body, body], ...]. `prefix` ("arm/") is put before each name.
 void read_no_collision(Draft& draft, const config::Node& list, const std::string& prefix);
 
-// Puts joints above others before those below them, else keeps the order of the files. Throws ConfigError at
-// `place` if they form a cycle. Also sorts no_collision, each pair once.
+// Sorts joints so that each stands before those below it; otherwise the order of the files remains. Also
+// sorts no_collision and keeps each pair once. Throws ConfigError at `place` if the joints form a cycle.
 void sort_world(Draft& draft, const config::Place& place);
 
 }  // namespace visum::scene

@@ -1,5 +1,5 @@
-// What a scene says of how it is to be seen: materials, lights, viewpoints, and the panels that belong to it.
-// The world does not know of it, viewers do.
+// The looks of a scene: materials, lights, viewpoints, and panels of the page. Viewers use them; the world
+// does not know them.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,18 +12,18 @@
 namespace visum::scene {
 
 struct Texture {
-  std::string name;          // the file's
+  std::string name;          // the file's name
   std::string content_type;  // image/png, image/jpeg
-  std::string bytes;         // the file, as it is
+  std::string bytes;         // the file's content
 };
 
 struct Material {
   std::string name;
   std::array<double, 4> color{0.7, 0.7, 0.7, 1.0};
-  double roughness = 0.6;  // 0 a mirror, 1 chalk
+  double roughness = 0.6;  // 0: a mirror, 1: chalk
   double metalness = 0.0;
   std::int32_t texture = -1;                       // index into Looks::textures; -1: none
-  std::array<double, 2> texture_size_m{1.0, 1.0};  // of one tile
+  std::array<double, 2> texture_size_m{1.0, 1.0};  // size of one tile
 
   bool operator==(const Material&) const = default;
 };
@@ -34,10 +34,11 @@ struct Light {
   std::string name;
   LightKind kind = LightKind::kDirectional;
   std::array<double, 4> color{1.0, 1.0, 1.0, 1.0};
-  double intensity = 1.0;                                 // 1: as bright as white paper in full light
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();     // point, spot; in W
-  Eigen::Vector3d direction = -Eigen::Vector3d::UnitZ();  // directional, spot: where it shines; in W, unit
-  double angle_rad = 0.5;                                 // spot: half of its cone
+  double intensity = 1.0;                              // 1: as bright as white paper in full light
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // point, spot; in W
+  Eigen::Vector3d direction =
+      -Eigen::Vector3d::UnitZ();  // directional, spot: where it shines; in W, unit vector
+  double angle_rad = 0.5;         // spot: half the angle of its cone
   bool shadows = false;
 };
 
@@ -49,7 +50,7 @@ struct Viewpoint {
 
 struct Panel {
   std::string name;
-  std::string text;  // JSON, for the page
+  std::string text;  // JSON; the page knows its meaning
 };
 
 struct Looks {

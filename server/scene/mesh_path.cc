@@ -16,8 +16,7 @@ std::optional<std::string> without_scheme(const std::string& uri, const std::str
   return uri.substr(prefix.size());
 }
 
-// `name_and_rest`: "robot/meshes/arm.stl". A package is a folder of that name, whether the model lies in it
-// or beside it.
+// Finds "robot/meshes/arm.stl". A package is a folder of that name; the model may lie in it or beside it.
 std::optional<fs::path> find_in_package(const std::string& name_and_rest, const fs::path& model_file) {
   fs::path folder = fs::absolute(model_file).lexically_normal().parent_path();
   while (true) {

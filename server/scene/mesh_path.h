@@ -1,4 +1,4 @@
-// Where the mesh that a model names lies on disk.
+// Finds the mesh file that a model names.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 
 namespace visum::scene {
 
-// Relative paths and file:// start at the model's file; package://NAME/REST and model://NAME/REST are looked
-// for beside the model and in the folders above it, as NAME/REST. Other addresses, and files that are not
-// found, throw ConfigError at `wanted_by`.
+// Relative paths and file:// count from the model's file. package://NAME/REST and model://NAME/REST are
+// searched as NAME/REST beside the model and in the folders above it. Throws ConfigError at `wanted_by` for
+// other kinds of addresses, and if there is no such file.
 std::filesystem::path resolve_mesh(const std::string& uri, const std::filesystem::path& model_file,
                                    const config::Place& wanted_by);
 

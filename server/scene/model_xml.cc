@@ -14,7 +14,7 @@ struct TextRule {
   std::size_t least, most;
   NumberRule rule;
 };
-// SDF elements whose text is numbers, wherever they stand. What else is wrong, sdformat finds.
+// SDF elements whose text is numbers, wherever they stand. sdformat finds other errors.
 constexpr TextRule kTexts[] = {
     {"pose", 0, 7, NumberRule::kAny},
     {"mass", 1, 1, NumberRule::kPositive},
@@ -69,7 +69,8 @@ void note_link_losses(const XMLElement& link, const std::string& name, ModelXml&
     xml.losses.push_back("link '" + name + "' is moved by forces as all are: <kinematic> is not simulated");
 }
 
-// The scene's `pose` says where the model's frame is, as an <include>'s would.
+// The model's own pose is ignored, because the scene's `pose` places the model's frame, as that of an
+// <include> does.
 void note_pose_loss(const XMLElement& model, ModelXml& xml) {
   const XMLElement* pose = model.FirstChildElement("pose");
   if (!pose || !pose->GetText()) return;
@@ -82,7 +83,7 @@ void note_pose_loss(const XMLElement& model, ModelXml& xml) {
   if (moves) xml.losses.push_back("the model's own <pose> is not read: the scene's 'pose' places it");
 }
 
-// Names with their lines, links and joints of nested models as "inner::link".
+// Collects names with their lines; links and joints of nested models as "inner::link".
 void take_names(const XMLElement& model, const std::string& prefix, ModelXml& xml) {
   for (const XMLElement* child = model.FirstChildElement(); child; child = child->NextSiblingElement()) {
     const char* attribute = child->Attribute("name");
@@ -101,7 +102,7 @@ void take_names(const XMLElement& model, const std::string& prefix, ModelXml& xm
   }
 }
 
-// Document types bring entities, which can grow without bound or name other files.
+// Document types can define entities, which can grow without bound or name other files.
 void refuse_document_types(const tinyxml2::XMLDocument& document, const std::string& file) {
   for (const tinyxml2::XMLNode* node = document.FirstChild(); node; node = node->NextSibling())
     if (node->ToUnknown())

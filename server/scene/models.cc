@@ -28,7 +28,7 @@ RobotModel load_robot(Draft& draft, const Node& file_node) {
   return robot;
 }
 
-// One model on its way into the draft.
+// Places one model in the draft.
 class Placement {
  public:
   Placement(Draft& draft, const Node& node)
@@ -75,7 +75,7 @@ class Placement {
       if (hanging.count(link.name) == 0) link.on_ground = true;
   }
 
-  // `surfaces:` names links of the file, those joined into others too.
+  // The keys of `surfaces:` must be links of the file, including links that were joined into others.
   void check_link_keys() const {
     const auto surfaces = node_.find("surfaces");
     if (!surfaces) return;
@@ -186,7 +186,7 @@ class Placement {
           draft_.forbid_collision(body(robot_.links[a].name), body(robot_.links[b].name));
   }
 
-  // What the model's file says; nested models speak for themselves.
+  // True if the model's file keeps these links apart. A nested model decides for its own links only.
   static bool stay_apart(const RobotLink& a, const RobotLink& b) {
     const auto model_of = [](const std::string& link) {
       const std::size_t end = link.rfind("::");
@@ -195,7 +195,7 @@ class Placement {
     return !a.self_collides && !b.self_collides && model_of(a.name) == model_of(b.name);
   }
 
-  static constexpr std::size_t kMaxLinksWithoutCollision = 500;  // pairs grow with the square
+  static constexpr std::size_t kMaxLinksWithoutCollision = 500;  // the number of pairs grows with the square
 
   Draft& draft_;
   const Node node_;
@@ -203,7 +203,7 @@ class Placement {
   RobotModel robot_;
   world::Pose X_WM_;
   std::int32_t engine_ = 0;
-  std::vector<std::string> placed_;  // joints
+  std::vector<std::string> placed_;  // names of joints
 };
 
 }  // namespace

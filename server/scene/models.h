@@ -1,4 +1,4 @@
-// The entries of `models:`: places a robot model in the world.
+// Reads the entries of `models:`: each places a robot model in the world. Throws ConfigError.
 #pragma once
 
 #include "server/scene/draft.h"

@@ -1,5 +1,5 @@
-// Wavefront OBJ, geometry only: `v` and `f` (corners as 7, 7/1, 7//3, 7/1/3; negative ones count from the
-// end). Polygons become fans of triangles, which is right for convex ones. What only concerns looks is
+// Reads the geometry of Wavefront OBJ: `v` and `f` (corners as 7, 7/1, 7//3, 7/1/3; negative numbers count
+// from the end). Polygons become fans of triangles, which is right for convex ones. Everything about looks is
 // skipped.
 #include <algorithm>
 #include <array>

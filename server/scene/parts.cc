@@ -16,8 +16,8 @@ using world::JointId;
 
 using JointsByName = std::map<std::string, JointId>;
 
-// The joints with a drive's axis that an entry may name, under the names that it uses for them: those of its
-// model without the model's name, or all of the world.
+// The drivable joints that an entry may name, by the names that it uses: those of its model without the
+// model's name, or all joints of the world.
 JointsByName offered_joints(const Draft& draft, const std::string& prefix) {
   JointsByName offered;
   const auto& joints = draft.scene.world.joints;
@@ -48,7 +48,7 @@ std::string model_prefix(const Draft& draft, const Node& entry) {
   return model->text() + "/";
 }
 
-// In the order of the world, which is the model's.
+// The joints of an entry, in the order of the world, which is the model's order.
 std::vector<JointId> joints_of(const Draft& draft, const Node& entry, const std::string& prefix) {
   const JointsByName offered = offered_joints(draft, prefix);
   std::set<JointId> joints;
@@ -76,7 +76,7 @@ void plan_part(Draft& draft, const Node& entry, std::map<JointId, std::string>& 
   const std::string name = read_name(entry.get("name"));
   draft.claim("part", name, entry.place());
   const std::string prefix = model_prefix(draft, entry);
-  // What may throw comes first: GCC 12 destroys members twice where a later one throws within the braces.
+  // Calls that may throw come first: GCC 12 destroys members twice if a later one throws within the braces.
   const std::string kind = read_name(entry.get("kind"));
   const std::vector<JointId> joints = joints_of(draft, entry, prefix);
   PartPlan plan{kind, {name, entry, {}, static_cast<double>(world.tick_ns) * 1e-9}, joints};

@@ -1,12 +1,12 @@
-// The entries of `parts:`: which joints a part drives. What else stands in an entry is read by the part's
-// kind.
+// Reads the entries of `parts:`: which joints a part drives. The kind of the part reads the rest of its
+// entry.
 #pragma once
 
 #include "server/scene/draft.h"
 
 namespace visum::scene {
 
-// After sort_world: joint ids are final.
+// Call it after sort_world(), when the ids of joints are final.
 void plan_parts(Draft& draft);
 
 }  // namespace visum::scene

@@ -19,7 +19,7 @@ bool is_built_in(const std::string& kind) {
   return std::ranges::any_of(hwparts::part_kinds(), is) || std::ranges::any_of(sensors::sensor_kinds(), is);
 }
 
-// A kind must mean one thing.
+// Refuses a plug-in with a kind that exists already: a name must have one meaning.
 void refuse_taken_kinds(const Draft& draft, const plugin::Library& library, const Node& name) {
   const auto check = [&](const auto& kinds, const auto& find) {
     for (const auto& kind : kinds) {

@@ -1,17 +1,17 @@
-// `plugins:` and `agents:` of a scene: what code from outside it uses, and the nodes that only such code can
-// make.
+// Reads `plugins:` and `agents:` of a scene: the plug-ins that it uses, and the agents that they make.
 #pragma once
 
 #include "server/scene/draft.h"
 
 namespace visum::scene {
 
-// A name of the list `plugins`. Opens it, unless another file has done so.
+// Reads a name of the list `plugins` and opens that plug-in, unless another file of the scene has opened it.
 void read_plugin(Draft& draft, const config::Node& name);
 
 void read_agent(Draft& draft, const config::Node& entry);
 
-// The parts that agents use, by the numbers that they will have; called when all parts and sensors are known.
+// Finds the parts that agents use, by the numbers that they will have. Call it when all parts and sensors are
+// known.
 void find_parts_of_agents(Draft& draft);
 
 inline constexpr std::size_t kMaxAgents = 256;

@@ -16,7 +16,7 @@ constexpr config::Range kShare{0.0, 1.0};
 constexpr config::Range kIntensity{0.0, 1000.0};
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
-// By the first bytes, not by the name: that is how browsers look at it, too.
+// Decides by the first bytes and not by the name, as browsers do.
 std::string picture_type(const std::string& bytes) {
   if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return "image/png";
   if (bytes.starts_with("\xff\xd8\xff")) return "image/jpeg";
@@ -51,7 +51,7 @@ Material read_material(Looks& looks, const std::string& name, const Node& node) 
   material.name = name;
   if (const auto texture = node.find("texture")) {
     material.texture = read_texture(looks, *texture);
-    material.color = {1.0, 1.0, 1.0, 1.0};  // a picture brings its colours along
+    material.color = {1.0, 1.0, 1.0, 1.0};  // a picture brings its own colours
   }
   if (const auto color = node.find("color")) material.color = read_color(*color);
   material.roughness = node.number_or("roughness", material.roughness, kShare);
@@ -71,7 +71,7 @@ LightKind read_light_kind(const Node& node) {
   return word == "spot" ? LightKind::kSpot : LightKind::kDirectional;
 }
 
-// What a light of this kind does not have, it must not be given.
+// Refuses a key that lights of this kind do not have.
 void refuse(const Node& light, const char* key, bool means_something) {
   if (const auto node = light.find(key); node && !means_something)
     node->fail("means nothing for a light of this kind");
@@ -88,7 +88,7 @@ void read_materials(Draft& draft, const Node& root) {
     if (const std::string fault = name_fault(name); !fault.empty()) node.fail("a material's name " + fault);
     const Material material = read_material(looks, name, node);
     if (std::ranges::find(looks.materials, material) != looks.materials.end())
-      continue;  // an include's, again
+      continue;  // the same material again, from another include
     draft.claim("material", name, node.place());
     if (looks.materials.size() == kMaxMaterials)
       node.fail("there are more than " + std::to_string(kMaxMaterials) + " materials");
@@ -133,8 +133,7 @@ void read_viewpoint(Draft& draft, const Node& node) {
   viewpoints.push_back(viewpoint);
 }
 
-// JSON is YAML, too: what is wrong has a place in the panel's own file. What widgets mean is the page's
-// business.
+// JSON is YAML, so errors have a place in the panel's own file. The page knows what the widgets mean.
 void read_panel(Draft& draft, const Node& node) {
   auto& panels = draft.scene.looks.panels;
   if (panels.size() == kMaxPanels) node.fail("there are more than " + std::to_string(kMaxPanels) + " panels");

@@ -1,4 +1,4 @@
-// The sections `materials:`, `lights:`, `viewpoints:` and `panels:`.
+// Reads the sections `materials:`, `lights:`, `viewpoints:` and `panels:`. Throws ConfigError.
 #pragma once
 
 #include "server/scene/draft.h"

@@ -23,7 +23,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMaxWords = 300;  // of the reason that it gives
+constexpr std::size_t kMaxWords = 300;  // of the reason that the program gives
 
 class Descriptor {
  public:
@@ -43,7 +43,8 @@ class Descriptor {
   int fd_;
 };
 
-// The file as something that has a descriptor, wherever its content came from.
+// Copies the content into a memory file, so that the process gets a descriptor wherever the content came
+// from.
 Descriptor in_memory(const config::FileContent& content) {
   if (!content.fault.empty()) throw std::runtime_error("it cannot be opened: " + content.fault);
   Descriptor memory(::memfd_create("mesh", MFD_CLOEXEC));
@@ -69,7 +70,7 @@ Pipe make_pipe() {
   return {Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
-// A child that is killed and waited for, whatever happens.
+// A child process. The destructor kills it and waits for it.
 class Child {
  public:
   Child(const std::string& program, int in, int out, int err) {
@@ -96,12 +97,12 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  // How it ended; nothing where it did not until `end`.
+  // How it ended; nothing if it had not ended by `end`.
   std::optional<int> wait_until(Clock::time_point end) {
     int status = 0;
     while (::waitpid(pid_, &status, WNOHANG) == 0) {
       if (Clock::now() >= end) return std::nullopt;
-      ::poll(nullptr, 0, 1);  // ms: it has said all, and is about to end
+      ::poll(nullptr, 0, 1);  // ms: it has closed its output and is about to end
     }
     pid_ = -1;
     return status;
@@ -111,7 +112,7 @@ class Child {
   pid_t pid_ = -1;
 };
 
-// Appends what is there to read; false at the end.
+// Appends what there is to read. Returns false at the end.
 bool drain(int fd, std::string& to) {
   std::array<char, 1 << 16> chunk;
   const ssize_t got = ::read(fd, chunk.data(), chunk.size());

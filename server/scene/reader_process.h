@@ -1,4 +1,4 @@
-// Runs a program over a file, in a process that may fail, die, hang or talk without end.
+// Runs a program that reads a file, in a process of its own: it may fail, die, hang, or write without end.
 #pragma once
 
 #include <chrono>
@@ -13,9 +13,9 @@ struct ReaderBounds {
   std::size_t answer_bytes;
 };
 
-// What `program` writes on its standard output with `file` on its standard input. Nothing else of ours is
-// open in it. Throws std::runtime_error where it does not end with success in time: its own words (the first
-// line of what it writes on standard error) or what became of it.
+// Runs `program` with `file` on its standard input and returns its standard output. None of our other files
+// is open in it. Throws std::runtime_error if it does not succeed in time. The text is the first line of its
+// standard error, or says what became of it.
 std::string run_reader(const std::string& program, const std::filesystem::path& file,
                        const ReaderBounds& bounds);
 

@@ -1,5 +1,4 @@
-// What is done to a robot model after reading it: joining links over fixed joints, matching looks with
-// solids.
+// Changes a robot model after reading: joins links over fixed joints, and matches looks with solids.
 #include <algorithm>
 #include <map>
 
@@ -9,7 +8,7 @@ namespace visum::scene {
 namespace {
 
 constexpr double kSamePlace = 1e-9;
-constexpr double kSheetM = 1e-3;  // the thickness of a plane that is only seen
+constexpr double kSheetM = 1e-3;  // thickness of a plane that is only seen
 
 bool same_pose(const world::Pose& a, const world::Pose& b) {
   return (a.p - b.p).norm() < kSamePlace && a.q.angularDistance(b.q) < kSamePlace;
@@ -20,7 +19,7 @@ bool same_form(const RobotShape& a, const RobotShape& b) {
   return a.kind == b.kind && same_size && a.mesh == b.mesh && a.scale == b.scale && same_pose(a.X_LS, b.X_LS);
 }
 
-// A plane that collides has no end; one that is only seen has: a thin box below its face.
+// A colliding plane is infinite; a visible one has sides. So it becomes a thin box below its face.
 RobotShape as_sheet(RobotShape visual) {
   if (visual.kind != world::ShapeKind::kPlane) return visual;
   visual.kind = world::ShapeKind::kBox;
@@ -29,7 +28,7 @@ RobotShape as_sheet(RobotShape visual) {
   return visual;
 }
 
-// Moves all of `lower` into `upper`, X_UL apart.
+// Moves all of `lower` into `upper`; X_UL is the pose of `lower` in it.
 void absorb(RobotLink& upper, const RobotLink& lower, const world::Pose& X_UL) {
   upper.self_collides = upper.self_collides || lower.self_collides;
   upper.mass = together(upper.mass, moved(lower.mass, X_UL));
@@ -39,7 +38,7 @@ void absorb(RobotLink& upper, const RobotLink& lower, const world::Pose& X_UL) {
   }
 }
 
-// Joints and joined links that named `joint.child` now name its parent.
+// Lets joints and joined links that named `joint.child` name its parent instead.
 void reattach(RobotModel& model, const RobotJoint& joint, const world::Pose& X_UL) {
   for (RobotJoint& other : model.joints) {
     if (other.parent == joint.child) {
@@ -64,6 +63,7 @@ RobotLink& find_link(RobotModel& model, const std::string& name) {
                        [&](const RobotLink& l) { return l.name == name; });
 }
 
+// Joins the child of a fixed joint into its parent; a child of the world is fixed there instead.
 void join(RobotModel& model, const RobotJoint& joint) {
   if (joint.parent == kWorldLink) {
     find_link(model, joint.child).on_ground = true;
@@ -79,6 +79,7 @@ void join(RobotModel& model, const RobotJoint& joint) {
   reattach(model, joint, X_UL);
 }
 
+// One note for each link that others were joined into.
 void note_joined(RobotModel& model) {
   std::map<std::string, std::string> lists;
   for (const JoinedLink& joined : model.joined)
@@ -118,7 +119,7 @@ void join_links(RobotModel& model) {
        found = std::find_if(model.joints.begin(), model.joints.end(), is_fixed)) {
     const RobotJoint joint = *found;
     model.joints.erase(found);
-    // A second fixed joint between links that are one already says nothing new.
+    // A second fixed joint between links that are already one adds nothing.
     if (joint.parent != joint.child) join(model, joint);
   }
   note_joined(model);

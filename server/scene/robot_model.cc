@@ -34,8 +34,8 @@ namespace {
 
 constexpr double kUnlimited = 1e6;  // SDF and URDF write 1e16 or infinity for "no limit"
 
-// sdformat and the URDF parser below it print what they dislike; that belongs into our message. Scenes are
-// read before the first tick, by one thread.
+// sdformat and its URDF parser print what they dislike. This catches their output for our own message. It
+// redirects the process's streams, which is safe because one thread reads scenes before the first tick.
 class ConsoleCapture {
  public:
   ConsoleCapture() : cerr_(std::cerr.rdbuf(text_.rdbuf())), cout_(std::cout.rdbuf(text_.rdbuf())) {}
@@ -46,7 +46,7 @@ class ConsoleCapture {
   ConsoleCapture(const ConsoleCapture&) = delete;
   ConsoleCapture& operator=(const ConsoleCapture&) = delete;
 
-  // The first line that says something about the model.
+  // The first line that is about the model.
   std::string first_line() {
     for (std::string line; std::getline(text_, line);)
       if (line.find("log file") == std::string::npos && line.find("HOME") == std::string::npos) return line;
@@ -69,8 +69,8 @@ Eigen::Vector3d to_vector(const ignition::math::Vector3d& v) {
   return {v.X(), v.Y(), v.Z()};
 }
 
-// The name that a shape has in a URDF, out of the one that sdformat makes of it: "pad" of
-// "finger_fixed_joint_lump__pad_collision_2"; unnamed ones become "collision_2".
+// The name of a shape in the URDF, recovered from sdformat's name: "pad" from
+// "finger_fixed_joint_lump__pad_collision_2". A shape without a name becomes "collision_2".
 std::string urdf_name(std::string name, const std::string& link) {
   const std::string lump = link + "_fixed_joint_lump__";
   if (name.compare(0, lump.size(), lump) != 0)
@@ -106,7 +106,7 @@ class Reader {
     if (!errors.empty()) throw config::ConfigError(place, errors.front().Message());
   }
 
-  // X_TM: this model in the top one. What is nested in a static model is static.
+  // X_TM: the pose of this model in the top one. Models nested in a static model are static, too.
   void read_model(const sdf::Model& model, const std::string& prefix, const world::Pose& X_TM,
                   bool is_static) {
     for (std::uint64_t i = 0; i < model.LinkCount(); ++i) {
@@ -123,7 +123,7 @@ class Reader {
     }
   }
 
-  // A link's own word goes before its model's.
+  // A link's own setting overrides its model's.
   static bool self_collides(const sdf::Link& link, const sdf::Model& model) {
     const sdf::ElementPtr element = link.Element();
     return element->HasElement("self_collide") ? element->Get<bool>("self_collide") : model.SelfCollide();
@@ -170,7 +170,7 @@ class Reader {
     (*shape.color)[3] *= opacity;
   }
 
-  // `visual`: null for what collides.
+  // `visual` is null for a colliding shape.
   void add_shape(const std::string& name, const sdf::Geometry& geometry, const sdf::SemanticPose& where,
                  const sdf::Visual* visual, RobotLink& link) {
     RobotShape shape;
@@ -203,7 +203,7 @@ class Reader {
                             why);
   }
 
-  // One shape for each material of a Collada file; the model's own material replaces them all.
+  // Adds one shape for each material of a Collada file. The model's own material replaces them all.
   void add_parts(const RobotShape& whole, double opacity, RobotLink& link) {
     const ColladaMesh& mesh = model_.converted.at(whole.mesh);
     for (std::size_t part = 0; part < mesh.parts.size(); ++part) {
@@ -217,7 +217,7 @@ class Reader {
                               "' is shown without the textures of its mesh");
   }
 
-  // Fills kind, size and mesh; else returns why it cannot.
+  // Fills kind, size and mesh. If it cannot, returns the reason.
   std::string read_geometry(const sdf::Geometry& geometry, const std::string& link, RobotShape& shape) {
     using world::ShapeKind;
     switch (geometry.Type()) {
@@ -269,7 +269,7 @@ class Reader {
     return collada ? convert(shape.mesh) : "";
   }
 
-  // Once for each file; else returns why it cannot.
+  // Converts each file once. If it cannot, returns the reason.
   std::string convert(const std::filesystem::path& file) {
     if (const auto failed = not_converted_.find(file); failed != not_converted_.end()) return failed->second;
     if (model_.converted.count(file) != 0) return "";
@@ -347,7 +347,7 @@ class Reader {
       model_.losses.push_back("joint '" + joint.name + "' has a spring, which is not simulated");
   }
 
-  // sdformat walks the URDF's tree in the order of names; users count joints in the order of their file.
+  // sdformat walks the URDF's tree in the order of names, but users count joints in the order of their file.
   void sort_as_in_file() {
     const auto rank = [](const std::vector<std::string>& names) {
       std::map<std::string, std::size_t> ranks;
@@ -366,7 +366,7 @@ class Reader {
   RobotModel& model_;
   const ModelXml& xml_;
   std::string file_;
-  std::map<std::filesystem::path, std::string> not_converted_;  // and why
+  std::map<std::filesystem::path, std::string> not_converted_;  // with the reasons
 };
 
 sdf::ParserConfig quiet_config() {
@@ -401,7 +401,7 @@ RobotModel read_robot_model(const std::filesystem::path& file, const std::string
     Reader(model, xml).read(*root.Model());
   } catch (const config::ConfigError&) {
     throw;
-  } catch (const std::exception& error) {  // a version that is no number, for one
+  } catch (const std::exception& error) {  // for example a version that is no number
     throw config::ConfigError({file.string(), 0, ""},
                               std::string("sdformat cannot read it: ") + error.what());
   }

@@ -1,6 +1,6 @@
 // A robot as its URDF or SDF file describes it, in plain values: links with their solids and looks, joints,
-// and what the file holds that is not simulated. Reading is model_xml.cc (checks, with lines) and
-// robot_model.cc (sdformat).
+// and a list of what is not simulated. model_xml.cc checks the file and knows its lines; robot_model.cc reads
+// it with sdformat.
 #pragma once
 
 #include <array>
@@ -18,11 +18,11 @@ namespace visum::scene {
 
 struct RobotShape {
   std::string name;
-  std::string link;  // the one in the file that it is of, also after links were joined
+  std::string link;  // the link in the file, also after links were joined
   world::ShapeKind kind = world::ShapeKind::kBox;
-  std::array<double, 3> size{};  // as in world::Shape; of a plane that does not collide its two sides
-  std::filesystem::path mesh;    // resolved
-  std::size_t mesh_part = 0;     // of a mesh in RobotModel::converted
+  std::array<double, 3> size{};  // as in world::Shape; for a plane that does not collide, its two sides
+  std::filesystem::path mesh;    // the resolved path
+  std::size_t mesh_part = 0;     // index into the parts of a mesh in RobotModel::converted
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   world::Pose X_LS;
   bool collides = true;
@@ -33,21 +33,21 @@ struct RobotLink {
   std::string name;
   int line = 0;            // in the model's file; 0: unknown
   MassProperties mass;     // in the link's frame; mass 0: the file gives none
-  world::Pose X_ML;        // in the model, all joints at 0
-  bool on_ground = false;  // fixed to the world by the model itself
-  // False: it never collides with others of its kind in the same (nested) model, unless the scene says so.
+  world::Pose X_ML;        // in the model's frame, with all joints at 0
+  bool on_ground = false;  // the model itself fixes it to the world
+  // False: it never collides with other such links of the same (nested) model, unless the scene says so.
   bool self_collides = true;
   std::vector<RobotShape> shapes;
 };
 
 struct RobotJoint {
-  world::Joint joint;  // name as in the file; the ids of parent and child are not set
-  std::string parent;  // "world": the world
+  world::Joint joint;  // named as in the file; the ids of parent and child are not set
+  std::string parent;  // "world" for the world
   std::string child;
   int line = 0;
 };
 
-// A link that moves with another one as one body, because a fixed joint connects them.
+// A link that is one body with another one, because a fixed joint connects them.
 struct JoinedLink {
   std::string name;
   std::string into;
@@ -57,23 +57,24 @@ struct JoinedLink {
 struct RobotModel {
   std::filesystem::path file;
   std::vector<RobotLink> links;    // in the order of the file
-  std::vector<RobotJoint> joints;  // in the order of the file; none is fixed once joined
+  std::vector<RobotJoint> joints;  // in the order of the file; after join_links() none is fixed
   std::vector<JoinedLink> joined;
-  std::map<std::filesystem::path, ColladaMesh> converted;  // meshes that are here already, by their file
-  std::vector<std::string> losses;  // what is not shown or not simulated, one sentence each
-  std::vector<std::string> notes;   // what was read otherwise than it stands there, at no loss
+  std::map<std::filesystem::path, ColladaMesh> converted;  // meshes that are read already, by their file
+  std::vector<std::string> losses;  // things that are not shown or not simulated, one sentence each
+  std::vector<std::string> notes;   // things that are read in another way than the file says, without a loss
 };
 
 inline constexpr const char* kWorldLink = "world";
 
-// Throws ConfigError at the place in the model's file that is wrong. Never uses a network; prints nothing.
+// Throws ConfigError at the wrong place of the model's file. Uses no network and prints nothing.
 RobotModel read_robot_model(const std::filesystem::path& file, const std::string& text);
 
 // Joins links over fixed joints: masses, shapes and joints move to the upper link's frame.
 void join_links(RobotModel& model);
 
-// A visual shape of the same form and place as a colliding one gives it its colour and goes; colliding shapes
-// without a visual are not drawn (alpha 0) on links that have visuals. Other visual planes become thin boxes.
+// Merges looks with solids. A visual shape of the same form and place as a colliding one gives it its colour
+// and is removed. On links with visuals, colliding shapes without one are not drawn (alpha 0). Visual planes
+// that remain become thin boxes.
 void match_visuals(RobotLink& link);
 
 }  // namespace visum::scene

@@ -1,6 +1,6 @@
 // A scene: the description of a world, read from a YAML file, with the models (URDF, SDF) and meshes that it
-// names. Everything is checked here, before the first tick; what is wrong throws ConfigError with file, line
-// and key. The format is described in server/scene/README.md. sdformat stays inside robot_model.cc.
+// names. Everything is checked here, before the first tick. An error throws ConfigError with file, line and
+// key. server/scene/README.md describes the format. sdformat stays inside robot_model.cc.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 
 namespace visum::scene {
 
-// A robot of the scene, as its entry says. Its links and joints are in the world.
+// A robot of the scene, as its entry describes it. Its links and joints are in `world`.
 struct ModelPlan {
   std::string name;
   config::Node config;
@@ -29,17 +29,17 @@ struct ModelPlan {
 struct PartPlan {
   std::string kind;
   hwparts::PartContext context;
-  std::vector<world::JointId> joints;  // where context.joints stand in the world
+  std::vector<world::JointId> joints;  // the joints of `context`, by their ids in the world
 };
 
-// A sensor of the scene, not yet made: where it sits, and its entry for those who make it.
+// A sensor of the scene, not yet made: its place, and its entry for those who make it.
 struct SensorPlan {
   std::string name;
   std::string kind;
   config::Node config;
   world::BodyId body;    // invalid: it stands in the world
   world::Pose X_BS;      // the sensor's frame on its body, or in W
-  world::JointId joint;  // of those that measure one; else invalid
+  world::JointId joint;  // for sensors that measure a joint; otherwise invalid
 };
 
 // An agent of the scene, not yet made.
@@ -48,29 +48,30 @@ struct AgentPlan {
   const plugin::AgentKind* kind;
   config::Node config;
   std::int64_t period_ns = 0;
-  // What the agent calls each part, and its number: the scene's parts, then its sensors.
+  // The agent's name for each part, and the part's number: first the scene's parts, then its sensors.
   std::vector<std::pair<std::string, std::size_t>> parts;
 };
 
+// A checked scene. The caller owns it.
 struct Scene {
   std::string name;
   std::filesystem::path file;
   world::WorldModel world;
-  std::vector<std::string> engine_names{"default"};     // how the scene calls world.engines
-  std::vector<config::Place> engine_places;             // where it says so; empty: an option did
-  std::map<std::size_t, config::Node> plugged_engines;  // entries of those that plug-ins bring, by number
+  std::vector<std::string> engine_names{"default"};     // the scene's names for world.engines
+  std::vector<config::Place> engine_places;             // where the scene sets them; file only: an option did
+  std::map<std::size_t, config::Node> plugged_engines;  // entries of engines that plug-ins bring, by number
   std::vector<ModelPlan> models;
   std::vector<PartPlan> parts;
   std::vector<SensorPlan> sensors;
-  std::vector<plugin::Library> plugins;  // their kinds count before those that are built in
+  std::vector<plugin::Library> plugins;  // their kinds are looked up before the built-in ones
   std::vector<AgentPlan> agents;
   Looks looks;
   ClockKind clock = ClockKind::kRealtime;
   double speed = 1.0;  // realtime: simulated seconds per second of wall time, kLeastSpeed to kMostSpeed
   std::uint64_t seed = 1;
   std::int64_t lockstep_timeout_ns = 10'000'000'000;
-  std::vector<std::string> losses;  // what a model holds and we do not show or simulate, one sentence each
-  std::vector<std::string> notes;   // what was read otherwise than it stands there, at no loss
+  std::vector<std::string> losses;  // things of a model that are not shown or simulated, one sentence each
+  std::vector<std::string> notes;   // things that are read in another way than the file says, without a loss
 };
 
 struct Options {
@@ -79,10 +80,11 @@ struct Options {
   std::string parameters;  // --parameters: values of the file's parameters, a YAML map; empty: its defaults
 };
 
+// Throws ConfigError at the first thing that is wrong.
 Scene load_scene(const std::filesystem::path& file, const Options& options = {});
 
-// One entry of `bodies:` from text, for AddBody. Appends to the world; throws ConfigError and changes nothing
-// if wrong.
+// Reads one entry of `bodies:` from a text (the request AddBody) and appends it to the world. If it is wrong,
+// throws ConfigError and changes nothing.
 void add_body(Scene& scene, const std::string& yaml);
 
 }  // namespace visum::scene

@@ -26,7 +26,7 @@ using config::Node;
 constexpr std::int64_t kVersion = 1;
 
 void check_header(const Node& root) {
-  // Whatever file this is, its text is nobody's business.
+  // The message does not quote the text: the file may be anything, even a secret.
   if (root.kind() == Node::Kind::kScalar) root.fail("must be a map, is a text");
   root.allow_only({"visum",        "name",    "gravity",    "tick_ms",
                    "clock",        "speed",   "seed",       "lockstep_timeout_s",
@@ -40,12 +40,12 @@ void check_header(const Node& root) {
     version.fail("this is version " + version.text() + " of the format, only version 1 is known here");
 }
 
-// What is wrong with a scene: the first of it is thrown at once, or all of it is kept.
+// Collects what is wrong with a scene: throws the first error at once, or keeps all of them.
 class Complaints {
  public:
   explicit Complaints(std::vector<config::ConfigError>* kept) : kept_(kept) {}
 
-  // `entry`: what is read; its name is gone if that fails.
+  // Reads an entry. If that fails, its name counts as gone.
   void attempt(const std::optional<Node>& entry, const std::function<void()>& read) {
     if (!kept_) return read();
     try {
@@ -57,20 +57,22 @@ class Complaints {
   }
 
   std::size_t count() const { return kept_ ? kept_->size() : 0; }
-  // Where too much is missing to go on: everything else would be a complaint about that.
+  // Ends the reading if errors came since `count`: too much is missing, and further errors would only follow
+  // from that.
   void end_if_more_than(std::size_t count) {
     if (this->count() <= count) return;
     const config::ConfigError last = kept_->back();
     kept_->pop_back();
     throw last;
   }
-  // Those from number `first` on stand in a file that is included.
+  // Errors from number `first` on lie in an included file.
   void tell_where(std::size_t first, const fs::path& file, const Node& entry) {
     for (std::size_t i = first; i < count(); ++i) (*kept_)[i] = told_where((*kept_)[i], file, entry);
   }
 
  private:
-  // Complaints about a name ("'arm'", "'arm/link_3'") that is missing because its own entry is wrong.
+  // True if the error is about a name ("'arm'", "'arm/link_3'") that is missing because its own entry is
+  // wrong.
   bool follows(const config::ConfigError& error) const {
     if (!error.message().starts_with("there is no ")) return false;
     for (const std::string& name : gone_)
@@ -79,7 +81,7 @@ class Complaints {
         return true;
     return false;
   }
-  // Of an entry that is repeated, the same is wrong each time.
+  // True if the same error is known already: a repeated entry is wrong each time.
   bool told(const config::ConfigError& error) const {
     for (const config::ConfigError& known : *kept_)
       if (known.place().file == error.place().file && known.place().line == error.place().line &&
@@ -94,7 +96,7 @@ class Complaints {
     return name->text();
   }
 
-  std::vector<config::ConfigError>* kept_;  // null: none is
+  std::vector<config::ConfigError>* kept_;  // null: throw at once
   std::vector<std::string> gone_;
 };
 
@@ -102,7 +104,7 @@ class Loader {
  public:
   Loader(Draft& draft, std::vector<config::ConfigError>* errors) : draft_(draft), complaints_(errors) {}
 
-  // `given`: values for the file's parameters; `asked_by`: the entry that includes the file.
+  // `given`: values for the file's parameters. `asked_by`: the entry that includes the file.
   void read_file(const fs::path& file, const std::optional<Node>& given, const Node* asked_by) {
     const Node text = includes_.open(file);
     check_header(text);
@@ -112,7 +114,7 @@ class Loader {
   }
 
  private:
-  // Calls `read` for each entry of a list that may be missing.
+  // Calls `read` for each entry of a list. The list may be missing.
   void each(const Node& root, const char* key, const std::function<void(const Node&)>& read) {
     const auto list = root.find(key);
     if (!list) return;
@@ -122,8 +124,8 @@ class Loader {
     }
   }
 
-  // What is included comes first: it may be built upon, and its settings may be replaced. It may stand in the
-  // frames of the file that includes it, so those come before.
+  // Includes are read first, because the file may build on them and replace their settings. Frames come even
+  // before, because an included file may stand in one.
   void read_root(const Node& root) {
     const std::size_t before = complaints_.count();
     each(root, "frames", [&](const Node& entry) { read_frame(draft_, entry); });
@@ -148,6 +150,7 @@ class Loader {
     each(root, "panels", [&](const Node& entry) { read_panel(draft_, entry); });
   }
 
+  // Reads an included file, placed where the entry says. Its errors also name the entry.
   void include(const Node& entry) {
     const IncludeEntry wanted = read_include(draft_, entry);
     includes_.check(wanted.file, entry);
@@ -199,7 +202,7 @@ Scene empty_scene(const fs::path& file) {
   return scene;
 }
 
-// How large a world was, to go back to.
+// The size of a world, to return to it.
 struct Sizes {
   explicit Sizes(const world::WorldModel& w)
       : bodies(w.bodies.size()), shapes(w.shapes.size()), meshes(w.meshes.size()) {}
@@ -211,7 +214,7 @@ struct Sizes {
   std::size_t bodies, shapes, meshes;
 };
 
-// What needs all of the world.
+// The steps that need the whole world.
 void finish(Draft& draft, const Options& options) {
   Scene& scene = draft.scene;
   const config::Place whole{scene.file.string(), 0, ""};

@@ -1,14 +1,14 @@
-// The entries of `sensors:`: where a sensor sits. What else stands in an entry is read by the sensor's kind.
+// Reads the entries of `sensors:`: where a sensor sits. The kind of the sensor reads the rest of its entry.
 #pragma once
 
 #include "server/scene/draft.h"
 
 namespace visum::scene {
 
-// One entry. Which joint it measures is left to find_measured_joints().
+// Reads one entry. find_measured_joints() finds the joint that it measures, later.
 void read_sensor(Draft& draft, const config::Node& entry);
 
-// After sort_world: joint ids are final.
+// Call it after sort_world(), when the ids of joints are final.
 void find_measured_joints(Draft& draft);
 
 inline constexpr std::size_t kMaxSensors = 256;

@@ -12,7 +12,7 @@ constexpr double kNsPerMs = 1e6;
 constexpr double kNsPerS = 1e9;
 constexpr double kMaxTickMs = 1000.0;
 constexpr double kMaxTimeoutS = 86400.0;
-constexpr double kNsTolerance = 1e-6;  // what decimal fractions of a millisecond are off in binary
+constexpr double kNsTolerance = 1e-6;  // decimal fractions of a millisecond are off by so much in binary
 
 ClockKind read_clock(const config::Node& node) {
   return clock_of(node.one_of({kClockNames.begin(), kClockNames.end()}));
@@ -35,8 +35,8 @@ int read_order(const config::Node& node) {
   return static_cast<int>(order);
 }
 
-// "ode", or {kind: ode, step: quick, ...}. What a kind makes of its settings is the engine table's business,
-// or that of the plug-in that brings it.
+// Reads "ode" or {kind: ode, step: quick, ...}. The engine table checks the settings of a kind; for a
+// plug-in's kind, the plug-in does.
 world::EngineSetting read_engine(const config::Node& node, bool plugged) {
   world::EngineSetting engine;
   engine.name = kind_of_engine(node);
@@ -57,7 +57,7 @@ world::EngineSetting read_engine(const config::Node& node, bool plugged) {
   return engine;
 }
 
-// Engine number `number`, which is there already.
+// Sets an engine that exists already.
 void set_engine(Scene& scene, std::size_t number, const config::Node& node) {
   const bool plugged = plugin::find_engine(scene.plugins, kind_of_engine(node)) != nullptr;
   scene.world.engines[number] = read_engine(node, plugged);
@@ -77,7 +77,7 @@ world::Surface read_surface(const std::string& name, const config::Node& node) {
   return surface;
 }
 
-// A file that is included twice says its surfaces twice.
+// True if an earlier include brought the same surface.
 bool said_before(const std::vector<world::Surface>& surfaces, const world::Surface& again) {
   return std::any_of(surfaces.begin(), surfaces.end(), [&](const world::Surface& known) {
     return known.name == again.name && known.friction == again.friction &&
@@ -134,7 +134,7 @@ void read_surfaces(Draft& draft, const config::Node& root) {
     if (const std::string fault = name_fault(name); !fault.empty()) node.fail("a surface's name " + fault);
     const world::Surface surface = read_surface(name, node);
     if (name == draft.scene.world.surfaces[0].name) {
-      draft.scene.world.surfaces[0] = surface;  // a setting: who includes may set it again
+      draft.scene.world.surfaces[0] = surface;  // a setting: the including file may set it again
       continue;
     }
     if (said_before(draft.scene.world.surfaces, surface)) continue;

@@ -23,7 +23,7 @@ void read_box(const Node& node, world::Shape& shape) {
   shape.size = {lengths[0], lengths[1], lengths[2]};
 }
 
-// `sphere: 0.1` or `sphere: {radius: 0.1}`.
+// Reads `sphere: 0.1` or `sphere: {radius: 0.1}`.
 void read_sphere(const Node& node, world::Shape& shape) {
   if (node.kind() == Node::Kind::kMap) node.allow_only({"radius"});
   shape.size[0] = (node.kind() == Node::Kind::kMap ? node.get("radius") : node).number(kSize);

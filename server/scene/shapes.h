@@ -1,4 +1,4 @@
-// The entries of `shapes:`.
+// Reads the entries of `shapes:`. Throws ConfigError.
 #pragma once
 
 #include "server/scene/draft.h"
@@ -6,22 +6,22 @@
 
 namespace visum::scene {
 
-// What a body gives to those of its shapes that do not say it themselves.
+// A body's settings for those of its shapes that have none of their own.
 struct ShapeDefaults {
   world::SurfaceId surface{0};
   std::array<double, 4> color = world::Shape{}.color;
   std::int32_t material = -1;
 };
 
-// `surface`, `material` and `color` of a body or shape; what it does not say is as in `otherwise`. A material
-// brings its colour along, unless there is one beside it.
+// Reads `surface`, `material` and `color` of a body or shape; a missing one is taken from `otherwise`. A
+// material sets the colour, too, unless there is a `color` beside it.
 ShapeDefaults read_defaults(const Draft& draft, const config::Node& node, const ShapeDefaults& otherwise);
 
-// One shape, on no body yet. Meshes are read into the draft.
+// Reads one shape, which belongs to no body yet. Meshes are read into the draft.
 world::Shape read_shape(Draft& draft, const config::Node& node, std::size_t index,
                         const ShapeDefaults& defaults);
 
-// The shape as a solid of density 1 in the body's frame. Fails at `node` for a mesh that encloses nothing.
+// The shape as a solid of density 1, in the body's frame. Throws at `node` for a mesh that encloses nothing.
 MassProperties solid_in_body(const Draft& draft, const world::Shape& shape, const config::Node& node);
 
 }  // namespace visum::scene

@@ -1,6 +1,6 @@
-// STL: binary is 80 bytes of header, a count (u32), and per triangle 12 floats (normal, corners) and a u16,
-// all little-endian; text is `solid NAME`, facets, `endsolid NAME`. A binary file may begin with the word
-// "solid" too, so that the size decides: it must be 84 + 50 * count to the byte.
+// STL. Binary: 80 bytes of header, a count (u32), and for each triangle 12 floats (normal, corners) and a
+// u16, all little-endian. Text: `solid NAME`, facets, `endsolid NAME`. A binary file may begin with the word
+// "solid", too, so the size decides: a binary file has exactly 84 + 50 * count bytes.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -42,6 +42,7 @@ world::TriangleMesh read_binary(std::string_view bytes, const std::string& file)
   return builder.take();
 }
 
+// Reads the text form. Several solids in one file become one mesh.
 class TextStl {
  public:
   TextStl(std::string_view text, const std::string& file) : cursor_(text), file_(file), builder_(file) {}
@@ -88,7 +89,7 @@ class TextStl {
 
   void read_facet() {
     expect("normal");
-    vector();  // recomputed from the corners by whoever needs it
+    vector();  // the normal, which users compute from the corners
     expect("outer");
     expect("loop");
     std::array<Eigen::Vector3d, 3> corners;

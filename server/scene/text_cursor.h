@@ -1,4 +1,4 @@
-// Walks over the words of a text and counts its lines; for the mesh readers. Words are parted by blanks.
+// Walks over the words of a text and counts its lines, for the mesh readers. Blanks separate words.
 #pragma once
 
 #include <charconv>
@@ -13,7 +13,7 @@ class TextCursor {
 
   int line() const { return line_; }
 
-  // The next word of the whole text; empty at its end.
+  // The next word of the text, over lines; empty at the end.
   std::string_view word() {
     while (at_ < text_.size() && is_blank(text_[at_])) line_ += text_[at_++] == '\n';
     const std::size_t begin = at_;
@@ -35,7 +35,7 @@ class TextCursor {
   int line_ = 1;
 };
 
-// A whole word as a number; false if it is none. "nan" and "inf" are numbers here: who asks checks.
+// Reads a whole word as a number; false if it is none. Accepts "nan" and "inf": the caller must check.
 template <typename Number>
 bool parse_number(std::string_view word, Number& number) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);

@@ -9,6 +9,7 @@
 namespace visum::scene {
 namespace {
 
+// How many numbers an attribute holds, and which. Elements are checked wherever they stand.
 struct AttributeRule {
   const char* element;
   const char* attribute;
@@ -41,7 +42,7 @@ constexpr AttributeRule kAttributes[] = {
     {"color", "rgba", true, 4, NumberRule::kNotNegative},
 };
 
-// Read by nobody here; the subtrees may hold anything.
+// These elements are not read; their subtrees may hold anything.
 const std::vector<const char*> kUnread = {"gazebo", "transmission",      "ros2_control",
                                           "sensor", "safety_controller", "calibration"};
 
@@ -89,7 +90,7 @@ std::string end_of(const XMLElement& joint, const char* tag, const ModelXml& xml
               config::did_you_mean(link, xml.links));
 }
 
-// Each name once; remembers order and lines.
+// Refuses a name that is used twice, and remembers order and lines.
 void take_name(const XMLElement& element, const std::string& file, std::vector<std::string>& names,
                std::map<std::string, int>& lines) {
   const std::string name = required(element, "name", file);
@@ -99,7 +100,8 @@ void take_name(const XMLElement& element, const std::string& file, std::vector<s
   names.push_back(name);
 }
 
-// A tree: each link has one parent joint at most, one link has none, and all hang from it.
+// Checks that the joints form a tree: each link has at most one parent joint, one link has none, and all hang
+// from it.
 void check_tree(const XMLElement& root, const ModelXml& xml, const std::string& file) {
   std::map<std::string, std::string> parents;
   for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
@@ -124,8 +126,8 @@ void check_tree(const XMLElement& root, const ModelXml& xml, const std::string& 
   }
 }
 
-// sdformat drops links without a mass, with all that hangs on them. The mass that they get here never reaches
-// the world.
+// sdformat drops links without a mass, with everything that hangs on them. The mass that they get here never
+// reaches the world.
 void give_nominal_mass(XMLElement& link, ModelXml& xml) {
   XMLElement* inertial = link.FirstChildElement("inertial");
   const XMLElement* mass = inertial ? inertial->FirstChildElement("mass") : nullptr;
@@ -139,7 +141,8 @@ void give_nominal_mass(XMLElement& link, ModelXml& xml) {
   for (const char* product : {"ixy", "ixz", "iyz"}) inertia->SetAttribute(product, 0.0);
 }
 
-// sdformat divides URDF colours by 0.8 and cuts them at 1. What is not read may hold colours of another kind.
+// sdformat divides URDF colours by 0.8 and clips them at 1. Elements that are not read may hold other
+// colours.
 void scale_colors(XMLElement& element) {
   for (XMLElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
     if (is_unread(*child)) continue;
@@ -171,7 +174,7 @@ void prepare_for_sdformat(XMLElement& root, ModelXml& xml) {
   }
 }
 
-// A root link called "world" is the world itself; sdformat reads it so, and leaves it out.
+// A root link called "world" is the world itself. sdformat reads it so and leaves it out.
 void take_out_world(const XMLElement& root, const std::string& file, ModelXml& xml) {
   const auto world = std::find(xml.links.begin(), xml.links.end(), "world");
   if (world == xml.links.end()) return;

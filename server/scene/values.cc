@@ -8,9 +8,9 @@
 namespace visum::scene {
 namespace {
 
-constexpr double kQuaternionTolerance = 1e-3;  // what four rounded digits may be off
-// What a vector that was made unit may be off. It is left as it is, so that what was written with all its
-// digits is read with all its bits.
+constexpr double kQuaternionTolerance = 1e-3;  // rounding to four digits may cost so much
+// A unit vector may be off by so much. It is then left as it is, so that a number written with all its digits
+// is read with all its bits.
 constexpr double kRounding = 1e-15;
 
 Eigen::Quaterniond read_quaternion(const config::Node& node) {

@@ -1,5 +1,5 @@
-// What a scene file is made of, read from configuration values: names, vectors, poses, colours, paths. All of
-// these throw ConfigError at the value's own place.
+// Reads the basic values of scene files: names, vectors, poses, colours, paths. All functions throw
+// ConfigError at the value's own place.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,35 +13,35 @@
 
 namespace visum::scene {
 
-// Lengths, positions and speeds beyond 1e6 are slips of the pen, not scenes.
+// Lengths, positions and speeds beyond 1e6 are typing errors, not scenes.
 inline constexpr config::Range kPlaceable{-1e6, 1e6};
 inline constexpr config::Range kSize{0.0, 1e6, true};
 
 inline constexpr std::size_t kMaxNameBytes = 128;
 
-// Why `name` cannot name a thing of a scene ("is empty", "holds a '/'"); empty if it can.
+// Says why `name` is not a valid name in a scene ("is empty", "holds a '/'"); empty if it is.
 std::string name_fault(const std::string& name);
 std::string read_name(const config::Node& node);
 
 Eigen::Vector3d read_vector(const config::Node& node, config::Range range = kPlaceable);
 
-// {xyz: [m], rpy: [rad]} or {xyz: [m], wxyz: [unit quaternion]}; each part may be left out.
+// Reads {xyz: [m], rpy: [rad]} or {xyz: [m], wxyz: [unit quaternion]}; each key may be left out.
 world::Pose read_pose(const config::Node& node);
-// The same, of a pose whose `in` is looked at by the caller (frames.h).
+// As read_pose(), but allows a key `in`, which the caller reads (frames.h).
 world::Pose read_pose_in(const config::Node& node);
 world::Pose read_pose_or_identity(const config::Node& map, std::string_view key);
 
 // Roll, pitch, yaw about fixed axes, as in URDF: R = Rz(yaw) Ry(pitch) Rx(roll).
 Eigen::Quaterniond quaternion_from_rpy(const Eigen::Vector3d& rpy);
 
-// [r, g, b] or [r, g, b, a], each 0..1.
+// Reads [r, g, b] or [r, g, b, a], each 0 to 1.
 std::array<double, 4> read_color(const config::Node& node);
 
-// A direction of any length but zero, made unit.
+// Reads a direction of any length but zero and makes it a unit vector.
 Eigen::Vector3d read_axis(const config::Node& node);
 
-// A file name, relative to the folder of the file that names it. URLs are refused: nothing here uses a
-// network.
+// Reads a file name, relative to the folder of the file that names it. URLs are refused, because loading a
+// scene uses no network.
 std::filesystem::path read_path(const config::Node& node);
 
 }  // namespace visum::scene

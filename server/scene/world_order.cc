@@ -9,7 +9,7 @@ namespace {
 
 using world::Joint;
 
-// The joint that carries each body (its first one that does); -1: none.
+// The joint that carries each body (the first with the body as its child); -1: none.
 std::vector<int> carrying_joints(const world::WorldModel& world) {
   std::vector<int> carrying(world.bodies.size(), -1);
   for (std::size_t i = 0; i < world.joints.size(); ++i) {
@@ -19,8 +19,8 @@ std::vector<int> carrying_joints(const world::WorldModel& world) {
   return carrying;
 }
 
-// For each joint, those that must come after it: the ones that start from its child, and the ones that close
-// a loop on it.
+// For each joint, the joints that must come after it: those that start from its child, and those that close a
+// loop on it.
 struct Order {
   std::vector<std::vector<int>> followers;
   std::vector<int> waits_for;  // number of joints that must come first
@@ -42,8 +42,8 @@ Order required_order(const world::WorldModel& world) {
   return order;
 }
 
-// What is left over waits for a cycle, but need not be in it: walking up long enough ends in the cycle
-// itself.
+// Names a cycle. The joints that are left over wait for a cycle but need not be part of it. Walking up long
+// enough ends in the cycle itself.
 [[noreturn]] void fail_cycle(const world::WorldModel& world, const Order& order, const config::Place& place) {
   const auto stuck = [&](int joint) {
     return joint >= 0 && order.waits_for[static_cast<std::size_t>(joint)] > 0;
@@ -60,9 +60,10 @@ Order required_order(const world::WorldModel& world) {
                                        "' hangs below itself: its parents form a cycle");
 }
 
+// Kahn's topological sort. Among the joints that may come next, the earliest in the files does.
 void sort_joints(world::WorldModel& world, const config::Place& place) {
   Order order = required_order(world);
-  std::priority_queue<int, std::vector<int>, std::greater<>> ready;  // the earliest in the files first
+  std::priority_queue<int, std::vector<int>, std::greater<>> ready;  // the smallest number first
   for (std::size_t i = 0; i < world.joints.size(); ++i)
     if (order.waits_for[i] == 0) ready.push(static_cast<int>(i));
   std::vector<Joint> sorted;

@@ -10,7 +10,7 @@
 namespace visum::scene {
 namespace {
 
-// "joint 'elbow'": the innermost named link or joint around an element, else empty.
+// "joint 'elbow'": the innermost link or joint with a name around an element; empty if there is none.
 std::string owner(const XMLElement& element) {
   for (const tinyxml2::XMLNode* node = &element; node != nullptr; node = node->Parent()) {
     const XMLElement* around = node->ToElement();
@@ -22,6 +22,7 @@ std::string owner(const XMLElement& element) {
   return "";
 }
 
+// Says what is wrong with the number by `rule`; null if nothing is. kNotZero is checked by the caller.
 const char* number_fault(double number, NumberRule rule) {
   if (std::isnan(number)) return "must be a finite number";
   if (std::isinf(number)) return rule == NumberRule::kMayBeInfinite ? nullptr : "must be a finite number";
@@ -100,7 +101,7 @@ std::vector<std::string> unread_elements(const XMLElement& root, const std::vect
   const auto is_counted = [&](const XMLElement& element) {
     const auto i = static_cast<std::size_t>(index(element));
     if (i < counts.size()) ++counts[i];
-    return i < counts.size();  // what stands inside goes with it
+    return i < counts.size();  // its subtree is skipped, too
   };
   walk(root, is_counted, [](const XMLElement&) {});
   std::vector<std::string> sentences;

@@ -1,4 +1,4 @@
-// Checks that model_xml.cc and urdf_xml.cc share. Inner header: the only one that shows tinyxml2.
+// Checks that model_xml.cc and urdf_xml.cc share. Inner header: the only one that includes tinyxml2.
 #pragma once
 
 #include <tinyxml2.h>
@@ -13,35 +13,35 @@ namespace visum::scene {
 
 using tinyxml2::XMLElement;
 
-// Throws ConfigError at the element, naming the link or joint around it.
+// Throws ConfigError at the element and names the link or joint around it.
 [[noreturn]] void fail_at(const XMLElement& element, const std::string& file, const std::string& message);
 
-// The attribute's text; fails if it is missing or empty.
+// The text of an attribute. Fails if it is missing or empty.
 std::string required(const XMLElement& element, const char* attribute, const std::string& file);
 
-// kNotZero: not all of them; kNoneZero: not one.
+// kNotZero: at least one number is not 0. kNoneZero: no number is 0.
 enum class NumberRule { kAny, kPositive, kNotNegative, kNotZero, kNoneZero, kMayBeInfinite };
 
-// `text` holds between `least` and `most` numbers that obey `rule`; `what` names it in the error ("mass
+// Checks that `text` holds `least` to `most` numbers that satisfy `rule`. `what` names it in the error ("mass
 // value").
 void check_numbers(const XMLElement& element, const std::string& what, const char* text, std::size_t least,
                    std::size_t most, NumberRule rule, const std::string& file);
 
-// Calls `visit` for each element below `root`, in the order of the file, unless `skip` says to leave out its
-// subtree.
+// Calls `visit` for each element below `root`, in the order of the file. If `skip` returns true, the
+// element's subtree is left out. Returns the number of elements.
 std::size_t walk(const XMLElement& root, const std::function<bool(const XMLElement&)>& skip,
                  const std::function<void(const XMLElement&)>& visit);
 
-// "2 <transmission> elements are not read", for those of `names` that stand anywhere in the file.
+// "2 <transmission> elements are not read", for each of `names` that occurs in the file.
 std::vector<std::string> unread_elements(const XMLElement& root, const std::vector<const char*>& names);
 
-// Refuses more links or elements than sdformat can take in a second or two and half a gigabyte (it needs
-// about 50 kB for an element and 1.7 MB for a link).
+// Refuses files that would take sdformat more than a second or two, or more than half a gigabyte. It needs
+// about 50 kB for an element and 1.7 MB for a link.
 inline constexpr std::size_t kMaxModelElements = 8000;
 inline constexpr std::size_t kMaxModelLinks = 250;
 void check_amount(std::size_t elements, const ModelXml& xml, const std::string& file);
 
-// The two kinds of file: check, then fill `xml`. urdf_xml.cc also rewrites the document for sdformat.
+// Checks each kind of file and fills `xml`. urdf_xml.cc also rewrites the document for sdformat.
 void read_urdf(tinyxml2::XMLDocument& document, const std::string& file, ModelXml& xml);
 void read_sdf(const XMLElement& root, const std::string& file, ModelXml& xml);
 

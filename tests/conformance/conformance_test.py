@@ -1,4 +1,4 @@
-"""Clients of each released version of the protocol go on working: their recorded sessions are played to this build's daemon."""
+"""Plays recorded sessions of each released version of the protocol to this build's daemon: its clients must still work."""
 
 import json
 import os
@@ -60,7 +60,7 @@ class Conformance(unittest.TestCase):
         with Daemon("two_link.yaml") as daemon:
             wire = self.client_of(daemon)
             hello = pb.Hello(min_version=1, max_version=99, client_name="from tomorrow", role=pb.ROLE_OBSERVER)
-            # A field that nobody knows yet: number 900, a text.
+            # An unknown field: number 900, a text.
             wire.send(pb.ClientMessage(id=1, hello=hello).SerializeToString() + b"\xa2\x38\x03new")
             self.assertEqual(parsed(wire.receive()).welcome.version, 1)
 

@@ -1,5 +1,5 @@
-"""Records the sessions of this release, when its protocol is released under a new version; those of releases before are
-never recorded anew.
+"""Records the sessions of this release. Run it when the protocol is released under a new version; never record the sessions of
+an earlier release anew.
 
     PYTHONPATH=build/dev/python tests/conformance/record.py v1 [--bin FOLDER]
 """
@@ -23,7 +23,7 @@ SCENE = "two_link.yaml"
 HELLO = "hello {min_version: 1 max_version: 1 client_name: '%s' role: ROLE_%s}"
 LEASE = "acquire_lease {part: 'robot'}"
 
-# Requests in protobuf's text form, after the number of the client.
+# The number of the client, and its request in Protobuf's text form.
 SESSIONS = {
     "control": [
         (1, HELLO % ("script", "CONTROLLER")), (1, "list_parts {}"), (1, "describe_part {part: 'robot'}"), (1, LEASE),

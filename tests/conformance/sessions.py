@@ -1,5 +1,5 @@
-"""Recorded sessions: what clients of a released version of the protocol sent, byte by byte, and what they were told. A file
-names its scene, then has one line for each frame: `1> HEX` client 1 sends, `1< HEX` client 1 is told."""
+"""Recorded sessions: what clients of a released version of the protocol sent, byte by byte, and what the server answered. A
+file names its scene, then has one line for each frame: `1> HEX` client 1 sends, `1< HEX` client 1 receives."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from visum import visum_pb2 as pb
 
 LENGTH = struct.Struct("<I")
 
-# What may be other in a later release: figures of this run, words for people, and what physics makes of the world.
+# These fields may differ in a later release: figures of the run, texts for people, and results of the physics.
 MAY_CHANGE = {
     "Welcome": {"server"},
     "Error": {"text"},
@@ -29,7 +29,7 @@ MAY_CHANGE = {
 
 
 class Wire:
-    """A client that knows nothing but frames."""
+    """A client that knows frames only."""
 
     def __init__(self, port: int):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=60)
@@ -58,7 +58,7 @@ class Wire:
 
 
 def read_session(file: Path) -> tuple[str, list[tuple[int, str, bytes]]]:
-    """The scene, and the frames: client, `>` or `<`, payload."""
+    """Returns the scene and the frames: client, `>` or `<`, payload."""
     scene, frames = "", []
     for number, line in enumerate(file.read_text().splitlines(), 1):
         words = line.split("#")[0].split()
@@ -74,7 +74,7 @@ def read_session(file: Path) -> tuple[str, list[tuple[int, str, bytes]]]:
 
 
 def differences(then: Message, now: Message, place: str = "") -> Iterator[str]:
-    """Where `now` does not tell what `then` told. What `now` tells beyond is for newer clients."""
+    """The fields of `then` that `now` does not repeat. Further fields of `now` are for newer clients and do not count."""
     kept = MAY_CHANGE.get(then.DESCRIPTOR.name, set())
     for field, value in then.ListFields():
         if field.name in kept:

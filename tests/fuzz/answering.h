@@ -1,5 +1,5 @@
-// What a gateway does with a session, without a world: it answers, sends samples and, on one request, closes.
-// For the fuzz targets of sessions.
+// A session handler for the fuzz targets of sessions. It stands in for the gateway, without a world: it
+// answers, sends samples, and closes on one request.
 #pragma once
 
 #include <cstdio>
@@ -29,7 +29,7 @@ struct Answering final : protocol::SessionHandler {
   }
   void on_close(protocol::Session&, protocol::CloseReason) override { --open; }
   void on_notify() override {}
-  int open = 0;  // hellos without a close
+  int open = 0;  // hellos minus closes
 };
 
 }  // namespace visum::testing

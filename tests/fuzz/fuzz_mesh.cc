@@ -1,5 +1,5 @@
-// Any bytes as an STL and as an OBJ file. What is read has finite vertices and indices within them; the rest
-// is refused.
+// Any bytes as an STL and as an OBJ file. A mesh that is accepted has finite vertices and valid indices; all
+// other input is refused.
 #include <cstdio>
 #include <cstdlib>
 
@@ -19,7 +19,7 @@ void read(Reader reader, std::string_view bytes) {
       for (const auto index : triangle)
         if (index >= mesh.vertices.size()) std::abort();
   } catch (const config::ConfigError&) {
-    // as it should be
+    // refused, as it should be
   }
 }
 

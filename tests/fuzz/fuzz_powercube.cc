@@ -1,5 +1,5 @@
-// Arbitrary bytes on the modules' lines: the decoders must get through them and give back what they took, and
-// the modules, ticked in between, must stay finite and answer with frames that a client can read.
+// Any bytes on the modules' buses. The decoders must survive them and encode again what they decoded. The
+// modules, ticked in between, must stay finite and answer with frames that a client can read.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -36,7 +36,7 @@ void check_answer(const powercube::Telegram& answer) {
     fail("an answer does not come back");
 }
 
-// The arm, as it stood when the fuzzer began.
+// The arm, in the state that it had when the fuzzer began.
 test::PartBench& fresh_arm() {
   static test::PartBench bench("amtec_arm", test::arm_context(0.001, 0.1, 0.017, ", homed: false"));
   static const auto state = bench.save();
@@ -92,7 +92,8 @@ void over_slcan(Bytes bytes) {
   check_arm(bench);
 }
 
-// Without framing, so that the fuzzer need not find checksums: [module, size, data...] again and again.
+// Passes messages without framing, so that the fuzzer need not find checksums: [module, size, data...],
+// repeated.
 void as_messages(Bytes bytes) {
   auto& bench = fresh_arm();
   while (bytes.size() >= 2) {

@@ -1,5 +1,5 @@
-// Any bytes, as a recording's file, as the records of a chunk whose CRC is right, and as its messages. What
-// was written is read back as it was.
+// Any bytes as a recording's file, as the records of a chunk with a correct CRC, and as its messages. What
+// the writer wrote is read back unchanged.
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
@@ -44,7 +44,7 @@ void into_the_messages(Bytes bytes) {
   if (!again.decode(encoded)) fail("an input that was encoded here is refused");
 }
 
-// Returns how many messages and attachments were given out.
+// Returns how many messages and attachments the reader returned.
 std::size_t into_the_reader(const std::string& file) {
   std::istringstream in(file);
   McapReader reader(in);
@@ -70,7 +70,7 @@ void as_a_chunk(const std::string& records) {
   put<std::uint64_t>(chunk, 0);
   put<std::uint64_t>(chunk, records.size());
   put<std::uint32_t>(chunk, crc32(std::as_bytes(std::span(records))));
-  put<std::uint32_t>(chunk, 0);  // not compressed
+  put<std::uint32_t>(chunk, 0);  // no compression
   put<std::uint64_t>(chunk, records.size());
   std::string file(kMcapMagic.begin(), kMcapMagic.end());
   put<std::uint8_t>(file, static_cast<std::uint8_t>(Op::kChunk));

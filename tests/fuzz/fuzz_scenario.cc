@@ -1,5 +1,4 @@
-// Any text as a scenario: the first runs that it stands for are read, or refused by a ConfigError that names
-// a place.
+// Any text as a scenario. Its first runs are read, or it is refused with a ConfigError that names a place.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

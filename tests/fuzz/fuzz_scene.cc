@@ -1,5 +1,5 @@
-// Any text as a scene, and what begins with '<' as the URDF or SDF of a model in one. It is read, or refused
-// by a ConfigError that names a place; no file beside it is there.
+// Any text as a scene; a text that begins with '<' as the URDF or SDF of a model in one. It is read, or
+// refused with a ConfigError that names a place. No other file exists.
 #include <spdlog/spdlog.h>
 
 #include <cstdio>

@@ -1,5 +1,5 @@
-// Any bytes, as a payload for the codec and as a stream into a session, before and after its hello. What must
-// come out is an answer or a close; anything else is for the sanitizers to find.
+// Any bytes as a payload for the codec and as a stream into a session, before and after its hello. The result
+// must be an answer or a close. The sanitizers find anything else.
 #include <spdlog/spdlog.h>
 
 #include "protocol/codec.h"
@@ -35,7 +35,7 @@ void into_a_session(Bytes bytes, bool greeted) {
   if (handler.open != 0) fail("a close was told twice or never");
 }
 
-// What was decoded once must come back the same a second time.
+// A message that was decoded once must be the same after encoding and decoding again.
 void into_the_codec(Bytes bytes) {
   std::string why;
   std::vector<std::byte> first, second;

@@ -1,6 +1,6 @@
-// Any bytes as a browser might send them to the HTTP port: as requests, and after a handshake as the stream
-// of a WebSocket and as its messages. The server's own connection and session are at the other end of a
-// socket pair, so that no network is needed. What must come out are answers, and an end.
+// Any bytes that a browser might send to the HTTP port: as requests, and after a handshake as the stream of a
+// WebSocket and as its messages. The server's own connection and session are at the other end of a socket
+// pair, so no network is needed. The result must be answers and an end.
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
 #include <sys/socket.h>
@@ -52,7 +52,7 @@ std::string in_small_letters(std::string text) {
   return text;
 }
 
-// The server's end, as protocol/server.cc keeps it, with one connection; and the browser's.
+// One connection: the server's end, as protocol/server.cc keeps it, and the browser's end.
 class Line final : HttpOwner, SessionOwner {
  public:
   Line() {
@@ -75,7 +75,7 @@ class Line final : HttpOwner, SessionOwner {
       const auto sent = ::send(browser_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
       if (sent > 0) bytes = bytes.subspan(static_cast<std::size_t>(sent));
       turn();
-      if (sent <= 0) return;  // nobody reads any more
+      if (sent <= 0) return;  // the server reads no more
     }
   }
   void send_in_pieces(Bytes bytes) {
@@ -85,7 +85,7 @@ class Line final : HttpOwner, SessionOwner {
   }
   bool upgraded() const { return was_upgraded_; }
 
-  // Nothing more comes, for longer than any deadline; then the browser is gone.
+  // Sends nothing for longer than any deadline, then closes the browser's end.
   void end() {
     for (int i = 0; i < 4; ++i) {
       context_.now += std::chrono::hours(1);
@@ -152,12 +152,12 @@ class Line final : HttpOwner, SessionOwner {
   std::optional<HttpConnection> connection_;
   std::unique_ptr<WireSession> session_;
   std::vector<WireSession*> woken_;
-  std::string answers_;  // how they begin
+  std::string answers_;  // the first bytes of the answers
   bool was_upgraded_ = false;
   int browser_ = -1;
 };
 
-// A masked frame with a length that is right.
+// A masked frame with a correct length.
 void put_frame(std::vector<std::byte>& to, std::uint8_t kind, Bytes payload) {
   constexpr std::array<std::uint8_t, 4> kMask = {0x12, 0x34, 0x56, 0x78};
   const auto put = [&](std::size_t value) { to.push_back(static_cast<std::byte>(value & 0xff)); };
@@ -169,7 +169,7 @@ void put_frame(std::vector<std::byte>& to, std::uint8_t kind, Bytes payload) {
     put(std::to_integer<std::uint8_t>(payload[i]) ^ kMask[i % 4]);
 }
 
-// [kind, size, bytes...] again and again, after a hello.
+// Frames [kind, size, bytes...], repeated, after a hello.
 std::vector<std::byte> as_frames(Bytes bytes) {
   std::vector<std::byte> hello, frames;
   encode_request(1, Hello{1, kProtocolVersion, "fuzz", Role::kAdmin, ""}, hello);

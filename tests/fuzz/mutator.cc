@@ -9,13 +9,13 @@ namespace visum::testing {
 namespace {
 
 constexpr int kMostChanges = 6;
-// Where counts, signs and texts turn over; and what stands in for a number.
+// Bytes at which counts, signs and texts change their meaning, and words to replace numbers.
 constexpr std::array<std::uint8_t, 10> kEdges = {0x00, 0x01, 0x7f, 0x80, 0xff, 0x20, 0x0a, 0x3a, 0x2d, 0x7d};
 constexpr std::array<std::string_view, 12> kWords = {"-1",         "1e308", ".nan",  "-.inf",
                                                      "4294967296", "0",     "[]",    "{}",
                                                      "\"\"",       "${a}",  "../..", "99999999999999999999"};
 
-// Below `bound`, which is at least 1.
+// A number below `bound`, which must be at least 1.
 template <typename Dice>
 std::size_t below(Dice& dice, std::size_t bound) {
   return static_cast<std::size_t>(dice() % bound);
@@ -40,7 +40,7 @@ bool is_digit(std::uint8_t byte) {
   return byte >= '0' && byte <= '9';
 }
 
-// The number at or after `at`, as text; else nothing is changed.
+// Replaces the number at or after `at`. Changes nothing if there is none.
 void replace_number(Input& input, std::size_t at, std::string_view by) {
   const auto begin = std::find_if(offset(input, at), input.end(), is_digit);
   if (begin == input.end()) return;
@@ -80,7 +80,7 @@ void Mutator::change(Input& input, Dice& dice) const {
   if (kind == 7) insert(input, at, {offset(input, at), offset(input, at + count)});
 }
 
-// A piece of another input into this one.
+// Inserts a piece of another input.
 void Mutator::splice(Input& input, Dice& dice) const {
   const auto& other = corpus_[below(dice, corpus_.size())];
   const auto [from, count] = piece(dice, other.size(), other.size() + 1);

@@ -1,5 +1,5 @@
-// New inputs for a fuzz target, each made of one of the corpus by a few random changes. An input is a
-// function of corpus, seed and number. It knows nothing of coverage: that is libFuzzer's (tests/fuzz/run).
+// Makes new inputs for a fuzz target, each from an input of the corpus by a few random changes. An input is a
+// function of corpus, seed and number. It does not use coverage; libFuzzer does that (tests/fuzz/run).
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ class Mutator {
  public:
   static constexpr std::size_t kMostBytes = 16u << 10;  // of a new input
 
-  // `corpus`: at least one.
+  // `corpus` must hold at least one input.
   Mutator(std::vector<Input> corpus, std::uint64_t seed);
 
   Input input(std::uint64_t number) const;

@@ -1,6 +1,6 @@
-// Runs a fuzz target without libFuzzer: once over every file of the folders given, and then, where it is
-// asked for, over new inputs made of them at random. The same seed and number are the same input; one that
-// ends the process is told by the command line that runs it alone.
+// Runs a fuzz target without libFuzzer: once over every file of the given folders and then, if asked for,
+// over new random inputs made from them. The same seed and number give the same input. If an input ends the
+// process, the command line that runs this input alone is printed.
 //   fuzz_x_replay [--seconds S] [--seed N] [--first I] [--inputs COUNT] FOLDERS...
 #include <signal.h>
 #include <unistd.h>
@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr unsigned kLongestInput_s = 60;  // a guard against hanging, not a measure
 
-std::string how_to_run_it_alone;  // the input under way
+std::string how_to_run_it_alone;  // for the current input
 
 void tell_of_the_input() {
   [[maybe_unused]] const auto written =
@@ -75,8 +75,8 @@ struct Options {
 };
 
 std::uint64_t make_new_ones(const Options& options, std::vector<Input> corpus, const std::string& program) {
-  // The order in which a file system tells its files is not always the same.
-  // Not by <=>, of which GCC 12 warns at -O3 that it might compare too much.
+  // Sorted, because file systems list files in different orders. Without <=>, because GCC 12 warns at -O3
+  // that it might compare too much.
   std::sort(corpus.begin(), corpus.end(), [](const Input& a, const Input& b) {
     return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
   });

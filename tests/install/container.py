@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""What the Dockerfile and compose.yaml promise, as far as it can be seen without Docker.
+"""Checks what the Dockerfile and compose.yaml promise, as far as that is possible without Docker.
 
-    container.py rules PREFIX   what they name is there: packages, files, programs, the scene, and no more rights than none
+    container.py rules PREFIX   everything that they name exists: packages, files, programs, the scene; and they grant no rights
     container.py run PREFIX     the installed daemon runs as the image's would: user 65534, no capabilities, no new privileges,
                                 a read-only root but for /tmp, a network of its own; its health check passes, and it ends
 
@@ -30,7 +30,7 @@ PATIENCE_S = 60.0
 
 
 def instructions() -> dict[str, list[str]]:
-    """The Dockerfile's, of its last stage where there are several, by name; COPY and RUN of all."""
+    """The Dockerfile's instructions by name: those of its last stage, but COPY and RUN of all stages."""
     text = re.sub(r"\\\n", " ", re.sub(r"^#.*\n", "", (DOCKER / "Dockerfile").read_text(), flags=re.M))
     found: dict[str, list[str]] = {}
     for line in filter(None, map(str.strip, text.splitlines())):

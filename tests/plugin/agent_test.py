@@ -1,4 +1,4 @@
-"""Agents as a user meets them: inside the daemon, as a client in front of it, and when they fail."""
+"""Agents as a user sees them: inside the daemon, as a client in front of it, and when they fail."""
 import pathlib
 import re
 import subprocess
@@ -40,7 +40,7 @@ checks:
 
 
 def culprit(folder, does):
-    """The scene of one who does what he should not."""
+    """The scene of an agent that misbehaves."""
     scene = pathlib.Path(folder) / "culprit.yaml"
     scene.write_text(CULPRIT.replace("DOES", does))
     return scene
@@ -72,7 +72,7 @@ class Inside(unittest.TestCase):
 
 
 class Hanging(unittest.TestCase):
-    """An agent that never comes back: told of by name, and the end of the daemon after the limit."""
+    """An agent that never returns is reported by name, and the daemon ends after the limit."""
 
     def test_status_and_health_tell_who_is_waited_for(self):
         with tempfile.TemporaryDirectory() as folder:

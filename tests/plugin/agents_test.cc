@@ -1,4 +1,4 @@
-// Agents of scenes: they think in time, command their parts, are part of the state, and harm nobody when they
+// Agents of scenes: they think on time, command their parts, are part of the state, and harm nobody when they
 // fail.
 #include <gtest/gtest.h>
 
@@ -64,7 +64,7 @@ TEST(Agent, IsPartOfSnapshotsAndOfTheHash) {
   EXPECT_EQ(simulation.state_hash(), cycle::Simulation(test::scene_with_arm(kStepper)).state_hash());
 }
 
-// Faults stand between an agent and its parts as between those and a client.
+// Faults of the network act between an agent and its parts as they do between a client and its parts.
 TEST(Agent, SpeaksAndHearsOverTheSameBrokenNetwork) {
   cycle::Simulation simulation(test::scene_with_arm(kStepper));
   const auto desired = [&] { return part_of(simulation, "arm").controller_inputs[0]; };
@@ -96,7 +96,7 @@ TEST(Agent, WhatALossyNetworkLetsThroughActsInItsTick) {
   EXPECT_EQ(part_of(simulation, "arm").controller_inputs[0], 0.001);
 }
 
-// As that of a client that goes.
+// As with a client that goes away.
 TEST(Agent, WhatIsUnderWayFromOneInFaultComesTooLate) {
   cycle::Simulation simulation(culprit("throws"));
   std::string why;

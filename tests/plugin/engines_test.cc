@@ -1,5 +1,4 @@
-// Engines that plug-ins bring: what they are told, what they keep, and what becomes of a world that they
-// ruin.
+// Engines of plug-ins: what they are given, what they keep, and what happens to a world that they ruin.
 #include <gtest/gtest.h>
 
 #include "tests/plugin/plugged_scene.h"
@@ -11,7 +10,7 @@ using test::error_of_scene;
 using test::run;
 using test::scene_of;
 
-// The first body is the engine's, the second ODE's.
+// The first body belongs to the plug-in's engine, the second to ODE.
 std::string clumsy(const std::string& does) {
   return "plugins: [kinds]\nengines: {own: {kind: clumsy, does: '" + does +
          "'}}\nbodies:\n"
@@ -52,7 +51,7 @@ TEST(PluggedEngine, MayReplaceTheSceneOwnByOption) {
   EXPECT_DOUBLE_EQ(simulation.state().bodies[0].p_WC.x(), 3e-3);
 }
 
-// The other engines were made already, the collisions and the sensors not yet.
+// The refusal comes after the other engines were made, and before the collisions and the sensors are.
 TEST(PluggedEngine, ThatRefusesAWorldLeavesTheOneThatItHas) {
   cycle::Simulation simulation(scene_of(clumsy("wants two bodies")));
   run(simulation, 5);

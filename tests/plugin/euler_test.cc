@@ -1,5 +1,5 @@
-// The engine that an outside project builds, against closed form: what it says that it can do is right, and
-// what it cannot do it refuses.
+// The engine of tests/install/outside, against closed forms. What it claims to do is right, and it refuses
+// the rest.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -44,7 +44,7 @@ TEST(OutsideEngine, ABodySpinsOnWithItsAngularMomentum) {
   EXPECT_LT((momentum() - before).norm(), 2e-3 * before.norm());
 }
 
-// A rod of 1 kg and 0.6 m, held at its end.
+// A rod of 1 kg and 0.6 m, hinged at its end.
 const std::string kPendulum = R"(
 bodies: [{name: rod, mass: 1, inertia: [0.03, 0.03, 0.0001, 0, 0, 0], com: [0, 0, -0.3]}]
 joints: [{name: hinge, type: hinge, child: rod, axis: [1, 0, 0], position: 0.05}]
@@ -84,7 +84,7 @@ parts: [{name: motor, kind: motor, joints: [hinge]}]
   EXPECT_NEAR(simulation.state().joints[0].effort, 0.02, 1e-12);
 }
 
-// Two carts of 1 and 3 kg on one rail, pushed apart by 6 N between them.
+// Two carts of 1 and 3 kg on one rail. A force of 6 N between them pushes them apart.
 TEST(OutsideEngine, ASliderBetweenBodiesKeepsTheirMomentum) {
   cycle::Simulation simulation(scene_of(kEuler + R"(
 gravity: [0, 0, 0]

@@ -1,4 +1,4 @@
-// A plug-in whose std::string is another one.
+// A plug-in that was built with another C++ library.
 #include "protocol/plugin/plugin.h"
 
 VISUM_PLUGIN({.runtime = "libc++", .name = "foreign"})

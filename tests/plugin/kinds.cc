@@ -12,7 +12,7 @@ namespace {
 
 using namespace visum::plugin;
 
-// Turns a drive on by `step` rad per turn, and counts on its own, so that its state matters.
+// Turns a drive by `step` rad per turn, and counts its turns, so that it has a state that matters.
 class Stepper final : public Agent {
  public:
   explicit Stepper(AgentContext& scene)
@@ -37,7 +37,7 @@ class Stepper final : public Agent {
   double desired_ = 0.0;
 };
 
-// Does what `does` says, from its third turn on.
+// Misbehaves as `does` says, from its third turn on.
 class Culprit final : public Agent {
  public:
   explicit Culprit(AgentContext& scene) : does_(scene.settings().text("does")), arm_(scene.commanded("arm")) {
@@ -95,7 +95,7 @@ class Onlooker final : public Agent {
   std::uint64_t seen_ = 0;
 };
 
-// How far its z axis is off the world's, rad.
+// The angle between its z axis and the world's, rad.
 class Tilt final : public Sensor {
  public:
   explicit Tilt(SensorContext& scene)
@@ -114,7 +114,7 @@ class Tilt final : public Sensor {
   const bool throws_, nan_;
 };
 
-// Straight down, to show rays.
+// The distance straight down, to test rays.
 class Height final : public Sensor {
  public:
   explicit Height(SensorContext& scene) {
@@ -127,7 +127,7 @@ class Height final : public Sensor {
   }
 };
 
-// A torque on each of its joints.
+// Applies a torque to each of its joints.
 class Motor final : public Part {
  public:
   explicit Motor(PartContext& scene)
@@ -152,7 +152,7 @@ class Motor final : public Part {
   std::vector<double> torques_;
 };
 
-// Does what `does` says, from its third step on; before it moves on what it has, and counts how often.
+// Misbehaves as `does` says, from its third step on. Before that it moves its bodies and counts the steps.
 class Clumsy final : public Engine {
  public:
   explicit Clumsy(EngineContext& scene) : does_(scene.settings().text_or("does", "")) {

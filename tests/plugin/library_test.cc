@@ -1,4 +1,4 @@
-// Where plug-ins may come from, and what is refused with which words.
+// Where plug-ins may come from, and the texts of refusals.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -49,7 +49,8 @@ TEST(PluginLibrary, MustNotBeWritableByAnybody) {
   fs::permissions(file, fs::perms::others_write, fs::perm_options::add);
   EXPECT_EQ(refusal_of("kinds", {files.folder()}),
             "anybody may write to '" + file.string() + "', so nothing is loaded from there");
-  // Nor a folder that anybody may put files into, even where they may not remove those of others (/tmp).
+  // A folder is refused if anybody may put files into it, even if they may not remove the files of others
+  // (/tmp).
   fs::permissions(file, fs::perms::others_write, fs::perm_options::remove);
   fs::permissions(files.folder(), fs::perms::others_write | fs::perms::sticky_bit, fs::perm_options::add);
   EXPECT_EQ(refusal_of("kinds", {files.folder()}),

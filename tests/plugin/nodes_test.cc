@@ -1,4 +1,4 @@
-// Sensors and parts of kinds that a plug-in brings.
+// Sensors and parts of a plug-in's kinds.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,8 @@ scene::Scene kinds_scene(const std::string& yaml) {
   return test::scene_of("plugins: [kinds]\n" + yaml);
 }
 
-// A rod of 1 kg and 0.02 kg·m² about the hinge, which lies in its centre: no gravity acts on it.
+// A rod of 1 kg and 0.02 kg·m² about the hinge, which lies in its centre of mass, so that gravity does not
+// turn it.
 const std::string kRotor = R"(
 bodies: [{name: rotor, mass: 1, inertia: [0.02, 0.02, 0.02, 0, 0, 0]}]
 joints: [{name: hinge, type: hinge, child: rotor, axis: [1, 0, 0]}]
@@ -85,7 +86,7 @@ TEST(PluggedPart, DrivesItsJoints) {
   cycle::Simulation simulation(kinds_scene(kRotor + "parts: [{name: motor, kind: motor, joints: [hinge]}]"));
   simulation.write_inputs(0, 0, std::vector{0.02});
   run(simulation, 1000);
-  // 0.02 N·m on 0.02 kg·m² for a second: 1/2 rad, within half a tick's share.
+  // 0.02 N·m on 0.02 kg·m² for a second: 1/2 rad, up to the error of half a tick.
   EXPECT_NEAR(output_of(simulation, "motor", "Angle hinge"), 0.5, 1e-3);
   EXPECT_EQ(output_of(simulation, "motor", "Node State"), 0.0);
 }

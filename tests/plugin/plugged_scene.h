@@ -15,7 +15,7 @@ inline scene::Options plugin_options() {
   return options;
 }
 
-// The arm of models/, and what `yaml` adds.
+// The scene of the arm in models/, with `yaml` added.
 inline scene::Scene scene_with_arm(const std::string& yaml) {
   const TempFiles files;
   const auto arm = std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml";
@@ -23,7 +23,7 @@ inline scene::Scene scene_with_arm(const std::string& yaml) {
                            plugin_options());
 }
 
-// A scene of its own.
+// A scene that consists of `yaml` alone.
 inline scene::Scene scene_of(const std::string& yaml, const std::string& engine = "") {
   const TempFiles files;
   auto options = plugin_options();
@@ -31,7 +31,7 @@ inline scene::Scene scene_of(const std::string& yaml, const std::string& engine 
   return scene::load_scene(files.write("s.yaml", "visum: 1\n" + yaml), options);
 }
 
-// What is wrong with a scene of its own, as a user sees it; "no error" if nothing is.
+// The error of a scene that consists of `yaml` alone, as a user sees it; "no error" if there is none.
 inline std::string error_of_scene(const std::string& yaml) {
   const TempFiles files;
   const auto file = files.write("s.yaml", "visum: 1\n" + yaml);

@@ -1,4 +1,4 @@
-// Agents in recordings: what they make of the pictures that they see comes back.
+// Agents in recordings: a replay shows them the same pictures, so they do the same.
 #include <gtest/gtest.h>
 
 #include "server/recording/player.h"
@@ -20,7 +20,7 @@ constexpr int kTicks = 300;
 
 class AgentThatLooks : public testing::Test {
  protected:
-  // The hash after all ticks.
+  // Returns the hash after all ticks.
   std::uint64_t record(scene::ClockKind clock) {
     config::FilesNoted noted;
     auto scene = scene::load_scene(files_.write("s.yaml", kFallingBallIsSeen), test::plugin_options());

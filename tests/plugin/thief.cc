@@ -1,4 +1,4 @@
-// A plug-in that brings a kind which there is without it.
+// A plug-in with a kind whose name a built-in kind has.
 #include "protocol/plugin/plugin.h"
 
 namespace {

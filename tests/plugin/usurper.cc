@@ -1,4 +1,4 @@
-// A plug-in that brings an engine which there is without it.
+// A plug-in with an engine whose name a built-in engine has.
 #include "protocol/plugin/plugin.h"
 
 namespace {

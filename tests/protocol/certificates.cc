@@ -37,7 +37,7 @@ void set_name(X509_NAME* to, const std::string& name) {
                                   reinterpret_cast<const unsigned char*>(name.c_str()), -1, -1, 0) == 1);
 }
 
-// Signed by `authority`, or by itself where there is none.
+// Makes a certificate, signed by `authority`, or by itself if that is null.
 Pem make(const std::string& name, long from_s, long until_s, const Pem* authority) {
   std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> key(EVP_EC_gen("P-256"), &EVP_PKEY_free);
   std::unique_ptr<X509, decltype(&X509_free)> made(X509_new(), &X509_free);

@@ -1,5 +1,5 @@
-// An authority and certificates that it signed, made anew by OpenSSL in a folder of their own: no private key
-// stands in the tree.
+// A certificate authority and certificates that it signed, made anew by OpenSSL in a temporary folder. So no
+// private key is kept in the repository.
 #pragma once
 
 #include <string>
@@ -15,9 +15,9 @@ class Certificates {
 
   Certificates();
 
-  // For `name`, and for servers at 127.0.0.1, ::1 and localhost.
+  // A certificate for `name`, valid for servers at 127.0.0.1, ::1 and localhost.
   protocol::TlsFiles files(const std::string& name, When when = kValid) const;
-  // The same, signed by nobody else.
+  // As files(), but signed by itself and by no authority.
   protocol::TlsFiles self_signed(const std::string& name) const;
 
  private:

@@ -1,4 +1,4 @@
-// System calls that must not fail.
+// Turns a failed system call into an exception.
 #pragma once
 
 #include <cerrno>

@@ -44,8 +44,8 @@ class Client : public ::testing::Test {
     return Connection(options.address, server->port(), kHello, timeout);
   }
 
-  // A little world: Write is refused, Read sends a sample before its answer, Join is never answered, Advance
-  // only when Leave comes, Shutdown closes the session.
+  // A little world. Write is refused, Read sends a sample before its answer, Join is never answered, Advance
+  // is answered only when Leave comes, and Shutdown closes the session.
   void answer(Session& session, std::uint64_t id, const Request& request) {
     if (std::holds_alternative<Write>(request)) {
       session.send(id, Error{ErrorCode::kNoLease, "leased by panel", "panel"});
@@ -73,7 +73,8 @@ class Client : public ::testing::Test {
   std::uint64_t advance_id = 0;
 };
 
-// Probes find a silent peer only while nothing waits to be acknowledged; from then on, the time without that.
+// Probes find a silent peer only while no data waits for an acknowledgement. While some does, the time
+// without an acknowledgement counts.
 TEST_F(Client, AsksTheKernelToNoticeAServerThatVanishedWhileItIsSpokenTo) {
   const auto connection = connect();
   const auto option = [&](int level, int name) {
@@ -238,10 +239,9 @@ TEST_F(Client, SendsMoreThanTheSocketsHoldWithoutDeadlock) {
   for (const auto id : ids) EXPECT_TRUE(std::holds_alternative<Ok>(connection.wait(id)));
 }
 
-// ---------------------------------------------------------------------------------------------------- no
-// Visum there
+// ---------------------------------------- other servers
 
-// Listens on a free loopback port; what it says to its first client is given.
+// Listens on a free loopback port and sends a given text to its first client.
 class Impostor {
  public:
   explicit Impostor(std::string says) : says_(std::move(says)) {
@@ -309,11 +309,11 @@ TEST(ClientAlone, SaysThatTheServerIsNoVisum) {
 }
 
 TEST(ClientAlone, ASilentServerTimesOut) {
-  Impostor impostor("");  // the system accepts for it
+  Impostor impostor("");  // the kernel accepts the connection for it
   EXPECT_THROW(Connection("127.0.0.1", impostor.port, kHello, milliseconds(30)), RequestError);
 }
 
-// ---------------------------------------------------------------------------------------------------- pieces
+// ---------------------------------------- pieces
 
 TEST(ClientInbox, KeepsTheNewestEvents) {
   ClientInbox inbox;

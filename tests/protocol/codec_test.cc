@@ -24,7 +24,8 @@ std::span<const std::byte> payload_of(const Bytes& frame) {
   return std::span(frame).subspan(kHeaderBytes);
 }
 
-// Decodes as the side that receives it would; nothing where it is refused, which must come with a reason.
+// Decodes as the receiving side would, and encodes again. Nothing if it was refused, which must come with a
+// reason.
 std::optional<Bytes> again(const std::string& message, std::span<const std::byte> payload) {
   std::string why;
   Bytes frame;
@@ -109,8 +110,7 @@ TEST(Codec, HeaderIsLittleEndian) {
   EXPECT_EQ(frame_length(header), 0x01020304u);
 }
 
-// ----------------------------------------------------------------------------------------------------
-// refusals
+// ---------------------------------------- refusals
 
 TEST(Codec, RefusesAMessageWithoutARequest) {
   std::string why;

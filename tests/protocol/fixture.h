@@ -1,5 +1,5 @@
-// A server on a free loopback port in the test's own thread, with a handler that notes what it is told and
-// answers as the test says. Nothing sleeps: until() serves until something is true.
+// A server on a free loopback port in the test's own thread. Its handler notes every call and answers as the
+// test says. Nothing sleeps: until() serves until a condition is true.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ struct NotingHandler : protocol::SessionHandler {
   void on_notify() override;
   void on_room(protocol::Session&) override { ++rooms; }
 
-  // What the test may set: how a request is answered (default: Ok), why a hello is refused.
+  // The test may set these: the answer to a request (default: Ok), and the reason to refuse a hello.
   std::function<void(protocol::Session&, std::uint64_t id, const protocol::Request&)> answer;
   std::function<void(protocol::Session&)> at_hello;
   std::function<void()> at_notify;
@@ -46,15 +46,15 @@ struct NotingHandler : protocol::SessionHandler {
 
 class ServerTest : public ::testing::Test {
  protected:
-  // The server starts when it is first used, with these.
+  // The server starts with these options when it is first used.
   ServerTest() { options.port = 0; }
   protocol::Server& server();
   std::uint16_t port() { return server().port(); }
 
-  // Serves until it is true; false where that did not come within 10 s.
+  // Serves until the condition is true. Returns false if it was not true within 10 s.
   bool until(const std::function<bool()>& is_true);
 
-  // The next reply to the client, whatever it is, or of the type T. Fails the test if none comes.
+  // The next reply to the client, of any kind or of the type T. The test fails if none comes.
   protocol::ReplyFrame next(RawClient& client);
   template <typename T>
   T expect(RawClient& client) {
@@ -63,10 +63,10 @@ class ServerTest : public ::testing::Test {
     if (!value) ADD_FAILURE() << "a reply of another kind: " << frame.reply.index();
     return value ? *value : T{};
   }
-  // Says hello and reads the welcome; the server's session.
+  // Says hello, reads the welcome, and returns the server's session.
   protocol::Session& greet(RawClient& client, protocol::Role role = protocol::Role::kController,
                            const std::string& name = "tester");
-  // The error that the server closes the connection with.
+  // The error with which the server closes the connection.
   protocol::Error expect_refusal(RawClient& client);
   void expect_closed(RawClient& client);
 

@@ -19,7 +19,7 @@ Bytes frame_with(std::size_t length, int fill) {
   return frame;
 }
 
-// As much as fits at once; returns how much.
+// Puts in as much as fits at once, and returns how much that was.
 std::size_t put(FrameBuffer& buffer, std::span<const std::byte> bytes) {
   const auto space = buffer.space();
   const std::size_t count = std::min(space.size(), bytes.size());

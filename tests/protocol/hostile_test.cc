@@ -1,4 +1,4 @@
-// Bytes that nobody should send: cut, random, and with every number at its extremes.
+// Bytes that no correct client sends: cut off, random, and with every number at its extremes.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -22,7 +22,7 @@ std::span<const std::byte> payload_of(const Vector& vector) {
   return std::span(vector.frame).subspan(kHeaderBytes);
 }
 
-// Decodes, and encodes what was decoded, so that both are tried; true where it is a message. A refusal has a
+// Decodes, and encodes again what was decoded. Returns true if it was a message. A refusal must have a
 // reason.
 bool survives(const std::string& message, std::span<const std::byte> payload, Bytes& frame) {
   std::string why;
@@ -59,7 +59,7 @@ TEST(Hostile, EveryNumberAtItsExtremesIsCarriedOrRefused) {
       const bool is_enumerator = is("role[") || is("code[") || is("on_timeout[");
       EXPECT_EQ(survives(vector.message, payload, frame), !is_enumerator) << vector.name << ": " << where;
       if (is_enumerator) return;
-      // What was carried is what came, bit by bit: nothing is clamped or normalised on the way.
+      // The message arrives bit by bit as it was sent: nothing is clamped or normalised on the way.
       EXPECT_TRUE(std::ranges::equal(std::span(frame).subspan(kHeaderBytes), payload))
           << vector.name << ": " << where;
     });
@@ -90,12 +90,12 @@ TEST(Hostile, MessagesWithFlippedBytesAreRefusedOrCarried) {
   }
 }
 
-// What a frame can cost beyond its own size: many empty sub-messages or fields, each of which becomes an
-// object.
+// The memory that a frame can cost beyond its own size: many empty sub-messages or fields, each of which
+// becomes an object.
 TEST(Hostile, AFrameOf64KiBCostsLessThan8MiB) {
   const std::string bombs[] = {
       std::string("\x72\x00", 2),              // write = {}
-      std::string("\x72\x00\x7A\x00", 4),      // write = {}, read = {}, by turns
+      std::string("\x72\x00\x7A\x00", 4),      // write = {} and read = {} in turn
       std::string("\xC2\x3E\x00", 3),          // unknown field 1000 = ""
       std::string("\xC3\x3E\xC4\x3E", 4),      // unknown group 1000
       std::string("\x9A\x01\x02\x1A\x00", 5),  // set_parameter = { value = {} }

@@ -1,4 +1,5 @@
-// Who may ask what: names that were made to point here, pages of other origins, and requests that are none.
+// Who may ask for what: DNS names that were made to point here, pages of other origins, and malformed
+// requests.
 #include "protocol/http_rules.h"
 
 #include <gtest/gtest.h>
@@ -6,7 +7,7 @@
 namespace visum::protocol {
 namespace {
 
-// As a browser at this machine asks for the page.
+// A request for the page as a browser on this machine sends it.
 HttpHead plain_get() {
   HttpHead head;
   head.method = "GET";
@@ -173,7 +174,7 @@ TEST(HttpRules, ASessionIsACompleteHandshake) {
   EXPECT_EQ(status_of(head), 400);
 }
 
-// A browser always sends one; a program that wants a session uses the TCP port.
+// A browser always sends an Origin. Programs use the TCP port instead.
 TEST(HttpRules, ASessionNeedsAnOrigin) {
   HttpHead head = session_handshake();
   head.origins = {};

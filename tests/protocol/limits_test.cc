@@ -1,5 +1,5 @@
-// Every limit of the server, with the deadlines short enough to be met in a test. What is measured is that a
-// deadline acts, and never early; how late depends on the machine and is not asserted.
+// Every limit of the server, with deadlines short enough for a test. The tests check that a deadline acts,
+// and never too early. How late it acts depends on the machine and is not checked.
 #include <gmock/gmock.h>
 
 #include <sys/resource.h>
@@ -21,8 +21,7 @@ class Limited : public testing::ServerTest {
   }
 };
 
-// ----------------------------------------------------------------------------------------------------
-// deadlines
+// ---------------------------------------- deadlines
 
 TEST_F(Limited, WithoutAHelloTheConnectionEnds) {
   RawClient silent(port());
@@ -99,7 +98,7 @@ TEST_F(Limited, AReaderThatStallsIsClosedWhileOthersAreServed) {
   expect<Ok>(good);
 }
 
-// ---------------------------------------------------------------------------------------------------- sizes
+// ---------------------------------------- sizes
 
 TEST_F(Limited, AFrameOverTheLimitIsRefusedByItsHeader) {
   RawClient client(port());
@@ -131,8 +130,7 @@ TEST_F(Limited, OnlyAnAdminMaySendLargeFrames) {
   EXPECT_EQ(std::get<AddBody>(handler.asked[0].request).yaml.size(), 1u << 20);
 }
 
-// ----------------------------------------------------------------------------------------------------
-// numbers
+// ---------------------------------------- numbers
 
 TEST_F(Limited, OneSessionTooManyIsToldSo) {
   options.limits.max_sessions = 2;
@@ -217,7 +215,7 @@ TEST_F(Limited, AReplyLargerThanTheQueueIsStillSent) {
   expect<Ok>(client);
 }
 
-// To requests that waited behind another one, say.
+// For example replies to requests that waited behind another one.
 TEST_F(Limited, RepliesThatComeTogetherEndNoSession) {
   options.limits.stall_deadline = milliseconds(10'000);
   RawClient client(port(), {.receive_buffer = 4096});

@@ -26,7 +26,7 @@ void note_given_back(std::size_t bytes) {
 }  // namespace
 
 #ifdef VISUM_SANITIZED
-// Sanitizers own operator new; they tell of each call.
+// Sanitizers replace operator new; they report each call.
 #include <sanitizer/allocator_interface.h>
 
 namespace {

@@ -1,4 +1,4 @@
-// Counts what `operator new` hands out in this program, for tests that bound the memory that an input can
+// Counts the memory that `operator new` hands out in this program, for tests that bound what an input may
 // cost.
 #pragma once
 
@@ -7,7 +7,8 @@
 
 namespace visum::testing {
 
-// The most bytes that were allocated at once, beyond what was there before. One thread.
+// The largest amount of memory, in bytes, that was allocated at any time during the call, beyond what was
+// allocated before. For programs with one thread.
 std::size_t most_allocated_during(const std::function<void()>& call);
 
 }  // namespace visum::testing

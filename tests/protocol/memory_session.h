@@ -1,5 +1,5 @@
-// A session without a socket: bytes are fed by hand and what it would write is thrown away. For tests and the
-// fuzzer.
+// A session without a socket. The test feeds it with bytes; what it writes is counted and thrown away. For
+// tests and the fuzzer.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ class MemorySession final : public protocol::SessionCore {
  public:
   explicit MemorySession(protocol::SessionContext& context) : SessionCore(context, 1, "memory") {}
 
-  // As if the bytes came in one piece, or in several where the buffer is smaller.
+  // Passes the bytes in one piece, or in several if the session's buffer is smaller.
   void feed(std::span<const std::byte> bytes) {
     while (!bytes.empty() && !closing()) {
       const auto space = in().space();

@@ -1,6 +1,6 @@
-// A client that may misbehave: it sends what it is told, in pieces if need be, reads only when asked, resets
-// instead of closing. Non-blocking; what it waits for is driven by the test (fixture.h). Throws
-// std::system_error where the system fails.
+// A client that can misbehave: it sends exactly what it is told, in pieces if wanted, reads only when asked,
+// and can reset the connection instead of closing it. It does not block; the test serves while it waits
+// (fixture.h). Throws std::system_error if a system call fails.
 #pragma once
 
 #include <cstdint>
@@ -25,12 +25,12 @@ class RawClient {
   RawClient(const RawClient&) = delete;
   RawClient& operator=(const RawClient&) = delete;
 
-  // How many bytes the system took; 0 where it takes no more for now, or the connection is gone.
+  // Returns how many bytes the system took: 0 if it takes no more for now, or if the connection is gone.
   std::size_t send(std::span<const std::byte> bytes);
   void send(std::uint64_t id, const protocol::Request& request);
   void send_hello(protocol::Role role, const std::string& name = "tester");
 
-  // Reads what is there. The oldest unread reply, if a whole one has come.
+  // Reads what is there. Returns the oldest unread reply if a whole one has arrived.
   std::optional<protocol::ReplyFrame> reply();
   bool closed();  // the server closed the connection, and every reply was read
 
@@ -47,7 +47,7 @@ class RawClient {
 };
 
 std::vector<std::byte> frame_of(std::uint64_t id, const protocol::Request& request);
-// A header that announces so many bytes.
+// A frame's header that announces so many bytes.
 std::vector<std::byte> header_of(std::uint32_t length);
 
 }  // namespace visum::testing

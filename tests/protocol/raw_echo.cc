@@ -28,7 +28,7 @@ void no_delay(int socket) {
   checked(::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on), "TCP_NODELAY");
 }
 
-// False at the end of the stream.
+// Returns false at the end of the stream.
 bool receive_all(int socket, std::span<std::byte> bytes) {
   const ssize_t received = ::recv(socket, bytes.data(), bytes.size(), MSG_WAITALL);
   return received == static_cast<ssize_t>(bytes.size());

@@ -1,6 +1,6 @@
-// A bare TCP echo on loopback: the floor that a round trip through the protocol is compared with. Blocking
-// POSIX sockets, TCP_NODELAY, one client; the server answers `reply_bytes` for each `request_bytes`. Throws
-// std::system_error where the system fails.
+// A bare TCP echo on loopback, to compare with a round trip through the protocol, which cannot be faster.
+// Blocking POSIX sockets, TCP_NODELAY, one client. The server sends `reply_bytes` for each `request_bytes`.
+// Throws std::system_error if a system call fails.
 #pragma once
 
 #include <cstddef>
@@ -13,12 +13,12 @@ namespace visum::testing {
 class RawEchoServer {
  public:
   RawEchoServer(std::size_t request_bytes, std::size_t reply_bytes);
-  ~RawEchoServer();  // after its client is gone
+  ~RawEchoServer();  // call it after the client is gone
   RawEchoServer(const RawEchoServer&) = delete;
   RawEchoServer& operator=(const RawEchoServer&) = delete;
 
   std::uint16_t port() const { return port_; }
-  // The thread that answers, e.g. to pin it to a core.
+  // The thread that answers, for example to pin it to a core.
   std::thread::native_handle_type thread() { return thread_.native_handle(); }
 
  private:

@@ -1,5 +1,5 @@
-// One well-filled message of each kind, for round trips, conformance vectors and the fuzzer's seeds. Every
-// field holds something other than its default.
+// One message of each kind with every field filled, for round trips, conformance vectors and the fuzzer's
+// seeds. No field holds its default.
 #pragma once
 
 #include <string>

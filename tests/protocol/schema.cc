@@ -82,7 +82,7 @@ class Extremes {
     }
   }
 
-  // Sets the field to each extreme in a copy of its message, and shows the whole.
+  // Sets the field to each extreme in a copy of its message, and visits the whole payload.
   template <typename T, typename Set, typename SetRepeated>
   void number(pb::Message& message, const pb::FieldDescriptor* field, int i, const std::string& name, Set set,
               SetRepeated set_repeated) {

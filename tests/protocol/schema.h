@@ -1,6 +1,5 @@
-// visum.proto read at run time: messages as JSON and as bytes, and one by one their numeric fields.
-// Independent of the codec and of the code generated for it, so that the one can be checked against the
-// other.
+// visum.proto, read at run time: converts messages between bytes and JSON, and visits their numeric fields.
+// Independent of the codec and of the code generated for it, so that the codec can be checked against it.
 #pragma once
 
 #include <cstddef>
@@ -14,22 +13,22 @@ namespace visum::testing {
 
 class Schema {
  public:
-  Schema();  // throws std::runtime_error where the description that protoc wrote cannot be read
+  Schema();  // throws std::runtime_error if the description that protoc wrote cannot be read
   ~Schema();
 
-  // `message` is "ClientMessage" or "ServerMessage"; `payload` is without the frame's header. Throws
-  // std::runtime_error where the bytes or the JSON do not fit the schema.
+  // `message` is "ClientMessage" or "ServerMessage"; `payload` has no frame header. Throws std::runtime_error
+  // if the bytes or the JSON do not fit the schema.
   std::string to_json(const std::string& message, std::span<const std::byte> payload) const;
   std::vector<std::byte> to_payload(const std::string& message, const std::string& json) const;
 
-  // For every number in the message, at any depth, and every extreme value of its type (NaN, infinities,
-  // 1e308, the smallest and largest integer): the payload with that one number replaced. `where` is
-  // "write.values[0] = nan".
+  // Calls `visit` for every number in the message, at any depth, and for every extreme value of its type
+  // (NaN, infinities, 1e308, the smallest and largest integer): with the payload in which that one number is
+  // replaced. `where` reads "write.values[0] = nan".
   using Visit = std::function<void(const std::string& where, std::span<const std::byte> payload)>;
   void for_each_extreme(const std::string& message, std::span<const std::byte> payload,
                         const Visit& visit) const;
 
-  // The fields, at any depth, that the message leaves at their default; of a oneof only the chosen one
+  // The fields, at any depth, that the message leaves at their default. Of a oneof only the chosen field
   // counts.
   std::vector<std::string> unset_fields(const std::string& message, std::span<const std::byte> payload) const;
 
@@ -38,7 +37,7 @@ class Schema {
   std::unique_ptr<Impl> impl_;
 };
 
-// Bytes as text for Protobuf and files, and back.
+// Converts between bytes and text, which Protobuf and files use for bytes.
 std::vector<std::byte> to_bytes(const std::string& text);
 
 }  // namespace visum::testing

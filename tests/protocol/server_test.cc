@@ -1,4 +1,4 @@
-// The server as its owner and its clients see it: hello, requests, samples, threads, the end.
+// The server as its owner and its clients see it: hello, requests, samples, threads, closing.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -14,7 +14,7 @@ using testing::RawClient;
 
 class Serving : public testing::ServerTest {};
 
-// ---------------------------------------------------------------------------------------------------- hello
+// ---------------------------------------- hello
 
 TEST_F(Serving, WelcomeTellsVersionSessionAndRole) {
   RawClient client(port());
@@ -108,8 +108,7 @@ TEST_F(Serving, APortInUseIsNamed) {
   }
 }
 
-// ----------------------------------------------------------------------------------------------------
-// requests
+// ---------------------------------------- requests
 
 TEST_F(Serving, AnswersInOrderHoweverTheBytesCome) {
   RawClient client(port());
@@ -208,8 +207,7 @@ TEST_F(Serving, AThrowingNotificationCostsNothing) {
   greet(client);
 }
 
-// ----------------------------------------------------------------------------------------------------
-// samples
+// ---------------------------------------- samples
 
 TEST_F(Serving, SamplesOfOneTickComeBeforeTheReplyToIt) {
   RawClient client(port());
@@ -245,8 +243,7 @@ TEST_F(Serving, ASlowReaderGetsTheNewestSampleOnceItReads) {
   }));
 }
 
-// ----------------------------------------------------------------------------------------------------
-// closing
+// ---------------------------------------- closing
 
 TEST_F(Serving, AFinBetweenFramesIsGoodbye) {
   RawClient client(port());
@@ -287,7 +284,7 @@ TEST_F(Serving, AHandlerMayCloseASessionFromWithinARequest) {
   handler.answer = [](Session& session, std::uint64_t id, const Request&) {
     session.send(id, Ok{});
     session.close(CloseReason::kRefused);
-    session.send(id, Ok{});  // too late, and ignored
+    session.send(id, Ok{});  // too late, so it is ignored
   };
   RawClient client(port());
   greet(client);
@@ -350,8 +347,7 @@ TEST_F(Serving, AThousandConnectionsLeaveNoDescriptorBehind) {
       << open_descriptors() << " descriptors, before: " << before;
 }
 
-// ----------------------------------------------------------------------------------------------------
-// threads
+// ---------------------------------------- threads
 
 TEST_F(Serving, NotificationsFromAnotherThreadArriveOnTheServersOwn) {
   std::thread::id seen;

@@ -1,4 +1,4 @@
-// The session's rules without a socket, and with time that is ticked.
+// The rules of a session without a socket, and with a time that the test advances.
 #include <gtest/gtest.h>
 
 #include <random>

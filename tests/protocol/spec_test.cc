@@ -1,6 +1,6 @@
-// SPEC.md's worked example, read from SPEC.md itself: each frame there is a block
-//   ```frame client Write          who sends it, and which message it is
-//   0b 00 00 00 ...                the bytes, header included; what follows a # is explanation
+// SPEC.md's worked example, read from SPEC.md itself. Each frame there is a block:
+//   ```frame client Write          the sender and the kind of message
+//   0b 00 00 00 ...                the bytes, header included; text after # explains
 //   ```
 #include <gtest/gtest.h>
 

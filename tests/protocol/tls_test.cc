@@ -14,7 +14,8 @@ using testing::Certificates;
 using ::testing::HasSubstr;
 using Bytes = std::span<const std::byte>;
 
-// Carries what both have to say until neither says more. Returns what they read.
+// Carries bytes between the two streams until neither has more to send. Returns the plain texts that they
+// read.
 struct TlsPair {
   TlsPair(TlsStream& the_client, TlsStream& the_server) : client(the_client), server(the_server) {}
 
@@ -29,7 +30,7 @@ struct TlsPair {
     const Bytes bytes = from.pending();
     to.feed(bytes);
     from.sent(bytes.size());
-    std::byte text[7];  // less than a record
+    std::byte text[7];  // smaller than a record
     while (const std::size_t got = to.read(text)) read.append(reinterpret_cast<const char*>(text), got);
     return !bytes.empty();
   }

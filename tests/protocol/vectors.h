@@ -1,6 +1,5 @@
-// The conformance vectors: vectors/requests/NAME.bin is one frame, header included; NAME.json is its message
-// in Protobuf's JSON form. Every implementation of the protocol should read the one and know it for the
-// other.
+// The conformance vectors: vectors/requests/NAME.bin is one frame with its header, and NAME.json the same
+// message in Protobuf's JSON form. Every implementation of the protocol should read the one as the other.
 #pragma once
 
 #include <filesystem>
@@ -15,10 +14,11 @@ struct Vector {
   std::vector<std::byte> frame;
 };
 
-// As the codec of this build writes them; the id or reply_to of each is its place in the list, from 1.
+// The vectors as the codec of this build writes them. The id or reply_to of each is its number in the list,
+// from 1.
 std::vector<Vector> make_vectors();
 
 std::filesystem::path vector_folder();
-std::string read_file(const std::filesystem::path& path);  // throws std::runtime_error where there is none
+std::string read_file(const std::filesystem::path& path);  // throws std::runtime_error if there is none
 
 }  // namespace visum::testing

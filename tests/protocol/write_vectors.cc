@@ -1,5 +1,5 @@
-// Writes the conformance vectors anew: write-protocol-vectors FOLDER. Needed when a message is added; the
-// bytes of the others must not change (the test Vectors.* compares them).
+// Writes the conformance vectors anew: write-protocol-vectors FOLDER. Run it when a message is added. The
+// bytes of the other vectors must not change (the tests Vectors.* compare them).
 #include <filesystem>
 #include <fstream>
 #include <iostream>

@@ -1,4 +1,4 @@
-// Robot files that are wrong: each is refused with file, line, name and reason.
+// Wrong robot files: each is refused with file, line, name and reason.
 #include <gtest/gtest.h>
 
 #include "server/scene/robot_model.h"
@@ -14,7 +14,7 @@ std::string urdf_error(const std::string& text) {
   return test::TempFiles().error_of([&] { read_robot_model("m.urdf", text); });
 }
 
-// Two links and a joint, with something put into each.
+// A robot of two links and a joint, with the given texts inside.
 std::string robot(const std::string& in_link, const std::string& joint_type, const std::string& in_joint) {
   return "<robot name='r'>\n<link name='a'>" + in_link + "</link>\n<link name='b'>" + kSolid +
          "</link>\n<joint name='j' type='" + joint_type + "'><parent link='a'/><child link='b'/>\n" +
@@ -160,7 +160,7 @@ TEST(BadSdf, EachFaultIsNamed) {
             "m.urdf:3: link 'a': collision 'c' has a form that is not simulated (box, sphere, cylinder, "
             "capsule, plane "
             "and mesh are)");
-  // What sdformat itself finds comes in its words, thrown or returned.
+  // Errors that sdformat itself finds keep its words, thrown or returned.
   EXPECT_EQ(urdf_error("<sdf version='x'><model name='m'><link name='a'/></model></sdf>"),
             "m.urdf: sdformat cannot read it: stoi");
   EXPECT_EQ(sdf("<model name='m'/>"), "m.urdf: A model must have at least one link.");

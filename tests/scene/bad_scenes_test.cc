@@ -1,4 +1,4 @@
-// Scenes that are wrong: each is refused with file, line, key and reason.
+// Wrong scenes: each is refused with file, line, key and reason.
 #include <gtest/gtest.h>
 
 #include "server/scene/scene.h"
@@ -16,7 +16,7 @@ std::string scene_error(const std::string& yaml) {
 }
 
 struct BadCase {
-  std::string yaml;  // after "visum: 1\n"
+  std::string yaml;  // without the first line "visum: 1\n"
   std::string message;
 };
 
@@ -121,7 +121,7 @@ TEST(BadScene, BodiesAreChecked) {
       {"bodies: [{name: a, fixed: true, pose: {xyz: [0, 0, 1e7]}}]",
        "2: bodies[0].pose.xyz[2]: must be between -1e+06 and 1e+06, is 1e7"},
       {"bodies: [{name: a, mass: 1, engine: fats, " + sphere,
-       "2: bodies[0].engine: there is no engine 'fats'; there are: default"},
+       "2: bodies[0].engine: there is no engine 'fats'; there is only 'default'"},
       {"bodies: [{name: a, mass: 1, velocity: {linear: [0, 0, .inf]}, " + sphere,
        "2: bodies[0].velocity.linear[2]: must be a finite number, is .inf"},
   });
@@ -144,7 +144,8 @@ TEST(BadScene, ShapesAreChecked) {
       {shape("cone: 1"), at + ": unknown key 'cone'"},
       {shape("plane: false"), at + ".plane: must be true, or left out"},
       {shape("sphere: 1, scale: 2"), at + ".scale: only 'convex' and 'mesh' are scaled"},
-      {shape("sphere: 1, surface: rubbr"), at + ".surface: there is no surface 'rubbr'; there are: default"},
+      {shape("sphere: 1, surface: rubbr"),
+       at + ".surface: there is no surface 'rubbr'; there is only 'default'"},
       {shape("sphere: 1, color: [1, 2, 3]"), at + ".color[1]: must be between 0 and 1, is 2"},
       {shape("sphere: 1, color: [1]"), at + ".color: must be [r, g, b] or [r, g, b, a], has 1 numbers"},
       {shape("mesh: gone.stl"), at + ".mesh: 'gone.stl': no such file"},
@@ -240,10 +241,10 @@ TEST(BadScene, ModelsAndPartsAreChecked) {
       {model("joints: {shoulder: .nan}"), "2: models[0].joints.shoulder: must be a finite number, is .nan"},
       {model("surfaces: {tol: default}"), "2: models[0].surfaces: unknown key 'tol'; did you mean 'tool'?"},
       {model("surfaces: {tool: rubber}"),
-       "2: models[0].surfaces.tool: there is no surface 'rubber'; there are: default"},
+       "2: models[0].surfaces.tool: there is no surface 'rubber'; there is only 'default'"},
       {model("no_collision: [[base, lower_amr]]"),
        "2: models[0].no_collision[0][1]: there is no body 'lower_amr'; did you mean 'lower_arm'?"},
-      {model("engine: fast"), "2: models[0].engine: there is no engine 'fast'; there are: default"},
+      {model("engine: fast"), "2: models[0].engine: there is no engine 'fast'; there is only 'default'"},
       {good + "parts: [{name: p}]", "3: parts[0]: key 'kind' is missing"},
       {good + "parts: [{name: p, kind: k, model: arn}]",
        "3: parts[0].model: there is no model 'arn'; did you mean 'arm'?"},

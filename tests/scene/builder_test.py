@@ -1,4 +1,4 @@
-"""The Python builder of scenes writes what a hand would write."""
+"""The Python builder of scenes writes the same scenes as a person would by hand."""
 import json
 import os
 import pathlib
@@ -23,7 +23,7 @@ HALF_PI = 1.5707963267948966
 
 
 def complete() -> Scene:
-    """data/complete.yaml."""
+    """Builds data/complete.yaml."""
     scene = Scene("cell", gravity=(0, 0, -9.81), tick_ms=1, clock="realtime", speed=1.0, seed=1, lockstep_timeout_s=10,
                   engine={"kind": "ode", "step": "world", "iterations": 20, "erp": 0.2, "cfm": 1e-9})
     scene.include("room.yaml")

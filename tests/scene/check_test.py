@@ -1,4 +1,4 @@
-"""`visum check`, on scenes that ship and on those of bad/, each wrong in one way and with its error beside it.
+"""Runs `visum check` on the scenes that ship, and on those of bad/. Each of those is wrong in one way, with its error beside it.
 
     python3 -m unittest check_test                    compares
     VISUM_WRITE_ERRORS=1 python3 -m unittest check_test    writes the errors of bad/ anew, to be read before they are kept
@@ -78,7 +78,7 @@ class Check(unittest.TestCase):
                 "s.yaml:4: bodies[0].mass: must be greater than 0, is -1",
                 "s.yaml:6: bodies[2].shapes[0]: unknown key 'bx'; did you mean 'box'?",
                 "s.yaml:9: joints[1].child: there is no body 'bll'; did you mean 'ball'?"])
-            # What parts and sensors make of their keys is known once the world stands.
+            # Keys of parts and sensors are checked later, when the world is made.
             scene.write_text(MANY_ERRORS.replace("mass: -1", "mass: 1").replace("bx:", "box:").replace("bll", "ball"))
             self.assertEqual([line.removeprefix("visumd: error: ") for line in check("s.yaml", cwd=folder).stderr.splitlines()], [
                 "s.yaml:11: sensors[0].range: must be a list of 2 numbers, has 1",
@@ -95,7 +95,7 @@ class Check(unittest.TestCase):
 
 
 class BadScenes(unittest.TestCase):
-    """Every one ends with exit code 3 and its error: no crash, no hang, no feast of memory."""
+    """Each ends with exit code 3 and its error: no crash, no hang, no excessive memory."""
 
     def test_there_are_many(self):
         self.assertGreaterEqual(len(list(BAD.glob("*.yaml"))), 60)

@@ -1,4 +1,4 @@
-// Collada visuals through the real visum-mesh: good, broken, hostile and missing ones.
+// Collada visuals through the real visum-mesh: good, broken, hostile and missing files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

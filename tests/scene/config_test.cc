@@ -226,5 +226,15 @@ TEST(Config, NearestFindsSlipsAndNothingElse) {
   EXPECT_EQ(nearest(std::string(1000, 'm'), words), std::nullopt);
 }
 
+TEST(Config, UnknownNamesAreToldWithTheNearestOrWithAShortList) {
+  EXPECT_EQ(unknown_name("key", "masss", {"mass", "radius"}),
+            "there is no key 'masss'; did you mean 'mass'?");
+  EXPECT_EQ(unknown_name("key", "colour", {"mass", "radius"}),
+            "there is no key 'colour'; there are: mass, radius");
+  EXPECT_EQ(unknown_name("key", "colour", {"mass"}), "there is no key 'colour'; there is only 'mass'");
+  EXPECT_EQ(unknown_name("key", "colour", {}), "there is no key 'colour'");
+  EXPECT_EQ(unknown_name("key", "colour", std::vector<std::string>(9, "mass")), "there is no key 'colour'");
+}
+
 }  // namespace
 }  // namespace visum::config

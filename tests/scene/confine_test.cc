@@ -1,4 +1,5 @@
-// What a confined process can still do. Each claim is tried in a child, which is what dies of it.
+// Checks what a confined process can still do. Each check runs in a child process, because the child dies of
+// it.
 #include "server/scene/collada/confine.h"
 
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-// Scenes from one encoding into another: what comes back moves with the same bits, and what is lost is told.
+// Converts scenes between encodings: the result moves with the same bits, and losses are reported.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// Of everything that X3D holds: solids that are turned and pushed, a mesh, a chain of joints, two surfaces.
+// Everything that X3D can hold: turned and pushed solids, a mesh, a chain of joints, two surfaces.
 const std::string kHeap = R"(
 visum: 1
 name: heap
@@ -84,7 +84,7 @@ TEST_P(RoundTrip, KeepsTheHashOfAThousandTicksWithBothEngines) {
     EXPECT_EQ(hashes(first, engine), hashes(back, engine)) << engine;
 }
 
-// All but the first line, which names the file that was read, and the folder of meshes.
+// The text without the first line, which names the source file, and without the folder of meshes.
 std::string content_of(const std::filesystem::path& file, const std::string& folder) {
   std::string text = text_of(file);
   if (text.starts_with("# Written")) text.erase(0, text.find('\n'));
@@ -147,7 +147,7 @@ TEST(Convert, SaysWhereYamlChangesTheOrderOfBodies) {
   EXPECT_EQ(cart.X_WB.q.coeffs(), same.X_WB.q.coeffs());
 }
 
-// A wheel with a drive, which turns, and a rod that passes through what it stands in.
+// A wheel with a drive, which turns, and a rod that passes through its surroundings.
 std::string driven() {
   const auto drives = std::filesystem::path(VISUM_SOURCE_DIR) / "models/cart/drives.yaml";
   return R"(
@@ -287,7 +287,7 @@ Viewpoint { position 0 1 10 description "Front" }
   EXPECT_EQ(scene.world.shapes[1].size, (std::array<double, 3>{2, 4, 6}));
   EXPECT_TRUE(scene.world.shapes[2].X_BS.p.isApprox(Eigen::Vector3d(0, 7, 0), 1e-12));
   EXPECT_EQ(scene.world.shapes[2].size[1], 4.0);
-  // The cylinder's axis, z here, is y of its node, turned to -x.
+  // The cylinder's axis is z here and y in its node; the node is turned so that it points to -x.
   EXPECT_TRUE(
       (scene.world.shapes[2].X_BS.q * Eigen::Vector3d::UnitZ()).isApprox(-Eigen::Vector3d::UnitX(), 1e-12));
   EXPECT_EQ(scene.looks.viewpoints.at(0).name, "Front");

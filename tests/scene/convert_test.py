@@ -1,4 +1,4 @@
-"""`visum convert`, and files of X3D and VRML that are wrong in one way each, with the error that a user sees beside them.
+"""Runs `visum convert`, also on files of X3D and VRML that are wrong in one way each, with their error beside them.
 
     VISUM_WRITE_ERRORS=1 python3 -m unittest convert_test    writes the errors anew, to be read before they are kept
 """

@@ -1,4 +1,4 @@
-// Where the scenes, models and meshes are that the tests of this folder read.
+// The folder with the scenes, models and meshes that the tests here read.
 #pragma once
 
 #include <filesystem>

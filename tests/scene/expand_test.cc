@@ -1,4 +1,4 @@
-// What "${...}" and `repeat` make of a file.
+// Expands "${...}" and `repeat` in files.
 #include "protocol/config/expand.h"
 
 #include <gmock/gmock.h>

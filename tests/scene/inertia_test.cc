@@ -29,7 +29,7 @@ MassProperties solid(const world::TriangleMesh& mesh) {
   return solid_of(shape(ShapeKind::kMesh, {}), &mesh);
 }
 
-// A box as 12 triangles, corner at `low`.
+// A box as 12 triangles, with one corner at `low`.
 world::TriangleMesh box_mesh(const Vector3d& low, const Vector3d& lengths) {
   world::TriangleMesh mesh;
   for (int i = 0; i < 8; ++i)
@@ -59,7 +59,7 @@ TEST(Inertia, CylinderMatchesTheClosedForm) {
   EXPECT_DOUBLE_EQ(cylinder.inertia_C(0, 0), m * (0.75 + 4) / 12);
 }
 
-// The same figure built from thin discs along z.
+// The same figure, summed from thin discs along z.
 TEST(Inertia, CapsuleMatchesASumOfDiscs) {
   const double r = 0.3, half = 0.5;
   double mass = 0, along = 0, across = 0;
@@ -88,8 +88,8 @@ TEST(Inertia, AMeshOfABoxIsTheBoxWhereverItLies) {
   EXPECT_TRUE(mesh.inertia_C.isApprox(box.inertia_C, 1e-9)) << mesh.inertia_C;
 }
 
-// The tetrahedron with corners at 0 and the unit points: volume 1/6, centre 1/4, integrals of x² 1/60 and xy
-// 1/120.
+// The tetrahedron with corners at 0 and the three unit points has volume 1/6, centre 1/4, and integrals of x²
+// = 1/60 and of xy = 1/120.
 TEST(Inertia, TetrahedronMatchesTheClosedForm) {
   world::TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

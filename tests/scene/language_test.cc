@@ -1,4 +1,4 @@
-// Scenes that are put together: included files with parameters and places, frames, repetition.
+// Scenes of several pieces: included files with parameters and places, frames, repetition.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// How a scene wants to be seen: materials, textures, lights, viewpoints, panels.
+// The looks of a scene: materials, textures, lights, viewpoints, panels.
 #include <gtest/gtest.h>
 
 #include "server/scene/scene.h"

@@ -18,7 +18,7 @@ using Corners = std::array<std::array<float, 3>, 3>;
 
 std::string binary_stl(const std::vector<Corners>& triangles, std::uint32_t count) {
   std::string bytes(80, ' ');
-  bytes.replace(0, 5, "solid");  // many programs begin binary files so
+  bytes.replace(0, 5, "solid");  // many programs begin binary files with this word
   const auto append = [&](const void* from, std::size_t size) {
     bytes.append(static_cast<const char*>(from), size);
   };

@@ -1,4 +1,4 @@
-// Every scene that we ship loads, free of faults.
+// Every scene that we ship loads without an error.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ TEST(Models, EveryShippedSceneLoads) {
   std::sort(scenes.begin(), scenes.end());
   ASSERT_FALSE(scenes.empty());
   Options options;
-  options.plugin_folders = plugin::plugin_folders({});  // those that come along
+  options.plugin_folders = plugin::plugin_folders({});  // the installed ones
   for (const fs::path& file : scenes) {
     SCOPED_TRACE(file.string());
     EXPECT_NO_THROW({
@@ -30,7 +30,7 @@ TEST(Models, EveryShippedSceneLoads) {
   }
 }
 
-// Nothing that reading depends on (pointers, hashes, the time) shows in the world.
+// Reading does not depend on pointers, hashes or the time: two readings give the same world.
 TEST(Models, TheArmsSceneIsReadTheSameTwice) {
   const fs::path file = fs::path(VISUM_SOURCE_DIR) / "models/scenes/amtec_arm.yaml";
   const Scene a = load_scene(file), b = load_scene(file);

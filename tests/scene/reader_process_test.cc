@@ -1,4 +1,4 @@
-// A process that reads a file for us may fail, die, hang or talk without end.
+// A process that reads a file for us may fail, die, hang, or write without end.
 #include "server/scene/reader_process.h"
 
 #include <gtest/gtest.h>

@@ -120,7 +120,7 @@ TEST(Scene, MassAndInertiaComeFromTheShapes) {
   EXPECT_NEAR(ball.inertia_C(0, 0), 0.4 * mass * 0.0025, 1e-15);
   EXPECT_EQ(ball.v_WB, Eigen::Vector3d(0, 0, 1));
   EXPECT_EQ(ball.w_WB, Eigen::Vector3d(0, 0.5, 0));
-  // The wedge's centre lies at a third, half and a third of its box; the cylinder is only looks.
+  // The wedge's centre of mass lies at a third, half and a third of its box. The cylinder is only a visual.
   const world::Body& wedge = body("wedge");
   EXPECT_NEAR(wedge.mass_kg, 0.3, 1e-12);
   EXPECT_TRUE(wedge.p_BC.isApprox(Eigen::Vector3d(0.1 / 3, 0.05, 0.1 / 3)));
@@ -202,7 +202,7 @@ TEST(Scene, JointsAreTheSameFrameFromBothSides) {
   EXPECT_NEAR(from_parent.q.angularDistance(from_child.q), 0, 1e-9);
 }
 
-// Sines of the C library's are others on other processors; these are made of what IEEE 754 fixes.
+// The C library's sines differ between processors. These use only operations that IEEE 754 fixes.
 TEST(Scene, AnglesHaveTheSameBitsOnEveryProcessor) {
   for (int i = -2000; i <= 2000; ++i) {
     const double angle = 1e-3 * i;
@@ -322,7 +322,7 @@ TEST(Scene, ABodyMayHangOnALinkThatWasJoined) {
                                 "joints: [{name: mount, type: fixed, parent: arm/tcp, child: gun}]");
   const world::Joint& mount = scene.world.joints[scene.world.find_joint("mount").index()];
   EXPECT_EQ(mount.parent, scene.world.find_body("arm/lower_arm"));
-  // tool is turned by a quarter about z, so that tcp's x is the lower arm's y
+  // tool is turned by a quarter about z, so that tcp's x is the lower arm's y.
   EXPECT_TRUE(mount.X_PJ.p.isApprox(Eigen::Vector3d(0, 0.3, 0)));
 }
 

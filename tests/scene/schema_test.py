@@ -1,4 +1,4 @@
-"""The schema of scenes, the loader and the scenes that ship say the same."""
+"""The schema of scenes agrees with the loader, the page and the scenes that ship."""
 import json
 import pathlib
 import re
@@ -12,7 +12,7 @@ SCHEMA = json.loads((SOURCE / "server" / "scene" / "scene.schema.json").read_tex
 README = (SOURCE / "server" / "scene" / "README.md").read_text()
 BAD = SOURCE / "tests" / "scene" / "bad"
 
-# Where the loader says which keys it knows, and where the schema says the same.
+# The functions of the loader that list known keys, and the place of the same list in the schema.
 LOADER = {
     "server/scene/scene_loader.cc check_header": "",
     "server/scene/includes.cc read_include": "$defs/include/anyOf/1",
@@ -34,7 +34,7 @@ LOADER = {
     "hwparts/powercube/settings.cc allow_keys": "$defs/module",
 }
 
-# Wrong for the schema by itself, without a look at other files or at what a name stands for.
+# Scenes that the schema alone must refuse, without other files and without knowing names.
 WRONG = ["body_too_far", "body_with_a_slash", "camera_bent", "camera_too_large", "clock_misspelt", "engine_key_unknown", "engine_order", "engine_unknown",
          "frame_of_a_shape", "gravity_of_two", "include_key_misspelt", "joint_type_misspelt", "light_kind_misspelt",
          "list_at_the_top", "misspelt_key", "no_version", "part_key_misspelt", "part_kind_unknown", "repeat_endless",
@@ -43,7 +43,7 @@ WRONG = ["body_too_far", "body_with_a_slash", "camera_bent", "camera_too_large",
 
 
 class Yaml(yaml.SafeLoader):
-    """1e-9 is a number, as in YAML 1.2 and for editors."""
+    """Reads 1e-9 as a number, as YAML 1.2 and editors do."""
 
 
 Yaml.add_implicit_resolver("tag:yaml.org,2002:float", re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"),

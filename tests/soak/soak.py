@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Soaks the daemon: clients that come, work, go and break off for as long as is asked for, while its memory, its
-descriptors, its threads and its log are watched. Short soaks are recorded, and gone through again in the end.
+"""Soaks the daemon: for the given time, clients come, work, go and break off, while its memory, descriptors, threads and log
+are watched. Short soaks are recorded, and replayed at the end.
 
     soak.py [--minutes M] [--clients N] [--bin FOLDER] [--json]
 
-Exit code 0: everything stayed as it has to; 1: something grew, was left behind, or was said that has no cause.
+Exit code 0: all is well; 1: something grew, was left behind, or was logged without a cause.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ class Soak:
 
 
 class Held:
-    """What a process holds that it has to give back."""
+    """The resources that a process holds and must give back."""
 
     def __init__(self, descriptors: int, threads: int):
         self.descriptors, self.threads = descriptors, threads
@@ -128,7 +128,7 @@ class Held:
 
 
 def at_rest(pid: int) -> Held:
-    """The least of two seconds: who has just asked is still being closed."""
+    """The least within two seconds, because sessions that have just ended are still being closed."""
     seen = []
     for _ in range(10):
         time.sleep(0.2)
@@ -137,7 +137,7 @@ def at_rest(pid: int) -> Held:
 
 
 def settled(pid: int, expected: Held) -> Held:
-    """Once the last sessions are closed; what is there after half a minute is left behind."""
+    """Waits until the last sessions are closed. What is there after half a minute was left behind."""
     until = time.monotonic() + 30.0
     while (held := Held.of(pid)) != expected and time.monotonic() < until:
         time.sleep(0.2)
@@ -168,7 +168,7 @@ def ask_page(port: int) -> None:
 
 
 def churn(python: Path, port: int, clients: int, until: float, seed: int, counts: "multiprocessing.Array[int]") -> None:
-    """A part of the crowd: so many clients at a time, one of which does something, comes or goes."""
+    """A group of clients, one of which does something, comes or goes at a time."""
     sys.path.insert(0, str(python))
     import visum  # of this build
 
@@ -200,7 +200,7 @@ def arrive(visum, port: int, dice: random.Random, seed: int, counts):
 
 
 def work(client, dice: random.Random) -> bool:
-    """False: it has had enough."""
+    """Returns False if the client has had enough."""
     arm = client.part("arm")
     if dice.random() < 0.3:
         client.status()

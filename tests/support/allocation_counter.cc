@@ -19,10 +19,10 @@ constexpr std::string_view kForeignLibraries[] = {"libfcl.", "libccd.",     "lib
                                                   "libode.", "libembree3.", "libtbb."};
 constexpr std::string_view kRuntimeLibraries[] = {"libc.",    "libstdc++.", "libgcc_s.", "libm.",
                                                   "ld-linux", "libasan.",   "libtsan.",  "libubsan."};
-// Mangled names of functions in std::, __gnu_cxx:: and Eigen::: whoever called them is meant.
+// Mangled names of functions in std::, __gnu_cxx:: and Eigen::. Their caller counts instead.
 constexpr std::string_view kPassedOver[] = {"_ZNSt",         "_ZNKSt",    "_ZSt",
                                             "_ZN9__gnu_cxx", "_ZN5Eigen", "_ZNK5Eigen"};
-// The doors to the allocator: operator new, the malloc family and what sanitizers call it.
+// The entries to the allocator: operator new, the malloc family, and the sanitizers' names for them.
 constexpr std::string_view kAllocatorNames[] = {
     "_Zn", "malloc", "calloc", "realloc", "memalign", "aligned_alloc", "posix_memalign", "__interceptor_"};
 constexpr std::string_view kForeignNames[] = {"_ZN3fcl", "_ZNK3fcl"};
@@ -36,7 +36,7 @@ bool any_begins(const std::string_view (&prefixes)[N], std::string_view text) {
 
 enum class Owner { kUnknown, kOurs, kForeign };
 
-// A return address stands behind its call, maybe behind its function: one byte back is inside.
+// A return address points behind its call and maybe behind its function. One byte before it is inside.
 bool look_up(void* return_address, Dl_info& info) {
   return dladdr(static_cast<char*>(return_address) - 1, &info) != 0 && info.dli_fname;
 }
@@ -56,8 +56,8 @@ Owner owner_of_frame(void* address) {
   return any_begins(kPassedOver, symbol_of(info)) ? Owner::kUnknown : Owner::kOurs;
 }
 
-// The first frame outside the allocator and this counter: the one behind the outermost of the allocator's
-// doors, which all stand near the inner end.
+// The first frame outside of the allocator and this counter. It is the frame behind the outermost entry to
+// the allocator; all entries stand near the inner end of the stack.
 int first_caller(const Stack& stack) {
   constexpr int kNear = 12;
   int first = 0;
@@ -117,7 +117,7 @@ AllocationScope::AllocationScope() {
     std::fputs("AllocationScope: this thread has one open already\n", stderr);
     std::abort();
   }
-  // The first call of backtrace loads libgcc and allocates.
+  // The first call of backtrace() loads libgcc and allocates.
   Stack warm_up;
   backtrace(warm_up.frames.data(), kMaxFrames);
   record = AllocationRecord{};

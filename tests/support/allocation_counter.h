@@ -1,16 +1,16 @@
-// Counts what a thread allocates in a scope, and who allocated: ours, or a library that works inside our
-// tick.
+// Counts what a thread allocates in a scope, and whether our code or a library that works inside our tick
+// allocated it.
 //
 // A program that links visum_test_support has its malloc family replaced by one that counts (under
-// sanitizers: watched through their hooks), so that `new`, malloc and what libraries do with either are all
+// sanitizers, their hooks are used instead). So `new`, malloc, and everything that libraries do with them are
 // seen. Only the thread that opened an AllocationScope is counted, and only while the scope is open. Scopes
 // do not nest.
 //
-// Whose an allocation is follows from the call stack, read from the inside out: the C and C++ run-time
-// libraries and templates of std:: and Eigen:: are skipped, the first frame that is left decides. A frame in
-// FCL, libccd, octomap or ODE makes it theirs; any other frame, and a stack that cannot be read, makes it
-// ours. So a callback of ours that allocates while FCL calls it is ours, and a std::vector that grows inside
-// FCL is FCL's.
+// The call stack decides who allocated. It is read from the inside out; the C and C++ run-time libraries and
+// templates of std:: and Eigen:: are skipped, and the first frame that is left counts. A frame in FCL,
+// libccd, octomap or ODE makes the allocation foreign. Any other frame, or a stack that cannot be read, makes
+// it ours. So a callback of ours that allocates while FCL calls it is ours, and a std::vector that grows
+// inside FCL is foreign.
 #pragma once
 
 #include <cstddef>
@@ -28,14 +28,14 @@ struct AllocationCounts {
 
 class AllocationScope {
  public:
-  AllocationScope();   // begins to count; aborts where this thread has a scope open
-  ~AllocationScope();  // ends
+  AllocationScope();   // begins to count; aborts if this thread has a scope open
+  ~AllocationScope();  // stops counting
   AllocationScope(const AllocationScope&) = delete;
   AllocationScope& operator=(const AllocationScope&) = delete;
 
-  AllocationCounts counts() const;  // so far
-  // The call stacks of the first of our allocations, with symbols where the program exports them; for a
-  // test's message. Does itself not count.
+  AllocationCounts counts() const;  // until now
+  // The call stacks of our first allocations, for a test's message, with symbols that the program exports.
+  // Does not count itself.
   std::string describe_ours() const;
 };
 

@@ -21,7 +21,7 @@ __attribute__((noinline)) void allocate_by_a_name() {
 
 namespace {
 
-// Keeps the compiler from leaving a pair of new and delete out.
+// Keeps the compiler from removing a pair of new and delete.
 void use(const void* memory) {
   asm volatile("" : : "g"(memory) : "memory");
 }
@@ -86,7 +86,7 @@ TEST(AllocationScope, LeavesOtherThreadsAlone) {
   AllocationScope scope;
   const auto before = scope.counts().ours;
   std::thread other([&] { elsewhere = count([] { use(std::make_unique<int>(1).get()); }).ours; });
-  const auto after_start = scope.counts().ours;  // starting a thread allocates, here
+  const auto after_start = scope.counts().ours;  // starting a thread allocates here
   other.join();
   EXPECT_EQ(elsewhere, 1u);
   EXPECT_GT(after_start, before);

@@ -1,4 +1,4 @@
-// What one thread's scope has seen, and how a call stack tells whose an allocation is. Inside of
+// The counts of one thread's scope, and the decision from a call stack who allocated. Inner header of
 // allocation_counter.
 #pragma once
 
@@ -17,17 +17,17 @@ struct Stack {
   int count = 0;
 };
 
-// Constant-initialised and of constant size: the counting itself must not allocate.
+// Has constant initialisation and constant size, because the counting itself must not allocate.
 struct AllocationRecord {
   bool counting = false;
-  bool busy = false;  // inside the counter: what it calls does not count
+  bool busy = false;  // inside the counter, whose own calls do not count
   AllocationCounts counts;
-  std::array<Stack, kMaxStacks> stacks{};  // of ours
+  std::array<Stack, kMaxStacks> stacks{};  // of our allocations
   std::size_t stack_count = 0;
 };
 AllocationRecord& allocation_record();  // of this thread
 
-// Called by whatever watches the allocator, after each allocation of this thread.
+// Called after each allocation of this thread by the code that watches the allocator.
 void note_allocation(std::size_t bytes);
 
 bool is_foreign(const Stack& stack);

@@ -1,4 +1,5 @@
-// A folder of its own for one test, with the files that the test writes, and errors as seen from inside it.
+// A temporary folder for one test, with the files that the test writes. Errors are shown without the folder's
+// name.
 #pragma once
 
 #include <stdlib.h>
@@ -30,7 +31,7 @@ class TempFiles {
   }
   const std::filesystem::path& folder() const { return folder_; }
 
-  // What the ConfigError that `call` throws says, without this folder's name; "no error" if it throws none.
+  // The text of the ConfigError that `call` throws, without this folder's name; "no error" if it throws none.
   template <typename Call>
   std::string error_of(const Call& call) const {
     try {

@@ -1,5 +1,5 @@
-// Puts note_allocation() behind the program's malloc. The program's symbols come before the C library's, so
-// that these definitions serve the shared libraries too; operator new calls malloc.
+// Calls note_allocation() from the program's malloc. The program's symbols come before the C library's, so
+// these definitions serve the shared libraries, too. operator new calls malloc.
 #include <cerrno>
 #include <cstddef>
 
@@ -14,7 +14,7 @@
 #endif
 
 #ifdef VISUM_SANITIZED
-// Sanitizers own malloc; they tell of each call.
+// Sanitizers replace malloc; they report each call.
 #include <sanitizer/allocator_interface.h>
 
 namespace {

@@ -3,13 +3,13 @@
 
     load.py [--bin FOLDER] [--seconds S] [--observers N] TRIAL...
 
-  clients    N observers and a controller at 100 Hz (visum-load, of the preset bench): nobody is cut off, no command lost
+  clients    N observers and a controller at 100 Hz (visum-load, of the preset bench): none is cut off, no command is lost
   priority   the same at 250 Hz, the daemon with SCHED_FIFO 50 on a processor of its own
   stopped    a quarter of the observers is stopped (SIGSTOP): they are closed, the others are served, and they may come back
-  flood      connections as fast as they go, and thousands that stay and say nothing: who is there loses nothing, and
+  flood      connections as fast as possible, and thousands that stay and say nothing: other clients lose nothing, and
              nothing is left behind
 
-How late something was is printed and not judged: it is the machine's. Exit code 0: all held; 1: one did not; 77: this machine
+Delays are printed and not judged, because they depend on the machine. Exit code 0: all held; 1: one did not; 77: this machine
 does not allow it.
 """
 
@@ -74,7 +74,7 @@ def priority(options: argparse.Namespace, _: Path) -> str:
 
 
 def observe(address: str, count: int, every_n_ticks: int, received: "multiprocessing.Array[int]", lost: "multiprocessing.Value[int]", back: "multiprocessing.Value[int]") -> None:
-    """So many subscribers; whoever is cut off comes back. Counts the bytes that each got."""
+    """Runs `count` subscribers. One that is cut off comes back. Counts the bytes that each got."""
     import visum
     from visum.connection import pb
 
@@ -177,7 +177,7 @@ def flood(options: argparse.Namespace, _: Path) -> str:
                 await_that(lambda: counts[2].value == silent, "all are open")
                 began = time.monotonic()
                 while time.monotonic() < began + options.seconds:
-                    # Half of the time the silent ones are alone: a flood would push them out of the kernel's queue.
+                    # Half of the time there are silent clients only: a flood would push them out of the kernel's queue.
                     if not any(count.value for count in counts[:2]) and time.monotonic() > began + options.seconds / 2:
                         floods.enter_context(processes(*((connect_and_close, (daemon.port, count)) for count in counts[:2])))
                     wanted = 1e-3 * (steps % 100)

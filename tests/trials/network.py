@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""A daemon and a controller in two network namespaces, and between them a wire (wire.py) that is cut, delays, loses, doubles
-and reorders.
+"""Runs a daemon and a controller in two network namespaces. The wire between them (wire.py) is cut, delays, loses, doubles and
+reorders packets.
 
     network.py [--bin FOLDER] [--ticks T] [--seconds S] [--cuts N] [--seed S] [TRIAL...]
 
@@ -12,7 +12,7 @@ and reorders.
             carried twice
 
 A bad wire: 10 ms late, 3 ms more or less, 2 % of the packets lost and 1 % doubled, in both directions. Needs root and
-/dev/net/tun: else it is skipped, and said. How long something took is printed and not judged.
+/dev/net/tun; otherwise it is skipped with a message. Times are printed and not judged.
 Exit code 0: all held; 1: one did not; 77: all were skipped.
 """
 
@@ -130,7 +130,7 @@ def lockstep(options: argparse.Namespace, folder: Path) -> str:
 
 
 class Steering:
-    """What a controller in a process of its own has done."""
+    """The results of a controller that ran in a process of its own."""
 
     def __init__(self) -> None:
         self.sent, self.sessions = multiprocessing.Value("q"), multiprocessing.Value("q")
@@ -139,7 +139,7 @@ class Steering:
 
 
 def steer(wire: Wire, port: int, token: Path, steering: Steering) -> None:
-    """100 commands a second, each with a value of its own, until it is enough; comes back whenever the connection is gone."""
+    """Sends 100 commands a second, each with another value, until told to stop. Reconnects whenever the connection is lost."""
     import visum
 
     while not steering.done.is_set():
@@ -179,7 +179,7 @@ def command(client: "visum.Client", steering: Steering) -> None:
 
 
 def look_through(options: argparse.Namespace, file: Path, sent: int) -> str:
-    """What a recording says of the commands: none may come after a later one, and the last must be in force in the end."""
+    """Checks the commands in a recording: none comes after a later one, and the last is in force at the end."""
     again = replay(options.bin, file, options.seconds + PATIENCE_S)
     words = [options.bin / "visum", "export", file, "--ports", "arm/Desired Angle 1"]
     last = longest = standing = commands = 0
@@ -232,7 +232,7 @@ def back(options: argparse.Namespace, folder: Path) -> str:
         arm = watcher.part("arm")
 
         def obeys(more: int) -> bool:
-            """So many commands more than were sent before."""
+            """True if the arm follows at least so many commands and has not lost its controller."""
             arm.read()
             return arm.inputs("Desired Angle")[0] > COMMAND_RAD * (more - 0.5) and arm.outputs("Part State")[0] != CONTROLLER_LOST
 

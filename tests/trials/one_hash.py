@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Runs scenes in lockstep again and again, each time under another burden, and compares the bits of the state at their end.
+"""Runs scenes in lockstep again and again, each time under another load, and compares the bits of the state at the end.
 
     one_hash.py [--bin FOLDER] [--runs N] [--ticks T] [--seed S] [--scene NAME...] [--engine NAME...]
 
-Burdens: none; two processes that burn both processors; floods of connections; observers that ask without end; daemon and
+Loads: none; two processes that burn both processors; floods of connections; observers that ask without end; daemon and
 controller stopped (SIGSTOP) at random moments; a recording; another pace. Exit code 0: one hash for each scene and engine.
 """
 
@@ -33,7 +33,7 @@ Answers = "multiprocessing.Queue[Answer]"
 
 
 def control(address: str, ticks: int, answers: Answers, token: Path | None = None) -> None:
-    """Sends every part a sine of its own, a period at a time; and answers."""
+    """Sends every part a sine of its own, one period at a time, and reports the result."""
     import visum
 
     with visum.Client(address, name="controller", token_file=token, connect_timeout_s=60) as client:
@@ -53,7 +53,7 @@ def control(address: str, ticks: int, answers: Answers, token: Path | None = Non
 
 
 def answer_of(controller: Callable[..., None], *words: object, token: Path | None = None, started: Callable[[int], None] = lambda _: None) -> Answer:
-    """Of a controller in a process of its own; `started` is told the id of that."""
+    """The result of a controller in a process of its own. `started` is called with the process id."""
     answers: Answers = multiprocessing.Queue()
     process = multiprocessing.Process(target=controller, args=(*words, answers, token), daemon=True)
     process.start()
@@ -93,7 +93,7 @@ def run(options: argparse.Namespace, scene: str, engine: str, burden: str, seed:
 
 
 def compare(options: argparse.Namespace, scene: str, engine: str) -> str:
-    """The burdens take turns; where only a few runs are asked for, the seed decides which."""
+    """Uses all loads in turn. If there are fewer runs than loads, the seed chooses."""
     dice = random.Random(f"{options.seed} {scene} {engine}")
     first: Answer | None = None
     order = list(BURDENS[1:])

@@ -1,4 +1,4 @@
-"""A daemon, and the clients and burdens of the trials, each a process of its own."""
+"""The daemon, the clients and the loads of the trials, each in a process of its own."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ def expect(holds: bool, claim: str) -> None:
 
 
 def use_client_of(programs: Path) -> None:
-    """`import visum` then finds the Python client of that build."""
+    """Makes `import visum` find the Python client of that build."""
     sys.path.insert(0, str(programs.parent / "python"))
 
 
 class Daemon:
-    """A visumd for the length of a `with`; `before`: words of a program that starts it (chrt, ip netns exec, ...)."""
+    """A visumd for the length of a `with`. `before`: a command that starts it (chrt, ip netns exec, ...)."""
 
     def __init__(self, programs: Path, *options: object, scene: Path = ARM, before: tuple[object, ...] = (), log: Path | None = None):
         self.words = [*before, programs / "visumd", scene, "--port", 0, "--json", "-v", 0, *options]
@@ -85,7 +85,7 @@ def connect(port: int) -> socket.socket:
 
 
 def replay(programs: Path, file: Path, patience_s: float = PATIENCE_S) -> dict[str, object]:
-    """What `visum replay` says of a recording, which must have the same bits as far as it can be read."""
+    """Runs `visum replay` on a recording and returns its output. All that can be read must have the same bits."""
     done = subprocess.run([programs / "visum", "replay", file, "--json"], capture_output=True, text=True, timeout=patience_s)
     expect(done.returncode in (0, 1), f"the recording cannot be read: {done.stdout}{done.stderr}")
     again = json.loads(done.stdout.splitlines()[-1])
@@ -94,7 +94,7 @@ def replay(programs: Path, file: Path, patience_s: float = PATIENCE_S) -> dict[s
 
 
 def await_that(holds: Callable[[], bool], claim: str, patience_s: float = PATIENCE_S) -> float:
-    """The seconds until it held."""
+    """Waits until the claim holds; returns the seconds."""
     began = time.monotonic()
     while not holds():
         expect(time.monotonic() - began < patience_s, f"not within {patience_s:.0f} s: {claim}")
@@ -104,7 +104,7 @@ def await_that(holds: Callable[[], bool], claim: str, patience_s: float = PATIEN
 
 @contextmanager
 def processes(*burdens: tuple[Callable[..., None], tuple[object, ...]]) -> Iterator[list[multiprocessing.Process]]:
-    """Runs them for the length of a `with`."""
+    """Runs these processes for the length of a `with`."""
     running = [multiprocessing.Process(target=target, args=words, daemon=True) for target, words in burdens]
     for process in running:
         process.start()
@@ -117,7 +117,7 @@ def processes(*burdens: tuple[Callable[..., None], tuple[object, ...]]) -> Itera
 
 
 def run_all(trials: dict[str, Callable[..., str]], wanted: list[str], options: argparse.Namespace) -> int:
-    """Runs those wanted, or all, each with a folder of its own; prints what each says, and returns the exit code."""
+    """Runs the named trials, or all, each with a folder of its own. Prints their results and returns the exit code."""
     if unknown := set(wanted) - set(trials):
         print(f"there is no {', '.join(unknown)}; there are {', '.join(trials)}", file=sys.stderr)
         return 2
@@ -135,17 +135,17 @@ def run_all(trials: dict[str, Callable[..., str]], wanted: list[str], options: a
     return 1 if 1 in codes else min(codes)
 
 
-# Burdens: each goes on until it is killed --------------------------------------------------------------------------
+# Loads: each goes on until it is killed ----------------------------------------------------------------------------
 
 
 def burn() -> None:
-    """A processor's whole time."""
+    """Uses a processor's whole time."""
     while True:
         pass
 
 
 def flood(port: int, seed: int) -> None:
-    """Connections that say nothing, nonsense or half a sentence, and break off: as many as go."""
+    """As many connections as possible, which say nothing, nonsense or half a message, and break off."""
     dice = random.Random(seed)
     while True:
         try:

@@ -3,10 +3,10 @@
 
     starts.py [--bin FOLDER] [--starts N] [--seed S] [TRIAL...]
 
-  clean     with each clock, with and without a recording, a bus and the page; somebody commands, looks and goes, or is still
-            there at the end; stopped by SIGTERM, SIGINT or a client. Each time: the exit code is as it should be, no
-            descriptor more than before the clients, and afterwards no process, no file, no shared memory
-  valgrind  the same under valgrind, a twentieth as often: no error, nothing definitely lost (is skipped where it is not there)
+  clean     with each clock, with and without a recording, a bus and the page. A client commands, reads and goes, or is still
+            there at the end. The daemon is stopped by SIGTERM, SIGINT or a client. Each time the exit code must be right, with
+            no more descriptors than before the clients, and afterwards no process, no file, no shared memory is left
+  valgrind  the same under valgrind, a twentieth as often: no error, nothing definitely lost (skipped if it is not installed)
 
 Exit code 0: all held; 1: one did not; 77: all were skipped.
 """
@@ -46,7 +46,7 @@ def words_of(dice: random.Random, folder: Path) -> list[object]:
 
 
 def visit(daemon: Daemon) -> "visum.Client":
-    """Somebody who commands and looks, and is still there."""
+    """A client that commands and reads, and stays connected."""
     import visum
 
     client = visum.Client(daemon.address, name="visitor", role="admin", connect_timeout_s=60)

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Runs the daemon against the walls of a container: memory, processes, descriptors, disk. It has to refuse with a reason and go
-on, or end with one; what was recorded by then must be readable.
+"""Runs the daemon against the limits of a container: memory, processes, descriptors, disk. It must refuse with a reason and go
+on, or end with a reason. What was recorded until then must be readable.
 
     walls.py [--bin FOLDER] [WALL...]
 
 Needs a cgroup (version 1 or 2) for memory and processes, and a mount namespace for the disk: what this machine does not allow is
-skipped, and said. Exit code 0: all held; 1: one did not; 77: all were skipped.
+skipped with a message. Exit code 0: all held; 1: one did not; 77: all were skipped.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ DISK_MIB = 4
 
 @contextmanager
 def cgroup(controller: str, **limits: int) -> Iterator[Path]:
-    """A group of that controller; limits as version 2 names them. Whoever's id is written to cgroup.procs is in it."""
+    """A group of that controller, with limits named as in version 2. A process is in it if its id is in cgroup.procs."""
     root = Path("/sys/fs/cgroup")
     first = root / controller if (root / controller).is_dir() else root
     group = first / f"visum-walls-{os.getpid()}"
@@ -60,12 +60,12 @@ def in_group(group: Path, name: str) -> Path:
 
 
 def inside(group: Path) -> tuple[str, ...]:
-    """Words that start a program in the group."""
+    """The command that starts a program in the group."""
     return ("sh", "-c", 'echo $$ > "$0/cgroup.procs" && exec "$@"', str(group))
 
 
 def goes_on(daemon: Daemon) -> None:
-    """Who comes now is served, and the world runs."""
+    """Checks that new clients are served and that the world runs."""
     import visum
 
     with visum.Client(daemon.address, name="checker", role="observer", connect_timeout_s=60) as client:
@@ -98,7 +98,7 @@ def memory(options: argparse.Namespace, folder: Path) -> str:
 
 
 def hoard(daemon: Daemon) -> tuple[int, int]:
-    """Adds bodies until the daemon is gone: how many, and a tick of the last second."""
+    """Adds bodies until the daemon is gone. Returns how many, and a tick of the last second."""
     import visum
 
     admin = visum.Client(daemon.address, name="hoarder", role="admin")

@@ -1,7 +1,7 @@
-"""A wire of our own between two network namespaces: a relay that delays, loses, doubles and cuts.
+"""A wire between two network namespaces: a relay that delays, loses and doubles packets, and that can be cut.
 
-Each namespace has a TUN device, and what leaves the one comes out of the other as the relay sees fit. It needs root and
-/dev/net/tun, and nothing of the kernel's queueing disciplines (netem), which not every kernel has.
+Each namespace has a TUN device. Packets that leave the one come out of the other, as the relay decides. It needs root and
+/dev/net/tun, but not the kernel's queueing disciplines (netem), which not every kernel has.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ MOST_BYTES = 65536  # of a packet
 
 
 class Weather(NamedTuple):
-    """What becomes of each packet, in both directions. The own delay of each lets them overtake each other."""
+    """What happens to packets, in both directions. Each has its own delay, so they may overtake each other."""
 
     delay_ms: float = 0.0
     jitter_ms: float = 0.0  # more or less than the delay, evenly
@@ -38,7 +38,7 @@ class Weather(NamedTuple):
 
 
 class Counts(NamedTuple):
-    """Of packets."""
+    """Counts of packets."""
 
     carried: int
     lost: int
@@ -95,7 +95,7 @@ def ip(*words: object) -> None:
 
 @contextmanager
 def inside(namespace: str) -> Iterator[None]:
-    """Sockets and devices that are opened in this block belong to the namespace."""
+    """Within this block, sockets and devices are opened in the namespace."""
     libc = ctypes.CDLL(None, use_errno=True)
     with open("/proc/self/ns/net") as home, open(f"/run/netns/{namespace}") as there:
         if libc.setns(there.fileno(), CLONE_NEWNET) != 0:
@@ -107,7 +107,7 @@ def inside(namespace: str) -> Iterator[None]:
 
 
 def open_device(namespace: str, address: str) -> int:
-    """A device `wire` with that address; it is gone with the last who holds the descriptor."""
+    """A device `wire` with that address. It exists as long as its descriptor is open."""
     try:
         with inside(namespace):
             device = os.open("/dev/net/tun", os.O_RDWR)
@@ -121,7 +121,7 @@ def open_device(namespace: str, address: str) -> int:
 
 
 class Wire:
-    """Two namespaces, `far` with the daemon and `near` with the controller, and what is between them."""
+    """Two namespaces, `far` with the daemon and `near` with the controller, and the wire between them."""
 
     def __init__(self, weather: Weather = Weather(), seed: int = 1) -> None:
         self.weather, self.seed = weather, seed
@@ -146,7 +146,7 @@ class Wire:
         self._undo.close()
 
     def cut(self) -> None:
-        """Neither end hears anything more of the other, and no device says so."""
+        """Cuts the wire: neither end hears from the other any more, and no device reports it."""
         self._cut.value = 1
 
     def mend(self) -> None:

@@ -44,7 +44,7 @@ constexpr std::array kAllowed{SYS_read,   SYS_write,      SYS_brk,          SYS_
                               SYS_mremap, SYS_madvise,    SYS_mprotect,     SYS_futex,    SYS_clock_gettime,
                               SYS_exit,   SYS_exit_group, SYS_rt_sigreturn, SYS_getrandom};
 
-// A program for the kernel: the numbers above pass, all others kill.
+// Installs a filter in the kernel: the numbers above pass, all other calls kill the process.
 void allow_few_calls() {
   using std::uint32_t;
   constexpr auto number_at = static_cast<uint32_t>(offsetof(seccomp_data, nr));

@@ -1,18 +1,18 @@
-// Takes everything from the present process that reading a mesh does not need.
+// Takes from the present process everything that it does not need to read a mesh.
 #pragma once
 
 namespace visum::collada {
 
 #ifdef VISUM_SANITIZED
-inline constexpr bool kForbids = false;  // a sanitizer needs more memory and calls than are left
+inline constexpr bool kForbids = false;  // a sanitizer needs more memory and system calls than this leaves
 #else
 inline constexpr bool kForbids = true;
 #endif
 
-// From now on: bounded memory and processor time, no core file, and of the kernel only memory, reading and
-// writing what is open already, the clock and the exit; anything else kills the process. It dies with its
-// parent. Memory and calls stay free where kForbids is false. Throws std::runtime_error where the kernel
-// refuses.
+// Bounds memory and processor time, forbids a core file, and makes the process die with its parent. Of the
+// kernel it leaves memory, reading and writing of files that are open already, the clock and the exit; any
+// other call kills the process. If kForbids is false, memory and calls stay free. Throws std::runtime_error
+// if the kernel refuses.
 void confine();
 
 }  // namespace visum::collada

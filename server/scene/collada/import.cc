@@ -19,7 +19,7 @@ constexpr std::size_t kHeaderBytes = 80;
 constexpr int kNotRead = aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
                          aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
                          aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS;
-// The graph is flattened: each material's triangles in the document's own frame.
+// The graph is flattened: the triangles of each material, in the document's own frame.
 constexpr unsigned kSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_RemoveComponent |
                             aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure;
 
@@ -37,7 +37,8 @@ std::optional<std::array<float, 4>> color_of(const aiMaterial& material) {
   aiColor4D color;
   if (is_textured(material)) return std::nullopt;  // assimp would say white
   if (material.Get(AI_MATKEY_COLOR_DIFFUSE, color) != AI_SUCCESS) return std::nullopt;
-  // Exporters disagree on what transparency means in Collada; a visual that vanished would help nobody.
+  // Alpha is ignored: exporters disagree on the meaning of Collada's transparency, and an invisible visual
+  // helps nobody.
   const auto bounded = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
   return std::array{bounded(color.r), bounded(color.g), bounded(color.b), 1.0f};
 }

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Before the file as a whole.
+// An error about the file as a whole.
 [[noreturn]] void fail(const fs::path& file, const std::string& message) {
   throw config::ConfigError({file.string(), 0, ""}, message);
 }

@@ -1,4 +1,4 @@
-// `visumd convert`: a scene from one encoding into another.
+// `visum convert`: turns a scene from one encoding into another.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +9,11 @@
 
 namespace visum::scene {
 
-// By the ending of `file`: .yaml, .urdf, .sdf, .x3d, .x3dv or .wrl. Throws ConfigError at what is wrong.
+// Reads by the file's extension: .yaml, .urdf, .sdf, .x3d, .x3dv or .wrl. Throws ConfigError.
 Scene read_any_scene(const std::filesystem::path& file, const Options& options);
 
-// Reads `from`, writes `to` (.yaml, .sdf, .x3d, .x3dv or .wrl) and returns what it could not hold, one
-// sentence each. Throws ConfigError; `to` is then not touched.
+// Reads `from` and writes `to` (.yaml, .sdf, .x3d, .x3dv or .wrl). Returns what the encoding of `to` cannot
+// hold, one sentence each. Throws ConfigError; `to` is then unchanged.
 std::vector<std::string> convert(const std::filesystem::path& from, const std::filesystem::path& to,
                                  const Options& options);
 

@@ -1,5 +1,5 @@
-// What a conversion writes: one file, others beside it in a folder of their own, and what got lost on the
-// way.
+// Collects what a conversion writes: one file, companion files in a folder of their own, and a list of
+// losses. Nothing is written before write().
 #pragma once
 
 #include <filesystem>
@@ -15,19 +15,19 @@ class Output {
   explicit Output(std::filesystem::path file);
 
   const std::filesystem::path& file() const { return file_; }
-  // One sentence each, told once.
+  // Notes a loss in one sentence. The same sentence is noted once.
   void lose(const std::string& sentence);
   const std::vector<std::string>& losses() const { return losses_; }
 
-  // A name for `other` that is right in the file that is written.
+  // The path to `other`, as it must stand in the file that is written.
   std::string path_to(const std::filesystem::path& other) const;
-  // Keeps a file for write(), in the folder FILE_files; returns its path_to().
+  // Keeps a companion file for write(), in the folder FILE_files. Returns its path_to().
   std::string add_file(const std::string& name, std::string bytes);
-  // The same of a mesh, once, as OBJ.
+  // As add_file() for a mesh, which is written as OBJ, and only once.
   std::string add_mesh(const world::TriangleMesh& mesh);
 
-  // Writes all. Throws ConfigError where that fails; nothing that is there already is replaced but the file
-  // itself and those of its folder.
+  // Writes all files. Replaces only the file itself and companions in its folder. Throws ConfigError if that
+  // fails.
   void write(const std::string& text) const;
 
  private:
@@ -41,7 +41,7 @@ class Output {
   std::vector<Companion> companions_;
 };
 
-// With all its digits, so that it is read as the same bits.
+// With as many digits as are needed to read the same bits again.
 std::string exact(double number);
 // "1 2 3"
 std::string exact(const double* numbers, std::size_t count, const char* between = " ");

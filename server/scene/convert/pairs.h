@@ -1,4 +1,4 @@
-// Pairs of bodies that never collide, as an encoding must tell them.
+// Selects the pairs of bodies that an encoding must list because they never collide.
 #pragma once
 
 #include <functional>
@@ -9,8 +9,8 @@
 
 namespace visum::scene {
 
-// Of `no_collision`, those that are not between the two bodies of a joint for which `keeps_apart` holds, in
-// their order: what the joints of a file say is not to be told again.
+// The pairs of `no_collision`, in their order, without those between two bodies of a joint for which
+// `keeps_apart` is true: the joints of the file already say that.
 std::vector<std::pair<world::BodyId, world::BodyId>> pairs_beside_joints(
     const world::WorldModel& world, const std::function<bool(const world::Joint&)>& keeps_apart);
 

@@ -15,7 +15,7 @@ namespace {
 using world::JointKind;
 using world::ShapeKind;
 
-// An SDF pose: place, then roll, pitch and yaw.
+// An SDF pose: position, then roll, pitch and yaw.
 std::string pose_text(const world::Pose& pose) {
   const Eigen::Matrix3d r = pose.q.toRotationMatrix();
   const double pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
@@ -97,7 +97,7 @@ class SdfWriter {
     close();
   }
 
-  // Bodies that joints connect belong together, under the first of them.
+  // Groups bodies that joints connect, under the first of them.
   std::map<std::size_t, std::vector<std::size_t>> groups() const {
     std::vector<std::size_t> leader(world_.bodies.size());
     for (std::size_t i = 0; i < leader.size(); ++i) leader[i] = i;
@@ -129,7 +129,7 @@ class SdfWriter {
     close();
   }
 
-  // SDF keeps all links of a model apart from each other, or only those that its joints connect.
+  // SDF keeps all links of a model apart from each other, or only those that a joint connects.
   void self_collide(const std::vector<std::size_t>& members) {
     const auto within = [&](const auto& pair) {
       return std::ranges::binary_search(members, pair.first.index()) &&
@@ -142,7 +142,7 @@ class SdfWriter {
       element("self_collide", std::string("true"));
   }
 
-  // A link that stands still among others that move.
+  // Fixes a link that stands still among others that move.
   void hold(const world::Body& body) {
     open("joint");
     out_.PushAttribute("name", (flat(body.name) + "_stands").c_str());
@@ -191,7 +191,7 @@ class SdfWriter {
     element("pose", pose_text(shape.X_BS));
     geometry(shape);
     open("material");
-    // Opaque: a reader multiplies by what <transparency> leaves.
+    // Opaque: a reader multiplies alpha by what <transparency> leaves.
     element("diffuse", exact(shape.color.data(), 3) + " 1");
     element("ambient", exact(shape.color.data(), 3) + " 1");
     close();
@@ -340,7 +340,7 @@ class SdfWriter {
   const Scene& scene_;
   const world::WorldModel& world_;
   Output& output_;
-  std::vector<std::pair<world::BodyId, world::BodyId>> untold_;  // that the file keeps apart by nothing
+  std::vector<std::pair<world::BodyId, world::BodyId>> untold_;  // pairs that the SDF file cannot keep apart
   tinyxml2::XMLPrinter out_;
   std::size_t lights_ = 0;
 };

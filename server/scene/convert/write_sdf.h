@@ -1,5 +1,5 @@
-// A scene as an SDF world, for Gazebo and its kin: every body a model of its own, but those that joints
-// connect, which are one model together.
+// Writes a scene as an SDF world, for Gazebo and related programs. Each body becomes a model; bodies that
+// joints connect become one model together.
 #pragma once
 
 #include <string>

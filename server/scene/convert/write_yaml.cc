@@ -31,7 +31,7 @@ std::string engine_text(const world::EngineSetting& engine) {
   return map.text();
 }
 
-// What a plug-in's engine is set to is the plug-in's alone.
+// Only the plug-in knows the settings of its engine, so its entry is copied.
 std::string engine_text(const Scene& scene, std::size_t number) {
   const auto plugged = scene.plugged_engines.find(number);
   return plugged == scene.plugged_engines.end() ? engine_text(scene.world.engines[number])
@@ -53,7 +53,7 @@ std::string engines_text(const Scene& scene) {
   return others.empty() ? "" : others.text();
 }
 
-// One scene on its way into a text.
+// Turns one scene into a text.
 class YamlWriter {
  public:
   YamlWriter(const Scene& scene, Output& output) : scene_(scene), world_(scene.world), output_(output) {}
@@ -120,14 +120,14 @@ class YamlWriter {
     return yaml_of(entry, {{"drives", file_of(*drives)}});
   }
 
-  // Those in the world may have been placed in a frame, or by who included them.
+  // A sensor in the world may have been placed in a frame, or by an including file.
   static std::string sensor_text(const SensorPlan& sensor) {
     const std::string pose = yaml_pose(sensor.X_BS);
     const bool placed = !sensor.body.valid() && (sensor.config.find("pose") || pose != "{}");
     return placed ? yaml_of(sensor.config, {{"pose", pose}}) : yaml_of(sensor.config);
   }
 
-  // A file's models are read before its bodies; those of included files may have come before.
+  // Notes a loss of order: a file's models are read before its bodies, but includes may have mixed them.
   void tell_order() {
     bool model_comes = false;
     for (std::size_t i = world_.bodies.size(); i-- > 0;) {
@@ -204,7 +204,7 @@ class YamlWriter {
     return map.text();
   }
 
-  // Those of models come with their models.
+  // Joints of models come with their models.
   bool is_of_model(const world::Joint& joint) const {
     const std::string& model = world_.bodies[joint.child.index()].model;
     return !model.empty() && joint.name.starts_with(model + "/");
@@ -236,7 +236,7 @@ class YamlWriter {
   }
 
   static void curve(const world::Curve& curve, YamlMap& map) {
-    // A closed one has its first point once more at its end.
+    // A closed curve has its first point once more at its end.
     const std::size_t count = curve.points().size() - (curve.closed() ? 1 : 0);
     std::string points;
     for (std::size_t i = 0; i < count; ++i) points += (i == 0 ? "" : ", ") + yaml_list(curve.points()[i]);
@@ -261,7 +261,7 @@ class YamlWriter {
   }
 
   void no_collision() {
-    std::set<std::string> limp;  // models whose own entries say that none of their links collide
+    std::set<std::string> limp;  // models whose entries say that none of their links collide
     for (const ModelPlan& model : scene_.models)
       if (!model.config.boolean_or("self_collision", true)) limp.insert(model.name);
     const auto joined = [](const world::Joint& joint) { return world::info(joint.kind).holds_anything; };

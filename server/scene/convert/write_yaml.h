@@ -1,5 +1,5 @@
-// A scene as one YAML file without includes, parameters, frames and repetition: every entry stands where it
-// is in the world, every number with all its digits.
+// Writes a scene as one YAML file without includes, parameters, frames and repetition. Every entry has its
+// place in the world, every number all its digits.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace visum::scene {
 
-// Name, gravity, time, engines and surfaces: keys of a scene file with their values.
+// Name, gravity, time, engines and surfaces, as keys of a scene file with their values.
 std::vector<std::pair<std::string, std::string>> settings_of(const Scene& scene);
 
 std::string to_yaml(const Scene& scene, Output& output);

@@ -21,6 +21,7 @@ bool is_number_word(const Token& token) {
   return std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '+' || c == '.';
 }
 
+// Splits the text into tokens. Comments and commas count as blanks.
 class Tokens {
  public:
   Tokens(std::string_view text, std::string file) : text_(text), file_(std::move(file)) { next(); }
@@ -90,7 +91,7 @@ class Tokens {
   Token now_;
 };
 
-// As XML attributes have several texts.
+// Quotes a text, as XML attributes with several texts do.
 std::string in_quotes(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) {
@@ -100,6 +101,7 @@ std::string in_quotes(const std::string& text) {
   return quoted + "\"";
 }
 
+// A recursive-descent parser. Which fields a node may have is not checked here.
 class Reader {
  public:
   Reader(const std::string& text, const std::string& file) : tokens_(text, file) {
@@ -118,7 +120,7 @@ class Reader {
  private:
   using Kind = Token::Kind;
 
-  // What stands among nodes and is none.
+  // Skips statements that are not nodes. Returns false if the next thing is none of them.
   bool skip_statement() {
     const Token& now = tokens_.now();
     if (now.kind != Kind::kWord) return false;
@@ -160,6 +162,7 @@ class Reader {
     return made;
   }
 
+  // Takes a word. If something else stands there, the error says that `what` is expected.
   Token word(const std::string& what) {
     if (tokens_.now().kind != Kind::kWord)
       tokens_.fail(
@@ -189,6 +192,7 @@ class Reader {
     }
   }
 
+  // Reads [...]: numbers, texts or truth values into the field's value, nodes as children.
   void list(X3dNode& node, const std::string& name, int depth) {
     const int line = tokens_.take().line;
     std::string& value = node.values[name];

@@ -50,7 +50,7 @@ std::string color_text(const std::array<double, 4>& color) {
   return exact(color.data(), 3);
 }
 
-// Null: X3D has none.
+// Null: X3D has no such joint.
 const char* x3d_type(const world::Joint& joint) {
   switch (joint.kind) {
     case JointKind::kHinge:
@@ -66,7 +66,7 @@ const char* x3d_type(const world::Joint& joint) {
   }
 }
 
-// One shape as X3D has it; some of ours are several.
+// A shape in X3D's terms; some of ours become several.
 struct Form {
   X3dNode geometry;
   world::Pose X_SF;  // in the shape's frame
@@ -96,7 +96,7 @@ class Exporter {
   }
 
  private:
-  // As in a scene file.
+  // The settings, with the keys of a scene file.
   std::string settings() {
     YamlMap map;
     for (const auto& [key, value] : settings_of(scene_)) map.add(key, value);
@@ -105,7 +105,7 @@ class Exporter {
     return map.text();
   }
 
-  // Beside those that a joint of the file keeps apart.
+  // The pairs that no joint of the file keeps apart.
   std::string no_collision() const {
     std::string pairs;
     const auto name = [&](world::BodyId id) { return yaml_text(flat_name(world_.bodies[id.index()].name)); };
@@ -115,7 +115,7 @@ class Exporter {
     return pairs;
   }
 
-  // Of a form that stands for a part of the shape: the surface alone, or nothing.
+  // Name, pose and surface. A shape that is replaced by other forms has its surface alone, or nothing.
   std::string shape_metadata(const world::Shape& shape) const {
     const bool replaced = shape.kind == ShapeKind::kCapsule || shape.kind == ShapeKind::kPlane;
     YamlMap map;
@@ -249,7 +249,7 @@ class Exporter {
     node.add("body2", bodies_[joint.child.index()]);
   }
 
-  // X3D's motors turn; what drives a slider stands in the metadata alone.
+  // X3D's motors only turn, so a part that drives a slider stands in the metadata alone.
   void add_motor(X3dNode& collection, const world::Joint& joint) const {
     if (joint.kind != JointKind::kHinge) return;
     const world::Pose X_WP = joint.parent.valid() ? world_.bodies[joint.parent.index()].X_WB : world::Pose{};
@@ -261,7 +261,7 @@ class Exporter {
     collection.add("joints", std::move(node));
   }
 
-  // In the world, as X3D has it.
+  // Writes the joint's place in the world, as X3D does.
   void place_joint(const world::Joint& joint, X3dNode& node) const {
     const world::Pose X_WP = joint.parent.valid() ? world_.bodies[joint.parent.index()].X_WB : world::Pose{};
     const world::Pose X_WJ = X_WP * joint.X_PJ;
@@ -343,7 +343,7 @@ class Exporter {
   Output& output_;
   const bool physics_;
   std::vector<X3dNode> bodies_;           // by BodyId, as USE
-  std::vector<const PartPlan*> driving_;  // those that are kept
+  std::vector<const PartPlan*> driving_;  // the parts that can be written
   std::size_t shapes_ = 0;
 };
 

@@ -8,7 +8,8 @@ namespace visum::scene {
 namespace {
 
 constexpr std::array<std::string_view, 4> kTexts{"name", "title", "description", "reference"};
-// `value` is of metadata: texts in MetadataString, numbers in the others; the writer looks at what it holds.
+// `value` of metadata holds texts in MetadataString and numbers in the others; the writer looks at the
+// content.
 constexpr std::array<std::string_view, 4> kManyTexts{"info", "type", "forceOutput", "url"};
 constexpr std::array<std::string_view, 8> kMany{"children",   "bodies", "joints", "point",
                                                 "coordIndex", "index",  "value",  "collidables"};

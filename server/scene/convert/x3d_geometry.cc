@@ -18,7 +18,7 @@ double length(const X3dNode& node, const std::string& field, double otherwise, c
   return number;
 }
 
-// About y, its tip up, as a mesh.
+// A cone about y, with its tip up, as a mesh.
 world::TriangleMesh cone(double radius, double height) {
   world::TriangleMesh mesh;
   mesh.vertices.emplace_back(0, height / 2, 0);
@@ -60,7 +60,7 @@ std::uint32_t index_of_point(const X3dNode& node, double number, std::size_t poi
   return static_cast<std::uint32_t>(number);
 }
 
-// Faces end with -1; each becomes a fan of triangles.
+// Reads faces, each of which ends with -1, as fans of triangles.
 void faces(const X3dNode& node, const std::string& file, world::TriangleMesh& mesh) {
   std::vector<std::uint32_t> face;
   const auto end_face = [&] {

@@ -1,4 +1,4 @@
-// The forms that X3D's geometry nodes have, as ours.
+// Turns X3D's geometry nodes into our shapes.
 #pragma once
 
 #include <functional>
@@ -13,12 +13,12 @@ namespace visum::scene {
 struct X3dForm {
   world::ShapeKind kind = world::ShapeKind::kBox;  // box, sphere, cylinder or mesh
   std::array<double, 3> size{};
-  Eigen::Quaterniond q_NS = Eigen::Quaterniond::Identity();  // of the shape in the node's frame
+  Eigen::Quaterniond q_NS = Eigen::Quaterniond::Identity();  // from the shape's frame to the node's
   world::TriangleMesh mesh;
 };
 
-// Nothing for geometry that is not read; throws ConfigError at what is wrong. `scale` is the same along all
-// axes.
+// Returns nothing for geometry that is not read. Throws ConfigError for wrong geometry. `scale` is the same
+// along all axes.
 std::optional<X3dForm> read_x3d_geometry(const X3dNode& node, const Eigen::Vector3d& scale,
                                          const std::string& file,
                                          const std::function<const X3dNode&(const X3dNode&)>& resolved);

@@ -21,7 +21,7 @@ using world::JointKind;
 using world::Pose;
 
 constexpr std::size_t kMaxVertices = 3 * world::kMaxTriangles;
-constexpr double kSame = 1e-6;  // m, rad: metadata that agrees with the fields beside it
+constexpr double kSame = 1e-6;  // m, rad: metadata agrees with the fields beside it up to here
 
 bool same(const Pose& a, const Pose& b) {
   return (a.p - b.p).norm() < kSame && a.q.angularDistance(b.q) < kSame;
@@ -46,7 +46,7 @@ class Importer {
   }
 
   Scene read() {
-    scene_.world.gravity = {0, -9.81, 0};  // X3D's y is up
+    scene_.world.gravity = {0, -9.81, 0};  // in X3D, y is up
     for (const X3dNode* collection : collections_) read_settings(*collection);
     for (const X3dNode* collection : collections_)
       for (const auto& [field, child] : collection->children)
@@ -84,7 +84,7 @@ class Importer {
     return quaternion_of_rotation(numbers(node, field, 4, {0, 0, 1, 0}).data());
   }
 
-  // Names, collections, and which shapes belong to bodies.
+  // Notes names, collections, and which shapes belong to bodies.
   void index(const X3dNode& node, int depth) {
     if (!node.def.empty()) defs_[node.def] = &node;
     if (node.type == "RigidBodyCollection") collections_.push_back(&node);
@@ -100,7 +100,7 @@ class Importer {
     return *found->second;
   }
 
-  // The YAML of the metadata node beside a node's fields.
+  // The YAML in the metadata node beside a node's fields.
   std::optional<Node> metadata(const X3dNode& node) const {
     const X3dNode* child = child_of(node, "metadata");
     if (!child || child->type != "MetadataString") return {};
@@ -124,7 +124,7 @@ class Importer {
     read_surfaces(draft_, *known);
   }
 
-  // What only metadata tells of bodies and joints that are there.
+  // Reads what only metadata says about the bodies and joints of a collection.
   void read_rest(const X3dNode& collection) {
     const auto known = metadata(collection);
     if (!known) return;
@@ -132,7 +132,7 @@ class Importer {
     if (const auto parts = known->find("parts")) read_motors(draft_, *parts, motors_);
   }
 
-  // Of the metadata where that agrees with the fields.
+  // The metadata's pose if it agrees with the fields; otherwise the fields'.
   static Pose exact_pose(const std::optional<Node>& metadata, const Pose& fields) {
     if (!metadata) return fields;
     const Pose exact = read_pose_or_identity(*metadata, "pose");
@@ -218,7 +218,7 @@ class Importer {
     draft_.add_shape(shape, place_of(*geometry));
   }
 
-  // Once for each node and scale, however often it is used.
+  // Converts geometry once for each node and scale, however often it is used.
   const std::optional<X3dForm>& form_of(const X3dNode& node, double scale) {
     const auto [entry, is_new] = forms_.try_emplace({&node, scale});
     if (!is_new) return entry->second;
@@ -286,7 +286,7 @@ class Importer {
     draft_.add_joint(joint, place_of(node));
   }
 
-  // Who carries whom; -1 where the file has it the other way round.
+  // Finds parent and child. Returns -1 if the file has them the other way round, else 1.
   double connect(const X3dNode& node, world::Joint& joint) const {
     const X3dNode* first = body_node(node, "body1");
     const X3dNode* second = body_node(node, "body2");
@@ -324,7 +324,7 @@ class Importer {
     joint.X_CJ = bodies[joint.child.index()].X_WB.inverse() * (X_WP * joint.X_PJ);
   }
 
-  // The frame that the joint had, where it means the same place and axis.
+  // Restores the frame that the joint had, if it means the same place and axis.
   static void exact_place(const Node& known, world::Joint& joint) {
     const Pose X_PJ = read_pose_or_identity(known, "pose");
     const Eigen::Vector3d axis_J = read_axis(known.get("axis"));
@@ -357,7 +357,7 @@ class Importer {
     joint.initial_position = known->number_or("position", joint.initial_position, {lowest, highest});
   }
 
-  // Whatever is to be seen beside the bodies.
+  // Reads all shapes outside of bodies.
   void read_scenery() {
     world::Body scenery;
     scenery.name = "scenery";
@@ -388,7 +388,8 @@ class Importer {
         walk(child, X_WI, scale, collides, depth + 1, scenery);
   }
 
-  // X_NI: in the outer frame, whose lengths count `scale` times; afterwards `scale` is that of the inner one.
+  // X_NI: the inner frame in the outer one, whose lengths count `scale` times. Afterwards `scale` is that of
+  // the inner frame.
   Pose transform_of(const X3dNode& node, double& scale) const {
     const Eigen::Vector3d center = vector(node, "center", Eigen::Vector3d::Zero());
     const Eigen::Vector3d factors = vector(node, "scale", Eigen::Vector3d::Ones());
@@ -442,9 +443,9 @@ class Importer {
   Draft draft_;
   std::map<std::string, const X3dNode*> defs_;
   std::vector<const X3dNode*> collections_;
-  std::set<const X3dNode*> of_bodies_;  // asked only whether they hold a shape
+  std::set<const X3dNode*> of_bodies_;  // only used to ask if they hold a shape
   std::map<const X3dNode*, world::BodyId> bodies_;
-  std::set<std::string> motors_;  // joints with one
+  std::set<std::string> motors_;  // joints with a MotorJoint
   std::map<std::pair<const X3dNode*, double>, std::optional<X3dForm>> forms_;
   world::BodyId scenery_;
   std::size_t visits_ = 0, vertices_ = 0;

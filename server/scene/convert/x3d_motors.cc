@@ -28,7 +28,7 @@ std::string list_of(const std::vector<std::string>& names) {
   return "[" + text + "]";
 }
 
-// The part's drives, under the joints' new names; those of other joints are left out.
+// The part's drives, under the joints' new names. Drives of other joints are left out.
 std::string drives_text(const Node& file, const std::map<std::string, std::string>& new_names) {
   std::string text = "source: " + yaml_text(file.get("source").text()) + "\ndrives:\n";
   const Node drives = file.get("drives");
@@ -57,7 +57,7 @@ std::string part_yaml(const Scene& scene, const PartPlan& part, Output& output) 
                  {{"model", ""}, {"joints", list_of(joints)}, {"drives", yaml_text(copy)}});
 }
 
-// A hinge of the part without a motor beside it; empty: none.
+// The first hinge of the part without a motor beside it; empty if there is none.
 std::string without_motor(const Draft& draft, const Node& part, const std::set<std::string>& motors) {
   const Node joints = part.get("joints");
   for (std::size_t i = 0; i < joints.size(); ++i) {

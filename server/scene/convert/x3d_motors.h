@@ -1,6 +1,7 @@
-// What drives joints, between scenes and X3D. X3D's MotorJoint says that a motor acts between two bodies
-// about an axis; ours is a hardware part with ports, so the part stands in the metadata of the collection, as
-// YAML, and each hinge that it drives has a MotorJoint beside its joint. Without all of those the part is not
+// Translates parts that drive joints between scenes and X3D. A MotorJoint of X3D says that a motor acts
+// between two bodies about an axis. Our motor belongs to a hardware part with ports. So the part is stored as
+// YAML in the metadata of the collection, and each hinge that it drives has a MotorJoint beside its joint. A
+// part is read only if all of its MotorJoints are there.
 // read.
 #pragma once
 
@@ -13,15 +14,14 @@
 
 namespace visum::scene {
 
-// The parts that X3D's metadata can hold: those of Visum's own kinds that drive hinges and sliders by a
-// drives file. Of the others it tells that they are lost.
+// The parts that X3D's metadata can hold: those of built-in kinds that drive hinges and sliders by a drives
+// file. Notes the other parts as losses.
 std::vector<const PartPlan*> parts_with_motors(const Scene& scene, Output& output);
 
-// `parts:` with the names that joints have where there are no models; their drives go into files of their
-// own.
+// The list `parts:`, with the joints' names of a scene without models. Drives go into companion files.
 std::string motors_yaml(const Scene& scene, const std::vector<const PartPlan*>& parts, Output& output);
 
-// `motors`: the joints that have a MotorJoint. After the joints, before sort_world.
+// `motors`: the joints that have a MotorJoint. Call it after the joints are read and before sort_world().
 void read_motors(Draft& draft, const config::Node& parts, const std::set<std::string>& motors);
 
 }  // namespace visum::scene

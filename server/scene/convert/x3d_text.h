@@ -1,4 +1,4 @@
-// Values of X3D fields as texts.
+// Converts between values and the texts of X3D fields.
 #pragma once
 
 #include <string>
@@ -13,22 +13,22 @@ namespace visum::scene {
 std::string x3d_rotation(const Eigen::Quaterniond& q);
 Eigen::Quaterniond quaternion_of_rotation(const double numbers[4]);
 
-// MFString, with quotes, and back.
+// MFString: texts in quotes.
 std::string x3d_texts(const std::vector<std::string>& texts);
 std::vector<std::string> texts_of(const std::string& value);
 
 // X3D's cylinders lie along y, ours along z.
 Eigen::Quaterniond from_y_to_z();
 
-// Numbers of a field, exactly `count`, or as many as there are (0). `otherwise` where the field is missing.
-// Throws ConfigError at the node.
+// The numbers of a field: exactly `count`, or any number of them if `count` is 0. `otherwise` if the field is
+// missing. Throws ConfigError at the node.
 std::vector<double> numbers_of(const X3dNode& node, const std::string& field, std::size_t count,
                                const std::vector<double>& otherwise, const std::string& file);
 bool flag_of(const X3dNode& node, const std::string& field, bool otherwise, const std::string& file);
 
 [[noreturn]] void fail_at(const X3dNode& node, const std::string& file, const std::string& message);
 
-// "arm/link_3" is a name of models, which X3D has none of: "arm.link_3".
+// X3D has no models, so "arm/link_3" (a link of a model) becomes "arm.link_3".
 std::string flat_name(std::string name);
 
 }  // namespace visum::scene

@@ -1,4 +1,4 @@
-// X3D as XML, by tinyxml2, which leaves entities and document types alone.
+// Reads and writes X3D as XML with tinyxml2, which leaves entities and document types alone.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-// Where a node goes that does not say so: its containerField. All others: "children".
+// The containerField of nodes that do not name one. All others go to "children".
 const std::map<std::string, std::string>& usual_fields() {
   static const std::map<std::string, std::string> fields{{"Appearance", "appearance"},
                                                          {"Material", "material"},
@@ -73,8 +73,8 @@ class Reader {
     throw config::ConfigError({file_, line, ""}, message);
   }
 
-  // The one document type that X3D files have names the standard's own; one that declares anything is
-  // refused.
+  // X3D files have one document type, which names the standard's own. A document type that declares anything
+  // is refused.
   void refuse_document_type(const std::string& text) const {
     const std::size_t at = text.find("<!DOCTYPE");
     if (at == std::string::npos) return;

@@ -7,6 +7,7 @@ namespace {
 
 using config::Node;
 
+// True for a scalar that YAML reads as a number, so that it needs no quotes.
 bool is_number(const Node& node) {
   try {
     node.number();
@@ -70,7 +71,7 @@ std::string yaml_text(const std::string& text) {
       quoted += kDigits[byte >> 4];
       quoted += kDigits[byte & 15];
     } else {
-      if (c == '$' && i + 1 < text.size() && text[i + 1] == '{') quoted += '$';  // no sum
+      if (c == '$' && i + 1 < text.size() && text[i + 1] == '{') quoted += '$';  // so that it is not expanded
       quoted += c;
     }
   }

@@ -1,4 +1,4 @@
-// Pieces of YAML in its flow form, one entry a line.
+// Pieces of YAML in its flow form, with one entry on a line.
 #pragma once
 
 #include <map>
@@ -15,13 +15,13 @@ std::string yaml_list(const double* numbers, std::size_t count);
 std::string yaml_list(const Eigen::Vector3d& vector);
 std::string yaml_pose(const world::Pose& pose);
 
-// "{a: 1, b: [2, 3]}", key by key.
+// Builds "{a: 1, b: [2, 3]}" key by key.
 class YamlMap {
  public:
-  YamlMap& add(const std::string& key, const std::string& value);  // already YAML
+  YamlMap& add(const std::string& key, const std::string& value);  // `value` is already YAML
   YamlMap& add_text(const std::string& key, const std::string& text) { return add(key, yaml_text(text)); }
   YamlMap& add_number(const std::string& key, double number) { return add(key, exact(number)); }
-  // Not at all where it is what is meant without it.
+  // Adds nothing if `number` is the default.
   YamlMap& add_unless(const std::string& key, double number, double usual);
   YamlMap& add_pose(const world::Pose& pose);
   bool empty() const { return text_.empty(); }
@@ -31,7 +31,7 @@ class YamlMap {
   std::string text_;
 };
 
-// An entry as it was read, with these keys replaced, or left out where they are replaced by nothing.
+// An entry as it was read, with the values of these keys replaced. An empty value removes the key.
 std::string yaml_of(const config::Node& node, const std::map<std::string, std::string>& replaced = {});
 
 }  // namespace visum::scene

@@ -1,7 +1,8 @@
-// A kind of engine from outside: free bodies, hinges and sliders, in steps of semi-implicit Euler. The joints
-// hold at the end of each tick by impulses that one linear system gives: J M⁻¹ Jᵀ λ = b - J u. Of first order
-// in the tick; a drive that has met its limit stays there for the tick. What it has no rows for it refuses:
-// other joints, stops, friction, damping, contacts, and joints that hold each other in a ring.
+// An engine as an outside project would write it: free bodies, hinges and sliders, in steps of semi-implicit
+// Euler. Impulses from one linear system, J M⁻¹ Jᵀ λ = b - J u, make the joints hold at the end of each tick.
+// It is of first order in the tick. A drive that reaches its limit stays there for the tick. The engine
+// refuses what it has no rows for: other joints, stops, friction, damping, contacts, and joints that form a
+// ring.
 #include <visum/plugin.h>
 
 #include <algorithm>
@@ -59,7 +60,7 @@ struct Matrix {
   std::array<Vec, 3> rows;
   Vec operator*(Vec a) const { return {dot(rows[0], a), dot(rows[1], a), dot(rows[2], a)}; }
 };
-Matrix inverse(const Matrix& m) {  // of a symmetric one
+Matrix inverse(const Matrix& m) {  // of a symmetric matrix
   const Vec a = cross(m.rows[1], m.rows[2]), b = cross(m.rows[2], m.rows[0]), c = cross(m.rows[0], m.rows[1]);
   const double s = 1.0 / dot(m.rows[0], a);
   return {{s * a, s * b, s * c}};
@@ -80,7 +81,7 @@ struct Body {
   Vec answer(Vec twist) const { return turned(q, inverse_inertia * turned(conjugate(q), twist)); }
 };
 
-// along·(v_b - v_a) + about_b·w_b - about_a·w_a + soft λ = wanted, and λ within ±most.
+// One scalar condition: along·(v_b - v_a) + about_b·w_b - about_a·w_a + soft λ = wanted, and |λ| <= most.
 struct Row {
   Body *a, *b;
   Vec along, about_a, about_b;
@@ -92,7 +93,7 @@ struct Row {
     a->push(-by * along, -by * about_a);
     b->push(by * along, by * about_b);
   }
-  // How fast it gets by a unit impulse of the other.
+  // The change of this row's speed by a unit impulse of the other row.
   double coupling(const Row& other) const {
     double sum = 0.0;
     for (const auto& [mine, sign, about] : {std::tuple(a, -1.0, about_a), std::tuple(b, 1.0, about_b)})
@@ -105,7 +106,7 @@ struct Row {
   }
 };
 
-// Gauss with pivots; throws where the rows are not independent.
+// Gaussian elimination with pivots. Throws if the rows are not independent.
 void solve(std::vector<std::vector<double>>& m, std::vector<double>& b) {
   const std::size_t n = b.size();
   for (std::size_t k = 0; k < n; ++k) {
@@ -168,7 +169,7 @@ class Euler final : public Engine {
       throw Error(whose + "has friction or damping, which this engine does not know");
   }
 
-  // Where all is, and how fast it would be without joints.
+  // Takes over the bodies' places, and the speeds that they would have without joints.
   void take(const EngineTick& tick) {
     rows_.clear();
     last_row_.clear();
@@ -201,7 +202,7 @@ class Euler final : public Engine {
     const Vec other = cross(axis, side);
     const double back = -correction_ / tick.tick_s;
     const bool turns = joint.kind == "hinge";
-    // A row of the place at_b, which a carries along; and one of the turning.
+    // A row for the place at_b, which body a carries along; the other kind of row is for turning.
     const auto place = [&](Vec along) {
       rows_.push_back({&a, &b, along, cross(at_b - a.p, along), cross(at_b - b.p, along),
                        back * dot(along, at_b - at_a)});
@@ -222,7 +223,7 @@ class Euler final : public Engine {
       turning(axis, tilt);
       place(axis);
     }
-    // The last one is what the joint leaves free: its drive.
+    // The last row is the joint's free direction, which the drive acts on.
     const JointDrive& drive = tick.drives[number];
     Row& free = rows_.back();
     free.wanted = drive.target_velocity;
@@ -233,7 +234,7 @@ class Euler final : public Engine {
     last_row_.push_back(rows_.size() - 1);
   }
 
-  // All rows at once; those beyond their limits are put there, and the others solved again.
+  // Solves all rows at once. Rows beyond their limits are fixed there, and the others are solved again.
   void find_impulses() {
     for (bool again = true; again;) {
       again = false;
@@ -271,7 +272,7 @@ class Euler final : public Engine {
   }
 
   const std::vector<EngineJoint> joints_;
-  const double correction_;  // share of a joint's gap that a tick closes
+  const double correction_;  // share of a joint's gap that one tick closes
   std::vector<std::string> names_;
   std::vector<Body> bodies_;
   Body ground_;

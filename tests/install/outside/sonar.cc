@@ -1,5 +1,5 @@
-// A kind of sensor from outside: an ultrasonic ranger, which hears the nearest thing within a cone around its
-// x axis.
+// A sensor as an outside project would write it: an ultrasonic ranger, which hears the nearest thing within a
+// cone around its x axis.
 #include <visum/plugin.h>
 
 #include <algorithm>
