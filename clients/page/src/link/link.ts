@@ -1,6 +1,6 @@
 // The way to visumd, kept open: connects, says why when it is lost, and tries again by itself. Everything else in the
 // page talks to the server through here.
-import { Emitter, Signal } from "../model/signal";
+import { Emitter, Signal } from "../common/signal";
 import { Connection, kLookMs, needsToken } from "./connection";
 import { LostError, Role, type Body, type BodyCase, type BodyOf, type RequestInit, type Welcome } from "./messages";
 

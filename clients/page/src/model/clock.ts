@@ -2,7 +2,7 @@
 import type { Link } from "../link/link";
 import type { RequestInit, ServerStatus } from "../link/messages";
 import { poll } from "./poll";
-import { Signal } from "./signal";
+import { Signal } from "../common/signal";
 
 const kPeriodMs = 500;
 const kPieceNs = 100e6; // simulated

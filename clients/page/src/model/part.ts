@@ -3,7 +3,7 @@ import type { Link } from "../link/link";
 import { ErrorCode, LostError, RequestError, type BlackboardData, type PartDescription, type PartSample, type PortDescription } from "../link/messages";
 import { History } from "./history";
 import { neighbours } from "./neighbours";
-import { Emitter, Signal } from "./signal";
+import { Emitter, Signal } from "../common/signal";
 
 export type Side = "input" | "output";
 export interface Port {

@@ -4,7 +4,7 @@ import type { Link } from "../link/link";
 import { PartDescriptionSchema, type Event, type PartDescription } from "../link/messages";
 import { Part, type Port } from "./part";
 import { poll } from "./poll";
-import { Emitter, Signal } from "./signal";
+import { Emitter, Signal } from "../common/signal";
 
 const kRefreshMs = 1000;
 const kRecording = "recording";

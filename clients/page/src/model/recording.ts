@@ -3,7 +3,7 @@
 import type { Link } from "../link/link";
 import type { Parts } from "./parts";
 import { poll } from "./poll";
-import { Signal } from "./signal";
+import { Signal } from "../common/signal";
 
 export interface PortDifference {
   part: string;

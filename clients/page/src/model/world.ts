@@ -3,7 +3,7 @@ import type { Link } from "../link/link";
 import type { MeshData, TextureData, WorldDescription, WorldSample } from "../link/messages";
 import { Playhead } from "./playhead";
 import { PoseBuffer } from "./poses";
-import { Emitter, Signal } from "./signal";
+import { Emitter, Signal } from "../common/signal";
 
 const kFramesPerSecond = 60;
 const kDelayMs = 40; // what is shown is so old: two samples and some jitter

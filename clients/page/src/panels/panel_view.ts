@@ -1,7 +1,7 @@
 // A panel on the screen: its widgets on a grid; in edit mode they are moved and sized by pointer or arrow keys.
 import type { Port } from "../model/part";
 import type { Parts } from "../model/parts";
-import type { Unsubscribe } from "../model/signal";
+import type { Unsubscribe } from "../common/signal";
 import { acceptPorts } from "../ui/drag";
 import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";

@@ -4,7 +4,7 @@ import { Plane, Vector3 } from "three";
 import type { Link } from "../link/link";
 import type { Clock } from "../model/clock";
 import type { Parts } from "../model/parts";
-import { Emitter } from "../model/signal";
+import { Emitter } from "../common/signal";
 import type { World } from "../model/world";
 import { h, iconButton, setText } from "../ui/dom";
 import { icons } from "../ui/icons";

@@ -1,7 +1,7 @@
 // The 3D view: draws the world when it moved or the look at it changed, and only then.
 import { ACESFilmicToneMapping, Box3, Color, PCFSoftShadowMap, Raycaster, Scene, Sphere, Vector2, Vector3, WebGLRenderer } from "three";
 import type { WorldDescription } from "../link/messages";
-import { Emitter } from "../model/signal";
+import { Emitter } from "../common/signal";
 import type { World } from "../model/world";
 import { report, reportError } from "../ui/toasts";
 import { Bodies } from "./bodies";
