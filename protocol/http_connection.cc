@@ -172,8 +172,8 @@ void HttpConnection::Impl::on_read(const error_code& error) {
     context.refused.fetch_add(1, std::memory_order_relaxed);
     const int status =
         error == http::error::header_limit || error == http::error::buffer_overflow ? 431 : 400;
-    return send({status, "text/plain; charset=utf-8", "this is no request: " + error.message() + "\n"}, false,
-                true);
+    return send({status, "text/plain; charset=utf-8", "this is not a request: " + error.message() + "\n"},
+                false, true);
   }
   if (error) return stream.close();
   answer(parser->get());
@@ -198,7 +198,7 @@ void HttpConnection::Impl::answer(const HttpRequest& request) {
   const HttpHead asked = head_of(request, stream.socket());
   HttpVerdict verdict = rules.judge(asked);
   if (verdict.status == 101 && buffer.size() > 0)
-    verdict = {400, "nothing may follow before the handshake is answered"};
+    verdict = {400, "no data may follow before the handshake is answered"};
   if (verdict.status == 101) return hand_on();
   const bool with_body = request.method() != http::verb::head;
   if (verdict.status != 200) {
