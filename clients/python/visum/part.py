@@ -166,8 +166,8 @@ class Part:
             part=self.name, name=name, offset=offset, data=data))
 
     def inject_fault(self, kind: str, seconds: float = 0.0, **numbers: float) -> None:
-        """Injects a fault that `visum faults` lists: inject_fault("encoder_stuck", joint=3). It ends after `seconds` of simulated
-        time; 0 means that it lasts until clear_fault(). Needs the role admin."""
+        """Injects a fault that `visum faults` lists, as in inject_fault("encoder_stuck", joint=3). It ends after `seconds` of
+        simulated time; 0 means that it lasts until clear_fault(). Needs the role admin."""
         self._client.connection.request(inject_fault=pb.InjectFault(
             part=self.name, kind=kind, duration_ns=round(seconds * 1e9),
             numbers=[pb.FaultNumber(name=name, value=value) for name, value in numbers.items()]))
