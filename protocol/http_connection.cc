@@ -71,7 +71,8 @@ HttpHead head_of(const HttpRequest& request, const asio::ip::tcp::socket& socket
   return head;
 }
 
-// What every answer says, whatever it is: nobody may frame the page, sniff types, or load from elsewhere.
+// The headers of every answer: no site may put the page into a frame, and browsers may neither guess content
+// types nor load anything from elsewhere.
 void set_security(http::response<http::empty_body>& response) {
   response.set("Content-Security-Policy",
                "default-src 'self'; img-src 'self' blob:; object-src 'none'; base-uri 'none'; "
@@ -82,7 +83,6 @@ void set_security(http::response<http::empty_body>& response) {
   response.set("Cross-Origin-Resource-Policy", "same-origin");
 }
 
-// The head of an answer as text.
 std::string head_text(const WebReply& reply, std::size_t length, bool keep_alive) {
   http::response<http::empty_body> response(static_cast<http::status>(reply.status), 11);
   set_security(response);
@@ -118,13 +118,19 @@ struct HttpConnection::Impl {
 
   void read();
   void on_read(const error_code& error);
+  // Logs and counts the failure. A client that spoke plain HTTP gets an answer in plain text.
   void tls_failed();
+  // Judges the request by the rules, then asks the pages.
   void answer(const HttpRequest& request);
+  // Gives the socket to the server, which makes a WebSocket session of it.
   void hand_on();
+  // `keep`: the connection stays open for another request.
   void send(WebReply answer_to_send, bool keep, bool with_body);
   void write();
+  // Ends our side of the stream, then throws input away until the peer closes.
   void linger();
   void discard();
+  // Whether the peer has used up the time for what we wait for now.
   bool is_late() const;
 
   WebStream stream;
@@ -140,10 +146,11 @@ struct HttpConnection::Impl {
   bool keep_alive = false;
   bool writing = false;
   bool was_answered = false;
-  bool lingering = false;  // all is written, our side is shut, the rest of the input is thrown away
-  std::size_t discarded = 0;
-  ServedTime since;  // when the present wait for the peer began, or made progress
-  int operations = 0;
+  bool handshake_failed = false;
+  bool lingering = false;     // everything is written, and input is thrown away
+  std::size_t discarded = 0;  // bytes
+  ServedTime since;           // when the present wait for the peer began, or made progress
+  int operations = 0;         // pending in the io_context, with a pointer to this
 };
 
 void HttpConnection::Impl::read() {
@@ -165,8 +172,8 @@ void HttpConnection::Impl::on_read(const error_code& error) {
     context.refused.fetch_add(1, std::memory_order_relaxed);
     const int status =
         error == http::error::header_limit || error == http::error::buffer_overflow ? 431 : 400;
-    return send({status, "text/plain; charset=utf-8", "this is no request: " + error.message() + "\n"}, false,
-                true);
+    return send({status, "text/plain; charset=utf-8", "this is not a request: " + error.message() + "\n"},
+                false, true);
   }
   if (error) return stream.close();
   answer(parser->get());
@@ -178,15 +185,20 @@ void HttpConnection::Impl::tls_failed() {
   const bool plain = stream.spoke_plain_text();
   spdlog::warn("{} is refused: {}", peer, plain ? "plain HTTP, where https is spoken" : stream.failure());
   context.refused.fetch_add(1, std::memory_order_relaxed);
-  if (!plain) return linger();
-  send({400, "text/plain; charset=utf-8", kPlainText}, false, true);
+  if (plain) return send({400, "text/plain; charset=utf-8", kPlainText}, false, true);
+  // The stream has sent the alert. Our side stays open until the peer closes or the time is up: Chromium
+  // forgets the alert, and reports that it is not connected, if it finds the connection ended before its
+  // request.
+  handshake_failed = lingering = true;
+  since = context.now;
+  discard();
 }
 
 void HttpConnection::Impl::answer(const HttpRequest& request) {
   const HttpHead asked = head_of(request, stream.socket());
   HttpVerdict verdict = rules.judge(asked);
   if (verdict.status == 101 && buffer.size() > 0)
-    verdict = {400, "nothing may follow before the handshake is answered"};
+    verdict = {400, "no data may follow before the handshake is answered"};
   if (verdict.status == 101) return hand_on();
   const bool with_body = request.method() != http::verb::head;
   if (verdict.status != 200) {
@@ -213,7 +225,8 @@ void HttpConnection::Impl::send(WebReply answer_to_send, bool keep, bool with_bo
   write();
 }
 
-// Piece by piece, so that a peer that stops reading is told from a large answer.
+// Writes one piece after the other. Each piece restarts the deadline: a slow peer may take its time for a
+// large answer, and a peer that stops reading is closed.
 void HttpConnection::Impl::write() {
   ++operations;
   stream.async_write_some(unsent, [this](const error_code& error, std::size_t bytes) {
@@ -258,10 +271,14 @@ void HttpConnection::Impl::discard() {
 
 bool HttpConnection::Impl::is_late() const {
   const auto& limits = context.limits;
-  // The first request has to be there soon, as a hello has to; a further one may take its time.
-  if (lingering) return context.now - since > kLinger + context.step;
-  const auto deadline = writing ? limits.stall_deadline : was_answered ? kIdle : limits.hello_deadline;
-  return context.now - since > deadline + context.step;
+  const auto is_over = [this](std::chrono::milliseconds deadline) {
+    return context.now - since > deadline + context.step;
+  };
+  // A refused TLS client gets as long as one that says nothing at all.
+  if (lingering) return is_over(handshake_failed ? limits.hello_deadline : kLinger);
+  if (writing) return is_over(limits.stall_deadline);
+  // The first request must come as soon as a Hello must. Further ones may take their time.
+  return is_over(was_answered ? kIdle : limits.hello_deadline);
 }
 
 HttpConnection::HttpConnection(Listener::Socket socket, const TlsContext* tls, const HttpRules& rules,

@@ -1,5 +1,7 @@
-// One HTTP connection: reads heads of requests one after the other, answers each, or hands the socket on.
-// Internal to http_door.cc; Beast stays in http_connection.cc.
+// One HTTP connection. It reads one request after the other and answers each, or hands the socket on when a
+// request upgrades to WebSocket. Lives on the server's thread; the HttpDoor owns it. An error of the socket
+// or a late peer closes the connection; nothing throws. Internal to http_door.cc; Beast stays in
+// http_connection.cc.
 #pragma once
 
 #include <memory>
@@ -10,15 +12,15 @@ namespace visum::protocol {
 
 class HttpConnection {
  public:
-  // `tls`: null for plain text.
+  // `tls` is null for plain text. What is passed by reference or pointer must outlive the connection.
   HttpConnection(Listener::Socket socket, const TlsContext* tls, const HttpRules& rules, WebPages& pages,
                  SessionContext& context, HttpOwner& owner);
   ~HttpConnection();
 
-  void start();
-  void sweep();  // closes where the peer takes too long
+  void start();  // begins to read
+  void sweep();  // closes if the peer takes too long
   void close();
-  bool finished() const;  // closed or handed on, and nothing of it pends
+  bool finished() const;  // closed or handed on, and no operation is pending: it may be destroyed
 
  private:
   struct Impl;

@@ -32,7 +32,7 @@ HttpDoor::HttpDoor(boost::asio::io_context& io, const std::string& address, WebO
 
 HttpDoor::~HttpDoor() = default;
 
-// Over the limit a connection is closed without a word: a browser tries again.
+// Over the limit a connection is closed without an answer: a browser tries again.
 void HttpDoor::admit(Listener::Socket socket, const boost::asio::ip::tcp::endpoint&) {
   forget_finished();
   if (connections_.size() >= kMaxConnections) {

@@ -1,6 +1,7 @@
-// The HTTP port: accepts, bounds the number of connections, answers what pages there are, and hands those
-// that upgrade to WebSocket to the server. Internal to the server; Boost.Beast stays inside
-// http_connection.cc and web_session.cc.
+// The HTTP port. It accepts connections, bounds their number, answers requests for pages, and hands
+// connections that upgrade to WebSocket to the server. The server owns it, and calls it on its thread. Only
+// the constructor throws. Internal to the server; Boost.Beast stays inside http_connection.cc and
+// web_session.cc.
 #pragma once
 
 #include <atomic>
@@ -30,19 +31,21 @@ class HttpOwner {
 
 class HttpDoor {
  public:
-  // `tls`: null for plain text; it must outlive the door.
+  // `tls` is null for plain text. Otherwise it must outlive the door. Throws std::runtime_error if the port
+  // cannot be had.
   HttpDoor(boost::asio::io_context& io, const std::string& address, WebOptions options, const TlsContext* tls,
            SessionContext& context, HttpOwner& owner);
   ~HttpDoor();
 
   std::uint16_t port() const { return listener_->port(); }
   void start() { listener_->start(); }
-  void sweep();  // closes what takes too long, forgets what is closed
-  void close();  // the port and all connections
+  void sweep();  // closes connections that take too long, and frees closed ones
+  void close();  // closes the port and all connections
   bool busy() const { return !connections_.empty(); }
   std::size_t connection_count() const { return connections_.size(); }
 
  private:
+  // Takes a new connection, or closes it if there are too many.
   void admit(Listener::Socket socket, const boost::asio::ip::tcp::endpoint& peer);
   void forget_finished();
 

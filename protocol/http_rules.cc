@@ -16,13 +16,13 @@ std::string in_lower_case(std::string text) {
   return text;
 }
 
-// Where the port of "lab:8080" begins. A bracket ends an IPv6 address, the colons in it begin no port.
+// The position of the port in "lab:8080". Colons within the brackets of an IPv6 address begin no port.
 std::size_t port_of(const std::string& host) {
   const auto bracket = host.rfind(']');
   return host.find(':', bracket == std::string::npos ? 0 : bracket);
 }
 
-// As it stands in a Host field: IPv6 in brackets.
+// An address as a Host field has it: IPv6 in brackets.
 std::string in_host_form(const std::string& address) {
   return address.find(':') == std::string::npos ? address : "[" + address + "]";
 }
@@ -49,7 +49,6 @@ HttpRules::HttpRules(std::uint16_t port, std::vector<std::string> hosts, bool ht
   }
 }
 
-// Names are the same in capitals, and browsers leave the scheme's own port out.
 std::string HttpRules::in_one_form(const std::string& host) const {
   auto form = in_lower_case(host);
   if (const auto port = port_of(form); port != std::string::npos && form.substr(port) == default_suffix_)
@@ -76,7 +75,7 @@ HttpVerdict HttpRules::judge(const HttpHead& head) const {
     return {403, "requests from other origins are not served"};
   if (head.has_body) return {413, "requests with a body are not served"};
   const std::string path = path_of(head.target);
-  if (path.empty()) return {400, "this is no path"};
+  if (path.empty()) return {400, "this is not a path"};
   if (path == kWebSocketPath) return judge_session(head);
   if (head.wants_upgrade) return {400, "only " + std::string(kWebSocketPath) + " is upgraded"};
   if (head.method != "GET" && head.method != "HEAD") return {405, "only GET and HEAD are served"};

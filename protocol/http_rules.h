@@ -1,5 +1,5 @@
-// Who may ask what of the HTTP door: exact checks of Host and Origin, against pages of other origins and
-// names that were made to point here (DNS rebinding). Pure; no socket, no Beast.
+// The rules of the HTTP door. They check Host and Origin exactly, against pages of other origins and against
+// names that were made to point here (DNS rebinding). Pure functions of the head; no socket, no Beast.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@
 
 namespace visum::protocol {
 
-// The head of a request, as far as the rules look at it.
+// The fields of a request's head that the rules look at.
 struct HttpHead {
   std::string method;
   std::string target;
   std::vector<std::string> hosts;    // all values of the field Host
   std::vector<std::string> origins;  // of Origin
-  std::string local_address;         // "127.0.0.1", "::1": where the connection came to
+  std::string local_address;         // "127.0.0.1", "::1": our end of the connection
   bool has_body = false;
   bool wants_upgrade = false;  // to anything
   bool is_websocket = false;   // a complete request for WebSocket
@@ -24,30 +24,32 @@ struct HttpHead {
 };
 
 struct HttpVerdict {
-  int status = 200;    // 101: let it be a session; 200: ask the pages; else: refuse
-  std::string reason;  // of a refusal
+  int status = 200;    // 101: make it a session; 200: ask the pages; else: refuse
+  std::string reason;  // why it is refused
 };
 
 class HttpRules {
  public:
-  // `hosts`: further names, "lab" at our own port or "lab:80" as a port that is mapped to ours. `https`: the
+  // `hosts` are further names: "lab" at our own port, or "lab:80" if port 80 is mapped to ours. `https`: the
   // port speaks TLS.
   HttpRules(std::uint16_t port, std::vector<std::string> hosts, bool https = false);
 
   HttpVerdict judge(const HttpHead& head) const;
 
  private:
+  // Lower case, and without the scheme's own port, so that equal hosts compare equal.
   std::string in_one_form(const std::string& host) const;
   bool is_origin_of(const std::string& origin, const std::string& host) const;
   bool knows_host(const std::string& host, const std::string& local_address) const;
 
   const std::string scheme_;          // "http://"
   const std::string port_suffix_;     // ":8080"
-  const std::string default_suffix_;  // the one that browsers leave out
+  const std::string default_suffix_;  // of the scheme; browsers leave it out
   std::vector<std::string> hosts_;    // in one form
 };
 
-// "/a/b" of "/a/b?c"; nothing where the target is no plain path ("//", "..", control characters, an URL).
+// The path of a target: "/a/b" of "/a/b?c". Empty if it is not a plain path ("//", "..", control characters,
+// a URL).
 std::string path_of(std::string_view target);
 
 }  // namespace visum::protocol

@@ -23,7 +23,7 @@ asio::ip::address address_of(const std::string& text) {
   if (text == "localhost") return asio::ip::address_v4::loopback();
   error_code error;
   const auto address = asio::ip::make_address(text, error);
-  if (error) throw std::runtime_error("cannot listen on '" + text + "': not an IP address");
+  if (error) throw std::runtime_error("cannot listen on '" + text + "': it is not an IP address");
   return address;
 }
 
@@ -77,7 +77,7 @@ void Listener::on_accept(const error_code& error, Socket socket) {
   accept_when_allowed();
 }
 
-// Mostly no descriptors left: they come back when sessions end, so try again, but not in a loop.
+// Usually no descriptor is left. They come back when sessions end, so the pause is worth waiting for.
 void Listener::accept_failed(const error_code& error) {
   if (!std::exchange(failing_, true))
     spdlog::warn("cannot accept connections on port {}: {}; trying again", port_, error.message());

@@ -1,5 +1,6 @@
-// A listening socket: binds at once, accepts later, at a bounded rate, and goes on when descriptors run out.
-// Internal to the server; knows Asio.
+// A listening socket. It binds at once, accepts after start(), at a bounded rate, and goes on when
+// descriptors run out. The server or the HttpDoor owns it; it runs on the thread of its io_context. Only the
+// constructor throws. Internal to the server; knows Asio.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -17,18 +18,20 @@ class Listener {
   using Socket = boost::asio::ip::tcp::socket;
   using OnSocket = std::function<void(Socket socket, const boost::asio::ip::tcp::endpoint& peer)>;
 
-  // Throws std::runtime_error naming address and port where they cannot be had.
+  // Throws std::runtime_error, with address and port in the text, if it cannot listen there.
   Listener(boost::asio::io_context& io, const std::string& address, std::uint16_t port,
            double accepts_per_second, OnSocket on_socket);
 
   std::uint16_t port() const { return port_; }
   void start() { accept_when_allowed(); }
-  void close();
+  void close();  // stops to accept
 
  private:
+  // Accepts now, or as soon as the rate allows it.
   void accept_when_allowed();
   void accept_after(std::chrono::nanoseconds pause);
   void on_accept(const boost::system::error_code& error, Socket socket);
+  // Logs the first of a row of failures, and tries again after a pause.
   void accept_failed(const boost::system::error_code& error);
 
   boost::asio::ip::tcp::acceptor acceptor_;
@@ -36,7 +39,7 @@ class Listener {
   TokenBucket accepts_;
   OnSocket on_socket_;
   std::uint16_t port_ = 0;
-  bool failing_ = false;
+  bool failing_ = false;  // the last attempt failed
 };
 
 }  // namespace visum::protocol

@@ -12,7 +12,7 @@ namespace {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
-constexpr std::chrono::milliseconds kLinger{500};
+constexpr std::chrono::milliseconds kLinger{500};  // for the peer to read why it is refused
 constexpr std::size_t kMaxDiscarded = 1u << 20;
 constexpr std::size_t kCipheredBytes = 16u << 10;  // about a record of TLS
 
@@ -31,7 +31,7 @@ std::string TcpSession::identity() const {
   return tls_ ? tls_->peer_name() : std::string();
 }
 
-// Who was refused is not listened to before he was told.
+// A session that the server refused at once writes the reason before it reads anything.
 void TcpSession::start() {
   if (!closing()) read();
 }
@@ -43,7 +43,9 @@ void TcpSession::read() {
   if (reading_ || !socket_.is_open()) return;
   reading_ = true;
   ++operations_;
-  if (tls_ && !fed_dry_ && !closing())  // not within itself, and others first
+  // Bytes are left to decipher. They wait for a turn of their own: other sessions come first, and
+  // take_plain() does not call itself.
+  if (tls_ && !fed_dry_ && !closing() && !lingering_)
     return asio::post(socket_.get_executor(), [this] {
       --operations_;
       reading_ = false;
@@ -64,7 +66,7 @@ void TcpSession::on_read(const error_code& error, std::size_t bytes) {
   if (!socket_.is_open()) return wake();
   if (error == asio::error::eof) return stream_ended();
   if (error) return lost();
-  if (closing()) return discard(bytes);
+  if (closing() || lingering_) return discard(bytes);
   if (tls_) return decipher(bytes);
   in().commit(bytes);
   proceed();
@@ -80,7 +82,6 @@ std::span<std::byte> TcpSession::space_for_network() {
   return tls_ ? std::span(ciphered_) : in().space();
 }
 
-// Who speaks plain text where TLS is spoken is told so, in plain text.
 void TcpSession::decipher(std::size_t bytes) {
   const std::span<const std::byte> fresh = std::span(ciphered_).first(bytes);
   if (!fed_ && !looks_like_tls(fresh)) {
@@ -94,10 +95,9 @@ void TcpSession::decipher(std::size_t bytes) {
   take_plain();
 }
 
-// Some of what was fed. Reading goes on here until nothing of it is left.
 void TcpSession::take_plain() {
   const std::size_t bytes = tls_->read(in().space());
-  wake();  // a handshake has something to send
+  wake();  // the handshake may have something to send
   if (!tls_->failure().empty()) return tls_failed();
   if (tls_->ended()) return stream_ended();
   fed_dry_ = bytes == 0;
@@ -108,7 +108,10 @@ void TcpSession::take_plain() {
 void TcpSession::tls_failed() {
   spdlog::warn("{} is refused: {}", peer(), tls_->failure());
   context().refused.fetch_add(1, std::memory_order_relaxed);
-  close(CloseReason::kRefused);
+  if (!awaits_hello()) return close(CloseReason::kRefused);
+  // The session still counts against the limit of clients that have not said Hello. It lingers after flush(),
+  // which take_plain() has asked for, has sent the alert.
+  handshake_failed_ = true;
 }
 
 // Closing with unread input would reset the connection, and the reset may overtake the reason that was sent.
@@ -134,7 +137,7 @@ void TcpSession::flush() {
   written_out();
 }
 
-// The next piece of what waits; with TLS the piece before has left by then.
+// With TLS the core's next batch is ciphered only after the one before has left: one record waits at most.
 std::span<const std::byte> TcpSession::bytes_for_network() {
   if (!tls_) return out().empty() ? std::span<const std::byte>() : out().front();
   if (const auto pending = tls_->pending(); !pending.empty()) return pending;
@@ -157,23 +160,39 @@ void TcpSession::wait_until_writable() {
 }
 
 void TcpSession::written_out() {
+  if (handshake_failed_ && !closing()) return linger();
   if (!closing()) return proceed_if_due();
   if (peer_gone_ || close_reason() != CloseReason::kRefused) return hang_up();
-  lingering_ = true;
-  lingering_since_ = context().now;
   error_code ignored;
   socket_.shutdown(Socket::shutdown_send, ignored);
+  linger();
+}
+
+// ----------------------------------------------------------------------------------------------------
+// ending
+
+void TcpSession::linger() {
+  lingering_ = true;
+  lingering_since_ = context().now;
   in().clear();
   read();
 }
 
-// ---------------------------------------------------------------------------------------------------- ending
+// A refused TLS client gets as long as one that says nothing at all. Our side stays open meanwhile: the alert
+// has ended the stream already, and Chromium forgets the alert if it finds the connection ended before its
+// request.
+std::chrono::milliseconds TcpSession::linger_bound() {
+  return handshake_failed_ ? context().limits.hello_deadline : kLinger;
+}
 
 void TcpSession::sweep() {
   if (!socket_.is_open()) return;
+  if (lingering_) {
+    if (over(lingering_since_, linger_bound())) hang_up();
+    return;
+  }
   check_deadlines();
   if (blocked_ && over(blocked_since_, context().limits.stall_deadline)) return lost();
-  if (lingering_ && over(lingering_since_, kLinger)) hang_up();
 }
 
 void TcpSession::let_go() {

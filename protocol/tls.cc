@@ -29,12 +29,12 @@ std::string environment(const char* name) {
   return value ? value : "";
 }
 
-// The newest error of this thread in words, and forgets all.
+// The newest error of this thread as text. Clears all of the thread's errors.
 std::string last_error() {
   const auto code = ERR_peek_last_error();
   ERR_clear_error();
   const char* reason = ERR_reason_error_string(code);
-  return reason ? reason : "no reason is known";
+  return reason ? reason : "the reason is unknown";
 }
 
 [[noreturn]] void fail(const std::string& file, const std::string& what) {
@@ -64,14 +64,14 @@ SslContext make_context(const TlsFiles& files, TlsContext::Side side) {
   if (SSL_CTX_use_PrivateKey_file(ssl, files.key.c_str(), SSL_FILETYPE_PEM) != 1)
     fail(files.key, "holds no private key of the certificate in " + files.certificate + ": " + last_error());
   SSL_CTX_set_verify(ssl, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, nullptr);
-  // Who comes again shows his certificate again.
+  // No session is resumed: each connection must show its certificate.
   SSL_CTX_set_session_cache_mode(ssl, SSL_SESS_CACHE_OFF);
   SSL_CTX_set_num_tickets(ssl, 0);
   SSL_CTX_set_mode(ssl, SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
   return context;
 }
 
-// What the peer said when it gave up.
+// The text for the alert with which the peer gave up.
 std::string alert_text(int alert) {
   switch (alert) {
     case SSL_AD_CERTIFICATE_EXPIRED:
@@ -115,8 +115,8 @@ TlsContext::~TlsContext() = default;
 
 struct TlsStream::Impl {
   Ssl ssl;
-  BIO* in;   // the stream's, as `out`
-  BIO* out;  // what waits for the network
+  BIO* in;   // bytes from the network; `ssl` owns it
+  BIO* out;  // bytes for the network; `ssl` owns it
   bool server;
 };
 
@@ -135,7 +135,7 @@ TlsStream::TlsStream(const TlsContext& context, const std::string& host)
   if (X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(ssl), host.c_str()) == 1) return;
   ERR_clear_error();
   if (SSL_set1_host(ssl, host.c_str()) != 1 || SSL_set_tlsext_host_name(ssl, host.c_str()) != 1)
-    throw std::runtime_error("'" + host + "' is no name of a server: " + last_error());
+    throw std::runtime_error("'" + host + "' is not a server's name: " + last_error());
 }
 
 TlsStream::~TlsStream() = default;
@@ -144,7 +144,7 @@ void TlsStream::feed(std::span<const std::byte> bytes) {
   if (!bytes.empty()) BIO_write(impl_->in, bytes.data(), static_cast<int>(bytes.size()));
 }
 
-// What a call to OpenSSL came to. A result that is good, or wants more bytes, is nothing to note.
+// A good result, or one that wants more bytes, needs no note.
 void TlsStream::note(int result) {
   if (result > 0) return;
   SSL* ssl = impl_->ssl.get();

@@ -35,18 +35,18 @@ struct WebStream::Impl : std::enable_shared_from_this<WebStream::Impl> {
   bool fed = false;  // bytes of TLS came
   bool spoke_plain_text = false;
   bool blocked = false;  // writing waits for the peer
-  Done on_delivered;     // who waits for what he wrote to be on the network
+  Done on_delivered;     // the handler of the write that waits for the network
   std::size_t taken_bytes = 0;
 };
 
-// Never within the call that began it.
+// Calls a handler later: Asio demands that no handler runs within the call that began the operation.
 void WebStream::Impl::post(Done done, const error_code& error, std::size_t bytes) {
   asio::post(socket.get_executor(), [done = std::move(done), error, bytes] { done(error, bytes); });
 }
 
 void WebStream::Impl::read(std::span<std::byte> into, Done done) {
   const std::size_t got = tls->read(into);
-  flush();  // a handshake has something to send, and so has a refusal
+  flush();  // a handshake may have something to send, and so may a refusal
   if (got > 0 || into.empty()) return post(std::move(done), {}, got);
   if (!tls->failure().empty()) return post(std::move(done), asio::error::access_denied, 0);
   if (tls->ended()) return post(std::move(done), asio::error::eof, 0);
@@ -77,7 +77,7 @@ void WebStream::Impl::deliver(std::size_t taken, Done done) {
   flush();
 }
 
-// What is pending, as far as the network takes it.
+// Writes what is pending, until the socket takes no more; then again when it takes more.
 void WebStream::Impl::flush() {
   if (blocked || !tls) return;
   for (auto bytes = tls->pending(); !bytes.empty(); bytes = tls->pending()) {

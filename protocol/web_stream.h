@@ -1,5 +1,6 @@
-// A connection of the HTTP port as Asio and Beast read and write one: a TCP socket, in plain text or over
-// TLS. Internal to http_connection.cc and web_session.cc. One thread, that of the socket's io_context.
+// A connection of the HTTP port as a stream for Asio and Beast: a TCP socket, in plain text or over TLS. It
+// belongs to an HttpConnection or a WebSession, and lives on the thread of the socket's io_context. Errors
+// reach the handlers of reads and writes; nothing throws. Internal to http_connection.cc and web_session.cc.
 #pragma once
 
 #include <boost/asio/async_result.hpp>
@@ -23,10 +24,10 @@ class WebStream {
   using executor_type = Socket::executor_type;
   using error_code = boost::system::error_code;
 
-  // `tls`: null for plain text; it must outlive the stream. The handshake is made by the first read.
+  // `tls` is null for plain text. Otherwise it must outlive the stream. The first read makes the handshake.
   WebStream(Socket socket, const TlsContext* tls);
   ~WebStream();
-  WebStream(WebStream&&) noexcept;  // while nothing pends; what is moved from is closed
+  WebStream(WebStream&&) noexcept;  // only while no operation is pending; the old stream is then closed
   WebStream& operator=(WebStream&&) = delete;
 
   bool is_open() const;
@@ -35,15 +36,17 @@ class WebStream {
   const Socket& socket() const;
   executor_type get_executor() { return socket().get_executor(); }
 
-  std::string identity() const;  // the name in the certificate that the peer showed; "": it showed none
-  std::string failure() const;   // why there is no TLS with the peer; "": there is, or none is wanted
-  // The peer spoke plain text where TLS is spoken: read() has failed, and plain text is what it may be told.
+  std::string identity() const;  // the name in the peer's certificate; empty without a certificate
+  std::string failure() const;   // why TLS with the peer failed; empty if it did not, or in plain text
+  // The peer spoke plain text to a port that speaks TLS. The read has failed, and writes go out in plain
+  // text.
   bool spoke_plain_text() const;
 
-  void finish();  // says goodbye where there is TLS; nothing may be written after it
+  void finish();  // ends the TLS stream, if there is one; nothing may be written after it
   void close();
 
-  // As AsyncReadStream and AsyncWriteStream of Asio ask for: one read and one write at a time.
+  // The operations that Asio's AsyncReadStream and AsyncWriteStream ask for. One read and one write at a
+  // time.
   template <typename Buffers, typename Token>
   auto async_read_some(const Buffers& buffers, Token&& token) {
     return boost::asio::async_initiate<Token, void(error_code, std::size_t)>(
@@ -71,7 +74,7 @@ class WebStream {
   struct Impl;
   using Done = std::function<void(const error_code&, std::size_t)>;
 
-  // Handlers of Beast can be moved only.
+  // Makes a handler copyable: Beast's handlers can only be moved.
   template <typename Handler>
   static Done shared(Handler handler) {
     return [kept = std::make_shared<Handler>(std::move(handler))](
@@ -85,14 +88,15 @@ class WebStream {
     return {};
   }
   void read(boost::asio::mutable_buffer into, Done done);
-  // Adds to `taken`; false: no more should be taken at once.
+  // Ciphers bytes, and adds their number to `taken`. False: enough is ciphered for one write.
   bool encipher(boost::asio::const_buffer from, std::size_t& taken);
+  // Sends the ciphered bytes, then reports `taken` plain bytes as written.
   void deliver(std::size_t taken, Done done);
 
   std::shared_ptr<Impl> impl_;  // pending operations keep it
 };
 
-// What Beast calls to end a connection under a WebSocket.
+// Beast calls these two to end the connection under a WebSocket.
 template <typename Handler>
 void async_teardown(boost::beast::role_type role, WebStream& stream, Handler&& handler) {
   stream.finish();

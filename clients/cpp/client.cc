@@ -25,7 +25,7 @@ std::pair<std::string, std::uint16_t> parse(const std::string& address) try {
   throw Error(ErrorCode::kMisuse, error.what());
 }
 
-// Tries until somebody listens or the time is over, with pauses that double.
+// Tries until something listens or the time is over. The pauses between the attempts double, up to 0.5 s.
 protocol::Connection connect(const std::string& address, const protocol::Hello& hello,
                              std::chrono::milliseconds patience, const protocol::TlsFiles& tls) {
   const auto [host, port] = parse(address);
@@ -63,7 +63,7 @@ Client::Client(const std::string& address, const ClientOptions& options)
   state_->connection.emplace(connect(address, hello, options.connect_timeout, tls));
   const protocol::Welcome& welcome = state_->connection->welcome();
   state_->server = {welcome.server, welcome.scene, welcome.clock, welcome.tick_ns, welcome.simulated};
-  if (welcome.tick_ns <= 0) throw Error(ErrorCode::kMalformed, "the server's tick has no length");
+  if (welcome.tick_ns <= 0) throw Error(ErrorCode::kMalformed, "the server's tick is not longer than 0 ns");
 }
 
 Client::Client(Client&&) noexcept = default;
@@ -114,7 +114,7 @@ void Client::join(std::chrono::milliseconds timeout) {
 }
 
 void Client::leave() {
-  state_->holds_world = false;  // also where the server has let it go by itself
+  state_->holds_world = false;  // even if the request fails: the server may have dropped this member already
   state_->request(protocol::Leave{});
   state_->throw_refusals();
 }

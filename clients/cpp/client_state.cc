@@ -13,8 +13,8 @@ void PartState::apply(const protocol::PartSample& sample) {
     throw Error(ErrorCode::kMalformed, "the server sent a sample of another length than the part's", name);
   }
   outputs = sample.sensor_outputs;
-  // While we hold the lease nobody else writes, and a sample may be older than our last write. A new era
-  // begins with values of its own.
+  // Under our lease only we write, and a sample may be older than our last write. A new era begins with its
+  // own values.
   if (!leased || sample.era != era) forget_writes();
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     if (!set[i]) inputs[i] = sample.controller_inputs[i];
@@ -24,7 +24,6 @@ void PartState::apply(const protocol::PartSample& sample) {
   era = sample.era;
 }
 
-// From this staged port to behind the last one that only ports that were set lead to.
 std::size_t PartState::end_of_run(std::size_t first) const {
   std::size_t end = first + 1;
   for (std::size_t port = end; port < inputs.size() && (set[port] || staged[port]); ++port) {
@@ -88,7 +87,6 @@ std::optional<Error> ClientState::settle_oldest() {
   return to_error(*refusal, oldest.part);
 }
 
-// What was refused is not in force, and no later write may take it along.
 void ClientState::disown(const PendingWrite& refused) {
   for (PartState* part : parts) {
     if (part->name != refused.part) continue;
@@ -117,8 +115,9 @@ void ClientState::set_time(std::int64_t new_tick, std::int64_t new_time_ns, std:
   era = new_era;
 }
 
-// Everything leaves together, so that a period costs one wait: the writes' answers lie ready when Advanced
-// comes. All answers are taken in before anything is thrown: none may be left over for the next period.
+// Everything leaves together, so that a period costs one wait: the answers to the writes are there when
+// Advanced comes. All answers are read before anything is thrown, so that none is left over for the next
+// period.
 void ClientState::advance(std::int64_t ticks) {
   std::vector<protocol::Request> requests{protocol::Advance{ticks}};
   for (const PartState* part : parts) requests.push_back(protocol::Read{part->name});
@@ -134,7 +133,7 @@ void ClientState::advance(std::int64_t ticks) {
   for (std::size_t i = 1; i < ids.size(); ++i) samples.push_back(wait(ids[i]));
 
   if (const auto* error = std::get_if<protocol::Error>(&advanced)) {
-    holds_world = false;  // perhaps: the server lets members go that do not come
+    holds_world = false;  // the server may have dropped this member: it drops members that come too late
     throw explain(*error);
   }
   const auto now = as<protocol::Advanced>(advanced);
@@ -143,7 +142,7 @@ void ClientState::advance(std::int64_t ticks) {
   if (refusal) throw *refusal;
 }
 
-// Who was dropped from the lockstep has been told so by an event, and learns it here.
+// An event has told a member that it was dropped from the lockstep. Its text is the better reason.
 Error ClientState::explain(const protocol::Error& refusal) {
   while (const auto message = link().next(std::chrono::milliseconds(0))) {
     const auto* event = std::get_if<protocol::Event>(&*message);

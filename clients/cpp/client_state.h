@@ -1,4 +1,4 @@
-// What stands behind visum.h's Client and Part. Private to this folder.
+// The state of visum.h's Client and Part. Private to this folder, and used on the thread of the Client.
 #pragma once
 
 #include <cstdint>
@@ -23,25 +23,27 @@ struct PartState {
   std::string name, kind;
   std::vector<PortInfo> input_ports, output_ports;
 
-  std::vector<double> inputs;  // as staged; equal to what is in force where nothing is staged
+  std::vector<double> inputs;  // as staged, else as in force
   std::vector<bool> set, staged,
-      last_write;               // by controller input: since acquire(), since the last write, in it
+      last_write;  // by controller input: set since acquire(), since the last write, and sent by it
   std::vector<double> outputs;  // of the newest sample
   std::int64_t tick = 0, time_ns = 0;
   std::uint64_t era = 0;
-  bool fresh = false;  // an advance brought a sample that no read() has asked for yet
+  bool fresh = false;  // an advance has brought a sample, and no read() has used it yet
 
   bool leased = false;
   int exceptions_at_acquire = 0;
 
-  ClientState& connected() const;  // throws kConnection where there is no client any more
+  ClientState& connected() const;  // throws kConnection if the client is gone
+  // Takes in a sample, except for inputs that were set under the lease.
   void apply(const protocol::PartSample& sample);
+  // The end of the longest run of set ports that begins at `first` and ends with a staged port.
   std::size_t end_of_run(std::size_t first) const;
   void end_lease();
   void forget_writes();
 };
 
-// A Write on its way, whose answer nobody has looked at yet.
+// A Write that was sent, and whose answer was not read yet.
 struct PendingWrite {
   std::uint64_t id;
   std::string part;
@@ -51,25 +53,26 @@ struct PendingWrite {
 struct ClientState {
   std::optional<protocol::Connection> connection;  // empty once dropped
   ServerInfo server;
-  std::vector<PartState*> parts;  // all that live, in the order of their making
+  std::vector<PartState*> parts;  // all living parts, in the order in which they were made
   std::deque<PendingWrite> pending;
 
   std::int64_t tick = 0, time_ns = 0;
   std::uint64_t era = 0;
   bool holds_world = false;   // the clock is lockstep, and this client has joined
-  std::int64_t ahead_ns = 0;  // by which the ticks asked for are ahead of the sum of the periods
+  std::int64_t ahead_ns = 0;  // how far the ticks asked for are ahead of the sum of the periods
 
   static constexpr std::size_t kMaxPending = 32;  // writes in flight before one is waited for
 
-  protocol::Connection& link();  // throws kConnection where it was dropped
+  protocol::Connection& link();  // throws kConnection if it was dropped
+  // Sends a write, and does not wait for its answer.
   void post(const PartState& part, protocol::Write write);
   void advance(std::int64_t ticks);
   void set_time(std::int64_t tick, std::int64_t time_ns, std::uint64_t era);
-  // Waits for the answers to all writes in flight; the first refusal, if any.
+  // Waits for the answers to all writes in flight. Returns the first refusal.
   std::optional<Error> settle();
   void throw_refusals();
 
-  // A round trip; refusals become Errors that name part and port.
+  // One round trip. A refusal becomes an Error with part and port.
   protocol::Reply request(const protocol::Request& request, const std::string& part = {},
                           const std::string& port = {});
   template <typename T>
@@ -84,9 +87,11 @@ struct ClientState {
 
  private:
   void take_sample(PartState& part, protocol::Reply reply);
+  // The Error for a refused advance: the lockstep's time-out if that is the reason.
   Error explain(const protocol::Error& refusal);
   protocol::Reply wait(std::uint64_t id);
   std::optional<Error> settle_oldest();
+  // Forgets a refused write: it is not in force, and no later write may take it along.
   void disown(const PendingWrite& refused);
 };
 

@@ -18,7 +18,8 @@ std::string near_port(const std::string& name, const std::vector<PortInfo>& port
   return config::did_you_mean(name, candidates);
 }
 
-// The ports of this group or, where there is no such group, the one of this name.
+// The ports of the group `name` if `groups` is set and there is such a group, else the one port of that name.
+// `vector` is for the error's text.
 std::vector<std::size_t> find_ports(const detail::PartState& part, const std::vector<PortInfo>& ports,
                                     const std::string& name, const char* vector, bool groups) {
   std::vector<std::size_t> found;
@@ -30,15 +31,16 @@ std::vector<std::size_t> find_ports(const detail::PartState& part, const std::ve
     if (port.name == name) return {port.index};
   }
   throw Error(ErrorCode::kUnknownName,
-              part.name + " has no " + vector + " '" + name + "'" + near_port(name, ports), part.name, name);
+              "part '" + part.name + "' has no " + vector + " '" + name + "'" + near_port(name, ports),
+              part.name, name);
 }
 
 std::vector<std::size_t> one_port(const detail::PartState& part, const std::vector<PortInfo>& ports,
                                   std::size_t index, const char* vector) {
   if (index < ports.size()) return {index};
   throw Error(ErrorCode::kUnknownName,
-              part.name + " has no " + vector + " of index " + std::to_string(index) + "; it has " +
-                  std::to_string(ports.size()),
+              "part '" + part.name + "' has no " + vector + " of index " + std::to_string(index) +
+                  "; it has " + std::to_string(ports.size()),
               part.name);
 }
 
@@ -74,7 +76,7 @@ void Part::let_go() noexcept {
     try {
       if (!unwinding) release();
     } catch (const Error&) {
-      // The lease ends with the connection then; a destructor has nobody to tell.
+      // The lease then ends with the connection. A destructor cannot report the error.
     }
     if (state_->leased) client.connection.reset();
   }
@@ -146,8 +148,9 @@ bool Part::leased() const {
   return state_->leased;
 }
 
-// One message per run of ports whose values we know. What was not set under this lease is not sent: a sample
-// may be older than what its former holder wrote last.
+// Sends one message for each run of ports whose values we know. A port that was not set under this lease is
+// not sent: its value comes from a sample, which may be older than the last write of the lease's former
+// holder.
 void Part::write() {
   detail::ClientState& client = state_->connected();
   auto& staged = state_->staged;

@@ -9,7 +9,8 @@ namespace {
 
 [[noreturn]] void fail_index(const detail::PartState& part, std::size_t i, std::size_t size) {
   throw Error(ErrorCode::kMisuse,
-              "index " + std::to_string(i) + " of a group of " + std::to_string(size) + " ports", part.name);
+              "there is no index " + std::to_string(i) + " in a group of " + std::to_string(size) + " ports",
+              part.name);
 }
 
 void check_value(const detail::PartState& part, const PortInfo& port, double value) {
@@ -45,9 +46,10 @@ void Inputs::set(std::size_t i, double value) {
 
 void Inputs::set(std::span<const double> values) {
   if (values.size() != ports_.size()) {
-    throw Error(ErrorCode::kMisuse,
-                std::to_string(values.size()) + " values for " + std::to_string(ports_.size()) + " ports",
-                part_->name);
+    throw Error(
+        ErrorCode::kMisuse,
+        std::to_string(values.size()) + " values were given for " + std::to_string(ports_.size()) + " ports",
+        part_->name);
   }
   for (std::size_t i = 0; i < values.size(); ++i) check_value(*part_, info(i), values[i]);
   for (std::size_t i = 0; i < values.size(); ++i) set(i, values[i]);

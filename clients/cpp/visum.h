@@ -15,9 +15,8 @@
 //   }
 //   arm.release();
 //
-// Units are SI and radians; time is simulated time in nanoseconds since the server's last reset. Blocking,
-// one thread per Client: a Client with its Parts and ports is used by one thread at a time. What goes wrong
-// throws visum::Error.
+// Units are SI and radians. Time is simulated time in nanoseconds since the server's last reset. Calls block.
+// One thread at a time may use a Client and its Parts and ports. Every failure throws visum::Error.
 #pragma once
 
 #include <chrono>
@@ -33,8 +32,8 @@
 
 namespace visum {
 
-// Why a call failed. The first ones are the server's refusals, with the protocol's numbers; the last two are
-// ours.
+// Why a call failed. The values below 100 are the server's refusals, with the protocol's numbers. The last
+// two come from this library.
 enum class ErrorCode {
   kUnspecified = 0,
   kMalformed = 1,
@@ -57,14 +56,15 @@ enum class ErrorCode {
 };
 const char* to_string(ErrorCode code);  // "bad value", ...
 
+// A failed call.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& text, std::string part = {}, std::string port = {},
         std::string owner = {});
   ErrorCode code() const { return code_; }
-  const std::string& part() const { return part_; }    // empty where no part is concerned
-  const std::string& port() const { return port_; }    // empty where no single port is concerned
-  const std::string& owner() const { return owner_; }  // who holds the lease, where one is in the way
+  const std::string& part() const { return part_; }    // empty if it is not about a part
+  const std::string& port() const { return port_; }    // empty if it is not about a single port
+  const std::string& owner() const { return owner_; }  // the holder of a lease that is in the way
 
  private:
   ErrorCode code_;
@@ -77,10 +77,10 @@ struct ClientOptions {
   std::string name = "controller";  // shown to others as the owner of leases; at most 64 bytes
   Role role = Role::kController;
   std::string token_file = {};  // for a server that was started with one
-  // For a server that speaks TLS, PEM files: who signed the server's certificate, and our own with its key.
-  // Where all are empty: $VISUM_TLS_CA, $VISUM_TLS_CERT and $VISUM_TLS_KEY.
+  // PEM files for a server that speaks TLS: the authority that signed the server's certificate, our own
+  // certificate, and its key. If all are empty, $VISUM_TLS_CA, $VISUM_TLS_CERT and $VISUM_TLS_KEY count.
   std::string tls_ca = {}, tls_cert = {}, tls_key = {};
-  // How long the constructor keeps trying (10 ms, 20, 40, ... apart) while nobody listens; 0: one attempt.
+  // How long the constructor keeps trying (10 ms, 20, 40, ... apart) while nothing listens. 0: one attempt.
   std::chrono::milliseconds connect_timeout{5000};
 };
 
@@ -89,7 +89,7 @@ struct ServerInfo {
   std::string scene;         // its file
   std::string clock;         // "realtime", "lockstep" or "free"
   std::int64_t tick_ns = 0;  // the length of a tick
-  bool simulated = true;     // false where real hardware is behind the parts
+  bool simulated = true;     // false if real hardware is behind the parts
 };
 
 struct PortInfo {
@@ -109,17 +109,17 @@ struct ClientState;
 struct PartState;
 }  // namespace detail
 
-// Controller inputs of one part: one port or a group. A cheap view; valid as long as its Part.
+// Controller inputs of one part: one port or a group. It is cheap to copy, and valid as long as its Part.
 class Inputs {
  public:
   std::size_t size() const { return ports_.size(); }
   const PortInfo& info(std::size_t i = 0) const;
-  double value(std::size_t i = 0) const;  // as set under this lease, else as in force at the newest sample
+  double value(std::size_t i = 0) const;  // as set under this lease, else as in the newest sample
   double operator[](std::size_t i) const { return value(i); }
 
-  // Stages values for Part::write(). A value that is not finite or out of range throws kBadValue and stages
-  // nothing.
-  void set(double value);  // where this is one port
+  // Stages values for Part::write(). A value that is not finite, or is out of range, throws kBadValue and
+  // stages nothing.
+  void set(double value);  // only for one port
   void set(std::size_t i, double value);
   void set(std::span<const double> values);  // exactly size()
   void set(std::initializer_list<double> values);
@@ -147,9 +147,9 @@ class Outputs {
   std::vector<std::size_t> ports_;
 };
 
-// A hardware part. Comes with a first sample. Its end releases the lease in good order (the part's last
-// values then hold), except when an exception ends it: then the client's connection is dropped, so that the
-// server knows that the controller is lost and stops the part.
+// A hardware part, with a first sample. Its destructor releases the lease in good order, and the part keeps
+// the last values. If an exception is the reason, it drops the client's connection instead: the server then
+// knows that the controller is lost, and stops the part.
 class Part {
  public:
   ~Part();
@@ -171,21 +171,26 @@ class Part {
   Outputs output(std::size_t index) const;
   Outputs all_outputs() const;
 
-  // Takes the lease: the exclusive right to write. A deadline is simulated time without a write after which
-  // the server counts this controller as lost; 0: none. `take` (role admin) takes it from its holder.
+  // Takes the lease, the exclusive right to write. After `deadline_ns` of simulated time without a write the
+  // server treats this controller as lost; 0 means no deadline. `take` takes the lease from its holder (role
+  // admin).
   void acquire(std::int64_t deadline_ns = 0, bool take = false);
-  // In good order. Where the lease was lost before it throws kNoLease, and the part is let go all the same.
+  // Gives the lease back in good order. If it was lost before, this throws kNoLease, and the lease counts as
+  // released all the same.
   void release();
   bool leased() const;
 
-  // Sends what was set since the last write, and does not wait: a refusal by the server is thrown by a later
-  // call of this client (the next advance or read at the latest). One all-or-nothing message, if all ports
-  // between the first and the last of them have been set under this lease; else one for each run of such
-  // ports, which may come to different ticks. With nothing set it repeats the last write, as a sign of life
-  // for a deadline. A member of a lockstep sends it with its next call: as long as the server waits for it,
-  // no tick comes before that. Who stops advancing for good calls leave() or read() once.
+  // Sends what was set since the last write, and does not wait. A later call of this client throws a refusal:
+  // the next advance or read at the latest. With nothing set it repeats the last write, as a sign of life for
+  // a deadline.
+  //
+  // It is one all-or-nothing message if all ports between the first and the last of them have been set under
+  // this lease. Otherwise it is one message for each run of such ports, and they may reach different ticks.
+  //
+  // A member of a lockstep sends it with its next call: no tick comes before that, because the server waits
+  // for the member. A controller that stops to advance for good must call leave() or read() once.
   void write();
-  // Makes the outputs current. Costs nothing right after an advance, otherwise one round trip.
+  // Brings the outputs up to date. It is free right after an advance, and costs one round trip otherwise.
   void read();
   std::int64_t sample_tick() const;
   std::int64_t sample_time_ns() const;
@@ -202,6 +207,7 @@ class Part {
   std::unique_ptr<detail::PartState> state_;
 };
 
+// A session with a server.
 class Client {
  public:
   // Connects to "HOST:PORT" and says hello.
@@ -214,15 +220,15 @@ class Client {
   std::vector<std::string> part_names();
   Part part(const std::string& name);
 
-  // Joins the clock. Under `lockstep` the world from here on waits for this client at each of its advances
-  // (at most `timeout`, wall time; 0: the server's default); under `realtime` and `free` it goes on by itself
-  // and advance() only waits for it.
+  // Joins the clock. Under `lockstep` the world waits from now on for each advance of this client, at most
+  // `timeout` of wall time (0: the server's default). Under `realtime` and `free` the world goes on by
+  // itself, and advance() only waits for it.
   void join(std::chrono::milliseconds timeout = std::chrono::milliseconds(0));
   void leave();
 
-  // "I am done for this period": waits for the first tick at or after the end of the period and brings all
-  // Parts' samples along. Periods are counted without drift, also where they are no multiple of the tick;
-  // periods that this client was too late for are skipped, never made up for.
+  // Says "I am done for this period", waits for the first tick at or after the end of the period, and brings
+  // the samples of all Parts up to date. Periods do not drift, even if they are no multiple of the tick. A
+  // period that this client was too late for is skipped, and never made up for.
   void advance_ns(std::int64_t period_ns);
   void advance_ms(double period_ms);
   void advance_ticks(std::int64_t ticks);

@@ -45,7 +45,8 @@ TEST_F(ClientErrors, NamesTheNearestPort) {
   const Error error = error_of([&] { arm.output("Actual Angel 1"); });
   EXPECT_EQ(error.code(), ErrorCode::kUnknownName);
   EXPECT_EQ(error.port(), "Actual Angel 1");
-  EXPECT_STREQ(error.what(), "arm has no sensor output 'Actual Angel 1'; did you mean 'Actual Angle 1'?");
+  EXPECT_STREQ(error.what(),
+               "part 'arm' has no sensor output 'Actual Angel 1'; did you mean 'Actual Angle 1'?");
   EXPECT_THAT(error_of([&] { arm.inputs("Desired Angel"); }).what(), HasSubstr("'Desired Angle'"));
   EXPECT_EQ(error_of([&] { arm.input(1000); }).code(), ErrorCode::kUnknownName);
   EXPECT_EQ(error_of([&] { arm.parameter("nonsense"); }).code(), ErrorCode::kUnknownName);

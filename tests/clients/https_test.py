@@ -3,6 +3,7 @@ import base64
 import contextlib
 import http.client
 import os
+import select
 import socket
 import ssl
 import struct
@@ -200,6 +201,55 @@ class Https(WithCertificates):
                     self.get(daemon, "/", name)
                 self.assertIn(why, str(refused.exception))
             self.assertEqual(self.get(daemon, "/healthz", "boss"), (200, b"ok\n"), "it goes on")
+
+    def refused(self, port):
+        """A socket on which TLS was begun without a certificate, and the alert that answered."""
+        plain = socket.create_connection(("127.0.0.1", port), timeout=DEADLINE_S)
+        self.addCleanup(plain.close)
+        incoming, outgoing = ssl.MemoryBIO(), ssl.MemoryBIO()
+        tls = self.context().wrap_bio(incoming, outgoing, server_hostname="127.0.0.1")
+
+        def receive():
+            plain.sendall(outgoing.read())
+            received = plain.recv(65536)
+            self.assertNotEqual(received, b"", "the server closed before it said why")
+            incoming.write(received)
+        while True:
+            try:
+                tls.do_handshake()
+                break  # the client is content: it does not know yet that its lack of a certificate is an error
+            except ssl.SSLWantReadError:
+                receive()
+        while True:
+            receive()
+            try:
+                tls.read()
+            except ssl.SSLWantReadError:
+                continue
+            except ssl.SSLError as error:
+                return plain, str(error)
+
+    def test_a_refused_connection_stays_open_until_the_client_has_read_why(self):
+        # A browser that reads the alert and finds the connection ended before it wrote its request reports "not connected",
+        # and drops the reason.
+        with self.daemon() as daemon:
+            for door in ("http", "port"):
+                with self.subTest(door):
+                    plain, why = self.refused(daemon.ready[door])
+                    self.assertIn("CERTIFICATE_REQUIRED", why)
+                    self.assertEqual(select.select([plain], [], [], 0.3)[0], [], "it has not ended yet")
+                    for _ in range(32):
+                        plain.sendall(b"\x17\x03\x03" + bytes(4093))  # a late request: no reset
+                    self.assertEqual(plain.recv(1), b"", "who never closes is let go, in good order")
+            self.assertEqual(self.get(daemon, "/healthz", "boss"), (200, b"ok\n"), "it goes on")
+
+    def test_a_refused_client_that_never_stops_writing_is_cut_off(self):
+        with self.daemon() as daemon:
+            for door in ("http", "port"):
+                with self.subTest(door), self.assertRaises(OSError):
+                    plain, why = self.refused(daemon.ready[door])
+                    for _ in range(1 << 16):  # 4 GB at most
+                        plain.sendall(bytes(1 << 16))
 
     def test_nothing_older_than_1_3_is_spoken(self):
         context = self.context("boss")

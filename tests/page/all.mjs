@@ -1,4 +1,4 @@
-// Every test of this folder, one after the other in one browser.
+// Runs every test of this folder, one after the other in one browser.
 import "./page.test.mjs";
 import "./look.test.mjs";
 import "./overlays.test.mjs";

@@ -1,5 +1,6 @@
-// The page's figures, as JSON, one line as soon as each is known: its size, what it costs a browser and the daemon, and
-// what an accessibility checker finds. Nothing else should run meanwhile; never longer than three minutes.
+// Prints the page's figures as JSON, one line for each: its size, its cost for a browser and for the daemon,
+// and the findings of an accessibility checker. Nothing else should run meanwhile. It takes at most three
+// minutes.
 //   node tests/page/figures.mjs [SECONDS]        of each measurement; default: 10
 import { readdirSync, readFileSync, statSync } from "node:fs";
 import { cpus, loadavg } from "node:os";
@@ -22,7 +23,7 @@ async function startDaemon(...options) {
   return daemon;
 }
 
-// Bytes of the first load, as they go over the wire.
+// The bytes of the first load, as they go over the network.
 function bundleBytes() {
   const folder = join(dirname(bin), "page");
   const files = readdirSync(folder, { recursive: true, encoding: "utf8" }).map((name) => join(folder, name)).filter((path) => statSync(path).isFile());
@@ -30,7 +31,7 @@ function bundleBytes() {
   return sent.reduce((sum, path) => sum + statSync(path).size, 0);
 }
 
-// From a daemon of its own whose time begins when all pages are there.
+// Measured at a daemon whose time begins when all pages are there.
 async function lateness(browser, pages) {
   const daemon = await startDaemon("--hold");
   const opened = await Promise.all(Array.from({ length: pages }, () => openPage(browser, daemon)));
@@ -46,14 +47,14 @@ async function lateness(browser, pages) {
     late_us: { p50: late("0.5"), "p99.9": late("0.999"), max: late("1") } };
 }
 
-// A page that starts time and is gone.
+// Opens a page that starts time, and closes it.
 async function resume(browser, daemon) {
   const page = await openPage(browser, daemon);
   await page.getByRole("button", { name: "Run", exact: true }).click();
   await page.context().close();
 }
 
-// The arm moves to and fro; `plotted` ports are drawn as they change.
+// The arm moves to and fro, and `plotted` ports are drawn as they change.
 async function browserCost(browser, plotted) {
   const daemon = await startDaemon();
   const page = await openPage(browser, daemon);
@@ -102,7 +103,7 @@ async function axeFindings(browser) {
   return found;
 }
 
-// One figure; a step that takes too long is told as such, and the next one begins.
+// Measures one figure. One that takes too long is reported as failed, and the next one begins.
 async function measure(name, run) {
   let timer;
   const late = new Promise((_, refuse) => (timer = setTimeout(() => refuse(new Error(`not done after ${kStepMs / 1000} s`)), kStepMs)));

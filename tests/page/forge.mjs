@@ -1,4 +1,4 @@
-// A recording that says of one input something else than what was done, with right CRCs: its replay must part.
+// Changes one input in a recording, with correct CRCs, so that its replay must differ.
 import { readFileSync, writeFileSync } from "node:fs";
 
 const kMagicBytes = 8, kHeadBytes = 9;
@@ -19,7 +19,7 @@ function* recordsOf(bytes, from = 0) {
   }
 }
 
-// In the first input that writes it, the number `from` becomes `to`. Throws where there is none.
+// Replaces the number `from` by `to` in the first input that writes it. Throws if no input does.
 export function forge(file, forged, from, to) {
   const bytes = readFileSync(file);
   const wanted = Buffer.alloc(8);

@@ -1,5 +1,5 @@
-// What the tests of this folder share: one browser, and for each test a daemon and a page of its own, which must have
-// done nothing wrong in the end.
+// The tests of this folder share one browser. Each test has its own daemon and its own page, and fails if the page has done
+// something wrong by the end (`page.faults`).
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { drawn, twoFrames } from "./picture.mjs";
@@ -15,22 +15,13 @@ after(() => browser?.close());
 
 const kLongestMs = 300_000; // a guard against hanging for ever, not a measure
 
-// A test that gets a second chance: a browser without a GPU, on a machine that is busy, is late for more than any wait can
-// foresee. The first failure is told in the report, and who fails twice has failed.
+// There is no second try: it would hide a race. A wait in a test is for a condition, and never for time.
 export function browserTest(name, run) {
-  test(name, { timeout: 2 * kLongestMs }, async (t) => {
-    try {
-      await run(t);
-    } catch (error) {
-      t.diagnostic(`FAILED ONCE, tried again: ${error.stack}`);
-      await closePages();
-      await run(t);
-    }
-  });
+  test(name, { timeout: kLongestMs }, run);
 }
 
-// `run(page, claim, daemon)`; claim(name, body): a part of the test, by the name of which it fails. `serve` starts what
-// serves the page.
+// Calls `run(page, claim, daemon)`. claim(name, body) runs a part of the test; its name stands in the error if it fails.
+// `serve` starts the program that serves the page.
 export function pageTest(name, run, { daemon: words = [], serve = () => Daemon.start(...words), ...options } = {}) {
   browserTest(name, async (t) => {
     const daemon = await serve();

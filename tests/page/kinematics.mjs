@@ -1,4 +1,4 @@
-// Where a model's links are, worked out from its URDF alone: what the page shows is compared with it.
+// The places of a model's links, computed from its URDF alone. Tests compare the page with them.
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { source } from "./programs.mjs";
@@ -20,7 +20,7 @@ function readJoints(urdf) {
 
 export const readArm = () => readJoints(join(source, "models/amtec_arm/amtec_arm.urdf"));
 
-// Rodrigues: the rotation by `angle` about the unit vector `axis`, as rows.
+// Rodrigues' formula: the rotation by `angle` about the unit vector `axis`, as rows.
 function turn([x, y, z], angle) {
   const c = Math.cos(angle), s = Math.sin(angle), t = 1 - c;
   return [
@@ -32,7 +32,8 @@ function turn([x, y, z], angle) {
 const times = (a, b) => a.map((row) => b[0].map((_, j) => row.reduce((sum, value, k) => sum + value * b[k][j], 0)));
 const apply = (a, v) => a.map((row) => row.reduce((sum, value, k) => sum + value * v[k], 0));
 
-// Link by name: the position of its frame, with the model's root at the world's origin. Revolute joints only.
+// The position of each link's frame by name, with the model's root at the world's origin. Revolute joints
+// only.
 export function linkPositions(joints, angles) {
   const frames = new Map([[joints[0].parent, { rotation: turn([0, 0, 1], 0), position: [0, 0, 0] }]]);
   for (const { name, type, parent, child, xyz, rpy: [roll, pitch, yaw], axis } of joints) {

@@ -1,4 +1,4 @@
-// Look: the world on the screen is the world of the ports; bodies, viewpoints.
+// Look: the picture of the world agrees with its ports; bodies, viewpoints.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { join } from "node:path";
@@ -84,7 +84,7 @@ pageTest("a body is clicked, and pulled", async (page, claim) => {
   });
 });
 
-// Whatever comes behind it has another number then.
+// Bodies behind the removed one get other numbers.
 const removeBody = (daemon, name) =>
   execFileSync(process.env.VISUM_PYTHON ?? "/usr/bin/python3", ["-c", "import sys, visum; visum.Client(sys.argv[1], role='admin').remove_body(sys.argv[2])", `127.0.0.1:${daemon.port}`, name],
     { env: { ...process.env, PYTHONPATH: join(bin, "../python") } });

@@ -1,4 +1,4 @@
-// A mirrored pair on the page of its mirror: the world of the primary, and the shadow arm as a ghost.
+// A mirrored pair on the page of its mirror: the world of the primary, with the shadow arm as a ghost.
 import assert from "node:assert/strict";
 import { body, drawn, look, overlay, pageTest, until } from "./harness.mjs";
 import { linkPositions, readArm } from "./kinematics.mjs";

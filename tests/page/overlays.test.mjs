@@ -1,4 +1,4 @@
-// Overlays: each is where the model's kinematics and the physics say, in its colour, and gone when switched off.
+// Overlays: each is at the place that kinematics and physics say, in its colour, and gone when switched off.
 import assert from "node:assert/strict";
 import { body, button, control, drawn, isRed, look, overlay, pageTest, settled, until } from "./harness.mjs";
 import { linkPositions, readArm } from "./kinematics.mjs";

@@ -1,4 +1,4 @@
-// What a user of the page relies on: commanding, leases, roles, time, tokens, access, losing and regaining the daemon.
+// The user's basics: commands, leases, roles, time, tokens, access, losing the daemon and finding it again.
 import assert from "node:assert/strict";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";

@@ -1,4 +1,4 @@
-// Pixels of what is on the screen. The browser itself decodes them.
+// Reads pixels of the screen. The browser itself decodes them.
 import { until } from "./programs.mjs";
 
 // { width, height, data } of a part of the page: RGBA, row by row.
@@ -23,8 +23,8 @@ export async function colourAt(page, { x, y }) {
   return [...data.subarray(0, 3)];
 }
 
-// The middle of the pixels that `is` says yes to, and how many they are; within [from, to) by [top, bottom), and counted
-// from there.
+// The middle and the number of the pixels for which `is` returns true, within [from, to) by [top, bottom),
+// counted from there.
 export function middleOf({ width, height, data }, is, { from = 0, to = width, top = 0, bottom = height } = {}) {
   let x = 0, y = 0, count = 0;
   for (let row = top; row < bottom; ++row)
@@ -38,10 +38,10 @@ export function middleOf({ width, height, data }, is, { from = 0, to = width, to
   return { x: x / count, y: y / count, count };
 }
 
-// A colour, nearly.
+// Returns a test for a colour, within a tolerance.
 export const like = (wanted, tolerance = 8) => (...seen) => wanted.every((value, i) => Math.abs(seen[i] - value) <= tolerance);
 
-// Pixels of a colour at most `reach` pixels from a place of the view.
+// The pixels of a colour that are at most `reach` pixels from a place of the view.
 export async function around(page, { x, y }, reach, is) {
   const view = await page.locator(".view canvas").boundingBox();
   const [left, top] = [Math.max(view.x, Math.round(x) - reach), Math.max(view.y, Math.round(y) - reach)];
@@ -50,8 +50,8 @@ export async function around(page, { x, y }, reach, is) {
 
 export const twoFrames = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
-// Until the view is drawn as it stays, with every pixel (a slow machine leaves some out while things move), and is on the
-// screen: reading a pixel waits for all that was drawn before.
+// Waits until the view is drawn in its final state, with every pixel (a slow machine leaves some out while
+// things move), and is on the screen. Reading a pixel waits for all that was drawn before.
 export async function drawn(page) {
   await twoFrames(page);
   await until(page, () => {

@@ -1,4 +1,4 @@
-// The real programs, for the tests of this folder: visumd on free ports, and Chromium with the page that it serves.
+// Starts the real programs for the tests of this folder: visumd on free ports, and Chromium with the page that it serves.
 import { execFileSync, spawn } from "node:child_process";
 import { once } from "node:events";
 import { existsSync } from "node:fs";
@@ -17,7 +17,7 @@ const kMostTicks = "600000"; // a daemon whose test died ends by itself
 const kLiveMs = 120_000; // a guard against hanging for ever, not a measure
 
 export class Daemon {
-  // `options`: of visumd; a scene first, where it is not the arm's; "--hold" where time is to stand at first.
+  // `options` are visumd's. A scene other than the arm's comes first; "--hold" begins with time paused.
   static async start(...options) {
     const daemon = new Daemon();
     await daemon.serve(...options);
@@ -25,17 +25,23 @@ export class Daemon {
   }
   async serve(...options) {
     const scene = options[0]?.endsWith(".yaml") ? options.shift() : join(source, "models/scenes/amtec_arm.yaml");
-    const own = ["--json", "-v", "0", "--iterations", kMostTicks];
+    const own = ["--json", "--iterations", kMostTicks];
+    if (!options.includes("-v")) own.push("-v", "0");
     if (!options.includes("--hold")) own.push("--run");
     if (!options.includes("--port")) own.push("--port", "0");
     await this.spawn("visumd", [scene, ...own, ...options.filter((word) => word !== "--hold")]);
   }
-  // Any server program; done when it is ready.
+  // Starts any server program, and resolves when it is ready. What it logs goes to our own stderr and to `log`.
   async spawn(program, words) {
-    this.process = spawn(join(bin, program), words, { stdio: ["ignore", "pipe", "inherit"] });
+    this.process = spawn(join(bin, program), words, { stdio: ["ignore", "pipe", "pipe"] });
+    this.log = "";
+    this.process.stderr.setEncoding("utf8").on("data", (text) => {
+      this.log += text;
+      process.stderr.write(text);
+    });
     const died = once(this.process, "exit").then(([code]) => Promise.reject(new Error(`${program} ended with ${code} before it was ready`)));
     const [line] = await Promise.race([once(createInterface({ input: this.process.stdout }), "line"), died]);
-    died.catch(() => undefined); // later, it may end
+    died.catch(() => undefined); // once it is ready, its end is no error here
     Object.assign(this, JSON.parse(line)); // port, http, page, ...
   }
   get url() {
@@ -49,7 +55,7 @@ export class Daemon {
   }
 }
 
-// Two virtual arms, each in a world of its own, behind one part: the mirror serves the page.
+// Two virtual arms, each in its own world, behind one part. The mirror serves the page.
 export class MirroredPair extends Daemon {
   static async start() {
     const pair = new MirroredPair();
@@ -58,7 +64,7 @@ export class MirroredPair extends Daemon {
     await pair.spawn("visum-mirror", ["--primary", primary, "--shadow", shadow, "--port", "0", "--json", "-v", "0", "--iterations", kMostTicks]);
     return pair;
   }
-  // The shadow comes along no more: its time stands.
+  // Pauses the shadow's world, so that the shadow stays behind.
   holdBack() {
     execFileSync(join(bin, "visum"), ["pause", "--connect", `127.0.0.1:${this.arms[1].port}`]);
   }
@@ -68,7 +74,7 @@ export class MirroredPair extends Daemon {
   }
 }
 
-// Without a GPU: the processor draws. The sandbox is left out where root runs the tests, who may not use it.
+// The processor draws, because test machines have no GPU. Chromium refuses to run as root with its sandbox.
 export const launch = () =>
   chromium.launch({
     executablePath: browserPath,
@@ -76,8 +82,8 @@ export const launch = () =>
     args: ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
   });
 
-// A page of `daemon` that shows live data. `page.faults` gathers what no page may do: errors on the console,
-// exceptions, requests to elsewhere.
+// Opens a page of `daemon` and waits until it shows live data. `page.faults` collects what no page may do: errors on the
+// console, exceptions, requests to other hosts.
 export async function openPage(browser, daemon, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, ...options });
   const page = await context.newPage();
@@ -97,5 +103,5 @@ function isOf(url, daemon) {
 }
 
 export const live = (page) => page.waitForFunction(() => document.documentElement.dataset.visum === "live", null, { timeout: kLiveMs, polling: 100 });
-// Waits for what must come; the time-out is a guard against hanging for ever, not a measure.
+// Waits for a condition. The time-out is a guard against hanging for ever, not a measure.
 export const until = (page, condition, argument) => page.waitForFunction(condition, argument, { timeout: kLiveMs, polling: 100 });

@@ -1,5 +1,5 @@
-// A recording on the page: where its slider is, what was recorded there is shown; the first difference is told, and
-// nothing can be changed.
+// A recording on the page. The page shows what was recorded at the slider's time, tells the first difference,
+// and lets nothing be changed.
 import assert from "node:assert/strict";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -12,7 +12,7 @@ import { Daemon, openPage } from "./programs.mjs";
 const kTarget = 0.62, kOther = 0.21;
 const kJoints = [1, 2, 3, 4, 5, 6, 7];
 
-// An arm that has moved by the hand of a page, gone through again. `change`: what becomes of the file before.
+// A recording of an arm that a page has moved, shown by visumd. `change` alters the file before.
 class Replayed extends Daemon {
   static async start(change = (file) => file) {
     const replayed = new Replayed();
@@ -45,7 +45,8 @@ const slider = (page) => page.getByRole("slider", { name: "Time of the recording
 const length = async (page) => Number(await slider(page).getAttribute("max"));
 const found = (page) => page.locator(".timeline-words").textContent();
 
-// As by hand; done when the world is there. The recording has one era, so that its simulated time is its ticks'.
+// Drags the slider as by hand, and resolves when the world is there. The recording has one era, so its
+// simulated time is its number of ticks.
 async function dragTo(page, position) {
   await slider(page).fill(String(position));
   await until(page, (seconds) => Math.abs(visum.simTime() - seconds) < 1e-9, position / 1000);

@@ -1,4 +1,4 @@
-// Runs the tests of this folder; 77, which ctest shows as skipped, where there is no browser.
+// Runs the tests of this folder. Without a browser it exits with 77, which ctest shows as skipped.
 import { spawnSync } from "node:child_process";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";

@@ -59,7 +59,8 @@ pageTest("what sensors see is laid over the world", async (page, claim) => {
   });
 }, { daemon: [join(source, "models/scenes/sensors.yaml"), "--hold"] });
 
-// Some pixels of each, in at most a few pictures: readings come from the daemon when the overlay is switched on.
+// Waits until each has some pixels, within a few pictures: readings come from the daemon when the overlay is
+// switched on.
 async function shown(page, seen) {
   let counts = [];
   for (let picture = 0; picture < 20; ++picture) {

@@ -1,4 +1,4 @@
-// Stereo: what each eye sees of a red disc on the table, against similar triangles.
+// Stereo: each eye's picture of a red disc on the table, against similar triangles.
 import assert from "node:assert/strict";
 import { button, drawn, isRed, look, pageTest, viewBox } from "./harness.mjs";
 import { middleOf, pixels } from "./picture.mjs";
@@ -8,15 +8,16 @@ const near = (a, b, tolerance) => assert.ok(Math.abs(a - b) < tolerance, `${a} i
 const minus = (a, b) => a.map((value, i) => value - b[i]);
 const dot = (a, b) => a.reduce((sum, value, i) => sum + value * b[i], 0);
 
-// How far in front of the viewer the disc lies, m.
+// The distance of the disc in front of the viewer, m.
 async function depth(page) {
   const { position, target } = await page.evaluate(() => visum.camera());
   const ahead = minus(target, position);
   return dot(minus(kDisc, position), ahead) / Math.hypot(...ahead);
 }
 
-// By how many pixels the disc is further right for the left eye, in a window of `width` pixels that shows the whole
-// width of the view: eyes e apart, the screen at s, the disc at z: e (s/z - 1) on a screen 2 s tan(fov/2) a wide.
+// How many pixels further right the disc is for the left eye, in a window of `width` pixels that shows the
+// whole width of the view. With eyes e apart, the screen at s and the disc at z, it is e (s/z - 1) on a
+// screen 2 s tan(fov/2) a wide.
 async function disparity(page, { eyes, screen }, width) {
   const { fov } = await page.evaluate(() => visum.camera());
   const box = await viewBox(page);
@@ -29,13 +30,13 @@ async function useStereo(page, mode, { eyes, screen, swapped = false }) {
   await page.getByRole("combobox", { name: "Stereo mode" }).selectOption(mode);
   await page.getByLabel("Eyes apart, m").fill(String(eyes));
   await page.getByLabel("Screen at, m").fill(String(screen));
-  await page.getByLabel("Left for right").setChecked(swapped);
+  await page.getByLabel("Swap the eyes").setChecked(swapped);
   await page.keyboard.press("Escape");
   await drawn(page);
   return pixels(page, await viewBox(page));
 }
 
-// Where the disc is in the left and in the right picture, each counted from its own corner.
+// The place of the disc in the left and in the right picture, each from its own corner.
 function inHalves(image, beside) {
   const [width, height] = [image.width >> 1, image.height >> 1];
   const halves = beside ? [{ to: width }, { from: width }] : [{ bottom: height }, { top: height }];

@@ -1,5 +1,5 @@
-// The cart of models/cart as one speed and one curvature, and its odometry. Places are of the middle of the
-// rear axle, where it started and looked being 0; m and rad, x ahead, y to the left.
+// The cart of models/cart as one speed and one curvature, and its odometry. A place is that of the middle of
+// the rear axle, from the place and heading of the start; m and rad, x ahead, y to the left.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ struct Place {
   double x = 0.0, y = 0.0, heading = 0.0;
 };
 
-// Where a piece of an arc leads to, forwards or backwards (way < 0).
+// The place at the end of a piece of an arc, driven forwards or backwards (way < 0).
 Place along(const Place& from, double way_m, double curvature);
 std::array<double, 2> ahead(const Place& place, double way_m);
 
@@ -20,10 +20,10 @@ class Cart {
  public:
   explicit Cart(plugin::PartLink& part);
 
-  // Each wheel gets the speed, and each steered one the angle, with which all roll about the same centre
-  // (Ackermann).
+  // Gives each wheel the speed, and each steered wheel the angle, with which all of them roll about the same
+  // centre (Ackermann).
   void command(double speed_m_s, double curvature);
-  void reckon();  // what the rear wheels have rolled since the last call
+  void reckon();  // adds what the rear wheels have rolled since the last call
   const Place& place() const { return place_; }
 
   void reset();
@@ -42,8 +42,8 @@ class Cart {
   Place place_;
 };
 
-// Three circles along the cart's axis hold it with its wheels steered (models/cart/cart.urdf); m from the
-// rear axle.
+// Three circles along the cart's axis that cover it with its wheels steered (models/cart/cart.urdf); m from
+// the rear axle.
 inline constexpr std::array kCirclesAt_m{0.0, 0.18, 0.36};
 inline constexpr double kCircleRadius_m = 0.27;
 inline constexpr double kCentreAt_m = 0.18;

@@ -1,9 +1,8 @@
 // The explorer as a plug-in: an agent that drives the cart over all of the floor that it can reach, and
-// touches nothing. It knows the wheels' ports and a scanner's, no more. The same library runs inside visumd
-// and, by visum-agent, as a client in front of parts anywhere.
-//
-// Every turn it lays the scan onto its map; a few times per second it picks, out of a handful of arcs that
-// the scan shows to be free, the one that brings it nearest to floor that it has not covered. Before it
+// touches nothing. It knows only the ports of the wheels and of a scanner. The same library runs inside
+// visumd and, with visum-agent, as a client in front of parts anywhere.
+// Every turn it adds the scan to its map. A few times per second it looks at a handful of arcs that the scan
+// shows to be free, and picks the one that brings it nearest to floor that it has not covered. Before it
 // changes direction it stops and steers.
 #include <algorithm>
 #include <cmath>
@@ -116,7 +115,7 @@ class Explorer final : public plugin::Agent {
   }
 
  private:
-  // The scan onto the map, and as points around the cart.
+  // Adds the scan to the map, and keeps it as points around the cart.
   void look() {
     const auto from = ahead(cart_.place(), kCentreAt_m);
     points_.clear();
@@ -128,7 +127,7 @@ class Explorer final : public plugin::Agent {
     });
   }
 
-  // The nearest point to the middle of one of the circles that hold the cart at `place`.
+  // The distance of the nearest point to the middle of one of the circles that cover the cart at `place`.
   double room(const Place& place) const {
     double nearest = std::numeric_limits<double>::infinity();
     for (const double at : kCirclesAt_m) {
@@ -139,8 +138,8 @@ class Explorer final : public plugin::Agent {
     return std::sqrt(nearest);
   }
 
-  // How far the scan shows an arc to be free. Where it stands nearer to something than it should, it may
-  // leave, but come no nearer.
+  // How far an arc is free by the scan. If the cart stands nearer to something than it should, it may leave,
+  // but come no nearer.
   double free_way(const Arc& arc) const {
     const double least = std::min(kCircleRadius_m + kKeepAway_m, room({}));
     double way = 0.0;
@@ -149,8 +148,8 @@ class Explorer final : public plugin::Agent {
     return way;
   }
 
-  // What is left to go after the best place on an arc, with a price on manoeuvres; infinite: it leads
-  // nowhere.
+  // The distance still to go after the best place on an arc, plus a price for manoeuvres. Infinite if the arc
+  // leads nowhere.
   double price(const Arc& arc) const {
     const double free = free_way(arc) - kStopShort_m;
     double best = std::numeric_limits<double>::infinity();
@@ -184,7 +183,7 @@ class Explorer final : public plugin::Agent {
         wanted_ = arc;
       }
     }
-    // Nothing leads anywhere: the longest way back may help.
+    // No arc leads anywhere: the longest way back may help.
     if (!std::isfinite(lowest)) wanted_ = {-arc_.direction, 0.0};
   }
 
@@ -203,12 +202,12 @@ class Explorer final : public plugin::Agent {
     const double free = std::max(0.0, free_way(arc_) - kStopShort_m);
     target = std::min(target, std::sqrt(2 * kAcceleration_m_s2 * free));
     const double change = kAcceleration_m_s2 * period_s_;
-    // Braking for what is near may be harder than that.
+    // If something is near, it may brake harder than that.
     speed_ = target < speed_ ? std::max(target, speed_ - 3 * change) : std::min(target, speed_ + change);
     cart_.command(arc_.direction * speed_, arc_.curvature);
   }
 
-  // Towards the wanted curvature, no faster than the wheels turn.
+  // Turns towards the wanted curvature, no faster than the wheels can.
   void steer() {
     const double most = 2 * kMaxCurvature / kSteering_s * period_s_;
     arc_.curvature += std::clamp(wanted_.curvature - arc_.curvature, -most, most);
@@ -219,10 +218,10 @@ class Explorer final : public plugin::Agent {
   Eye eye_;
   FloorMap floor_;
   const std::size_t way_, covered_;  // its outputs
-  std::vector<Point> points_;        // of the last scan: follows from the sensor, no state of its own
+  std::vector<Point> points_;  // of the last scan; computed from the sensor, so it is no state of its own
   Arc arc_, wanted_;
   double speed_ = 0.0;
-  double steering_s_ = 0.0;  // left to stand
+  double steering_s_ = 0.0;  // still to stand
   double since_choice_s_ = 0.0, since_news_s_ = 0.0;
   double known_m2_ = 0.0;
   bool stop_ = true;

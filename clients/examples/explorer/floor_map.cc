@@ -7,10 +7,11 @@
 namespace visum::explorer {
 namespace {
 
-// What a ray's end and its way add to a cell's evidence, and where that ends.
+// The evidence that a ray adds to the cell at its end and to the cells on its path, and the limits of a
+// cell's evidence.
 constexpr int kHit = 6, kPass = -1, kLeast = -10, kMost = 60, kSomething = 6;
 constexpr double kKeepOff_m = 0.32;
-constexpr int kWorthwhile = 6;  // cells to be covered anew
+constexpr int kWorthwhile = 6;  // cells that are not covered yet
 constexpr std::uint16_t kNoWay = std::numeric_limits<std::uint16_t>::max();
 constexpr std::array<std::array<int, 2>, 4> kNeighbours{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 

@@ -1,5 +1,5 @@
-// What the explorer knows of the floor: where it has seen something, where nothing, where it has been, and
-// how far it is from everywhere to floor that is still to be covered.
+// The explorer's map of the floor: cells with something, cells with nothing, cells that it has covered, and
+// the distance from everywhere to floor that is still to be covered. The explorer owns it.
 #pragma once
 
 #include <array>
@@ -14,15 +14,16 @@ class FloorMap {
  public:
   explicit FloorMap(double near_m);
 
-  // A ray from (x, y): free on its way, and something at its end if it met anything.
+  // Adds a ray from (x, y): its path is free, and something is at its end if it met anything.
   void see(double x, double y, double direction, double distance_m, bool met);
-  void cover(double x, double y);  // all within `near_m`
+  void cover(double x, double y);  // everything within `near_m`
   double covered_m2() const;
 
-  // Looks for the ways anew; false: there is nothing left to go to.
+  // Searches the ways anew. Returns false if there is no floor left to drive to.
   bool find_ways();
-  double way_from(double x, double y) const;  // m to the nearest floor worth going to; infinite: no way
-  void give_up(double x, double y);           // the floor that way_from() leads to from there
+  double way_from(double x,
+                  double y) const;   // m to the nearest floor worth a visit; infinite: there is no way
+  void give_up(double x, double y);  // gives up the floor that way_from() leads to from there
 
   void reset();
   void save(plugin::StateOut& to) const;
@@ -41,11 +42,11 @@ class FloorMap {
   int to_be_covered_near(int i, int j) const;
 
   Disc near_;                          // cells that a visit covers
-  Disc keep_off_;                      // of what stands there, in the way of the cart's middle
+  Disc keep_off_;                      // cells around something that the cart's middle must keep off
   std::vector<std::int8_t> evidence_;  // above 0: something; below: nothing; 0: never seen
   std::vector<std::uint8_t> done_;     // 1: covered, 2: given up
-  std::vector<std::uint8_t> blocked_;  // as of find_ways(), like the next
-  std::vector<std::uint16_t> steps_;   // to floor worth going to; kNoWay: none
+  std::vector<std::uint8_t> blocked_;  // by find_ways(), like the next
+  std::vector<std::uint16_t> steps_;   // to floor worth a visit; kNoWay: none
 };
 
 }  // namespace visum::explorer

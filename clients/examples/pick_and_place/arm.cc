@@ -8,8 +8,8 @@ namespace visum::pick_and_place {
 namespace {
 
 constexpr std::uint32_t kErrorBit = 0x1;   // of the PowerCube state word: no motion until Reset
-constexpr std::uint32_t kHaltedBit = 0x4;  // halted by somebody
-constexpr double kSpeedHeadroom = 1.05;    // a drive that fell behind may catch up
+constexpr std::uint32_t kHaltedBit = 0x4;  // something has halted it
+constexpr double kSpeedHeadroom = 1.05;    // lets a drive catch up that fell behind
 constexpr double kLeastSpeed_rad_per_s = 0.01;
 
 struct StateBit {
@@ -123,9 +123,9 @@ double Arm::braking_distance(std::size_t joint, double speed) const {
 void Arm::command(const MotionState& next) {
   for (std::size_t i = 0; i < desired_angle_.size(); ++i) {
     const double speed = next.velocity[Eigen::Index(i)];
-    // A drive's ramp is planned to stand at the desired angle. To pass a point at a speed, it must be told to
-    // stop one braking distance behind it, and one period more, or it would already brake when the next point
-    // comes.
+    // A drive plans its ramp to stand at the desired angle. To pass a point at a speed, it must be told to
+    // stop one braking distance behind it, plus one period. Otherwise it would already brake when the next
+    // point comes.
     const double ahead = speed * 1e-3 * kPeriod_ms + braking_distance(i, speed);
     desired_angle_.set(i, next.position[Eigen::Index(i)] + ahead);
     maximum_speed_.set(i, std::min(kSpeedHeadroom * std::abs(speed) + kLeastSpeed_rad_per_s,

@@ -1,6 +1,6 @@
-// The arm as a controller sees it: the ports of one hardware part, written and read once per period. Knows
-// nothing of the world. A fault of a drive, a Ctrl-C and a lost connection end whatever is going on by an
-// exception.
+// The arm as its controller sees it: the ports of one hardware part, written and read once per period. It
+// knows nothing of the world. It lives on the controller's one thread. A fault of a drive, a Ctrl-C and a
+// lost connection end the present motion by an exception.
 #pragma once
 
 #include <csignal>
@@ -22,7 +22,7 @@ class DriveFault : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Somebody wants the program to end.
+// The user wants the program to end.
 class Interrupted : public std::runtime_error {
  public:
   Interrupted() : std::runtime_error("interrupted") {}
@@ -30,8 +30,8 @@ class Interrupted : public std::runtime_error {
 
 class Arm {
  public:
-  // Takes the part's lease and joins the clock. `joints` and `fingers` are the numbers that the model has; a
-  // part with other numbers throws visum::Error. `stop` is set by a signal handler; tick() looks at it.
+  // Takes the part's lease and joins the clock. `joints` and `fingers` are the model's numbers; a part with
+  // other numbers throws visum::Error. A signal handler sets `stop`, and tick() checks it.
   Arm(visum::Client& client, const std::string& part, std::size_t joints, std::size_t fingers,
       const volatile std::sig_atomic_t& stop);
 
@@ -44,15 +44,14 @@ class Arm {
   double maximum_finger_speed() const;     // the drive's own
   double largest_following_error() const;  // rad, commanded minus actual, over all ticks so far
 
-  // What the drives shall do in the coming period. `next` is where the trajectory is at its end.
+  // Commands for the drives in the coming period. `next` is the trajectory's state at its end.
   void command(const MotionState& next);
   void command_fingers(double position, double maximum_speed);
 
-  // Writes what was commanded and waits for the end of the period. Throws DriveFault, Interrupted,
-  // visum::Error.
+  // Writes the commands and waits for the end of the period. Throws DriveFault, Interrupted or visum::Error.
   void tick();
 
-  // Stops where it can, as fast as the drives' ramps allow, writes that, and gives the part back.
+  // Stops as fast as the drives' ramps allow, writes that, and gives the part back.
   void hold_and_release();
   void release();
 
@@ -66,7 +65,7 @@ class Arm {
   visum::Inputs desired_angle_, maximum_speed_, desired_finger_, maximum_finger_speed_;
   visum::Outputs actual_angle_, actual_speed_, actual_finger_, actual_finger_speed_, module_state_;
   Eigen::VectorXd ramp_accelerations_;
-  Eigen::VectorXd commanded_;  // where the trajectory is, rad
+  Eigen::VectorXd commanded_;  // rad, the present point of the trajectory
   double largest_error_ = 0.0;
   std::int64_t start_ns_ = 0;
 };

@@ -7,10 +7,10 @@ namespace {
 
 constexpr double kRoom_m = 0.010;  // beside the object, on each side
 constexpr double kStill_m_per_s = 0.0005;
-constexpr int kStillTicks = 10;                  // for so long, one after the other
+constexpr int kStillTicks = 10;                  // as many ticks in a row
 constexpr int kMaxTicks = 800;                   // a finger's whole way takes a fraction of that
 constexpr double kClosingSpeed_m_per_s = 0.012;  // touches softly
-constexpr double kHeldShare = 0.4;               // of the squeeze that an object must keep the fingers from
+constexpr double kHeldShare = 0.4;  // of the squeeze; an object keeps the fingers from at least this share
 
 }  // namespace
 

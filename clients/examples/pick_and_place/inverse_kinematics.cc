@@ -31,7 +31,7 @@ bool close_enough(const Eigen::Matrix<double, 6, 1>& error) {
   return error.head<3>().norm() < kPositionTolerance_m && error.tail<3>().norm() < kRotationTolerance_rad;
 }
 
-// dq = J^T (J J^T + damping I)^-1 (e - J r) + r, with r the wish of the free joints.
+// dq = J^T (J J^T + damping I)^-1 (e - J r) + r, where r is the motion that the free joints would like.
 Eigen::VectorXd step(const Jacobian& J, const Eigen::Matrix<double, 6, 1>& error,
                      const Eigen::VectorXd& wish) {
   const double damping = kMinDamping + 1e-2 * error.squaredNorm();
@@ -65,7 +65,7 @@ std::vector<Eigen::VectorXd> seeds(const Chain& chain, const Eigen::Isometry3d& 
     for (std::size_t i = 0; i < chain.joints.size(); ++i) {
       const ChainJoint& joint = chain.joints[i];
       const double share = spread(k, kPrimes[i % std::size(kPrimes)]);
-      // Half of the range about the middle: the seeds' task is to reach all branches, not all postures.
+      // Half of the range about the middle: the seeds must reach all branches, not all postures.
       seed[Eigen::Index(i)] += 0.5 * (share - 0.5) * std::min(joint.upper - joint.lower, 6.0);
     }
     all.push_back(seed);
@@ -79,8 +79,8 @@ bool is_new(const std::vector<Eigen::VectorXd>& known, const Eigen::VectorXd& so
   });
 }
 
-// Too far away for any posture: the point on the last axis that the target fixes (for a spherical wrist its
-// middle) lies beyond the length of the chain up to it.
+// True if the target is too far away for any posture. The target fixes a point on the last axis (for a
+// spherical wrist its middle); this checks whether that point lies beyond the length of the chain up to it.
 bool is_too_far(const Chain& chain, const Eigen::Isometry3d& X_BT) {
   const ChainJoint& last = chain.joints.back();
   const Eigen::Vector3d offset =
@@ -107,7 +107,7 @@ std::optional<Eigen::VectorXd> solve_from(const Chain& chain, const Eigen::Isome
       if (error.norm() > kShrinks * checked_error) return std::nullopt;
       checked_error = error.norm();
     }
-    // The wish fades out near the goal, so that the last steps are quadratic.
+    // The pull to the rest posture fades out near the goal, so that the last steps converge quadratically.
     const double fade = std::min(1.0, 10.0 * error.norm());
     angles = clamped(chain, angles + step(motion.J_BT, error, fade * kRestGain * (rest - angles)));
   }

@@ -1,4 +1,4 @@
-// Forward kinematics of a chain: where the tool is, and how it moves with the joints.
+// Forward kinematics of a chain: the tool's pose, and its motion with the joints.
 #pragma once
 
 #include <vector>
@@ -21,7 +21,7 @@ ToolMotion tool_motion(const Chain& chain, const Eigen::VectorXd& angles);
 // The joints' origins in B, in the order of the chain.
 std::vector<Eigen::Vector3d> joint_origins(const Chain& chain, const Eigen::VectorXd& angles);
 
-// What turns and moves `from` into `to`: translation [m], then rotation vector [rad]; both in B.
+// The motion that brings `from` to `to`: translation [m], then rotation vector [rad]; both in B.
 Eigen::Matrix<double, 6, 1> pose_difference(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to);
 
 }  // namespace visum::pick_and_place

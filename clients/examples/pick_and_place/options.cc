@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kBadUsage = 2;
 
-// The arm's URDF in the source tree or in an installation that this binary stands in, or in the working
-// directory's models; empty if there is none.
+// Finds the arm's URDF: in the source tree or installation of this binary, or in the working directory's
+// models. Empty if it is not there.
 std::string default_urdf() {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -27,7 +27,7 @@ std::string default_urdf() {
   return fs::exists(here, error) ? here.string() : std::string();
 }
 
-// As CLI::Range, which lets NaN through.
+// Like CLI::Range, but refuses NaN.
 CLI::Validator between(double minimum, double maximum) {
   char text[64];
   std::snprintf(text, sizeof text, "from %g to %g", minimum, maximum);

@@ -17,7 +17,7 @@ struct Options {
   Job job;
 };
 
-// Nothing more to do if `exit_code` is not negative (help was shown, or the usage was wrong).
+// The program is done if `exit_code` is not negative: help was shown, or the usage was wrong.
 struct ParsedOptions {
   Options options;
   int exit_code = -1;

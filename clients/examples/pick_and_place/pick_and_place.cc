@@ -1,5 +1,5 @@
 // visum-pick-and-place: an example controller. It reads the arm's URDF, plans the whole job, and commands the
-// arm through its ports every 10 ms; it knows nothing of the world but what it is told on its command line.
+// arm through its ports every 10 ms. It knows nothing of the world except its command line.
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -25,7 +25,7 @@ void listen_to_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-// Some acceleration is left for the drives to catch up with.
+// Leaves the drives some acceleration to catch up with.
 MotionLimits motion_limits(const Arm& arm, const Options& options) {
   return {options.speed * arm.maximum_speeds(),
           (0.9 * arm.ramp_accelerations()).cwiseMin(options.acceleration)};

@@ -23,7 +23,7 @@ constexpr double kLeastDexterity = 0.04;    // smallest singular value of the Ja
 constexpr std::size_t kPosturesPerApproach = 2;
 constexpr double kWaySample_rad = 0.05;
 
-// How the gripper holds the box. The same at both places, or the box would not stand upright at the second
+// The grip on the box. It is the same at both places; otherwise the box would not stand upright at the second
 // one.
 struct Grip {
   double tilt;   // below the horizontal
@@ -69,7 +69,8 @@ class Planner {
   double surface_;  // the higher one of the two
 };
 
-// Of the tool above the box's foot: the box's middle, or higher where the fingers would touch the surface.
+// The height of the tool above the box's foot: the box's middle, or higher if the fingers would touch the
+// surface.
 std::optional<double> Planner::grip_height(double tilt) const {
   const double fingers_below = arm_.tip_reach_m * std::sin(tilt) + kHalfPadWidth_m * std::cos(tilt);
   const double height = std::max(0.5 * job_.height, fingers_below + kFingertipClearance_m);
@@ -88,7 +89,7 @@ std::vector<double> Planner::azimuths(const Eigen::Vector3d& foot) const {
   return all;
 }
 
-// The smallest singular value: how little the tool moves, at worst, for the joints' motion.
+// The smallest singular value: how much the tool moves at least for a motion of the joints.
 double dexterity(const Jacobian& J) {
   const Eigen::Matrix<double, 6, 6> JJ = J * J.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(JJ, Eigen::EigenvaluesOnly);
@@ -100,7 +101,7 @@ bool Planner::posture_is_clear(const Eigen::VectorXd& angles, double least_tool_
   if (motion.X_BT.translation().z() < least_tool_z) return false;
   if (dexterity(motion.J_BT) < kLeastDexterity) return false;
   const auto origins = joint_origins(arm_.chain, angles);
-  // The shoulder stands where it stands; the elbow and what follows moves above the surface.
+  // The shoulder cannot move. The elbow and everything beyond it must stay above the surface.
   return std::all_of(origins.begin() + std::min<std::ptrdiff_t>(3, std::ssize(origins)), origins.end(),
                      [this](const Eigen::Vector3d& p) { return p.z() > surface_ + kElbowClearance_m; });
 }
@@ -151,10 +152,10 @@ JointPath straight(const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
   return path;
 }
 
-// Through the air: straight in joint space, or by way of the start posture where that would come too low.
+// A path through the air: straight in joint space, or by way of the start posture if that would come too low.
 std::optional<Way> Planner::way(const Eigen::VectorXd& from, const Eigen::VectorXd& to,
                                 double least_tool_z) const {
-  // The ends are where they are: the start is given, and the others were checked with their lines.
+  // The ends are not checked: the start is given, and the others were checked with their lines.
   const auto clear_between = [&](const JointPath& path) {
     return is_clear({path.begin() + 1, path.end() - 1}, least_tool_z);
   };

@@ -1,5 +1,5 @@
-// What the arm will do, thought through before anything moves: postures at the box and at its goal, straight
-// ways down and up, ways through the air. A job that cannot be done throws Unreachable in words.
+// The whole job, planned before anything moves: postures at the box and at its goal, straight paths down and
+// up, and paths through the air. A job that cannot be done throws Unreachable, with the reason.
 #pragma once
 
 #include <stdexcept>
@@ -11,9 +11,9 @@
 
 namespace visum::pick_and_place {
 
-// Everything in the frame of the arm's base [m, rad].
+// All values are in the frame of the arm's base [m, rad].
 struct Job {
-  Eigen::Vector3d from;  // where the box stands: the middle of its foot
+  Eigen::Vector3d from;  // the box: the middle of its foot
   Eigen::Vector3d to;
   double width = 0.04;  // of the box, both ways
   double height = 0.08;

@@ -7,7 +7,7 @@ namespace visum::pick_and_place {
 namespace {
 
 constexpr double kCarefulShare = 0.4;  // of the speed, near the box and the table
-constexpr int kSettleTicks = 20;       // after a motion, until the drives stand where they should
+constexpr int kSettleTicks = 20;       // after a motion, until the drives have settled
 
 class Worker {
  public:

@@ -1,4 +1,4 @@
-// The job itself, phase by phase, with a line of text for each.
+// Carries out the plan, phase by phase, and prints a line of text for each.
 #pragma once
 
 #include <stdexcept>
@@ -9,13 +9,14 @@
 
 namespace visum::pick_and_place {
 
-// The gripper closed on nothing, or what it held is gone.
+// The gripper has closed on nothing, or has lost the box.
 class LostBox : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// Prints to stdout. Throws LostBox and what Arm::tick() throws; the arm then stands where its drives stopped.
+// Prints to stdout. Throws LostBox, and what Arm::tick() throws. The arm then stands where its drives
+// stopped.
 void run(Arm& arm, const ArmModel& model, const Plan& plan, const Job& job, const MotionLimits& limits);
 
 }  // namespace visum::pick_and_place

@@ -1,5 +1,5 @@
-// A way through joint angles, and the law of time along it: all joints start and stop together, speed up
-// evenly, run evenly, slow down evenly, none ever beyond its own maximum speed and acceleration.
+// A path through joint angles, and the time law along it. All joints start and stop together. They speed up
+// evenly, run evenly and slow down evenly, and none passes its own maximum speed or acceleration.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +7,7 @@
 
 namespace visum::pick_and_place {
 
-// Joint angles to pass, straight in joint space between neighbours.
+// Joint angles to pass, with straight lines in joint space between them.
 using JointPath = std::vector<Eigen::VectorXd>;
 
 struct MotionLimits {

@@ -35,7 +35,7 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& file) {
   return model;
 }
 
-// In the order of their names, which is how urdfdom keeps them.
+// In the order of their names, as urdfdom keeps them.
 std::vector<urdf::JointSharedPtr> finger_joints(const urdf::ModelInterface& model, const std::string& file) {
   std::vector<urdf::JointSharedPtr> fingers;
   for (const auto& [name, joint] : model.joints_) {
@@ -52,7 +52,7 @@ std::vector<urdf::JointSharedPtr> finger_joints(const urdf::ModelInterface& mode
   return fingers;
 }
 
-// Where the tool stands on the palm.
+// The tool's frame on the palm.
 Eigen::Isometry3d tool_on_palm(const std::vector<urdf::JointSharedPtr>& fingers, const std::string& file) {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   for (const auto& finger : fingers) {

@@ -1,7 +1,7 @@
 // The arm as its URDF describes it: a chain of turning joints from the base to the gripper, and the gripper's
-// fingers. Frames: B the base (root link), J a joint, T the tool: its origin midway between the finger pads,
-// z the direction in which the gripper reaches (the palm's z), y the direction in which the first finger
-// opens.
+// fingers. Frames: B is the base (root link), J a joint, T the tool. T's origin is midway between the finger
+// pads, its z is the palm's z, in which the gripper reaches, and its y is the direction in which the first
+// finger opens.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,8 +38,8 @@ struct ArmModel {
   double tip_reach_m = 0.0;  // how far the fingers' boxes reach beyond the tool's origin, along its z
 };
 
-// Throws std::runtime_error that names the file and says what is wrong: unreadable, no fingers, fingers on
-// different links, a chain with a joint that neither turns nor is fixed.
+// Throws std::runtime_error with the file's name and the reason: unreadable, no fingers, fingers on different
+// links, or a joint in the chain that neither turns nor is fixed.
 ArmModel read_arm(const std::string& urdf_file);
 
 }  // namespace visum::pick_and_place

@@ -114,7 +114,7 @@ static int read_frame(struct line* line, long until, uint8_t body[MAX_FRAME]) {
   }
 }
 
-/* Whether a frame is the answer to a request: from that module, same command, same parameter. */
+/* True if a frame is the answer to a request: same module, same command, same parameter. */
 static bool answers(const uint8_t* body, int length, int id, const uint8_t* request, int size) {
   const int count = length - 3; /* without headers and checksum */
   if (count < 1 || count > MODULES_MAX_DATA || (body[0] & 0xFC) != 0x08) return false;

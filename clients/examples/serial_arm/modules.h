@@ -40,7 +40,7 @@ struct line {
   long requests, timeouts;
 };
 
-/* Opens a tty, raw, 8N1. False: errno says why; EINVAL also for a baud rate that there is not. */
+/* Opens a tty, raw, 8N1. False: errno has the reason; EINVAL also for an unknown baud rate. */
 bool line_open(struct line* line, const char* device, int baud);
 void line_close(struct line* line);
 
@@ -48,15 +48,15 @@ void line_close(struct line* line);
  * those that have one, parameter). Returns the answer's size, 0 for none within the time-out, -1 if the line
  * is broken. */
 int line_request(struct line* line, int id, const uint8_t* data, int size, uint8_t answer[MODULES_MAX_DATA]);
-/* To all modules; there is no answer. */
+/* Sends a request to all modules. None answers. */
 bool line_broadcast(struct line* line, uint8_t command);
 
-/* All of these: false where no answer came, or not the one that means "done". */
+/* Each of these returns false if no answer came, or an answer other than "done". */
 bool module_command(struct line* line, int id, uint8_t command); /* 00 reset, 01 home, 02 halt */
 bool module_get_word(struct line* line, int id, uint8_t parameter, uint32_t* value);
 bool module_get_float(struct line* line, int id, uint8_t parameter, float* value);
 bool module_set_float(struct line* line, int id, uint8_t parameter, float value);
-/* To `target` with these limits: rad or m, per s, per s^2. */
+/* Moves to `target` with these limits: rad or m, per s, per s^2. */
 bool module_ramp(struct line* line, int id, float target, float speed, float acceleration);
-/* Be at `target` in `ms`; `position` is where it was when the request came. */
+/* Moves so that it is at `target` in `ms`. `position` is its place when the request came. */
 bool module_step(struct line* line, int id, float target, unsigned ms, float* position);

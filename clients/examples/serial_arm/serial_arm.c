@@ -19,7 +19,7 @@
 struct module {
   int id;
   bool linear;
-  float start; /* where it stands once homed: rad or m */
+  float start; /* its place after homing: rad or m */
   float minimum, maximum, speed;
 };
 
@@ -77,7 +77,7 @@ static bool identify(struct arm* arm) {
   return true;
 }
 
-/* All modules with all of `bits` and without an error. */
+/* True if all modules have all of `bits` in their state, and no error. */
 static bool wait_for(struct arm* arm, uint32_t bits, double seconds) {
   const double until = now(arm) + seconds;
   for (int i = 0; i < arm->count; ++i) {
@@ -113,7 +113,7 @@ static bool home(struct arm* arm) {
   return true;
 }
 
-/* A way that every module can go, from where it is at home. */
+/* A distance that every module can move from its place after homing. */
 static float away(const struct module* module) {
   const float way = module->linear ? 0.01f : 0.3f;
   return module->start + way < module->maximum ? module->start + way : module->start - way;
@@ -204,7 +204,7 @@ int main(int argc, char** argv) {
   }
   setvbuf(stdout, NULL, _IOLBF, 0);
   bool good = scan(&arm);
-  arm.line.timeout_ms = 500; /* from here on, who is asked is there */
+  arm.line.timeout_ms = 500; /* from here on, every module that is asked is there */
   good = good && identify(&arm) && home(&arm) && ramp(&arm, true) && ramp(&arm, false) && stream(&arm) &&
          halt_and_reset(&arm);
   printf("%ld requests, %ld without an answer\n%s\n", arm.line.requests, arm.line.timeouts,

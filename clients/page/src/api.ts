@@ -1,4 +1,4 @@
-// window.visum: what tests and users' own scripts need of the page.
+// window.visum: the page's interface for tests and for users' own scripts.
 import { Vector3 } from "three";
 import type { Parts } from "./model/parts";
 import type { World } from "./model/world";
@@ -22,11 +22,12 @@ export interface VisumApi {
   acquire(part: string): Promise<void>;
   release(part: string): Promise<void>;
   bodies(): string[];
-  // Where a point of a body (m, in its frame; none: its origin) is in the page, in pixels; null: behind the camera.
+  // The place of a body's point in the page, in pixels. The point is in the body's frame (m); without it, the
+  // body's origin. Null: behind the camera.
   project(body: string, point?: [number, number, number]): { x: number; y: number } | null;
-  // The same of the ghost: the other arm of a mirrored pair; null, too: that body has none.
+  // The same for the ghost, the other arm of a mirrored pair. Null also if the body has no ghost.
   projectGhost(body: string, point?: [number, number, number]): { x: number; y: number } | null;
-  // Where the world is seen from: m, in the world's frame; the vertical angle of view in degrees.
+  // The camera's position and target (m, world frame), and its vertical angle of view (degrees).
   camera(): { position: number[]; target: number[]; fov: number };
   simTime(): number; // s
 }
@@ -34,7 +35,7 @@ export interface VisumApi {
 export function makeApi(parts: Parts, world: World, viewer: Viewer, ghost: Ghost): VisumApi {
   const port = (part: string, name: string) => {
     const found = parts.port(part, name);
-    if (!found) throw new Error(`there is no port '${name}' of a part '${part}'`);
+    if (!found) throw new Error(`part '${part}' has no port '${name}'`);
     return found;
   };
   const partOf = (name: string) => {

@@ -1,4 +1,4 @@
-// The page put together.
+// Puts the page together.
 import "uplot/dist/uPlot.min.css";
 import "../styles/base.css";
 import "../styles/layout.css";
@@ -66,7 +66,7 @@ world.description.watch((description) => {
 });
 window.visum = makeApi(parts, world, viewer, ghost);
 
-// Live means: connected, a picture of this connection's data drawn, and known whether time runs.
+// The page is live when it is connected, has drawn data of this connection, and knows whether time runs.
 let fresh = false;
 link.state.watch((state) => {
   fresh = false;
@@ -91,7 +91,7 @@ async function begin(): Promise<void> {
   viewer.redraw();
 }
 
-let stood = false; // time, when it was asked for last
+let stood = false; // whether time stood at the last status
 clock.status.watch((status) => {
   if (!status || !link.welcome) return;
   if (status.paused) world.catchUp(status.simTimeNs).catch(reportError);

@@ -37,8 +37,8 @@ for (const [change, words] of [
 test("a widget has no more ports than can be recorded", () =>
   assert.match(complaint(panel({ ports: Array(49).fill(kSlider.ports[0]) })), /widgets\[0\]\.ports: more than 48/));
 
-test("what is no panel is refused", () => {
-  assert.match(complaint("{"), /this is no JSON/);
+test("a file that is not a panel is refused", () => {
+  assert.match(complaint("{"), /the file is not JSON/);
   assert.match(complaint("[]"), /the file: must be a map/);
   assert.match(complaint('{"visum_panel": 2}'), /visum_panel: must be 1/);
   assert.match(complaint(JSON.stringify({ visum_panel: 1, name: "", widgets: Array(201).fill(kSlider) })), /more than 200/);

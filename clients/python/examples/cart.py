@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Drives the cart along a figure of eight: a circle to the left, then one to the right, back to where it started.
 
-It knows no more than its ports: from the angles of the rear wheels it reckons where it is (odometry), and steers back to
-the figure what it is off. Every 10 ms it commands the speed of each wheel and the angle of each steered one so that all
-of them roll about the same centre, as Ackermann has it.
+It knows only its ports. It reckons its place from the angles of the rear wheels (odometry), and steers back to the figure.
+Every 10 ms it commands the speed of each wheel, and the angle of each steered wheel, so that all of them roll about the same
+centre (Ackermann).
 
     cart.py --connect 127.0.0.1:1500 --radius 0.9 --speed 0.6
 """
@@ -30,7 +30,7 @@ STEER_S = 0.5  # to turn the wheels on the spot
 
 
 class Pose(NamedTuple):
-    """Of the middle of the rear axle, where it started and looked being 0."""
+    """The pose of the middle of the rear axle, from the place and heading of the start."""
 
     x: float = 0.0
     y: float = 0.0
@@ -44,7 +44,7 @@ class Pose(NamedTuple):
 
 
 class Circle(NamedTuple):
-    """From the start back to it, to the left (side 1) or to the right (-1)."""
+    """A circle from the start back to it, to the left (side 1) or to the right (-1)."""
 
     radius: float
     side: int
@@ -89,7 +89,7 @@ class Cart:
 
 
 def correction(pose: Pose, wanted: Pose) -> float:
-    """Curvature that leads back onto the figure: of a lateral error that dies out, critically damped, within 0.5 m."""
+    """The curvature that leads back onto the figure. A lateral error dies out, critically damped, within 0.5 m."""
     aside = (wanted.y - pose.y) * math.cos(wanted.heading) - (wanted.x - pose.x) * math.sin(wanted.heading)
     turn = math.remainder(wanted.heading - pose.heading, 2 * math.pi)
     return 16.0 * aside + 8.0 * turn

@@ -25,7 +25,7 @@ SPEED = 0.15  # of the tip, m/s
 
 
 class Point(NamedTuple):
-    """Of the tip's axis, from the shoulder: forward, up. m"""
+    """The place of the tip's axis, from the shoulder: forward and up, m."""
 
     x: float
     z: float
@@ -37,7 +37,7 @@ STROKE = (Point(STRETCHED, LIFTED), Point(STRETCHED, PRESSED), Point(FLEXED, PRE
 
 
 def angles_at(tip: Point) -> tuple[float, float, float]:
-    """Shoulder, elbow, wrist: elbow up, the hand at its constant angle."""
+    """The angles of shoulder, elbow and wrist, with the elbow up and the hand at its constant angle."""
     x, z = tip.x - HAND * math.sin(HAND_ANGLE), tip.z - HAND * math.cos(HAND_ANGLE)
     cosine = (x * x + z * z - UPPER_ARM**2 - FOREARM**2) / (2 * UPPER_ARM * FOREARM)
     elbow = math.acos(cosine)
@@ -46,7 +46,7 @@ def angles_at(tip: Point) -> tuple[float, float, float]:
 
 
 class Arm:
-    """The crawler's ports as a place of the tip."""
+    """Commands the crawler's ports by the place of the tip."""
 
     def __init__(self, client: visum.Client, part: visum.Part) -> None:
         self._client, self._part = client, part
@@ -59,7 +59,7 @@ class Arm:
         self._client.advance_ms(1000 * PERIOD_S)
 
     def take_up(self, angles: tuple[float, float, float], seconds: float = 1.0) -> None:
-        """From wherever the arm is, joint by joint."""
+        """Moves there joint by joint, from any posture."""
         start, steps = self._actual.values(), round(seconds / PERIOD_S)
         for step in range(1, steps + 1):
             self._command([a + (b - a) * step / steps for a, b in zip(start, angles, strict=True)])

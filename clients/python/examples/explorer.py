@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Explores a room with the cart: drives until it has been near all of the floor that it can reach, and touches nothing.
 
-It knows no more than its ports: from the angles of the rear wheels it reckons where it is, and its distance sensor, which
-casts rays all around, or a single one on a mast that it turns (--neck), tells how far it is to the next wall. It draws a map of both (floor_map.py), looks for the
-cheapest way to floor that it has not been near, drives there and looks again. It stands while it thinks.
+It knows only its ports. It reckons its place from the angles of the rear wheels. Its distance sensor casts rays all around, or
+one ray from a mast that it turns (--neck). From both it draws a map (floor_map.py). It searches for the cheapest way to floor
+that it has not been near, drives there, and looks again. It stands while it thinks.
 
     explorer.py --connect 127.0.0.1:1500 --time 300
 """
@@ -61,14 +61,14 @@ class Eye:
         return ahead(pose, self._mounted_at)
 
     def points(self) -> np.ndarray:
-        """Where the rays end that met something, as rows of x and y in the cart's frame."""
+        """The ends of the rays that met something, as rows of x and y in the cart's frame."""
         met = self.distances < self.reach - 0.05
         return np.column_stack((self._mounted_at + self.distances[met] * np.cos(self.angles[met]),
                                 self.distances[met] * np.sin(self.angles[met])))
 
 
 class TurningEye(Eye):
-    """A distance sensor of one ray on a mast that turns: a scan is what it has met in its last turn, as seen from here."""
+    """A distance sensor with one ray, on a mast that turns. Its scan holds the points of the last turn, seen from here."""
 
     RAY_S = 0.005
     SPEED = 12.0  # rad/s: a turn takes 0.52 s, 105 rays
@@ -120,7 +120,7 @@ class Explorer:
         return self._client.time_ns >= self._end_ns
 
     def step(self, speed: float, curvature: float) -> None:
-        """One period: commands, then looks at what became of it."""
+        """One period: commands the cart, then reads the sensor and updates the map."""
         self._cart.command(speed, max(-MAXIMUM_CURVATURE, min(MAXIMUM_CURVATURE, curvature)))
         self._eye.wait(self._client, PERIOD_S)
         self._cart.reckon()
@@ -150,13 +150,13 @@ class Explorer:
             self.drive(moves)
 
     def catch_up(self) -> None:
-        """In real time, time has gone on while it was thinking; under lockstep it has not."""
+        """Waits until the present: in real time, time has gone on while it was thinking. Under lockstep it has not."""
         now_ns = self._eye.now_ns()
         while self._client.time_ns < now_ns:
             self.step(0.0, 0.0)
 
     def drive(self, moves: list[Move]) -> None:
-        """Along all moves, as far as the way is free; then stands."""
+        """Drives along all moves, as far as the way is free, and then stands."""
         start = self._cart.pose
         for run in runs(moves):
             self.stand(STEERING_S, run[0].curvature)
@@ -166,11 +166,11 @@ class Explorer:
                 return
 
     def roll(self, start: Pose, run: list[Move]) -> tuple[Pose, bool]:
-        """Moves of one direction, without a stop between them. Returns where they lead to, and whether they were driven."""
+        """Drives moves of one direction without a stop between them. Returns their end, and whether they were completed."""
         direction = math.copysign(1.0, run[0].way)
         length = sum(abs(move.way) for move in run)
         driven = speed = 0.0
-        # Where it stands nearer to something than it should, it may leave, but come no nearer.
+        # If it stands nearer to something than it should, it may leave, but come no nearer.
         least = min(CIRCLE_RADIUS + KEEP_AWAY, room(self._eye.points(), Pose()))
         while driven < length and not self.out_of_time():
             braking = math.sqrt(2 * ACCELERATION * (length - driven))
@@ -198,14 +198,14 @@ def seen_from(here: Pose, there: Pose) -> Pose:
 
 
 def room(points: np.ndarray, pose: Pose) -> float:
-    """Distance of the nearest point to the middle of one of the circles that hold the cart there."""
+    """The distance of the nearest point to the middle of one of the circles that cover the cart at `pose`."""
     if not len(points):
         return math.inf
     return math.sqrt(min(((points - ahead(pose, way)) ** 2).sum(axis=1).min() for way in CIRCLES_AT))
 
 
 def runs(moves: list[Move]) -> list[list[Move]]:
-    """The moves by stretches of one direction."""
+    """Splits the moves into stretches of one direction."""
     stretches: list[list[Move]] = []
     for move in moves:
         if not stretches or stretches[-1][-1].way * move.way < 0:
@@ -224,7 +224,7 @@ def on_run(start: Pose, run: list[Move], driven: float) -> tuple[Pose, float]:
 
 
 def errors(pose: Pose, wanted: Pose) -> tuple[float, float, float]:
-    """What is missing to the left, in heading, and ahead."""
+    """The errors of a pose: to the left, in heading, and ahead."""
     x, y = wanted.x - pose.x, wanted.y - pose.y
     cos, sin = math.cos(wanted.heading), math.sin(wanted.heading)
     return y * cos - x * sin, math.remainder(wanted.heading - pose.heading, 2 * math.pi), x * cos + y * sin

@@ -1,7 +1,7 @@
-"""What the explorer knows of the floor: where it has seen something, where nothing, and where it has been.
+"""The explorer's map of the floor: cells with something, cells with nothing, and cells that it has covered.
 
-A grid in the frame in which the cart started. A scan is laid onto what has been seen before (align), so that what the wheels
-reckon wrongly does not add up.
+The map is a grid in the frame of the cart's start. Each scan is aligned with what was seen before (align), so that errors of
+the odometry do not add up.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from cart import Pose
 CELL = 0.05  # m
 HALF_SIZE = 160  # cells: the map reaches 8 m each way
 BORDER = 20  # cells
-BETWEEN_RAYS = 0.1  # m: so near to what is free, nothing hides
-# What a ray's end and its way add to a cell's evidence that something stands there, and where that ends. What has been seen
-# often is not forgotten for one ray that went astray.
+BETWEEN_RAYS = 0.1  # m: nothing hides so near to free floor
+# The evidence that a ray adds to the cell at its end and to the cells on its path, and the limits of a cell's evidence. They
+# keep one stray ray from erasing what was seen often.
 HIT, PASS = 3, -1
 LEAST, SOMETHING, MOST = -10, 4, 40
 
@@ -40,7 +40,7 @@ def ahead(pose: Pose, way: float) -> tuple[float, float]:
 
 
 def along(pose: Pose, move: Move) -> Pose:
-    """Where a move leads to."""
+    """The pose at the end of a move."""
     turn = move.way * move.curvature
     # The chord of the arc lies midway between both headings.
     chord = move.way * math.sin(turn / 2) / (turn / 2) if abs(turn) > 1e-9 else move.way
@@ -60,7 +60,7 @@ def disc(radius: float) -> list[tuple[int, int]]:
 
 
 def spread(cells: np.ndarray, radius: float) -> np.ndarray:
-    """True within the radius of what is True. What leaves at one border comes in at the other: nothing is asked there."""
+    """Marks all cells within the radius of a marked cell. Marks wrap around at the border, where no cell is asked for."""
     result = np.zeros_like(cells)
     for i, j in disc(radius):
         result |= np.roll(cells, (i, j), axis=(0, 1))
@@ -128,15 +128,15 @@ class FloorMap:
             self._evidence[cell_of(*ahead(pose, way))] = LEAST
 
     def passable(self, margin: float) -> np.ndarray:
-        """Where a circle of the cart may be: seen free, and so far from touching anything; not at the map's border, so that
-        no move leaves it."""
+        """The cells where a circle of the cart may be: seen free, and far enough from everything. Not at the map's border, so
+        that no move leaves the map."""
         result = spread(self._free(), BETWEEN_RAYS) & ~spread(self._occupied(), CIRCLE_RADIUS + margin)
         for side in (result, result.T):
             side[:BORDER] = side[-BORDER:] = False
         return result
 
     def gain(self) -> np.ndarray:
-        """For each cell, how much free floor would be covered from there that has not been yet."""
+        """For each cell, the amount of free floor that the cart would newly cover from there."""
         open_floor = (self._free() & ~self._covered).astype(np.int16)
         total = np.zeros_like(open_floor)
         for i, j in self._cover:
@@ -165,13 +165,13 @@ def fits(passable: np.ndarray, pose: Pose) -> bool:
 
 
 def swerves(last: Move, move: Move) -> bool:
-    """Whether the wheels would have to be turned too far on the way."""
+    """True if the wheels would have to be turned too far on the way."""
     return last.way * move.way > 0 and abs(last.curvature - move.curvature) > 1.3
 
 
 def find_way(floor: FloorMap, start: Pose) -> list[Move]:
-    """The cheapest moves to where much new floor is covered (Dijkstra's algorithm over places and headings); none: there is
-    nowhere left to go."""
+    """The cheapest moves to a place that covers much new floor (Dijkstra's algorithm over places and headings). None if there
+    is no such place."""
     roomy, tight, gain = floor.passable(MARGIN), floor.passable(LEAST_MARGIN), floor.gain()
     open_list: list[tuple[float, int, Pose, Key | None, Move | None]] = [(0.0, 0, start, None, None)]
     came: dict[Key, tuple[Key | None, Move | None]] = {}

@@ -32,21 +32,21 @@ Path_ = list[np.ndarray]  # joint angles to pass
 
 
 class Failed(Exception):
-    """The job is not possible, or went wrong."""
+    """The job is impossible, or went wrong."""
 
 
 # Kinematics ------------------------------------------------------------------------------------------------------------
 
 
 def rotation(axis: Vector, angle: float) -> np.ndarray:
-    """About a unit axis (Rodrigues)."""
+    """The rotation about a unit axis (Rodrigues)."""
     x, y, z = axis
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
 
 
 def rotation_vector(R: np.ndarray) -> Vector:
-    """Axis times angle, for angles below pi."""
+    """The rotation vector (axis times angle), for angles below pi."""
     w = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / 2
     sine, cosine = np.linalg.norm(w), (np.trace(R) - 1) / 2
     return w if sine < 1e-12 else w / sine * math.atan2(sine, cosine)
@@ -118,7 +118,7 @@ def _origin(joint: ElementTree.Element) -> tuple[np.ndarray, Vector]:
 
 
 def solve(chain: Chain, R: np.ndarray, p: Vector, seed: Vector, rest: Vector) -> Vector | None:
-    """Damped least squares, the free joints drawn to `rest`; None if the pose is not reached from this seed."""
+    """Inverse kinematics by damped least squares; the free joints are drawn to `rest`. None: not reached from this seed."""
     angles, checked = np.clip(seed, chain.lower, chain.upper), math.inf
     for i in range(150):
         R_now, p_now, J, _ = chain.motion(angles)
@@ -139,7 +139,7 @@ def solve(chain: Chain, R: np.ndarray, p: Vector, seed: Vector, rest: Vector) ->
 
 
 def follow_line(chain: Chain, start: Vector, p_end: Vector, rest: Vector) -> Path_ | None:
-    """A straight line of the tool, its orientation kept, every 5 mm; None if it cannot be followed without a jump."""
+    """Joint angles for a straight line of the tool, every 5 mm, without a turn. None if they would have to jump."""
     R, p_start, _, _ = chain.motion(start)
     steps = max(1, math.ceil(np.linalg.norm(p_end - p_start) / 0.005))
     line = [start]
@@ -155,7 +155,7 @@ def follow_line(chain: Chain, start: Vector, p_end: Vector, rest: Vector) -> Pat
 
 
 def orientation(tilt: float, azimuth: float, side: float) -> np.ndarray:
-    """The gripper points down by `tilt`, towards `azimuth`; `side` -1 swaps the fingers."""
+    """The tool's rotation when the gripper points down by `tilt`, towards `azimuth`. `side` -1 swaps the fingers."""
     c, s = math.cos(azimuth), math.sin(azimuth)
     z = np.array([c * math.cos(tilt), s * math.cos(tilt), -math.sin(tilt)])
     y = side * np.array([-s, c, 0.0])
@@ -163,7 +163,7 @@ def orientation(tilt: float, azimuth: float, side: float) -> np.ndarray:
 
 
 def is_clear(chain: Chain, path: Path_, surface: float, least_tool_z: float) -> bool:
-    """Dexterous all along, the tool above `least_tool_z`, and the joints from the elbow on above the surface."""
+    """True if a path stays dexterous, the tool above `least_tool_z`, and the joints from the elbow on above the surface."""
     for angles in path:
         _, p, J, origins = chain.motion(angles)
         if p[2] < least_tool_z or any(o[2] < surface + 0.07 for o in origins[3:]):
@@ -175,7 +175,7 @@ def is_clear(chain: Chain, path: Path_, surface: float, least_tool_z: float) -> 
 
 def ways_down(chain: Chain, place: Vector, grip: tuple[float, float], options: argparse.Namespace,
               start: Vector) -> list[Path_]:
-    """From above a place straight down to where the gripper holds a box that stands there, from each of its sides."""
+    """Paths from above a place straight down to a box that stands there, one for each side of the box."""
     tilt, side = grip
     rest = start.copy()
     rest[0] = outward = math.atan2(place[1], place[0])
@@ -196,7 +196,7 @@ def straight(a: Vector, b: Vector) -> Path_:
 
 
 def through_the_air(chain: Chain, a: Vector, b: Vector, start: Vector, surface: float, low: float) -> list[Path_] | None:
-    """Straight in joint space, or by way of the start posture where that would come too low."""
+    """A path straight in joint space, or by way of the start posture if that would come too low."""
     for way in ([straight(a, b)], [straight(a, start), straight(start, b)]):
         if all(is_clear(chain, leg[1:-1], surface, low) for leg in way):
             return way
@@ -204,7 +204,7 @@ def through_the_air(chain: Chain, a: Vector, b: Vector, start: Vector, surface: 
 
 
 class Plan(NamedTuple):
-    """All ways, thought through before anything moves."""
+    """All paths of the job, planned before anything moves."""
 
     there: list[Path_]  # from the start to above the box
     down: Path_
@@ -215,7 +215,7 @@ class Plan(NamedTuple):
 
 
 def make_plan(chain: Chain, start: Vector, options: argparse.Namespace) -> Plan:
-    """The grip is the same at both places, or the box would not stand upright at the second; the steepest that works."""
+    """Plans with the steepest grip that works. The grip is the same at both places, else the box would not end upright."""
     if options.width >= 2 * chain.finger_upper:
         raise Failed(f"the box is {options.width:g} m wide, the gripper opens to {2 * chain.finger_upper:g} m")
     box, goal = options.source, options.to
@@ -267,7 +267,8 @@ class Arm:
             raise Failed("the box slipped out of the gripper")
 
     def follow(self, path: Path_, share: float) -> None:
-        """All joints start and stop together: speed up evenly, run, slow down evenly, within the drives' limits.
+        """Moves along a path. All joints start and stop together: they speed up evenly, run, and slow down evenly, within
+        the drives' limits.
 
         A drive's ramp is planned to stand at the desired angle. To pass a point at a speed, it must be told to stop
         one braking distance behind it, and one period more."""

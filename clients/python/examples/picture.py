@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes a picture of the world as it stands: picture.py [--connect HOST:PORT] [--at SECONDS] FILE.svg"""
+"""Writes a picture of the present world: picture.py [--connect HOST:PORT] [--at SECONDS] FILE.svg"""
 
 import argparse
 import time

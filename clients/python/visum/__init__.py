@@ -13,8 +13,8 @@
                 arm.write()
                 client.advance_ms(10)
 
-The verbs are those of the C++ library (clients/cpp/visum.h). Units are SI and radians; time is simulated time since the
-server's last reset. Blocking; a Client with its Parts belongs to one thread. What goes wrong raises visum.Error.
+The verbs are those of the C++ library (clients/cpp/visum.h). Units are SI and radians. Time is simulated time since the
+server's last reset. Calls block, and a Client and its Parts belong to one thread. Every failure raises visum.Error.
 """
 
 from visum.client import Client, ServerInfo

@@ -1,4 +1,4 @@
-"""One connection to a server, and what can be asked of it."""
+"""One connection to a server, and everything that a program can ask of the server."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import NamedTuple
 
 from visum.connection import VERSION, Connection, TlsFiles, pb, refusal_of
-from visum.errors import Error, ErrorCode, nearest_hint
+from visum.errors import Error, ErrorCode, nearest_hint, unknown_name
 from visum.part import Part
 from visum.token_file import read_token_file
 from visum.world import World, WorldView
@@ -20,26 +20,30 @@ _MAX_PENDING_WRITES = 32
 
 
 class ServerInfo(NamedTuple):
-    """What the server said in its welcome."""
+    """The server's description of itself, from its welcome."""
 
     server: str
     scene: str
     clock: str  # realtime, lockstep or free
     tick_ns: int
-    simulated: bool  # False where real hardware is behind the parts
+    simulated: bool  # False if real hardware is behind the parts
 
 
 class Client:
-    """Connects at construction; a context manager that closes. `name` is shown to others as the owner of leases;
-    `role` is observer, controller or admin; `token_file` holds the token, alone or in the server's lines of "ROLE TOKEN",
-    of which the one for `role` is sent. Keeps trying for `connect_timeout_s` while nobody listens. `tls_ca`,
-    `tls_cert` and `tls_key` are for a server that speaks TLS; without them $VISUM_TLS_CA, $VISUM_TLS_CERT, $VISUM_TLS_KEY."""
+    """A session with a server. The constructor connects; leaving a `with` block closes. One thread uses a Client at a time.
+
+    `name` is shown to others as the owner of leases. `role` is observer, controller or admin. `token_file` holds the token
+    alone, or lines of "ROLE TOKEN" like the server's own file; only the token for `role` is sent. While nothing listens at
+    the address, the constructor keeps trying for `connect_timeout_s`. A server that speaks TLS needs `tls_ca`, `tls_cert` and
+    `tls_key`; without them $VISUM_TLS_CA, $VISUM_TLS_CERT and $VISUM_TLS_KEY count.
+    """
 
     def __init__(self, address: str = "127.0.0.1:1500", *, name: str = "python", role: str = "controller",
                  token_file: str | Path | None = None, connect_timeout_s: float = 5.0, tls_ca: str | Path | None = None,
                  tls_cert: str | Path | None = None, tls_key: str | Path | None = None) -> None:
         if role not in _ROLES:
-            raise Error(ErrorCode.MISUSE, f"no role '{role}'{nearest_hint(role, list(_ROLES))}")
+            hint = nearest_hint(role, list(_ROLES)) or f"; there are: {', '.join(_ROLES)}"
+            raise Error(ErrorCode.MISUSE, f"there is no role '{role}'{hint}")
         token = read_token_file(token_file, role)
         hello = pb.Hello(min_version=VERSION, max_version=VERSION, client_name=name, role=_ROLES[role], token=token)
         tls = TlsFiles(*(str(file) if file else None for file in (tls_ca, tls_cert, tls_key)))
@@ -53,7 +57,7 @@ class Client:
         self.era = 0
         self._parts: list[Part] = []
         self._pending_writes: deque[tuple[int, pb.Write]] = deque()
-        self._ahead_ns = 0  # by which the ticks asked for are ahead of the sum of the periods
+        self._ahead_ns = 0  # how far the ticks that were asked for are ahead of the sum of the periods
         self._world: World | None = None
         self._world_revision = -1
 
@@ -65,7 +69,7 @@ class Client:
         self.close()
 
     def close(self) -> None:
-        """Ends the session. Leases that were not released count as lost: their parts stop."""
+        """Ends the session. Leases that were not released count as lost, and their parts stop."""
         self.connection.close()
 
     # Parts ---------------------------------------------------------------------------------------------------------
@@ -76,18 +80,18 @@ class Client:
     def part(self, name: str) -> Part:
         names = self.part_names()
         if name not in names:
-            raise Error(ErrorCode.UNKNOWN_NAME, f"no part '{name}' here{nearest_hint(name, names)}")
+            raise unknown_name("part", name, names)
         self._parts.append(Part(self, name))
         return self._parts[-1]
 
     def post_write(self, write: pb.Write) -> None:
-        """Sends without waiting; settle_writes() looks at the answers."""
+        """Sends without waiting. settle_writes() reads the answers."""
         if len(self._pending_writes) >= _MAX_PENDING_WRITES:
             self.settle_writes()
         self._pending_writes.append((self.connection.send(write=write), write))
 
     def settle(self) -> Error | None:
-        """Waits for the answers to all writes under way; the first refusal, if any."""
+        """Waits for the answers to all writes under way, and returns the first refusal."""
         first: Error | None = None
         while self._pending_writes:
             number, write = self._pending_writes.popleft()
@@ -105,20 +109,20 @@ class Client:
     # Time ----------------------------------------------------------------------------------------------------------
 
     def join(self, timeout_s: float = 0.0) -> None:
-        """Joins the clock. Under lockstep the world from here on waits for this client at each of its advances, at
-        most `timeout_s` of wall time (0: the server's default); else advance() only waits for the world."""
+        """Joins the clock. Under lockstep the world waits from now on for each advance of this client, at most `timeout_s`
+        of wall time (0: the server's default). Under the other clocks advance() only waits for the world."""
         self._set_time(self.connection.request(join=pb.Join(timeout_ns=round(timeout_s * 1e9))).advanced)
         self._ahead_ns = 0
 
     def leave(self) -> None:
         try:
             self.settle_writes()
-        finally:  # also where a write of before was refused, which is told then
+        finally:  # also if an earlier write was refused; settle_writes() raises that refusal
             self.connection.request(leave=pb.Leave())
 
     def advance_ns(self, period_ns: int) -> None:
-        """"I am done for this period": waits for the first tick at or after its end and brings all parts' samples
-        along. Periods are counted without drift, also where they are no multiple of the tick."""
+        """Says "I am done for this period", waits for the first tick at or after the period's end, and brings the samples of
+        all parts up to date. Periods do not drift, even if they are no multiple of the tick."""
         if period_ns <= 0:
             raise Error(ErrorCode.MISUSE, "a period must be longer than 0 ns")
         missing_ns = period_ns - self._ahead_ns
@@ -136,11 +140,11 @@ class Client:
     def _advance(self, ticks: int) -> None:
         advance = self.connection.send(advance=pb.Advance(ticks=ticks))
         reads = [self.connection.send(read=pb.Read(part=part.name)) for part in self._parts]
-        # All answers are taken in before anything is raised: none may be left over for the next period.
+        # All answers are read before anything is raised, so that none is left over for the next period.
         refusal = self.settle()
         advanced, *samples = [self.connection.take(number) for number in (advance, *reads)]
         if stood_still := refusal_of(advanced):
-            raise refusal or stood_still  # who advances again is told of the latter again
+            raise refusal or stood_still  # the next advance raises stood_still again
         self._set_time(advanced.advanced)
         for part, sample in zip(self._parts, samples):
             refusal = refusal or refusal_of(sample)
@@ -155,17 +159,17 @@ class Client:
     # The world's truth ---------------------------------------------------------------------------------------------
 
     def status(self) -> pb.ServerStatus:
-        """Tick, clock, pace, lateness, who is waited for in lockstep, and more: the message ServerStatus."""
+        """The message ServerStatus: tick, clock, pace, lateness, the clients that the lockstep waits for, and more."""
         return self.connection.request(status=pb.Status()).status
 
     def world(self) -> World:
-        """What bodies and joints there are."""
+        """The names of bodies and joints, and the whole description."""
         description = self.connection.request(describe_world=pb.DescribeWorld()).world_description
         self._world, self._world_revision = World(description), description.revision
         return self._world
 
     def read_world(self) -> WorldView:
-        """The world now."""
+        """The world at the newest tick."""
         sample = self.connection.request(read_world=pb.ReadWorld()).world_sample
         if self._world is None or self._world_revision != sample.revision:
             self.world()
@@ -173,7 +177,7 @@ class Client:
         return WorldView(self._world, sample)
 
     def events(self) -> list[pb.Event]:
-        """What has been told since the last call (lease_lost, lockstep_timeout, era, frozen, ...)."""
+        """The events since the last call: lease_lost, lockstep_timeout, era, frozen, ..."""
         self.connection.poll()
         events = list(self.connection.events)
         self.connection.events.clear()
@@ -188,15 +192,15 @@ class Client:
         self.connection.request(resume=pb.Resume())
 
     def step(self, ticks: int = 1) -> None:
-        """While paused: runs that many ticks."""
+        """Runs that many ticks while the world is paused."""
         self.connection.request(step=pb.Step(ticks=ticks))
 
     def set_speed(self, factor: float) -> None:
-        """Simulated seconds per second of wall time, under the realtime clock."""
+        """Sets how many simulated seconds pass in a second of wall time, under the realtime clock."""
         self.connection.request(set_speed=pb.SetSpeed(factor=factor))
 
     def reset(self) -> None:
-        """Back to the scene's initial state, in a new era."""
+        """Returns to the scene's initial state, in a new era."""
         self.connection.request(reset=pb.Reset())
 
     def take_snapshot(self) -> int:
@@ -207,12 +211,13 @@ class Client:
 
     def push_body(self, body: str, force_n: Sequence[float], duration_s: float, *, torque_nm: Sequence[float] = (),
                   point_m: Sequence[float] = ()) -> None:
-        """Pushes for a while; vectors in the world frame; without a point, at the centre of mass."""
+        """Pushes a body for `duration_s` of simulated time. Vectors are in the world frame. Without a point the force acts at
+        the centre of mass."""
         self.connection.request(push_body=pb.PushBody(body=body, force_n=force_n, torque_nm=torque_nm,
                                                       point_m=point_m, duration_ns=round(duration_s * 1e9)))
 
     def add_body(self, yaml: str) -> None:
-        """One entry of a scene's `bodies:`."""
+        """Adds a body, given as one entry of a scene's `bodies:`."""
         self.connection.request(add_body=pb.AddBody(yaml=yaml))
 
     def remove_body(self, name: str) -> None:

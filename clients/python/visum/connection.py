@@ -1,4 +1,4 @@
-"""The TCP session: frames, replies in order, and what comes in between. protocol/SPEC.md describes it."""
+"""The TCP session: frames, replies in order, and the samples and events between them. protocol/SPEC.md describes it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from visum.errors import Error, ErrorCode
 try:
     from visum import visum_pb2 as pb
 except ImportError as missing:
-    raise ImportError("visum_pb2 is missing: it is made by the build. Use PYTHONPATH=build/<preset>/python") from missing
+    raise ImportError("visum_pb2 is missing: the build makes it. Set PYTHONPATH=build/<preset>/python") from missing
 
 VERSION = 1
 MAX_FRAME_BYTES = 64 << 20
@@ -27,12 +27,12 @@ def parse_address(text: str) -> tuple[str, int]:
     """"HOST:PORT", "[::1]:PORT" or "PORT"."""
     host, _, port = text.rpartition(":")
     if not port.isdigit() or not 0 < int(port) < 65536:
-        raise Error(ErrorCode.MISUSE, f"'{text}' is no address: HOST:PORT is expected")
+        raise Error(ErrorCode.MISUSE, f"'{text}' is not an address; give HOST:PORT")
     return host.strip("[]") or "127.0.0.1", int(port)
 
 
 class TlsFiles(NamedTuple):
-    """PEM files: who signed the server's certificate, our own certificate, its key."""
+    """PEM files: the authority that signed the server's certificate, our own certificate, and its key."""
 
     ca: str | None = None
     cert: str | None = None
@@ -44,7 +44,7 @@ class TlsFiles(NamedTuple):
 
 
 def _secure(plain: socket.socket, address: str, files: TlsFiles) -> socket.socket:
-    """The same connection over TLS 1.3, with certificates on both sides."""
+    """Begins TLS 1.3 on a connection, with certificates on both sides."""
     try:
         if not all(files):
             raise Error(ErrorCode.MISUSE, "TLS needs three files: tls_ca, tls_cert and tls_key")
@@ -58,8 +58,8 @@ def _secure(plain: socket.socket, address: str, files: TlsFiles) -> socket.socke
 
 
 def _set_options(connection: socket.socket) -> None:
-    """Frames leave at once, and a server that vanished without a word is noticed: while nothing is to be sent by probes,
-    else by the time without an acknowledgement, each about 4 s."""
+    """Makes frames leave at once, and finds a server that vanished silently after about 4 s: by probes while we send nothing,
+    else by the time without an acknowledgement."""
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for name, value in (("TCP_KEEPIDLE", 1), ("TCP_KEEPINTVL", 1), ("TCP_KEEPCNT", 3), ("TCP_USER_TIMEOUT", 4000)):
@@ -68,8 +68,8 @@ def _set_options(connection: socket.socket) -> None:
 
 
 def _dial(address: str) -> socket.socket:
-    """What is sent to connect is repeated by the kernel after 1, 3, 7 s: who begins anew is there sooner once a wire that was
-    cut is back. From attempt to attempt longer, for answers that take long."""
+    """Connects, in up to three attempts of 1, 2 and 4 s. The kernel repeats a lost request after 1, 3 and 7 s, so a new
+    attempt finds a cable that is plugged in again sooner. The attempts grow longer for servers that answer slowly."""
     for attempt_s in (1.0, 2.0, 4.0):
         try:
             connection = socket.create_connection(parse_address(address), timeout=attempt_s)
@@ -81,7 +81,7 @@ def _dial(address: str) -> socket.socket:
 
 
 def _connect(address: str, patience_s: float) -> socket.socket:
-    """Tries until somebody listens or the time is over, with pauses that double."""
+    """Tries until something listens or the time is over. The pauses between the attempts double, up to 0.5 s."""
     end = time.monotonic() + patience_s
     pause = 0.01
     while True:
@@ -95,14 +95,15 @@ def _connect(address: str, patience_s: float) -> socket.socket:
 
 
 class Connection:
-    """One session. Requests are answered in the order in which they are sent."""
+    """One session with a server, for one thread. The server answers requests in the order in which they are sent. A lost
+    connection raises CONNECTION."""
 
     def __init__(self, address: str, hello: pb.Hello, patience_s: float, tls: TlsFiles = TlsFiles()) -> None:
         self._next_id = 1
         self._received = bytearray()
         self._replies: dict[int, pb.ServerMessage] = {}
         self.events: deque[pb.Event] = deque(maxlen=MAX_EVENTS)
-        self.latest_samples: dict[str, pb.PartSample] = {}  # by part, of subscriptions
+        self.latest_samples: dict[str, pb.PartSample] = {}  # of subscriptions, by part
         self.latest_world: pb.WorldSample | None = None
         self._socket = _connect(address, patience_s)
         _set_options(self._socket)
@@ -120,7 +121,7 @@ class Connection:
         return self._socket.fileno() < 0
 
     def send(self, **request: object) -> int:
-        """Sends one request, given as its name in ClientMessage, and returns the id that wait() takes."""
+        """Sends one request, named as in ClientMessage, and returns the number for take() or wait()."""
         number = self._next_id
         self._next_id += 1
         payload = pb.ClientMessage(id=number, **request).SerializeToString()
@@ -131,13 +132,13 @@ class Connection:
         return number
 
     def take(self, number: int) -> pb.ServerMessage:
-        """The reply to that request, which may be a refusal."""
+        """Waits for the reply to a request. It may be a refusal."""
         while number not in self._replies:
             self._sort(self._receive())
         return self._replies.pop(number)
 
     def wait(self, number: int) -> pb.ServerMessage:
-        """The reply to that request. A refusal raises."""
+        """Waits for the reply to a request. A refusal raises."""
         reply = self.take(number)
         if refusal := refusal_of(reply):
             raise refusal
@@ -147,7 +148,7 @@ class Connection:
         return self.wait(self.send(**request))
 
     def poll(self) -> None:
-        """Takes in what has arrived, without waiting."""
+        """Reads what has arrived, without waiting."""
         self._socket.setblocking(False)
         try:
             while True:
@@ -170,21 +171,21 @@ class Connection:
         elif kind == "event":
             self.events.append(message.event)
         elif kind == "error":
-            raise _to_error(message.error)  # the reason why the server closes
+            raise _to_error(message.error)  # an error without a request: the reason why the server closes
 
     def _receive(self) -> pb.ServerMessage:
         self._fill(_LENGTH.size)
         (length,) = _LENGTH.unpack_from(self._received)
         if length > MAX_FRAME_BYTES:
             self.close()
-            raise Error(ErrorCode.TOO_LARGE, f"the server sent a frame of {length} bytes")
+            raise Error(ErrorCode.TOO_LARGE, f"the server sent a frame of {length} bytes; the limit is {MAX_FRAME_BYTES}")
         self._fill(_LENGTH.size + length)
         message = pb.ServerMessage.FromString(bytes(self._received[_LENGTH.size:_LENGTH.size + length]))
         del self._received[:_LENGTH.size + length]
         return message
 
     def _fill(self, size: int) -> None:
-        """Receives until `size` bytes are there."""
+        """Receives until at least `size` bytes are there."""
         while len(self._received) < size:
             try:
                 chunk = self._socket.recv(65536)

@@ -1,4 +1,4 @@
-"""What can go wrong, as one exception with a code."""
+"""The one exception of this package, with a code for each kind of failure."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class ErrorCode(IntEnum):
-    """The server's refusals with the protocol's numbers (SPEC.md, section 10), and two of our own."""
+    """The server's refusals, with the protocol's numbers (SPEC.md, section 10), and two kinds of failure on our side."""
 
     UNSPECIFIED = 0
     MALFORMED = 1
@@ -29,7 +29,7 @@ class ErrorCode(IntEnum):
 
 
 class Error(Exception):
-    """Why a call failed. `owner` is who holds the lease, where one is in the way."""
+    """A failed call. `owner` names the holder of the lease if the lease is in the way, else it is empty."""
 
     def __init__(self, code: ErrorCode, text: str, owner: str = "") -> None:
         super().__init__(text)
@@ -37,8 +37,13 @@ class Error(Exception):
         self.owner = owner
 
 
+def unknown_name(what: str, name: str, known: list[str]) -> Error:
+    """Makes the error for a name that does not exist, as in "there is no part 'amr'; did you mean 'arm'?"."""
+    return Error(ErrorCode.UNKNOWN_NAME, f"there is no {what} '{name}'{nearest_hint(name, known)}")
+
+
 def nearest_hint(name: str, known: list[str]) -> str:
-    """'; did you mean ...?' if one of the known names is near, else nothing."""
+    """Returns "; did you mean 'arm'?" if one of the known names is near, else nothing."""
     from difflib import get_close_matches
 
     near = get_close_matches(name, known, n=1)

@@ -4,16 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import Protocol
 
-from visum.connection import pb, refusal_of
-from visum.errors import Error, ErrorCode, nearest_hint
+from visum.connection import Connection, pb, refusal_of
+from visum.errors import Error, ErrorCode, unknown_name
 from visum.ports import Inputs, Outputs, Port, find_ports
 
-if TYPE_CHECKING:
-    from visum.client import Client
-
 ParameterValue = float | int | bool | str
+
+
+class Owner(Protocol):
+    """The client that made a part. Client is one; part.py names what it needs of it here, because client.py imports part.py."""
+
+    connection: Connection
+
+    def post_write(self, write: pb.Write) -> None: ...
+    def settle(self) -> Error | None: ...
+    def close(self) -> None: ...
 
 
 def _ports(descriptions: list[pb.PortDescription]) -> list[Port]:
@@ -21,9 +28,9 @@ def _ports(descriptions: list[pb.PortDescription]) -> list[Port]:
 
 
 class Part:
-    """Made by Client.part(); comes with a first sample."""
+    """A hardware part. Client.part() makes it, with a first sample. It belongs to the thread of its client."""
 
-    def __init__(self, client: Client, name: str) -> None:
+    def __init__(self, client: Owner, name: str) -> None:
         self._client = client
         description = client.connection.request(describe_part=pb.DescribePart(part=name)).part_description
         self.name = name
@@ -42,10 +49,10 @@ class Part:
     # Ports ---------------------------------------------------------------------------------------------------------
 
     def inputs(self, group_or_name: str) -> Inputs:
-        return Inputs(self, find_ports(self.input_ports, group_or_name))
+        return Inputs(self, find_ports(self.name, "controller input", self.input_ports, group_or_name))
 
     def outputs(self, group_or_name: str) -> Outputs:
-        return Outputs(self, find_ports(self.output_ports, group_or_name))
+        return Outputs(self, find_ports(self.name, "sensor output", self.output_ports, group_or_name))
 
     def stage(self, index: int, value: float) -> None:
         """Remembers a controller input for the next write()."""
@@ -54,15 +61,14 @@ class Part:
         self.input_values[index] = value
 
     def write(self) -> None:
-        """Sends what was set since the last write and does not wait: a refusal is raised by a later call of this
-        client (the next advance or read at the latest). With nothing set it repeats the last write, as a sign of life
-        for a deadline."""
+        """Sends what was set since the last write, and does not wait. A later call of this client raises a refusal: the next
+        advance or read at the latest. If nothing was set, this repeats the last write, as a sign of life for a deadline."""
         self._last_write, self._staged = self._staged or self._last_write, set()
         for first, run in _runs({index: self.input_values[index] for index in self._last_write}):
             self._client.post_write(pb.Write(part=self.name, first_port=first, values=run))
 
     def read(self) -> None:
-        """Makes the outputs current, with one round trip."""
+        """Brings the outputs up to date, in one round trip."""
         number = self._client.connection.send(read=pb.Read(part=self.name))
         refusal = self._client.settle()
         reply = self._client.connection.take(number)
@@ -71,8 +77,8 @@ class Part:
         self.apply(reply.part_sample)
 
     def apply(self, sample: pb.PartSample) -> None:
-        """While we hold the lease nobody else writes, and a sample may be older than our last write. A new era begins with
-        values of its own."""
+        """Takes in a sample. What we have written under the lease stays: nobody else may write then, and the sample may be
+        older than our last write. A new era begins with its own values."""
         if not self.leased or sample.era != self._era:
             self._forget_writes()
         ours = {index: self.input_values[index] for index in self._set}
@@ -83,11 +89,11 @@ class Part:
         self.sample_tick, self.sample_time_ns, self._era = sample.tick, sample.sim_time_ns, sample.era
 
     def disown(self, indices: Iterable[int]) -> None:
-        """What was refused is not in force: samples tell what is."""
+        """Forgets writes that were refused: the next sample has the values in force."""
         self._set -= set(indices) - self._staged
 
     def _forget_writes(self) -> None:
-        # Indices of inputs: set since acquire(), since the last write(), and in it.
+        # Indices of the inputs that were set since acquire(), set since the last write(), and sent by it.
         self._set: set[int] = set()
         self._staged: set[int] = set()
         self._last_write: set[int] = set()
@@ -95,8 +101,8 @@ class Part:
     # Lease ---------------------------------------------------------------------------------------------------------
 
     def acquire(self, deadline_s: float = 0.0, take: bool = False) -> None:
-        """Takes the exclusive right to write. `deadline_s`: simulated time without a write after which the server
-        counts this controller as lost; 0: none. `take` (role admin): from its holder."""
+        """Takes the lease, the exclusive right to write. After `deadline_s` of simulated time without a write the server
+        treats this controller as lost; 0 means no deadline. `take` takes the lease from its holder (role admin)."""
         self._client.connection.request(acquire_lease=pb.AcquireLease(
             part=self.name, deadline_ns=round(deadline_s * 1e9), take=take))
         self.leased = True
@@ -104,8 +110,8 @@ class Part:
         self.apply(self._client.connection.request(read=pb.Read(part=self.name)).part_sample)
 
     def release(self) -> None:
-        """Gives the lease back in good order: the last values go on holding. Where it was lost before this raises NO_LEASE, and
-        the part is let go all the same."""
+        """Gives the lease back in good order: the part keeps the last values. If the lease was lost before, this raises
+        NO_LEASE, and the lease counts as released all the same."""
         refusal = self._client.settle()
         try:
             self._client.connection.request(release_lease=pb.ReleaseLease(part=self.name))
@@ -140,14 +146,14 @@ class Part:
     def parameter(self, name: str) -> ParameterValue:
         known = self.parameters()
         if name not in known:
-            raise Error(ErrorCode.UNKNOWN_NAME, f"no parameter '{name}' here{nearest_hint(name, list(known))}")
+            raise unknown_name("parameter", name, list(known))
         return known[name]
 
     def set_parameter(self, name: str, value: ParameterValue) -> None:
-        fields = {bool: "flag", int: "integer", float: "number", str: "text"}  # a bool is an int, too
+        fields = {bool: "flag", int: "integer", float: "number", str: "text"}  # bool comes first: it is an int, too
         field = next((field for kind, field in fields.items() if isinstance(value, kind)), None)
         if field is None:
-            raise Error(ErrorCode.MISUSE, f"'{name}' cannot be a {type(value).__name__}: a bool, int, float or str is expected")
+            raise Error(ErrorCode.MISUSE, f"'{name}' cannot be a {type(value).__name__}; give a bool, int, float or str")
         self._client.connection.request(set_parameter=pb.SetParameter(
             part=self.name, name=name, value=pb.ParameterValue(**{field: value})))
 
@@ -160,22 +166,23 @@ class Part:
             part=self.name, name=name, offset=offset, data=data))
 
     def inject_fault(self, kind: str, seconds: float = 0.0, **numbers: float) -> None:
-        """A fault of `visum faults`, as inject_fault("encoder_stuck", joint=3); role admin. 0 seconds: until it is cleared."""
+        """Injects a fault that `visum faults` lists, as in inject_fault("encoder_stuck", joint=3). It ends after `seconds` of
+        simulated time; 0 means that it lasts until clear_fault(). Needs the role admin."""
         self._client.connection.request(inject_fault=pb.InjectFault(
             part=self.name, kind=kind, duration_ns=round(seconds * 1e9),
             numbers=[pb.FaultNumber(name=name, value=value) for name, value in numbers.items()]))
 
     def clear_fault(self, kind: str = "", joint: int = 0) -> None:
-        """Ends all its faults, those of a kind, or that of one joint."""
+        """Ends all faults of this part, or those of one kind, or the one of a joint (0: of every joint)."""
         self._client.connection.request(clear_fault=pb.ClearFault(part=self.name, kind=kind, joint=joint))
 
     def faults(self) -> list[str]:
-        """The kinds that act."""
+        """The kinds of the faults that are active."""
         return [f.kind for f in self._client.connection.request(list_faults=pb.ListFaults(part=self.name)).faults.active]
 
 
 def _runs(values: dict[int, float]) -> Iterator[tuple[int, list[float]]]:
-    """Neighbouring ports together, as one message can carry them."""
+    """Groups values of neighbouring ports: one Write message carries one run."""
     run: list[float] = []
     first = 0
     for index in sorted(values):

@@ -1,8 +1,8 @@
-"""A picture of the world as an SVG file: what a paper, a README or a CI report wants, without a GPU or a display.
+"""Draws the world as an SVG file, for a paper, a README or a CI report. It needs no GPU and no display.
 
 `draw()` takes the messages WorldDescription and WorldSample as they come from the server, and returns the SVG's text.
-Each shape becomes flat faces, shaded by one light, painted from the farthest to the nearest (the painter's algorithm:
-faces that pierce each other are not cut). Lengths in metres, world frame, z up.
+Each shape becomes flat faces, shaded by one light. Faces are painted from the farthest to the nearest (the painter's
+algorithm), so faces that pierce each other look wrong. Lengths are in metres, in the world frame, z up.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ _LIGHT = np.array([0.35, -0.5, 0.8]) / np.linalg.norm([0.35, -0.5, 0.8])
 
 @dataclass(frozen=True)
 class View:
-    """Where the eye stands, what it looks at, and how wide it sees."""
+    """The camera: its position, its target, and its angle of view."""
 
     eye: tuple = (1.9, -1.3, 1.15)
     target: tuple = (0.32, 0.0, 0.34)
@@ -25,12 +25,12 @@ class View:
 
 
 def draw(world, sample, view=View()):
-    """The world of a WorldDescription at the poses of a WorldSample, as SVG."""
+    """Returns the SVG of the world of a WorldDescription, at the poses of a WorldSample."""
     faces = []
     for index, body in enumerate(world.bodies):
         pose = _matrix(sample.poses[7 * index : 7 * index + 7])
         for shape in body.shapes:
-            if len(shape.color) < 4 or shape.color[3] > 0:  # alpha 0: there to collide, not to be seen
+            if len(shape.color) < 4 or shape.color[3] > 0:  # alpha 0: it only collides
                 faces += [(face, shape.color, shape.kind == "plane") for face in _faces(shape, pose)]
     return _svg(_painted(faces, view), view)
 
@@ -48,7 +48,7 @@ def _matrix(pose):
 
 
 def _faces(shape, body_pose):
-    """The shape's faces as arrays of corners in the world frame, counter-clockwise seen from outside."""
+    """The faces of a shape as arrays of corners in the world frame, counter-clockwise as seen from outside."""
     pose = body_pose @ _matrix(shape.pose)
     makers = {"box": _box, "sphere": _sphere, "cylinder": _cylinder, "capsule": _capsule, "plane": _plane}
     if shape.kind not in makers:
@@ -64,7 +64,7 @@ def _box(x, y, z):
 
 
 def _divided(quad, longest=0.12):
-    """Cuts a large face in pieces, so that far and near parts of it are painted in the right order."""
+    """Cuts a large face into pieces, so that its far and near parts are painted in the right order."""
     a, b, c, d = quad
     columns = int(np.clip(np.linalg.norm(b - a) / longest, 1, 12))
     rows = int(np.clip(np.linalg.norm(d - a) / longest, 1, 12))
@@ -125,7 +125,7 @@ def _plane():
 
 
 def _painted(faces, view):
-    """(order, screen corners, colour) of the faces that look at the eye: planes first, then the farthest."""
+    """(order, screen corners, colour) of the faces that point at the eye: planes first, then the farthest."""
     eye = np.array(view.eye, dtype=float)
     forward = np.array(view.target, dtype=float) - eye
     forward /= np.linalg.norm(forward)

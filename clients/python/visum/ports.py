@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, Protocol
 
 from visum.errors import Error, ErrorCode, nearest_hint
 
-if TYPE_CHECKING:
-    from visum.part import Part
-
 
 class Port(NamedTuple):
-    """One number of a part. A value outside of [minimum, maximum] is refused."""
+    """One number of a part. The server refuses a value outside of [minimum, maximum]."""
 
     index: int
     name: str
@@ -24,19 +21,28 @@ class Port(NamedTuple):
     initial: float
 
 
-def find_ports(ports: list[Port], name: str) -> list[Port]:
-    """Those of that group, or the one of that name."""
+class Values(Protocol):
+    """The values behind Inputs and Outputs. A Part has them; ports.py names them here because it must not import part.py."""
+
+    input_values: list[float]
+    output_values: list[float]
+
+    def stage(self, index: int, value: float) -> None: ...
+
+
+def find_ports(part: str, vector: str, ports: list[Port], name: str) -> list[Port]:
+    """The ports of the group `name`, or the one port of that name. `part` and `vector` are for the error's text."""
     found = [port for port in ports if port.group == name] or [port for port in ports if port.name == name]
     if not found:
         known = sorted({port.group for port in ports} | {port.name for port in ports})
-        raise Error(ErrorCode.UNKNOWN_NAME, f"no port '{name}' here{nearest_hint(name, known)}")
+        raise Error(ErrorCode.UNKNOWN_NAME, f"part '{part}' has no {vector} '{name}'{nearest_hint(name, known)}")
     return found
 
 
 class Outputs:
     """Sensor outputs of one part, as of its newest sample."""
 
-    def __init__(self, part: Part, ports: list[Port]) -> None:
+    def __init__(self, part: Values, ports: list[Port]) -> None:
         self._part = part
         self.ports = ports
 
@@ -54,10 +60,10 @@ class Outputs:
 
 
 class Inputs:
-    """Controller inputs of one part: as set under this lease, else as in force at the newest sample.
+    """Controller inputs of one part. A value is the one set under this lease, else the one in force at the newest sample.
     Part.write() sends them."""
 
-    def __init__(self, part: Part, ports: list[Port]) -> None:
+    def __init__(self, part: Values, ports: list[Port]) -> None:
         self._part = part
         self.ports = ports
 
@@ -71,15 +77,15 @@ class Inputs:
         return (self[i] for i in range(len(self)))
 
     def __setitem__(self, i: int, value: float) -> None:
-        """Stages a value; one that is not finite or out of range raises and stages nothing."""
+        """Stages a value. A value that is not finite, or out of range, raises and stages nothing."""
         _check(self.ports[i], value)
         self._part.stage(self.ports[i].index, float(value))
 
     def set(self, values: Iterable[float]) -> None:
-        """Stages them all; exactly as many as there are ports. All or nothing."""
+        """Stages one value for each port. If one of them is wrong this raises, and stages nothing."""
         listed = list(values)
         if len(listed) != len(self):
-            raise Error(ErrorCode.MISUSE, f"{len(listed)} values for {len(self)} ports")
+            raise Error(ErrorCode.MISUSE, f"{len(listed)} values were given for {len(self)} ports")
         for port, value in zip(self.ports, listed):
             _check(port, value)
         for i, value in enumerate(listed):
@@ -89,4 +95,4 @@ class Inputs:
 def _check(port: Port, value: float) -> None:
     if not math.isfinite(value) or not port.minimum <= value <= port.maximum:
         raise Error(ErrorCode.BAD_VALUE,
-                    f"'{port.name}' must be from {port.minimum:g} to {port.maximum:g} {port.unit}, is {value}")
+                    f"'{port.name}' must be from {port.minimum:g} to {port.maximum:g} {port.unit}; {value} was given")

@@ -1,4 +1,4 @@
-"""How a controller that is a program ends."""
+"""The exit code of a controller program."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from visum.errors import Error, ErrorCode
 
 
 def exit_code_of(name: str, run: Callable[[], object]) -> int:
-    """Runs it. 0: well; 4: the server was lost or did not answer in time; 1: it refused; 130: Ctrl-C. Says why on stderr.
+    """Calls `run`, prints an error to stderr, and returns the exit code of the program `name`.
 
-    A lease that run() holds in a `with` is dropped in each case, so that the part stops on its ramps.
+    0: success. 1: the server refused. 4: the server was lost, or did not answer in time. 130: Ctrl-C. In each failure a
+    lease that run() holds in a `with` block is dropped, so that the part stops on its ramps.
     """
     try:
         run()

@@ -7,8 +7,8 @@
         scene.body(f"block_{i}", mass=1, pose=pose(0, 0, 0.1 + 0.2 * i), shapes=[box(0.2, 0.2, 0.2, surface="rubber")])
     scene.write("towers.yaml")
 
-Arguments that are not given are left out of the file, so that visumd's defaults hold. Numbers are checked when visumd reads
-the file: `visum check towers.yaml`.
+Arguments that are not given are left out of the file; visumd's defaults count then. visumd checks the numbers when it reads
+the file, as `visum check towers.yaml` does.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Repeat = int | Mapping[str, int]
 
 
 def _plain(value: Any) -> Any:
-    """As JSON has it: tuples as lists, paths as texts, no NaN, nothing that was not given."""
+    """Converts a value to what JSON can hold: tuples to lists, paths to texts. Drops None, and refuses NaN."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items() if item is not None}
     if isinstance(value, (str, bool, int)):
@@ -48,7 +48,7 @@ def _plain(value: Any) -> Any:
 
 def pose(x: float = 0, y: float = 0, z: float = 0, *, rpy: Vector | None = None, wxyz: Vector | None = None,
          frame: str | None = None) -> Entry:
-    """m, rad; `frame`: that of the scene which it is given in."""
+    """A pose in m and rad. `frame` is the frame of the scene in which it is given."""
     return _plain({"in": frame, "xyz": [x, y, z], "rpy": rpy, "wxyz": wxyz})
 
 
@@ -60,7 +60,7 @@ def _shape(kind: str, size: Any, *, name: str | None = None, pose: Entry | None 
 
 
 def box(x: float, y: float, z: float, **more: Any) -> Entry:
-    """Full lengths."""
+    """A box with full edge lengths, m."""
     return _shape("box", [x, y, z], **more)
 
 
@@ -73,7 +73,7 @@ def cylinder(radius: float, length: float, **more: Any) -> Entry:
 
 
 def capsule(radius: float, length: float, **more: Any) -> Entry:
-    """The length is without the caps."""
+    """A capsule; the length does not count the caps."""
     return _shape("capsule", {"radius": radius, "length": length}, **more)
 
 
@@ -93,7 +93,8 @@ def convex(file: str | Path, **more: Any) -> Entry:
 
 
 class Scene:
-    """Keys and entries in the order in which they are added."""
+    """A scene file. It holds keys and entries in the order in which they are added. A wrong value raises ValueError or
+    TypeError."""
 
     def __init__(self, name: str | None = None, *, gravity: Vector | None = None, tick_ms: float | None = None,
                  clock: str | None = None, speed: float | None = None, seed: int | None = None,
@@ -103,7 +104,7 @@ class Scene:
         self.root.update(_plain({"name": name, "gravity": gravity, "tick_ms": tick_ms, "clock": clock, "speed": speed,
                                  "seed": seed, "lockstep_timeout_s": lockstep_timeout_s, "engine": engine}))
         if parameters is not None:
-            # Those with None must be given by who includes the file.
+            # A parameter of None has no default: the scene that includes this file must give it.
             self.root["parameters"] = {key: None if value is None else _plain(value) for key, value in parameters.items()}
 
     def _add(self, key: str, entry: Any) -> None:
@@ -156,26 +157,26 @@ class Scene:
                              "surface": surface, "color": color, "material": material, "repeat": repeat})
 
     def joint(self, name: str, type: str, child: str, **keys: Any) -> None:
-        """`keys`: parent, pose, axis, limits, ... as the type has them."""
+        """`keys` are those of the joint's type: parent, pose, axis, limits, ..."""
         self._add("joints", {"name": name, "type": type, "child": child, **keys})
 
     def no_collision(self, a: str, b: str) -> None:
         self._add("no_collision", [a, b])
 
     def part(self, name: str, kind: str, **keys: Any) -> None:
-        """`keys`: model, joints, drives, ... as the kind has them."""
+        """`keys` are those of the part's kind: model, joints, drives, ..."""
         self._add("parts", {"name": name, "kind": kind, **keys})
 
     def sensor(self, name: str, kind: str, **keys: Any) -> None:
-        """`keys`: body, pose, range, rate_hz, ... as the kind has them."""
+        """`keys` are those of the sensor's kind: body, pose, range, rate_hz, ..."""
         self._add("sensors", {"name": name, "kind": kind, **keys})
 
     def plugin(self, name: str) -> None:
-        """A library that brings kinds of agents, sensors and parts: its name, without folder and ending."""
+        """Loads a library with kinds of agents, sensors and parts, by its name without folder and ending."""
         self._add("plugins", name)
 
     def agent(self, name: str, kind: str, **keys: Any) -> None:
-        """`keys`: parts, period_ms, ... as the kind has them."""
+        """`keys` are those of the agent's kind: parts, period_ms, ..."""
         self._add("agents", {"name": name, "kind": kind, **keys})
 
     def light(self, kind: str, **keys: Any) -> None:
@@ -188,7 +189,7 @@ class Scene:
         self._add("panels", file)
 
     def yaml(self) -> str:
-        """One line per setting and per entry; values as JSON, which is YAML."""
+        """Returns the file's text: one line for each setting and entry, with values as JSON, which is YAML, too."""
         lines = []
         for key, value in self.root.items():
             if isinstance(value, list) and value and not isinstance(value[0], (int, float)):

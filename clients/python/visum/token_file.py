@@ -1,4 +1,4 @@
-"""Where a client finds the token that a server asks for: the rule of protocol/token_file.h."""
+"""Reads the token that a server asks for from a file, by the rule of protocol/token_file.h."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ _RANKS = {b"observer": 1, b"controller": 2, b"admin": 3}
 
 
 def read_token_file(file: str | Path | None, role: str) -> bytes:
-    """The token for `role`: the first line that is a token alone or, in a file as the server's own with lines of
-    "ROLE TOKEN", that of the least role that is enough (else of the greatest there is). # begins a comment. No file:
-    no token."""
+    """Returns the token for `role`, or nothing without a file.
+
+    It is the first line that holds a token alone. In a file like the server's, with lines of "ROLE TOKEN", it is the token
+    of the least role that is enough, else of the greatest role. # begins a comment.
+    """
     if not file:
         return b""
     try:
@@ -24,7 +26,7 @@ def read_token_file(file: str | Path | None, role: str) -> bytes:
         words = line.split(b"#")[0].split()
         if len(words) == 1:
             return words[0]
-        if not words or words[1].startswith(b"CN="):  # of a certificate
+        if not words or words[1].startswith(b"CN="):  # names a certificate, and holds no token
             continue
         rank = _RANKS.get(words[0], 0)
         if _is_better(rank, best_rank, wanted):
@@ -35,7 +37,7 @@ def read_token_file(file: str | Path | None, role: str) -> bytes:
 
 
 def _is_better(offered: int, best: int, wanted: int) -> bool:
-    """Whether a token that gives `offered` serves somebody who wants `wanted` better than one that gives `best`."""
+    """Whether a token of the rank `offered` suits the rank `wanted` better than a token of the rank `best`."""
     if best < wanted:
         return offered > best
     return wanted <= offered < best

@@ -1,26 +1,26 @@
-"""The world's truth, for checkers and viewers: what stands where. Never part of a part's ports."""
+"""The true state of the world, for checkers and viewers. Controllers do not get it: no port of a part shows it."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 from visum.connection import pb
-from visum.errors import Error, ErrorCode, nearest_hint
+from visum.errors import unknown_name
 
 
 class Body(NamedTuple):
-    """A body at one tick. Pose of its link frame in the world frame, quaternion as (w, x, y, z)."""
+    """A body at one tick: the pose of its link frame in the world frame (m), the quaternion as (w, x, y, z)."""
 
     name: str
     position: tuple[float, float, float]
     quaternion: tuple[float, float, float, float]
     velocity: tuple[float, float, float]
     angular_velocity: tuple[float, float, float]
-    peak_contact_force: float  # N, largest sum of normal forces since this session's previous sample
+    peak_contact_force: float  # N, the largest sum of normal forces since this session's previous sample
 
 
 class Joint(NamedTuple):
-    """A joint at one tick. rad, rad/s, N·m; or m, m/s, N."""
+    """A joint at one tick, in rad, rad/s and N·m, or in m, m/s and N."""
 
     name: str
     position: float
@@ -31,7 +31,7 @@ class Joint(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """A contact point at one tick, in the world frame; the normal points from body_b to body_a."""
+    """A contact point at one tick, in the world frame (m, N). The normal points from body_b to body_a."""
 
     body_a: str
     body_b: str
@@ -42,7 +42,7 @@ class Contact(NamedTuple):
 
 
 class World:
-    """What there is. `description` is the message WorldDescription with all shapes, colours and limits."""
+    """The bodies and joints of a world. `description` is the message WorldDescription, with shapes, colours and limits."""
 
     def __init__(self, description: pb.WorldDescription) -> None:
         self.description = description
@@ -82,5 +82,5 @@ class WorldView:
 
 def _index(names: list[str], name: str, what: str) -> int:
     if name not in names:
-        raise Error(ErrorCode.UNKNOWN_NAME, f"no {what} '{name}' in the world{nearest_hint(name, names)}")
+        raise unknown_name(what, name, names)
     return names.index(name)

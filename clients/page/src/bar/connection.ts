@@ -1,4 +1,4 @@
-// Whether the page is in touch with visumd, and as whom; what to do where it is not.
+// The state of the connection to visumd, the role of this page, and what to do if the connection is lost.
 import type { Link, LinkState } from "../link/link";
 import { Role } from "../link/messages";
 import type { Parts } from "../model/parts";
@@ -9,10 +9,11 @@ const kRoles: [Role, string][] = [[Role.OBSERVER, "Observer"], [Role.CONTROLLER,
 
 export function connectionBadge(link: Link, parts: Parts): HTMLElement {
   const text = h("span", {}, "Connecting");
-  const role = h("select", { "aria-label": "Role", class: "role", title: "What this page may do" },
+  const role = h("select", { "aria-label": "Role", class: "role", title: "The role of this page: what it may do" },
     ...kRoles.map(([value, name]) => h("option", { value }, name)));
   role.value = String(link.role);
-  // A role comes with a new session, and what the old one still leases would be lost with it: then parts stop.
+  // A role comes with a new session. The leases of the old session would be lost with it, and the parts would
+  // stop.
   const change = async (wanted: Role) => {
     try {
       await parts.releaseAll();
@@ -44,7 +45,7 @@ function words(state: LinkState, recorded: boolean): string {
   return state.kind === "lost" ? "Reconnecting" : "Connecting";
 }
 
-// Virtual, real or over: nobody may mistake the one for the other.
+// Virtual, real or recorded: these must not be mistaken for each other.
 export function realityBadge(link: Link): HTMLElement {
   const element = h("span", { class: "reality" }, "–");
   link.state.watch((state) => {
@@ -57,12 +58,13 @@ export function realityBadge(link: Link): HTMLElement {
     element.dataset["recorded"] = String(recorded);
     if (!recorded) return;
     setText(element, "Recording");
-    element.title = "Nothing of this happens now, and nothing in it can be changed";
+    element.title = "This happened in the past; nothing in it can be changed";
   });
   return element;
 }
 
-// Over the view while no data come: the reason, and since when. Where a token is asked for, a field for it.
+// Covers the view while no data come: the reason, and since when. If the server needs a token, there is a
+// field for it.
 export function lostBanner(link: Link): HTMLElement {
   const reason = h("p", {});
   const token = h("input", { type: "password", autocomplete: "off", "aria-label": "Token", placeholder: "Token" });

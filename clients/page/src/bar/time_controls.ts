@@ -1,4 +1,5 @@
-// Time, always in sight: run and pause, single ticks, speed, reset; how fast and how punctual the world runs.
+// Time, always in sight: run and pause, single ticks, speed, reset, and how fast and how punctually the world
+// runs.
 import type { Link } from "../link/link";
 import { Role, type ServerStatus } from "../link/messages";
 import type { Clock } from "../model/clock";
@@ -37,7 +38,7 @@ export class TimeControls {
     for (const changed of [clock.status, clock.stepping]) changed.watch(() => clock.status.value && this.show(clock.status.value));
   }
 
-  // Between two answers of the status, samples tell the time.
+  // Between two status answers, samples give the time.
   showTime(seconds: number): void {
     setText(this.time, formatTime(seconds));
   }
@@ -65,7 +66,7 @@ export class TimeControls {
       this.speed.replaceChildren(...speeds.map((speed) => h("option", { value: speed }, `${speed}×`)));
     }
     if (document.activeElement !== this.speed) this.speed.value = String(status.speed);
-    this.speed.title = status.clock === "realtime" ? "Simulated seconds per second" : `The clock is ${status.clock}: it has no speed`;
+    this.speed.title = status.clock === "realtime" ? "Simulated seconds per second" : `The speed cannot be set: the clock is ${status.clock}`;
   }
 
   private showMeters(status: ServerStatus): void {
@@ -80,7 +81,7 @@ export class TimeControls {
     const stands = status?.paused && !this.clock.stepping.value;
     (stands ? this.resume() : this.clock.pause()).catch(reportError);
   }
-  // A recording that is over begins anew.
+  // A recording at its end begins again.
   private async resume(): Promise<void> {
     if (this.recording.atEnd) await this.recording.seek(0);
     await this.clock.resume();

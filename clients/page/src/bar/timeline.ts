@@ -1,5 +1,5 @@
-// The time of a recording: a slider over all of it, with a mark where its bits and this program's part, and in words what
-// was found.
+// The time of a recording: a slider over all of it, a mark at the first tick whose bits differ from this
+// program's, and a sentence on what was found.
 import type { Recording, Report } from "../model/recording";
 import { h, setText } from "../ui/dom";
 import { formatTime } from "../ui/numbers";

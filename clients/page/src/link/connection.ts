@@ -1,5 +1,5 @@
-// One session with visumd over WebSocket: hello, requests that are answered in order, samples and events. Ends for
-// good when the socket closes; link.ts opens the next one.
+// One session with visumd over WebSocket: hello, requests that are answered in order, samples and events. It
+// ends for good when the socket closes; link.ts opens the next one.
 import { FrameReader } from "./frames";
 import {
   decode, encode, ErrorCode, LostError, RequestError, Role,
@@ -24,7 +24,7 @@ export interface ConnectionHandler {
 }
 
 interface Pending {
-  waitsForWorld: boolean; // and all behind it
+  waitsForWorld: boolean; // and every request behind it does
   resolve(body: Body): void;
   reject(error: Error): void;
 }
@@ -48,7 +48,7 @@ export class Connection {
 
   async request<C extends BodyCase>(request: RequestInit, expected: C): Promise<BodyOf<C>> {
     const body = await this.ask(request);
-    if (body.case !== expected) throw new Error(`visumd answered ${body.case} to ${request.case}`);
+    if (body.case !== expected) throw new Error(`visumd answered the request ${request.case} with ${body.case}`);
     return body.value as BodyOf<C>;
   }
 
@@ -56,8 +56,8 @@ export class Connection {
     this.socket.close();
   }
 
-  // Every kLookMs: gives up on a server that does not answer any more. While a Step waits for the world, which may stand in a
-  // lockstep for as long as it likes, the server answers nothing: that is no silence.
+  // Runs every kLookMs, and gives up on a server that answers no more. While a Step waits for the world,
+  // which may stand in a lockstep for any time, the server answers nothing: that is not silence.
   look(): void {
     const answersDue = this.pending.size > 0 && ![...this.pending.values()].some(({ waitsForWorld }) => waitsForWorld);
     if (this.silence.look(answersDue)) this.drop(`visumd has not answered for ${(kSilentLooks * kLookMs) / 1000} s`);
@@ -72,7 +72,7 @@ export class Connection {
     if (this.end) return Promise.reject(this.end);
     if (this.socket.readyState !== WebSocket.OPEN) return Promise.reject(new LostError("not connected"));
     const id = this.nextId++;
-    const bytes = encode(id, request); // may throw: then nothing is waited for
+    const bytes = encode(id, request); // may throw; then no answer is waited for
     const waitsForWorld = request.case === "step";
     const answer = new Promise<Body>((resolve, reject) => this.pending.set(id, { waitsForWorld, resolve, reject }));
     this.socket.send(bytes);
@@ -102,7 +102,7 @@ export class Connection {
         else this.handler.told(message.body);
       }
     } catch (error) {
-      this.drop(`visumd sent what is no message: ${String(error)}`);
+      this.drop(`visumd sent a frame that is not a message: ${String(error)}`);
     }
   }
 

@@ -10,11 +10,12 @@ export function frame(payload: Uint8Array): Uint8Array<ArrayBuffer> {
   return bytes;
 }
 
-// Cuts a byte stream into payloads, however it is split into messages. Throws where a length is beyond the limit.
+// Cuts a byte stream into payloads, however it is split into messages. Throws if a length is beyond the
+// limit.
 export class FrameReader {
-  private chunks: Uint8Array[] = []; // joined when a frame is whole: a long one comes in thousands
+  private chunks: Uint8Array[] = []; // joined when a frame is whole, because a long frame comes in thousands
   private held = 0; // bytes in them
-  private wanted = kHeaderBytes; // with fewer there is nothing new to see
+  private wanted = kHeaderBytes; // with fewer bytes there is nothing new to read
 
   *read(message: ArrayBuffer): Generator<Uint8Array> {
     this.chunks.push(new Uint8Array(message));

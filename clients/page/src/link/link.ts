@@ -1,13 +1,13 @@
-// The way to visumd, kept open: connects, says why when it is lost, and tries again by itself. Everything else in the
-// page talks to the server through here.
-import { Emitter, Signal } from "../model/signal";
+// The link to visumd. It connects, says why when the connection is lost, and tries again by itself. All other
+// files of the page talk to the server through it.
+import { Emitter, Signal } from "../common/signal";
 import { Connection, kLookMs, needsToken } from "./connection";
 import { LostError, Role, type Body, type BodyCase, type BodyOf, type RequestInit, type Welcome } from "./messages";
 
 export type LinkState =
   | { kind: "connecting" }
   | { kind: "open"; welcome: Welcome }
-  | { kind: "token"; reason: string } // waits for the user to give one
+  | { kind: "token"; reason: string } // waits until the user gives one
   | { kind: "lost"; reason: string; since: number };
 
 const kFirstRetryMs = 250;
@@ -16,7 +16,7 @@ const kLastRetryMs = 2000;
 export class Link {
   readonly state = new Signal<LinkState>({ kind: "connecting" });
   readonly told = new Emitter<Body>();
-  readonly recorded = new Signal<boolean>(false); // a recording is shown: its time can be moved in, and nothing changed
+  readonly recorded = new Signal<boolean>(false); // a recording is shown: the user can move in its time, and change nothing
   role = Role.ADMIN;
   readonly name: string;
   private token = "";
@@ -40,7 +40,7 @@ export class Link {
     });
   }
 
-  // For what is fetched beside the session, from the same server.
+  // For data fetched from the same server beside the session.
   get headers(): Record<string, string> {
     return this.token === "" ? {} : { Authorization: `Bearer ${this.token}` };
   }
@@ -50,7 +50,8 @@ export class Link {
     this.open();
   }
 
-  // Starts anew as somebody else. Leases that are not released before are lost: Parts.releaseAll().
+  // Starts a new session with another role. Leases that are not released before are lost: see
+  // Parts.releaseAll().
   useRole(role: Role): void {
     this.role = role;
     this.connection?.close();

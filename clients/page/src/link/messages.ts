@@ -28,7 +28,7 @@ export class RequestError extends Error {
   }
 }
 
-// The connection went away before the answer came.
+// The connection ended before the answer came.
 export class LostError extends Error {}
 
 export function encode(id: number, request: RequestInit): Uint8Array<ArrayBuffer> {

@@ -1,16 +1,17 @@
-// The server's state, asked for twice a second, and what a user does with its time.
+// The state of the server's time, asked for twice a second, and the user's commands: run, pause, step, speed,
+// reset.
 import type { Link } from "../link/link";
 import type { RequestInit, ServerStatus } from "../link/messages";
 import { poll } from "./poll";
-import { Signal } from "./signal";
+import { Signal } from "../common/signal";
 
 const kPeriodMs = 500;
 const kPieceNs = 100e6; // simulated
 
 export class Clock {
   readonly status = new Signal<ServerStatus | null>(null);
-  readonly stepping = new Signal<boolean>(false); // pieces of a long step are still to come
-  private asked = 0; // counts what the user asks of time: what is newer ends a step
+  readonly stepping = new Signal<boolean>(false); // more pieces of a long step will follow
+  private asked = 0; // counts the user's commands; a newer command ends a step
 
   constructor(private readonly link: Link) {
     poll(() => this.refresh(), kPeriodMs);
@@ -27,7 +28,8 @@ export class Clock {
   reset = () => this.insteadOfStep({ case: "reset", value: {} });
   setSpeed = (factor: number) => this.act({ case: "setSpeed", value: { factor } });
 
-  // In pieces, because all that this session asks waits behind a Step. Pause, Run, Reset or another step ends it with its piece.
+  // Steps in pieces, because every request of this session waits behind a Step. Pause, Run, Reset or another
+  // step takes effect after the present piece.
   async step(ticks: number): Promise<void> {
     const mine = ++this.asked;
     const piece = Math.max(1, Math.round(kPieceNs / Number(this.link.welcome?.tickNs ?? 1_000_000n)));
@@ -35,7 +37,7 @@ export class Clock {
     try {
       for (let at = -1n, left = ticks; left > 0 && mine === this.asked; left -= piece) {
         const { tick } = await this.link.request({ case: "step", value: { ticks: BigInt(Math.min(left, piece)) } }, "advanced");
-        if (tick <= at) break; // a recording's end, or somebody has reset the world
+        if (tick <= at) break; // the end of a recording, or another client has reset the world
         at = tick;
       }
     } finally {

@@ -1,6 +1,6 @@
-// What ports were over the last minutes, at full tick rate: rings of numbers, with the least and greatest of each block
-// beside them, so that a plot of any length is drawn from about as many numbers as it has pixels. Samples that did not
-// come leave a gap, which a window tells by nulls. Pure.
+// The values of ports over the last minutes, at every tick, in ring buffers. The least and greatest value of
+// each block are kept as well, so that a plot of any length is drawn from about as many numbers as it has
+// pixels. Lost samples leave a gap, which a window shows as nulls. Pure.
 
 export const kBlock = 64;
 
@@ -28,9 +28,9 @@ export interface Series {
 
 export class History {
   private readonly times: Float64Array;
-  private readonly gaps: Uint32Array; // how many gaps lie before a sample
+  private readonly gaps: Uint32Array; // the number of gaps before a sample
   private readonly channels: Channel[] = [];
-  private written = 0; // samples since the start; sample n stands in slot n % capacity
+  private written = 0; // samples since the start; sample n is in slot n % capacity
 
   // `capacity` is rounded up to whole blocks.
   constructor(channels: number, capacity: number) {
@@ -61,12 +61,13 @@ export class History {
     this.written = 0;
   }
 
-  // From now on the channel is something else's.
+  // Forgets a channel's values: the channel gets another port.
   forget(channel: number): void {
     this.channels[channel] = new Channel(this.capacity);
   }
 
-  // Times grow; a time that does not begins anew (a reset). `afterGap`: samples between the last one and this were lost.
+  // Times must grow. A time that does not grow begins a new history, as after a reset. `afterGap`: samples
+  // were lost between the last one and this one.
   add(time: number, value: (channel: number) => number, afterGap = false): void {
     if (time < this.lastTime) this.clear();
     if (time === this.lastTime) return;
@@ -77,13 +78,14 @@ export class History {
     ++this.written;
   }
 
-  // Samples from `from` to `to`, thinned to about `most` points: of each group its least and greatest value.
+  // Samples from `from` to `to`, thinned to about `most` points: the least and the greatest value of each
+  // group.
   window(from: number, to: number, most: number, channels: readonly number[]): Series {
     const begin = this.lowerBound(from);
     const end = Math.min(this.written, this.lowerBound(to) + 1);
     const stride = Math.ceil((end - begin) / Math.max(1, most));
     if (stride <= 2) return this.plain(begin, end, channels);
-    // Whole blocks where the groups are large enough; single samples else.
+    // Whole blocks if the groups are large enough, else single samples.
     const group = stride >= kBlock ? Math.ceil((2 * stride) / kBlock) * kBlock : 2 * stride;
     return this.thinned(begin - (begin % group), end, group, channels);
   }
@@ -93,7 +95,7 @@ export class History {
     return this.plain(this.first, this.written, channels, false);
   }
 
-  // The same samples with room for more channels, of which nothing is known so far.
+  // A copy with room for more channels. Of the new channels nothing is known so far.
   widened(channels: number): History {
     const wide = new History(channels, this.capacity);
     for (let n = this.first; n < this.written; ++n) {
@@ -119,7 +121,7 @@ export class History {
     return low;
   }
 
-  // Between two samples something was lost.
+  // Whether samples were lost between two samples.
   private gapWithin(a: number, b: number): boolean {
     return this.gaps[a % this.capacity] !== this.gaps[b % this.capacity];
   }
@@ -156,13 +158,13 @@ export class History {
     channels.forEach((channel, i) => series.values[i]!.push(...this.range(channel, from, to)));
   }
 
-  // Nothing, in the middle between sample n and the one before.
+  // Adds a null in the middle between sample n and the one before.
   private pushGap(series: Series, n: number): void {
     series.times.push((this.times[(n - 1) % this.capacity]! + this.times[n % this.capacity]!) / 2);
     for (const values of series.values) values.push(null);
   }
 
-  // Of the gaps within a group one is shown, the widest: the sample behind it; `to`: there is none.
+  // Only the widest gap within a group is shown. Returns the sample behind it, or `to` if there is no gap.
   private afterWidestGap(from: number, to: number): number {
     if (!this.gapWithin(from, to - 1)) return to;
     let found = to;
@@ -186,7 +188,7 @@ export class History {
       const block = slot / kBlock;
       const a = whole ? low[block]! : values[slot]!;
       const b = whole ? high[block]! : values[slot]!;
-      if (a < least) least = a; // not of NaN, which stands for a time when the port was not recorded
+      if (a < least) least = a; // false for NaN, which means that the port was not recorded then
       if (b > greatest) greatest = b;
       n += whole ? kBlock : 1;
     }
@@ -194,7 +196,7 @@ export class History {
   }
 }
 
-// What was not recorded is nothing, and no number.
+// A value that was not recorded becomes null.
 function known(value: number | undefined): number | null {
   return value === undefined || Number.isNaN(value) ? null : value;
 }

@@ -1,9 +1,9 @@
-// One part: its ports with their live values, who commands it, and what the page does with it.
+// One part: its ports with their live values, the holder of its lease, and what the page writes and records.
 import type { Link } from "../link/link";
 import { ErrorCode, LostError, RequestError, type BlackboardData, type PartDescription, type PartSample, type PortDescription } from "../link/messages";
 import { History } from "./history";
 import { neighbours } from "./neighbours";
-import { Emitter, Signal } from "./signal";
+import { Emitter, Signal } from "../common/signal";
 
 export type Side = "input" | "output";
 export interface Port {
@@ -14,14 +14,14 @@ export interface Port {
 }
 
 const kHistorySamples = 300_000; // five minutes at a tick of 1 ms
-const kRecordedMost = 48; // ports per part
+const kRecordedMost = 48; // ports of one part
 const kIdlePeriodMs = 33;
 const kNsPerS = 1e9;
 
-// What this page wrote last to an input, until it is in force.
+// The last value that this page wrote to an input, until it is in force.
 interface Written {
   value: number;
-  after: number; // s: a sample of a later time has it; Infinity: not answered yet, -Infinity: refused
+  after: number; // s; a sample of a later time has the value. Infinity: not answered yet; -Infinity: refused
   before: Written | undefined;
 }
 
@@ -33,13 +33,13 @@ export class Part {
   sample: PartSample | null = null;
   conflated = 0;
   readonly held = new Map<number, number>(); // inputs that the page holds at a value
-  readonly gaveUp = new Emitter<string>(); // in words: what is held no longer though nobody let go of it, and why
+  readonly gaveUp = new Emitter<string>(); // a text: the ports that the page had to stop holding, and why
   private keeping = false; // a write of held values is under way
   private history: History | null = null;
   private readonly written = new Map<number, Written>(); // by input
   private recorded: Port[] = []; // by channel
-  private uses: number[] = []; // by channel: how many want it
-  private recording = 0; // how many plots want it
+  private uses: number[] = []; // by channel: the number of plots that want it
+  private recording = 0; // the number of plots that want this part
   private everyTicks = 0;
   private reconnected = false; // since the last sample
   private era = -1n;
@@ -62,7 +62,8 @@ export class Part {
     return vector?.[port.index] ?? NaN;
   }
 
-  // What relative controls count from: while time stands, or between two samples, what was written last is not in force yet.
+  // The value from which relative controls count. While the world is paused, or between two samples, the last
+  // written value is not in force yet.
   commanded(port: Port): number {
     return (port.side === "input" ? this.written.get(port.index)?.value : undefined) ?? this.value(port);
   }
@@ -75,7 +76,7 @@ export class Part {
 
   async release(): Promise<void> {
     const held = [...this.held];
-    this.held.clear(); // at once: behind the release nothing may be written
+    this.held.clear(); // at once: after the release nothing may be written
     try {
       await this.link.request({ case: "releaseLease", value: { part: this.name } }, "ok");
     } catch (error) {
@@ -96,8 +97,8 @@ export class Part {
     await this.writeValues(port, [value]);
   }
 
-  // Several inputs at once, all or nothing: what a part demands of its inputs together can be met. A port that is held
-  // takes no other value.
+  // Writes several inputs at once, all or nothing, so that a part's demands on several inputs together can be
+  // met. A held port takes no other value.
   async writeValues(first: Port, values: number[]): Promise<void> {
     if (first.side !== "input") throw new Error(`'${first.description.name}' is a sensor output`);
     values.forEach((value, i) => {
@@ -111,7 +112,7 @@ export class Part {
     return this.link.request({ case: "readBlackboard", value: { part: this.name, name } }, "blackboard");
   }
 
-  // The session that subscribed is gone.
+  // Call it when the session that subscribed is gone.
   forgetSubscription(): void {
     this.everyTicks = 0;
     this.reconnected = true;
@@ -127,7 +128,7 @@ export class Part {
     if (sample.era !== this.era) {
       this.era = sample.era;
       this.written.clear();
-      if (time !== this.history?.lastTime) this.history?.clear(); // else it was filled up to here, see refill()
+      if (time !== this.history?.lastTime) this.history?.clear(); // else refill() has filled it up to here
     }
     const recorded = this.recorded;
     this.history?.add(time, (channel) => {
@@ -138,7 +139,7 @@ export class Part {
     this.sampled.emit(sample);
   }
 
-  // Every tick while somebody plots, else as often as an eye follows numbers.
+  // Subscribes to every tick while a plot needs it, else as often as an eye can follow numbers.
   async subscribe(tickNs: number, realTimeFactor: number): Promise<void> {
     const perMs = (1e6 / tickNs) * Math.max(realTimeFactor, 0.01);
     const every = Math.max(1, Math.floor(this.recording > 0 ? Math.max(1, realTimeFactor) : kIdlePeriodMs * perMs));
@@ -148,8 +149,9 @@ export class Part {
     await this.link.request({ case: "subscribe", value: { part: this.name, everyNTicks: every } }, "ok");
   }
 
-  // A plot begins to want every tick of this part. Call what is returned when it does not any more. Without ports: what is
-  // recorded stays meanwhile. Throws, and changes nothing, where they are too many.
+  // Begins to record every tick for a plot. Call the returned function when the plot does not need it any
+  // more. Without ports, the present recording stays meanwhile. Throws, and changes nothing, if they are too
+  // many ports.
   record(ports: readonly Port[]): () => void {
     const wanted = new Set([...this.recorded.filter((_, channel) => this.uses[channel]! > 0), ...ports]);
     if (wanted.size > kRecordedMost) throw new Error(`at most ${kRecordedMost} ports of '${this.name}' are recorded at a time`);
@@ -170,7 +172,7 @@ export class Part {
     return this.history !== null;
   }
 
-  // What was before, read from a recording: rows of time (s), controller inputs, sensor outputs.
+  // Fills the history from a recording: rows of time (s), controller inputs, sensor outputs.
   refill(rows: Float64Array): void {
     const width = 1 + this.ports.length;
     const inputs = this.description.controllerInputs.length;
@@ -182,7 +184,7 @@ export class Part {
       });
   }
 
-  // Where a port stands in recordings(); -1: it is not recorded.
+  // The channel of a port in recordings(); -1: it is not recorded.
   channel(port: Port): number {
     return this.recorded.indexOf(port);
   }
@@ -190,7 +192,8 @@ export class Part {
     return this.history;
   }
 
-  // The port's own, a new one, or, where there are enough, one that nobody wants any more.
+  // Returns the port's own channel, or a new one. If there are enough channels, it takes one that no plot
+  // wants any more.
   private channelFor(port: Port): number {
     const own = this.channel(port);
     if (own >= 0) return own;
@@ -220,7 +223,7 @@ export class Part {
     }
   }
 
-  // What was written before counts again.
+  // Drops refused writes, so that the value written before them counts again.
   private dropRefused(index: number): void {
     let entry = this.written.get(index);
     while (entry?.after === -Infinity) entry = entry.before;
@@ -242,7 +245,7 @@ export class Part {
     try {
       await this.send(indices[0]!, indices.map((index) => this.held.get(index)!));
     } catch (error) {
-      if (error instanceof LostError || (error instanceof RequestError && error.code === ErrorCode.ERROR_BUSY)) return; // tried again
+      if (error instanceof LostError || (error instanceof RequestError && error.code === ErrorCode.ERROR_BUSY)) return; // the next sample tries again
       this.giveUp(indices, (error as Error).message);
     }
   }

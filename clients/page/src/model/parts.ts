@@ -1,10 +1,11 @@
-// All parts of the server, kept up to date: who holds which lease, and samples as often as somebody needs them.
+// All parts of the server, kept up to date: the holders of leases, and samples as often as the page needs
+// them.
 import { clone, equals } from "@bufbuild/protobuf";
 import type { Link } from "../link/link";
 import { PartDescriptionSchema, type Event, type PartDescription } from "../link/messages";
 import { Part, type Port } from "./part";
 import { poll } from "./poll";
-import { Emitter, Signal } from "./signal";
+import { Emitter, Signal } from "../common/signal";
 
 const kRefreshMs = 1000;
 const kRecording = "recording";
@@ -12,7 +13,7 @@ const kRecording = "recording";
 export class Parts {
   readonly list = new Signal<Part[]>([]);
   readonly plotsChanged = new Emitter<void>(); // more or other ports are plotted: see plotted()
-  steering: string | null = null; // the part that moves through a recording, which is not one of the list
+  steering: string | null = null; // the part that steers a recording; it is not in the list
   private realTimeFactor = 1;
 
   constructor(private readonly link: Link) {
@@ -23,11 +24,12 @@ export class Parts {
     poll(() => this.refreshHolders(), kRefreshMs);
   }
 
-  // After each hello: everything anew, but parts that are the same as before stay (plots and panels point at them).
+  // Call it after each hello. Reads everything anew. A part that is the same as before stays the same object,
+  // because plots and panels point at it.
   async begin(): Promise<void> {
     const { parts } = await this.link.request({ case: "listParts", value: {} }, "parts");
     const list: Part[] = [];
-    for (const part of this.list.value) part.leaseLost(); // with the session that held it
+    for (const part of this.list.value) part.leaseLost(); // leases end with the session that held them
     this.steering = parts.find(({ kind }) => kind === kRecording)?.name ?? null;
     for (const { name, kind } of parts) {
       if (kind === kRecording) continue;
@@ -51,7 +53,8 @@ export class Parts {
     return this.find(part)?.port(port);
   }
 
-  // In good order: the last values go on holding. What a session still holds as it ends is lost, and the part stops.
+  // Releases all leases in good order, so that the parts keep the last values. A lease that a session still
+  // holds when it ends counts as lost, and its part stops.
   async releaseAll(): Promise<void> {
     if (!this.link.welcome) return;
     const leased = this.list.value.filter((part) => part.leased.value);
@@ -64,7 +67,7 @@ export class Parts {
     await this.subscribe();
   }
 
-  // After a plot began or ended to want every tick.
+  // Call it when a plot has begun or ended to want every tick.
   async plotted(): Promise<void> {
     this.plotsChanged.emit();
     await this.subscribe();
@@ -95,7 +98,7 @@ export class Parts {
   }
 }
 
-// Without what comes and goes while the part is the same.
+// The description without the fields that change while the part stays the same.
 function lasting(description: PartDescription): PartDescription {
   const bare = clone(PartDescriptionSchema, description);
   bare.leaseOwner = "";

@@ -1,5 +1,5 @@
-// Asks again and again, but never while the last answer is still to come: behind a request that waits for the world,
-// questions would pile up at the server. Returns what ends it. `ask` does not fail.
+// Asks again and again, and waits for each answer first. Otherwise questions would pile up at the server
+// behind a request that waits for the world. Returns a function that ends the polling. `ask` must not fail.
 export function poll(ask: () => Promise<void>, periodMs: number): () => void {
   let asking = false;
   const timer = setInterval(() => {

@@ -1,5 +1,5 @@
-// Poses of all bodies over the last moments, and between them: positions linearly, orientations on the shorter way.
-// A pose is x y z qw qx qy qz, as the protocol has it. Pure.
+// The poses of all bodies over the last moments, and between them: positions linearly, orientations along the
+// shorter way. A pose is x y z qw qx qy qz, as in the protocol. Pure.
 
 const kNumbers = 7;
 const kKept = 16;
@@ -24,7 +24,7 @@ export class PoseBuffer {
     if (this.samples.length > kKept) this.samples.shift();
   }
 
-  // Writes the poses at `time` to `out`; beyond what is known, the nearest. False: nothing is known.
+  // Writes the poses at `time` to `out`, or the nearest ones that are known. Returns false if none are known.
   at(time: number, out: Float64Array): boolean {
     const after = this.samples.findIndex((sample) => sample.time >= time);
     const b = this.samples.at(after);
@@ -42,7 +42,7 @@ export function between(a: readonly number[], b: readonly number[], share: numbe
     for (let i = at; i < at + 3; ++i) out[i] = a[i]! + share * (b[i]! - a[i]!);
     let dot = 0;
     for (let i = at + 3; i < at + 7; ++i) dot += a[i]! * b[i]!;
-    const sign = dot < 0 ? -1 : 1; // q and -q are one orientation
+    const sign = dot < 0 ? -1 : 1; // q and -q are the same orientation
     let norm = 0;
     for (let i = at + 3; i < at + 7; ++i) {
       out[i] = (1 - share) * a[i]! + share * sign * b[i]!;

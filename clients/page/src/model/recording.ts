@@ -1,9 +1,10 @@
-// A recording that visumd shows in place of a live world: how long it is, where it stands, and what comparing it with
-// this program's bits has found. Steered through its own part (server/gateway/playback.h).
+// A recording that visumd shows in place of a live world: its length, the position in it, and the result of
+// comparing it with the bits that this program computes. The page steers it through a part of its own
+// (server/gateway/playback.h).
 import type { Link } from "../link/link";
 import type { Parts } from "./parts";
 import { poll } from "./poll";
-import { Signal } from "./signal";
+import { Signal } from "../common/signal";
 
 export interface PortDifference {
   part: string;
@@ -16,7 +17,7 @@ export interface Report {
   ticks: number;
   tick_ns: number;
   position: number; // ticks since its beginning
-  compared: number; // so many ticks have the same bits
+  compared: number; // the number of ticks with the same bits
   equal: boolean;
   damage: string;
   difference?: { position: number; tick: number; era: number; what: string; other_build: string; ports: PortDifference[] };
@@ -24,14 +25,14 @@ export interface Report {
 
 const kPeriodMs = 500;
 const kFrameNs = 33e6;
-const kPlottedTicks = 10_000; // as many as the server gives at once
+const kPlottedTicks = 10_000; // the server gives no more at once
 
 export class Recording {
-  readonly report = new Signal<Report | null>(null); // null: the world lives
+  readonly report = new Signal<Report | null>(null); // null: the world is live
   readonly position = new Signal<number>(0);
-  playing = false; // as the server's status told last
+  playing = false; // by the server's last status
   private part = "";
-  private wanted: number | null = null; // the latest of the jumps that are still to be made
+  private wanted: number | null = null; // the target of the latest jump that is not made yet
   private jumping: Promise<void> | null = null;
 
   constructor(private readonly link: Link, private readonly parts: Parts) {
@@ -42,7 +43,7 @@ export class Recording {
     poll(() => this.refresh(), kPeriodMs);
   }
 
-  // After each hello; `part` steers, none: the world lives.
+  // Call it after each hello. `part` steers the recording; null means that the world is live.
   async begin(part: string | null): Promise<void> {
     this.part = part ?? "";
     this.link.recorded.value = part !== null;
@@ -52,14 +53,15 @@ export class Recording {
     await this.refresh();
   }
 
-  // Done when the last of all jumps that were asked for meanwhile is.
+  // Resolves when the last of the jumps is made that were asked for meanwhile.
   seek(position: number): Promise<void> {
     this.wanted = position;
     this.jumping ??= this.jump().finally(() => (this.jumping = null));
     return this.jumping;
   }
 
-  // Plots show what was before this position, too. Not while it moves on: what comes would be of a position that is past.
+  // Fills the plots with what was recorded before this position. It does nothing while the position moves on:
+  // the answer would be for a position in the past.
   async refill(): Promise<void> {
     if (this.report.value === null || this.playing) return;
     const to = this.position.value;

@@ -1,12 +1,12 @@
-// The world as visumd tells of it: its description, and its latest sample.
+// The world as visumd describes it, and its latest sample.
 import type { Link } from "../link/link";
 import type { MeshData, TextureData, WorldDescription, WorldSample } from "../link/messages";
 import { Playhead } from "./playhead";
 import { PoseBuffer } from "./poses";
-import { Emitter, Signal } from "./signal";
+import { Emitter, Signal } from "../common/signal";
 
 const kFramesPerSecond = 60;
-const kDelayMs = 40; // what is shown is so old: two samples and some jitter
+const kDelayMs = 40; // the age of what is shown: two samples and some jitter
 const kNsPerMs = 1e6;
 
 export class World {
@@ -25,7 +25,7 @@ export class World {
     });
   }
 
-  // After each hello.
+  // Call it after each hello.
   async begin(): Promise<void> {
     this.everyTicks = 0;
     this.buffer.clear();
@@ -34,18 +34,18 @@ export class World {
     await this.adaptTo(1);
   }
 
-  // Samples come about 60 times a second of wall time, however fast the world runs.
+  // Asks for about 60 samples a second of wall time, however fast the world runs.
   async adaptTo(realTimeFactor: number): Promise<void> {
     const tickNs = Number(this.link.welcome?.tickNs ?? 1_000_000n);
     const wanted = (1e9 / kFramesPerSecond / tickNs) * Math.max(realTimeFactor, 0.01);
     const every = Math.max(1, Math.floor(wanted));
-    // Small changes of speed are not worth a message.
+    // A small change of speed is not worth a message.
     if (this.everyTicks > 0 && every < 1.5 * this.everyTicks && every > 0.6 * this.everyTicks) return;
     this.everyTicks = every;
     await this.link.request({ case: "subscribeWorld", value: { everyNTicks: every } }, "ok");
   }
 
-  // While time stands no further sample comes: what a page that lagged did not get is asked for.
+  // While the world is paused no further sample comes. A page that missed the last one asks for it.
   async catchUp(simTimeNs: bigint): Promise<void> {
     if (this.sample?.simTimeNs === simTimeNs) return;
     this.take(await this.link.request({ case: "readWorld", value: {} }, "worldSample"));
@@ -59,7 +59,7 @@ export class World {
     return this.link.request({ case: "readTexture", value: { texture: index } }, "texture");
   }
 
-  // The poses to draw at wall time `now`; false: none yet.
+  // Writes the poses to draw at wall time `now`. Returns false if there are none yet.
   posesAt(now: number, out: Float64Array): boolean {
     return this.buffer.at(this.playhead.at(now), out);
   }
@@ -70,7 +70,8 @@ export class World {
 
   private async describe(): Promise<void> {
     const description = await this.link.request({ case: "describeWorld", value: {} }, "worldDescription");
-    // While time stands, nobody tells the poses. Those that were told are of bodies that had these numbers before.
+    // While the world is paused, no sample brings the poses. Samples from before belong to the bodies that
+    // had these numbers then.
     const sample = await this.link.request({ case: "readWorld", value: {} }, "worldSample");
     this.buffer.clear();
     this.sample = null;
@@ -85,7 +86,7 @@ export class World {
       this.playhead.reset();
     }
     const time = Number(sample.simTimeNs) / kNsPerMs;
-    // Before the description of a changed world is here, its samples mean nothing.
+    // Samples of a changed world mean nothing before its description is here.
     const description = this.description.value;
     if (sample.revision !== description?.revision || sample.poses.length !== 7 * description.bodies.length) return;
     this.sample = sample;

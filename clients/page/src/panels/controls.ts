@@ -1,9 +1,9 @@
-// Widgets that command: slider with jog buttons, number, push button, radio buttons, bit selector.
+// Widgets that write values: slider with jog buttons, number, push button, radio buttons, bit selector.
 import { h, setText } from "../ui/dom";
 import { formatOf, niceStep, share } from "../ui/numbers";
 import { commandedOf, limits, valueOf, writeAll, type Context, type Widget } from "./widget";
 
-const kTouchedMs = 600; // so long what is in force does not move a control under the hand
+const kTouchedMs = 600; // for this long after a touch, the value in force does not move a control
 
 export function slider(context: Context): Widget {
   const { data, ports, actual } = context;
@@ -99,7 +99,7 @@ export function bits({ data, ports }: Context): Widget {
   };
 }
 
-// Bits of numbers up to 2^53, where JavaScript's own operators end at 2^31.
+// Bits of numbers up to 2^53. JavaScript's own operators end at 2^31.
 export function bitOf(value: number, bit: number): boolean {
   return Math.floor(value / 2 ** bit) % 2 === 1;
 }

@@ -1,4 +1,4 @@
-// A panel as it is saved: JSON, version 1. Reading checks everything and says what is wrong where. Pure.
+// A panel file: JSON, version 1. Reading checks everything, and an error says what is wrong and where. Pure.
 import type { PortName } from "../ui/drag";
 
 export const kWidgetTypes = ["slider", "number", "button", "radio", "stick", "bits", "led", "lcd", "bar", "gauge", "scope", "label"] as const;
@@ -20,21 +20,21 @@ export interface WidgetData {
   y: number;
   w: number;
   h: number;
-  ports: PortName[]; // slider, number, button: inputs that are written alike; stick: its two; scope: its traces
-  actual?: PortName; // slider: what is shown beside what is commanded
-  minimum?: number; // instead of the port's own
+  ports: PortName[]; // slider, number, button: inputs that get the same value; stick: its two axes; scope: its traces
+  actual?: PortName; // slider: shown beside the commanded value
+  minimum?: number; // replaces the port's own
   maximum?: number;
-  jog?: number; // slider: step of its two buttons
+  jog?: number; // slider: the step of its two buttons
   mode?: "counter" | "value"; // button
-  value?: number; // button: what it writes while it is pressed
-  release?: number; // button, mode value: what it writes when let go; none: nothing
+  value?: number; // button: the value while it is pressed
+  release?: number; // button, mode value: the value when it is let go; none: nothing is written
   choices?: Choice[]; // radio
   threshold?: number; // led
   bit?: number; // led: this bit instead of a threshold
   bits?: string[]; // bits: names, from bit 0
   seconds?: number; // scope
   scales?: number[]; // scope: 0 (left) or 1 (right) for each trace
-  spring?: boolean; // stick: goes back to its middle
+  spring?: boolean; // stick: returns to its middle
 }
 
 export interface PanelData {
@@ -54,7 +54,7 @@ export function parsePanel(text: string): PanelData {
   try {
     root = JSON.parse(text);
   } catch (error) {
-    throw new PanelError(`this is no JSON: ${(error as Error).message}`);
+    throw new PanelError(`the file is not JSON: ${(error as Error).message}`);
   }
   const panel = asObject(root, "the file");
   if (panel["visum_panel"] !== 1) throw new PanelError("visum_panel: must be 1, the version of the format");
@@ -140,7 +140,7 @@ export function formatPanel(panel: PanelData): string {
   return `${JSON.stringify(panel, null, 1)}\n`;
 }
 
-// The first free place for something so wide and high, row by row. Pure.
+// The first free place for a widget of this width and height, row by row. Pure.
 export function freePlace(widgets: readonly WidgetData[], w: number, h: number): { x: number; y: number } {
   const taken = (x: number, y: number) =>
     widgets.some((other) => x < other.x + other.w && other.x < x + w && y < other.y + other.h && other.y < y + h);

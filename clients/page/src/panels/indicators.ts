@@ -1,4 +1,4 @@
-// Widgets that show: LED, LCD, bar, gauge, label.
+// Widgets that show values: LED, LCD, bar, gauge, label.
 import { h, setText } from "../ui/dom";
 import { formatOf, formatValue, share } from "../ui/numbers";
 import { bitOf } from "./controls";
@@ -13,7 +13,7 @@ export function led({ data, ports }: Context): Widget {
       const value = valueOf(ports[0]);
       const on = data.bit === undefined ? value >= (data.threshold ?? 0.5) : bitOf(value, data.bit);
       lamp.dataset["on"] = String(on);
-      setText(word, Number.isNaN(value) ? "–" : on ? "on" : "off"); // not by colour alone
+      setText(word, Number.isNaN(value) ? "–" : on ? "on" : "off"); // a word as well, because colour alone is not enough
     },
   };
 }
@@ -36,7 +36,7 @@ export function bar(context: Context): Widget {
   return {
     body: h("div", { class: "w-bar" }, fill, text),
     update() {
-      // From zero where zero is in the range, so that the sign is seen.
+      // The bar begins at zero if zero is in the range, so that the sign is visible.
       const at = share(valueOf(port), minimum, maximum);
       fill.style.left = `${100 * Math.min(zero, at)}%`;
       fill.style.width = `${100 * Math.abs(at - zero)}%`;

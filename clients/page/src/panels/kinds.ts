@@ -1,4 +1,4 @@
-// The kinds of widgets, and what a new one of each is like.
+// The kinds of widgets, and the settings of a new widget of each kind.
 import type { Port } from "../model/part";
 import { nameOf } from "../ui/drag";
 import { niceStep } from "../ui/numbers";
@@ -31,7 +31,7 @@ export const kKinds: Record<WidgetType, Kind> = {
   label: { title: "Label", make: label, commands: false, size: [12, 1] },
 };
 
-// What a port becomes when it is dropped on a panel.
+// The widget that a port becomes when it is dropped on a panel.
 export function usualType(port: Port): WidgetType {
   const { unit, minimum, maximum } = port.description;
   if (port.side === "output") return unit === "" ? "lcd" : "bar";

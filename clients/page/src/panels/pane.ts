@@ -1,4 +1,4 @@
-// The pane of panels: which one is shown, taking control, editing, saving, loading, sharing.
+// The pane of panels: choosing one, taking control, editing, saving, loading, sharing.
 import type { Parts } from "../model/parts";
 import type { World } from "../model/world";
 import { h, iconButton, setText } from "../ui/dom";
@@ -37,7 +37,7 @@ export class PanelPane {
     void this.openShared();
   }
 
-  // Panels that the scene ships; the first is shown.
+  // The panels that the scene brings. The first one is shown.
   private offer(texts: string[]): void {
     const known = new Set(this.panels.map((panel) => panel.name));
     for (const text of texts) {
@@ -75,7 +75,7 @@ export class PanelPane {
   private showTake(): void {
     const parts = [...this.view.partsToLease()];
     this.take.hidden = parts.length === 0;
-    this.take.disabled = this.parts.steering !== null; // of a recording nobody has control
+    this.take.disabled = this.parts.steering !== null; // a recording cannot be controlled
     setText(this.take, `Take control of ${parts.join(", ")}`);
   }
 

@@ -1,7 +1,8 @@
-// A panel on the screen: its widgets on a grid; in edit mode they are moved and sized by pointer or arrow keys.
+// A panel on the screen: its widgets on a grid. In edit mode the user moves and sizes them by pointer or
+// arrow keys.
 import type { Port } from "../model/part";
 import type { Parts } from "../model/parts";
-import type { Unsubscribe } from "../model/signal";
+import type { Unsubscribe } from "../common/signal";
 import { acceptPorts } from "../ui/drag";
 import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
@@ -47,7 +48,7 @@ export class PanelView {
     for (const { element } of this.placed) element.tabIndex = on ? 0 : -1;
   }
 
-  // Null: the panel is full; with more of them it could not be loaded again.
+  // Null: the panel is full. With more widgets it could not be loaded again.
   add(type: WidgetType, ports: readonly Port[]): WidgetData | null {
     const [w, h] = kKinds[type].size;
     const place = freePlace(this.panel.widgets, w, h);
@@ -71,7 +72,7 @@ export class PanelView {
     this.onChange();
   }
 
-  // The parts that this panel's controls need the lease of, and that this page does not hold.
+  // The parts whose lease this panel's controls need and this page does not hold.
   partsToLease(): Set<string> {
     const wanted = this.placed.filter(({ data }) => kKinds[data.type].commands).flatMap(({ context }) => context.ports);
     return new Set(wanted.filter((port) => port.side === "input" && !port.part.leased.value).map((port) => port.part.name));
@@ -83,7 +84,7 @@ export class PanelView {
   }
 
   private build(): void {
-    const kept = this.parts.list.value.map((part) => part.record([])); // what scopes have recorded outlasts them
+    const kept = this.parts.list.value.map((part) => part.record([])); // a scope's recording outlives the scope
     for (const { widget } of this.placed) widget.dispose?.();
     for (const stop of this.leases) stop();
     this.placed = this.panel.widgets.map((data) => this.place(data));

@@ -27,7 +27,7 @@ export function scope({ data, ports }: Context): Widget {
   };
 }
 
-// A port too many has no trace.
+// Ports beyond the limit have no trace.
 function record(port: Port): () => void {
   try {
     return port.part.record([port]);

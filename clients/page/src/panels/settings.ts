@@ -1,4 +1,4 @@
-// What can be set of a widget while the panel is edited.
+// The settings of a widget while the panel is edited.
 import type { Parts } from "../model/parts";
 import { nameOf } from "../ui/drag";
 import { h } from "../ui/dom";

@@ -1,4 +1,4 @@
-// A panel in a link: deflated, in the part of the address that no server sees.
+// A panel in a link: compressed, in the part of the address that browsers do not send to servers.
 
 const kPrefix = "#panel=";
 const kMostBytes = 1 << 20;
@@ -11,7 +11,7 @@ export async function toHash(text: string): Promise<string> {
   return kPrefix + btoa(binary).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "");
 }
 
-// The panel's text; null where the address holds none. Throws where what it holds is damaged.
+// The panel's text; null if the address holds none. Throws if the text is damaged.
 export async function fromHash(hash: string): Promise<string | null> {
   if (!hash.startsWith(kPrefix)) return null;
   const binary = atob(hash.slice(kPrefix.length).replaceAll("-", "+").replaceAll("_", "/"));

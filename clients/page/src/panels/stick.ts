@@ -1,4 +1,5 @@
-// A virtual stick: two ports under one finger; by the arrow keys, too. With a spring it goes back to its middle.
+// A virtual stick: two ports under one finger, or under the arrow keys. With a spring it returns to its
+// middle.
 import { h } from "../ui/dom";
 import { share } from "../ui/numbers";
 import { commandedOf, valueOf, writeAll, type Context, type Widget } from "./widget";
@@ -11,7 +12,7 @@ export function stick({ data, ports: bound }: Context): Widget {
   const knob = h("span", { class: "knob" });
   const area = h("div", { class: "w-stick", tabIndex: 0, role: "application", "aria-label": `${data.label}: stick, arrow keys move it` }, knob);
   let enabled = true;
-  let deflected = false; // by a hand that has not let go
+  let deflected = false; // a hand still holds it
   const range = (i: number) => {
     const { minimum = -1, maximum = 1 } = ports[i]?.description ?? {};
     return { minimum: data.minimum ?? minimum, maximum: data.maximum ?? maximum };

@@ -1,4 +1,4 @@
-// What a widget on a panel is, and what all kinds share: their ports, their limits, writing.
+// The interface of a widget, and what all kinds share: their ports, their limits, writing.
 import { neighbours } from "../model/neighbours";
 import type { Port } from "../model/part";
 import type { Parts } from "../model/parts";
@@ -7,14 +7,14 @@ import type { WidgetData } from "./file";
 
 export interface Widget {
   body: HTMLElement;
-  update(): void; // twenty times a second while the panel is seen
-  setEnabled?(on: boolean): void; // controls: whether this page holds the leases that they need
+  update(): void; // called twenty times a second while the panel is visible
+  setEnabled?(on: boolean): void; // for controls: whether this page holds the leases that they need
   dispose?(): void;
 }
 
 export interface Context {
   data: WidgetData;
-  ports: Port[]; // those of data.ports that exist
+  ports: Port[]; // the ports of data.ports that exist
   actual: Port | undefined;
 }
 
@@ -27,7 +27,7 @@ export function valueOf(port: Port | undefined): number {
   return port ? port.part.value(port) : NaN;
 }
 
-// What this page wrote last where that is not in force yet.
+// The last value that this page wrote, while it is not in force yet.
 export function commandedOf(port: Port | undefined): number {
   return port ? port.part.commanded(port) : NaN;
 }
@@ -37,7 +37,7 @@ export function limits({ data, ports }: Context): { minimum: number; maximum: nu
   return { minimum: data.minimum ?? description?.minimum ?? 0, maximum: data.maximum ?? description?.maximum ?? 1 };
 }
 
-// The same value to all ports of a widget.
+// Writes the same value to all ports of a widget.
 export function writeAll(ports: readonly Port[], value: number): void {
   for (const run of neighbours(ports)) run[0]!.part.writeValues(run[0]!, run.map(() => value)).catch(reportError);
 }

@@ -1,4 +1,5 @@
-// Recorded ports as CSV: one row per sample, times of all parts together, empty where a part has no sample. Pure.
+// Recorded ports as CSV: one row for each time of any part. A cell is empty if its part has no sample then.
+// Pure.
 
 export interface Column {
   name: string;

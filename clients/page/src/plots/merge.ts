@@ -1,5 +1,5 @@
-// Series of several parts on one time axis, as uPlot wants them: all times, and for each trace a value at each; null where
-// it has a gap, undefined where only another part has a sample. Pure.
+// Puts series of several parts on one time axis, as uPlot wants them: all times, and for each trace a value
+// at each time. A value is null in a gap, and undefined if only another part has a sample. Pure.
 import type { Series } from "../model/history";
 
 export type Aligned = [number[], ...(number | null | undefined)[][]];

@@ -24,7 +24,7 @@ export class PlotPane {
     setInterval(() => this.update(), kPeriodMs);
   }
 
-  // Into the last plot; the first time, a new one.
+  // Adds ports to the last plot, or to a new one if there is none.
   plot(ports: Port[]): void {
     const last = this.plots.at(-1);
     if (last) last.add(ports);

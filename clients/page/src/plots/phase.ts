@@ -7,7 +7,7 @@ import { fit, leastSpan, type Range } from "../ui/range";
 import type { Aligned } from "./merge";
 
 const kMargin = 34; // px
-const kAir = 0.05; // share of the span
+const kAir = 0.05; // as a share of the span
 
 export function drawPhase(canvas: HTMLCanvasElement, ports: readonly Port[], [, xs = [], ys = []]: Aligned): void {
   const { clientWidth: width, clientHeight: height } = canvas;
@@ -33,7 +33,7 @@ export function drawPhase(canvas: HTMLCanvasElement, ports: readonly Port[], [, 
   context.fillRect(toX(x) - 4, toY(y) - 4, 8, 8);
 }
 
-// Null where either has a gap, undefined where only one has a sample.
+// Null if either port has a gap, undefined if only one of them has a sample.
 function pair(x: number | null | undefined, y: number | null | undefined): [number, number] | null | undefined {
   if (x === null || y === null) return null;
   return x === undefined || y === undefined ? undefined : [x, y];

@@ -1,5 +1,5 @@
-// One plot: ports against time, or the second against the first (phase plot). Follows the time; dragging zooms in and
-// stops following, a double click goes on. The cursor shows values in the legend.
+// One plot: ports against time, or the second port against the first (phase plot). It follows the time.
+// Dragging zooms in and stops that, and a double click resumes it. The legend shows the values at the cursor.
 import uPlot from "uplot";
 import type { Part, Port } from "../model/part";
 import type { Parts } from "../model/parts";
@@ -15,7 +15,7 @@ import { align, type Aligned } from "./merge";
 import { drawPhase } from "./phase";
 
 const kWindows = [5, 10, 30, 60, 120, 300];
-const kAir = 0.08; // above and below, share of the span
+const kAir = 0.08; // above and below, as a share of the span
 
 export class Plot {
   readonly element: HTMLElement;
@@ -24,7 +24,7 @@ export class Plot {
   private readonly phaseCanvas = h("canvas", { class: "phase", hidden: true, role: "img", "aria-label": "Phase plot" });
   private readonly seconds = h("select", { "aria-label": "Length of the time axis" }, ...kWindows.map((s) => h("option", { value: s, selected: s === 10 }, s < 60 ? `${s} s` : `${s / 60} min`)));
   private readonly phase: HTMLButtonElement;
-  private readonly stops = new Map<Port, () => void>(); // recording
+  private readonly stops = new Map<Port, () => void>(); // they end the recording
   private plot: uPlot | null = null;
   private zoom: { from: number; to: number } | null = null;
 
@@ -40,13 +40,13 @@ export class Plot {
     this.add(ports);
   }
 
-  // As many as can be recorded.
+  // Adds as many ports as can be recorded.
   add(ports: readonly Port[]): void {
     for (const port of ports.filter((port) => !this.ports.includes(port))) this.take(port);
     this.rebuild();
   }
 
-  // After a restart, parts may be others: the same ports of those.
+  // After a restart the parts may be other objects. Takes the same ports of those.
   rebind(parts: Parts): void {
     const now = this.ports.map((port) => parts.port(port.part.name, port.description.name) ?? port);
     if (now.every((port, i) => port === this.ports[i])) return;
@@ -127,7 +127,8 @@ export class Plot {
     };
   }
 
-  // While it follows the time, a value that stands still is a line in the middle; who zooms in sees the noise, too.
+  // While the plot follows the time, a value that stands still is a line in the middle. Zoomed in, the noise
+  // shows, too.
   private valueRange(unit: string, low: number | null, high: number | null): uPlot.Range.MinMax {
     const spans = this.ports.filter((port) => port.description.unit === unit).map((port) => leastSpan(port.description));
     const range = fit([low, high], kAir, this.zoom ? 0 : Math.min(...spans));
@@ -164,7 +165,7 @@ export class Plot {
     download("visum.csv", new Blob([toCsv(columns)], { type: "text/csv" }));
   }
 
-  // The plot on paper's colour, with its legend in words below.
+  // The plot on the colour of paper, with its legend as text below.
   private exportPng(): void {
     const source = this.phaseCanvas.hidden ? this.plot?.ctx.canvas : this.phaseCanvas;
     if (!source) return;

@@ -1,4 +1,5 @@
-// A part's blackboards, shown by what they hold: text, a picture, numbers, or bytes. Read while their list is open.
+// A part's blackboards, shown by their content: text, a picture, numbers, or bytes. They are read while their
+// list is open.
 import type { Link } from "../link/link";
 import type { BlackboardDescription } from "../link/messages";
 import type { Part } from "../model/part";
@@ -59,7 +60,7 @@ function cameraPicture(bytes: Uint8Array, name: string): HTMLElement {
   return canvas;
 }
 
-// Scans and vectors: floats by the size of an element.
+// Scans and vectors: floats, by the size of an element.
 function asNumbers(board: BlackboardDescription, bytes: Uint8Array): number[] | null {
   const copy = bytes.slice().buffer;
   if (board.elementSize === 8n) return [...new Float64Array(copy, 0, Math.floor(copy.byteLength / 8))];

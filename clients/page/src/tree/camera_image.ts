@@ -1,4 +1,4 @@
-// A camera's blackboard as a picture (server/scene/README.md tells its bytes). Pure.
+// A camera's blackboard as a picture (server/scene/README.md describes its bytes). Pure.
 
 export interface CameraImage {
   width: number;
@@ -12,7 +12,7 @@ const kLeastHeader = 24;
 const kBytesPerPixel = [3, 4, 2]; // colours, depths, bodies
 const kOpaque = 255;
 
-// Null: no picture yet, or none that this page knows.
+// Null: there is no picture yet, or this page does not know its kind.
 export function decodeCamera(bytes: Uint8Array): CameraImage | null {
   if (bytes.byteLength < kLeastHeader) return null;
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
@@ -36,7 +36,7 @@ function colors(view: DataView, at: number): ColorOf {
   return (i) => [view.getUint8(at + 3 * i), view.getUint8(at + 3 * i + 1), view.getUint8(at + 3 * i + 2)];
 }
 
-// The nearest is white, the furthest that is seen black.
+// The nearest depth is white, the furthest one black.
 function depths(view: DataView, at: number, pixels: number): ColorOf {
   let [least, most] = [Infinity, 0];
   for (let i = 0; i < pixels; ++i) {
@@ -50,7 +50,7 @@ function depths(view: DataView, at: number, pixels: number): ColorOf {
   };
 }
 
-// Each body its colour, far from those of its neighbours in number; nothing is black.
+// Each body has a colour, far from the colours of the bodies with near numbers. Nothing is black.
 function segments(view: DataView, at: number): ColorOf {
   return (i) => {
     const body = view.getUint16(at + 2 * i, true);

@@ -1,4 +1,5 @@
-// Editors for controller inputs: a switch for what is 0 or 1, a button for a counter, a slider with a number for the rest.
+// Editors for controller inputs: a switch for values of 0 or 1, a button for a counter, a slider with a
+// number for all others.
 import type { Port } from "../model/part";
 import { h } from "../ui/dom";
 import { niceStep } from "../ui/numbers";
@@ -65,7 +66,7 @@ function numberEditor(port: Port): Editor {
     slider.value = number.value;
     writePort(port, number.valueAsNumber);
   });
-  // What is in force is shown, but not under the hand of who is about to change it.
+  // Shows the value in force, except while the user is about to change it.
   const show = (value: number) => {
     if (performance.now() - touched < 600 || Number.isNaN(value)) return;
     if (document.activeElement !== number) number.value = String(Number(value.toPrecision(6)));

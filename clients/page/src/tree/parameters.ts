@@ -1,4 +1,4 @@
-// A part's parameters with typed editors; read when their list is opened, and again after each change.
+// A part's parameters with typed editors. They are read when their list is opened, and after each change.
 import type { Link } from "../link/link";
 import type { ParameterDescription, ParameterValue } from "../link/messages";
 import type { Part } from "../model/part";

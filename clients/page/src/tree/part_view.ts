@@ -1,4 +1,4 @@
-// A part in the tree: who commands it, and its ports by interface and group.
+// A part in the tree: the holder of its lease, and its ports by interface and group.
 import type { Link } from "../link/link";
 import { Role } from "../link/messages";
 import type { Part, Port, Side } from "../model/part";
@@ -13,7 +13,7 @@ export class PartView {
   readonly element: HTMLElement;
   readonly rows: PortRow[] = [];
   private readonly groups: { element: HTMLDetailsElement; rows: PortRow[] }[] = [];
-  private before: boolean[] | null = null; // while a search is on: which groups were open before it
+  private before: boolean[] | null = null; // during a search: which groups were open before it
   private readonly holder = h("span", { class: "holder" });
   private readonly lease = h("button", { type: "button", class: "lease" });
   private readonly stops: (() => void)[] = [];
@@ -40,7 +40,8 @@ export class PartView {
     for (const stop of this.stops) stop();
   }
 
-  // Shows what matches all words; groups with a match open. Without a word, all is as it was before the search.
+  // Shows the ports that match all words, and opens their groups. Without a word, everything is as it was
+  // before the search.
   filter(words: string[]): void {
     if (words.length > 0) this.before ??= this.groups.map(({ element }) => element.open);
     for (const row of this.rows) row.element.hidden = !row.matches(words);
@@ -68,7 +69,7 @@ export class PartView {
   }
 
   private group(name: string, ports: Port[]): HTMLElement {
-    // Below their group's name, ports need only what is their own.
+    // Below the group's name, a port shows only its own part of the name.
     const rows = ports.map((port) => this.row(port, port.description.name.replace(name, "").trim() || port.description.name));
     const summary = h("summary", { draggable: true }, h("span", {}, name), h("span", { class: "count" }, String(ports.length)));
     summary.addEventListener("dragstart", (event) => startPortDrag(event, ports));
@@ -88,7 +89,7 @@ export class PartView {
     const { leased, holder } = this.part;
     setText(this.holder, leased.value ? "yours" : holder.value === "" ? "free" : holder.value);
     this.holder.dataset["state"] = leased.value ? "mine" : holder.value === "" ? "free" : "taken";
-    this.holder.title = leased.value ? "This page holds the lease" : holder.value === "" ? "Nobody holds the lease" : `The lease is held by ${holder.value}`;
+    this.holder.title = leased.value ? "This page holds the lease" : holder.value === "" ? "The lease is free" : `'${holder.value}' holds the lease`;
     const take = !leased.value && holder.value !== "";
     setText(this.lease, leased.value ? "Release" : take ? "Take over" : "Take control");
     this.lease.disabled = !this.link.mayCommand;
@@ -103,7 +104,8 @@ export class PartView {
     try {
       if (leased.value) return await this.part.release();
       if (!taking) return await this.part.acquire();
-      // Taking it over stops the part, and whoever commands it is told so: not by a slip of the hand.
+      // Taking over stops the part and takes the lease from its holder. That must not happen by a slip of the
+      // hand.
       const isAdmin = this.link.welcome?.role === Role.ADMIN;
       if (!isAdmin || confirm(`Take '${name}' from '${holder.value}'? The part stops on a ramp and latches a fault.`))
         await this.part.acquire(isAdmin);

@@ -1,4 +1,4 @@
-// Where the time of a tick goes, phase by phase over the last second: what it takes, and what it took at most.
+// The time of a tick, phase by phase, over the last second: its mean and its longest duration.
 import type { Link } from "../link/link";
 import type { PhaseTime } from "../link/messages";
 import type { Clock } from "../model/clock";
@@ -8,7 +8,7 @@ import { formatNs } from "../ui/numbers";
 export function profileView(link: Link, clock: Clock): HTMLElement {
   const total = h("span", { class: "count" });
   const rows = h("tbody", {});
-  const head = h("tr", {}, ...["Phase", "Share of a tick", "Mean", "Most"].map((text) => h("th", { scope: "col" }, text)));
+  const head = h("tr", {}, ...["Phase", "Share of a tick", "Mean", "Longest"].map((text) => h("th", { scope: "col" }, text)));
   const table = h("table", { class: "profile" }, h("caption", {}, "Over the last second"), h("thead", {}, head), rows);
   const details = h("details", { class: "side" }, h("summary", {}, h("span", {}, "Cycle"), total), table);
   clock.status.watch((status) => {

@@ -1,4 +1,5 @@
-// One port in the tree: name, live value, unit, where it stands in its range, what it was, and what can be done with it.
+// One port in the tree: name, live value, unit, its place in its range, its last seconds, and the buttons to
+// act on it.
 import type { Port } from "../model/part";
 import { h, iconButton, setText } from "../ui/dom";
 import { icons } from "../ui/icons";
@@ -15,7 +16,7 @@ export interface RowActions {
 
 export class PortRow {
   readonly element: HTMLElement;
-  visible = false; // on the screen: the tree's observer says so
+  visible = false; // on the screen, by the tree's observer
   private readonly value = h("span", { class: "value" });
   private readonly bar = h("span", { class: "range-fill" });
   private readonly spark: Sparkline;
@@ -52,9 +53,9 @@ export class PortRow {
   setEditable(on: boolean): void {
     if (this.port.side !== "input" || on === (this.editor !== null)) return;
     this.editor = on ? editorFor(this.port) : null;
-    this.editor?.show(this.port.part.value(this.port)); // also where the row is out of sight, and update() draws nothing
+    this.editor?.show(this.port.part.value(this.port)); // also while the row is out of sight, and update() draws nothing
     this.editorPlace.replaceChildren(...(this.editor ? [this.editor.element] : []));
-    this.element.draggable = !on; // an editor's own drags are not the row's
+    this.element.draggable = !on; // dragging an editor must not drag the row
     if (this.hold) this.hold.hidden = !on;
     this.element.classList.toggle("editable", on);
     this.last = NaN;

@@ -1,4 +1,4 @@
-// The last seconds of a value, as small as a word.
+// The last seconds of a value, drawn as small as a word.
 import { fit } from "../ui/range";
 
 const kPoints = 60;
@@ -10,7 +10,7 @@ export class Sparkline {
   private readonly values: number[] = [];
   private drawn = "";
 
-  // `least`: a change smaller than this is noise, and not blown up.
+  // `least`: a smaller change is noise, and is not blown up.
   constructor(private readonly least: number) {
     this.canvas.className = "spark";
     this.canvas.width = 2 * kWidth;

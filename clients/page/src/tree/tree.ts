@@ -1,4 +1,4 @@
-// All parts as a tree with a search; what is on the screen is kept up to date ten times a second.
+// All parts as a tree with a search. The visible rows are updated ten times a second.
 import type { Link } from "../link/link";
 import type { Part } from "../model/part";
 import type { Parts } from "../model/parts";
@@ -27,7 +27,7 @@ export class Tree {
   }
 
   private show(list: Part[]): void {
-    // The same parts again, after a reconnection: what is open and searched stays as it is.
+    // After a reconnection with the same parts, open groups and the search stay as they are.
     if (list.length === this.views.length && list.every((part, i) => part === this.views[i]?.part)) return;
     for (const view of this.views) view.dispose();
     this.observer.disconnect();

@@ -38,7 +38,7 @@ function add(element: HTMLElement, children: Child[]): void {
   for (const child of children) if (child) element.append(child);
 }
 
-// Text that changes often: touches the document only when it differs.
+// For text that changes often: touches the document only if the text differs.
 export function setText(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }

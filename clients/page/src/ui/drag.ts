@@ -1,4 +1,4 @@
-// Ports on their way, by drag and drop, from the tree to a plot or a panel.
+// Drag and drop of ports from the tree to a plot or a panel.
 import type { Port } from "../model/part";
 import type { Parts } from "../model/parts";
 
@@ -17,7 +17,7 @@ export function startPortDrag(event: DragEvent, ports: readonly Port[]): void {
   event.dataTransfer?.setData("text/plain", ports.map((port) => `${port.part.name}/${port.description.name}`).join("\n"));
 }
 
-// Calls `dropped` with what was let go over the element, and where.
+// Calls `dropped` with the ports that were dropped on the element, and the place.
 export function acceptPorts(element: HTMLElement, parts: Parts, dropped: (ports: Port[], event: DragEvent) => void): void {
   const carries = (event: DragEvent) => event.dataTransfer?.types.includes(kType) ?? false;
   element.addEventListener("dragover", (event) => {

@@ -1,4 +1,4 @@
-// Files to and from the user's disk.
+// Saves files to the user's disk, and loads them from there.
 
 export function download(name: string, blob: Blob): void {
   const url = URL.createObjectURL(blob);

@@ -1,11 +1,11 @@
-// The page's places: bar, parts on the left, view in the middle, panel on the right, plots below. Each of the three around
-// the view can be closed; what is open is remembered by the browser.
+// The places of the page: bar, parts on the left, view in the middle, panel on the right, plots below. Each
+// of the three around the view can be closed, and the browser remembers which are open.
 import { h } from "./dom";
 
 export type PaneName = "parts" | "panel" | "plots";
 const kTitles: Record<PaneName, string> = { parts: "Parts", panel: "Panel", plots: "Plots" };
 const kStored = "visum.panes";
-const kNarrow = "(max-width: 999px)"; // there one pane at a time covers the view
+const kNarrow = "(max-width: 999px)"; // one pane at a time covers the view then
 
 export class Layout {
   readonly bar = h("header", { class: "bar" });

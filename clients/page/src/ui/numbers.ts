@@ -12,8 +12,9 @@ export function formatValue(value: number, unit = ""): string {
   return value.toFixed(digits).replace("-", "−");
 }
 
-// A value of a range, always with the same decimals: four below the size of its half (0.0000 of ±3 rad, 0.00000 of some
-// centimetres), so that what trembles about zero stays readable. Whole numbers without a unit stay whole.
+// A value of a range, always with the same decimals: four below the size of its half (0.0000 for ±3 rad,
+// 0.00000 for some centimetres). So a value that trembles about zero stays readable. Whole numbers without a
+// unit stay whole.
 export function formatInRange(value: number, minimum: number, maximum: number, unit = ""): string {
   const range = maximum - minimum;
   if (!(range > 0 && range < kWidest) || !(Math.abs(value) < kWidest) || (unit === "" && Number.isInteger(value))) return formatValue(value, unit);
@@ -21,7 +22,7 @@ export function formatInRange(value: number, minimum: number, maximum: number, u
   return value.toFixed(decimals).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
 }
 
-// A value of a port.
+// The text of a port's value.
 export function formatOf(port: { minimum: number; maximum: number; unit: string } | undefined, value: number): string {
   return port ? formatInRange(value, port.minimum, port.maximum, port.unit) : formatValue(value);
 }
@@ -46,13 +47,13 @@ export function formatBytes(bytes: number): string {
   return bytes < 1e6 ? `${(bytes / 1000).toFixed(1)} kB` : `${(bytes / 1e6).toFixed(2)} MB`;
 }
 
-// Radians also in degrees, for a tooltip; empty for other units.
+// Radians in degrees as well, for a tooltip. Empty for other units.
 export function inDegrees(value: number, unit: string): string {
   if (!unit.startsWith("rad") || Number.isNaN(value)) return "";
   return `${((value * 180) / Math.PI).toFixed(2)} °${unit.slice(3)}`;
 }
 
-// Where `value` stands between the limits, 0 to 1.
+// The place of `value` between the limits, 0 to 1.
 export function share(value: number, minimum: number, maximum: number): number {
   if (!(maximum > minimum)) return 0;
   return Math.min(1, Math.max(0, (value - minimum) / (maximum - minimum)));

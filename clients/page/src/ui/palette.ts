@@ -1,4 +1,5 @@
-// Colours of traces: Okabe and Ito's, which the colour-blind can tell apart; the yellow darker, to be seen on white.
+// Colours of traces, by Okabe and Ito: the colour-blind can tell them apart. The yellow is darker, to be
+// visible on white.
 
 const kLight = ["#0072b2", "#d55e00", "#009e73", "#b0499a", "#a07d00", "#3a9bd9", "#5b5b5b", "#8c2d04"];
 const kDark = ["#56b4e9", "#ff9d4d", "#35d0a5", "#e59ac9", "#f0e442", "#8fc7ff", "#c8c8c8", "#ff7f50"];

@@ -1,4 +1,4 @@
-// A line through points; null is a gap, undefined nothing at all. Pure.
+// A line through points. Null is a gap; undefined is skipped. Pure.
 export function polyline(path: Pick<CanvasPath, "moveTo" | "lineTo">, points: Iterable<readonly [number, number] | null | undefined>): void {
   let down = false;
   for (const point of points) {

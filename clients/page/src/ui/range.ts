@@ -6,13 +6,14 @@ export interface Range {
   high: number;
 }
 
-// A thousandth of what a port can be: less than that is noise, and a scale that fits by itself does not blow it up.
+// A thousandth of a port's range. Smaller changes are noise, and a scale that fits itself must not blow them
+// up.
 export function leastSpan({ minimum, maximum }: Pick<PortDescription, "minimum" | "maximum">): number {
   return Math.min(maximum - minimum, 10) / 1000;
 }
 
-// From the least to the greatest with `margin` (a share of the span) on both sides, `least` high at the least. NaN and
-// null count for nothing; null: there is no number.
+// The scale from the least to the greatest value, with `margin` (a share of the span) on both sides, and at
+// least `least` high. NaN and null are ignored. Returns null if there is no number.
 export function fit(values: Iterable<number | null>, margin: number, least: number): Range | null {
   let low = Infinity;
   let high = -Infinity;

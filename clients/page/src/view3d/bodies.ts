@@ -21,12 +21,13 @@ export class Bodies {
   private generation = 0;
   private readonly materials: Materials;
 
-  // `tell`: in words, what a body is drawn without.
+  // `tell` gets a text for each thing that a body is drawn without.
   constructor(private readonly world: World, private readonly tell: (words: string) => void) {
     this.materials = new Materials((texture) => world.texture(texture), (error) => this.leaveOut("a texture", error));
   }
 
-  // Replaces all by what is described. Resolves when meshes are there, too; false: what is newer has come before.
+  // Replaces all bodies. Resolves when the meshes are there, too; to false if a newer description came
+  // before.
   async build(description: WorldDescription): Promise<boolean> {
     const generation = ++this.generation;
     const [meshes] = await Promise.all([this.fetchMeshes(description), this.materials.load(description)]);
@@ -52,7 +53,7 @@ export class Bodies {
     this.tint(body, 0.45);
   }
 
-  // What is drawn, or what collides.
+  // Shows the visual shapes, or the collision shapes.
   showCollisionShapes(on: boolean): void {
     for (const { mesh, shape } of this.shapes.flat()) {
       const material = mesh.material as MeshStandardMaterial;
@@ -73,7 +74,7 @@ export class Bodies {
   }
 
   private async fetchMeshes(description: WorldDescription): Promise<Map<number, MeshData>> {
-    const wanted = new Map<number, string>(); // with a body that it is of
+    const wanted = new Map<number, string>(); // with the name of a body that uses it
     for (const body of description.bodies)
       for (const shape of body.shapes) if (shape.kind === "mesh" || shape.kind === "convex") wanted.set(shape.mesh, body.name);
     const meshes = new Map<number, MeshData>();
@@ -87,7 +88,7 @@ export class Bodies {
     return meshes;
   }
 
-  // One thing less, and not the whole world. Where the connection is lost, the next one brings all.
+  // One thing fails, not the whole world. If the connection is lost, the next one brings everything.
   private leaveOut(what: string, error: unknown): void {
     if (error instanceof LostError) throw error;
     this.tell(`Drawn without ${what}: ${error instanceof Error ? error.message : String(error)}`);

@@ -1,4 +1,4 @@
-// Where the world is seen from: orbit, pan and zoom by mouse, touch and keys; follow a body; look from a viewpoint.
+// The camera: orbit, pan and zoom by mouse, touch and keys; follow a body; look from a viewpoint.
 import { PerspectiveCamera, Vector3 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 

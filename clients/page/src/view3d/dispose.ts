@@ -1,4 +1,5 @@
-// Gives back what a tree of objects holds on the GPU: geometries, materials, their textures, lights' shadows.
+// Frees what a tree of objects holds on the GPU: geometries, materials, their textures, the shadows of
+// lights.
 import { Light, type BufferGeometry, type Material, type Object3D, type Texture } from "three";
 
 export function disposeOf(root: Object3D): void {

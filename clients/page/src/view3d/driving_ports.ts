@@ -1,5 +1,5 @@
-// The ports that drive a body: those of the joint that carries it. A part's ports come in the order of its joints; in a
-// group of angles only its hinges count, in a group of lengths only its sliders.
+// The ports that drive a body: those of the joint that carries it. A part's ports come in the order of its
+// joints. In a group of angles only hinges count, in a group of lengths only sliders.
 import type { JointDescription } from "../link/messages";
 import type { Port } from "../model/part";
 import type { Parts } from "../model/parts";

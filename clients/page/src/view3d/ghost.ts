@@ -1,4 +1,4 @@
-// The other arm of a mirrored pair, as a ghost of the one that the world shows.
+// The other arm of a mirrored pair, drawn as a ghost of the arm in this world.
 import { Color, Group, Matrix4, Mesh, MeshStandardMaterial } from "three";
 import type { WorldDescription } from "../link/messages";
 import type { Part } from "../model/part";
@@ -11,17 +11,17 @@ import { kInvisible, type Viewer } from "./viewer";
 
 const kColor = new Color(0x009e73);
 const kOpacity = 0.45;
-const kKind = "divergence"; // of the part that tells how far two arms are apart (visum mirror)
-const kSuffix = "_divergence"; // of its name, behind that of the arm
+const kKind = "divergence"; // the kind of the part that tells how far two arms are apart (visum-mirror)
+const kSuffix = "_divergence"; // its name is the arm's name with this suffix
 
 export class Ghost {
   readonly sign = h("p", { class: "ghost-sign", hidden: true });
   private readonly root = new Group();
-  private groups: Group[] = []; // by body; those of no ghost are empty
+  private groups: Group[] = []; // by body; empty for a body without a ghost
   private bodies: GhostBody[] = [];
   private ports: number[] = []; // by joint: the output that tells how far it is apart
   private part: Part | null = null;
-  private placed: number[] = []; // what it was drawn by
+  private placed: number[] = []; // the values that it was last drawn with
   private on = true;
   private stop: () => void = () => undefined;
 
@@ -37,7 +37,7 @@ export class Ghost {
     this.viewer.redraw();
   }
 
-  // From the frame of a body's ghost to the world; null: it has none.
+  // The matrix from the frame of a body's ghost to the world; null: the body has no ghost.
   matrixOf(body: number): Matrix4 | null {
     return this.bodies.some((ghost) => ghost.body === body) ? this.groups[body]!.matrixWorld : null;
   }
@@ -67,7 +67,7 @@ export class Ghost {
     }
   }
 
-  // The geometries are those of the bodies, who dispose of them.
+  // The geometries belong to the bodies, which dispose of them.
   private clear(): void {
     this.root.traverse((object) => object instanceof Mesh && (object.material as MeshStandardMaterial).dispose());
     this.root.clear();
@@ -98,14 +98,14 @@ export class Ghost {
     return [this.side(), ...this.ports.map((port) => this.value(port))];
   }
 
-  // An arm that its drives hold trembles: what is not seen needs no new picture.
+  // An arm held by its drives trembles. A movement too small to see needs no new picture.
   private moved(): boolean {
     const now = this.state();
     return now.length !== this.placed.length || now.some((value, i) => !(Math.abs(value - this.placed[i]!) <= kInvisible));
   }
 
-  // The ports tell how far the shadow is from the primary: +1 where the world is the primary's, -1 where it is the shadow's;
-  // 0: nothing is known of the other arm.
+  // The ports tell how far the shadow is from the primary. Returns +1 if this world is the primary's, -1 if
+  // it is the shadow's, and 0 if nothing is known of the other arm.
   private side(): number {
     const [of, primary] = [this.read("World Of"), this.read("Primary")];
     const connected = this.read("Connected 1") === 1 && this.read("Connected 2") === 1;

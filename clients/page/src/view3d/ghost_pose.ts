@@ -1,12 +1,12 @@
-// Where the other arm of a mirrored pair is: each body that is drawn, turned on by what its joints are apart. Of that arm
-// only its joints are known, so that it may be a real one. Pure.
+// The pose of the other arm of a mirrored pair: each body that is drawn, turned further by the difference of
+// its joints. Only the joints of that arm are known, so it may be a real one. Pure.
 import { Matrix4, Quaternion, Vector3 } from "three";
 import type { JointDescription, PortDescription } from "../link/messages";
 
 const kDivergence = "Divergence of ";
 
-// For each joint of the part, the index of the port that tells how far its two are apart; -1: none does. Angles are of the
-// part's hinges, lengths of its sliders, both in their order.
+// For each joint of the part, the index of the port that tells how far the two joints are apart; -1: there is
+// none. Angles belong to the part's hinges, lengths to its sliders, both in their order.
 export function divergencePorts(joints: readonly JointDescription[], part: string, ports: readonly Pick<PortDescription, "name" | "unit">[]): number[] {
   const portsOf = (unit: string) => ports.flatMap((port, i) => (port.name.startsWith(kDivergence) && port.unit === unit ? [i] : []));
   const found = joints.map(() => -1);
@@ -20,11 +20,11 @@ export function divergencePorts(joints: readonly JointDescription[], part: strin
 
 export interface GhostBody {
   body: number;
-  joint: number; // that carries it
+  joint: number; // the joint that carries it
   parent: number; // body; -1: the world
 }
 
-// The bodies that a joint of the part moves, directly or by what carries them; each after its parent.
+// The bodies that a joint of the part moves, directly or through other bodies. Each comes after its parent.
 export function ghostBodies(joints: readonly JointDescription[], part: string, bodyOf: (name: string) => number): GhostBody[] {
   const all = joints.map((joint, index): GhostBody => ({ body: bodyOf(joint.child), joint: index, parent: bodyOf(joint.parent) }));
   const carrier = new Map(all.map((link) => [link.body, link]));
@@ -42,8 +42,8 @@ export function ghostBodies(joints: readonly JointDescription[], part: string, b
   });
 }
 
-// The pose of a ghost's body: where its parent's ghost is, then the joint, turned on by `apart`, then as the shown child hangs
-// on the shown joint.
+// The pose of a ghost's body: the pose of its parent's ghost, then the joint, turned by `apart`, then the
+// shown child as it hangs on the shown joint.
 export function ghostPose(joint: JointDescription, apart: number, parentGhost: Matrix4, parentShown: Matrix4, childShown: Matrix4): Matrix4 {
   const [x = 0, y = 0, z = 0, qw = 1, qx = 0, qy = 0, qz = 0] = joint.pose;
   const [ax = 0, ay = 0, az = 1] = joint.axis;

@@ -10,7 +10,7 @@ export class Labels {
     container.append(this.place);
   }
 
-  // In each picture of the view, as its eye sees the place.
+  // In each picture of the view, at the place that its eye sees.
   show(texts: readonly { at: Vector3; text: string }[]): void {
     const { left, top } = this.viewer.canvas.getBoundingClientRect();
     const shown = texts.flatMap(({ at, text }) => this.viewer.toAllPixels(at).map(({ x, y }) => ({ x: x - left, y: y - top, text })));

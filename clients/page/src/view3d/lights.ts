@@ -1,14 +1,15 @@
-// Lights: the scene's, or where it has none, those of a studio: sky, a sun with shadows, and a weak one from behind.
+// The scene's lights. A scene without lights gets those of a studio: sky, a sun with shadows, and a weak one
+// from behind.
 import { AmbientLight, Color, DirectionalLight, Group, HemisphereLight, PointLight, SpotLight, SRGBColorSpace, type Light, type LightShadow } from "three";
 import type { LightDescription } from "../link/messages";
 import { disposeOf } from "./dispose";
 
-const kFull = 2.6; // three.js' intensity of a light that lights white paper fully, under the view's exposure
+const kFull = 2.6; // three.js' intensity for a light that lights white paper fully, under the view's exposure
 
 export class Lights {
   readonly root = new Group();
 
-  // `radius`: of what shadows are to be seen of, around the origin, m.
+  // `radius`: shadows are drawn within it, around the origin, m.
   build(descriptions: readonly LightDescription[], radius: number): void {
     disposeOf(this.root);
     this.root.clear();
@@ -45,7 +46,7 @@ function lightOf(description: LightDescription, color: Color, radius: number): L
     if (shadows) castShadows(light, radius);
     return light;
   }
-  // No decay: the intensity is as told wherever the light falls.
+  // No decay: the intensity is the same wherever the light falls.
   const light = kind === "spot" ? new SpotLight(color, kFull * intensity, 0, angle, 0.2, 0) : new PointLight(color, kFull * intensity, 0, 0);
   light.position.set(px, py, pz);
   if (light instanceof SpotLight) light.target.position.set(px + dx, py + dy, pz + dz);

@@ -1,4 +1,5 @@
-// Materials as the scene gives them, with their textures; one per shape, because a selected body is tinted alone.
+// Materials as the scene gives them, with their textures. Each shape has its own, because a selected body is
+// tinted alone.
 import { Color, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace, Texture } from "three";
 import type { MaterialDescription, ShapeDescription, TextureData, WorldDescription } from "../link/messages";
 
@@ -6,7 +7,7 @@ export class Materials {
   private textures = new Map<number, Texture>();
   private list: MaterialDescription[] = [];
 
-  // `leaveOut` tells why a texture is none.
+  // `leaveOut` gets the reason if a texture cannot be used.
   constructor(private readonly fetch: (texture: number) => Promise<TextureData>, private readonly leaveOut: (error: unknown) => void) {}
 
   async load(description: WorldDescription): Promise<void> {
@@ -29,7 +30,7 @@ export class Materials {
     const description = shape.material > 0 ? this.list[shape.material - 1] : undefined;
     const material = new MeshStandardMaterial({
       color: new Color().setRGB(r, g, b, SRGBColorSpace),
-      opacity: a > 0 ? a : 1, // invisible ones are seen as collision shapes only
+      opacity: a > 0 ? a : 1, // invisible shapes show as collision shapes only
       transparent: a > 0 && a < 1,
       roughness: description?.roughness ?? 0.62,
       metalness: description?.metalness ?? 0.05,
@@ -43,7 +44,7 @@ export class Materials {
 async function decode(data: TextureData): Promise<Texture> {
   const picture = await createImageBitmap(new Blob([new Uint8Array(data.data)], { type: data.contentType }), { imageOrientation: "flipY" });
   const texture = new Texture(picture);
-  texture.flipY = false; // the picture is turned already
+  texture.flipY = false; // the picture is already turned
   texture.colorSpace = SRGBColorSpace;
   texture.wrapS = texture.wrapT = RepeatWrapping;
   texture.anisotropy = 4;
@@ -51,7 +52,7 @@ async function decode(data: TextureData): Promise<Texture> {
   return texture;
 }
 
-// So many tiles as go on what the shape's own coordinates (0 to 1) stand for.
+// The number of tiles for one unit (0 to 1) of the shape's own texture coordinates.
 function tiled(texture: Texture, shape: ShapeDescription, [tileX = 1, tileY = 1]: number[]): Texture {
   const own = texture.clone();
   const [x, y] = extent(shape);

@@ -1,5 +1,5 @@
-// What can be laid over the world: frames, centres of mass, joint axes with their angles, contacts with their forces,
-// trails, what sensors see. Drawn through bodies, so that nothing hides.
+// Overlays of the world: frames, centres of mass, joint axes with their angles, contacts with their forces,
+// trails, and what sensors see. They are drawn through bodies, so that nothing hides them.
 import { ArrowHelper, AxesHelper, Group, Mesh, MeshBasicMaterial, Quaternion, SphereGeometry, Vector3 } from "three";
 import type { JointDescription, WorldDescription } from "../link/messages";
 import type { World } from "../model/world";

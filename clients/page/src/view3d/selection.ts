@@ -1,10 +1,10 @@
-// A body that was clicked: what it is, how it moves, what drives it. With the role for it, a body is pulled by a spring
-// (Ctrl or Alt with the pointer), as if by hand.
+// The selected body: its name, its motion, the ports that drive it. With the role for it, the user pulls a
+// body by a spring (Ctrl or Alt with the pointer), as if by hand.
 import { Plane, Vector3 } from "three";
 import type { Link } from "../link/link";
 import type { Clock } from "../model/clock";
 import type { Parts } from "../model/parts";
-import { Emitter } from "../model/signal";
+import { Emitter } from "../common/signal";
 import type { World } from "../model/world";
 import { h, iconButton, setText } from "../ui/dom";
 import { icons } from "../ui/icons";
@@ -19,7 +19,7 @@ const kClickPixels = 4;
 interface Pull {
   body: number;
   local: Vector3; // the point held, in the body's frame
-  plane: Plane; // what the pointer moves in
+  plane: Plane; // the pointer moves in it
   target: Vector3;
   times: PushTimes;
   timer: number;
@@ -56,7 +56,7 @@ export class Selection {
     this.viewer.redraw();
   }
 
-  // The numbers of bodies are those of others now.
+  // After this the numbers of bodies mean other bodies.
   private letGo(): void {
     this.endPull();
     this.select(-1);
@@ -64,7 +64,7 @@ export class Selection {
 
   private listen(canvas: HTMLCanvasElement): void {
     let down = { x: 0, y: 0 };
-    // In the capturing phase: who pulls does not orbit.
+    // In the capturing phase, so that a pull does not orbit the camera.
     canvas.addEventListener("pointerdown", (event) => {
       down = { x: event.clientX, y: event.clientY };
       if ((event.ctrlKey || event.altKey) && this.beginPull(event)) event.stopImmediatePropagation();

@@ -1,5 +1,5 @@
-// What sensors see: the rays of those that find distances, as their own readings tell, and what lies within a camera's
-// picture. They go with the body that carries them.
+// What sensors see: the rays of distance sensors, by their own readings, and the space in a camera's picture.
+// They move with the body that carries the sensor.
 import { BufferGeometry, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments, Points, PointsMaterial } from "three";
 import type { SensorDescription, WorldDescription } from "../link/messages";
 import type { Part } from "../model/part";
@@ -14,7 +14,7 @@ import type { Viewer } from "./viewer";
 const kRayColor = 0x56b4e9;
 const kFrustumColor = 0xe69f00;
 const kHitPixels = 5;
-const kNear = 0.25; // m: where the frame of a camera's picture is drawn
+const kNear = 0.25; // m; the frame of a camera's picture is drawn here
 const kRefreshMs = 50;
 
 interface Sight {
@@ -59,7 +59,7 @@ export class SensorOverlay {
       place.position.set(x, y, z);
       place.quaternion.set(qx, qy, qz, qw);
       const carrier = this.viewer.bodies.groups[this.world.bodyIndex(sensor.body)];
-      if (!carrier) continue; // it stands in the world
+      if (!carrier) continue; // the sensor is fixed to the world
       place.position.applyMatrix4(carrier.matrixWorld);
       place.quaternion.premultiply(carrier.quaternion);
     }
@@ -89,7 +89,7 @@ export class SensorOverlay {
 function sightOf(sensor: SensorDescription): Sight {
   const camera = sensor.kind === "camera";
   const lines = (color: number, opacity: number) => new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color, opacity, transparent: opacity < 1 }));
-  // A fan has many rays: each is faint, and what it hits stands out.
+  // A fan has many rays. Each of them is faint, and the points that they hit stand out.
   const rays = onTop(camera ? lines(kFrustumColor, 1) : lines(kRayColor, sensor.kind === "scanner" ? 0.3 : 1));
   const ends = onTop(new Points(new BufferGeometry(), new PointsMaterial({ color: kRayColor, size: kHitPixels, sizeAttenuation: false })));
   setPoints(rays.geometry, camera ? frustumEdges(sensor, kNear) : []);
@@ -104,7 +104,7 @@ function setPoints(geometry: BufferGeometry, points: readonly Point[]): void {
   geometry.setAttribute("position", new Float32BufferAttribute(points.flat(), 3));
 }
 
-// Of one ray a port, of many a blackboard of 32-bit floats.
+// One ray is a port; many rays are a blackboard of 32-bit floats.
 async function read(part: Part, { kind }: SensorDescription): Promise<ArrayLike<number>> {
   const port = part.port("Distance");
   if (kind === "distance" && port) return [part.value(port)];

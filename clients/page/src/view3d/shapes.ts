@@ -1,12 +1,12 @@
-// A shape's geometry, in its own frame: as the protocol describes it, z along the axis of what is round.
+// A shape's geometry in its own frame, as the protocol describes it: z is the axis of round shapes.
 import {
   BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, CylinderGeometry, PlaneGeometry, SphereGeometry,
 } from "three";
 import type { MeshData, ShapeDescription } from "../link/messages";
 
-const kPlaneLength = 60; // m: what is shown of a plane that has no end
+const kPlaneLength = 60; // m; the shown part of an endless plane
 
-// `mesh`: for the kinds convex and mesh.
+// `mesh` is for the kinds convex and mesh.
 export function geometryOf(shape: ShapeDescription, mesh: MeshData | null): BufferGeometry {
   const [a = 1, b = 1, c = 1] = shape.size;
   switch (shape.kind) {
@@ -25,7 +25,7 @@ export function geometryOf(shape: ShapeDescription, mesh: MeshData | null): Buff
   }
 }
 
-// A texture goes on over a, b as on the top face; the sides, which are c high, get as much of it per metre.
+// The texture covers a times b on the top face. The sides, c high, get as much of it per metre.
 function boxOf(a: number, b: number, c: number): BufferGeometry {
   const box = new BoxGeometry(a, b, c);
   const uv = box.getAttribute("uv");
@@ -38,7 +38,7 @@ function geometryOfMesh(mesh: MeshData): BufferGeometry {
   const indexed = new BufferGeometry();
   indexed.setAttribute("position", new BufferAttribute(new Float32Array(mesh.vertices), 3));
   indexed.setIndex(new BufferAttribute(new Uint32Array(mesh.triangles), 1));
-  // Flat faces: a mesh says nothing of which edges are meant to be round.
+  // Flat faces: a mesh does not say which edges are meant to be round.
   const flat = indexed.toNonIndexed();
   flat.computeVertexNormals();
   indexed.dispose();

@@ -1,9 +1,10 @@
-// What sensors see, in their own frame: they look along x, z is up. Pure.
+// What sensors see, in their own frame: they look along x, and z is up. Pure.
 import type { SensorDescription } from "../link/messages";
 
 export type Point = [number, number, number];
 
-// Where the rays ended, by the readings; an end of the range tells that nothing was there, or that it was too near.
+// The points where the rays ended. A reading at an end of the range means that nothing was there, or that it
+// was too near.
 export function hits({ range, angle }: Pick<SensorDescription, "range" | "angle">, distances: ArrayLike<number>): Point[] {
   const [lowest = 0, highest = 0] = range;
   const [first = 0, last = first] = angle;
@@ -17,15 +18,16 @@ export function hits({ range, angle }: Pick<SensorDescription, "range" | "angle"
   return found;
 }
 
-// The four corners of the picture, seen at `depth` along the axis: upper left, upper right, lower right, lower left.
+// The four corners of the picture at `depth` along the axis: upper left, upper right, lower right, lower
+// left.
 export function corners({ fov, aspect }: Pick<SensorDescription, "fov" | "aspect">, depth: number): Point[] {
   const side = depth * Math.tan(fov / 2);
   const up = side / aspect;
   return [[depth, side, up], [depth, -side, up], [depth, -side, -up], [depth, side, -up]];
 }
 
-// The edges of what a camera sees, as pairs of points: from its eye to as far as it sees, closed there and, since that is
-// far away, at `near` too, where a tick marks the upper edge.
+// The edges of a camera's frustum as pairs of points: from its eye to as far as it sees, closed there. That
+// end is far away, so the edges are closed at `near` too, where a tick marks the upper edge.
 export function frustumEdges(sensor: Pick<SensorDescription, "fov" | "aspect" | "range">, near: number): Point[] {
   const far = corners(sensor, sensor.range[1] ?? near);
   const close = corners(sensor, Math.min(near, sensor.range[1] ?? near));

@@ -1,5 +1,6 @@
-// Two pictures for two eyes, with off-axis frusta: both eyes look in parallel through one window, the screen, so that
-// what lies in its plane is at the same place for both. Side by side, one above the other, or red and cyan.
+// Two pictures for two eyes, with off-axis frusta. Both eyes look in parallel through one window, the screen,
+// so that a point in its plane is at the same place for both. Side by side, one above the other, or red and
+// cyan.
 import {
   HalfFloatType, Mesh, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Scene, ShaderMaterial, Vector2, WebGLRenderTarget,
   type WebGLRenderer,
@@ -10,10 +11,10 @@ export interface StereoSettings {
   mode: StereoMode;
   eyes: number; // distance of the eyes, m
   screen: number; // distance of the screen, where both pictures agree, m
-  swapped: boolean; // left for right
+  swapped: boolean; // the eyes change places
 }
 
-// The frustum of an eye at `offset` to the right of the middle: edges of the near plane. Pure.
+// The frustum of an eye at `offset` to the right of the middle: the edges of the near plane. Pure.
 export function eyeFrustum(fovDegrees: number, aspect: number, near: number, offset: number, screen: number) {
   const top = near * Math.tan((fovDegrees * Math.PI) / 360);
   const shift = (-offset * near) / screen;
@@ -36,7 +37,7 @@ export function eyeCameras(middle: PerspectiveCamera, { eyes, screen, swapped }:
   return [eyeCamera(middle, -half, screen, middle.aspect), eyeCamera(middle, half, screen, middle.aspect)];
 }
 
-// A picture of the view: what it is drawn through, and where, in shares of the view from its upper left corner.
+// A picture of the view: its camera, and its place in shares of the view, from the upper left corner.
 export interface Picture {
   camera: PerspectiveCamera;
   x: number;
@@ -45,8 +46,8 @@ export interface Picture {
   height: number;
 }
 
-// One, or one for each eye, the left eye's first. Each half holds the whole window, squeezed: the display stretches it
-// again.
+// One picture, or one for each eye, the left eye's first. Each half holds the whole window, squeezed; the
+// display stretches it again.
 export function picturesOf(camera: PerspectiveCamera, settings: StereoSettings): Picture[] {
   const whole = { camera, x: 0, y: 0, width: 1, height: 1 };
   if (settings.mode === "off" || settings.mode === "anaglyph") return [whole];
@@ -79,7 +80,7 @@ const quad = new Mesh(
   new ShaderMaterial({
     uniforms: { left: { value: null }, right: { value: null } },
     vertexShader: "varying vec2 at; void main() { at = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }",
-    // Red from the left eye's brightness, so that red things are not dark for the other.
+    // The red comes from the left eye's brightness, so that red things are not dark for the other eye.
     fragmentShader: `uniform sampler2D left; uniform sampler2D right; varying vec2 at;
       void main() {
         vec3 l = texture2D(left, at).rgb;
@@ -93,7 +94,7 @@ const quad = new Mesh(
 );
 const flat = new OrthographicCamera(-1, 1, 1, -1, 0, 1);
 const quadScene = new Scene().add(quad);
-const eyeTarget = () => new WebGLRenderTarget(1, 1, { samples: 4, type: HalfFloatType }); // linear, brighter than white too
+const eyeTarget = () => new WebGLRenderTarget(1, 1, { samples: 4, type: HalfFloatType }); // linear, and brighter than white if needed
 let targets: [WebGLRenderTarget, WebGLRenderTarget] | null = null;
 
 function drawAnaglyph(renderer: WebGLRenderer, scene: Scene, eyes: [PerspectiveCamera, PerspectiveCamera]): void {

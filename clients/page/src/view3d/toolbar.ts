@@ -1,4 +1,4 @@
-// Over the view: where to look from, what to lay over, stereo, a picture, full screen.
+// The toolbar over the view: viewpoints, overlays, stereo, a picture, full screen.
 import type { World } from "../model/world";
 import { h, iconButton } from "../ui/dom";
 import { download } from "../ui/files";
@@ -40,7 +40,7 @@ function popover(icon: string, name: string, content: HTMLElement): HTMLElement 
   return details;
 }
 
-// What a click on a body does, for those who do not click.
+// Does what a click on a body does, for users who do not click.
 function bodyMenu(world: World, selection: Selection): HTMLElement {
   const choice = h("select", { "aria-label": "Selected body", title: "Selected body" });
   world.description.watch((description) => {
@@ -96,5 +96,5 @@ function stereoMenu(viewer: Viewer): HTMLElement {
   swap.addEventListener("change", () => ((viewer.stereo.swapped = swap.checked), viewer.redraw()));
   const field = (name: string, input: HTMLElement) => h("label", { class: "field" }, h("span", {}, name), input);
   return h("div", { class: "stereo" }, field("Mode", mode), field("Eyes apart, m", distance("eyes", 0, 1)), field("Screen at, m", distance("screen", 0.05, 100)),
-    h("label", { class: "check" }, swap, h("span", {}, "Left for right")));
+    h("label", { class: "check" }, swap, h("span", {}, "Swap the eyes")));
 }

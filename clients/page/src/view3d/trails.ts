@@ -1,4 +1,5 @@
-// The ways that bodies went, as lines. A way ends where an era does: nobody went from there to where the next one begins.
+// The paths of bodies, as lines. A path ends with its era: nothing has moved from there to where the next era
+// begins.
 import { BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial, type Object3D, type Vector3 } from "three";
 import type { WorldDescription } from "../link/messages";
 import { disposeOf } from "./dispose";
@@ -29,7 +30,7 @@ export class Trails {
     for (const trail of this.trails) trail.count = 0;
   }
 
-  // By where bodies are now, in `era`.
+  // Adds the present poses, in `era`.
   extend(bodies: readonly Object3D[], era: bigint | undefined): void {
     if (era !== this.era) this.forget();
     this.era = era;
@@ -44,7 +45,7 @@ function trailLine(): Line {
   return line;
 }
 
-// Adds where the body is now, if it moved; the oldest falls out.
+// Adds the body's place if it has moved. The oldest point is dropped.
 function extend(trail: Trail, { x, y, z }: Vector3): void {
   const positions = trail.line.geometry.getAttribute("position") as BufferAttribute;
   const array = positions.array as Float32Array;

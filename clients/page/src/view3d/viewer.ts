@@ -1,7 +1,7 @@
-// The 3D view: draws the world when it moved or the look at it changed, and only then.
+// The 3D view. It draws the world only if the world or the camera has moved.
 import { ACESFilmicToneMapping, Box3, Color, PCFSoftShadowMap, Raycaster, Scene, Sphere, Vector2, Vector3, WebGLRenderer } from "three";
 import type { WorldDescription } from "../link/messages";
-import { Emitter } from "../model/signal";
+import { Emitter } from "../common/signal";
 import type { World } from "../model/world";
 import { report, reportError } from "../ui/toasts";
 import { Bodies } from "./bodies";
@@ -21,17 +21,17 @@ export class Viewer {
   readonly renderer: WebGLRenderer;
   readonly drawn = new Emitter<number>(); // after each picture: its number
   readonly rebuilt = new Emitter<WorldDescription>();
-  readonly beforeDraw = new Emitter<void>(); // for overlays, when poses are placed
+  readonly beforeDraw = new Emitter<void>(); // for overlays, when the poses are placed
   readonly stereo: StereoSettings = { mode: "off", eyes: 0.065, screen: 1.5, swapped: false };
-  followed = ""; // the body's name: its number is another's once bodies come or go
+  followed = ""; // the body's name; numbers change when bodies come or go
   private readonly lights = new Lights();
   private readonly resolution = new Resolution();
   private poses = new Float64Array(0);
   private shown = new Float64Array(0);
   private dirty = true;
   private pictures = 0;
-  private framed = ""; // the scene that was looked at first
-  private unlit = false; // a world that has no light yet
+  private framed = ""; // the scene that the camera was set up for
+  private unlit = false; // the world has no light yet
   private built: WorldDescription | null = null;
 
   constructor(container: HTMLElement, private readonly world: World) {
@@ -55,7 +55,7 @@ export class Viewer {
     requestAnimationFrame((now) => this.frame(now));
   }
 
-  // Bodies have the numbers of the description: else those that are shown are of the world before.
+  // False while the poses still belong to the bodies of the world before.
   get isUpToDate(): boolean {
     return this.built !== null && this.built === this.world.description.value;
   }
@@ -69,7 +69,7 @@ export class Viewer {
     this.redraw();
   }
 
-  // A point of the world in pixels of the page, as one eye in the middle sees it; nothing behind the camera.
+  // A point of the world in pixels of the page, as seen by one eye in the middle. Null behind the camera.
   toPixels(point: Vector3): { x: number; y: number } | null {
     return this.inPicture(point, { camera: this.view.camera, x: 0, y: 0, width: 1, height: 1 });
   }
@@ -79,7 +79,7 @@ export class Viewer {
     return picturesOf(this.view.camera, this.stereo).flatMap((picture) => this.inPicture(point, picture) ?? []);
   }
 
-  // From the eye through a pixel of the page, in the picture that is there.
+  // The ray from the eye through a pixel of the page, in the present picture.
   rayAt(clientX: number, clientY: number): Raycaster {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const [x, y] = [(clientX - left) / width, (clientY - top) / height];
@@ -108,7 +108,7 @@ export class Viewer {
   }
 
   private async rebuild(description: WorldDescription): Promise<void> {
-    this.poses = this.shown = new Float64Array(0); // what comes now is not of the bodies that are still there
+    this.poses = this.shown = new Float64Array(0); // new poses do not belong to the bodies that are still there
     if (!(await this.bodies.build(description))) return;
     this.built = description;
     this.unlit = true;
@@ -137,7 +137,7 @@ export class Viewer {
     this.drawn.emit(++this.pictures);
   }
 
-  // Before the first picture what is shown is NaN, which no number is near.
+  // Before the first picture the shown poses are NaN, and no number is near NaN.
   private moved(): boolean {
     return this.poses.some((value, i) => !(Math.abs(value - this.shown[i]!) <= kInvisible));
   }
@@ -152,12 +152,12 @@ export class Viewer {
     drawStereo(this.renderer, this.scene, this.view.camera, this.stereo);
   }
 
-  // Home shows all that is no scenery without end, and so does the first look at a scene.
+  // Home shows everything except endless scenery. So does the first look at a scene.
   private light(): void {
     this.unlit = false;
     const sphere = this.extent();
     this.lights.build(this.built?.lights ?? [], Math.max(0.5, sphere.radius + sphere.center.length()));
-    const arm = new Vector3(0.62, -0.68, 0.42).normalize().multiplyScalar((2.35 * sphere.radius) / Math.min(1, this.view.camera.aspect)); // further away where the view is narrow
+    const arm = new Vector3(0.62, -0.68, 0.42).normalize().multiplyScalar((2.35 * sphere.radius) / Math.min(1, this.view.camera.aspect)); // further away if the view is narrow
     const position = sphere.center.clone().add(arm);
     this.view.setHome({ name: "Home", position: position.toArray(), target: sphere.center.toArray(), fov: 40 });
     const scene = this.built?.scene ?? "";

@@ -1,4 +1,4 @@
-// A value that tells who listens when it changes, and a plain event.
+// A value that calls its listeners when it changes, and an event without a value of its own.
 
 export type Unsubscribe = () => void;
 
