@@ -1,6 +1,6 @@
-# Makes the folders that files are installed to, so that everybody can enter them. CMake would leave that to the
-# umask of the person who installs or packs, even with CMAKE_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS. The top
-# CMakeLists.txt includes this file before its folders, so that these rules run first.
+# Makes the folders that files are installed to, so that everybody can enter them. CMake would leave that to
+# the umask of the person who installs or packs, even with CMAKE_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS. The
+# top CMakeLists.txt includes this file before its folders, so that these rules run first.
 include(GNUInstallDirs)
 set(data ${CMAKE_INSTALL_DATADIR})
 set(folders

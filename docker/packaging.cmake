@@ -1,5 +1,5 @@
-# Says which files `cmake --install` and CPack install, and where. The top CMakeLists.txt includes this file after
-# all programs are known.
+# Says which files `cmake --install` and CPack install, and where. The top CMakeLists.txt includes this file
+# after all programs are known.
 #   bin/                       visumd, visum, the example controllers
 #   share/visum/models/        robots, scenes, scenarios
 #   share/visum/clients/       sources of the example controllers, with the headers that they include
@@ -21,12 +21,14 @@ if(TARGET page)
 endif()
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
-# The client library as one shared object: an outside project needs its header and nothing that we are built from.
+# The client library as one shared object: an outside project needs its header and nothing that we are built
+# from.
 add_library(visum_client_shared SHARED $<TARGET_OBJECTS:visum_client>)
 set_target_properties(visum_client_shared PROPERTIES OUTPUT_NAME visum EXPORT_NAME client LINKER_LANGUAGE CXX
                       VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 target_link_libraries(visum_client_shared PRIVATE visum_protocol visum_config)
-# Symbols of our static libraries stay hidden in it. It must resolve all its symbols, except those of a sanitizer.
+# Symbols of our static libraries stay hidden in it. It must resolve all its symbols, except those of a
+# sanitizer.
 target_link_options(visum_client_shared PRIVATE -Wl,--exclude-libs,ALL)
 if(NOT VISUM_SANITIZE)
   target_link_options(visum_client_shared PRIVATE -Wl,--no-undefined)
@@ -98,7 +100,8 @@ time at a desk and in lockstep in CI, with the same bits every time. With the co
 libraries for C++ and Python, models and example controllers.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-# CPack makes the prefix before folders.cmake runs. This opens it to everybody, as folders.cmake does with the rest.
+# CPack makes the prefix before folders.cmake runs. This opens it to everybody, as folders.cmake does with the
+# rest.
 file(WRITE ${PROJECT_BINARY_DIR}/open_prefix.cmake [[
 file(CHMOD "${CPACK_TEMPORARY_DIRECTORY}${CPACK_PACKAGING_INSTALL_PREFIX}" PERMISSIONS
      OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
