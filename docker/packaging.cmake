@@ -4,7 +4,7 @@
 #   share/visum/models/        robots, scenes, scenarios
 #   share/visum/clients/       sources of the example controllers, with the headers that they include
 #   share/visum/server/scene/  the schema of scenes, for editors
-#   lib/, include/visum/       the C++ client library: find_package(visum) gives visum::client; pkg-config: visum
+#   lib/, include/visum/       the C++ client library: find_package(visum), pkg-config visum
 #   include/visum/plugin.h     the header for plug-ins (visum::plugin)
 #   lib/visum/plugins/         the plug-ins of our own examples
 #   share/doc/visum/           all pages, in the layout of the tree (install-pages)
