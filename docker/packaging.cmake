@@ -21,8 +21,7 @@ if(TARGET page)
 endif()
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
-# The client library as one shared object: an outside project needs its header and nothing that we are built
-# from.
+# Makes the client library one shared object: an outside project needs its header and none of our libraries.
 add_library(visum_client_shared SHARED $<TARGET_OBJECTS:visum_client>)
 set_target_properties(visum_client_shared PROPERTIES OUTPUT_NAME visum EXPORT_NAME client LINKER_LANGUAGE CXX
                       VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
@@ -62,7 +61,7 @@ install(DIRECTORY clients/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/cl
 install(FILES clients/cpp/visum.h DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/clients/cpp)
 install(FILES protocol/plugin/plugin.h DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/protocol/plugin)
 
-# The shells' completion, as the program itself writes it.
+# Installs the completion for each shell, as the program itself writes it.
 function(visum_completion shell folder file)
   set(script ${PROJECT_BINARY_DIR}/completion/${file})
   add_custom_command(OUTPUT ${script}

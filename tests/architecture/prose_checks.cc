@@ -22,14 +22,14 @@ bool is_identifier(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
 
-// Characters, not bytes: continuation bytes of UTF-8 do not count.
+// Counts characters, not bytes: continuation bytes of UTF-8 do not count.
 std::size_t columns(std::string_view text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](unsigned char c) { return (c & 0xC0) != 0x80; }));
 }
 
-// The column at which the line's comment begins. A marker inside of quotes or inside of a word is none: it
-// needs the line's start or a blank before it. Text in quotes over several lines is taken for code.
+// The column at which the line's comment begins. The marker must stand at the line's start or after a blank,
+// and not inside quotes. Only quotes that end in their own line are known: this is no parser.
 std::optional<std::size_t> comment_start(std::string_view line, std::string_view marker) {
   char quote = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {
@@ -48,8 +48,8 @@ std::optional<std::size_t> comment_start(std::string_view line, std::string_view
   return std::nullopt;
 }
 
-// The words of a comment, without the signs that make it one. Only `marker` opens a comment that ends with
-// its line; Python's """ and C's /* open others, and are known at the start of a line only.
+// The words of the line's comment, without its marker. Python's """ and C's slash with a star count as
+// markers, too, at the start of a line only.
 std::optional<std::string_view> comment_text(std::string_view line, std::string_view marker) {
   if (const auto start = comment_start(line, marker))
     return trimmed(trimmed(line.substr(*start), marker.substr(0, 1)), " \t!<");
@@ -68,7 +68,7 @@ bool begins_block(const Lines& lines, std::size_t index, std::string_view marker
   return comment_text(lines[index - 1], marker)->empty();  // a new paragraph
 }
 
-// From the comment's first line to its first full stop.
+// Tells whether the comment's first sentence is a question. It may go on over several lines.
 bool first_sentence_asks(const Lines& lines, std::size_t index, std::string_view marker) {
   for (std::size_t i = index; i < lines.size(); ++i) {
     const auto text = i == index ? comment_text(lines[i], marker).value_or("") : trimmed(lines[i], " \t/#*");
@@ -93,7 +93,7 @@ std::string at(const std::string& path, std::size_t index) {
   return path + ":" + std::to_string(index + 1) + ": ";
 }
 
-// How wide the line is to a reader: a link counts as its text, without the address behind it.
+// The width of the line for a reader: a link counts as its text, without the address behind it.
 std::size_t columns_of_prose(std::string_view line) {
   std::string shown;
   while (!line.empty()) {
@@ -107,7 +107,7 @@ std::size_t columns_of_prose(std::string_view line) {
   return columns(shown);
 }
 
-// A line that may be as wide as it has to be: of a table, of HTML, or an address alone.
+// Tells whether the line may be as wide as it has to be: a row of a table, HTML, or an address alone.
 bool is_free_of_width(std::string_view line) {
   const std::string_view text = trimmed(line, " \t>-*");
   const bool one_word = text.find(' ') == std::string_view::npos;

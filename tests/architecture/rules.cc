@@ -6,7 +6,7 @@
 namespace visum::architecture {
 namespace {
 
-// Bottom first. clients -> protocol <- hwparts <- server.
+// The lowest folders come first: clients -> protocol <- hwparts <- server.
 const std::vector<Layer> kLayers = {
     {"protocol/config", {}},
     {"protocol/plugin", {"protocol/config"}},
@@ -118,7 +118,7 @@ const std::vector<std::string> kFoldersWithCode = {"protocol",         "protocol
                                                    "server/programs",  "protocol/recording",
                                                    "clients",          "tests"};
 
-// In two halves, so that this file passes its own test.
+// Written in two halves, so that this file passes its own test.
 const std::vector<std::string> kUnfinishedWords = {
     "TO"
     "DO",
