@@ -1,6 +1,6 @@
-# The folders that files are installed to. Those that are missing are made before all other rules run, for everybody to
-# enter: CMake leaves that to the umask of who installs or packs, CMAKE_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS or not.
-# Included by the top CMakeLists.txt before its folders.
+# Makes the folders that files are installed to, so that everybody can enter them. CMake would leave that to
+# the umask of the person who installs or packs, even with CMAKE_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS. The
+# top CMakeLists.txt includes this file before its folders, so that these rules run first.
 include(GNUInstallDirs)
 set(data ${CMAKE_INSTALL_DATADIR})
 set(folders
@@ -8,7 +8,7 @@ set(folders
   lib/python3/dist-packages lib/visum/plugins lib/visum-can lib/visum-shim lib/visum-tty
   ${data}/visum/clients/cpp ${data}/visum/clients/python/examples ${data}/visum/protocol/plugin ${data}/visum/server/scene
   ${data}/bash-completion/completions ${data}/zsh/vendor-completions ${data}/fish/vendor_completions.d
-  ${CMAKE_INSTALL_DOCDIR}/server)
+  ${CMAKE_INSTALL_DOCDIR})
 install(CODE "set(folders \"${folders}\")")
 install(CODE [[
 function(make_folder folder)

@@ -1,16 +1,18 @@
-# What `cmake --install` and CPack put where. Included by the top CMakeLists.txt after all programs are known.
+# Says which files `cmake --install` and CPack install, and where. The top CMakeLists.txt includes this file
+# after all programs are known.
 #   bin/                       visumd, visum, the example controllers
 #   share/visum/models/        robots, scenes, scenarios
-#   share/visum/clients/       the example controllers' sources, with the headers that they include by their places
+#   share/visum/clients/       sources of the example controllers, with the headers that they include
 #   share/visum/server/scene/  the schema of scenes, for editors
-#   lib/, include/visum/       the C++ client library: find_package(visum) gives visum::client, pkg-config knows visum
-#   include/visum/plugin.h     what plug-ins are built against (visum::plugin); lib/visum/plugins/: those that come along
-#   share/doc/visum/, and the shells' completion
-# The Python package installs itself (clients/python).
+#   lib/, include/visum/       the C++ client library: find_package(visum), pkg-config visum
+#   include/visum/plugin.h     the header for plug-ins (visum::plugin)
+#   lib/visum/plugins/         the plug-ins of our own examples
+#   share/doc/visum/           all pages, in the layout of the tree (install-pages)
+# and the shells' completion. The Python package installs itself (clients/python).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-# All programs, for those who want to run and not to test: `cmake --build build/release --target programs`.
+# The target `programs` builds all that is needed to run, and no tests.
 get_property(programs GLOBAL PROPERTY VISUM_PROGRAMS)
 get_property(libraries GLOBAL PROPERTY VISUM_LIBRARIES)
 add_custom_target(programs DEPENDS ${programs} ${libraries} visum_python)
@@ -19,12 +21,13 @@ if(TARGET page)
 endif()
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
-# The client library as one shared object: an outside project needs its header and nothing that we are built from.
+# Makes the client library one shared object: an outside project needs its header and none of our libraries.
 add_library(visum_client_shared SHARED $<TARGET_OBJECTS:visum_client>)
 set_target_properties(visum_client_shared PROPERTIES OUTPUT_NAME visum EXPORT_NAME client LINKER_LANGUAGE CXX
                       VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 target_link_libraries(visum_client_shared PRIVATE visum_protocol visum_config)
-# What it takes from our static libraries stays inside; what it needs is there (but for a sanitizer's run time).
+# Symbols of our static libraries stay hidden in it. It must resolve all its symbols, except those of a
+# sanitizer.
 target_link_options(visum_client_shared PRIVATE -Wl,--exclude-libs,ALL)
 if(NOT VISUM_SANITIZE)
   target_link_options(visum_client_shared PRIVATE -Wl,--no-undefined)
@@ -58,7 +61,7 @@ install(DIRECTORY clients/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/cl
 install(FILES clients/cpp/visum.h DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/clients/cpp)
 install(FILES protocol/plugin/plugin.h DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/protocol/plugin)
 
-# The shells' completion, as the program itself writes it.
+# Installs the completion for each shell, as the program itself writes it.
 function(visum_completion shell folder file)
   set(script ${PROJECT_BINARY_DIR}/completion/${file})
   add_custom_command(OUTPUT ${script}
@@ -72,9 +75,18 @@ endfunction()
 visum_completion(bash bash-completion/completions visum)
 visum_completion(zsh zsh/vendor-completions _visum)
 visum_completion(fish fish/vendor_completions.d visum.fish)
-file(GLOB documents CONFIGURE_DEPENDS *.md LICENSE protocol/*.md protocol/*.proto)
-install(FILES ${documents} DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES server/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/server OPTIONAL)
+
+# The pages come last: their links depend on the files that are installed by then.
+install(CODE "set(pages ${PROJECT_SOURCE_DIR}/docker/install-pages ${PROJECT_SOURCE_DIR})
+set(documents \"${CMAKE_INSTALL_DOCDIR}\")
+set(data \"${CMAKE_INSTALL_DATADIR}/visum\")")
+install(CODE [[
+foreach(folder documents data)
+  cmake_path(ABSOLUTE_PATH ${folder} BASE_DIRECTORY "${CMAKE_INSTALL_PREFIX}")
+endforeach()
+execute_process(COMMAND /usr/bin/python3 ${pages} "$ENV{DESTDIR}${documents}" "$ENV{DESTDIR}${data}"
+                COMMAND_ERROR_IS_FATAL ANY)
+]])
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME visum)
@@ -87,7 +99,8 @@ time at a desk and in lockstep in CI, with the same bits every time. With the co
 libraries for C++ and Python, models and example controllers.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-# What folders.cmake does for the folders in it: CPack makes the prefix before.
+# CPack makes the prefix before folders.cmake runs. This opens it to everybody, as folders.cmake does with the
+# rest.
 file(WRITE ${PROJECT_BINARY_DIR}/open_prefix.cmake [[
 file(CHMOD "${CPACK_TEMPORARY_DIRECTORY}${CPACK_PACKAGING_INSTALL_PREFIX}" PERMISSIONS
      OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)

@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Mass per volume by material, relative to a full motor module (1.0, also for other materials): aluminium transitions are
-# hollow, coloured bands are paint.
+# Mass per volume by material, relative to a full motor module (1.0, also for other materials): aluminium
+# transitions are hollow, coloured bands are paint.
 RELATIVE_DENSITY = {"module": 1.0, "metal": 0.6, "accent": 0.0, "rubber": 0.3}
 
 INERTIAL = re.compile(r"<inertial>.*?</inertial>", re.DOTALL)
@@ -76,7 +76,7 @@ def solid_of(visual: ElementTree.Element) -> Solid:
 
 
 def center_and_inertia(mass: float, solids: list[Solid]) -> tuple[np.ndarray, np.ndarray]:
-    """Of a link of that mass: centre of mass, and inertia about it, in the link's axes."""
+    """The centre of mass of a link of that mass, and inertia about it, in the link's axes."""
     total = sum(solid.weight for solid in solids)
     center = sum(solid.weight * solid.center for solid in solids) / total
     inertia = np.zeros((3, 3))

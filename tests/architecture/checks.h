@@ -1,5 +1,5 @@
-// The checks: pure functions from a tree to what is wrong in it, each finding "path:line: what, and what
-// would be right".
+// The checks are pure functions from a source tree to a list of findings. Each finding is one line of text:
+// "path:line: the fault, and the remedy".
 #pragma once
 
 #include <string>
@@ -25,6 +25,10 @@ Findings check_file_lengths(const SourceTree& tree);
 Findings check_function_lengths(const SourceTree& tree);  // C++, by braces: an approximation
 Findings check_unfinished_words(const SourceTree& tree);
 Findings check_models_are_data(const SourceTree& tree);
+Findings check_comment_openings(
+    const SourceTree& tree);                            // no comment begins with a word of banned_openings()
+Findings check_comment_widths(const SourceTree& tree);  // comments are at most kMaxCommentColumns wide
+Findings check_page_widths(const SourceTree& tree);     // so is prose in Markdown, at kMaxPageColumns
 
 // A function definition found by its braces.
 struct FunctionSpan {

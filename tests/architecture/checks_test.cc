@@ -1,4 +1,4 @@
-// Every check finds what it is for, in small wrong trees, and leaves right ones alone.
+// Shows that each check finds its fault in a small wrong tree, and finds nothing in a right one.
 #include "tests/architecture/checks.h"
 
 #include <gmock/gmock.h>
@@ -216,6 +216,61 @@ TEST(ModelsAreData, RefusesCodeButNotItsGenerators) {
                              {"models/arm/controller.py", ""},
                              {"models/arm/README.md", ""}});
   EXPECT_THAT(check_models_are_data(tree), ElementsAre(HasSubstr("controller.py")));
+}
+
+TEST(CommentOpenings, RefusesEachBannedWordInEachLanguage) {
+  for (const std::string& word : banned_openings()) {
+    const auto tree = tree_of({{"server/a.h", "int x;\n// " + word + " holds it.\n"},
+                               {"server/b.cc", "int x;  // " + word + " holds it\n"},
+                               {"clients/c.ts", "/** " + word + " holds it. */\n"},
+                               {"clients/d.py", "def f():\n    \"\"\"" + word + " holds it.\"\"\"\n"},
+                               {"docker/run", "# " + word + " holds it.\n"},
+                               {"server/CMakeLists.txt", "# One.\n#\n# " + word + " holds it.\n"}});
+    EXPECT_THAT(check_comment_openings(tree),
+                ElementsAre(HasSubstr("clients/c.ts:1"), HasSubstr("clients/d.py:2"),
+                            HasSubstr("docker/run:1"), HasSubstr("server/CMakeLists.txt:3"),
+                            HasSubstr("server/a.h:2"), HasSubstr("server/b.cc:1")));
+  }
+}
+
+TEST(CommentOpenings, AllowsQuestionsLaterLinesOtherWordsAndText) {
+  const auto tree =
+      tree_of({{"server/a.h", "// What is there to do when it is\n// full? We wait.\n"},
+               {"server/b.h", "// It says to the caller\n// What comes next.\nint x;  // a count\n"},
+               {"server/c.h", "int y;  // a count\n        // Which goes on here\n"},
+               {"server/d.h", "// Whatever comes, Offsets, Whose\n// Whoever\n"},
+               {"server/e.cc", "f(\"// What\"); g('\\'', 1'000);\n"},
+               {"clients/f.py", "text = '# What'  # a mark\n"},
+               {"README.md", "# What it is\n"}});
+  EXPECT_THAT(check_comment_openings(tree), IsEmpty());
+}
+
+TEST(CommentWidths, RefusesAWideCommentOnly) {
+  const std::string fits(kMaxCommentColumns - 3, 'x');
+  const auto tree = tree_of({{"server/a.cc", "// " + fits + "\n// " + fits + "x\n"},
+                             {"server/b.cc", "int " + fits + "x;\n"},
+                             {"server/c.cc", "f(\"" + fits + " // no comment\");\n"},
+                             {"server/d.cc", "// https://" + fits + "\n"},
+                             {"clients/e.py", "f(1)  # " + fits + "\n"}});
+  EXPECT_THAT(check_comment_widths(tree),
+              ElementsAre(HasSubstr("clients/e.py:1"), HasSubstr("server/a.cc:2")));
+}
+
+TEST(CommentWidths, CountsCharactersAndNotBytes) {
+  std::string text = "//";
+  for (std::size_t i = 0; i < kMaxCommentColumns / 2 - 1; ++i) text += " \u03bc";  // 3 bytes, 2 columns
+  EXPECT_THAT(check_comment_widths(tree_of({{"server/a.cc", text}})), IsEmpty());
+}
+
+TEST(PageWidths, RefusesWideProseOnly) {
+  const std::string word(kMaxPageColumns - 2, 'x');
+  const auto tree = tree_of({{"a.md", "a " + word + "\nab " + word + "\n"},
+                             {"b.md", "```sh\nrun this " + word + "\n```\nrun this " + word + "\n"},
+                             {"c.md", "| a | " + word + " |\n<img alt=\"" + word + " x\">\n"},
+                             {"d.md", "[a](https://" + word + ") [b](https://" + word + ")\n"},
+                             {"e.md", "So:\n\n    code " + word + "\n    code " + word + "\n"},
+                             {"f.yaml", "text: a " + word + "\n"}});
+  EXPECT_THAT(check_page_widths(tree), ElementsAre(HasSubstr("a.md:2"), HasSubstr("b.md:4")));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Functions by their braces. No parser: what opens a brace at file, namespace or class level after a
-// parameter list is taken for a function. Good for code that clang-format has been over.
+// Finds functions by their braces. This is no parser: a brace that opens at file, namespace or class level
+// after a parameter list is taken for a function's. That is right for code that clang-format has formatted.
 #include <regex>
 
 #include "tests/architecture/checks.h"
@@ -23,7 +23,7 @@ class Stripper {
   }
 
  private:
-  // Consumes what begins at i and returns the index of its last character.
+  // Consumes the text that begins at i and returns the index of its last character.
   std::size_t take(const std::string& line, std::size_t i, std::string& out) {
     if (!raw_end_.empty()) return skip_raw(line, i);
     const auto pair = line.substr(i, 2);
@@ -79,7 +79,7 @@ Block block_of(const std::string& head, Block outer) {
 std::vector<FunctionSpan> find_functions(const SourceFile& file) {
   std::vector<FunctionSpan> found;
   std::vector<std::pair<Block, int>> open;  // with the line of its brace
-  std::string head;                         // what was read since the last ; { or }
+  std::string head;                         // the text since the last ; { or }
   Stripper stripper;
   for (std::size_t i = 0; i < file.lines.size(); ++i) {
     const int line = static_cast<int>(i) + 1;

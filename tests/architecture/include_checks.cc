@@ -18,7 +18,7 @@ bool is_generated(const std::string& target) {
   return target.ends_with(".pb.h");
 }
 
-// The row with the longest folder that holds the path; null for a path outside all.
+// Returns the row with the longest folder that holds the path, or null if no row does.
 const Layer* layer_of(const std::string& path) {
   const Layer* best = nullptr;
   for (const Layer& layer : layers())
@@ -34,7 +34,7 @@ bool may_include(const Layer& from, const std::string& target) {
                      [&](const auto& allowed) { return starts_with_folder(target, allowed); });
 }
 
-// One cycle of the graph as "a -> b -> a", for each one that a depth-first walk closes.
+// Returns each cycle that a depth-first walk of the graph closes, as "a -> b -> a".
 Findings find_cycles(const Graph& graph, const std::string& what) {
   Findings found;
   std::set<std::string> done;
@@ -69,7 +69,7 @@ bool is_place_of(const ThirdParty& row, const std::string& path) {
                      [&](const auto& place) { return starts_with_folder(path, place); });
 }
 
-// All files of the tree that `path` includes, over any number of steps, itself too.
+// Returns `path` and all files of the tree that it includes, over any number of steps.
 std::set<std::string> reachable(const SourceTree& tree, const std::string& path) {
   std::set<std::string> seen;
   std::vector<std::string> open{path};

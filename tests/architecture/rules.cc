@@ -6,7 +6,7 @@
 namespace visum::architecture {
 namespace {
 
-// Bottom first. clients -> protocol <- hwparts <- server.
+// The lowest folders come first: clients -> protocol <- hwparts <- server.
 const std::vector<Layer> kLayers = {
     {"protocol/config", {}},
     {"protocol/plugin", {"protocol/config"}},
@@ -113,7 +113,7 @@ const std::vector<std::string> kFoldersWithCode = {"protocol",         "protocol
                                                    "server/programs",  "protocol/recording",
                                                    "clients",          "tests"};
 
-// In two halves, so that this file passes its own test.
+// Written in two halves, so that this file passes its own test.
 const std::vector<std::string> kUnfinishedWords = {
     "TO"
     "DO",
@@ -123,6 +123,11 @@ const std::vector<std::string> kUnfinishedWords = {
     "X",
     "HA"
     "CK"};
+
+const std::vector<std::string> kBannedOpenings = {"What", "Who", "Of", "That", "Whether", "Which"};
+const std::array<std::string_view, 8> kSlashExtensions = {".h",  ".c",   ".cc",    ".js",
+                                                          ".ts", ".mjs", ".proto", ".css"};
+const std::array<std::string_view, 5> kHashExtensions = {".py", ".sh", ".cmake", ".yml", ".yaml"};
 
 const std::array<std::string_view, 12> kCodeExtensions = {".h",  ".c",   ".cc",   ".py",    ".sh",    ".js",
                                                           ".ts", ".css", ".html", ".cmake", ".proto", ".in"};
@@ -169,6 +174,22 @@ bool is_code(std::string_view path) {
   const auto extension = name.substr(dot);
   return name == "CMakeLists.txt" ||
          std::find(kCodeExtensions.begin(), kCodeExtensions.end(), extension) != kCodeExtensions.end();
+}
+
+std::span<const std::string> banned_openings() {
+  return kBannedOpenings;
+}
+
+std::string_view comment_marker(std::string_view path) {
+  const auto name = path.substr(path.rfind('/') + 1);
+  const auto dot = name.rfind('.');
+  const auto extension = dot == std::string_view::npos ? "" : name.substr(dot);
+  const auto is_in = [&](const auto& list) {
+    return std::find(list.begin(), list.end(), extension) != list.end();
+  };
+  if (is_in(kSlashExtensions)) return "//";
+  if (is_in(kHashExtensions) || name == "CMakeLists.txt" || name == "Dockerfile") return "#";
+  return extension.empty() && is_code(path) ? "#" : "";  // scripts have no extension
 }
 
 bool is_model_generator(std::string_view path) {

@@ -1,4 +1,4 @@
-// The rules of the house in one place. Change them here, with the reason, or not at all.
+// All rules of the architecture test in one place. A change of a rule needs a reason beside it.
 #pragma once
 
 #include <span>
@@ -8,9 +8,9 @@
 
 namespace visum::architecture {
 
-// What a file, or the files of a folder (and of those below it that have no row of their own), may include.
-// An entry is a folder, which means its own files and those below, or one header. Its own folder is always
-// allowed.
+// Names the includes that a file may have, or all files of a folder. A folder's row also holds for folders
+// below it that have no row of their own. An entry of may_use is one header, or a folder with all below it.
+// Files may always include others of their own folder.
 struct Layer {
   std::string folder;
   std::vector<std::string> may_use;
@@ -19,7 +19,7 @@ std::span<const Layer> layers();
 
 // A third-party header, and the only places that may see it, directly or through headers of ours.
 struct ThirdParty {
-  std::string prefix;               // of what stands between the brackets
+  std::string prefix;               // of the path between the brackets
   std::vector<std::string> places;  // folders or files; "" is everywhere
 };
 std::span<const ThirdParty> third_parties();
@@ -28,10 +28,10 @@ std::span<const ThirdParty> third_parties();
 // library).
 bool is_system_header(std::string_view target);
 
-// What may stand in the root; hidden entries have a table of their own.
+// Files and folders that the root may hold; hidden entries have a table of their own.
 std::span<const std::string> top_level_entries();
 std::span<const std::string> top_level_hidden_entries();
-std::span<const std::string> untracked_entries();  // results of tools, in .gitignore
+std::span<const std::string> untracked_entries();  // made by tools, and in .gitignore
 
 // Folders that must hold C++: an empty one means that the test looked in the wrong place.
 std::span<const std::string> folders_with_code();
@@ -41,10 +41,21 @@ std::span<const std::string> unfinished_words();
 inline constexpr std::size_t kMaxFileLines = 500;
 inline constexpr std::size_t kMaxFunctionLines = 120;
 
-// Files that a length limit is for: code, not data and not prose.
+// Tells whether the limits on lengths hold for the file: they do for code, not for data or prose.
 bool is_code(std::string_view path);
 
 // models/ is data. Code there makes data, and its name says so.
 bool is_model_generator(std::string_view path);
+
+// Words that a comment may not begin with, unless its first sentence is a question. "What the rotor gained"
+// is half a sentence: the reader has to guess its verb.
+std::span<const std::string> banned_openings();
+
+// A reader can put two windows side by side with these widths. clang-format wraps C++ at the first one.
+inline constexpr std::size_t kMaxCommentColumns = 110;
+inline constexpr std::size_t kMaxPageColumns = 100;  // of Markdown; not of code, tables, HTML, addresses
+
+// How comments that end with their line begin in this file: "//" or "#", or "" where we check none.
+std::string_view comment_marker(std::string_view path);
 
 }  // namespace visum::architecture

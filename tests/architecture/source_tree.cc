@@ -12,8 +12,8 @@ namespace {
 
 // Extensions of the text files that people write here. Files without an extension are scripts.
 const std::set<std::string> kTextExtensions = {
-    "",     ".h",    ".c",    ".cc",  ".py", ".sh", ".cmake", ".txt",  ".proto", ".md",   ".yaml",
-    ".yml", ".json", ".urdf", ".sdf", ".js", ".ts", ".css",   ".html", ".in",    ".toml", ".service"};
+    "",      ".h",    ".c",   ".cc", ".py",  ".sh", ".cmake", ".txt",  ".proto", ".md",   ".yaml",   ".yml",
+    ".json", ".urdf", ".sdf", ".js", ".mjs", ".ts", ".css",   ".html", ".in",    ".toml", ".service"};
 const std::set<std::string> kSkippedFolders = {"build", "__pycache__", "node_modules"};
 
 bool is_skipped_folder(const fs::path& path) {

@@ -26,16 +26,16 @@ struct SourceTree {
 };
 
 std::string folder_of(const std::string& path);     // "server/world", "" for a file of the root
-std::string extension_of(const std::string& path);  // ".h", "" where there is none
+std::string extension_of(const std::string& path);  // ".h", or "" if it has no extension
 bool is_cpp(const std::string& path);
 bool is_header(const std::string& path);
 bool starts_with_folder(const std::string& path, const std::string& folder);  // the path is in it or is it
 
-// From text, for files that never were on disk.
+// Makes a file from text. Tests use it for files that are not on disk.
 SourceFile make_file(const std::string& path, const std::string& text);
 
-// Reads all text files below the root, but for build results, hidden files and folders, and Python's caches.
-// Throws std::filesystem::filesystem_error where the root cannot be read.
+// Reads all text files below the root, except build results, hidden files and folders, and Python's caches.
+// Throws std::filesystem::filesystem_error if the root cannot be read.
 SourceTree read_tree(const std::filesystem::path& root);
 
 }  // namespace visum::architecture

@@ -1,9 +1,11 @@
 #!/usr/bin/python3
-"""Checks what the Dockerfile and compose.yaml promise, as far as that is possible without Docker.
+"""Checks the promises of the Dockerfile and compose.yaml, as far as that is possible without Docker.
 
-    container.py rules PREFIX   everything that they name exists: packages, files, programs, the scene; and they grant no rights
-    container.py run PREFIX     the installed daemon runs as the image's would: user 65534, no capabilities, no new privileges,
-                                a read-only root but for /tmp, a network of its own; its health check passes, and it ends
+    container.py rules PREFIX   all that they name is there (packages, files, programs, the scene), and they ask
+                                for no rights
+    container.py run PREFIX     the installed daemon runs as the image's would: user 65534, no capabilities, no
+                                new privileges, a read-only root but for /tmp, a network of its own; its health
+                                check passes, and it ends
 
 Exit code 77: `run` needs root.
 """
@@ -25,7 +27,7 @@ SOURCE = Path(__file__).resolve().parents[2]
 DOCKER = SOURCE / "docker"
 SKIPPED = 77
 NOBODY = "65534:65534"
-ROOM = Path("/mnt")  # where the installed files stand in the test's root
+ROOM = Path("/mnt")  # holds the installed files in the test's root
 PATIENCE_S = 60.0
 
 
@@ -48,7 +50,7 @@ def health_check(image: dict[str, list[str]]) -> str:
     return image["HEALTHCHECK"][-1].split("CMD", 1)[1].strip()
 
 
-# Rules -------------------------------------------------------------------------------------------------------------
+# Rules ---------------------------------------------------------------------------------------------------
 
 
 def packages_are_there(file: Path) -> None:
@@ -91,7 +93,7 @@ def rules(prefix: Path) -> None:
     expect(all(str(port).startswith("127.0.0.1:") for port in service["ports"]), "compose.yaml opens a port to others")
 
 
-# Run ---------------------------------------------------------------------------------------------------------------
+# Run -----------------------------------------------------------------------------------------------------
 
 
 def as_nobody(*words: str) -> list[str]:

@@ -58,7 +58,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
       "Picks a box up and puts it down elsewhere, with an arm that is served as a hardware part.\n"
       "Places are in metres, in the frame of the arm's base.");
   app.name("visum-pick-and-place");
-  app.set_version_flag("--version", "visum-pick-and-place 0.1.0");
+  app.set_version_flag("--version", "visum-pick-and-place 0.2.0");
   app.add_option("--connect", o.connect, "server, HOST:PORT")->capture_default_str();
   app.add_option("--part", o.part, "name of the arm")->capture_default_str();
   app.add_option("--urdf", o.urdf, "the arm's model")->capture_default_str()->required(o.urdf.empty());

@@ -26,4 +26,4 @@ from visum.world import Body, Contact, Joint, World, WorldView
 
 __all__ = ["Body", "Client", "Contact", "Error", "ErrorCode", "Inputs", "Joint", "Outputs", "Part", "Port",
            "ServerInfo", "World", "WorldView", "exit_code_of"]
-__version__ = "0.1.0"
+__version__ = "0.2.0"
