@@ -27,7 +27,7 @@ plugin::Pose plain(const world::Pose& pose) {
 
 plugin::EngineBody plain(const world::Body& body, bool own) {
   plugin::EngineBody to{body.name, own};
-  // Of bodies that the engine does not move it learns the motion only.
+  // The engine learns only the motion of bodies that another engine moves.
   if (!own) return to;
   to.mass_kg = body.mass_kg;
   for (int i = 0; i < 9; ++i) to.inertia[i] = body.inertia_C(i / 3, i % 3);
