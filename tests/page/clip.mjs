@@ -14,7 +14,7 @@ const folder = process.env.VISUM_PICTURES ?? mkdtempSync(join(tmpdir(), "visum-c
 const kTicks = 200; // ms of simulated time between two pictures
 const kShownMs = 100; // twice as fast as life
 const kLastMs = 2000; // the last picture stays before the clip begins again
-const kMostPictures = 250; // the arm needs about 125
+const kMostPictures = 250; // the arm needs 113
 
 // Paused under lockstep, so that the world moves by the steps of the page alone, and the controller is never late.
 const daemon = await Daemon.start("--clock", "lockstep");

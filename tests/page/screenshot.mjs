@@ -10,10 +10,10 @@ const kMove = { "Desired Angle 1": -0.35, "Desired Angle 2": 0.35, "Desired Angl
 const browser = await launch();
 const daemon = await Daemon.start();
 const page = await openPage(browser, daemon);
-// Slower than life, so that a busy machine misses fewer ticks of the plot.
+// Slower than life, so that a busy machine misses fewer ticks of the plot. Make the picture on an idle machine.
 const speed = (name) => page.getByRole("combobox", { name: "Speed" }).selectOption(name);
-await speed("0.25×");
-// Jogged, and stopped in time once it stands: what stands is drawn with every pixel, on any machine.
+await speed("0.1×");
+// Jogs the arm, and pauses once it stands: a world that stands is drawn with every pixel, on any machine.
 await page.evaluate(async (move) => {
   for (const port of ["Desired Angle 2", "Actual Angle 2"]) document.querySelector(`[aria-label="Plot ${port}"]`).click();
   await visum.acquire("arm");
@@ -25,7 +25,7 @@ await page.evaluate(async (move) => {
 await until(page, () => document.querySelector('[aria-label="Run"]'));
 await speed("1×");
 await drawn(page);
-await drawn(page); // the plot and what the pause let come late, too
+await drawn(page); // the plot, and samples that came late, too
 await page.screenshot({ path: file });
 console.log(`${file}: ${page.faults.length === 0 ? "no fault" : JSON.stringify(page.faults)}`);
 await browser.close();
