@@ -15,7 +15,7 @@ include(CMakePackageConfigHelpers)
 # The target `programs` builds all that is needed to run, and no tests.
 get_property(programs GLOBAL PROPERTY VISUM_PROGRAMS)
 get_property(libraries GLOBAL PROPERTY VISUM_LIBRARIES)
-add_custom_target(programs DEPENDS ${programs} ${libraries} visum_python)
+add_custom_target(programs DEPENDS ${programs} ${libraries} visum_python visum-first-controller)
 if(TARGET page)
   add_dependencies(programs page)
 endif()

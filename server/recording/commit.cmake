@@ -1,5 +1,6 @@
-# cmake -D SOURCE=folder -D TO=file.cc -P commit.cmake: the commit of the source, with a + where it was changed; nothing
-# where it is not known. The file is only touched when that is news.
+# cmake -D SOURCE=folder -D TO=file.cc -P commit.cmake
+# Writes the commit of the source to the file, with a + if the source was changed since, or nothing if the
+# commit is unknown. The file is only touched if its text changes.
 set(commit "")
 find_program(git git)
 if(git)

@@ -1,4 +1,4 @@
-// What a bus is called, on the command line and in a scene; mistakes are named.
+// Addresses of buses, as the command line and a scene write them. Mistakes are named.
 #include "server/bus/address.h"
 
 #include <gmock/gmock.h>

@@ -68,7 +68,7 @@ class BusLine {
     return {bytes.data.begin(), bytes.data.begin() + static_cast<std::ptrdiff_t>(bytes.size)};
   }
 
-  // What one read() gives; empty: nothing within `patience_ms`, or the end.
+  // Returns the bytes of one read(). They are empty if nothing came within `patience_ms`, or at the end.
   std::string read_once(int patience_ms = 10'000) {
     pollfd set{fd_, POLLIN, 0};
     if (::poll(&set, 1, patience_ms) <= 0) return {};

@@ -302,7 +302,7 @@ TEST_F(MirrorOfServers, OneThatComesBackWithAnotherPartStaysAway) {
   expect([&] { return mirror.connected(0); }, "it is back");
 }
 
-// Which nobody's samples tell apart.
+// The samples alone do not tell a hanging arm from a paused one.
 TEST_F(MirrorOfServers, OneThatHangsIsAwayAndOneThatIsPausedIsNot) {
   other.connect("admin", Role::kAdmin).request(Pause{});
   relay.stand_still();

@@ -46,7 +46,7 @@ class TwoArms(unittest.TestCase):
         self.assertTrue(wait_until(self.client, self.arm, holds, sim_s))
 
     def states(self) -> list[float]:
-        """Of the arms themselves."""
+        """Reads the part states from the arms themselves."""
         found = []
         for arm in self.arms:
             with visum.Client(arm.address, name="look", role="observer") as client:

@@ -78,7 +78,7 @@ def check_rewind(visum: str, file: Path, at_s: float, *options: str) -> None:
 
 
 def check_killed_daemon(visum: str, file: Path) -> None:
-    """What was on the disk half a second before the daemon died can be gone through again."""
+    """A daemon dies: all that was on the disk half a second before can be replayed."""
     scene = str(MODELS / "scenes" / "two_link.yaml")
     command = [visum, "record", str(file), scene, "--clock", "free", "--run", "--port", "0", "--http", "off", "-v", "0"]
     with subprocess.Popen(command) as daemon:

@@ -16,7 +16,8 @@ from scenario_runs import run_scenario
 def main() -> int:
     program, scenario, *options = sys.argv[1:]
     if "shim: true" in pathlib.Path(scenario).read_text(encoding="utf-8"):
-        # At the end of a program LeakSanitizer waits, which lets time pass: some ticks in one run, none in the next.
+        # LeakSanitizer waits at the end of a program. Time passes meanwhile: some ticks in one run, none in
+        # the next.
         os.environ["ASAN_OPTIONS"] = "detect_leaks=0"
     with tempfile.NamedTemporaryFile(suffix=".xml") as report:
         first = run_scenario(program, scenario, *options, "--junit", report.name)

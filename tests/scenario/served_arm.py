@@ -56,7 +56,7 @@ def real_arm(bus: str, *options: object, scene: Path = ARM) -> Program:
 
 
 class Served:
-    """What serves the arm to a controller, and the worlds that are behind it."""
+    """The server that shows the arm to a controller, and the worlds behind it."""
 
     def __init__(self, address: str, worlds: list[Program]) -> None:
         self.address = address

@@ -1,4 +1,4 @@
-"""What a served arm must do, whatever serves it: the real programs, in real time. The finer points, without a clock:
+"""The duties of a served arm, whatever program serves it, in real time. The finer points, without a clock:
 tests/hwparts/contract_test.cc; the pick-and-place controller in front of modules: closed_loop_test.cc."""
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-# The other engines that this machine has (peers.txt), each from one file. Their headers are not ours: no warnings
-# from them.
+# The other engines that this machine has (peers.txt), each from one file. Their headers are not ours: no
+# warnings from them.
 
 add_library(bench_stepper STATIC peers/stepper.cc)
 target_link_libraries(bench_stepper PUBLIC visum_world)
@@ -34,7 +34,8 @@ visum_peer(bullet "${BULLET_FOUND}" SOURCES peers/bullet.cc LINK PkgConfig::BULL
 find_package(DART QUIET)
 visum_peer(dart "${DART_FOUND}" SOURCES peers/dart.cc LINK dart)
 
-# Debian's Simbody is built with its assertions; with NDEBUG its headers describe other classes, and it crashes.
+# Debian's Simbody is built with its assertions; with NDEBUG its headers describe other classes, and it
+# crashes.
 find_package(Simbody QUIET)
 visum_peer(simbody "${Simbody_FOUND}" SOURCES peers/simbody.cc peers/simbody_chain.cc LINK ${Simbody_LIBRARIES} INCLUDES ${Simbody_INCLUDE_DIR}
            OPTIONS -UNDEBUG)

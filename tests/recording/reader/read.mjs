@@ -1,5 +1,6 @@
-// Reads a recording with MCAP's own library, which checks the CRC of every chunk, of the data, of the summary and of
-// each attachment, and with Protobuf's, which knows the messages from the descriptions in the file alone.
+// Reads a recording with MCAP's own library and with Protobuf's. The first checks the CRC of every chunk, of
+// the data, of the summary and of each attachment. The second knows the messages from the descriptions in the
+// file alone.
 //
 //   read.mjs FILE.mcap     prints what is in it as one line of JSON; fails where anything is wrong
 import assert from "node:assert/strict";
