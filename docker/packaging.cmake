@@ -5,6 +5,7 @@
 #   share/visum/server/scene/  the schema of scenes, for editors
 #   lib/, include/visum/       the C++ client library: find_package(visum) gives visum::client, pkg-config knows visum
 #   include/visum/plugin.h     what plug-ins are built against (visum::plugin); lib/visum/plugins/: those that come along
+#   share/man/man1/            a manual page for each program and each verb of visum
 #   share/doc/visum/, and the shells' completion
 # The Python package installs itself (clients/python).
 include(GNUInstallDirs)
@@ -72,6 +73,19 @@ endfunction()
 visum_completion(bash bash-completion/completions visum)
 visum_completion(zsh zsh/vendor-completions _visum)
 visum_completion(fish fish/vendor_completions.d visum.fish)
+# The manual pages, as the programs themselves write them.
+set(VISUM_INSTALLED_PROGRAMS ${programs})
+string(REPLACE ";" "," program_names "${programs}")
+set(manual_stamp ${PROJECT_BINARY_DIR}/man1.stamp)
+add_custom_command(OUTPUT ${manual_stamp}
+  COMMAND ${CMAKE_COMMAND} -D BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY} -D PROGRAMS=${program_names} -D VERSION=${PROJECT_VERSION}
+          -D OUT=${PROJECT_BINARY_DIR}/man1 -P ${PROJECT_SOURCE_DIR}/docker/man_pages.cmake
+  COMMAND ${CMAKE_COMMAND} -E touch ${manual_stamp}
+  DEPENDS ${programs} docker/man_pages.cmake COMMENT "Writing the manual pages" VERBATIM)
+add_custom_target(visum_manual ALL DEPENDS ${manual_stamp})
+add_dependencies(programs visum_manual)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR})
+
 file(GLOB documents CONFIGURE_DEPENDS *.md LICENSE protocol/*.md protocol/*.proto)
 install(FILES ${documents} DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES server/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/server OPTIONAL)

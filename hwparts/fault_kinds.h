@@ -74,6 +74,9 @@ struct Fault {
   bool same_place(const Fault& other) const;  // one replaces the other
 };
 
+// The message for a kind that no row has, with the nearest kind or with where to find them all.
+std::string unknown_fault(std::string_view kind);
+
 using NamedNumbers = std::vector<std::pair<std::string, double>>;
 // By name; what is not given is usual. Nothing, and why, where there is no such kind, a number of it is
 // unknown, missing, not finite, out of its range, or given twice.

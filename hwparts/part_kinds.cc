@@ -4,6 +4,7 @@
 #include "hwparts/bus_group/bus_group.h"
 #include "hwparts/part.h"
 #include "hwparts/servo_group/servo_group.h"
+#include "protocol/config/unknown_name.h"
 
 namespace visum::hwparts {
 namespace {
@@ -20,9 +21,9 @@ const PartKind& row_of(const std::string& kind, const PartContext& context) {
     if (kind == row.name) return row;
   }
   const auto place = context.config.find("kind").value_or(context.config);
-  std::string known;
-  for (const auto& row : kPartKinds) known += (known.empty() ? "" : ", ") + std::string(row.name);
-  place.fail("there is no kind of part '" + kind + "'; there are: " + known);
+  std::vector<std::string> known;
+  for (const auto& row : kPartKinds) known.emplace_back(row.name);
+  place.fail(config::unknown_name("kind of part", kind, known));
 }
 
 }  // namespace

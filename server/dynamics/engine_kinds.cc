@@ -1,6 +1,7 @@
 #include <array>
 #include <stdexcept>
 
+#include "protocol/config/unknown_name.h"
 #include "server/dynamics/engine.h"
 #include "server/dynamics/engine_factories.h"
 #include "server/dynamics/impulse/lanes/kernels.h"
@@ -16,9 +17,9 @@ constexpr std::array kKinds{
                make_ode_engine},
 };
 
-std::string known_names() {
-  std::string names;
-  for (const EngineKind& kind : kKinds) names += (names.empty() ? "" : ", ") + std::string(kind.name);
+std::vector<std::string> known_names() {
+  std::vector<std::string> names;
+  for (const EngineKind& kind : kKinds) names.emplace_back(kind.name);
   return names;
 }
 
@@ -35,7 +36,7 @@ std::unique_ptr<Engine> make_engine(const world::WorldModel& model, std::int32_t
   for (const EngineKind& kind : kKinds) {
     if (name == kind.name) return kind.make(model, engine_index);
   }
-  throw std::runtime_error("there is no engine '" + name + "'; there are: " + known_names());
+  throw std::runtime_error(config::unknown_name("engine", name, known_names()));
 }
 
 const char* processor_build() {

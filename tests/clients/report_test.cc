@@ -1,9 +1,7 @@
-#include "clients/visum/run/report_junit.h"
+#include "clients/visum/run/reports.h"
 
 #include <gmock/gmock.h>
 #include <tinyxml2.h>
-
-#include "clients/visum/run/report_text.h"
 
 namespace visum::run {
 namespace {

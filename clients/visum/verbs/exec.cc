@@ -21,6 +21,7 @@
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/overruns.h"
 #include "clients/visum/verbs/verbs.h"
+#include "protocol/command_line/one_of.h"
 
 namespace visum::cli {
 namespace {
@@ -34,28 +35,30 @@ constexpr double kLongest_s = 1e7;  // of --timeout
 constexpr double kLongestPeriod_ms = 1e6;
 
 const char* const kFooter =
-    "Runs a program that knows nothing of Visum with a part's field bus where it looks for its device.\n"
-    "The exit code is the program's own; 126, 127: it cannot be run, is not found; 125: visum itself "
-    "failed;\n2: wrong options; 3: the scene is wrong.\n"
-    "Without --lockstep, --gate, --scene, --timeout and --json visum becomes the program, and signals are "
-    "its "
-    "own too.\n\n"
-    "Grades of lockstep, as `visum status` shows them:\n"
-    "  L0            in real time; 6: the host was too slow for that, the run is invalid\n"
-    "  L1 --gate     in real time, but the world runs by a period for each of its cycles only\n"
-    "  L2 --lockstep its clocks, sleeps and time-outs are the world's: as fast as both can compute\n"
-    "L1 and L2 have the same result every time. 4: it was ended by a signal or was late (--wait), or the "
-    "world "
-    "was lost;\n124: --timeout.\n\n"
-    "Example:\n"
+    "Runs a program that knows nothing of Visum, with a part's field bus in place of its device. Without "
+    "--lockstep, "
+    "--gate, --scene, --timeout and --json, visum itself becomes the program, so signals reach it directly.\n"
+    "The grade says how it keeps in step with the world; `visum status` shows it. L0, without an option: "
+    "both run in "
+    "real time. L1, --gate: in real time, but the world runs by one period for each cycle of the program. "
+    "L2, "
+    "--lockstep: its clocks, sleeps and time-outs are the world's, as fast as both can compute. With L1 and "
+    "L2 every "
+    "run has the same result.\n"
+    "Exit codes: that of the program, or 2 wrong options, 3 the scene is wrong, 4 with L1 or L2 the program "
+    "was ended "
+    "by a signal or was late (--wait) or the world was lost, 6 with L0 the host was too slow for real time "
+    "and the run "
+    "is invalid, 124 --timeout is over, 125 visum itself failed, 126 the program cannot be run, 127 it was "
+    "not found.\n"
+    "\nExamples:\n"
     "  visumd models/scenes/amtec_arm.yaml --bus arm=pty:arm.tty &\n"
     "  visum exec --tty ttyS0=arm -- ./controller args\n"
-    "  visum exec --can esd -- ./controller          where visumd has --bus arm=tcp:0\n"
-    "  visum exec --scene models/scenes/amtec_arm.yaml --bus arm=pty --lockstep --json -- ./controller "
-    "{bus.arm}\n"
-    "  visum exec --scene models/scenes/amtec_arm.yaml --bus arm=pty --gate bus:arm --period 20 -- "
-    "./controller "
-    "{bus.arm}";
+    "  visum exec --can esd -- ./controller          with visumd's --bus arm=tcp:0\n"
+    "  visum exec --scene models/scenes/amtec_arm.yaml --bus arm=pty --lockstep \\\n"
+    "    --json -- ./controller {bus.arm}\n"
+    "  visum exec --scene models/scenes/amtec_arm.yaml --bus arm=pty --period 20 \\\n"
+    "    --gate bus:arm -- ./controller {bus.arm}";
 
 void replace_all(std::string& text, const std::string& what, const std::string& with) {
   for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + with.size()))
@@ -117,7 +120,7 @@ class ExecVerb : public Verb {
   }
 
  private:
-  // How it keeps in step with the world.
+  // Options about keeping in step with the world.
   void declare_step(CLI::App& app) {
     auto* lockstep =
         app.add_flag("--lockstep", lockstep_, "the program's time is the world's, by a time shim (L2)");
@@ -145,9 +148,10 @@ class ExecVerb : public Verb {
                    "what happens then: end the run (exit code 4), hold the world, stop the part and the "
                    "program (4) while others go on, or let the program go on in real time, free")
         ->capture_default_str()
-        ->check(CLI::IsMember({"end", "hold", "stop", "free"}));
+        ->check(command_line::one_of({"end", "hold", "stop", "free"}));
   }
 
+  // Options about pace and how much lateness a run in real time may have.
   void declare_pace(CLI::App& app) {
     app.add_option(
            "--speedup", speedup_,
@@ -167,7 +171,7 @@ class ExecVerb : public Verb {
   bool in_step() const { return lockstep_ || parsed_gate_.has_value(); }
   bool stays() const { return in_step() || !scene_.empty() || timeout_s_ > 0.0 || link_.json; }
 
-  // Not by VISUM_CONNECT, which CLI11's excludes() would count as well.
+  // Whether --connect stands on the command line. CLI11's excludes() would also count VISUM_CONNECT.
   bool has_said_connect() const {
     const auto& said = app_->parse_order();
     return std::ranges::find(said, app_->get_option("--connect")) != said.end();
@@ -175,15 +179,15 @@ class ExecVerb : public Verb {
 
   void read_options() {
     if (!scene_.empty() && has_said_connect())
-      throw ExitError(kUsage, "--scene starts a server of its own: --connect names another");
+      throw ExitError(kUsage, "--scene starts a server of its own, so --connect cannot name another");
     if (!gate_.empty()) parsed_gate_ = exec::parse_gate(gate_);
     if (!in_step() && (period_ms_ > 0.0 || wait_s_ > 0.0 || on_timeout_ != "end"))
       throw ExitError(kUsage, "--period, --wait and --on-timeout: only with --lockstep or --gate");
     if (speedup_ > 0.0 && scene_.empty())
-      throw ExitError(kUsage, "--speedup: only with --scene; else it is the server's own");
+      throw ExitError(kUsage, "--speedup: only with --scene; a server that runs already has its own");
     if (ttys_.empty() && cans_.empty() && !stays())
-      throw ExitError(kUsage, "nothing to put in its place: --tty DEVICE=PART or --can VENDOR is missing");
-    if (cans_.size() > 1) throw ExitError(kUsage, "--can: there is one CAN bus for a program");
+      throw ExitError(kUsage, "no device to replace: give --tty DEVICE=PART or --can VENDOR");
+    if (cans_.size() > 1) throw ExitError(kUsage, "--can: a program gets one CAN bus; give it once");
     if (!buses_.empty() && scene_.empty()) throw ExitError(kUsage, "--bus: only with --scene");
     for (const auto& text : ttys_) parsed_ttys_.push_back(exec::parse_tty(text));
     for (const auto& text : cans_) parsed_cans_.push_back(exec::parse_can(text));
@@ -252,7 +256,7 @@ class ExecVerb : public Verb {
     return join;
   }
 
-  // Those that the program commands by their buses, as far as the options tell.
+  // The parts that the program commands by their buses, as far as the options name them.
   std::vector<std::string> parts_of_bus(const std::vector<protocol::PartBus>& buses) const {
     std::vector<std::string> parts;
     for (const auto& tty : parsed_ttys_) parts.push_back(tty.part);
@@ -275,7 +279,7 @@ class ExecVerb : public Verb {
     return finish(end.status, end.world, {});
   }
 
-  // In real time. Where it is not the world's own it says so.
+  // Runs the program in real time, and warns if the world keeps in step with others.
   int run_beside(protocol::Connection& link, const std::vector<exec::Placement>& devices,
                  const protocol::ServerStatus& before) {
     if (before.clock == "lockstep")
