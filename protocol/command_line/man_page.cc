@@ -13,8 +13,8 @@
 namespace visum::command_line {
 namespace {
 
-// Escapes text for roff. A plain '-' would become a hyphen that cannot be pasted, and a '.' or ''' at the beginning of a
-// line would be a request.
+// Escapes text for roff. A plain '-' would become a hyphen that cannot be pasted, and a '.' or ''' at the
+// beginning of a line would be a request.
 std::string escaped(std::string_view text) {
   std::string roff;
   for (const char c : text) {
@@ -174,7 +174,8 @@ std::string man_page(const CLI::App& app) {
   std::string description = escaped(begin_large(purpose)) + ".\n";
   for (const auto& paragraph : footer.paragraphs) description += ".PP\n" + escaped(paragraph) + "\n";
   const std::string exit_codes = footer.exit_codes.empty() ? "" : escaped(footer.exit_codes) + "\n";
-  return ".TH " + as_argument(title) + " 1 \"\" " + as_argument("Visum " VISUM_VERSION) + " " + as_argument("Visum") + "\n" +
+  return ".TH " + as_argument(title) + " 1 \"\" " + as_argument("Visum " VISUM_VERSION) + " " +
+         as_argument("Visum") + "\n" +
          section("NAME", escaped(name) + " \\- " + escaped(begin_small(purpose)) + "\n") +
          section("SYNOPSIS", synopsis(app) + "\n") + section("DESCRIPTION", description) +
          section("ARGUMENTS", options_of(app, true)) + section("VERBS", verbs(app)) +

@@ -24,7 +24,8 @@ void add_version(CLI::App& app);
 // --help-man, else kBadUsage. The app must have its name, as a user types it.
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv);
 
-// A message of two lines that says what is wrong, where, and what to do. `app` threw `error` when it parsed its words.
+// A message of two lines that says what is wrong, where, and what to do. `app` threw `error` when it parsed
+// its words.
 std::string explain(const CLI::App& app, const CLI::Error& error);
 
 // The command as the user typed it: `visum VERB` hands some verbs to server programs, and then passes its own

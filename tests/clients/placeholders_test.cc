@@ -19,7 +19,9 @@ TEST(Placeholders, DoubledBracesAreBraces) {
 
 TEST(Placeholders, FaultsAreTold) {
   EXPECT_EQ(find_fault("{conect}"), "there is no placeholder 'conect'; did you mean 'connect'?");
-  EXPECT_EQ(find_fault("{}"), "there is no placeholder {}");
+  EXPECT_EQ(
+      find_fault("{}"),
+      "there is no placeholder ''; there are: connect, host, port, scenario_dir, scene, bin, seed, clock");
   EXPECT_EQ(find_fault("{bin"), "a '{' without its '}' (write '{{' for the brace itself)");
   EXPECT_EQ(find_fault("bin}"), "a '}' without its '{' (write '}}' for the brace itself)");
 }

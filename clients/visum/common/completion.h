@@ -1,5 +1,5 @@
-// Writes completion scripts for the shells. They complete verbs and options, and ask the server for parts and ports
-// while the user types.
+// Writes completion scripts for the shells. They complete verbs and options, and ask the server for parts and
+// ports while the user types.
 #pragma once
 
 #include <string>

@@ -16,8 +16,8 @@ struct LinkOptions {
   bool json = false;
 };
 
-// Throws ExitError(kUsage) for a wrong address or token file, ConnectionError if no server answers, RequestError if it
-// refuses us.
+// Throws ExitError(kUsage) for a wrong address or token file, ConnectionError if no server answers,
+// RequestError if it refuses us.
 protocol::Connection open_link(const LinkOptions& options, protocol::Role role,
                                const std::string& client_name = "visum");
 

@@ -1,4 +1,5 @@
-// Reads a camera's picture from its blackboard `image` and writes it as a PNG file. libpng stays inside picture.cc.
+// Reads a camera's picture from its blackboard `image` and writes it as a PNG file. libpng stays inside
+// picture.cc.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// Carries out the actions of the time line, by requests to the daemon and signals to the controllers. Main thread;
-// the runner owns it. What it refers to must outlive it.
+// Carries out the actions of the time line, by requests to the daemon and signals to the controllers. Main
+// thread; the runner owns it. What it refers to must outlive it.
 #pragma once
 
 #include <functional>

@@ -8,8 +8,8 @@
 
 namespace visum::run {
 
-// The distance to the nearest bound: >= 0 inside, < 0 outside. NaN is infinitely far outside. The value that comes
-// nearest to breaking a bound has the smallest margin.
+// The distance to the nearest bound: >= 0 inside, < 0 outside. NaN is infinitely far outside. The value that
+// comes nearest to breaking a bound has the smallest margin.
 double margin(const Bounds& bounds, double value);
 bool holds(const Bounds& bounds, double value);
 std::vector<double> limits(const Bounds& bounds);                    // the edges of the range, for plots

@@ -16,7 +16,8 @@ struct CheckResult {
   std::string bound;  // "below 0.01 m"
   std::string unit;
   bool passed = false;
-  std::optional<double> value;        // at the end, the worst, or the best one, depending on the window; empty: no step fell in it
+  std::optional<double>
+      value;  // at the end, the worst, or the best one, depending on the window; empty: no step fell in it
   double at_s = 0.0;                  // when it was measured
   std::string failure;                // empty if passed
   std::vector<double> limits{};       // values between which it holds, for plots

@@ -48,8 +48,8 @@ void ChildProcess::drain() {
   read_pipe(err_);
 }
 
-// Reads one piece at a time: a child that prints without end must not keep us from all other work. A child that has
-// ended left at most one pipe full.
+// Reads one piece at a time: a child that prints without end must not keep us from all other work. A child
+// that has ended left at most one pipe full.
 void ChildProcess::read_pipe(Pipe& pipe) {
   constexpr int kPipeReads = 16;  // of 4 KiB each: Linux' pipe
   std::array<char, 4096> buffer;
@@ -85,7 +85,8 @@ void ChildProcess::close_pipe(Pipe& pipe) {
   pipe.fd = -1;
 }
 
-// Kills the rest of the group before the ended child is reaped, because until then no other group can get its number.
+// Kills the rest of the group before the ended child is reaped, because until then no other group can get its
+// number.
 const std::optional<ExitStatus>& ChildProcess::check_exit() {
   if (exit_) return exit_;
   siginfo_t info{};
@@ -101,8 +102,8 @@ const std::optional<ExitStatus>& ChildProcess::check_exit() {
   return exit_;
 }
 
-// A child that ends closes its pipes, which ends the poll at once. A child that only closed its pipes ends no poll, so
-// each poll takes at most 5 ms.
+// A child that ends closes its pipes, which ends the poll at once. A child that only closed its pipes ends no
+// poll, so each poll takes at most 5 ms.
 bool ChildProcess::wait_exit(std::chrono::milliseconds patience) {
   const auto give_up = Clock::now() + patience;
   while (!check_exit()) {

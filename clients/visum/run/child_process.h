@@ -1,6 +1,6 @@
-// A program that we start: its output line by line, and its end. Nothing of it is left over: it gets a process group of
-// its own, which is killed when the program ends or this object goes. If our process dies, the kernel kills the program
-// itself. One thread uses it; callbacks run only inside of its calls.
+// A program that we start: its output line by line, and its end. Nothing of it is left over: it gets a
+// process group of its own, which is killed when the program ends or this object goes. If our process dies,
+// the kernel kills the program itself. One thread uses it; callbacks run only inside of its calls.
 #pragma once
 
 #include <poll.h>

@@ -25,7 +25,8 @@ const protocol::LockstepMember* find_member(const protocol::ServerStatus& status
   return found == status.lockstep.end() ? nullptr : &*found;
 }
 
-// The command of `visum exec` that keeps a program in step if it knows nothing of a clock; empty: it needs none.
+// The command of `visum exec` that keeps a program in step if it knows nothing of a clock; empty: it needs
+// none.
 std::vector<std::string> scheduler_of(const ControllerSpec& spec, const std::string& connect) {
   if (!spec.shim && spec.gate.empty()) return {};
   std::vector<std::string> argv{(own_folder() / "visum").string(), "exec", "--name", spec.client};
@@ -121,7 +122,8 @@ void Controllers::note_who_left(const protocol::ServerStatus& status) {
   }
 }
 
-// Waits, while the world stands, until the process has ended and the server has seen the end of its connection.
+// Waits, while the world stands, until the process has ended and the server has seen the end of its
+// connection.
 void Controllers::await_exit(Controller& controller) {
   const auto give_up = Clock::now() + kPatienceToLeave;
   while (!controller.process->check_exit() || find_member(session_.status(), controller.spec->client)) {
@@ -187,7 +189,8 @@ std::string Controllers::failure_of(const Controller& controller) const {
   return exit && (exit->by_signal || exit->number != 0) ? exit->text() : std::string();
 }
 
-// After SIGKILL it waits until the process is gone and the server has seen it, so that every run goes on in the same way.
+// After SIGKILL it waits until the process is gone and the server has seen it, so that every run goes on in
+// the same way.
 void Controllers::signal(const std::string& name, int number) {
   for (Controller& controller : controllers_) {
     if (controller.spec->name != name || !controller.process) continue;

@@ -31,21 +31,24 @@ class Controllers {
               Session& session, WaitLoop& wait_loop, OnLine on_line);
   ~Controllers();  // stops those that still run, all at once
 
-  // Starts all, and returns when those that join the clock have joined it. Throws ConfigError if a program cannot be
-  // started. Throws ExitError if one ends before it joined (kFailed) or does not join in time (kLost).
+  // Starts all, and returns when those that join the clock have joined it. Throws ConfigError if a program
+  // cannot be started. Throws ExitError if one ends before it joined (kFailed) or does not join in time
+  // (kLost).
   void start(double patience_s);
 
-  // Call it while we hold the world. Waits until every member has let the world run on or has left, and until those that
-  // have left have ended. So the result does not depend on which program was faster. `status` is the newest one.
+  // Call it while we hold the world. Waits until every member has let the world run on or has left, and until
+  // those that have left have ended. So the result does not depend on which program was faster. `status` is
+  // the newest one.
   void settle(protocol::ServerStatus status);
-  // Notes members that were late, for which the server no longer waits. Depending on `on_timeout` they go on without the
-  // clock, or their parts are stopped. Throws ExitError(kLost) if the run ends with it.
+  // Notes members that were late, for which the server no longer waits. Depending on `on_timeout` they go on
+  // without the clock, or their parts are stopped. Throws ExitError(kLost) if the run ends with it.
   void note_timeouts();
   bool any_in_real_time() const;  // whether one that was late still goes on
   // Whether all have ended, or have left the clock.
   bool all_done() const;
 
-  // Throws ExitError if one ended badly: kFailed for an exit code, kLost for a signal that the time line did not send.
+  // Throws ExitError if one ended badly: kFailed for an exit code, kLost for a signal that the time line did
+  // not send.
   void check_ends();
   void signal(const std::string& name, int number);
   void stop_all();

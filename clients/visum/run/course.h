@@ -1,5 +1,5 @@
-// The values of a check over a run, in few points. If there are too many steps, neighbours share a point, which keeps
-// their lowest and highest value.
+// The values of a check over a run, in few points. If there are too many steps, neighbours share a point,
+// which keeps their lowest and highest value.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// The share of a floor that a body has been near, from the world's true positions. The floor is a rectangle of cells;
-// cells inside something fixed do not count.
+// The share of a floor that a body has been near, from the world's true positions. The floor is a rectangle
+// of cells; cells inside something fixed do not count.
 #pragma once
 
 #include <array>
@@ -27,7 +27,8 @@ class Coverage {
   Coverage() = default;
   Coverage(const FloorSpec& spec, std::vector<Obstacle> obstacles);
 
-  // Takes over the result of an earlier object of the same floor and body, whose bodies may have had other numbers.
+  // Takes over the result of an earlier object of the same floor and body, whose bodies may have had other
+  // numbers.
   void go_on(Coverage&& earlier);
   // Notes that the body is here now. `poses` is that of a WorldSample.
   void note(double x, double y, const std::vector<double>& poses);

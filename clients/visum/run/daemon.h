@@ -36,8 +36,8 @@ std::filesystem::path find_visumd();
 
 class Daemon {
  public:
-  // Returns when clients can connect. Throws cli::ExitError: kBadConfig if visumd says that the scene is wrong, kUsage if
-  // it refuses its options, kFailed if it is not ready within `patience_s`.
+  // Returns when clients can connect. Throws cli::ExitError: kBadConfig if visumd says that the scene is
+  // wrong, kUsage if it refuses its options, kFailed if it is not ready within `patience_s`.
   Daemon(const DaemonOptions& options, double patience_s, WaitLoop& wait_loop, ChildProcess::OnLine on_line);
   ~Daemon();
   Daemon(const Daemon&) = delete;

@@ -1,5 +1,5 @@
-// Turns names of a scenario into indices of the world and its parts. An unknown name throws ConfigError at `place`; the
-// message suggests the nearest name.
+// Turns names of a scenario into indices of the world and its parts. An unknown name throws ConfigError at
+// `place`; the message suggests the nearest name.
 #pragma once
 
 #include <string>

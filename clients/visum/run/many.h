@@ -1,5 +1,5 @@
-// Runs of a sweep, several at a time, each in a process of its own: `visum run FILE --only K`, which a user may call too.
-// Under lockstep the result of a run does not depend on the runs beside it.
+// Runs of a sweep, several at a time, each in a process of its own: `visum run FILE --only K`, which a user
+// may call too. Under lockstep the result of a run does not depend on the runs beside it.
 #pragma once
 
 #include <cstddef>
@@ -22,12 +22,13 @@ struct ManyOptions {
   std::function<void(const Report&)> on_done;
 };
 
-// Returns a report for each run, in order. An interrupt ends all runs. If a process cannot be started, the others run to
-// their end. Runs that did not begin then have a report with the error "not started"; on_done is not called for them.
+// Returns a report for each run, in order. An interrupt ends all runs. If a process cannot be started, the
+// others run to their end. Runs that did not begin then have a report with the error "not started"; on_done
+// is not called for them.
 std::vector<Report> run_many(const ManyOptions& options);
 
-// The exit code for all: 0 if all passed. Else the first of these that any run has: interrupted, wrong scenario, wrong
-// options, wall time over, controller lost, check failed, invalid.
+// The exit code for all: 0 if all passed. Else the first of these that any run has: interrupted, wrong
+// scenario, wrong options, wall time over, controller lost, check failed, invalid.
 cli::ExitCode code_of(const std::vector<Report>& reports);
 
 }  // namespace visum::run

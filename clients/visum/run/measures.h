@@ -1,5 +1,5 @@
-// For each kind of quantity, the function that finds the named bodies, joints or ports, and the one that measures. The
-// table in quantity.cc lists them.
+// For each kind of quantity, the function that finds the named bodies, joints or ports, and the one that
+// measures. The table in quantity.cc lists them.
 #pragma once
 
 #include "clients/visum/run/quantity.h"

@@ -1,5 +1,5 @@
-// The quantities that a scenario can measure: the world's truth and the parts' ports. The table in quantity.cc lists
-// their kinds.
+// The quantities that a scenario can measure: the world's truth and the parts' ports. The table in
+// quantity.cc lists their kinds.
 #pragma once
 
 #include <cstdint>

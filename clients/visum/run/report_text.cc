@@ -24,12 +24,12 @@ std::string verdict(const Report& report, const CheckResult& check, const cli::S
   return check.value || report.error.empty() ? style.red("FAILED") : style.dim("  -   ");
 }
 
-// `text` in lines of at most 80 columns that begin with kIndent blanks, the first line without them.
-std::string indented(const std::string& text) {
+// `text` in lines of at most 80 columns that begin with `indent` blanks, the first line without them.
+std::string indented(const std::string& text, std::size_t indent = kIndent) {
   std::string result;
-  for (const char c : wrapped(text, 0, kWidth - kIndent)) {
+  for (const char c : wrapped(text, 0, kWidth - indent)) {
     result += c;
-    if (c == '\n') result.append(kIndent, ' ');
+    if (c == '\n') result.append(indent, ' ');
   }
   return result;
 }
@@ -88,7 +88,7 @@ std::size_t failed(std::span<const Report> reports) {
 std::string reasons(const Report& report, const cli::Style& style) {
   std::string text;
   const auto add = [&](const char* word, const std::string& reason) {
-    text += "  " + style.red(word) + "  " + indented(reason) + "\n";
+    text += "    " + style.red(word) + "  " + indented(reason, kIndent + 2) + "\n";
   };
   if (!report.error.empty()) add("ERROR ", report.error);
   for (const auto& failure : report.failures) add("FAILED", failure);

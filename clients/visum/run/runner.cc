@@ -164,8 +164,8 @@ void Run::step() {
   if (scenario_.until.kind == Until::Kind::kControllers) controllers_.settle(std::move(step.status));
 }
 
-// Waits for what the controllers send for the next tick before it acts; otherwise the order would depend on which
-// program was faster.
+// Waits for what the controllers send for the next tick before it acts; otherwise the order would depend on
+// which program was faster.
 void Run::act() {
   const auto due = timeline_->due(now_);
   if (!due.empty() && session_.clock() == "lockstep") controllers_.settle(session_.status());

@@ -27,8 +27,8 @@ struct RunOptions {
   std::function<void(const Report& report, std::uint16_t port, const Catalogue& catalogue)> on_keep;
 };
 
-// Never throws for a failure of the run: Report::code and Report::error hold it. All processes that it started have
-// ended when it returns.
+// Never throws for a failure of the run: Report::code and Report::error hold it. All processes that it
+// started have ended when it returns.
 Report run_scenario(const Scenario& scenario, const RunOptions& options);
 
 }  // namespace visum::run

@@ -1,6 +1,6 @@
-// A scenario as plain data: the programs to start, the actions and their times, the checks. SCENARIOS.md describes the
-// file. Times are simulated seconds since the start, unless a name says wall. Places point into the file, for errors
-// that show only once the world is known.
+// A scenario as plain data: the programs to start, the actions and their times, the checks. SCENARIOS.md
+// describes the file. Times are simulated seconds since the start, unless a name says wall. Places point into
+// the file, for errors that show only once the world is known.
 #pragma once
 
 #include <cstdint>

@@ -7,8 +7,8 @@
 
 namespace visum::run {
 
-// Returns one of the runs that the file stands for (sweep.h), counted from 1. Throws config::ConfigError, which names
-// file, line and key.
+// Returns one of the runs that the file stands for (sweep.h), counted from 1. Throws config::ConfigError,
+// which names file, line and key.
 Scenario read_scenario(const std::filesystem::path& file);
 Scenario read_scenario(const config::Node& file, std::size_t run = 1);
 

@@ -32,7 +32,8 @@ Session::Session(std::uint16_t port, WaitLoop& wait_loop)
   if (clock() == "lockstep") waiter_.emplace("127.0.0.1", port, hello(kWaiterName));
 }
 
-// The world waits for us while controllers start and end. These waits have limits of their own, so this one is a day.
+// The world waits for us while controllers start and end. These waits have limits of their own, so this one
+// is a day.
 void Session::join() {
   const protocol::Join patiently{nanoseconds(hours(24)).count()};
   era_ = connection_.request_as<protocol::Advanced>(patiently).era;

@@ -1,5 +1,5 @@
-// The runner's own session with the daemon. It steps the world and reads what the checks need. Main thread; the runner
-// owns it.
+// The runner's own session with the daemon. It steps the world and reads what the checks need. Main thread;
+// the runner owns it.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,13 @@ namespace visum::run {
 
 class Session {
  public:
-  // Our two members of the lockstep: one steps, one always waits for the next tick. The server times a member that keeps
-  // the world waiting only while another waits. The first does not wait while it asks which controllers have left.
+  // Our two members of the lockstep: one steps, one always waits for the next tick. The server times a member
+  // that keeps the world waiting only while another waits. The first does not wait while it asks which
+  // controllers have left.
   static constexpr const char* kName = "scenario";
   static constexpr const char* kWaiterName = "scenario-waits";
-  static constexpr std::int64_t kMostTicks = 900'000'000;  // the longest run; the second member waits for a later tick
+  static constexpr std::int64_t kMostTicks =
+      900'000'000;  // the longest run; the second member waits for a later tick
 
   Session(std::uint16_t port, WaitLoop& wait_loop);
 
@@ -30,15 +32,17 @@ class Session {
   Catalogue catalogue();
   // Reads the present state of the world and of these parts.
   Observation look(const std::set<std::string>& parts);
-  // Lets `ticks` pass, then reads the same, and the server's status at that tick, with a single wait. Throws ExitError:
-  // kLost if a client in the lockstep was late and the run ends with that, kFailed if the world froze.
+  // Lets `ticks` pass, then reads the same, and the server's status at that tick, with a single wait. Throws
+  // ExitError: kLost if a client in the lockstep was late and the run ends with that, kFailed if the world
+  // froze.
   struct Step {
     Observation now;
     protocol::ServerStatus status;
   };
   Step step(std::int64_t ticks, const std::set<std::string>& parts);
   protocol::ServerStatus status();
-  // The server's messages, since the last call, about members that were late and for which it no longer waits.
+  // The server's messages, since the last call, about members that were late and for which it no longer
+  // waits.
   std::vector<std::string> take_timeouts() { return std::exchange(timeouts_, {}); }
   protocol::Reply request(const protocol::Request& request) { return connection_.request(request); }
 

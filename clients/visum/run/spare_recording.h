@@ -1,5 +1,6 @@
-// A recording that is made for the case that a run fails. Until then it has a hidden name, so that it replaces no other
-// recording: neither that of an earlier run nor that of a run beside it. One thread; the run owns it.
+// A recording that is made for the case that a run fails. Until then it has a hidden name, so that it
+// replaces no other recording: neither that of an earlier run nor that of a run beside it. One thread; the
+// run owns it.
 #pragma once
 
 #include <filesystem>
@@ -15,8 +16,9 @@ class SpareRecording {
   SpareRecording& operator=(const SpareRecording&) = delete;
 
   const std::filesystem::path& path() const { return path_; }  // what the daemon writes
-  // Gives it its name because the run failed; the daemon may still write it. Returns that name: `wanted`, or if that is
-  // taken the first free one of "wanted_2", "wanted_3", ... Returns nothing if nothing was recorded.
+  // Gives it its name because the run failed; the daemon may still write it. Returns that name: `wanted`, or
+  // if that is taken the first free one of "wanted_2", "wanted_3", ... Returns nothing if nothing was
+  // recorded.
   std::filesystem::path keep();
 
  private:

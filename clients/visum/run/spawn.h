@@ -13,8 +13,8 @@ struct Spawned {
   int out_fd, err_fd;  // what it writes; non-blocking
 };
 
-// Starts the program in a process group of its own, without our descriptors; the kernel kills it when we die. Throws
-// std::runtime_error, which names the program, if it cannot be started.
+// Starts the program in a process group of its own, without our descriptors; the kernel kills it when we die.
+// Throws std::runtime_error, which names the program, if it cannot be started.
 Spawned spawn(const std::vector<std::string>& argv);
 
 }  // namespace visum::run

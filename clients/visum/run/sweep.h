@@ -1,6 +1,6 @@
-// The `sweep:` of a scenario, which stands for many runs. Each entry is a name with values. There is a run for each
-// combination; the last name changes fastest. In the rest of the file ${name} stands for the run's value
-// (protocol/config/expand.h).
+// The `sweep:` of a scenario, which stands for many runs. Each entry is a name with values. There is a run
+// for each combination; the last name changes fastest. In the rest of the file ${name} stands for the run's
+// value (protocol/config/expand.h).
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// All waiting of the runner happens here. Meanwhile it passes on the children's output. It ends the wait when the user
-// interrupts or the allowed wall time is over. One thread; children must outlive it or be forgotten.
+// All waiting of the runner happens here. Meanwhile it passes on the children's output. It ends the wait when
+// the user interrupts or the allowed wall time is over. One thread; children must outlive it or be forgotten.
 #pragma once
 
 #include <chrono>
@@ -17,8 +17,8 @@ class WaitLoop {
   void forget(ChildProcess& child) { std::erase(children_, &child); }
   void lift_limit() { give_up_ = Clock::time_point::max(); }  // of the wall time
 
-  // Waits until `fd` can be read (true) or `patience` is over (false). With fd -1 only children count. Throws ExitError
-  // (interrupted, timed out).
+  // Waits until `fd` can be read (true) or `patience` is over (false). With fd -1 only children count. Throws
+  // ExitError (interrupted, timed out).
   bool wait(int fd, std::chrono::milliseconds patience);
   // Waits without a limit until `fd` can be read.
   void wait(int fd);
