@@ -73,26 +73,24 @@ class ExecVerb : public Verb {
         ->type_name("SCENE.yaml");
     app_ = &app;
     app.add_option("--tty", ttys_,
-                   "DEVICE=PART: the part's modules stand where the program opens /dev/DEVICE")
+                   "the program finds the part's modules where it opens /dev/DEVICE; repeatable")
         ->type_name("DEVICE=PART")
         ->allow_extra_args(false);
-    app.add_option(
-           "--can", cans_,
-           "esd or peak, then =PART where several have a bus: the vendor's CAN library leads to the part's "
-           "modules")
+    app.add_option("--can", cans_,
+                   "the vendor's CAN library, esd or peak, leads to the part's modules; =PART is needed if "
+                   "several parts have a bus")
         ->type_name("VENDOR[=PART]")
         ->allow_extra_args(false);
     app.add_option("--bus", buses_,
-                   "with --scene: PART=pty or PART=tcp gives the part a bus; {bus.PART} in the command is "
-                   "its path, or "
-                   "its HOST:PORT")
+                   "with --scene: PART=pty or PART=tcp gives the part a bus; {bus.PART} in the command "
+                   "stands for its path or HOST:PORT")
         ->type_name("PART=KIND")
         ->allow_extra_args(false);
-    app.add_option("--name", name_, "the program's name in `visum status`; the command's by default");
+    app.add_option("--name", name_, "the program's name in `visum status`; default: the command's");
     declare_step(app);
     declare_pace(app);
     app.add_option("--timeout", timeout_s_,
-                   "end the program after so many seconds of wall time, with exit code 124")
+                   "end the program after this many seconds of wall time, with exit code 124")
         ->check(number_within(1e-3, kLongest_s));
     app.add_option("COMMAND", command_, "the program and its arguments, after --")->required();
     app.footer(kFooter);
@@ -123,46 +121,42 @@ class ExecVerb : public Verb {
   // Options about keeping in step with the world.
   void declare_step(CLI::App& app) {
     auto* lockstep =
-        app.add_flag("--lockstep", lockstep_, "the program's time is the world's, by a time shim (L2)");
-    app.add_option(
-           "--gate", gate_,
-           "the program asks and is answered, and each of its cycles lets the world run by --period "
-           "(L1): bus[:PART[=MODULE:BYTES]] or ports[:CLIENT] say what ends a cycle; a request that was "
-           "made already in it, by default")
+        app.add_flag("--lockstep", lockstep_, "give the program the world's time, by a time shim (L2)");
+    app.add_option("--gate", gate_,
+                   "for a program that asks and is answered: each of its cycles lets the world run by "
+                   "--period (L1). WHAT says what ends a cycle: bus[:PART[=MODULE:BYTES]] or ports[:CLIENT]; "
+                   "by default, a request that the cycle has seen before")
         ->type_name("WHAT")
         ->excludes(lockstep);
-    app.add_option(
-           "--period", period_ms_,
-           "with --gate: simulated ms of a cycle, 10 by default; with --lockstep: the program wakes up "
-           "at multiples of it only")
+    app.add_option("--period", period_ms_,
+                   "with --gate: simulated ms of a cycle, by default 10; with --lockstep: the program wakes "
+                   "up only at multiples of it")
         ->type_name("MS")
         ->check(number_within(1e-3, kLongestPeriod_ms));
-    app.add_option(
-           "--wait", wait_s_,
-           "with --gate and --lockstep: the world waits for the program for so many seconds of wall "
-           "time; without it the scene's lockstep_timeout_s, and as long as it takes where nobody else "
-           "steps")
+    app.add_option("--wait", wait_s_,
+                   "with --gate and --lockstep: the seconds of wall time that the world waits for the "
+                   "program. Default: the scene's lockstep_timeout_s, or without limit if no other client "
+                   "steps with the world")
         ->type_name("S")
         ->check(number_within(1e-3, kLongest_s));
-    app.add_option("--on-timeout", on_timeout_,
-                   "what happens then: end the run (exit code 4), hold the world, stop the part and the "
-                   "program (4) while others go on, or let the program go on in real time, free")
+    app.add_option(
+           "--on-timeout", on_timeout_,
+           "what happens after --wait: end the run (exit code 4), hold the world, stop the part and the "
+           "program (exit code 4) while others go on, or free the program, which goes on in real time")
         ->capture_default_str()
         ->check(command_line::one_of({"end", "hold", "stop", "free"}));
   }
 
   // Options about pace and how much lateness a run in real time may have.
   void declare_pace(CLI::App& app) {
-    app.add_option(
-           "--speedup", speedup_,
-           "with --scene: simulated seconds per second; with --lockstep and --gate at most that, else "
-           "as fast as it goes")
+    app.add_option("--speedup", speedup_,
+                   "with --scene: simulated seconds per second of wall time; with --lockstep and --gate this "
+                   "is the most, and without it they run as fast as they can")
         ->type_name("X")
         ->check(number_within(1e-3, 1e3));
-    app.add_option(
-           "--max-overruns", max_overruns_,
-           "in real time: the share of ticks that may begin more than a tick late; where more do the run "
-           "is invalid, exit code 6")
+    app.add_option("--max-overruns", max_overruns_,
+                   "in real time: the share of ticks that may begin more than a tick late; with more the run "
+                   "is invalid (exit code 6)")
         ->type_name("SHARE")
         ->check(number_within(0.0, 1.0))
         ->capture_default_str();
