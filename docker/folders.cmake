@@ -8,6 +8,7 @@ set(folders
   lib/python3/dist-packages lib/visum/plugins lib/visum-can lib/visum-shim lib/visum-tty
   ${data}/visum/clients/cpp ${data}/visum/clients/python/examples ${data}/visum/protocol/plugin ${data}/visum/server/scene
   ${data}/bash-completion/completions ${data}/zsh/vendor-completions ${data}/fish/vendor_completions.d
+  ${CMAKE_INSTALL_MANDIR}/man1
   ${CMAKE_INSTALL_DOCDIR})
 install(CODE "set(folders \"${folders}\")")
 install(CODE [[

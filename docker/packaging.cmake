@@ -7,6 +7,7 @@
 #   lib/, include/visum/       the C++ client library: find_package(visum), pkg-config visum
 #   include/visum/plugin.h     the header for plug-ins (visum::plugin)
 #   lib/visum/plugins/         the plug-ins of our own examples
+#   share/man/man1/            a manual page for each program and each verb of visum
 #   share/doc/visum/           all pages, in the layout of the tree (install-pages)
 # and the shells' completion. The Python package installs itself (clients/python).
 include(GNUInstallDirs)
@@ -75,6 +76,19 @@ endfunction()
 visum_completion(bash bash-completion/completions visum)
 visum_completion(zsh zsh/vendor-completions _visum)
 visum_completion(fish fish/vendor_completions.d visum.fish)
+
+# The manual pages, as the programs themselves write them.
+set(VISUM_INSTALLED_PROGRAMS ${programs})
+string(REPLACE ";" "," program_names "${programs}")
+set(manual_stamp ${PROJECT_BINARY_DIR}/man1.stamp)
+add_custom_command(OUTPUT ${manual_stamp}
+  COMMAND ${CMAKE_COMMAND} -D BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY} -D PROGRAMS=${program_names} -D VERSION=${PROJECT_VERSION}
+          -D OUT=${PROJECT_BINARY_DIR}/man1 -P ${PROJECT_SOURCE_DIR}/docker/man_pages.cmake
+  COMMAND ${CMAKE_COMMAND} -E touch ${manual_stamp}
+  DEPENDS ${programs} docker/man_pages.cmake COMMENT "Writing the manual pages" VERBATIM)
+add_custom_target(visum_manual ALL DEPENDS ${manual_stamp})
+add_dependencies(programs visum_manual)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR})
 
 # The pages come last: their links depend on the files that are installed by then.
 install(CODE "set(pages ${PROJECT_SOURCE_DIR}/docker/install-pages ${PROJECT_SOURCE_DIR})

@@ -142,6 +142,13 @@ std::optional<std::size_t> slot_of(const FaultInfo& kind, const std::string& nam
   return std::nullopt;
 }
 
+std::vector<std::string> number_names(const FaultInfo& kind) {
+  std::vector<std::string> names;
+  for (const auto& number : kind.numbers)
+    if (number) names.emplace_back(number->name);
+  return names;
+}
+
 std::string known_numbers(const FaultInfo& kind) {
   std::string all;
   for (const auto& number : kind.numbers)
@@ -194,13 +201,17 @@ bool Fault::same_place(const Fault& other) const {
   return fault_info(kind).target != FaultTarget::kDrive || numbers[0] == other.numbers[0];
 }
 
+std::string unknown_fault(std::string_view kind) {
+  std::vector<std::string> known;
+  for (const FaultInfo& row : kFaultKinds) known.emplace_back(row.name);
+  const std::string text = config::unknown_name("fault", kind, known);
+  return config::nearest(kind, known) ? text : text + "; `visum faults` lists them";
+}
+
 std::optional<Fault> make_fault(std::string_view kind, const NamedNumbers& numbers, std::string& why) {
   const auto* found = find_fault_kind(kind);
   if (!found) {
-    std::vector<std::string> known;
-    for (const auto& row : kFaultKinds) known.emplace_back(row.name);
-    why = config::unknown_name("fault", kind, known);
-    if (!config::nearest(kind, known)) why += "; `visum faults` lists them";
+    why = unknown_fault(kind);
     return std::nullopt;
   }
   Fault fault{found->kind, {}};
@@ -208,7 +219,8 @@ std::optional<Fault> make_fault(std::string_view kind, const NamedNumbers& numbe
   for (const auto& [name, value] : numbers) {
     const auto slot = slot_of(*found, name);
     if (!slot)
-      why = "'" + std::string(kind) + "' has no number '" + name + "'; " + known_numbers(*found);
+      why = "'" + std::string(kind) + "' has no number '" + name + "'; " + known_numbers(*found) +
+            config::did_you_mean(name, number_names(*found));
     else if (given[*slot])
       why = "'" + name + "' is given twice";
     else if (auto reason = refuse(*found->numbers[*slot], value))

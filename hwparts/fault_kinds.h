@@ -75,6 +75,9 @@ struct Fault {
   bool same_place(const Fault& other) const;  // true: each replaces the other
 };
 
+// The message for a kind that no row has, with the nearest kind or with where to find them all.
+std::string unknown_fault(std::string_view kind);
+
 using NamedNumbers = std::vector<std::pair<std::string, double>>;
 // Makes a fault from named numbers; those not given take their default. Returns nothing, and says `why`, for
 // an unknown kind, and for a number that is unknown, missing, not finite, out of its range, or given twice.

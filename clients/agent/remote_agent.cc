@@ -10,7 +10,7 @@
 namespace visum::agent {
 namespace {
 
-constexpr double kUsualPeriod_ms = 10.0;  // as in scenes
+constexpr double kUsualPeriod_ms = 10.0;  // the same default as in scenes
 
 const plugin::AgentKind& kind_of(const config::Node& entry, const std::vector<plugin::Library>& libraries) {
   const config::Node kind = entry.get("kind");
@@ -18,14 +18,14 @@ const plugin::AgentKind& kind_of(const config::Node& entry, const std::vector<pl
   std::vector<std::string> known;
   for (const auto& library : libraries)
     for (const auto& row : library.manifest->agents) known.emplace_back(row.name);
-  if (known.empty()) kind.fail("no plug-in that this file names has agents");
+  if (known.empty()) kind.fail("none of the plug-ins in 'plugins' has agents");
   kind.one_of(known);
   throw std::logic_error("one_of takes what find_agent does not");
 }
 
 }  // namespace
 
-// What the agent is told when it is made.
+// What a new agent may ask: its name, settings and parts. It lives only while the agent is made.
 class RemoteAgent::Context final : public plugin::AgentContext {
  public:
   Context(Client& client, const config::Node& entry, RemoteAgent& agent)
@@ -100,7 +100,7 @@ std::string RemoteAgent::outputs_in_words() const {
 config::Node find_entry(const config::Node& root, const std::string& name) {
   const config::Node list = root.get("agents");
   if (name.empty() && list.size() == 1) return list.at(0);
-  if (name.empty()) list.fail("has several agents; say which by --agent");
+  if (name.empty()) list.fail("has several agents: name one with --agent");
   std::vector<std::string> known;
   for (std::size_t i = 0; i < list.size(); ++i) {
     known.push_back(list.at(i).get("name").text());

@@ -1,5 +1,5 @@
-// An agent of a scene file, run as a client: in front of parts of a world, or of real ones. The same library,
-// made in the same way, as inside the daemon.
+// An agent of a scene file that runs as a client, in front of parts of a world or of real ones. It comes from
+// the same library, and is made in the same way, as inside the daemon. One thread.
 #pragma once
 
 #include <cstdint>
@@ -15,17 +15,17 @@ namespace visum::agent {
 
 class RemoteAgent {
  public:
-  // `entry`: of the scene's list `agents`. Throws ConfigError, and visum::Error where a part is not to be
-  // had.
+  // `entry` is one of the scene's list `agents`. Takes the leases of the parts that the agent commands.
+  // `client` and `libraries` must outlive it. Throws ConfigError if the entry is wrong, visum::Error if a
+  // part is missing or leased.
   RemoteAgent(Client& client, const config::Node& entry, const std::vector<plugin::Library>& libraries);
   ~RemoteAgent();
 
   std::int64_t period_ns() const { return period_ns_; }
-  // One turn, at the client's time. Throws what the agent throws.
+  // One turn of the agent at `time_ns`, the simulated time since its start. Throws what the agent throws.
   void think(std::int64_t time_ns);
-  // As it was made.
-  void reset();
-  void release();
+  void reset();    // back to the state after construction, for a world that was reset
+  void release();  // gives the leases back
   // "Way 12.3 m, Covered 20 m²"
   std::string outputs_in_words() const;
 
@@ -39,8 +39,9 @@ class RemoteAgent {
   std::unique_ptr<plugin::Agent> agent_;
 };
 
-// The entry of this name, or the only one there is; and the libraries that the file names.
+// The entry of this name; with an empty name, the only one there is. Throws ConfigError.
 config::Node find_entry(const config::Node& root, const std::string& name);
+// Opens the libraries that the file names in `plugins`. Throws ConfigError.
 std::vector<plugin::Library> open_libraries(const config::Node& root,
                                             const std::vector<std::filesystem::path>& folders);
 

@@ -1,4 +1,6 @@
-// A part somewhere behind a connection, as an agent meets it. What is set goes out at the end of the turn.
+// The view that an agent has of a part behind a connection. Inputs that the agent sets are sent together at
+// the end of its turn. Lives on the agent's thread; RemoteAgent owns it. Calls throw plugin::Error for an
+// index or a value that the part does not have, and visum::Error if the connection is lost.
 #pragma once
 
 #include <string>
@@ -11,11 +13,11 @@ namespace visum::agent {
 
 class RemoteLink final : public plugin::PartLink {
  public:
-  // Takes the part's lease where it is to be commanded.
+  // Takes the part's lease if `commanded`.
   RemoteLink(Client& client, const std::string& part, bool commanded);
 
-  void end_turn();
-  void release();
+  void end_turn();  // sends what was set
+  void release();   // gives the lease back
 
   std::size_t input(std::string_view name) const override;
   std::size_t output(std::string_view name) const override;

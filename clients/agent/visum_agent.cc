@@ -1,5 +1,5 @@
-// visum-agent: runs an agent of a scene file from outside, as a client: in front of the parts of a world, or
-// of real ones. Inside the daemon the same library does the same.
+// visum-agent: runs an agent of a scene file as a client, in front of the parts of a world or of real ones.
+// The daemon runs the same library for the agents of its own scene.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "clients/agent/remote_agent.h"
+#include "protocol/command_line/parse.h"
 #include "protocol/config/config.h"
 
 namespace {
@@ -38,7 +39,7 @@ void run(const Options& options) {
     client.advance_ns(agent.period_ns());
     if (client.era() == era) {
       left_ns -= client.time_ns() - before_ns;
-    } else {  // the world was reset: times before and after are of different counts
+    } else {  // the world was reset, so times before and after cannot be compared
       left_ns -= agent.period_ns();
       agent.reset();
       begin_ns = client.time_ns();
@@ -51,37 +52,36 @@ void run(const Options& options) {
 
 void declare(CLI::App& app, Options& options) {
   app.add_option("scene", options.scene,
-                 "a scene file with 'plugins' and 'agents'; nothing else of it is read")
+                 "a scene file with 'plugins' and 'agents'; the rest of it is ignored")
       ->required()
       ->type_name("SCENE.yaml");
-  app.add_option("--agent", options.agent, "which, where the file has several");
-  app.add_option("--connect", options.connect, "where the parts are served")->capture_default_str();
-  app.add_option("--token-file", options.token_file, "for a server that was started with one");
-  app.add_option("--time", options.time_s, "simulated seconds, then it ends; without: for ever")
+  app.add_option("--agent", options.agent, "the agent's name; needed if the file has several agents");
+  app.add_option("--connect", options.connect, "the server of the parts, as HOST:PORT")
+      ->capture_default_str();
+  app.add_option("--token-file", options.token_file, "a file with the token, for a server that asks for one");
+  app.add_option("--time", options.time_s, "end after this many simulated seconds; default: never")
       ->check(CLI::PositiveNumber);
   app.add_option("--plugins", options.plugins,
-                 "a folder that plug-ins may come from, before the installed one; repeatable")
+                 "a folder to look for plug-ins in, before the installed one; repeatable")
       ->type_name("FOLDER")
       ->check(CLI::ExistingDirectory);
   app.footer(
-      "Example: the explorer of a scene, in front of a world that has none\n"
+      "Example:\n"
       "  visumd models/scenes/explorer.yaml --clock free &\n"
       "  visum-agent models/scenes/explorer_agent.yaml --time 60\n"
+      "The world of this example has no agent of its own; visum-agent brings it.\n"
       "Exit codes: 0 the time is over, 1 the agent or the connection failed, 2 bad usage, 3 the file is "
       "wrong.");
+  command_line::add_version(app);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"visum-agent: runs an agent of a scene file as a client"};
+  CLI::App app{"Runs an agent of a scene file as a client", "visum-agent"};
   declare(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto code = command_line::parse(app, argc, argv)) return *code;
   try {
     run(options);
     return 0;

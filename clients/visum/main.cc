@@ -1,4 +1,4 @@
-// visum: the command line. Its verbs stand in the table below; each is a file in verbs/.
+// visum: the command line. The table below lists its verbs; each is a file in verbs/.
 #include <poll.h>
 #include <unistd.h>
 
@@ -13,6 +13,7 @@
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/verbs/verbs.h"
 #include "protocol/client.h"
+#include "protocol/command_line/parse.h"
 #include "protocol/config/config.h"
 
 namespace {
@@ -34,7 +35,7 @@ constexpr Row kVerbs[] = {
     {"params", "show a part's parameters", cli::make_params},
     {"param-set", "change a part's parameter", cli::make_param_set},
     {"camera", "write a camera's picture to a file", cli::make_camera},
-    {"status", "show time, pace, load, and who is waited for", cli::make_status},
+    {"status", "show time, pace, load, and which clients the world waits for", cli::make_status},
     {"pause", "stop time", cli::make_pause},
     {"resume", "let time run", cli::make_resume},
     {"step", "let a paused world do some ticks", cli::make_step},
@@ -44,15 +45,15 @@ constexpr Row kVerbs[] = {
     {"restore", "go back to a snapshot", cli::make_restore},
     {"push", "push a body", cli::make_push},
     {"fault", "break something on purpose, or end that", cli::make_fault},
-    {"faults", "list what can be broken, and what is", cli::make_faults},
+    {"faults", "list what can be broken, and what is broken now", cli::make_faults},
     {"check", "say what is wrong with a scene", cli::make_check},
     {"convert", "write a scene in another format", cli::make_convert},
     {"run", "run a scenario and check it", cli::make_run},
-    {"record", "run a server and write down what happens: FILE.mcap SCENE.yaml [OPTIONS]", cli::make_record},
-    {"replay", "go through a recording again and compare every tick", cli::make_replay},
-    {"rewind", "run a server from a moment of a recording on: FILE.mcap --at SECONDS", cli::make_rewind},
+    {"record", "run a server and record what happens in its world", cli::make_record},
+    {"replay", "repeat a recorded run and compare every tick", cli::make_replay},
+    {"rewind", "run a server from a moment of a recording on", cli::make_rewind},
     {"export", "write a recording's ports as CSV", cli::make_export},
-    {"exec", "run a program with a part's bus where it looks for its device", cli::make_exec},
+    {"exec", "run a program with a part's bus in place of its device", cli::make_exec},
     {"mirror", "serve a part once more, with two arms behind it", cli::make_mirror},
     {"completion", "print a completion script for a shell", cli::make_completion},
 };
@@ -62,7 +63,8 @@ int complain(cli::ExitCode code, const char* text) {
   return code;
 }
 
-// Wrong names and values are the user's, as wrong options are.
+// The exit code for a refused request. An unknown name or a bad value is the user's mistake, as a wrong
+// option is.
 cli::ExitCode code_of(protocol::ErrorCode code) {
   switch (code) {
     case protocol::ErrorCode::kUnknownName:
@@ -87,7 +89,8 @@ int run(cli::Verb& verb) try { return verb.run(); } catch (const cli::ExitError&
   return complain(cli::kFailed, error.what());
 }
 
-// Whether all that was printed has arrived. A pipe whose reader has seen enough (| head) is no failure.
+// Returns whether all output has arrived. A reader that closes the pipe early, as `| head` does, is not a
+// failure.
 bool is_printed() {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return true;
   pollfd reader{STDOUT_FILENO, 0, 0};
@@ -95,25 +98,22 @@ bool is_printed() {
 }
 
 int act(int argc, char** argv) {
-  CLI::App app{"visum: looks at and commands the parts of a Visum server, and runs scenarios"};
-  app.set_version_flag("--version", "visum " VISUM_VERSION);
+  CLI::App app{"Looks at and commands the parts of a Visum server, and runs scenarios", "visum"};
+  command_line::add_version(app);
   app.require_subcommand(1);
   app.footer(
       "`visum VERB --help` shows a verb's options and examples.\n"
-      "Exit codes: 0 done or passed, 1 refused or failed, 2 bad usage, unknown names and values, 3 scene or "
-      "scenario\n"
-      "wrong, 4 connection or controller lost, 5 a replay differs, 6 the host was too slow for real time,\n"
-      "124 timed out, 130 interrupted.");
+      "Exit codes: 0 done or passed, 1 refused or failed, 2 bad usage, unknown name or bad value, 3 the "
+      "scene or "
+      "scenario is wrong, 4 the connection or a controller was lost, 5 a replay differs, 6 the host was too "
+      "slow "
+      "for real time, 124 timed out, 130 interrupted.");
   std::vector<std::pair<CLI::App*, std::unique_ptr<cli::Verb>>> verbs;
   for (const Row& row : kVerbs) {
     verbs.emplace_back(app.add_subcommand(row.name, row.help), row.make());
     verbs.back().second->declare(*verbs.back().first);
   }
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? cli::kDone : cli::kUsage;
-  }
+  if (const auto code = command_line::parse(app, argc, argv)) return *code;
   for (const auto& [command, verb] : verbs) {
     if (command->parsed()) return run(*verb);
   }

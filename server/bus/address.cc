@@ -18,6 +18,12 @@ constexpr double kMostDelay_ms = 1e4;
   throw std::runtime_error("'" + text + "' is no bus: " + why);
 }
 
+std::vector<std::string> kind_names() {
+  std::vector<std::string> names;
+  for (const BusKind& row : bus_kinds()) names.emplace_back(row.name);
+  return names;
+}
+
 std::string known_kinds() {
   std::string kinds;
   for (const auto& row : bus_kinds()) kinds += (kinds.empty() ? "" : ", ") + std::string(row.name);
@@ -40,7 +46,8 @@ void read_option(const std::string& option, BusTiming& timing) {
   } else if (option.starts_with("delay_ms=")) {
     timing.delay_ns = static_cast<std::int64_t>(number_after(option, 9, 0.0, kMostDelay_ms) * 1e6);
   } else {
-    fail(option, "the options are baud=N and delay_ms=X");
+    fail(option, "the options are baud=N and delay_ms=X" +
+                     config::did_you_mean(option.substr(0, option.find('=')), {"baud", "delay_ms"}));
   }
 }
 
@@ -50,7 +57,8 @@ BusAddress parse(const std::string& part, const std::string& text) {
   BusAddress address{part, text.substr(0, colon), {}, {}};
   const auto is = [&](const BusKind& row) { return address.kind == row.name; };
   if (colon == std::string::npos || std::ranges::none_of(bus_kinds(), is))
-    fail(text, "it must begin with its kind and a colon; there are: " + known_kinds());
+    fail(text, "it must begin with its kind and a colon; there are: " + known_kinds() +
+                   config::did_you_mean(address.kind, kind_names()));
   auto comma = text.find(',', colon);
   address.where = text.substr(colon + 1, comma == std::string::npos ? comma : comma - colon - 1);
   if (address.where.empty()) fail(text, "nothing stands behind the colon");

@@ -73,7 +73,7 @@ void Gateway::handle(const Call& call, const protocol::ClearFault& request) {
   if (!part) return;
   const auto* kind = hwparts::find_fault_kind(request.kind);
   if (!kind && !request.kind.empty())
-    return call.fail(ErrorCode::kUnknownName, "there is no fault '" + request.kind + "'");
+    return call.fail(ErrorCode::kUnknownName, hwparts::unknown_fault(request.kind));
   auto* input = input_or_fail(call);
   if (!input) return;
   input->kind = Input::Kind::kClearFault;

@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
+#include "protocol/config/unknown_name.h"
 #include "server/gateway/gateway.h"
 
 namespace visum::gateway {
@@ -130,8 +132,11 @@ void Gateway::send_sample(Client& client, Subscription& subscription, const Publ
 void Gateway::handle(const Call& call, const protocol::PushBody& request) {
   const auto& bodies = world_.view.description.bodies;
   const auto found = std::ranges::find(bodies, request.body, &protocol::BodyDescription::name);
-  if (found == bodies.end())
-    return call.fail(ErrorCode::kUnknownName, "there is no body '" + request.body + "'");
+  if (found == bodies.end()) {
+    std::vector<std::string> known;
+    for (const auto& body : bodies) known.push_back(body.name);
+    return call.fail(ErrorCode::kUnknownName, config::unknown_name("body", request.body, known));
+  }
   if (found->fixed) return call.fail(ErrorCode::kWrongState, "'" + request.body + "' is fixed");
   if (!is_vector(request.force_n, false) || !is_vector(request.torque_nm, true) ||
       !is_vector(request.point_m, true))

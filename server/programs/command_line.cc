@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "protocol/command_line/parse.h"
 #include "server/gateway/page_files.h"
 #include "server/programs/program.h"
 
@@ -17,50 +18,54 @@ std::string check_http(const std::string& text) {
   return digits && std::stoi(text) <= 65535 ? std::string() : "must be a port from 0 to 65535, or off";
 }
 
-// All three, or none: to speak TLS to clients that are not known would be half of it.
+// All three files or none: TLS without knowing the clients would protect only half.
 void declare_tls(CLI::App& app, protocol::TlsFiles& tls) {
   auto* certificate = app.add_option("--tls-cert", tls.certificate,
-                                     "speak TLS 1.3 only, with this certificate (PEM), HTTP's port, too: "
-                                     "https, wss");
-  auto* key = app.add_option("--tls-key", tls.key, "its private key, ours alone to read");
-  auto* authority =
-      app.add_option("--tls-ca", tls.authority, "who must have signed the certificates of clients");
+                                     "speak TLS 1.3 only, with this certificate (PEM); also on the "
+                                     "port of HTTP (https, wss)");
+  auto* key =
+      app.add_option("--tls-key", tls.key, "the private key of --tls-cert; no other user may read the file");
+  auto* authority = app.add_option("--tls-ca", tls.authority,
+                                   "the authority that must have signed the clients' certificates (PEM)");
   for (auto* option : {certificate, key, authority})
     option->type_name("FILE")->check(CLI::ExistingFile)->needs(certificate)->needs(key)->needs(authority);
 }
 
 }  // namespace
 
-void declare_node_timeout(CLI::App& app, PluginOptions& words) {
-  app.add_option("--node-timeout", words.node_timeout_s,
-                 "seconds that a plug-in's call may take: then it hangs, and this ends with exit code 124; "
-                 "0: for ever")
+void declare_node_timeout(CLI::App& app, PluginOptions& plugins) {
+  app.add_option("--node-timeout", plugins.node_timeout_s,
+                 "seconds that one call of a plug-in may take; a longer call counts as hanging, and the "
+                 "program ends with exit code 124; 0: no limit")
       ->capture_default_str()
       ->check(CLI::IsMember({0.0}) | CLI::Range(0.1, 86400.0));
 }
 
-void declare_plugins(CLI::App& app, PluginOptions& words) {
-  app.add_option("--plugins", words.folders,
-                 "a folder that plug-ins of the scene may come from, before the installed one; repeatable")
+void declare_plugins(CLI::App& app, PluginOptions& plugins) {
+  app.add_option("--plugins", plugins.folders,
+                 "a folder to look for the scene's plug-ins in, before the installed one; repeatable")
       ->type_name("FOLDER")
       ->check(CLI::ExistingDirectory);
 }
 
 void declare_doors(CLI::App& app, gateway::DaemonOptions& daemon) {
-  app.add_option("--listen", daemon.address, "address to listen on; beyond loopback with --token-file only")
+  app.add_option("--listen", daemon.address, "address to listen on; one beyond loopback needs --token-file")
       ->capture_default_str();
   app.add_option("--port", daemon.port, "TCP port; 0: any free one")->capture_default_str();
   app.add_option(
       "--token-file", daemon.token_file,
-      "lines of \"ROLE TOKEN\" or \"ROLE CN=NAME\"; clients then need a token, or such a certificate");
+      "a file with lines of \"ROLE TOKEN\" or \"ROLE CN=NAME\"; clients then need such a token, or a "
+      "certificate with that name");
   declare_tls(app, daemon.tls);
 }
 
-void declare_common(CLI::App& app, gateway::DaemonOptions& daemon, OutputOptions& talk) {
+void declare_common(CLI::App& app, gateway::DaemonOptions& daemon, OutputOptions& output) {
   declare_doors(app, daemon);
-  app.add_option("--iterations", daemon.iterations, "end after so many ticks")->check(CLI::NonNegativeNumber);
-  app.add_flag("--json", talk.json, "print one line of JSON when ready");
-  app.add_option("-v", talk.verbosity, "0 errors, 1 warnings, 2 news, 3 details")->check(CLI::Range(0, 3));
+  app.add_option("--iterations", daemon.iterations, "end after this many ticks")
+      ->check(CLI::NonNegativeNumber);
+  app.add_flag("--json", output.json, "print one line of JSON when ready");
+  app.add_option("-v", output.verbosity, "how much to log: 0 errors, 1 warnings, 2 news, 3 details")
+      ->check(CLI::Range(0, 3));
 }
 
 gateway::HttpOptions HttpArguments::settled(const gateway::DaemonOptions& daemon) const {
@@ -72,34 +77,34 @@ gateway::HttpOptions HttpArguments::settled(const gateway::DaemonOptions& daemon
   if (!given && daemon.port == 0) http.port = 0;
   http.any_if_taken = !given;
   if (http.page.empty()) http.page = gateway::find_page_folder();
-  if (http.page.empty()) spdlog::warn("no page beside this program: HTTP has /healthz and /metrics only");
+  if (http.page.empty())
+    spdlog::warn(
+        "found no page beside this program, so HTTP serves /healthz and /metrics only; "
+        "--page names its folder");
   return http;
 }
 
-void declare_http(CLI::App& app, gateway::DaemonOptions& daemon, HttpArguments& words) {
+void declare_http(CLI::App& app, gateway::DaemonOptions& daemon, HttpArguments& http) {
   app.add_option(
-         "--http", words.port,
-         "port of the page, /metrics and /healthz; 0: any free one; off. Default: 8080, or any free one "
-         "where that is taken or --port is 0")
+         "--http", http.port,
+         "port of the page, /metrics and /healthz; 0: any free one; off: none. Default: 8080, or any free "
+         "one if 8080 is taken or --port is 0")
       ->type_name("PORT|off")
       ->check(check_http);
   app.add_option(
          "--http-host", daemon.http.hosts,
-         "a further name under which browsers may ask for the page; :PORT where they see another one than "
-         "--http; may be repeated")
+         "a further name under which browsers may ask for the page, with :PORT if they see another port than "
+         "--http; repeatable")
       ->type_name("NAME[:PORT]");
-  app.add_option("--page", daemon.http.page, "folder of the page's files, instead of the one found")
+  app.add_option("--page", daemon.http.page,
+                 "folder of the page's files; default: the one beside this program")
       ->type_name("FOLDER");
 }
 
-int run_command(CLI::App& app, int argc, char** argv, const std::string& name, const OutputOptions& talk,
-                const std::function<int()>& run) {
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kPassed : kUsage;
-  }
-  set_up_log(name, talk.verbosity);
+int run_command(CLI::App& app, const Command& command, const std::string& log_name,
+                const OutputOptions& output, const std::function<int()>& run) {
+  if (const auto code = command_line::parse(app, command.argc, command.argv)) return *code;
+  set_up_log(log_name, output.verbosity);
   return exit_code_of(run);
 }
 

@@ -1,4 +1,5 @@
-// The words that all server programs understand, and their way from the command line to run() and out.
+// The options that the server programs share, and the way from the command line to a program's work and its
+// exit code. Main thread only.
 #pragma once
 
 #include <functional>
@@ -13,41 +14,51 @@ class App;
 
 namespace visum::programs {
 
-// What is said, and how much of it.
+// How much a program prints, and in which form.
 struct OutputOptions {
   int verbosity = 2;  // 0 errors, 1 warnings, 2 news, 3 details
-  bool json = false;  // one line when ready
+  bool json = false;  // the result, or "ready", as one line of JSON on stdout
 };
 
 // Where plug-ins of scenes may come from, and how long one of their calls may take.
 struct PluginOptions {
   std::vector<std::string> folders;
-  double node_timeout_s = 10.0;  // 0: for ever
+  double node_timeout_s = 10.0;  // 0: no limit
   std::chrono::milliseconds node_timeout() const {
     return std::chrono::milliseconds(static_cast<std::int64_t>(node_timeout_s * 1e3));
   }
 };
-// --plugins; and --node-timeout, where their code runs.
-void declare_plugins(CLI::App& app, PluginOptions& words);
-void declare_node_timeout(CLI::App& app, PluginOptions& words);
+// Adds --plugins.
+void declare_plugins(CLI::App& app, PluginOptions& plugins);
+// Adds --node-timeout, for programs that run the plug-ins' code.
+void declare_node_timeout(CLI::App& app, PluginOptions& plugins);
 
-// --listen, --port, --token-file and --tls-...: where it can be reached, and by whom.
+// Adds --listen, --port, --token-file and the three --tls options: where clients reach the program, and who
+// may.
 void declare_doors(CLI::App& app, gateway::DaemonOptions& daemon);
-// Those, --iterations, --json and -v.
-void declare_common(CLI::App& app, gateway::DaemonOptions& daemon, OutputOptions& talk);
+// Adds those, --iterations, --json and -v.
+void declare_common(CLI::App& app, gateway::DaemonOptions& daemon, OutputOptions& output);
 
-// The port of the page, /metrics and /healthz, as a user said it.
+// The port of the page, /metrics and /healthz, as the user gave it.
 struct HttpArguments {
-  std::string port;  // or "off"; empty: not given
-  // What that means: without a word the usual port, or any free one where that is taken or --port leaves the
-  // choice too; with the page beside this program, unless another is named.
+  std::string port;  // a number, or "off"; empty: not given
+  // Fills in what the user left open. Without --http that is the usual port, or any free one if the usual one
+  // is taken or --port is 0. Without --page it is the page that stands beside this program.
   gateway::HttpOptions settled(const gateway::DaemonOptions& daemon) const;
 };
-// --http, --http-host and --page.
-void declare_http(CLI::App& app, gateway::DaemonOptions& daemon, HttpArguments& words);
+// Adds --http, --http-host and --page.
+void declare_http(CLI::App& app, gateway::DaemonOptions& daemon, HttpArguments& http);
 
-// Reads the words, sets up the log as `name`, and returns what run() does, or the exit code of its failure.
-int run_command(CLI::App& app, int argc, char** argv, const std::string& name, const OutputOptions& talk,
-                const std::function<int()>& run);
+// The words that a program, or one of its verbs, was started with.
+struct Command {
+  int argc;
+  char** argv;       // argv[0] is the program or the verb
+  std::string name;  // for --help: "visum check", as the user typed it
+};
+
+// Reads the words into the app, sets up the log as `log_name`, and calls run(). Returns what run() returns,
+// or the exit code for what it throws (exit_code_of).
+int run_command(CLI::App& app, const Command& command, const std::string& log_name,
+                const OutputOptions& output, const std::function<int()>& run);
 
 }  // namespace visum::programs

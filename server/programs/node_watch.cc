@@ -71,7 +71,7 @@ void NodeWatch::run() {
   }
 }
 
-// Nothing that the lost thread may hold is touched: no destructor runs.
+// Ends without destructors, which could wait for a lock that the lost thread holds.
 void NodeWatch::end_process(const StuckNode& lost) {
   spdlog::error(
       "{} has not come back for {:.1f} s and is given up: its plug-in hangs. What it holds cannot be\n"

@@ -1,6 +1,6 @@
-// Notices a plug-in's call that does not come back: tells of it after a second, and calls it lost after a
-// limit. A thread that is lost in a library cannot be taken back, so the process then ends. Time is counted
-// in looks, not read from a clock: a process that is stopped, or held by a debugger, is not stuck.
+// Notices a call into a plug-in that does not return. It warns after a second, and after a limit it ends the
+// process, because a thread inside a foreign library cannot be taken back. Time is counted in looks and not
+// read from a clock: a process that is stopped, or held by a debugger, does not count as stuck.
 #pragma once
 
 #include <chrono>
@@ -17,18 +17,21 @@ namespace visum::programs {
 
 using gateway::StuckNode;
 
-// The watch without its thread. Any one thread.
+// The logic of the watch, without its thread, so that a test can tick it. Not thread-safe: one thread uses
+// it.
 class CallWatch {
  public:
-  enum class Verdict { kFine, kTold, kBack, kLost };  // kTold, kBack, kLost: once each
+  // kTold: the call has become stuck. kBack: it has returned after all. kLost: the limit is over. Each is
+  // returned once; all other looks return kFine.
+  enum class Verdict { kFine, kTold, kBack, kLost };
 
-  // `limit` 0: nothing is ever lost.
+  // `limit` 0: a call may take for ever.
   explicit CallWatch(std::chrono::milliseconds limit) : limit_(limit) {}
-  // `passed` after the look before.
+  // `passed` is the time since the look before.
   Verdict look(std::chrono::milliseconds passed);
   const StuckNode& stuck() const { return stuck_; }
 
-  static constexpr std::chrono::milliseconds kTell{1000};
+  static constexpr std::chrono::milliseconds kTell{1000};  // a call is stuck from here on
 
  private:
   const std::chrono::milliseconds limit_;
@@ -37,11 +40,12 @@ class CallWatch {
   StuckNode stuck_;
 };
 
-// On a thread of its own, for as long as it lives.
+// Looks every 100 ms, on a thread of its own, from construction to destruction. The main of a program owns
+// it; one per process, as plugin::foreign_node() is global.
 class NodeWatch {
  public:
-  // `on_lost`: on the watch's thread, for the node that is lost. The usual one says so in the log and ends
-  // the process with kTimedOut.
+  // Calls `on_lost` on the watch's thread when a node is lost. By default that logs an error and ends the
+  // process with exit code kTimedOut.
   explicit NodeWatch(std::chrono::milliseconds limit,
                      std::function<void(const StuckNode&)> on_lost = end_process);
   ~NodeWatch();
@@ -55,12 +59,12 @@ class NodeWatch {
   void run();
 
   const std::function<void(const StuckNode&)> on_lost_;
-  CallWatch watch_;  // the thread's
+  CallWatch watch_;  // only the thread uses it
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   StuckNode stuck_;
   bool ended_ = false;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last, because it uses the members above
 };
 
 }  // namespace visum::programs

@@ -25,7 +25,7 @@
 namespace visum::programs {
 namespace {
 
-// A signal comes on any thread.
+// The kernel may run the signal handler on any thread, so all that it touches is atomic.
 std::atomic<gateway::Daemon*> running_daemon = nullptr;
 std::atomic<int> caught_signal = 0, handlers = 0;
 static_assert(std::atomic<gateway::Daemon*>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
@@ -37,7 +37,8 @@ void on_signal(int signal) {
   --handlers;
 }
 
-// What a signal stops. Once it is gone no handler knows the daemon, which may go, too.
+// Lets signals stop the daemon for as long as this object lives. Its destructor waits for handlers that still
+// run, so that none of them touches a daemon that is gone.
 struct Stoppable {
   explicit Stoppable(gateway::Daemon& daemon) { running_daemon = &daemon; }
   Stoppable(const Stoppable&) = delete;
@@ -54,7 +55,7 @@ void catch_signals() {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);  // a recording that may grow no more ends, and the world goes on
+  std::signal(SIGXFSZ, SIG_IGN);  // a recording at its size limit ends; the world goes on
 }
 
 // Tells systemd that the service is ready (sd_notify(3), Type=notify).
@@ -85,7 +86,7 @@ std::string buses_as_json(const bus::BusNames& buses) {
   return "{" + json + "}";
 }
 
-// What to type into a browser on this machine.
+// The host for a browser on this machine: an address that means "any" becomes localhost.
 std::string page_host(const std::string& address) {
   if (address == "0.0.0.0" || address == "::") return "localhost";
   return address.find(':') == std::string::npos ? address : "[" + address + "]";
@@ -114,7 +115,7 @@ void log_ready(const gateway::Daemon& daemon, const cycle::Simulation& simulatio
                const gateway::DaemonOptions& options) {
   spdlog::info("{}: {} parts, listening on {}:{}", simulation.scene().name, simulation.parts().size(),
                options.address, daemon.port());
-  spdlog::info("the engines' loops are those for {}", dynamics::processor_build());
+  spdlog::info("the engines use the loops for {}", dynamics::processor_build());
   if (const auto http = daemon.http_port(); http != 0) {
     if (options.http.port != 0 && http != options.http.port)
       spdlog::warn("port {} is taken; the page is at {}", options.http.port, http);
@@ -124,13 +125,13 @@ void log_ready(const gateway::Daemon& daemon, const cycle::Simulation& simulatio
     for (const auto& name : names) spdlog::info("{}: bus {}", part, name);
 }
 
-// What the threads of C++ throw where the system gives none.
+// std::thread throws this when the system refuses another thread.
 bool is_no_thread(const std::system_error& error) {
   return error.code() == std::errc::resource_unavailable_try_again;
 }
 constexpr const char* kNoThread =
-    "cannot start a thread: the limit of processes (ulimit -u, or pids of the container) or of memory is "
-    "reached";
+    "cannot start a thread: the limit of processes (ulimit -u, or the container's pids) or of memory is "
+    "reached; raise it";
 
 }  // namespace
 
@@ -141,7 +142,7 @@ void set_verbosity(int verbosity) {
 }
 
 void set_up_log(const std::string& name, int verbosity) {
-  // The colouring sink looks for itself whether stderr is a terminal.
+  // The sink with colours finds out by itself whether stderr is a terminal.
   spdlog::set_default_logger(std::getenv("NO_COLOR") ? spdlog::stderr_logger_mt(name)
                                                      : spdlog::stderr_color_mt(name));
   spdlog::set_pattern(name + ": %^%l%$: %v");
@@ -158,7 +159,7 @@ int exit_code_of(const std::function<int()>& run) {
     spdlog::error("{}", is_no_thread(error) ? kNoThread : error.what());
     return kUsage;
   } catch (const std::bad_alloc&) {
-    spdlog::error("there is no more memory: its limit (ulimit -v, or the container's) is reached");
+    spdlog::error("out of memory: the limit (ulimit -v, or the container's) is reached; raise it");
     return kUsage;
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());

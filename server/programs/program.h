@@ -1,4 +1,5 @@
-// What the server programs have in common around their daemon: log, signals, the ready line.
+// What the server programs share around their daemon: exit codes, the log, signals, the line that says
+// "ready". Main thread only, but for the signal handler inside.
 #pragma once
 
 #include <functional>
@@ -8,7 +9,7 @@
 
 namespace visum::programs {
 
-// Exit codes.
+// The exit codes of the server programs.
 enum Exit {
   kPassed = 0,
   kFailed = 1,
@@ -19,15 +20,17 @@ enum Exit {
   kInterrupted = 130
 };
 
-// To stderr, as "NAME: level: text"; 0 errors, 1 warnings, 2 news, 3 details.
+// The log goes to stderr as "NAME: level: text". Verbosity: 0 errors, 1 warnings, 2 news, 3 details.
 void set_up_log(const std::string& name, int verbosity);
 void set_verbosity(int verbosity);
 
-// What `run` returns; where it throws, the exit code of that, once the error is in the log.
+// Calls run() and returns its exit code. If it throws, the error goes to the log: kConfigWrong for a
+// ConfigError, else kUsage.
 int exit_code_of(const std::function<int()>& run);
 
-// Runs the daemon until it ends, or until SIGINT or SIGTERM end it; returns the signal, 0: none. Says that it
-// is ready before: on stdout as one line of JSON where wanted, else in the log, and to systemd.
+// Says that the daemon is ready, then runs it until it ends or SIGINT or SIGTERM ends it. Returns that
+// signal, or 0. "Ready" goes to stdout as one line of JSON if `json`, else to the log, and to systemd in both
+// cases.
 int run_until_signal(gateway::Daemon& daemon, const cycle::Simulation& simulation,
                      const gateway::DaemonOptions& options, bool json);
 

@@ -30,7 +30,8 @@ std::string seconds(std::int64_t ns) {
   return text;
 }
 
-// Other programs may well give other bits: that is said where it matters.
+// How the recording's build differs from this one. Another build may compute other bits, so a report of a
+// difference names it.
 std::string other_build(const recording::Replay& replay) {
   recording::Build here = recording::this_build({});
   return recording::difference(replay.header.build, here);
@@ -52,7 +53,7 @@ void print(const recording::Replay& replay) {
       std::cout << "  recorded by another build: " << other << "\n";
   }
   if (!replay.damage.empty())
-    std::cout << "DAMAGED: the recording can be read up to there only: " << replay.damage << "\n";
+    std::cout << "DAMAGED: the recording can be read only up to there: " << replay.damage << "\n";
   std::cout << std::flush;
 }
 

@@ -1,4 +1,4 @@
-// `visumd replay`, in words: what came of going through a recording again.
+// The output of `visumd replay`: whether a repeated run has the recorded run's bits.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace visum::programs {
 
-// Goes through it, says on stdout what came of it, as one line of JSON where wanted, and returns the exit
-// code. Throws what recording::replay throws.
+// Repeats the recorded run and prints the result on stdout, as one line of JSON if `json`. Returns the exit
+// code: kPassed, kDiffers, or kFailed if the file is damaged. Throws what recording::replay throws.
 int report_replay(const std::filesystem::path& file, const recording::PluginFolders& plugins, bool json);
 
 }  // namespace visum::programs

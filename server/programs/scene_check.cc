@@ -35,7 +35,8 @@ void print_right_as_json(const cycle::Simulation& simulation) {
             << ",\"parts\":" << simulation.parts().size() << ",\"losses\":[" << losses << "]}" << std::endl;
 }
 
-// {"file":...,"line":...,"key":...,"message":..., without the bracket at the end.
+// The members file, line, key and message of an error as JSON, after `before` and without the closing
+// bracket.
 std::string members_of(const config::ConfigError& error, const std::string& before) {
   const auto& place = error.place();
   return before + "\"file\":" + protocol::json_quoted(place.file) +
@@ -43,7 +44,8 @@ std::string members_of(const config::ConfigError& error, const std::string& befo
          ",\"message\":" + protocol::json_quoted(error.message());
 }
 
-// Of a scene that is right, says what is in it.
+// Returns the scene's errors. If there are none, prints what is in the scene. Three stages follow each other:
+// the file, the plug-ins' nodes, and the world with its engines; errors of one stage hide those of the next.
 std::vector<config::ConfigError> errors_of(const std::filesystem::path& file, const scene::Options& options,
                                            bool json) {
   std::vector<config::ConfigError> errors;

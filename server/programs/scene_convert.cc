@@ -11,7 +11,8 @@ namespace {
 
 void print(const std::filesystem::path& to, const std::vector<std::string>& losses) {
   for (const auto& loss : losses) std::cout << loss << "\n";
-  std::cout << to.string() << " is written" << (losses.empty() ? "" : ", but for the above") << std::endl;
+  std::cout << to.string() << " is written" << (losses.empty() ? "" : ", without what is listed above")
+            << std::endl;
 }
 
 void print_as_json(const std::filesystem::path& to, const std::vector<std::string>& losses) {

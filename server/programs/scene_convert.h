@@ -1,4 +1,4 @@
-// `visumd convert`: a scene into another format.
+// `visumd convert`: writes a scene in another format.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace visum::programs {
 
-// Writes `to` and says on stdout what it could not hold; true: nothing was lost. Throws ConfigError where the
-// scene is wrong; with `json`, that stands on stdout, too, as one line.
+// Writes `to` and prints on stdout what that format could not hold. Returns true if nothing was lost. Throws
+// ConfigError if the scene is wrong; with `json` it prints that error on stdout first, as one line.
 bool convert_scene(const std::filesystem::path& from, const std::filesystem::path& to,
                    const scene::Options& options, bool json);
 

@@ -1,5 +1,5 @@
-// visum-hwpart: serves a part of a scene with real modules behind it: the same ports as visumd's, over the
-// same protocol. A controller changes host and port.
+// visum-hwpart: serves a part of a scene with real modules behind it. Ports and protocol are those of visumd,
+// so a controller only changes host and port.
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "protocol/command_line/parse.h"
+#include "protocol/config/unknown_name.h"
 #include "server/bus/host_connection.h"
 #include "server/cycle/simulation.h"
 #include "server/gateway/daemon.h"
@@ -26,25 +28,25 @@ struct Options {
   std::string bus;
   double speedup = 1.0;
   double answer_ms = 50.0;
-  programs::OutputOptions talk;
+  programs::OutputOptions output;
   hwparts::RealOptions of_part;
   gateway::DaemonOptions of_daemon;
 };
 
+// The part of this name; without a name, the only one there is.
 scene::PartPlan pick_part(const scene::Scene& scene, const std::string& wanted) {
   std::vector<std::string> names;
   for (const auto& plan : scene.parts) {
     if (plan.context.name == wanted || (wanted.empty() && scene.parts.size() == 1)) return plan;
     names.push_back(plan.context.name);
   }
+  if (!wanted.empty()) throw std::runtime_error("--part: " + config::unknown_name("part", wanted, names));
   std::string known;
   for (const auto& name : names) known += (known.empty() ? "" : ", ") + name;
-  throw std::runtime_error((wanted.empty() ? "--part must name one of the scene's parts: "
-                                           : "the scene has no part '" + wanted + "'; it has: ") +
-                           known);
+  throw std::runtime_error("--part must name one of the scene's parts: " + known);
 }
 
-// The scene's part, without the scene's world: what is real needs no simulated bodies.
+// The scene's part without the scene's world: real modules need no simulated bodies.
 scene::Scene only_the_part(const scene::Scene& whole, const Options& options) {
   scene::Scene scene;
   scene.name = whole.name;
@@ -77,41 +79,42 @@ int run(Options options) {
     } while (line->now_ns() < due_ns);
   };
   gateway::Daemon daemon(simulation, options.of_daemon);
-  spdlog::info("{}: all modules of '{}' are there", line->name(), part.description().name);
-  const int signal = programs::run_until_signal(daemon, simulation, options.of_daemon, options.talk.json);
+  spdlog::info("{}: all modules of '{}' answer", line->name(), part.description().name);
+  const int signal = programs::run_until_signal(daemon, simulation, options.of_daemon, options.output.json);
   part.stand_down();
   spdlog::info("ended");
   return signal == SIGINT ? programs::kInterrupted : programs::kPassed;
 }
 
 void declare(CLI::App& app, Options& options) {
-  app.add_option("scene", options.scene, "the scene whose part it is, a YAML file")
+  app.add_option("scene", options.scene, "the scene that the part stands in, a YAML file")
       ->required()
       ->type_name("SCENE.yaml");
   app.add_option("--bus", options.bus,
-                 "where the modules are: serial:DEVICE,BAUD, tcp:HOST:PORT, slcan:DEVICE[,KBAUD] or\n"
+                 "where the modules are: serial:DEVICE,BAUD, tcp:HOST:PORT, slcan:DEVICE[,KBAUD] or "
                  "socketcan:INTERFACE")
       ->required()
       ->type_name("BUS");
-  app.add_option("--part", options.part, "the part's name, where the scene has several");
-  programs::declare_common(app, options.of_daemon, options.talk);
+  app.add_option("--part", options.part, "the part's name; needed if the scene has several parts");
+  programs::declare_common(app, options.of_daemon, options.output);
   app.add_flag("--execution-enable", options.of_part.execution_enable,
-               "an operator's word: the port Execution Enable starts as 1, not 0");
+               "let the port Execution Enable start as 1 instead of 0; only an operator should say so");
   app.add_flag("--watchdog", options.of_part.watchdog,
-               "the modules stop by themselves when nothing serves their watchdogs any more");
-  app.add_option("--answer-ms", options.answer_ms, "patience for an answer, of which there are three tries")
+               "let the modules stop by themselves when nothing serves their watchdogs any more");
+  app.add_option("--answer-ms", options.answer_ms,
+                 "milliseconds to wait for an answer; a request is tried three times")
       ->capture_default_str()
       ->check(CLI::Range(1.0, 1e4));
   app.add_option("--speedup", options.speedup,
-                 "how much faster than the wall clock the modules' time runs: simulated ones only")
+                 "how much faster than the wall clock the modules' time runs; for simulated modules only")
       ->capture_default_str()
       ->check(CLI::Range(1e-3, 1e3));
-  app.set_version_flag("--version", "visum-hwpart " VISUM_VERSION);
+  command_line::add_version(app);
   app.footer(
+      "Nothing moves at the start, nor before a controller writes Execution Enable.\n"
       "Example:\n"
       "  visum-hwpart models/scenes/amtec_arm.yaml --bus serial:/dev/ttyUSB0,38400\n"
-      "Nothing moves at start, and nothing before a controller writes Execution Enable.\n"
-      "Exit codes: 0 ended in good order, 2 bad usage, or a bus that is not this part's, 3 the scene is\n"
+      "Exit codes: 0 ended in good order, 2 bad usage or a bus without this part's modules, 3 the scene is "
       "wrong, 130 interrupted.");
 }
 
@@ -119,7 +122,8 @@ void declare(CLI::App& app, Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"visum-hwpart: serves a hardware part whose modules are real"};
+  CLI::App app{"Serves a hardware part whose modules are real", "visum-hwpart"};
   declare(app, options);
-  return programs::run_command(app, argc, argv, "visum-hwpart", options.talk, [&] { return run(options); });
+  return programs::run_command(app, {argc, argv, "visum-hwpart"}, "visum-hwpart", options.output,
+                               [&] { return run(options); });
 }

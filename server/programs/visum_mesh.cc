@@ -1,8 +1,11 @@
-// visum-mesh: reads a Collada file on standard input and answers its triangles, confined
-// (scene/collada/import.h has the answer's form). visumd runs it once for each file; a bad file's worst is
-// its end.
+// visum-mesh: reads a Collada file from standard input and writes its triangles to standard output
+// (scene/collada/import.h describes their form). visumd runs it once for each file. It confines itself before
+// it reads, so the worst that a bad file can do is to end this process.
 #include <unistd.h>
 
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
 #include <array>
 #include <cerrno>
 #include <cstdio>
@@ -11,6 +14,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "protocol/command_line/parse.h"
 #include "server/scene/collada/confine.h"
 #include "server/scene/collada/import.h"
 
@@ -41,11 +45,17 @@ void write_all(int fd, const std::string& bytes) {
 
 }  // namespace
 
-int main(int argc, char**) {
+int main(int argc, char** argv) {
   if (argc > 1) {
-    write_all(STDERR_FILENO,
-              "visum-mesh: reads Collada on standard input, for visumd; it takes no arguments\n");
-    return 2;
+    CLI::App app{"Reads a Collada mesh from standard input, for visumd", "visum-mesh"};
+    visum::command_line::add_version(app);
+    app.footer(
+        "Writes the mesh's triangles to standard output. visumd starts this program by itself for each "
+        "Collada "
+        "file of a scene: it has bounded time and memory, and may make no system calls beyond what that "
+        "needs.\n"
+        "Exit codes: 0 done, 1 the file is bad, 2 bad usage.");
+    return visum::command_line::parse(app, argc, argv).value_or(0);
   }
   int code = EXIT_SUCCESS;
   try {
@@ -55,5 +65,5 @@ int main(int argc, char**) {
     write_all(STDERR_FILENO, error.what());
     code = EXIT_FAILURE;
   }
-  ::_exit(code);  // what libraries would do at an ordinary exit is not allowed any more
+  ::_exit(code);  // libraries would make forbidden system calls at an ordinary exit
 }

@@ -1,5 +1,5 @@
-// visum-mirror: serves a part once more, with two arms behind it: both get the commands, the primary is
-// shown.
+// visum-mirror: serves a part once more, with two arms behind it. Both get the commands; the controller sees
+// the primary.
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -7,6 +7,7 @@
 #include <csignal>
 #include <string>
 
+#include "protocol/command_line/parse.h"
 #include "protocol/config/config.h"
 #include "protocol/token_file.h"
 #include "server/cycle/simulation.h"
@@ -25,7 +26,7 @@ struct Options {
   std::string arm_token_file;
   protocol::TlsFiles arm_tls;
   double speedup = 1.0;
-  programs::OutputOptions talk;
+  programs::OutputOptions output;
   programs::HttpArguments http;
   mirror::MirrorBounds bounds;
   gateway::DaemonOptions of_daemon;
@@ -65,54 +66,63 @@ int run(Options options) {
     } while (std::chrono::steady_clock::now() < due);
   };
   gateway::Daemon daemon(simulation, options.of_daemon);
-  const int signal = programs::run_until_signal(daemon, simulation, options.of_daemon, options.talk.json);
+  const int signal = programs::run_until_signal(daemon, simulation, options.of_daemon, options.output.json);
   spdlog::info("ended");
   return signal == SIGINT ? programs::kInterrupted : programs::kPassed;
 }
 
-void declare(CLI::App& app, Options& options) {
+void declare_arms(CLI::App& app, Options& options) {
   app.add_option("--primary", options.primary, "the arm that the controller sees")
       ->required()
       ->type_name("HOST:PORT");
-  app.add_option("--shadow", options.shadow, "the arm that only follows")->required()->type_name("HOST:PORT");
-  app.add_option("--part", options.part, "the part, of that name on both servers")->capture_default_str();
+  app.add_option("--shadow", options.shadow, "the arm that follows")->required()->type_name("HOST:PORT");
+  app.add_option("--part", options.part, "the part's name, the same on both servers")->capture_default_str();
   app.add_option("--arm-token-file", options.arm_token_file,
-                 "the token for both servers, where they want one: alone, or in lines of \"ROLE TOKEN\"");
+                 "a file with the token for both servers, if they ask for one: the token alone, or lines of "
+                 "\"ROLE TOKEN\"");
   const auto add_tls = [&](const char* name, std::string& file, const char* help, const char* variable) {
     app.add_option(name, file, help)->type_name("FILE")->envname(variable);
   };
-  add_tls("--arm-tls-ca", options.arm_tls.authority, "TLS to both: who signed their certificates (PEM)",
-          "VISUM_TLS_CA");
-  add_tls("--arm-tls-cert", options.arm_tls.certificate, "TLS to both: our certificate", "VISUM_TLS_CERT");
-  add_tls("--arm-tls-key", options.arm_tls.key, "TLS to both: its private key", "VISUM_TLS_KEY");
+  add_tls("--arm-tls-ca", options.arm_tls.authority,
+          "TLS to both arms: the authority that signed their certificates (PEM)", "VISUM_TLS_CA");
+  add_tls("--arm-tls-cert", options.arm_tls.certificate, "TLS to both arms: our certificate (PEM)",
+          "VISUM_TLS_CERT");
+  add_tls("--arm-tls-key", options.arm_tls.key, "TLS to both arms: our private key (PEM)", "VISUM_TLS_KEY");
+}
+
+void declare(CLI::App& app, Options& options) {
+  declare_arms(app, options);
   app.add_option("--angle-limit", options.bounds.angle_limit_rad,
-                 "rad of divergence that halt both; 0: none do")
+                 "halt both arms when they are more than this apart, in rad; 0: never")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1e3));
   app.add_option("--position-limit", options.bounds.position_limit_m,
-                 "m of divergence that halt both; 0: none do")
+                 "halt both arms when they are more than this apart, in m; 0: never")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1e3));
-  programs::declare_common(app, options.of_daemon, options.talk);
+  programs::declare_common(app, options.of_daemon, options.output);
   programs::declare_http(app, options.of_daemon, options.http);
   app.add_option("--speedup", options.speedup, "how much faster than the wall clock the arms' time runs")
       ->capture_default_str()
       ->check(CLI::Range(1e-3, 1e3));
-  app.set_version_flag("--version", "visum-mirror " VISUM_VERSION);
+  command_line::add_version(app);
   app.footer(
+      "Typically the primary is the real arm, and the virtual arm is its shadow. The part arm_divergence "
+      "says "
+      "how far the two are apart; its parameters switch the primary and set the limits. The page shows the "
+      "world of the primary, or of the shadow if only the shadow has one, and the other arm as a ghost.\n"
       "Example:\n"
-      "  visum mirror --primary 127.0.0.1:1501 --shadow 127.0.0.1:1500 --port 1502 --angle-limit 0.1\n"
-      "The virtual arm beside the real one, the real one in charge. The part arm_divergence says how\n"
-      "far the two are apart; its parameters switch the primary and set the limits. The page shows the\n"
-      "world of the primary, or of the shadow where only that has one, and the other arm as a ghost.\n"
-      "Exit codes: 0 ended in good order, 2 bad usage, or an arm that cannot be had, 130 interrupted.");
+      "  visum mirror --primary 127.0.0.1:1501 --shadow 127.0.0.1:1500 --port 1502\n"
+      "Exit codes: 0 ended in good order, 2 bad usage or an arm that cannot be reached, 130 interrupted.");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"visum-mirror: one part, two arms"};
+  const auto name = command_line::typed_name(argv[0], "mirror", "visum-mirror");
+  CLI::App app{"Serves a part once more, with two arms behind it", name};
   declare(app, options);
-  return programs::run_command(app, argc, argv, "visum-mirror", options.talk, [&] { return run(options); });
+  return programs::run_command(app, {argc, argv, name}, "visum-mirror", options.output,
+                               [&] { return run(options); });
 }

@@ -20,6 +20,20 @@ TEST(Format, FixedHoldsTheLargestNumber) {
   EXPECT_EQ(fixed(-1.0 / 3.0, 3), "-0.333");
 }
 
+TEST(Format, FixedHasNoNegativeZero) {
+  EXPECT_EQ(fixed(-4.94e-324, 6), "0.000000");
+  EXPECT_EQ(fixed(-0.0006, 3), "-0.001");
+}
+
+TEST(Format, ReadableHasNoDigitsOfRounding) {
+  EXPECT_EQ(readable(-8.370000000000001), "-8.37");
+  EXPECT_EQ(readable(-4.94e-324), "0");
+  EXPECT_EQ(readable(16777217.0), "16777217");
+  EXPECT_EQ(readable(1.0 / 3.0), "0.333333");
+  EXPECT_EQ(readable(1e300), "1e+300");
+  EXPECT_EQ(readable(std::numeric_limits<double>::infinity()), "inf");
+}
+
 TEST(Format, SecondsAndHash) {
   EXPECT_EQ(seconds(1'250'000'000), "1.250 s");
   EXPECT_EQ(hex(0x9fu), "000000000000009f");

@@ -10,10 +10,7 @@
 #include "clients/visum/common/temp_folder.h"
 #include "clients/visum/run/many.h"
 #include "clients/visum/run/plot.h"
-#include "clients/visum/run/report_file.h"
-#include "clients/visum/run/report_html.h"
-#include "clients/visum/run/report_junit.h"
-#include "clients/visum/run/report_many.h"
+#include "clients/visum/run/reports.h"
 #include "protocol/config/config.h"
 
 namespace visum::run {

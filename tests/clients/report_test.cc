@@ -1,9 +1,7 @@
-#include "clients/visum/run/report_junit.h"
+#include "clients/visum/run/reports.h"
 
 #include <gmock/gmock.h>
 #include <tinyxml2.h>
-
-#include "clients/visum/run/report_text.h"
 
 namespace visum::run {
 namespace {
@@ -111,8 +109,29 @@ TEST(ReportText, ShowsMeasuredValueBesideItsBound) {
   EXPECT_THAT(text, HasSubstr("  FAILED  bad   tilt of box 1.5 rad at 3.000 s, must be below 1 rad\n"));
   EXPECT_THAT(
       text,
-      HasSubstr("12.000 s simulated in 0.400 s (30 x real time), 12000 ticks, state hash 0000000000009f01"));
+      HasSubstr(
+          "12.000 s simulated in 0.400 s (30 x real time), 12000 ticks,\n  state hash 0000000000009f01\n"));
   EXPECT_THAT(text, HasSubstr("FAILED: 1 of 2 checks"));
+}
+
+TEST(ReportText, FitsA80ColumnTerminalAndKeepsAllWords) {
+  Report failed = report();
+  failed.code = cli::kFailed;
+  failed.scene = "a/folder/with/a/long/name/and/a/scene.yaml";
+  failed.checks[0].name = "the box stands on its spot and does not move any more";
+  failed.failures = {
+      "the condition of 'until' never held within max_sim_s, 60 s; this line is longer than 80 columns"};
+  const std::string text = report_text(failed, cli::Style(false));
+  std::size_t begin = 0;
+  for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', begin)) {
+    EXPECT_LE(end - begin, 80u) << text.substr(begin, end - begin);
+    begin = end + 1;
+  }
+  EXPECT_THAT(text, HasSubstr("  passed  the box stands on its spot and does not move any more\n"
+                              "          speed of box 0.5 m/s at 2.000 s, must be below 1 m/s\n"));
+  EXPECT_THAT(text,
+              HasSubstr("  FAILED  the condition of 'until' never held within max_sim_s, 60 s; this line\n"
+                        "          is longer than 80 columns\n"));
 }
 
 TEST(ReportText, ShowsTheLastLinesOfAControllerThatFailed) {

@@ -215,8 +215,8 @@ class Commands(unittest.TestCase):
     def test_faults_that_mean_nothing_are_refused_with_the_reason(self):
         for words, reason in ((("encoder_stuck",), "needs the number 'joint'"), (("encoder_stuck", "joint"), "must be NAME=NUMBER"),
                               (("encoder_stuck", "joint=12"), "there is no drive 12"), (("bus_lost",), "on no field bus"),
-                              (("stuck",), "there is no fault 'stuck'"), ((), "which fault?"),
-                              (("supply_dip", "volts=3", "--clear"), "takes no number but joint"),
+                              (("stuck",), "there is no fault 'stuck'"), ((), "no KIND given"),
+                              (("supply_dip", "volts=3", "--clear"), "takes only the number joint"),
                               (("--clear", "--for", "1"), "--for excludes --clear")):
             self.assertIn(reason, self.daemon.visum("fault", "arm", *words, expect=2).stderr, words)
 

@@ -40,10 +40,11 @@ TEST(FaultKinds, TakeTheirNumbersByName) {
 }
 
 TEST(FaultKinds, RefuseWhatTheyDoNotMeanWithTheReason) {
-  EXPECT_EQ(refusal("earthquake", {}), "there is no fault 'earthquake'; `visum faults` lists them");
   EXPECT_EQ(refusal("encoder_stuk", {}), "there is no fault 'encoder_stuk'; did you mean 'encoder_stuck'?");
+  EXPECT_EQ(refusal("rust", {}), "there is no fault 'rust'; `visum faults` lists them");
   EXPECT_EQ(refusal("encoder_stuck", {}), "'encoder_stuck' needs the number 'joint'");
-  EXPECT_EQ(refusal("encoder_stuck", {{"join", 1}}), "'encoder_stuck' has no number 'join'; it has joint");
+  EXPECT_EQ(refusal("encoder_stuck", {{"join", 1}}),
+            "'encoder_stuck' has no number 'join'; it has joint; did you mean 'joint'?");
   EXPECT_EQ(refusal("emergency_stop", {{"joint", 1}}), "'emergency_stop' has no number 'joint'; it has none");
   EXPECT_EQ(refusal("encoder_stuck", {{"joint", 1}, {"joint", 2}}), "'joint' is given twice");
   EXPECT_EQ(refusal("encoder_stuck", {{"joint", 1.5}}), "'joint' is the number of a drive, from 1");

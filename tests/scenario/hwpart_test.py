@@ -170,7 +170,7 @@ class WithoutABus(unittest.TestCase):
         self.assertIn("cannot set up /dev/null", self.refused("--bus", "serial:/dev/null"))
         self.assertIn("serial:DEVICE,BAUD", self.refused("--bus", "rs232:1"))
         self.assertIn("refused", self.refused("--bus", "tcp:1"))
-        self.assertIn("has no part 'amr'; it has: arm", self.refused("--bus", "tcp:1", "--part", "amr"))
+        self.assertIn("there is no part 'amr'; did you mean 'arm'?", self.refused("--bus", "tcp:1", "--part", "amr"))
 
     def test_a_bus_with_nobody_on_it_is_named(self) -> None:
         with socket.create_server(("127.0.0.1", 0)) as nobody:

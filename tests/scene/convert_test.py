@@ -29,7 +29,7 @@ class Convert(unittest.TestCase):
         done = convert("models/scenes/cart.yaml", self.to / "cart.x3d")
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("X3D has no panels\n", done.stdout)
-        self.assertIn("is written, but for the above", done.stdout)
+        self.assertIn("is written, without what is listed above", done.stdout)
 
     def test_what_loses_nothing_ends_with_0(self):
         done = convert("models/scenes/amtec_arm.yaml", self.to / "arm.yaml", "--json")

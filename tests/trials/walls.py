@@ -136,7 +136,7 @@ def no_more_memory(options: argparse.Namespace, folder: Path) -> str:
         resource.prlimit(daemon.pid, resource.RLIMIT_AS, (limit, limit))
         bodies, _ = hoard(daemon)
         code = daemon.process.returncode
-    expect(code > 0 and "no more memory" in log.read_text(), f"it ended with {code}: {log.read_text()}")
+    expect(code > 0 and "out of memory" in log.read_text(), f"it ended with {code}: {log.read_text()}")
     again = replay(options.bin, file)
     expect(again["damage"] == "" and int(str(again["ticks"])) > 0, f"the recording was finished: {again}")
     return f"with {bodies} bodies the system gives no more: it says so and ends; all of its {again['ticks']} ticks replayed"

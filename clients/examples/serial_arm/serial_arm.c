@@ -190,8 +190,21 @@ static bool halt_and_reset(struct arm* arm) {
   return ramp(arm, false);
 }
 
+static int help(void) {
+  puts(
+      "Finds, homes and moves an arm of PowerCube modules on a serial line\n"
+      "usage: visum-serial-arm DEVICE [BAUD] [TIME_SCALE]\n\n"
+      "BAUD        the line's speed; 38400 by default\n"
+      "TIME_SCALE  how much faster than the wall clock the arm's time runs; 1 by default\n"
+      "--help      prints this\n\n"
+      "Moves the modules on ramps and in steps at 50 Hz, halts and resets them, and prints how long all that took.\n"
+      "Exit codes: 0 all went well, 1 something did not, 2 bad usage.");
+  return 0;
+}
+
 int main(int argc, char** argv) {
   static struct arm arm;
+  if (argc == 2 && strcmp(argv[1], "--help") == 0) return help();
   const int baud = argc > 2 ? atoi(argv[2]) : 38400;
   arm.time_scale = argc > 3 ? atof(argv[3]) : 1.0;
   if (argc < 2 || argc > 4 || arm.time_scale <= 0.0) {

@@ -1,5 +1,5 @@
-// Completion scripts for the shells: verbs, options, and, asked from the server while the user types, parts
-// and ports.
+// Writes completion scripts for the shells. They complete verbs and options, and ask the server for parts and
+// ports while the user types.
 #pragma once
 
 #include <string>

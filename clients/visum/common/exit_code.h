@@ -1,4 +1,4 @@
-// The exit codes of `visum`, the same for all verbs.
+// The exit codes of `visum`, the same for all verbs, and the exception that carries one.
 #pragma once
 
 #include <stdexcept>
@@ -12,7 +12,7 @@ enum ExitCode : int {
   kUsage = 2,          // wrong options, unknown names, values that no port takes
   kBadConfig = 3,      // the scene or scenario is wrong
   kLost = 4,           // the connection or a controller was lost, or timed out in lockstep
-  kInvalid = 6,        // the host was too slow for the pace that was asked: the run says nothing
+  kInvalid = 6,        // the host was too slow for the wanted pace, so the run is invalid
   kTimedOut = 124,     // the wall time that was allowed is over
   kExecFailed = 125,   // `visum exec` itself failed
   kInterrupted = 130,  // Ctrl-C

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 
 namespace visum::cli {
 namespace {
@@ -27,10 +28,17 @@ std::string rounded(double number, int digits) {
 
 std::string fixed(double number, int decimals) {
   Buffer buffer;
+  if (std::abs(number) * std::pow(10.0, decimals) < 0.5) number = 0.0;
   const auto end =
       std::to_chars(buffer.data(), buffer.data() + buffer.size(), number, std::chars_format::fixed, decimals)
           .ptr;
   return {buffer.data(), end};
+}
+
+std::string readable(double number, int digits) {
+  if (std::abs(number) < 1e-300) return "0";
+  const bool is_whole = number == std::floor(number) && std::abs(number) < 1e15;
+  return is_whole ? fixed(number, 0) : rounded(number, digits);
 }
 
 std::string seconds(std::int64_t time_ns) {

@@ -9,11 +9,14 @@ namespace visum::cli {
 
 std::string exact(double number);                // the shortest text that reads back to the same bits
 std::string rounded(double number, int digits);  // `digits` significant ones, "0.0123", "-1.2e+10"
-std::string fixed(double number, int decimals);
+std::string fixed(double number, int decimals);  // "-0.333"; never "-0.000"
+// For people: whole numbers in full, others with `digits` significant ones. Values below 1e-300, which only
+// rounding errors produce, become "0".
+std::string readable(double number, int digits = 6);
 std::string seconds(std::int64_t time_ns);  // "1.250 s"
 std::string hex(std::uint64_t hash);        // 16 digits
 
-// Columns padded to their widest cell, two blanks between; a line each.
+// A table as text: a line for each row, columns padded to their widest cell, two blanks between them.
 class Table {
  public:
   void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }

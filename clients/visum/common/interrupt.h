@@ -1,5 +1,5 @@
-// Ctrl-C and SIGTERM as a flag that loops ask for. Installed by the verbs that have something to put in order
-// first.
+// Turns Ctrl-C and SIGTERM into a flag that loops ask for. Verbs that must clean up before they end install
+// it.
 #pragma once
 
 namespace visum::cli {

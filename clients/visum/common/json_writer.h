@@ -1,5 +1,5 @@
-// Writes JSON into a string, on one line. Numbers as short as they read back exactly; NaN and infinity become
-// null.
+// Writes JSON into a string, on one line. Numbers are as short as they can be and still read back to the same
+// bits; NaN and infinity become null.
 //
 //   JsonWriter json;
 //   json.begin_object().member("port",

@@ -1,4 +1,4 @@
-// From the options that every connecting verb has to a session, and from names to what the server calls them.
+// Opens a session by the options that every connecting verb has, and looks parts up by name.
 #pragma once
 
 #include <string>
@@ -16,11 +16,12 @@ struct LinkOptions {
   bool json = false;
 };
 
-// Throws ExitError: kUsage for a wrong address, kLost where nobody answers, kFailed where the server refuses.
+// Throws ExitError(kUsage) for a wrong address or token file, ConnectionError if no server answers,
+// RequestError if it refuses us.
 protocol::Connection open_link(const LinkOptions& options, protocol::Role role,
                                const std::string& client_name = "visum");
 
-// Throws ExitError(kUsage) that names the nearest part.
+// Throws ExitError(kUsage) for an unknown part; the message suggests the nearest.
 protocol::PartDescriptionReply describe_part(protocol::Connection& link, const std::string& part);
 
 }  // namespace visum::cli

@@ -28,7 +28,7 @@ std::string allowed(const Parameter& parameter) {
     for (const std::string& choice : parameter.choices) list += (list.empty() ? "" : " | ") + choice;
     return list;
   }
-  if (is_ranged(parameter)) return exact(parameter.minimum) + " .. " + exact(parameter.maximum);
+  if (is_ranged(parameter)) return readable(parameter.minimum) + " .. " + readable(parameter.maximum);
   return type_name(parameter.value);
 }
 
@@ -41,7 +41,7 @@ bool parse_whole(const std::string& text, T& number) {
 }  // namespace
 
 std::string to_text(const ParameterValue& value) {
-  if (const auto* number = std::get_if<double>(&value)) return exact(*number);
+  if (const auto* number = std::get_if<double>(&value)) return readable(*number, 9);
   if (const auto* integer = std::get_if<std::int64_t>(&value)) return std::to_string(*integer);
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
   return std::get<std::string>(value);

@@ -1,4 +1,4 @@
-// A part's parameters as text and JSON.
+// Shows a part's parameters as text and JSON, and reads values for them.
 #pragma once
 
 #include <string>

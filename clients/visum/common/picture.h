@@ -1,4 +1,5 @@
-// A camera's picture as its blackboard `image` holds it, and as a PNG file. libpng stays inside picture.cc.
+// Reads a camera's picture from its blackboard `image` and writes it as a PNG file. libpng stays inside
+// picture.cc.
 #pragma once
 
 #include <cstddef>
@@ -17,11 +18,11 @@ struct Picture {
   std::vector<std::byte> pixels;  // row by row from the top: RGB bytes, 32-bit floats (m), 16 bits (body + 1)
 };
 
-// Throws std::runtime_error where the bytes are no picture.
+// Throws std::runtime_error if the bytes are not a picture.
 Picture read_picture(std::span<const std::byte> blackboard);
 
-// Colours as 8-bit RGB; depths as 16-bit grey in mm, what is beyond 65.535 m as that; bodies as 16-bit grey.
-// Throws std::runtime_error with the reason; what stood in `file` before is there still, then.
+// Colours as 8-bit RGB; depths as 16-bit grey in mm, larger ones as 65.535 m; bodies as 16-bit grey.
+// Throws std::runtime_error with the reason; an older `file` then stays as it was.
 void write_png(const Picture& picture, const std::filesystem::path& file);
 
 }  // namespace visum::cli

@@ -1,4 +1,4 @@
-// Ports by what a user types: a port's name, or a group's for all of it.
+// Finds ports by the words that a user types: a port's name, or a group's name for all its ports.
 #pragma once
 
 #include <string>
@@ -21,7 +21,7 @@ std::vector<PortRef> find_ports(const protocol::PartDescription& part, const std
 // One controller input, by name. A sensor output of that name is refused as such.
 PortRef find_input(const protocol::PartDescription& part, const std::string& name);
 
-// A number a port takes, or ExitError(kUsage) that names port and range.
+// Reads a number that the port takes. Throws ExitError(kUsage), which names port and range.
 double read_value(const protocol::PartDescription& part, const protocol::Port& port, const std::string& text);
 
 }  // namespace visum::cli

@@ -15,9 +15,10 @@ double value_of(const protocol::PartSample& sample, const PortRef& port) {
 std::string sample_table(const protocol::PartSample& sample, const std::vector<PortRef>& ports) {
   Table table;
   for (const PortRef& port : ports) {
-    // A state word is a bit field: seven digits of a float would cut it.
+    // A port without a unit may be a bit field such as a state word: a fixed number of digits would cut it.
     const double value = value_of(sample, port);
-    table.row({port.port->name, port.port->unit.empty() ? exact(value) : fixed(value, 6), port.port->unit});
+    table.row(
+        {port.port->name, port.port->unit.empty() ? readable(value, 9) : fixed(value, 6), port.port->unit});
   }
   return table.text();
 }
@@ -33,7 +34,7 @@ std::string sample_json(const protocol::PartSample& sample, const std::vector<Po
 std::string sample_line(const protocol::PartSample& sample, const std::vector<PortRef>& ports) {
   std::string line = seconds(sample.sim_time_ns);
   for (const PortRef& port : ports) {
-    line += "  " + port.port->name + "=" + rounded(value_of(sample, port), 9);
+    line += "  " + port.port->name + "=" + readable(value_of(sample, port), 9);
     if (!port.port->unit.empty()) line += " " + port.port->unit;
   }
   return line;

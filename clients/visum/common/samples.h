@@ -1,4 +1,4 @@
-// A part's sample as text and JSON.
+// Shows a sample of a part as text and JSON.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace visum::cli {
 
-// Throws ExitError(kFailed) where the sample is shorter than the part's description says.
+// Throws ExitError(kFailed) if the sample is shorter than the part's description says.
 double value_of(const protocol::PartSample& sample, const PortRef& port);
 
 std::string sample_table(const protocol::PartSample& sample, const std::vector<PortRef>& ports);

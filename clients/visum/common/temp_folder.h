@@ -1,4 +1,4 @@
-// A folder of our own for as long as this object lives; removed with all that is in it.
+// A temporary folder; the destructor removes it with all that is in it. One thread.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@ namespace visum::cli {
 
 class TempFolder {
  public:
-  TempFolder();  // under $TMPDIR or /tmp, for us alone. Throws ExitError(kFailed) where there is no room.
+  TempFolder();  // under $TMPDIR or /tmp, for our user alone; throws ExitError(kFailed)
   ~TempFolder();
   TempFolder(const TempFolder&) = delete;
   TempFolder& operator=(const TempFolder&) = delete;

@@ -1,5 +1,4 @@
-// What may be done to a terminal: colours (never where NO_COLOR is set, or into a file) and a line that is
-// updated.
+// Output for a terminal: colours (never with NO_COLOR, nor into a file) and text that must fit it.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +8,7 @@
 namespace visum::cli {
 
 bool is_terminal(std::FILE* stream);
-std::size_t rows_of(std::FILE* stream);  // 0: it does not say
+std::size_t rows_of(std::FILE* stream);  // 0: unknown
 
 class Style {
  public:
@@ -25,10 +24,10 @@ class Style {
   bool colours_;
 };
 
-// As many lines as fit above the cursor's own; the last one says how many are left out.
+// The first lines of `text`, as many as fit above the cursor's line. The last one says how many are left out.
 std::string cut_to_rows(const std::string& text, std::size_t rows);
 
-// Text from elsewhere (controllers, servers) without what could steer the terminal.
+// Text from controllers or servers, with control characters replaced so that it cannot steer the terminal.
 std::string printable(const std::string& text);
 
 }  // namespace visum::cli

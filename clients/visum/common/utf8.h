@@ -1,4 +1,4 @@
-// Text from elsewhere, made safe for formats that must be UTF-8.
+// Makes any text safe for formats that must be UTF-8.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace visum::cli {
 
-// Bytes that are no UTF-8 become '?'.
+// Bytes that are not UTF-8 become '?'.
 std::string valid_utf8(std::string_view text);
 
 }  // namespace visum::cli

@@ -1,5 +1,4 @@
-// A file that takes the place of an earlier one only once it is whole. What is no plain file (a pipe, a link,
-// a device) is written at once.
+// Writes a file in one go (protocol/config/new_file.h): readers see the older one or the whole new one.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +6,7 @@
 
 namespace visum::cli {
 
-// Throws std::runtime_error with the reason; nothing is left of what could not be written.
+// Throws std::runtime_error with the reason. A file that could not be written whole is removed.
 void write_whole_file(const std::filesystem::path& file, std::span<const char> bytes);
 
 }  // namespace visum::cli

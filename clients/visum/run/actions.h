@@ -1,4 +1,5 @@
-// Does what the time line says.
+// Carries out the actions of the time line, by requests to the daemon and signals to the controllers. Main
+// thread; the runner owns it. What it refers to must outlive it.
 #pragma once
 
 #include <functional>
@@ -15,7 +16,7 @@ class Actions {
   Actions(Session& session, Controllers& controllers, const Catalogue& catalogue, OnSay on_say)
       : session_(session), controllers_(controllers), catalogue_(catalogue), on_say_(std::move(on_say)) {}
 
-  // Throws ExitError(kFailed) that names the place in the scenario where the server refuses.
+  // Throws ExitError(kFailed) if the server refuses; the message names the place in the scenario.
   void perform(const TimelineEntry& entry);
 
  private:

@@ -1,4 +1,4 @@
-// One demand of a scenario, followed through a run.
+// One check of a scenario, followed through a run. Main thread; the runner owns it.
 #pragma once
 
 #include <cstdint>
@@ -16,19 +16,20 @@ struct CheckResult {
   std::string bound;  // "below 0.01 m"
   std::string unit;
   bool passed = false;
-  std::optional<double> value;        // at the end, the worst, or the best one, as the window has it
+  std::optional<double>
+      value;  // at the end, the worst, or the best one, depending on the window; empty: no step fell in it
   double at_s = 0.0;                  // when it was measured
   std::string failure;                // empty if passed
   std::vector<double> limits{};       // values between which it holds, for plots
-  std::vector<CoursePoint> course{};  // at the steps at which it was looked at
+  std::vector<CoursePoint> course{};  // its values over time
 };
 
 class Check {
  public:
-  // `spec` must outlive the check. Throws ConfigError where it names what is not there.
+  // `spec` must outlive the check. Throws ConfigError if it names something that the world does not have.
   Check(const CheckSpec& spec, const Catalogue& catalogue);
 
-  void tie_again(const Catalogue& catalogue);  // after bodies came or went
+  void tie_again(const Catalogue& catalogue);  // finds its bodies anew, after bodies came or went
   void observe(const Observation& now);
   CheckResult result() const;  // as of the last observation
 

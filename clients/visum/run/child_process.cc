@@ -48,8 +48,8 @@ void ChildProcess::drain() {
   read_pipe(err_);
 }
 
-// A piece at a time: a child that prints without end must not keep us from everything else. What an ended one
-// left behind is at most what a pipe holds.
+// Reads one piece at a time: a child that prints without end must not keep us from all other work. A child
+// that has ended left at most one pipe full.
 void ChildProcess::read_pipe(Pipe& pipe) {
   constexpr int kPipeReads = 16;  // of 4 KiB each: Linux' pipe
   std::array<char, 4096> buffer;
@@ -85,12 +85,13 @@ void ChildProcess::close_pipe(Pipe& pipe) {
   pipe.fd = -1;
 }
 
-// The rest of its group is killed while the ended child still keeps the group's number.
+// Kills the rest of the group before the ended child is reaped, because until then no other group can get its
+// number.
 const std::optional<ExitStatus>& ChildProcess::check_exit() {
   if (exit_) return exit_;
   siginfo_t info{};
   if (::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0) {
-    if (errno == ECHILD) exit_ = ExitStatus{false, -1};  // somebody else took it: it is gone all the same
+    if (errno == ECHILD) exit_ = ExitStatus{false, -1};  // already reaped elsewhere: it has ended
     return exit_;
   }
   if (info.si_pid != pid_) return exit_;
@@ -101,8 +102,8 @@ const std::optional<ExitStatus>& ChildProcess::check_exit() {
   return exit_;
 }
 
-// A child that ends closes its pipes, which ends the poll; one that only closed its pipes is looked after at
-// intervals.
+// A child that ends closes its pipes, which ends the poll at once. A child that only closed its pipes ends no
+// poll, so each poll takes at most 5 ms.
 bool ChildProcess::wait_exit(std::chrono::milliseconds patience) {
   const auto give_up = Clock::now() + patience;
   while (!check_exit()) {

@@ -1,6 +1,6 @@
-// A program that runs under ours: its output line by line, its end, and the promise that nothing of it is
-// left: it gets a process group of its own, which is killed when it ends, when this object goes, or (the
-// program itself) when our process dies. One thread; nothing happens but in these calls.
+// A program that we start: its output line by line, and its end. Nothing of it is left over: it gets a
+// process group of its own, which is killed when the program ends or this object goes. If our process dies,
+// the kernel kills the program itself. One thread uses it; callbacks run only inside of its calls.
 #pragma once
 
 #include <poll.h>
@@ -25,20 +25,19 @@ class ChildProcess {
  public:
   using OnLine = std::function<void(const std::string& line)>;
 
-  // Starts argv[0], looked up in PATH where it has no slash. Throws std::runtime_error where it cannot be
-  // started.
+  // Starts argv[0], looked up in PATH if it has no slash. Throws std::runtime_error if it cannot be started.
   ChildProcess(std::string name, const std::vector<std::string>& argv, OnLine on_out, OnLine on_err);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   const std::string& name() const { return name_; }
-  void add_to(std::vector<pollfd>& set) const;    // its open pipes, to be polled for input
-  void drain();                                   // hands out the lines that are there, without waiting
+  void add_to(std::vector<pollfd>& set) const;    // adds its open pipes, to poll for input
+  void drain();                                   // passes on the lines that are there, without waiting
   const std::optional<ExitStatus>& check_exit();  // without waiting
   bool wait_exit(std::chrono::milliseconds patience);
   void signal(int number) const;
-  // SIGINT; after `patience` SIGKILL. Returns when it has ended.
+  // Sends SIGINT, and SIGKILL after `patience`. Returns when the program has ended.
   void stop(std::chrono::milliseconds patience);
 
   const std::deque<std::string>& last_lines() const { return last_lines_; }  // of both outputs, newest last

@@ -25,7 +25,8 @@ const protocol::LockstepMember* find_member(const protocol::ServerStatus& status
   return found == status.lockstep.end() ? nullptr : &*found;
 }
 
-// What a program that knows nothing of a clock is started by; empty: by nobody.
+// The command of `visum exec` that keeps a program in step if it knows nothing of a clock; empty: it needs
+// none.
 std::vector<std::string> scheduler_of(const ControllerSpec& spec, const std::string& connect) {
   if (!spec.shim && spec.gate.empty()) return {};
   std::vector<std::string> argv{(own_folder() / "visum").string(), "exec", "--name", spec.client};
@@ -121,7 +122,8 @@ void Controllers::note_who_left(const protocol::ServerStatus& status) {
   }
 }
 
-// While the world stands. The server, too, has then seen the connection's end.
+// Waits, while the world stands, until the process has ended and the server has seen the end of its
+// connection.
 void Controllers::await_exit(Controller& controller) {
   const auto give_up = Clock::now() + kPatienceToLeave;
   while (!controller.process->check_exit() || find_member(session_.status(), controller.spec->client)) {
@@ -134,7 +136,7 @@ void Controllers::await_exit(Controller& controller) {
   check_ends();
 }
 
-// The members' own work is what takes the time here; asking often at first finds out at once who is quick.
+// The members' own work takes the time here. So it asks without a pause at first, for members that are quick.
 void Controllers::settle(protocol::ServerStatus status) {
   for (int tries = 0; session_.clock() == "lockstep" && is_undecided(status); ++tries) {
     if (tries > 20) wait_loop_.wait(-1, milliseconds(1));
@@ -173,7 +175,7 @@ bool Controllers::all_done() const {
 void Controllers::check_ends() {
   for (const Controller& controller : controllers_) {
     const std::string failure = failure_of(controller);
-    if (failure.empty() || !controller.lost.empty()) continue;  // those were lost before; the others go on
+    if (failure.empty() || !controller.lost.empty()) continue;  // those were late before; the others go on
     const bool by_signal = controller.process->check_exit()->by_signal;
     throw cli::ExitError(by_signal ? cli::kLost : cli::kFailed,
                          "controller '" + controller.spec->name + "' " + failure);
@@ -187,8 +189,8 @@ std::string Controllers::failure_of(const Controller& controller) const {
   return exit && (exit->by_signal || exit->number != 0) ? exit->text() : std::string();
 }
 
-// A killed process is gone when this returns, and the server has seen it: what follows is the same in every
-// run.
+// After SIGKILL it waits until the process is gone and the server has seen it, so that every run goes on in
+// the same way.
 void Controllers::signal(const std::string& name, int number) {
   for (Controller& controller : controllers_) {
     if (controller.spec->name != name || !controller.process) continue;

@@ -1,4 +1,4 @@
-// The scenario's controllers as processes and as members of the lockstep.
+// The scenario's controllers, as processes and as members of the lockstep. Main thread; the runner owns it.
 #pragma once
 
 #include <functional>
@@ -17,9 +17,9 @@ namespace visum::run {
 struct ControllerResult {
   std::string name;
   std::string end;                      // "exited with code 0", "was stopped at the end"
-  std::string failure;                  // empty if it ended well
+  std::string failure;                  // empty: it ended well
   std::vector<std::string> last_lines;  // of its output
-  bool lost = false;                    // the failure is not an exit code: a signal, or it was late
+  bool lost = false;                    // it failed by a signal or by being late, not by an exit code
 };
 
 class Controllers {
@@ -31,23 +31,24 @@ class Controllers {
               Session& session, WaitLoop& wait_loop, OnLine on_line);
   ~Controllers();  // stops those that still run, all at once
 
-  // Starts all, and returns when those that join the clock have joined it. Throws ConfigError where a program
-  // cannot be started, ExitError where one ends before it joined (kFailed) or does not join in time (kLost).
+  // Starts all, and returns when those that join the clock have joined it. Throws ConfigError if a program
+  // cannot be started. Throws ExitError if one ends before it joined (kFailed) or does not join in time
+  // (kLost).
   void start(double patience_s);
 
-  // While we hold the world: waits until every member either lets the world run on or has left, and for those
-  // that have left, until they have ended. What it knows then does not depend on who was faster. `status` is
-  // the newest there is.
+  // Call it while we hold the world. Waits until every member has let the world run on or has left, and until
+  // those that have left have ended. So the result does not depend on which program was faster. `status` is
+  // the newest one.
   void settle(protocol::ServerStatus status);
-  // Members that the server no longer waits for: who was to be let go on (`on_timeout`) has no clock from now
-  // on. Throws ExitError(kLost) of others.
+  // Notes members that were late, for which the server no longer waits. Depending on `on_timeout` they go on
+  // without the clock, or their parts are stopped. Throws ExitError(kLost) if the run ends with it.
   void note_timeouts();
-  bool any_in_real_time() const;  // let go on, and not ended
-  // All have ended or are known to have left.
+  bool any_in_real_time() const;  // whether one that was late still goes on
+  // Whether all have ended, or have left the clock.
   bool all_done() const;
 
-  // Throws ExitError where one ended badly: kFailed for an exit code, kLost for a signal that the time line
-  // did not send.
+  // Throws ExitError if one ended badly: kFailed for an exit code, kLost for a signal that the time line did
+  // not send.
   void check_ends();
   void signal(const std::string& name, int number);
   void stop_all();
@@ -60,8 +61,8 @@ class Controllers {
     bool joins = false, joined = false, left = false;
     bool signalled = false;  // by the time line: its end is no failure
     bool stopped = false;    // by us, at the end
-    bool let_go = false;     // it was late, and goes on by itself
-    std::string lost;        // it was late, and its parts were stopped: why
+    bool let_go = false;     // it was late and goes on without the clock
+    std::string lost;        // the reason, if it was late and its parts were stopped
   };
 
   void start_one(Controller& controller);

@@ -1,5 +1,5 @@
-// How a measured value went through a run, in few points: where there are too many steps, neighbours share
-// one, which keeps the lowest and the highest of them.
+// The values of a check over a run, in few points. If there are too many steps, neighbours share a point,
+// which keeps their lowest and highest value.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ class Course {
  public:
   static constexpr std::size_t kMaxPoints = 256;  // even
 
-  void add(double at_s, double value);  // what is no finite number leaves a gap
+  void add(double at_s, double value);  // a value that is not finite leaves a gap
   const std::vector<CoursePoint>& points() const { return points_; }
 
  private:

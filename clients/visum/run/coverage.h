@@ -1,5 +1,5 @@
-// Which part of a floor a body has been near, by the world's truth. The floor is a rectangle of cells; those
-// that stand in something fixed do not count.
+// The share of a floor that a body has been near, from the world's true positions. The floor is a rectangle
+// of cells; cells inside something fixed do not count.
 #pragma once
 
 #include <array>
@@ -11,15 +11,15 @@ namespace visum::run {
 
 struct FloorSpec {
   std::array<double, 2> from{}, to{};  // opposite corners in the world, m
-  double within_m = 0.0;               // so near is covered
+  double within_m = 0.0;               // a cell nearer than this is covered
   double cell_m = 0.1;
-  double height_m = 0.1;  // above z = 0, at which something stands in the way
+  double height_m = 0.1;  // above z = 0; a fixed shape at this height blocks a cell
 };
 inline constexpr std::size_t kMaxFloorCells = 250'000;
 
 class Coverage {
  public:
-  // `fixed` holds the shapes that stand, with the numbers of their bodies.
+  // A fixed shape, with the number of its body.
   struct Obstacle {
     std::size_t body;
     protocol::ShapeDescription shape;
@@ -27,11 +27,12 @@ class Coverage {
   Coverage() = default;
   Coverage(const FloorSpec& spec, std::vector<Obstacle> obstacles);
 
-  // What an earlier one has found, of the same floor and body: it may name other obstacles, by other numbers.
+  // Takes over the result of an earlier object of the same floor and body, whose bodies may have had other
+  // numbers.
   void go_on(Coverage&& earlier);
-  // The body is here now. `poses` as in a WorldSample.
+  // Notes that the body is here now. `poses` is that of a WorldSample.
   void note(double x, double y, const std::vector<double>& poses);
-  double share() const;  // of the free cells; NaN before the first note()
+  double share() const;  // covered cells by free cells, 0 to 1; NaN before the first note()
 
  private:
   void find_free_cells(const std::vector<double>& poses);
@@ -43,7 +44,7 @@ class Coverage {
   bool known_ = false;
 };
 
-// Whether cells can be told to be free of such a shape: not of meshes and hulls.
+// Whether a cell can be tested against such a shape, which is not so for meshes and hulls.
 bool is_plain(const protocol::ShapeDescription& shape);
 
 }  // namespace visum::run

@@ -15,7 +15,7 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr milliseconds kFarewell{5000};  // it ends its tick and its sessions first
+constexpr milliseconds kFarewell{5000};  // time to end its tick and its sessions
 
 std::vector<std::string> command_line(const DaemonOptions& options) {
   std::vector<std::string> argv{options.program.string(),
@@ -57,7 +57,7 @@ struct Ready {
   std::map<std::string, std::string> buses;
 };
 
-// JSON is YAML, so the reader of scenes reads it.
+// JSON is YAML, so the YAML reader reads it.
 Ready read_ready(const std::string& ready_line) try {
   const auto node = config::load_text(ready_line, "visumd's ready line");
   if (!node.get("ready").boolean()) node.fail("not ready");
@@ -91,7 +91,7 @@ std::filesystem::path find_visumd() {
 Daemon::Daemon(const DaemonOptions& options, double patience_s, WaitLoop& wait_loop,
                ChildProcess::OnLine on_line)
     : wait_loop_(wait_loop) {
-  // It speaks plain text, on loopback: no client that is started for it is to try anything else.
+  // It serves plain text on loopback, so no client that we start may try TLS because of the environment.
   for (const char* variable : {"VISUM_TLS_CA", "VISUM_TLS_CERT", "VISUM_TLS_KEY"}) ::unsetenv(variable);
   try {
     process_.emplace(
@@ -121,7 +121,7 @@ void Daemon::wait_until_ready(double patience_s) {
   const auto give_up = Clock::now() + std::chrono::duration<double>(patience_s);
   while (ready_line_.empty()) {
     wait_loop_.wait(-1, milliseconds(20));
-    // Its end makes us read what it said before: that may be the line that we wait for.
+    // check_exit() also reads the last output, which may be the line that we wait for.
     if (const auto& exit = process_->check_exit(); exit && ready_line_.empty()) {
       const bool explained =
           !exit->by_signal && (exit->number == cli::kBadConfig || exit->number == cli::kUsage);

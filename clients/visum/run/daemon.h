@@ -1,4 +1,4 @@
-// The visumd that a scenario runs against: started on a free port, ended with this object.
+// The visumd of a scenario: the constructor starts it on a free port, the destructor ends it. Main thread.
 #pragma once
 
 #include <cstdint>
@@ -30,15 +30,14 @@ struct DaemonOptions {
 
 // The folder of the program that runs now.
 std::filesystem::path own_folder();
-// A server's program beside our own, else as PATH has it.
+// The path of a server program: beside our own, else as PATH finds it.
 std::filesystem::path find_server(const std::string& program);
 std::filesystem::path find_visumd();
 
 class Daemon {
  public:
-  // Returns when it is ready to be connected to. Throws cli::ExitError: kBadConfig where visumd says that the
-  // scene is wrong, kUsage where it refuses its options, kFailed where it does not become ready within
-  // `patience_s`.
+  // Returns when clients can connect. Throws cli::ExitError: kBadConfig if visumd says that the scene is
+  // wrong, kUsage if it refuses its options, kFailed if it is not ready within `patience_s`.
   Daemon(const DaemonOptions& options, double patience_s, WaitLoop& wait_loop, ChildProcess::OnLine on_line);
   ~Daemon();
   Daemon(const Daemon&) = delete;
@@ -46,10 +45,10 @@ class Daemon {
 
   std::uint16_t port() const { return port_; }
   std::uint16_t page_port() const { return page_port_; }  // 0: it serves no page
-  // By part, of the last bus of each, which is what was asked for: a path, or HOST:PORT for tcp.
+  // The place of each part's last bus, which is the one that we asked for: a path, or HOST:PORT for tcp.
   const std::map<std::string, std::string>& buses() const { return buses_; }
   ChildProcess& process() { return *process_; }
-  // Why it is gone, with its last words; empty while it runs.
+  // Why it ended, with its last lines; empty while it runs.
   std::string obituary();
 
  private:

@@ -1,5 +1,5 @@
-// Names from a scenario as indices of the world and its parts. An unknown one throws ConfigError at `place`,
-// with the nearest name.
+// Turns names of a scenario into indices of the world and its parts. An unknown name throws ConfigError at
+// `place`; the message suggests the nearest name.
 #pragma once
 
 #include <string>
@@ -25,7 +25,7 @@ struct PortPlace {
 PortPlace find_port(const protocol::PartDescription& part, const std::string& name,
                     const config::Place& place);
 
-// Of those that the part knows.
+// The kind of fault of this name, if the part knows it.
 const protocol::FaultKind& find_fault(const Catalogue& catalogue, const std::string& part,
                                       const std::string& kind, const config::Place& place);
 

@@ -10,7 +10,7 @@
 #include "clients/visum/common/interrupt.h"
 #include "clients/visum/common/temp_folder.h"
 #include "clients/visum/run/child_process.h"
-#include "clients/visum/run/report_file.h"
+#include "clients/visum/run/reports.h"
 #include "clients/visum/run/spare_recording.h"
 #include "clients/visum/run/wait_loop.h"
 #include "protocol/config/config.h"
@@ -21,8 +21,8 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kRound{100};
-constexpr milliseconds kFarewellOfRun{15'000};  // a run ends its controllers and its daemon first
-constexpr double kNoLimit_s = 1e7;              // each run has its own
+constexpr milliseconds kFarewellOfRun{15'000};  // time for a run to end its controllers and its daemon
+constexpr double kNoLimit_s = 1e7;              // each run has a limit of its own
 
 // "007" of 120, so that names sort as numbers do.
 std::string padded(std::size_t run, std::size_t runs) {
@@ -113,7 +113,7 @@ class Crew {
     return report;
   }
 
-  // No more of them begins.
+  // Reports all runs from this one on as not started; none of them begins.
   void leave_out_from(std::size_t run, cli::ExitCode code, const std::string& why) {
     for (begun_ = options_.runs; run <= options_.runs; ++run) {
       Report& report = reports_[run - 1] = report_of(run);
@@ -122,7 +122,7 @@ class Crew {
     }
   }
 
-  // It ended without a word of its own: what it said last must do.
+  // The report of a run whose process ended without writing one: it holds the last lines of its output.
   Report lost_report(const Job& job, const ExitStatus& exit) const {
     Report report = report_of(job.run);
     const bool told = !exit.by_signal && exit.number != cli::kDone;

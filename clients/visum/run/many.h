@@ -1,5 +1,5 @@
-// The runs of a sweep, in processes of their own, so many at a time: each is `visum run FILE --only K`, which
-// a user may call too. Which of them runs beside which changes nothing in what a run under lockstep finds.
+// Runs of a sweep, several at a time, each in a process of its own: `visum run FILE --only K`, which a user
+// may call too. Under lockstep the result of a run does not depend on the runs beside it.
 #pragma once
 
 #include <cstddef>
@@ -14,21 +14,21 @@ namespace visum::run {
 
 struct ManyOptions {
   std::filesystem::path program;  // visum
-  std::filesystem::path file;     // the scenario's
+  std::filesystem::path file;     // the scenario
   std::size_t runs = 1;
   std::size_t jobs = 1;                // at a time
-  std::vector<std::string> words;      // further words for each run
-  std::filesystem::path recordings{};  // a folder: what fails is recorded there; empty: nothing is
+  std::vector<std::string> words;      // further options for each run
+  std::filesystem::path recordings{};  // a folder for recordings of runs that fail; empty: none
   std::function<void(const Report&)> on_done;
 };
 
-// By run. After an interrupt, once all that ran has been ended, or where a process cannot be started (those
-// that run go on to their end), the rest is there as not started, with an error and without a call of
-// on_done.
+// Returns a report for each run, in order. An interrupt ends all runs. If a process cannot be started, the
+// others run to their end. Runs that did not begin then have a report with the error "not started"; on_done
+// is not called for them.
 std::vector<Report> run_many(const ManyOptions& options);
 
-// 0 where all passed, else the code that says most: interrupted, then a wrong scenario, wrong options, the
-// wall time over, a controller lost, a check failed.
+// The exit code for all: 0 if all passed. Else the first of these that any run has: interrupted, wrong
+// scenario, wrong options, wall time over, controller lost, check failed, invalid.
 cli::ExitCode code_of(const std::vector<Report>& reports);
 
 }  // namespace visum::run

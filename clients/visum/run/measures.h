@@ -1,4 +1,5 @@
-// How each kind of quantity finds what it names, and measures it. Rows of the table in quantity.cc.
+// For each kind of quantity, the function that finds the named bodies, joints or ports, and the one that
+// measures. The table in quantity.cc lists them.
 #pragma once
 
 #include "clients/visum/run/quantity.h"

@@ -1,4 +1,4 @@
-// Whether a run in real time (grade L0) was one: a host that is too slow for the pace makes it invalid.
+// Judges a run in real time (grade L0): if the host was too slow for the pace, the run is invalid.
 #pragma once
 
 #include <string>
@@ -7,11 +7,12 @@
 
 namespace visum::run {
 
-// Of all ticks, how many may begin more than a tick late. A tick that does is an overrun: what was missed is
-// dropped, so that the world is then behind its pace for good.
+// The share of ticks that may begin more than a tick late. Such a tick is an overrun: the missed time is
+// dropped, so the world stays behind its pace for good.
 inline constexpr double kMostOverruns = 0.01;
 
-// Why a run from `before` to `after` is invalid; empty: it is not, or the clock was not realtime.
+// The reason why a run from `before` to `after` is invalid; empty if it is valid, or the clock was not
+// realtime.
 std::string why_invalid(const protocol::ServerStatus& before, const protocol::ServerStatus& after,
                         double most_overruns);
 

@@ -10,7 +10,7 @@
 
 namespace visum::run {
 
-// What is wrong with a text's placeholders; nothing if all are known.
+// Returns the mistake in a text's placeholders, or nothing if all are known.
 std::optional<std::string> find_fault(const std::string& text);
 
 // The parts whose {bus.PART} stands in a text without fault.

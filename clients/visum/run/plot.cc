@@ -20,7 +20,7 @@ struct Span {
   }
 };
 
-// From values to places in the picture, and what is written at its edges.
+// Maps values to places in the picture, and writes the numbers at its edges.
 class Frame {
  public:
   explicit Frame(const CheckResult& check)
@@ -62,7 +62,7 @@ class Frame {
   Span time_, value_, shown_{0.0, 1.0};
 };
 
-// All the values: a line where each point has one, else the band between lowest and highest.
+// All values: a line if each point has one value, else the band between lowest and highest.
 std::string band(const CheckResult& check, const Frame& frame) {
   std::string there, back;
   for (const auto& point : check.course) {

@@ -1,4 +1,4 @@
-// A check's course as SVG, with its limits: for the report.
+// Draws a check's values over time as SVG, with its limits, for the HTML report.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace visum::run {
 
-// Empty where the check was looked at fewer than twice.
+// Empty if the check has fewer than two points.
 std::string plot(const CheckResult& check);
 
 }  // namespace visum::run

@@ -4,6 +4,7 @@
 
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/terminal.h"
+#include "clients/visum/common/utf8.h"
 
 namespace visum::run {
 namespace {
@@ -11,6 +12,7 @@ namespace {
 constexpr std::chrono::milliseconds kTerminalPeriod{100};
 constexpr std::chrono::seconds kFilePeriod{5};
 
+// Columns of the terminal; 80 for a file.
 std::size_t terminal_width(std::FILE* stream) {
   winsize size{};
   const bool known = ::ioctl(::fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
@@ -48,11 +50,11 @@ void Progress::draw(double sim_s, Clock::time_point now) {
   std::string text = cli::fixed(sim_s, 2) + " s";
   if (wall_s > 0.05) text += "  x" + cli::fixed(sim_s / wall_s, 1);
   if (!phase_.empty()) text += "  " + phase_;
+  text.resize(std::min(text.size(), terminal_width(stream_) - 1));
   if (!live_) {
-    std::fprintf(stderr, "%s\n", text.c_str());
+    std::fprintf(stderr, "%s\n", cli::valid_utf8(text).c_str());
     return;
   }
-  text.resize(std::min(text.size(), terminal_width(stream_) - 1));
   std::fprintf(stream_, "\r\033[K%s", text.c_str());
   std::fflush(stream_);
   shown_ = true;

@@ -1,5 +1,6 @@
-// What a user sees while a scenario runs: the lines of daemon and controllers and, if asked for and on a
-// terminal, one line that is updated.
+// The output while a scenario runs: the lines of the daemon and of the controllers. If wanted, also time,
+// pace and the last line of a controller: on a terminal as one line that is updated, else as a line every
+// five seconds. Lives on the main thread; the verb `run` owns it.
 #pragma once
 
 #include <chrono>
@@ -10,12 +11,12 @@ namespace visum::run {
 
 class Progress {
  public:
-  // Lines go to stderr; the updated line to `stream`.
+  // Lines go to stderr, the updated line to `stream`.
   Progress(bool wanted, std::FILE* stream);
 
   void line(const std::string& who, const std::string& text);
-  void step(double sim_s);
-  void finish();  // clears the updated line
+  void step(double sim_s);  // after each step of the world
+  void finish();            // clears the updated line
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -1,5 +1,5 @@
-// What a scenario can measure: the world's truth and the parts' ports. The table in quantity.cc lists the
-// kinds.
+// The quantities that a scenario can measure: the world's truth and the parts' ports. The table in
+// quantity.cc lists their kinds.
 #pragma once
 
 #include <cstdint>
@@ -13,17 +13,17 @@
 
 namespace visum::run {
 
-// What is known before the first tick.
+// The names and indices that are known before the first tick.
 struct Catalogue {
   protocol::WorldDescription world;
   std::map<std::string, protocol::PartDescription> parts;
-  std::map<std::string, std::vector<protocol::FaultKind>> faults;  // that each part knows
+  std::map<std::string, std::vector<protocol::FaultKind>> faults;  // the kinds that each part knows
 };
 
 // One step's data. Peaks in `world` cover the time since the step before.
 struct Observation {
   protocol::WorldSample world;
-  std::map<std::string, protocol::PartSample> parts;  // those that are needed
+  std::map<std::string, protocol::PartSample> parts;  // only those that a check needs
 };
 
 // A quantity tied to the bodies, joints and ports that it names.

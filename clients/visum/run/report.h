@@ -1,4 +1,4 @@
-// How a run went: plain data for the reports.
+// How a run went: plain data, which reports.h shows in its forms.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace visum::run {
 struct Report {
   std::string name, file, scene, clock, engine;            // engine: empty for the scene's own
   std::int64_t seed = -1;                                  // -1: the scene's own
-  std::size_t run = 0;                                     // of a sweep, from 1; 0: there is none
-  std::vector<std::string> words;                          // options that it was started with, of a sweep
-  std::vector<std::pair<std::string, std::string>> swept;  // its values, for people
-  std::string recording;                                   // a file; empty: none
+  std::size_t run = 0;                                     // of a sweep, from 1; 0: no sweep
+  std::vector<std::string> words;                          // options that a sweep started it with
+  std::vector<std::pair<std::string, std::string>> swept;  // the sweep's values, for people
+  std::string recording;                                   // its file; empty: none
   cli::ExitCode code = cli::kDone;
   std::string error;                  // why the run could not go to its end; empty if it did
   std::vector<std::string> failures;  // of the run as a whole, e.g. an end that never came
@@ -31,7 +31,7 @@ struct Report {
   bool passed() const { return code == cli::kDone; }
 };
 
-// "name", of a sweep's run "name [run 3: payload=2, seed=1]".
+// "name"; for a run of a sweep "name [run 3: payload=2, seed=1]".
 std::string title(const Report& report);
 std::string swept_text(const Report& report);  // "payload=2, seed=1"
 

@@ -1,4 +1,4 @@
-#include "clients/visum/run/report_file.h"
+#include "clients/visum/run/reports.h"
 
 #include <charconv>
 #include <limits>

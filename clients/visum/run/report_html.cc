@@ -1,4 +1,4 @@
-#include "clients/visum/run/report_html.h"
+#include "clients/visum/run/reports.h"
 
 #include <algorithm>
 #include <set>
@@ -45,7 +45,7 @@ std::string heading(const Report& report) {
   return "Run " + number(report) + (report.swept.empty() ? "" : ": " + swept_text(report));
 }
 
-// What one line of the table tells of it: names of checks, or why there are no results.
+// The failure in one line for the table: the names of checks, or why there are no results.
 std::string what_failed(const Report& report) {
   if (!report.error.empty()) return report.error.substr(0, report.error.find('\n'));
   std::string text;

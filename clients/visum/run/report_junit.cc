@@ -1,4 +1,4 @@
-#include "clients/visum/run/report_junit.h"
+#include "clients/visum/run/reports.h"
 
 #include <algorithm>
 
@@ -94,7 +94,7 @@ class Suite {
   }
 
   void add_check(const CheckResult& check) {
-    // What the run did not come to is neither good nor bad; the run's own case tells why.
+    // A check that the run never reached is neither good nor bad; the run's own case says why.
     const bool not_reached = !check.value && !report_.error.empty();
     std::string content = check.passed ? std::string() : not_reached ? skipped() : failure(check.failure);
     if (check.value) {

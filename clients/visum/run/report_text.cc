@@ -1,12 +1,17 @@
-#include "clients/visum/run/report_text.h"
-
 #include <algorithm>
 
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/json_writer.h"
+#include "clients/visum/run/reports.h"
+#include "protocol/command_line/help.h"
 
 namespace visum::run {
 namespace {
+
+using command_line::kWidth;
+using command_line::wrapped;
+
+constexpr std::size_t kIndent = 10;  // where text stands below "  passed  "
 
 std::string measured(const CheckResult& check) {
   if (!check.value) return "never looked at, must be " + check.bound;
@@ -19,21 +24,40 @@ std::string verdict(const Report& report, const CheckResult& check, const cli::S
   return check.value || report.error.empty() ? style.red("FAILED") : style.dim("  -   ");
 }
 
+// `text` in lines of at most 80 columns that begin with `indent` blanks, the first line without them.
+std::string indented(const std::string& text, std::size_t indent = kIndent) {
+  std::string result;
+  for (const char c : wrapped(text, 0, kWidth - indent)) {
+    result += c;
+    if (c == '\n') result.append(indent, ' ');
+  }
+  return result;
+}
+
+// Name and measured value stand on one line if all checks of the run fit so, else on two.
 std::string check_lines(const Report& report, const cli::Style& style) {
-  std::size_t widest = 0;
-  for (const auto& check : report.checks) widest = std::max(widest, check.name.size());
+  std::size_t widest_name = 0, widest_value = 0;
+  for (const auto& check : report.checks) {
+    widest_name = std::max(widest_name, check.name.size());
+    widest_value = std::max(widest_value, measured(check).size());
+  }
+  const bool fits = kIndent + widest_name + 2 + widest_value <= kWidth;
   std::string text;
   for (const auto& check : report.checks) {
-    text += "  " + verdict(report, check, style) + "  " + check.name +
-            std::string(widest - check.name.size() + 2, ' ') + measured(check) + "\n";
+    text += "  " + verdict(report, check, style) + "  ";
+    if (fits)
+      text += check.name + std::string(widest_name - check.name.size() + 2, ' ') + measured(check) + "\n";
+    else
+      text += indented(check.name) + "\n" + std::string(kIndent, ' ') + indented(measured(check)) + "\n";
   }
   return text;
 }
 
 std::string trouble(const Report& report, const cli::Style& style) {
   std::string text;
-  for (const auto& failure : report.failures) text += "  " + style.red("FAILED") + "  " + failure + "\n";
-  if (!report.error.empty()) text += "  " + style.red("ERROR") + "   " + report.error + "\n";
+  for (const auto& failure : report.failures)
+    text += "  " + style.red("FAILED") + "  " + indented(failure) + "\n";
+  if (!report.error.empty()) text += "  " + style.red("ERROR") + "   " + indented(report.error) + "\n";
   for (const auto& controller : report.controllers) {
     if (controller.failure.empty()) continue;
     text += "  last lines of " + controller.name + ":\n";
@@ -46,24 +70,57 @@ std::string figures(const Report& report) {
   const double factor = report.wall_seconds > 0.0 ? report.sim_seconds / report.wall_seconds : 0.0;
   return "  " + cli::fixed(report.sim_seconds, 3) + " s simulated in " + cli::fixed(report.wall_seconds, 3) +
          " s (" + cli::rounded(factor, 3) + " x real time), " + std::to_string(report.ticks) +
-         " ticks, state hash " + cli::hex(report.state_hash) + "\n";
+         " ticks,\n  state hash " + cli::hex(report.state_hash) + "\n";
 }
 
-// "12.0", as a number with a point, so that a reader takes it for what it is.
+// "12.0": with a point, so that a reader takes it for a number with a fraction.
 std::string with_point(double number) {
   const std::string text = cli::exact(number);
   return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
 }
 
+std::size_t failed(std::span<const Report> reports) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(reports, [](const Report& one) { return !one.passed(); }));
+}
+
+// Why a run of a sweep failed, a line for each reason.
+std::string reasons(const Report& report, const cli::Style& style) {
+  std::string text;
+  const auto add = [&](const char* word, const std::string& reason) {
+    text += "    " + style.red(word) + "  " + indented(reason, kIndent + 2) + "\n";
+  };
+  if (!report.error.empty()) add("ERROR ", report.error);
+  for (const auto& failure : report.failures) add("FAILED", failure);
+  for (const auto& check : report.checks)
+    if (!check.passed && (check.value || report.error.empty()))
+      add("FAILED", check.name + ": " + check.failure);
+  return text;
+}
+
 }  // namespace
+
+std::string swept_text(const Report& report) {
+  std::string text;
+  for (const auto& [name, value] : report.swept) text += (text.empty() ? "" : ", ") + name + "=" + value;
+  return text;
+}
+
+std::string title(const Report& report) {
+  if (report.run == 0) return report.name;
+  return report.name + " [run " + std::to_string(report.run) + ": " + swept_text(report) + "]";
+}
 
 std::string report_text(const Report& report, const cli::Style& style) {
   const auto passed =
       std::count_if(report.checks.begin(), report.checks.end(), [](const auto& c) { return c.passed; });
-  std::string text = style.bold(report.name) + " (" + report.scene + ", " + report.clock;
-  if (!report.engine.empty()) text += ", engine " + report.engine;
-  if (report.seed >= 0) text += ", seed " + std::to_string(report.seed);
-  text += ")\n" + check_lines(report, style) + trouble(report, style) + figures(report);
+  std::string origin = report.scene + ", " + report.clock;
+  if (!report.engine.empty()) origin += ", engine " + report.engine;
+  if (report.seed >= 0) origin += ", seed " + std::to_string(report.seed);
+  const bool fits = report.name.size() + origin.size() + 3 <= kWidth;
+  std::string text =
+      style.bold(report.name) + (fits ? " (" + origin + ")\n" : "\n  " + wrapped(origin, 2) + "\n");
+  text += check_lines(report, style) + trouble(report, style) + figures(report);
   const bool invalid = report.code == cli::kInvalid;
   text += (report.passed() ? style.green("PASSED") : style.red(invalid ? "INVALID" : "FAILED")) + ": " +
           std::to_string(passed) + " of " + std::to_string(report.checks.size()) + " checks\n";
@@ -89,6 +146,42 @@ std::string checks_json(const Report& report) {
     lines += json.end_object().text() + "\n";
   }
   return lines;
+}
+
+std::string run_line(const Report& report, const cli::Style& style) {
+  const auto good = std::ranges::count_if(report.checks, &CheckResult::passed);
+  std::string line = "run " + std::to_string(std::max<std::size_t>(report.run, 1));
+  if (!report.swept.empty()) line += ": " + swept_text(report);
+  const std::string outcome = std::to_string(good) + " of " + std::to_string(report.checks.size()) +
+                              " checks, " + cli::hex(report.state_hash);
+  const bool fits = kIndent + line.size() + 2 + outcome.size() <= kWidth;
+  line = fits ? line + "  " + outcome : indented(line) + "\n" + std::string(kIndent, ' ') + outcome;
+  return (report.passed() ? style.green("passed") : style.red("FAILED")) + "  " + line + "\n" +
+         reasons(report, style);
+}
+
+std::string many_text(std::span<const Report> reports, double wall_seconds, const cli::Style& style) {
+  const std::size_t bad = failed(reports);
+  return (bad == 0 ? style.green("PASSED") : style.red("FAILED")) + ": " +
+         std::to_string(reports.size() - bad) + " of " + std::to_string(reports.size()) + " runs in " +
+         cli::fixed(wall_seconds, 1) + " s\n";
+}
+
+std::string run_json(const Report& report) {
+  cli::JsonWriter json;
+  json.begin_object().member("run", std::max<std::size_t>(report.run, 1)).key("sweep").begin_object();
+  for (const auto& [name, value] : report.swept) json.member(name, value);
+  json.end_object().member("passed", report.passed()).member("code", static_cast<int>(report.code));
+  json.member("ticks", report.ticks).member("sim_seconds", report.sim_seconds);
+  json.member("wall_seconds", report.wall_seconds).member("state_hash", cli::hex(report.state_hash));
+  return json.end_object().text();
+}
+
+std::string many_json(std::span<const Report> reports, double wall_seconds) {
+  const std::size_t bad = failed(reports);
+  cli::JsonWriter json;
+  json.begin_object().member("passed", bad == 0).member("runs", reports.size()).member("failed", bad);
+  return json.member("wall_seconds", wall_seconds).end_object().text();
 }
 
 }  // namespace visum::run

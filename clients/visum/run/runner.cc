@@ -55,7 +55,7 @@ void note_part(const Condition& condition, std::set<std::string>& parts) {
   if (condition.quantity.kind == "port") parts.insert(condition.quantity.part);
 }
 
-// The parts whose ports somebody looks at; no others are read.
+// The parts whose ports a check, the time line or `until` reads; no others are read.
 std::set<std::string> parts_needed(const Scenario& scenario) {
   std::set<std::string> parts;
   for (const auto& check : scenario.checks) note_part(check.that, parts);
@@ -132,7 +132,7 @@ void Run::prepare() {
   now_ = session_.look(parts_);
 }
 
-// Bodies came or went: the same names have other places now.
+// Bodies came or went, so the same names have other indices now.
 void Run::tie_again() {
   catalogue_ = session_.catalogue();
   for (Check& check : checks_) check.tie_again(catalogue_);
@@ -140,7 +140,7 @@ void Run::tie_again() {
   if (until_) run::tie_again(*until_, catalogue_);
 }
 
-// The scenario, aloud: what is due is done while the world stands, then a step, then everybody looks.
+// The whole scenario: due actions while the world stands, then a step, then the checks look at the new state.
 void Run::go() {
   prepare();
   began_ = Clock::now();
@@ -164,8 +164,8 @@ void Run::step() {
   if (scenario_.until.kind == Until::Kind::kControllers) controllers_.settle(std::move(step.status));
 }
 
-// What the controllers sent for the next tick has arrived before we act, or it would depend on who was
-// faster.
+// Waits for what the controllers send for the next tick before it acts; otherwise the order would depend on
+// which program was faster.
 void Run::act() {
   const auto due = timeline_->due(now_);
   if (!due.empty() && session_.clock() == "lockstep") controllers_.settle(session_.status());
@@ -209,7 +209,7 @@ void Run::collect() {
   report_.controllers = controllers_.results();
 }
 
-// We are the one who steps this world, so its real time is ours to pace; a burst to catch up there is none.
+// We step this world, so we also pace its real time. After a delay it does not catch up in a burst.
 void Run::pace() {
   const auto step =
       std::chrono::duration_cast<Clock::duration>(std::chrono::nanoseconds(step_ticks_ * session_.tick_ns()));
@@ -252,7 +252,7 @@ void guard(Report& report, Daemon* daemon, auto&& work) {
 
 void judge(Report& report) {
   if (report.code != cli::kDone) return;
-  // One that ended in the very last step, or that others went on without.
+  // A controller may have ended badly in the very last step, or been late while others went on.
   for (const auto& controller : report.controllers) {
     if (controller.failure.empty()) continue;
     return fail(report, controller.lost ? cli::kLost : cli::kFailed,
@@ -263,7 +263,7 @@ void judge(Report& report) {
   report.code = good ? cli::kDone : cli::kFailed;
 }
 
-// On a host that was too slow neither a success nor a failure says anything.
+// On a host that was too slow, neither success nor failure means anything.
 void invalidate(Report& report, const std::string& why) {
   if (report.code != cli::kDone && report.code != cli::kFailed) return;
   fail(report, cli::kInvalid, report.error.empty() ? why : why + "; " + report.error);
@@ -278,7 +278,7 @@ void run_with(Daemon& daemon, const Scenario& scenario, const RunOptions& option
   });
   if (!run) return;
   std::string invalid;
-  Report at_the_end;  // a daemon that is gone is told of already
+  Report at_the_end;  // if the daemon is gone, the report says so already
   guard(at_the_end, nullptr, [&] { invalid = run->why_invalid(); });
   run->collect();
   judge(report);
@@ -319,7 +319,7 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
                                        scenario.speedup};
     Daemon daemon(daemon_options, scenario.start_wall_s, wait_loop,
                   [&](const std::string& line) { options.on_line("visumd", line); });
-    // Who keeps the world wants to look at it, from the beginning.
+    // With --keep the user wants to look at the world, from the beginning.
     if (options.keep && daemon.page_port() != 0)
       options.on_line("visumd", "the page: http://127.0.0.1:" + std::to_string(daemon.page_port()) + "/");
     run_with(daemon, scenario, options, wait_loop, report);

@@ -1,4 +1,4 @@
-// Runs a scenario from start to end: daemon, controllers, steps, checks.
+// Runs a scenario from start to end: daemon, controllers, steps, checks. Main thread.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct RunOptions {
   std::filesystem::path visumd;            // the daemon's program
   std::uint16_t port = 0;                  // 0: any free one
   std::vector<std::string> plugins{};      // folders that the scene's plug-ins may come from
-  std::optional<double> node_timeout_s{};  // how long one of their calls may take; none: as visumd has it
+  std::optional<double> node_timeout_s{};  // how long one of their calls may take; none: visumd's default
   bool keep = false;                       // afterwards let the world run in real time until interrupted
   // Called with each line of the daemon and the controllers, and with what the time line says.
   std::function<void(const std::string& who, const std::string& line)> on_line;
@@ -27,7 +27,8 @@ struct RunOptions {
   std::function<void(const Report& report, std::uint16_t port, const Catalogue& catalogue)> on_keep;
 };
 
-// Never throws for what goes wrong in the run: Report::code and error tell. Nothing that it started is left.
+// Never throws for a failure of the run: Report::code and Report::error hold it. All processes that it
+// started have ended when it returns.
 Report run_scenario(const Scenario& scenario, const RunOptions& options);
 
 }  // namespace visum::run

@@ -1,6 +1,6 @@
-// A scenario as plain data: what to start, what to do when, what must hold. SCENARIOS.md describes the file.
-// All times are simulated seconds since the start, unless a name says wall. Places lead back to the file, for
-// errors that only show once the world is known.
+// A scenario as plain data: the programs to start, the actions and their times, the checks. SCENARIOS.md
+// describes the file. Times are simulated seconds since the start, unless a name says wall. Places point into
+// the file, for errors that show only once the world is known.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ struct QuantitySpec {
   config::Place place;                // of the quantity's own map
 };
 
-// What a measured value must be. At least one is given; all that are given must hold.
+// The bounds of a measured value. At least one is given; all that are given must hold.
 struct Bounds {
   std::optional<double> below;                       // value < below
   std::optional<double> above;                       // value > above
@@ -48,7 +48,7 @@ struct Condition {
   Bounds bounds;
 };
 
-// When a check must hold.
+// The time in which a check must hold.
 struct Window {
   enum class Kind {
     kEnd,         // at the last step

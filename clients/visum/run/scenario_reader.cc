@@ -61,7 +61,7 @@ void check_buses(const Scenario& scenario) {
   }
 }
 
-// How a program that knows nothing of a clock keeps in step.
+// Reads how a program that knows nothing of a clock keeps in step.
 void read_step(const Node& node, ControllerSpec& controller) {
   if (const auto shim = node.find("shim")) controller.shim = shim->boolean();
   controller.gate = node.text_or("gate", "");

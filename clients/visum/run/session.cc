@@ -32,8 +32,8 @@ Session::Session(std::uint16_t port, WaitLoop& wait_loop)
   if (clock() == "lockstep") waiter_.emplace("127.0.0.1", port, hello(kWaiterName));
 }
 
-// While controllers start, and while their ends are waited for, the world waits for us; that has limits of
-// its own.
+// The world waits for us while controllers start and end. These waits have limits of their own, so this one
+// is a day.
 void Session::join() {
   const protocol::Join patiently{nanoseconds(hours(24)).count()};
   era_ = connection_.request_as<protocol::Advanced>(patiently).era;
@@ -73,7 +73,7 @@ Session::Step Session::step(std::int64_t ticks, const std::set<std::string>& par
   return step;
 }
 
-// Events, which are no answer, make the socket readable too.
+// Waits in a loop, because events make the socket readable too.
 void Session::await_advance(std::uint64_t id) try {
   while (!connection_.wait_for(id, std::chrono::milliseconds(0)))
     wait_loop_.wait(connection_.native_handle());

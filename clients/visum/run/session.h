@@ -1,4 +1,5 @@
-// The runner's own session with the daemon: it steps the world and reads what the checks need.
+// The runner's own session with the daemon. It steps the world and reads what the checks need. Main thread;
+// the runner owns it.
 #pragma once
 
 #include <cstdint>
@@ -17,28 +18,31 @@ namespace visum::run {
 
 class Session {
  public:
-  // In the lockstep, to others: the one that steps, and one that always waits for the next tick. Who keeps
-  // the world waiting is timed by the server only while somebody waits; we do not, while we ask who has left.
+  // Our two members of the lockstep: one steps, one always waits for the next tick. The server times a member
+  // that keeps the world waiting only while another waits. The first does not wait while it asks which
+  // controllers have left.
   static constexpr const char* kName = "scenario";
   static constexpr const char* kWaiterName = "scenario-waits";
-  static constexpr std::int64_t kMostTicks = 900'000'000;  // of a run: the waiter waits for a later one
+  static constexpr std::int64_t kMostTicks =
+      900'000'000;  // the longest run; the second member waits for a later tick
 
   Session(std::uint16_t port, WaitLoop& wait_loop);
 
   void join();  // holds the world from now on (lockstep)
   Catalogue catalogue();
-  // The state as it is, of the world and of these parts.
+  // Reads the present state of the world and of these parts.
   Observation look(const std::set<std::string>& parts);
-  // Lets `ticks` pass, then the same, and the server's status at that tick: one wait for all of it. Throws
-  // ExitError: kLost where a client in the lockstep timed out and the run ends with that, kFailed where the
-  // world froze.
+  // Lets `ticks` pass, then reads the same, and the server's status at that tick, with a single wait. Throws
+  // ExitError: kLost if a client in the lockstep was late and the run ends with that, kFailed if the world
+  // froze.
   struct Step {
     Observation now;
     protocol::ServerStatus status;
   };
   Step step(std::int64_t ticks, const std::set<std::string>& parts);
   protocol::ServerStatus status();
-  // What the server said of members that were late and are no longer waited for, since the last call.
+  // The server's messages, since the last call, about members that were late and for which it no longer
+  // waits.
   std::vector<std::string> take_timeouts() { return std::exchange(timeouts_, {}); }
   protocol::Reply request(const protocol::Request& request) { return connection_.request(request); }
 

@@ -35,7 +35,7 @@ std::filesystem::path SpareRecording::keep() {
   if (!kept_.empty() || std::filesystem::file_size(path_, error) == 0 || error) return kept_;
   for (int number = 1; kept_.empty(); ++number) {
     const auto name = numbered(wanted_, number);
-    // Unlike rename() a link does not take a name that another has, also if that one was a moment quicker.
+    // Unlike rename(), a link never replaces a file, even one that another process made a moment ago.
     std::filesystem::create_hard_link(path_, name, error);
     if (error == std::errc::file_exists) continue;
     if (!error)

@@ -1,5 +1,6 @@
-// A recording that is made for the case that a run fails. Until that is known it has a hidden name of its
-// own, so that no other recording is lost by it: neither an earlier run's nor that of one beside it.
+// A recording that is made for the case that a run fails. Until then it has a hidden name, so that it
+// replaces no other recording: neither that of an earlier run nor that of a run beside it. One thread; the
+// run owns it.
 #pragma once
 
 #include <filesystem>
@@ -8,15 +9,16 @@ namespace visum::run {
 
 class SpareRecording {
  public:
-  // Beside `wanted`. Throws std::system_error where nothing can be written there.
+  // Makes an empty file beside `wanted`. Throws std::system_error if that folder cannot be written to.
   explicit SpareRecording(std::filesystem::path wanted);
-  ~SpareRecording();  // nobody kept it: it goes
+  ~SpareRecording();  // removes the file, unless it was kept
   SpareRecording(const SpareRecording&) = delete;
   SpareRecording& operator=(const SpareRecording&) = delete;
 
   const std::filesystem::path& path() const { return path_; }  // what the daemon writes
-  // The run failed: the name that it has from now on, also while it is still written: `wanted`, or where that
-  // is taken the first free of "wanted_2", "wanted_3", ...; empty where nothing was recorded.
+  // Gives it its name because the run failed; the daemon may still write it. Returns that name: `wanted`, or
+  // if that is taken the first free one of "wanted_2", "wanted_3", ... Returns nothing if nothing was
+  // recorded.
   std::filesystem::path keep();
 
  private:

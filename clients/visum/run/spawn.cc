@@ -71,7 +71,7 @@ Spawned spawn(const std::vector<std::string>& argv) {
   if (pid == 0) become(arguments.data(), parent, out, err, report.write);
   const int fork_error = pid < 0 ? errno : 0;
   close_all({out.write, err.write, report.write});
-  if (pid > 0) ::setpgid(pid, pid);  // as the child does: whoever comes first
+  if (pid > 0) ::setpgid(pid, pid);  // the child does the same; the first call counts
   const int error = pid < 0 ? fork_error : read_report(report.read);
   ::close(report.read);
   if (error != 0) {

@@ -1,4 +1,4 @@
-// fork and exec with what must be right between the two.
+// fork and exec, with the steps between the two that are easy to get wrong.
 #pragma once
 
 #include <sys/types.h>
@@ -13,8 +13,8 @@ struct Spawned {
   int out_fd, err_fd;  // what it writes; non-blocking
 };
 
-// In a process group of its own, without our descriptors, killed when we die. Throws std::runtime_error that
-// names the program where it cannot be started.
+// Starts the program in a process group of its own, without our descriptors; the kernel kills it when we die.
+// Throws std::runtime_error, which names the program, if it cannot be started.
 Spawned spawn(const std::vector<std::string>& argv);
 
 }  // namespace visum::run

@@ -12,7 +12,7 @@ using config::Node;
 
 const std::string kTooMany = "gives more than " + std::to_string(Sweep::kMaxRuns) + " runs";
 
-// 0.1 * 3 is to be 0.3, for people and in equal runs.
+// Rounds to 12 digits, so that 0.1 * 3 is 0.3: people read it, and equal values must make equal runs.
 Node number_node(double number, const Node& like) {
   return config::load_text(cli::rounded(number, 12), like.place().file, like.folder());
 }

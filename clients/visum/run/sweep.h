@@ -1,6 +1,6 @@
-// `sweep:`, a scenario that stands for many. Each of its entries is a name with values; the runs are their
-// product, the last name counting fastest. In the rest of the file ${name} stands for the run's value
-// (protocol/config/expand.h).
+// The `sweep:` of a scenario, which stands for many runs. Each entry is a name with values. There is a run
+// for each combination; the last name changes fastest. In the rest of the file ${name} stands for the run's
+// value (protocol/config/expand.h).
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ class Sweep {
   static constexpr std::size_t kMaxRuns = 10'000;
   static constexpr std::size_t kMaxAxes = 16;
 
-  // Of a scenario's whole file. Without `sweep:` there is one run. Throws config::ConfigError.
+  // `root` is the scenario's whole file. Without `sweep:` there is one run. Throws config::ConfigError.
   explicit Sweep(const config::Node& root);
 
   bool given() const { return !axes_.empty(); }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kRounding_s = 1e-9;  // see check.cc
 
-// Finds out before the first tick what an action names that is not there.
+// Finds names that do not exist in an action, before the first tick.
 struct Inspector {
   const Catalogue& catalogue;
   const config::Place& place;

@@ -1,5 +1,6 @@
-// The time line: which entries are due at a step. Each is due once, at the first step at or after its time,
-// or at the first step at which its condition holds; those of one step in the order of the file.
+// The time line tells which entries are due at a step. Each is due once: at the first step at or after its
+// time, or at the first step at which its condition holds. Entries of one step come in the order of the file.
+// The runner owns it.
 #pragma once
 
 #include <optional>
@@ -11,11 +12,12 @@ namespace visum::run {
 
 class Timeline {
  public:
-  // `entries` must outlive the time line. Throws ConfigError where an entry names what is not there, or a
-  // value that its port does not take.
+  // `entries` must outlive the time line. Throws ConfigError if an entry names something that is not there,
+  // or a value that its port does not take.
   Timeline(const std::vector<TimelineEntry>& entries, const Catalogue& catalogue);
 
-  void tie_again(const Catalogue& catalogue);  // after bodies came or went: what is still to come
+  void tie_again(const Catalogue&
+                     catalogue);  // finds the bodies of entries still to come anew, after bodies came or went
   std::vector<const TimelineEntry*> due(const Observation& now);
   // Entries that never came due.
   std::vector<const TimelineEntry*> missed() const;

@@ -1,5 +1,5 @@
-// Keeps watch while the runner waits for something: hands on the children's output, and ends the wait when
-// the user interrupts or the wall time that is allowed is over.
+// All waiting of the runner happens here. Meanwhile it passes on the children's output. It ends the wait when
+// the user interrupts or the allowed wall time is over. One thread; children must outlive it or be forgotten.
 #pragma once
 
 #include <chrono>
@@ -17,10 +17,10 @@ class WaitLoop {
   void forget(ChildProcess& child) { std::erase(children_, &child); }
   void lift_limit() { give_up_ = Clock::time_point::max(); }  // of the wall time
 
-  // Until `fd` can be read (true) or `patience` is over (false); fd -1: only children. Throws ExitError
-  // (interrupted, timed out).
+  // Waits until `fd` can be read (true) or `patience` is over (false). With fd -1 only children count. Throws
+  // ExitError (interrupted, timed out).
   bool wait(int fd, std::chrono::milliseconds patience);
-  // The same without an end; true only when `fd` can be read.
+  // Waits without a limit until `fd` can be read.
   void wait(int fd);
 
  private:

@@ -19,9 +19,9 @@ class Camera : public Verb {
     app.add_option("-o,--output", file_, "the file to write")->required()->type_name("FILE.png");
     add_link_options(app, link_);
     app.footer(
-        "Colours become 8-bit RGB, depths 16-bit grey in mm, bodies 16-bit grey: 0 is nothing, else the "
-        "body's "
-        "number\nin the world, counted from 1.\n\nExample:\n  visum camera eye -o picture.png");
+        "Colours become 8-bit RGB, and depths 16-bit grey in mm. Bodies become 16-bit grey: 0 for nothing, "
+        "else the "
+        "number of the body in the world, from 1.\n\nExample:\n  visum camera eye -o picture.png");
   }
 
   int run() override {

@@ -2,6 +2,7 @@
 
 #include "clients/visum/common/completion.h"
 #include "clients/visum/verbs/verbs.h"
+#include "protocol/command_line/one_of.h"
 
 namespace visum::cli {
 namespace {
@@ -21,7 +22,7 @@ class Completion : public Verb {
     app_ = &app;
     app.add_option("SHELL", shell_, "bash, zsh or fish")
         ->required()
-        ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+        ->check(command_line::one_of({"bash", "zsh", "fish"}));
     app.footer(
         "Examples:\n  source <(visum completion bash)\n  source <(visum completion zsh)\n"
         "  visum completion fish | source");

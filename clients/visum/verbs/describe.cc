@@ -46,10 +46,10 @@ std::string port_table(const std::vector<Port>& ports, bool inputs) {
   Table table;
   std::size_t index = 0;
   for (const Port& port : ports) {
-    const std::string range = exact(port.minimum) + " .. " + exact(port.maximum);
+    const std::string range = readable(port.minimum) + " .. " + readable(port.maximum);
     std::vector<std::string> row{std::to_string(index++), port.name, port.unit.empty() ? "-" : port.unit,
                                  range};
-    if (inputs) row.push_back("initially " + rounded(port.initial, 6));
+    if (inputs) row.push_back("initially " + readable(port.initial));
     table.row(row);
   }
   return table.text("  ");

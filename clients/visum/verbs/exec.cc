@@ -21,6 +21,7 @@
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/overruns.h"
 #include "clients/visum/verbs/verbs.h"
+#include "protocol/command_line/one_of.h"
 
 namespace visum::cli {
 namespace {
@@ -34,28 +35,30 @@ constexpr double kLongest_s = 1e7;  // of --timeout
 constexpr double kLongestPeriod_ms = 1e6;
 
 const char* const kFooter =
-    "Runs a program that knows nothing of Visum with a part's field bus where it looks for its device.\n"
-    "The exit code is the program's own; 126, 127: it cannot be run, is not found; 125: visum itself "
-    "failed;\n2: wrong options; 3: the scene is wrong.\n"
-    "Without --lockstep, --gate, --scene, --timeout and --json visum becomes the program, and signals are "
-    "its "
-    "own too.\n\n"
-    "Grades of lockstep, as `visum status` shows them:\n"
-    "  L0            in real time; 6: the host was too slow for that, the run is invalid\n"
-    "  L1 --gate     in real time, but the world runs by a period for each of its cycles only\n"
-    "  L2 --lockstep its clocks, sleeps and time-outs are the world's: as fast as both can compute\n"
-    "L1 and L2 have the same result every time. 4: it was ended by a signal or was late (--wait), or the "
-    "world "
-    "was lost;\n124: --timeout.\n\n"
-    "Example:\n"
+    "Runs a program that knows nothing of Visum, with a part's field bus in place of its device. Without "
+    "--lockstep, "
+    "--gate, --scene, --timeout and --json, visum itself becomes the program, so signals reach it directly.\n"
+    "The grade says how it keeps in step with the world; `visum status` shows it. L0, without an option: "
+    "both run in "
+    "real time. L1, --gate: in real time, but the world runs by one period for each cycle of the program. "
+    "L2, "
+    "--lockstep: its clocks, sleeps and time-outs are the world's, as fast as both can compute. With L1 and "
+    "L2 every "
+    "run has the same result.\n"
+    "Exit codes: that of the program, or 2 wrong options, 3 the scene is wrong, 4 with L1 or L2 the program "
+    "was ended "
+    "by a signal or was late (--wait) or the world was lost, 6 with L0 the host was too slow for real time "
+    "and the run "
+    "is invalid, 124 --timeout is over, 125 visum itself failed, 126 the program cannot be run, 127 it was "
+    "not found.\n"
+    "\nExamples:\n"
     "  visumd models/scenes/amtec_arm.yaml --bus arm=pty:arm.tty &\n"
     "  visum exec --tty ttyS0=arm -- ./controller args\n"
-    "  visum exec --can esd -- ./controller          where visumd has --bus arm=tcp:0\n"
-    "  visum exec --scene models/scenes/amtec_arm.yaml --bus arm=pty --lockstep --json -- ./controller "
-    "{bus.arm}\n"
-    "  visum exec --scene models/scenes/amtec_arm.yaml --bus arm=pty --gate bus:arm --period 20 -- "
-    "./controller "
-    "{bus.arm}";
+    "  visum exec --can esd -- ./controller          with visumd's --bus arm=tcp:0\n"
+    "  visum exec --scene models/scenes/amtec_arm.yaml --bus arm=pty --lockstep \\\n"
+    "    --json -- ./controller {bus.arm}\n"
+    "  visum exec --scene models/scenes/amtec_arm.yaml --bus arm=pty --period 20 \\\n"
+    "    --gate bus:arm -- ./controller {bus.arm}";
 
 void replace_all(std::string& text, const std::string& what, const std::string& with) {
   for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + with.size()))
@@ -70,25 +73,24 @@ class ExecVerb : public Verb {
         ->type_name("SCENE.yaml");
     app_ = &app;
     app.add_option("--tty", ttys_,
-                   "DEVICE=PART: the part's modules stand where the program opens /dev/DEVICE")
+                   "the program finds the part's modules where it opens /dev/DEVICE; repeatable")
         ->type_name("DEVICE=PART")
         ->allow_extra_args(false);
-    app.add_option(
-           "--can", cans_,
-           "esd or peak, then =PART where several have a bus: the vendor's CAN library leads to the part's "
-           "modules")
+    app.add_option("--can", cans_,
+                   "the vendor's CAN library, esd or peak, leads to the part's modules; =PART is needed if "
+                   "several parts have a bus")
         ->type_name("VENDOR[=PART]")
         ->allow_extra_args(false);
     app.add_option("--bus", buses_,
                    "with --scene: PART=pty, PART=slcan or PART=tcp gives the part a bus; {bus.PART} in the "
-                   "command is its path, or its HOST:PORT")
+                   "command stands for its path or HOST:PORT")
         ->type_name("PART=KIND")
         ->allow_extra_args(false);
-    app.add_option("--name", name_, "the program's name in `visum status`; the command's by default");
+    app.add_option("--name", name_, "the program's name in `visum status`; default: the command's");
     declare_step(app);
     declare_pace(app);
     app.add_option("--timeout", timeout_s_,
-                   "end the program after so many seconds of wall time, with exit code 124")
+                   "end the program after this many seconds of wall time, with exit code 124")
         ->check(number_within(1e-3, kLongest_s));
     app.add_option("COMMAND", command_, "the program and its arguments, after --")->required();
     app.footer(kFooter);
@@ -116,48 +118,45 @@ class ExecVerb : public Verb {
   }
 
  private:
-  // How it keeps in step with the world.
+  // Options about keeping in step with the world.
   void declare_step(CLI::App& app) {
     auto* lockstep =
-        app.add_flag("--lockstep", lockstep_, "the program's time is the world's, by a time shim (L2)");
-    app.add_option(
-           "--gate", gate_,
-           "the program asks and is answered, and each of its cycles lets the world run by --period "
-           "(L1): bus[:PART[=MODULE:BYTES]] or ports[:CLIENT] say what ends a cycle; a request that was "
-           "made already in it, by default")
+        app.add_flag("--lockstep", lockstep_, "give the program the world's time, by a time shim (L2)");
+    app.add_option("--gate", gate_,
+                   "for a program that asks and is answered: each of its cycles lets the world run by "
+                   "--period (L1). WHAT says what ends a cycle: bus[:PART[=MODULE:BYTES]] or ports[:CLIENT]; "
+                   "by default, a request that the cycle has seen before")
         ->type_name("WHAT")
         ->excludes(lockstep);
-    app.add_option(
-           "--period", period_ms_,
-           "with --gate: simulated ms of a cycle, 10 by default; with --lockstep: the program wakes up "
-           "at multiples of it only")
+    app.add_option("--period", period_ms_,
+                   "with --gate: simulated ms of a cycle, by default 10; with --lockstep: the program wakes "
+                   "up only at multiples of it")
         ->type_name("MS")
         ->check(number_within(1e-3, kLongestPeriod_ms));
-    app.add_option(
-           "--wait", wait_s_,
-           "with --gate and --lockstep: the world waits for the program for so many seconds of wall "
-           "time; without it the scene's lockstep_timeout_s, and as long as it takes where nobody else "
-           "steps")
+    app.add_option("--wait", wait_s_,
+                   "with --gate and --lockstep: the seconds of wall time that the world waits for the "
+                   "program. Default: the scene's lockstep_timeout_s, or without limit if no other client "
+                   "steps with the world")
         ->type_name("S")
         ->check(number_within(1e-3, kLongest_s));
-    app.add_option("--on-timeout", on_timeout_,
-                   "what happens then: end the run (exit code 4), hold the world, stop the part and the "
-                   "program (4) while others go on, or let the program go on in real time, free")
+    app.add_option(
+           "--on-timeout", on_timeout_,
+           "what happens after --wait: end the run (exit code 4), hold the world, stop the part and the "
+           "program (exit code 4) while others go on, or free the program, which goes on in real time")
         ->capture_default_str()
-        ->check(CLI::IsMember({"end", "hold", "stop", "free"}));
+        ->check(command_line::one_of({"end", "hold", "stop", "free"}));
   }
 
+  // Options about pace and how much lateness a run in real time may have.
   void declare_pace(CLI::App& app) {
-    app.add_option(
-           "--speedup", speedup_,
-           "with --scene: simulated seconds per second; with --lockstep and --gate at most that, else "
-           "as fast as it goes")
+    app.add_option("--speedup", speedup_,
+                   "with --scene: simulated seconds per second of wall time; with --lockstep and --gate this "
+                   "is the most, and without it they run as fast as they can")
         ->type_name("X")
         ->check(number_within(1e-3, 1e3));
-    app.add_option(
-           "--max-overruns", max_overruns_,
-           "in real time: the share of ticks that may begin more than a tick late; where more do the run "
-           "is invalid, exit code 6")
+    app.add_option("--max-overruns", max_overruns_,
+                   "in real time: the share of ticks that may begin more than a tick late; with more the run "
+                   "is invalid (exit code 6)")
         ->type_name("SHARE")
         ->check(number_within(0.0, 1.0))
         ->capture_default_str();
@@ -169,7 +168,7 @@ class ExecVerb : public Verb {
   bool in_step() const { return lockstep_ || parsed_gate_.has_value(); }
   bool stays() const { return in_step() || !scene_.empty() || timeout_s_ > 0.0 || link_.json; }
 
-  // Not by VISUM_CONNECT, which CLI11's excludes() would count as well.
+  // Whether --connect stands on the command line. CLI11's excludes() would also count VISUM_CONNECT.
   bool has_said_connect() const {
     const auto& said = app_->parse_order();
     return std::ranges::find(said, app_->get_option("--connect")) != said.end();
@@ -177,15 +176,15 @@ class ExecVerb : public Verb {
 
   void read_options() {
     if (!scene_.empty() && has_said_connect())
-      throw ExitError(kUsage, "--scene starts a server of its own: --connect names another");
+      throw ExitError(kUsage, "--scene starts a server of its own, so --connect cannot name another");
     if (!gate_.empty()) parsed_gate_ = exec::parse_gate(gate_);
     if (!in_step() && (period_ms_ > 0.0 || wait_s_ > 0.0 || on_timeout_ != "end"))
       throw ExitError(kUsage, "--period, --wait and --on-timeout: only with --lockstep or --gate");
     if (speedup_ > 0.0 && scene_.empty())
-      throw ExitError(kUsage, "--speedup: only with --scene; else it is the server's own");
+      throw ExitError(kUsage, "--speedup: only with --scene; a server that runs already has its own");
     if (ttys_.empty() && cans_.empty() && !stays())
-      throw ExitError(kUsage, "nothing to put in its place: --tty DEVICE=PART or --can VENDOR is missing");
-    if (cans_.size() > 1) throw ExitError(kUsage, "--can: there is one CAN bus for a program");
+      throw ExitError(kUsage, "no device to replace: give --tty DEVICE=PART or --can VENDOR");
+    if (cans_.size() > 1) throw ExitError(kUsage, "--can: a program gets one CAN bus; give it once");
     if (!buses_.empty() && scene_.empty()) throw ExitError(kUsage, "--bus: only with --scene");
     for (const auto& text : ttys_) parsed_ttys_.push_back(exec::parse_tty(text));
     for (const auto& text : cans_) parsed_cans_.push_back(exec::parse_can(text));
@@ -256,7 +255,7 @@ class ExecVerb : public Verb {
     return join;
   }
 
-  // Those that the program commands by their buses, as far as the options tell.
+  // The parts that the program commands by their buses, as far as the options name them.
   std::vector<std::string> parts_of_bus(const std::vector<protocol::PartBus>& buses) const {
     std::vector<std::string> parts;
     for (const auto& tty : parsed_ttys_) parts.push_back(tty.part);
@@ -280,7 +279,7 @@ class ExecVerb : public Verb {
     return finish(end.status, end.world, end.invalid);
   }
 
-  // In real time. Where it is not the world's own it says so.
+  // Runs the program in real time, and warns if the world keeps in step with others.
   int run_beside(protocol::Connection& link, const std::vector<exec::Placement>& devices,
                  const protocol::ServerStatus& before) {
     if (before.clock == "lockstep")

@@ -27,15 +27,17 @@ class Fault : public Verb {
  public:
   void declare(CLI::App& app) override {
     app.add_option("PART", part_, "the part's name")->required();
-    app.add_option("KIND", kind_, "what breaks: `visum faults` lists them; with --clear: all, if left out");
-    app.add_option("NUMBERS", words_, "of the kind, as joint=3")->type_name("NAME=NUMBER");
-    auto* lasting =
-        app.add_option("--for", duration_s_, "how long, in simulated seconds; else until it is cleared")
-            ->check(number_within(1e-9, 1e6));
-    app.add_flag("--clear", clear_, "ends it")->excludes(lasting);
+    app.add_option("KIND", kind_,
+                   "the kind of fault, as `visum faults` lists them; with --clear, none means all");
+    app.add_option("NUMBERS", words_, "the numbers of this kind, as joint=3")->type_name("NAME=NUMBER");
+    auto* lasting = app.add_option("--for", duration_s_,
+                                   "end it after this many simulated seconds; default: when it is cleared")
+                        ->check(number_within(1e-9, 1e6));
+    app.add_flag("--clear", clear_, "end the fault")->excludes(lasting);
     add_link_options(app, link_, false);
     app.footer(
-        "Acts from the next tick on, whoever holds the part's lease. A reset ends all faults.\n\nExamples:\n"
+        "The fault acts from the next tick on, whichever client holds the part's lease. A reset ends all "
+        "faults.\n\nExamples:\n"
         "  visum fault arm encoder_stuck joint=3\n"
         "  visum fault arm supply_dip volts=12 --for 0.5\n"
         "  visum fault arm encoder_stuck joint=3 --clear\n"
@@ -46,7 +48,7 @@ class Fault : public Verb {
     std::vector<protocol::FaultNumber> numbers;
     for (const auto& word : words_) numbers.push_back(parse_number(word));
     if (clear_) return clear(numbers);
-    if (kind_.empty()) throw ExitError(kUsage, "which fault? `visum faults` lists them");
+    if (kind_.empty()) throw ExitError(kUsage, "no KIND given: `visum faults` lists the kinds");
     open_link(link_, protocol::Role::kAdmin)
         .request(protocol::InjectFault{part_, kind_, numbers, std::llround(duration_s_ * 1e9)});
     return kDone;
@@ -59,7 +61,7 @@ class Fault : public Verb {
       const bool whole =
           number.value >= 1.0 && number.value <= 1e6 && number.value == std::floor(number.value);
       if (number.name != "joint" || !whole)
-        throw ExitError(kUsage, "--clear takes no number but joint, which counts from 1");
+        throw ExitError(kUsage, "--clear takes only the number joint, which counts from 1");
       request.joint = static_cast<std::uint32_t>(number.value);
     }
     open_link(link_, protocol::Role::kAdmin).request(request);

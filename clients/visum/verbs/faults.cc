@@ -26,12 +26,12 @@ std::string in_words(const protocol::ActiveFault& fault) {
 class Faults : public Verb {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("PART", part_, "only what this part knows and suffers");
+    app.add_option("PART", part_, "only the faults that this part knows");
     add_link_options(app, link_);
     app.footer(
-        "Kinds, what they break, their numbers (those without = must be given), and how they show; then "
-        "those\n"
-        "that act now.\n\nExample:\n  visum faults arm");
+        "Prints each kind of fault: its name, what it breaks, its numbers (those without = must be given), "
+        "and how it "
+        "shows. Then prints the faults that act now.\n\nExample:\n  visum faults arm");
   }
 
   int run() override {
@@ -47,7 +47,7 @@ class Faults : public Verb {
     for (const auto& kind : list.kinds) table.row({kind.name, kind.target, numbers_of(kind), kind.effect});
     std::string text = table.text() + "\n";
     for (const auto& fault : list.active) text += "acts on " + in_words(fault) + "\n";
-    return text + (list.active.empty() ? "none acts\n" : "");
+    return text + (list.active.empty() ? "no fault acts now\n" : "");
   }
 
   static std::string json(const protocol::FaultList& list) {

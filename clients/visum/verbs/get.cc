@@ -13,7 +13,7 @@ class Get : public Verb {
  public:
   void declare(CLI::App& app) override {
     app.add_option("PART", part_, "the part's name")->required();
-    app.add_option("PORT", ports_, "ports or groups by name; none: all");
+    app.add_option("PORT", ports_, "ports or groups by name; default: all");
     add_link_options(app, link_);
     app.footer(
         "One port prints its value alone, several print a table.\n\nExamples:\n  visum get arm \"Actual "

@@ -12,7 +12,7 @@ class ParamSet : public Verb {
     app.add_option("VALUE", value_, "its new value")->required();
     add_link_options(app, link_, false);
     app.footer(
-        "Works while a controller holds the lease, too.\n\nExample:\n  visum param-set arm \"On Controller "
+        "Also works while a controller holds the lease.\n\nExample:\n  visum param-set arm \"On Controller "
         "Lost\" hold");
   }
 

@@ -12,7 +12,7 @@ class PushVerb : public Verb {
     app.add_option("FORCE", push_.force_n, "x y z in N, world frame")->required()->expected(3);
     app.add_option("--torque", push_.torque_nm, "x y z in Nm, world frame")->expected(3);
     app.add_option("--at", push_.point_m,
-                   "x y z in m, world frame: where the force acts; else the centre of mass")
+                   "x y z in m, world frame: the point that the force acts on; default: the centre of mass")
         ->expected(3);
     app.add_option("--for", duration_s_, "how long, in simulated seconds")
         ->capture_default_str()

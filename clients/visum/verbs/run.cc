@@ -13,15 +13,14 @@
 #include "clients/visum/common/terminal.h"
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/progress.h"
-#include "clients/visum/run/report_file.h"
-#include "clients/visum/run/report_junit.h"
-#include "clients/visum/run/report_text.h"
+#include "clients/visum/run/reports.h"
 #include "clients/visum/run/runner.h"
 #include "clients/visum/run/scenario_reader.h"
 #include "clients/visum/run/spare_recording.h"
 #include "clients/visum/run/sweep.h"
 #include "clients/visum/verbs/run_many.h"
 #include "clients/visum/verbs/verbs.h"
+#include "protocol/command_line/one_of.h"
 
 namespace visum::cli {
 namespace {
@@ -32,47 +31,55 @@ class RunVerb : public Verb {
     app.add_option("SCENARIO", file_, "a scenario's YAML file")->required();
     app.add_option("--junit", junit_, "write a JUnit XML report to this file");
     app.add_flag("--json", json_, "print JSON: a line per check, then the result");
-    app.add_option("--engine", engine_, "moves the bodies, instead of the scene's engines");
-    app.add_option("--seed", seed_, "of the world's random numbers")->check(CLI::NonNegativeNumber);
-    app.add_option("--clock", clock_, "instead of the scenario's")
-        ->check(CLI::IsMember({"realtime", "lockstep", "free"}));
-    app.add_option("--plugins", plugins_, "a folder that plug-ins of the scene may come from; repeatable")
+    app.add_option("--engine", engine_, "the engine for all bodies, instead of the scene's");
+    app.add_option("--seed", seed_, "the seed of the world's random numbers, instead of the scenario's")
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--clock", clock_, "instead of the scenario's clock: realtime, lockstep or free")
+        ->check(command_line::one_of({"realtime", "lockstep", "free"}));
+    app.add_option("--plugins", plugins_, "a folder to look for the scene's plug-ins in; repeatable")
         ->type_name("FOLDER")
         ->check(CLI::ExistingDirectory);
-    app.add_option("--node-timeout", node_timeout_s_, "seconds that a plug-in's call may take; 0: for ever");
+    app.add_option("--node-timeout", node_timeout_s_,
+                   "seconds that one call of a plug-in may take; 0: no limit");
     app.add_option("--speedup", speedup_,
-                   "simulated seconds per second; in lockstep at most that, else as fast as it goes")
+                   "simulated seconds per second of wall time; in lockstep this is the most, and without it "
+                   "the world runs as "
+                   "fast as it can")
         ->check(number_within(1e-3, 1e3));
-    app.add_option("--record", record_, "write down every input, port and state's hash: an MCAP file");
+    app.add_option("--record", record_,
+                   "record every input, every port and the state's hash of every tick, as an MCAP file");
     app.add_option("--recordings", recordings_,
-                   "where a run that fails leaves a recording; or off. Default: with --report its folder, "
-                   "with --junit that file's, where the environment says CI the working directory, else none")
+                   "folder for the recording of a run that fails; or off. Default: the folder of --report, "
+                   "else that of "
+                   "--junit, else the working directory if the environment has CI set, else off")
         ->type_name("FOLDER|off");
     app.add_option("--port", port_, "the daemon's port; 0: any free one")->capture_default_str();
-    app.add_option("--timeout", timeout_s_, "wall seconds after which the run is given up")
+    app.add_option("--timeout", timeout_s_, "give the run up after this many seconds of wall time")
         ->check(number_within(1e-3, 1e7));
     app.add_flag("--progress", progress_, "show time, pace and the controller's last line while it runs");
     app.add_flag("--keep", keep_, "afterwards let the world run on in real time, until Ctrl-C");
-    app.add_option("--jobs,-j", jobs_, "of a sweep: so many runs at a time; 0: as many as processors")
+    app.add_option("--jobs,-j", jobs_, "runs of a sweep at a time; 0: as many as there are processors")
         ->capture_default_str()
         ->check(CLI::Range(0, 1000));
-    app.add_option("--only", only_, "of a sweep: this run only, counted from 1")->check(CLI::PositiveNumber);
+    app.add_option("--only", only_, "do only this run of a sweep, counted from 1")
+        ->check(CLI::PositiveNumber);
     app.add_option("--report", report_,
                    "write report.html, junit.xml and a recording of each run that fails to this folder")
         ->type_name("FOLDER");
-    app.add_option("--result", result_, "write all that the run gave, with each check's course: JSON")
+    app.add_option("--result", result_, "write the whole result as JSON, with each check's values over time")
         ->type_name("FILE");
     app.footer(
-        "Starts visumd on a free port and the scenario's controllers, lets time run, checks, ends all of "
-        "it.\n"
-        "Exit codes: 0 passed, 1 a check failed, 3 scene or scenario wrong, 4 a controller was lost or timed "
-        "out,\n"
-        "6 the host was too slow for real time (the run is invalid), 124 the wall time was over or a plug-in "
-        "hangs,\n"
-        "130 interrupted.\n\nExamples:\n"
+        "Starts visumd on a free port and the scenario's controllers, lets time run, checks, and ends them "
+        "all. "
+        "With --record, `visum replay` can repeat the run.\n"
+        "Exit codes: 0 passed, 1 a check failed, 2 bad usage, 3 the scene or scenario is wrong, 4 a "
+        "controller was "
+        "lost or timed out, 6 the host was too slow for real time (the run is invalid), 124 the wall time "
+        "was over "
+        "or a plug-in hangs, 130 interrupted.\n\nExamples:\n"
         "  visum run models/scenarios/pick_and_place.yaml\n"
         "  visum run models/scenarios/pick_and_place.yaml --junit report.xml --json\n"
-        "  visum run models/scenarios/pick_and_place.yaml --record run.mcap && visum replay run.mcap\n"
+        "  visum run models/scenarios/pick_and_place.yaml --record run.mcap\n"
         "  visum run models/scenarios/pick_and_place_sweep.yaml --jobs 2 --report failures");
   }
 
@@ -83,7 +90,8 @@ class RunVerb : public Verb {
       throw ExitError(kUsage, "--only: the scenario has " + std::to_string(sweep.runs()) +
                                   (sweep.runs() == 1 ? " run" : " runs"));
     if (only_ == 0 && (sweep.given() || !report_.empty())) return run_all(root);
-    if (!report_.empty()) throw ExitError(kUsage, "--report is of all runs, --only of one: choose");
+    if (!report_.empty())
+      throw ExitError(kUsage, "--report is about all runs, --only about one: give one of the two");
     return run_one(read(root));
   }
 
@@ -95,19 +103,19 @@ class RunVerb : public Verb {
 
   int run_all(const config::Node& root) const {
     if (!record_.empty() || !result_.empty() || keep_ || progress_ || port_ != 0)
-      throw ExitError(
-          kUsage,
-          "--record, --result, --port, --progress and --keep are for one run: --only says which of a "
-          "sweep; --report records what fails");
-    ManyRunsOptions words{file_, report_, junit_, recordings_folder(), {}, jobs_, json_};
-    if (!engine_.empty()) words.words.insert(words.words.end(), {"--engine", engine_});
-    if (!clock_.empty()) words.words.insert(words.words.end(), {"--clock", clock_});
-    if (seed_) words.words.insert(words.words.end(), {"--seed", std::to_string(*seed_)});
-    if (timeout_s_ > 0.0) words.words.insert(words.words.end(), {"--timeout", exact(timeout_s_)});
-    if (speedup_ > 0.0) words.words.insert(words.words.end(), {"--speedup", exact(speedup_)});
-    for (const auto& folder : plugins_) words.words.insert(words.words.end(), {"--plugins", folder});
-    if (node_timeout_s_) words.words.insert(words.words.end(), {"--node-timeout", exact(*node_timeout_s_)});
-    return run_many(words, root);
+      throw ExitError(kUsage,
+                      "--record, --result, --port, --progress and --keep are for one run: choose it with "
+                      "--only, or leave them "
+                      "out; --report records the runs that fail");
+    ManyRunsOptions many{file_, report_, junit_, recordings_folder(), {}, jobs_, json_};
+    if (!engine_.empty()) many.words.insert(many.words.end(), {"--engine", engine_});
+    if (!clock_.empty()) many.words.insert(many.words.end(), {"--clock", clock_});
+    if (seed_) many.words.insert(many.words.end(), {"--seed", std::to_string(*seed_)});
+    if (timeout_s_ > 0.0) many.words.insert(many.words.end(), {"--timeout", exact(timeout_s_)});
+    if (speedup_ > 0.0) many.words.insert(many.words.end(), {"--speedup", exact(speedup_)});
+    for (const auto& folder : plugins_) many.words.insert(many.words.end(), {"--plugins", folder});
+    if (node_timeout_s_) many.words.insert(many.words.end(), {"--node-timeout", exact(*node_timeout_s_)});
+    return run_many(many, root);
   }
 
   int run_one(run::Scenario scenario) {
@@ -136,7 +144,7 @@ class RunVerb : public Verb {
     return report.code == kDone && !written_ ? kFailed : report.code;
   }
 
-  // Where runs that fail are recorded without a word of the scenario's; empty: nowhere.
+  // The folder for recordings of runs that fail, if the scenario names no file; empty: none.
   std::filesystem::path recordings_folder() const {
     if (recordings_ == "off") return {};
     if (!recordings_.empty()) return recordings_;
@@ -148,6 +156,7 @@ class RunVerb : public Verb {
                                                           : std::filesystem::current_path();
   }
 
+  // Records the run for the case that it fails. The recording goes away if it passes.
   void record_in_case(run::Scenario& scenario) {
     const auto folder = recordings_folder();
     if (!scenario.record.empty() || folder.empty()) return;
@@ -196,7 +205,7 @@ class RunVerb : public Verb {
   void invite(std::uint16_t port, const run::Catalogue& catalogue) const {
     const std::string connect = " --connect 127.0.0.1:" + std::to_string(port);
     std::fprintf(stderr,
-                 "The world goes on in real time. Look at it from another terminal, end it with Ctrl-C:\n");
+                 "The world goes on in real time. Look at it from another terminal; end it with Ctrl-C:\n");
     std::fprintf(stderr, "  visum status%s\n", connect.c_str());
     for (const auto& [part, description] : catalogue.parts) {
       std::fprintf(stderr, "  visum watch %s%s\n", part.c_str(), connect.c_str());

@@ -11,16 +11,15 @@
 #include "clients/visum/common/terminal.h"
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/many.h"
-#include "clients/visum/run/report_html.h"
-#include "clients/visum/run/report_junit.h"
-#include "clients/visum/run/report_many.h"
+#include "clients/visum/run/reports.h"
 #include "clients/visum/run/scenario_reader.h"
 #include "clients/visum/run/sweep.h"
 
 namespace visum::cli {
 namespace {
 
-// Reads all runs before the first begins. Returns whether they say for themselves where they are recorded.
+// Reads all runs before the first begins, so that a mistake in any of them shows at once. Returns whether the
+// scenario itself names files for its recordings.
 bool check_runs(const config::Node& root, std::size_t runs) {
   std::set<std::string> recordings;
   for (std::size_t run = 1; run <= runs; ++run) {
@@ -57,32 +56,32 @@ void check_writable(const std::string& file) {
   if (!out) throw ExitError(kUsage, file + ": cannot be written");
 }
 
-int run_many(const ManyRunsOptions& words, const config::Node& root) {
+int run_many(const ManyRunsOptions& wanted, const config::Node& root) {
   const std::size_t runs = run::Sweep(root).runs();
   const bool recorded = check_runs(root, runs);
-  make_folder(words.report);
-  check_writable(words.junit);
+  make_folder(wanted.report);
+  check_writable(wanted.junit);
   catch_interrupts();
-  std::FILE* people = words.json ? stderr : stdout;
+  std::FILE* people = wanted.json ? stderr : stdout;
   const Style style(people);
-  run::ManyOptions options{run::own_folder() / "visum", words.file, runs, count_jobs(words.jobs),
-                           words.words};
-  if (!recorded) options.recordings = words.recordings;
+  run::ManyOptions options{run::own_folder() / "visum", wanted.file, runs, count_jobs(wanted.jobs),
+                           wanted.words};
+  if (!recorded) options.recordings = wanted.recordings;
   make_folder(options.recordings.string());
   options.on_done = [&](const run::Report& report) {
     std::fputs(run::run_line(report, style).c_str(), people);
-    if (words.json) std::printf("%s\n", run::run_json(report).c_str());
+    if (wanted.json) std::printf("%s\n", run::run_json(report).c_str());
     std::fflush(nullptr);
   };
   const auto began = std::chrono::steady_clock::now();
   const auto reports = run::run_many(options);
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  const std::filesystem::path folder = words.report;
-  if (!words.report.empty()) write_file(folder / "report.html", run::report_html(reports));
-  if (!words.report.empty()) write_file(folder / "junit.xml", run::report_junit(reports));
-  if (!words.junit.empty()) write_file(words.junit, run::report_junit(reports));
+  const std::filesystem::path folder = wanted.report;
+  if (!wanted.report.empty()) write_file(folder / "report.html", run::report_html(reports));
+  if (!wanted.report.empty()) write_file(folder / "junit.xml", run::report_junit(reports));
+  if (!wanted.junit.empty()) write_file(wanted.junit, run::report_junit(reports));
   std::fputs(run::many_text(reports, wall_s, style).c_str(), people);
-  if (words.json) std::printf("%s\n", run::many_json(reports, wall_s).c_str());
+  if (wanted.json) std::printf("%s\n", run::many_json(reports, wall_s).c_str());
   if (interrupted()) std::fputs("visum: interrupted\n", stderr);
   return run::code_of(reports);
 }

@@ -1,4 +1,5 @@
-// `visum run` of a scenario that sweeps, or with --report: its runs side by side, and one report of all.
+// `visum run` for a scenario with a sweep, or with --report: starts its runs side by side and writes one
+// report.
 #pragma once
 
 #include <cstddef>
@@ -11,19 +12,19 @@
 namespace visum::cli {
 
 struct ManyRunsOptions {
-  std::string file;                  // the scenario's
+  std::string file;                  // the scenario
   std::string report;                // a folder; empty: none
   std::string junit;                 // a file; empty: none
-  std::filesystem::path recordings;  // a folder for those of runs that fail; empty: none
-  std::vector<std::string> words;    // that each run is given too
-  std::size_t jobs = 1;              // 0: as many as there are processors
+  std::filesystem::path recordings;  // a folder for recordings of runs that fail; empty: none
+  std::vector<std::string> words;    // options that each run gets too
+  std::size_t jobs = 1;              // at a time; 0: as many as there are processors
   bool json = false;
 };
 
-// Before a run, so that a report that cannot be written does not cost one. Throws ExitError.
+// Throws ExitError if the file cannot be written. Asked before a run, whose result would be lost otherwise.
 void check_writable(const std::string& file);
 
-// `root`: what stands in the file. Returns the exit code; throws ExitError, config::ConfigError.
-int run_many(const ManyRunsOptions& words, const config::Node& root);
+// `root` is the content of the file. Returns the exit code. Throws ExitError and config::ConfigError.
+int run_many(const ManyRunsOptions& wanted, const config::Node& root);
 
 }  // namespace visum::cli

@@ -12,10 +12,11 @@
 namespace visum::cli {
 namespace {
 
-// What a program of the server does: this verb becomes that program, with all its words.
+// A verb that a server program does. The process becomes that program and hands on all words that follow the
+// verb. argv[0] stays "visum", which tells the program to speak of `visum VERB` in its help.
 class ServerVerb : public Verb {
  public:
-  // `words`: the program, and what comes before the user's own words.
+  // `words`: the program, then the words to put before the user's own.
   explicit ServerVerb(std::vector<std::string> words) : words_(std::move(words)) {}
 
   void declare(CLI::App& app) override {
@@ -25,15 +26,16 @@ class ServerVerb : public Verb {
   }
 
   int run() override {
+    const std::string program = run::find_server(words_.front());
     auto words = words_;
-    words.front() = run::find_server(words.front());
+    words.front() = "visum";
     for (const auto& word : app_->remaining()) words.push_back(word);
     std::vector<char*> argv;
     for (auto& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     std::signal(SIGPIPE, SIG_DFL);
-    ::execvp(argv[0], argv.data());
-    throw ExitError(kFailed, "cannot run '" + words.front() + "': " + std::strerror(errno));
+    ::execvp(program.c_str(), argv.data());
+    throw ExitError(kFailed, "cannot run '" + program + "': " + std::strerror(errno));
   }
 
  private:

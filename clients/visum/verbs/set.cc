@@ -25,7 +25,7 @@ bool in_force(const PartSample& sample, const std::vector<Assignment>& wanted) {
                      [&](const Assignment& one) { return value_of(sample, one.port) == one.value; });
 }
 
-// One message per run of neighbouring ports, so that what belongs together is taken or refused as a whole.
+// One message for each run of neighbouring ports: the server takes or refuses a message as a whole.
 std::vector<protocol::Write> to_writes(const std::string& part, std::vector<Assignment> wanted) {
   std::stable_sort(wanted.begin(), wanted.end(),
                    [](const Assignment& a, const Assignment& b) { return a.port.index < b.port.index; });
@@ -46,8 +46,8 @@ class Set : public Verb {
     app.add_option("PORT VALUE", words_, "controller inputs by name, each with its value")->required();
     add_link_options(app, link_);
     app.footer(
-        "Takes the lease, writes, waits until the values are in force, and releases the lease: the values "
-        "hold.\n"
+        "Takes the lease, writes, waits until the values are in force, and releases the lease. The values "
+        "stay.\n"
         "\nExamples:\n  visum set arm \"Desired Angle 1\" 0.5\n"
         "  visum set arm \"Maximum Speed 2\" 0.3 \"Desired Angle 2\" -0.8");
   }
@@ -80,7 +80,8 @@ class Set : public Verb {
     return wanted;
   }
 
-  // A refusal leaves the lease in good order too: nobody is lost here.
+  // Releases the lease after a refusal too; otherwise the server would treat us as a controller that was
+  // lost.
   void write(Connection& link, const std::vector<Assignment>& wanted) const try {
     for (const auto& message : to_writes(part_, wanted)) link.request(message);
   } catch (const protocol::RequestError&) {
@@ -88,8 +89,8 @@ class Set : public Verb {
     throw;
   }
 
-  // The sample in which the values stand; nothing where time does not run, so that they cannot come into
-  // force now.
+  // Returns the sample in which the values are in force. Returns nothing if time does not run, because then
+  // they cannot come into force now, or after two seconds.
   std::optional<PartSample> wait_until_applied(Connection& link,
                                                const std::vector<Assignment>& wanted) const {
     link.request(protocol::Subscribe{part_, 1});

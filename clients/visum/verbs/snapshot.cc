@@ -12,7 +12,7 @@ class SnapshotVerb : public Verb {
   void declare(CLI::App& app) override {
     add_link_options(app, link_);
     app.footer(
-        "Prints the snapshot's number; the server keeps the newest ones in memory.\n\nExample:\n  visum "
+        "Prints the snapshot's number. The server keeps the newest snapshots in memory.\n\nExample:\n  visum "
         "restore $(visum snapshot)");
   }
 

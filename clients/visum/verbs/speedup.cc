@@ -10,7 +10,7 @@ class SpeedupVerb : public Verb {
         ->required()
         ->check(number_within(1e-3, 1e3));
     add_link_options(app, link_, false);
-    app.footer("For a server with the clock realtime.\n\nExample:\n  visum speedup 0.5");
+    app.footer("Works with the clock realtime only.\n\nExample:\n  visum speedup 0.5");
   }
 
   int run() override {

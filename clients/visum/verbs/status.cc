@@ -80,8 +80,8 @@ std::string waiting_text(const ServerStatus& status) {
   }
   if (!text.empty()) text = "clients that step with the world\n" + text;
   for (const auto& client : status.free_running)
-    text += (&client == &status.free_running.front() ? "clients that step with nobody\n  " : "  ") + client +
-            ": L0 (free-running)\n";
+    text += (&client == &status.free_running.front() ? "clients that do not step with the world\n  " : "  ") +
+            client + ": L0 (free-running)\n";
   return text;
 }
 

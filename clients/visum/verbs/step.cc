@@ -10,12 +10,12 @@ namespace {
 class StepVerb : public Verb {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("TICKS", ticks_, "how many")
+    app.add_option("TICKS", ticks_, "how many ticks")
         ->capture_default_str()
         ->check(CLI::Range(std::int64_t{1}, kMost));
     add_link_options(app, link_);
     app.footer(
-        "The world must be paused; returns when the ticks are done.\n\nExample:\n  visum pause && visum step "
+        "The world must be paused. Returns when the ticks are done.\n\nExample:\n  visum pause && visum step "
         "100");
   }
 

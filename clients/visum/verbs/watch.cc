@@ -14,8 +14,8 @@ namespace {
 
 using protocol::PartSample;
 
-// A table that is drawn over itself, as far as the terminal has rows: it cannot go back to what scrolled
-// away.
+// A table that is drawn over itself. It is cut to the terminal's rows, because the cursor cannot go back to
+// lines that have scrolled away.
 class LiveTable {
  public:
   LiveTable() { std::fputs("\033[?25l", stdout); }  // hides the cursor
@@ -41,15 +41,16 @@ class Watch : public Verb {
  public:
   void declare(CLI::App& app) override {
     app.add_option("PART", part_, "the part's name")->required();
-    app.add_option("PORT", ports_, "ports or groups by name; none: all");
+    app.add_option("PORT", ports_, "ports or groups by name; default: all");
     add_link_options(app, link_);
     app.add_option("--every", every_ms_, "simulated milliseconds between samples")
         ->capture_default_str()
         ->check(number_within(1e-3, 1e9));
-    app.add_option("--count", count_, "end after this many samples; 0: by Ctrl-C")
+    app.add_option("--count", count_, "end after this many samples; 0: at Ctrl-C")
         ->check(CLI::NonNegativeNumber);
     app.footer(
-        "A terminal shows a live table, a file or pipe gets a line per sample.\n\nExamples:\n"
+        "On a terminal it shows a live table. Into a file or a pipe it writes a line per "
+        "sample.\n\nExamples:\n"
         "  visum watch arm \"Actual Angle\"\n  visum watch arm \"Part State\" --every 10 --count 100 --json");
   }
 
@@ -73,6 +74,7 @@ class Watch : public Verb {
   }
 
  private:
+  // Calls show(sample) for each sample, until --count, Ctrl-C, or nobody reads our output any more.
   int follow(protocol::Connection& link, auto&& show) const {
     for (std::int64_t seen = 0; count_ == 0 || seen < count_;) {
       const auto message = link.next(std::chrono::milliseconds(100));

@@ -1,11 +1,11 @@
-#include "server/recording/new_file.h"
+#include "protocol/config/new_file.h"
 
 #include <unistd.h>
 
 #include <string>
 #include <system_error>
 
-namespace visum::recording {
+namespace visum::config {
 
 NewFile::NewFile(std::filesystem::path file) : file_(std::move(file)), path_(file_) {
   std::error_code none;
@@ -23,4 +23,4 @@ void NewFile::keep() const {
   if (path_ != file_) std::filesystem::rename(path_, file_);
 }
 
-}  // namespace visum::recording
+}  // namespace visum::config

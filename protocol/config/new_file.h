@@ -1,11 +1,13 @@
 // A file that replaces another one only once it is complete: it is written beside it and renamed by keep(). A
-// path that is not a plain file (a pipe, a link) is written directly.
+// path that is not a plain file (a pipe, a link) is written directly. Any thread.
 #pragma once
 
 #include <filesystem>
 
-namespace visum::recording {
+namespace visum::config {
 
+// Write to path(), then call keep(). Until then an older file of that name stays as it is. A pipe, a link or
+// a device cannot be replaced, so for these path() is the file itself.
 class NewFile {
  public:
   explicit NewFile(std::filesystem::path file);
@@ -20,4 +22,4 @@ class NewFile {
   std::filesystem::path file_, path_;
 };
 
-}  // namespace visum::recording
+}  // namespace visum::config
