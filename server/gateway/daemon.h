@@ -23,6 +23,7 @@ class FlightRecorder;
 
 namespace visum::gateway {
 
+class DaemonLoop;
 class Playback;
 struct Published;
 
@@ -74,9 +75,8 @@ class Daemon {
   void stop() { stopping_.store(true, std::memory_order_relaxed); }
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
   std::atomic<bool> stopping_{false};
+  std::unique_ptr<DaemonLoop> loop_;
 };
 
 }  // namespace visum::gateway

@@ -1,9 +1,8 @@
-// Faults on purpose: checked at the edge against their table and their part, and latched as writes are, so
-// that they act from a tick border on. What is answered with Ok acts.
-#include <algorithm>
-#include <limits>
+#include "server/gateway/fault_requests.h"
 
-#include "server/gateway/gateway.h"
+#include <algorithm>
+
+#include "server/cycle/network_model.h"
 
 namespace visum::gateway {
 
@@ -30,22 +29,20 @@ protocol::ActiveFault describe(const hwparts::ActiveFault& active, const std::st
 
 }  // namespace
 
-// With what the part itself cannot know: whether anybody hears its modules, and how long a tick is.
-std::optional<std::string> Gateway::why_not(std::uint32_t part, const hwparts::Fault& fault) const {
-  const auto& name = world_.parts[part]->description().name;
+std::optional<std::string> FaultRequests::refuse(std::uint32_t part, const hwparts::Fault& fault) const {
+  const auto& name = world_.part_name(part);
   const bool of_bus = hwparts::fault_info(fault.kind).target == hwparts::FaultTarget::kBus;
-  const bool has_bus = std::ranges::find(buses_, name, &protocol::PartBus::part) != buses_.end();
   if (auto reason = world_.parts[part]->refuse_fault(fault)) return reason;
   const auto room =
       cycle::NetworkModel::has_room_for(fault, world_.parts[part]->description(), world_.tick_ns);
   if (!room.done()) return room.text();
-  if (of_bus && !has_bus) return "'" + name + "' is on no field bus (visumd --bus)";
+  if (of_bus && !buses_.has(name)) return "'" + name + "' is on no field bus (visumd --bus)";
   return std::nullopt;
 }
 
-void Gateway::handle(const Call& call, const protocol::InjectFault& request) {
+void FaultRequests::handle(const Call& call, const protocol::InjectFault& request) {
   constexpr std::int64_t kLongest_ns = 1'000'000'000'000'000;
-  const auto part = part_or_fail(call, request.part);
+  const auto part = part_or_fail(call, world_, request.part);
   if (!part) return;
   hwparts::NamedNumbers numbers;
   for (const auto& [name, value] : request.numbers) numbers.emplace_back(name, value);
@@ -56,25 +53,25 @@ void Gateway::handle(const Call& call, const protocol::InjectFault& request) {
                      why);
   if (request.duration_ns < 0 || request.duration_ns > kLongest_ns)
     return call.fail(ErrorCode::kBadValue, "duration_ns must be within 0 and 1e15");
-  if (auto reason = why_not(*part, *fault)) return call.fail(ErrorCode::kBadValue, *reason);
-  auto* input = input_or_fail(call);
+  if (auto reason = refuse(*part, *fault)) return call.fail(ErrorCode::kBadValue, *reason);
+  auto* input = limiter_.blank_or_fail(call);
   if (!input) return;
   input->kind = Input::Kind::kFault;
   input->part = *part;
   input->epoch = order_of(call);
   input->fault = *fault;
-  input->duration_ticks = to_ticks(request.duration_ns);
+  input->duration_ticks = world_.to_ticks(request.duration_ns);
   mailbox_.send(input);
   call.reply(protocol::Ok{});
 }
 
-void Gateway::handle(const Call& call, const protocol::ClearFault& request) {
-  const auto part = part_or_fail(call, request.part);
+void FaultRequests::handle(const Call& call, const protocol::ClearFault& request) {
+  const auto part = part_or_fail(call, world_, request.part);
   if (!part) return;
   const auto* kind = hwparts::find_fault_kind(request.kind);
   if (!kind && !request.kind.empty())
     return call.fail(ErrorCode::kUnknownName, hwparts::unknown_fault(request.kind));
-  auto* input = input_or_fail(call);
+  auto* input = limiter_.blank_or_fail(call);
   if (!input) return;
   input->kind = Input::Kind::kClearFault;
   input->part = *part;
@@ -87,10 +84,10 @@ void Gateway::handle(const Call& call, const protocol::ClearFault& request) {
   call.reply(protocol::Ok{});
 }
 
-void Gateway::handle(const Call& call, const protocol::ListFaults& request) {
+void FaultRequests::handle(const Call& call, const protocol::ListFaults& request) {
   std::optional<std::uint32_t> only;
   if (!request.part.empty()) {
-    only = part_or_fail(call, request.part);
+    only = part_or_fail(call, world_, request.part);
     if (!only) return;
   }
   const auto concerned = [&](std::uint32_t part) { return !only || *only == part; };
@@ -101,9 +98,8 @@ void Gateway::handle(const Call& call, const protocol::ListFaults& request) {
       known = known || (concerned(part) && world_.parts[part]->has(info.target));
     if (known) list.kinds.push_back(describe(info));
   }
-  for (const auto& active : now_->faults)
-    if (concerned(active.part))
-      list.active.push_back(describe(active, world_.parts[active.part]->description().name));
+  for (const auto& active : call.now.faults)
+    if (concerned(active.part)) list.active.push_back(describe(active, world_.part_name(active.part)));
   call.reply(list);
 }
 

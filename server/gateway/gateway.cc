@@ -10,48 +10,41 @@ namespace visum::gateway {
 
 using protocol::ErrorCode;
 
-StaticWorld static_world(const cycle::Simulation& simulation) {
-  const auto& scene = simulation.scene();
-  StaticWorld world{scene.name,
-                    scene.clock,
-                    scene.world.tick_ns,
-                    std::chrono::nanoseconds(scene.lockstep_timeout_ns),
-                    {},
-                    {},
-                    describe_world(scene, simulation.revision())};
-  for (const auto& bound : simulation.parts()) {
-    world.parts.push_back(bound.part.get());
-    world.agents.push_back(bound.agent);
-  }
-  return world;
+namespace {
+
+template <typename Handler, typename Message>
+concept Handles = requires(Handler& handler, const Call& call, const Message& message) {
+  handler.handle(call, message);
+};
+
+// Calls the one of the handlers that knows this kind of request.
+template <typename Message, typename... Handlers>
+void hand_over(const Call& call, const Message& message, Handlers&... handlers) {
+  static_assert((int{Handles<Handlers, Message>} + ...) == 1, "each kind of request has one handler");
+  const auto try_one = [&](auto& handler) {
+    if constexpr (Handles<std::decay_t<decltype(handler)>, Message>) handler.handle(call, message);
+  };
+  (try_one(handlers), ...);
 }
 
-Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, const cycle::Pacer& pacer, Latest latest)
+}  // namespace
+
+Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, const cycle::Pacer& pacer, Latest latest,
+                 bus::BusDoor& buses)
     : world_(std::move(world)),
       tokens_(std::move(tokens)),
       mailbox_(mailbox),
-      pacer_(pacer),
       latest_(std::move(latest)),
-      leases_(world_.parts.size()),
-      stops_(world_.parts.size()) {
-  for (const auto* part : world_.parts) {
-    auto& inputs = latched_.emplace_back();
-    for (const auto& port : part->description().controller_inputs) inputs.push_back(port.initial);
-  }
-  for (std::size_t part = 0; part < world_.agents.size(); ++part)
-    if (!world_.agents[part].empty()) leases_.grant(part, kAgentsSession, "agent " + world_.agents[part]);
-}
-
-void Gateway::Call::reply(const protocol::Reply& reply) const {
-  if (id != 0) session.send(id, reply);
-}
-
-void Gateway::Call::fail(ErrorCode code, const std::string& text, const std::string& owner) const {
-  ++refused;
-  if (code == ErrorCode::kForbidden)
-    spdlog::warn("'{}' at {} is refused: {}", session.client_name(), session.peer(), text);
-  session.send(id, protocol::Error{code, text, owner});
-}
+      limiter_(world_.clock, mailbox),
+      parts_(world_, mailbox, clients_, limiter_),
+      commands_(mailbox, parts_),
+      lockstep_(world_, mailbox, clients_, parts_, buses),
+      streams_(world_),
+      settings_(world_, parts_, commands_),
+      time_(world_, commands_),
+      bodies_(world_, mailbox, clients_, limiter_, commands_),
+      faults_(world_, mailbox, limiter_, buses),
+      server_(world_, mailbox, clients_, lockstep_, pacer, buses) {}
 
 protocol::Role Gateway::on_hello(protocol::Session& session, const protocol::Hello& hello,
                                  protocol::Welcome& welcome, protocol::Error& refusal) {
@@ -70,32 +63,36 @@ protocol::Role Gateway::on_hello(protocol::Session& session, const protocol::Hel
   welcome.scene = world_.scene;
   welcome.clock = scene::name_of(world_.clock);
   welcome.simulated = world_.simulated;
-  clients_[session.id()].session = &session;
+  clients_.add(session);
+  streams_.add(session);
   return role;
 }
 
-void Gateway::on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) {
-  const auto found = clients_.find(session.id());
-  if (found == clients_.end()) return;
+void Gateway::look_at_world() {
   now_ = &latest_();
-  follow_shown_world(*now_);
-  auto& client = found->second;
-  work_off(client);
-  if (!client.waiting && client.backlog.empty()) {
-    if (!holds(client, id, request)) dispatch(client, id, request);
-  } else if (client.backlog.size() < kMaxBacklog) {
-    client.backlog.emplace_back(id, request);
+  bodies_.follow_shown_world(*now_);
+}
+
+void Gateway::on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) {
+  auto* client = clients_.find(session.id());
+  if (!client) return;
+  look_at_world();
+  work_off(*client);
+  if (!client->waiting && client->backlog.empty()) {
+    if (!holds(*client, id, request)) dispatch(*client, id, request);
+  } else if (client->backlog.size() < kMaxBacklog) {
+    client->backlog.emplace_back(id, request);
   } else {
-    ++refused_;
+    clients_.count_refusal();
     session.send(
         id, protocol::Error{ErrorCode::kBusy, "too many requests behind one that waits for the world", {}});
   }
-  note_due();
+  note_next_due();
 }
 
 void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request& request) {
   auto& session = *client.session;
-  const Call call{session, client, id, refused_};
+  const Call call{clients_, client, session, id, *now_};
   const auto needed = role_needed(request);
   if (session.role() < needed)
     return call.fail(ErrorCode::kForbidden, std::string("this needs the role ") +
@@ -108,11 +105,15 @@ void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request
   }
   if (!world_.steering_part.empty() && !leaves_recording(request, world_.steering_part))
     return call.fail(ErrorCode::kWrongState, "this is a recording: what happened in it cannot be changed");
-  std::visit([&](const auto& message) { handle(call, message); }, request);
+  std::visit(
+      [&](const auto& message) {
+        hand_over(call, message, parts_, settings_, streams_, lockstep_, time_, bodies_, faults_, server_);
+      },
+      request);
 }
 
 void Gateway::work_off_backlogs() {
-  for (auto& [id, client] : clients_) {
+  for (auto& [id, client] : clients_.all()) {
     release(client);
     work_off(client);
   }
@@ -126,8 +127,6 @@ void Gateway::work_off(Client& client) {
   }
 }
 
-// All that it asked for before it left. Behind a command the mailbox keeps the order; ticks that are to come
-// are not waited for.
 void Gateway::work_off_at_goodbye(Client& client) {
   client.step_until.reset();
   while (!client.backlog.empty()) {
@@ -137,220 +136,123 @@ void Gateway::work_off_at_goodbye(Client& client) {
   }
 }
 
+bool Gateway::holds(Client& client, std::uint64_t id, const protocol::Request& request) {
+  const auto until = lockstep_.hold(*client.session, request, *now_);
+  if (!until) return false;
+  client.step_until = until;
+  client.waiting = true;
+  client.backlog.emplace_front(id, request);
+  return true;
+}
+
+void Gateway::release(Client& client) {
+  if (!client.step_until || (now_->tick < *client.step_until && now_->fault.empty())) return;
+  if (client.session->behind()) return;
+  client.step_until.reset();
+  client.waiting = false;
+  const auto [id, request] = std::move(client.backlog.front());
+  client.backlog.pop_front();
+  dispatch(client, id, request);
+}
+
 void Gateway::on_room(protocol::Session& session) {
-  const auto found = clients_.find(session.id());
-  if (found == clients_.end()) return;
-  now_ = &latest_();
-  follow_shown_world(*now_);
-  release(found->second);
-  work_off(found->second);
-  note_due();
+  auto* client = clients_.find(session.id());
+  if (!client) return;
+  look_at_world();
+  release(*client);
+  work_off(*client);
+  note_next_due();
 }
 
 void Gateway::on_close(protocol::Session& session, protocol::CloseReason reason) {
   now_ = &latest_();
   const auto id = session.id();
   if (reason == protocol::CloseReason::kGoodbye) work_off_at_goodbye(clients_.at(id));
-  lose_parts_of(id, "'" + session.client_name() + "' is gone without a release");
-  leave(id);
-  dropped_.erase(id);
-  clients_.erase(id);
+  parts_.lose_all_of(id, lockstep_.parts_commanded_by(id),
+                     "'" + session.client_name() + "' is gone without a release", *now_);
+  lockstep_.remove(id, *now_);
+  streams_.remove(id);
+  limiter_.forget(id);
+  clients_.remove(id);
 }
 
 void Gateway::serve() {
-  take_commands();
+  commands_.collect();
   now_ = &latest_();
   const auto& now = *now_;
-  follow_eras(now);
-  follow_shown_world(now);
+  follow_eras();
+  bodies_.follow_shown_world(now);
   finish_commands();
   tell_notices();
-  answer_advances(now);
+  lockstep_.answer_advances(now);
   work_off_backlogs();
-  send_late_writes();
-  send_samples(now);
-  if (ending_.exchange(false)) broadcast({"shutdown", "the server ends", {}, now.era, now.tick});
-  note_due();
+  parts_.send_late_writes(now);
+  streams_.send_due(now);
+  if (ending_.exchange(false)) clients_.broadcast({"shutdown", "the server ends", {}, now.era, now.tick});
+  note_next_due();
 }
 
-void Gateway::note_due() {
-  auto due = std::numeric_limits<std::int64_t>::max();
-  if (const auto answer = members_.next_answer()) due = *answer;
-  if (!late_.empty()) due = std::min(due, now_->tick + 1);
-  for (const auto& [id, client] : clients_) {
+void Gateway::note_next_due() {
+  auto due = streams_.next_due();
+  if (const auto answer = lockstep_.next_answer()) due = std::min(due, *answer);
+  if (parts_.has_late_writes()) due = std::min(due, now_->tick + 1);
+  for (const auto& [id, client] : clients_.all())
     if (client.step_until) due = std::min(due, *client.step_until);
-    for (const auto& subscription : client.subscriptions) due = std::min(due, subscription.next_tick);
-  }
   next_due_.store(due, std::memory_order_relaxed);
 }
 
-void Gateway::follow_eras(const Published& now) {
+void Gateway::follow_eras() {
+  const auto& now = *now_;
   if (!now.fault.empty() && !frozen_) {
     ++freezes_;
-    broadcast({"frozen", frozen_reason(now), {}, now.era, now.tick});
+    clients_.broadcast({"frozen", frozen_reason(now), {}, now.era, now.tick});
   }
   frozen_ = !now.fault.empty();
-  if (now.era == era_) return;
-  era_ = now.era;
-  members_.rebase(now.tick);
-  for (std::uint32_t part = 0; part < latched_.size(); ++part) {
-    end_late_writes(part);  // what came after what began the era
-    latched_[part] = now.parts[part].controller_inputs;
+  if (now.era == clients_.known_era()) return;
+  clients_.set_known_era(now.era);
+  lockstep_.begin_era(now);
+  parts_.begin_era(now);
+  streams_.begin_era(now);
+  for (auto& [id, client] : clients_.all()) {
+    if (!client.step_until) continue;
+    client.step_until = now.tick;
+    lockstep_.begin_cycle_with(*client.session, client.backlog.front().second);
   }
-  for (auto& member : members_.all())
-    if (member.gate) member.gate->restart();
-  for (auto& [id, client] : clients_) {
-    client.peaks_from = now.tick;
-    if (client.step_until) hold_no_longer(client);
-    for (auto& subscription : client.subscriptions) subscription.next_tick = now.tick;
-  }
-  broadcast({"era", "the world was reset or restored", {}, now.era, now.tick});
-}
-
-void Gateway::follow_shown_world(const Published& now) {
-  if (now.shown == shown_) return;
-  shown_ = now.shown;
-  world_.view = *shown_;
-  broadcast({"world_changed", "another world is shown", {}, now.era, now.tick});
-}
-
-// Before the copy of the world is taken: what stands behind these commands is answered from one that is as
-// late.
-void Gateway::take_commands() {
-  while (auto command = mailbox_.next_done()) done_.push_back(std::move(command));
+  clients_.broadcast({"era", "the world was reset or restored", {}, now.era, now.tick});
 }
 
 void Gateway::finish_commands() {
-  for (const auto& command : std::exchange(done_, {})) {
-    if (command->view) {
-      world_.view = std::move(*command->view);
-      broadcast({"world_changed", "bodies came or went", {}, now_->era, now_->tick});
-    }
-    if (std::holds_alternative<protocol::Error>(command->reply)) ++refused_;
-    const auto client = clients_.find(command->session);
-    if (client == clients_.end()) continue;
-    client->second.waiting = false;
-    if (command->id != 0 || std::holds_alternative<protocol::Error>(command->reply))
-      client->second.session->send(command->id, command->reply);
+  for (const auto& command : commands_.take_collected()) {
+    if (command->view) bodies_.replace_view(std::move(*command->view), *now_);
+    const bool failed = std::holds_alternative<protocol::Error>(command->reply);
+    if (failed) clients_.count_refusal();
+    auto* client = clients_.find(command->session);
+    if (!client) continue;
+    client->waiting = false;
+    if (command->id != 0 || failed) client->session->send(command->id, command->reply);
   }
 }
 
 void Gateway::tell_notices() {
   for (Notice notice; mailbox_.next_notice(notice);) {
     if (notice.kind == Notice::Kind::kPushRefused) {
-      broadcast({"push_refused", "too many pushes act at once", {}, era_, notice.tick});
+      clients_.broadcast(
+          {"push_refused", "too many pushes act at once", {}, clients_.known_era(), notice.tick});
     } else if (notice.kind == Notice::Kind::kFaultRefused) {
-      broadcast({"fault_refused", "too many faults act at once",
-                 world_.parts[notice.part]->description().name, era_, notice.tick});
+      clients_.broadcast({"fault_refused", "too many faults act at once", world_.part_name(notice.part),
+                          clients_.known_era(), notice.tick});
     } else {
-      tell_missed_deadline(notice);
+      parts_.end_missed_lease(notice, *now_);
     }
   }
 }
 
-// Where the lease ended or was granted anew before the word of it was there, the part has stopped all the
-// same. A loss that was told before, of this lease or of a later one, is none again.
-void Gateway::tell_missed_deadline(const Notice& notice) {
-  if (notice.epoch <= stops_[notice.part].epoch) return;
-  const auto& lease = leases_.of(notice.part);
-  const bool holds = lease.epoch == notice.epoch && lease.session != 0;
-  broadcast({"lease_lost",
-             holds ? "'" + lease.owner + "' missed the deadline that it asked for"
-                   : "a lease that is over missed the deadline that was asked for",
-             world_.parts[notice.part]->description().name, era_, notice.tick});
-  ++lease_losses_;
-  if (lease.epoch != notice.epoch) return;
-  late_.drop(notice.part);
-  leases_.free(notice.part);
-  // What was accepted since the loss is not done.
-  latched_[notice.part] = now_->parts[notice.part].controller_inputs;
+void Gateway::check_timeouts(std::int64_t tick) {
+  if (now_) lockstep_.check_timeouts(tick, *now_);
 }
 
-// What it leased, and what its program commanded by a bus, unless somebody else leases that.
-void Gateway::lose_parts_of(std::uint64_t session, const std::string& why) {
-  const auto* member = members_.find(session);
-  for (std::uint32_t part = 0; part < world_.parts.size(); ++part) {
-    if (leases_.held_by(part, session))
-      lose_lease(part, why);
-    else if (member && leases_.of(part).session == 0 &&
-             std::ranges::find(member->parts, part) != member->parts.end())
-      stop_part(part);
-  }
-}
-
-// The part is told that its controller is gone. In lockstep, where the world may stand while clients come and
-// go, it is told once until the world has looked.
-void Gateway::stop_part(std::uint32_t part) {
-  const Stop stop{now_->tick, commands_sent_, leases_.of(part).epoch};
-  if (world_.clock == scene::ClockKind::kLockstep && stops_[part] == stop) return;
-  stops_[part] = stop;
-  // So a loss follows a grant, or costs one input for each part: those kept back do not run out before there
-  // are that many parts.
-  auto* input = mailbox_.blank_input(true);
-  if (!input) return;
-  input->kind = Input::Kind::kLeaseLost;
-  input->part = part;
-  input->epoch = leases_.of(part).epoch;
-  mailbox_.send(input);
-}
-
-void Gateway::lose_lease(std::uint32_t part, const std::string& why) {
-  end_late_writes(part);
-  stop_part(part);
-  leases_.free(part);
-  ++lease_losses_;
-  broadcast({"lease_lost", why, world_.parts[part]->description().name, era_, now_->tick});
-}
-
-void Gateway::broadcast(const protocol::Event& event) {
-  for (auto& [id, client] : clients_) client.session->send(0, event);
-}
-
-// FNV-1a of the client's name: the same number in every run.
-std::uint64_t Gateway::order_of(const Call& call) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (unsigned char c : call.session.client_name()) hash = (hash ^ c) * 0x100000001b3u;
-  return hash;
-}
-
-bool Gateway::has_sent_enough(Client& client) const {
-  if (client.counted_tick != now_->tick) client.inputs_at_tick = 0;
-  client.counted_tick = now_->tick;
-  const bool realtime = world_.clock == scene::ClockKind::kRealtime;
-  return client.inputs_at_tick >= (realtime ? kMaxInputsPerTick : kMaxSingleWrites);
-}
-
-Input* Gateway::input_or_fail(const Call& call) {
-  if (has_sent_enough(call.client) && world_.clock == scene::ClockKind::kRealtime) {
-    call.fail(ErrorCode::kBusy, "more than " + std::to_string(kMaxInputsPerTick) + " inputs within one tick");
-    return nullptr;
-  }
-  ++call.client.inputs_at_tick;
-  return blank_input_or_fail(call);
-}
-
-Input* Gateway::blank_input_or_fail(const Call& call, bool urgent) {
-  auto* input = mailbox_.blank_input(urgent);
-  if (!input) call.fail(ErrorCode::kBusy, kTooManyInputs);
-  return input;
-}
-
-// What was written before it counts as written before it. What lets time go on, or stand, is not refused over
-// that: a tick makes room.
-void Gateway::send_command(const Call& call, const protocol::Request& request, std::uint32_t part) {
-  const bool about_pace =
-      std::holds_alternative<protocol::Pause>(request) || std::holds_alternative<protocol::Resume>(request) ||
-      std::holds_alternative<protocol::SetSpeed>(request) || std::holds_alternative<protocol::Step>(request);
-  for (std::uint32_t written = 0; written < world_.parts.size(); ++written) {
-    if (about_pace)
-      send_late_writes(written);
-    else if (!late_writes_sent_or_fail(call, written))
-      return;
-  }
-  auto command = std::make_unique<Command>(Command{call.session.id(), call.id, part, request, {}, {}});
-  call.client.waiting = mailbox_.send(std::move(command));
-  ++commands_sent_;
-  if (!call.client.waiting) call.fail(ErrorCode::kBusy, "too many requests wait for the next tick");
+Metrics Gateway::metrics() {
+  return {server_.status(latest_()), parts_.list().parts, 0, parts_.lease_losses(), freezes_};
 }
 
 }  // namespace visum::gateway

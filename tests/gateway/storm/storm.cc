@@ -58,7 +58,7 @@ class Server {
                  [this]() -> const Published& { return latest(); }),
         oracle_(gateway_, simulation_),
         born_ms_(now_ms) {
-    gateway_.use_clock([this] { return gateway::Member::Clock::time_point(context_.now); });
+    gateway_.lockstep().use_clock([this] { return gateway::Member::Clock::time_point(context_.now); });
     if (!record.empty()) {
       recorder_.emplace(simulation_, recording::Origin{}, record);
       both_.emplace(&oracle_, &*recorder_);
@@ -77,7 +77,7 @@ class Server {
     context_.now = std::chrono::milliseconds(now_ms - born_ms_);
     serve_sessions(now_ms);
     if (now_ms % kSweepMs == 0) sweep(now_ms);
-    if (gateway_.start_asked()) tick_side_.start();
+    if (gateway_.lockstep().start_asked()) tick_side_.start();
     if (!threaded_) return turn_inline();
     // The tick's thread, and now and then the sessions' in the middle of it.
     empty_mailbox();
@@ -113,7 +113,7 @@ class Server {
     std::int64_t kept_alive_until_ms;
   };
 
-  // As Daemon::Impl::run_inline does it.
+  // As the daemon's inline loop does it (daemon_inline_loop.cc).
   void turn_inline() {
     const auto version = tick_side_.version();
     empty_mailbox();
@@ -128,12 +128,12 @@ class Server {
   }
   bool may_tick() {
     if (!tick_side_.time_runs()) {
-      gateway_.end_waits();
+      gateway_.lockstep().end_waits();
       return false;
     }
     if (simulation_.scene().clock == ClockKind::kFree) return true;
     const auto tick = simulation_.tick_count();
-    if (gateway_.lets(tick, tick_side_.stepping())) return true;
+    if (gateway_.lockstep().lets(tick, tick_side_.stepping())) return true;
     gateway_.check_timeouts(tick);
     return false;
   }

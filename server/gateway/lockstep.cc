@@ -1,8 +1,7 @@
-// The lockstep: who steps with the world, how far each lets it run, and what happens to who does not come.
-#include <algorithm>
-#include <string>
+#include "server/gateway/lockstep.h"
 
-#include "server/gateway/gateway.h"
+#include <utility>
+#include <vector>
 
 namespace visum::gateway {
 
@@ -31,7 +30,16 @@ std::string fault_of(const protocol::Advance& request, bool lockstep) {
 
 }  // namespace
 
-void Gateway::handle(const Call& call, const protocol::Join& request) {
+Lockstep::Lockstep(const StaticWorld& world, Mailbox& mailbox, Clients& clients, Parts& parts,
+                   bus::BusDoor& buses)
+    : world_(world),
+      mailbox_(mailbox),
+      clients_(clients),
+      parts_(parts),
+      buses_(buses),
+      gates_(world, members_, buses) {}
+
+void Lockstep::handle(const Call& call, const protocol::Join& request) {
   if (members_.find(call.session.id()))
     return call.fail(ErrorCode::kWrongState, "this session has joined already");
   if (request.timeout_ns < 0) return call.fail(ErrorCode::kBadValue, "timeout_ns must not be negative");
@@ -40,38 +48,39 @@ void Gateway::handle(const Call& call, const protocol::Join& request) {
     return call.fail(ErrorCode::kBadValue, "grade must be 1 (gate), 2 (time shim) or 4 (steps of its own)");
   if ((grade == kGradeGate) != request.gate.has_value())
     return call.fail(ErrorCode::kBadValue, "grade 1 needs a gate, and no other has one");
-  if (auto why = request.gate ? fault_of_gate(*request.gate) : std::string(); !why.empty())
+  if (auto why = request.gate ? gates_.refuse(*request.gate) : std::string(); !why.empty())
     return call.fail(ErrorCode::kBadValue, why);
   std::vector<std::uint32_t> parts;
   for (const auto& name : request.parts) {
-    const auto part = part_or_fail(call, name);
+    const auto part = part_or_fail(call, world_, name);
     if (!part) return;
     parts.push_back(*part);
   }
-  const auto& now = *now_;
+  const auto& now = call.now;
   const auto timeout =
       request.timeout_ns > 0 ? std::chrono::nanoseconds(request.timeout_ns) : world_.lockstep_timeout;
   auto& member = members_.join(call.session.id(), call.session.client_name(), now.tick, timeout);
   member.grade = grade;
   member.on_timeout = request.on_timeout;
   member.own_timeout = request.timeout_ns > 0;
-  // From now on it is waited for.
+  // The world waits for these members from now on, so time has to start.
   const bool waited_for = member.own_timeout || grade != kGradeStep;
   if (waited_for && world_.clock == scene::ClockKind::kLockstep) start_asked_ = true;
   member.parts = std::move(parts);
-  if (request.gate) open_gate(member, *request.gate);
+  if (request.gate) gates_.open(member, *request.gate);
   call.reply(protocol::Advanced{now.tick, now.sim_time_ns, now.era});
 }
 
-void Gateway::handle(const Call& call, const protocol::Advance& request) {
+void Lockstep::handle(const Call& call, const protocol::Advance& request) {
   auto* member = members_.find(call.session.id());
   if (!member) return call.fail(ErrorCode::kWrongState, "Advance needs Join first");
   if (member->advance) return call.fail(ErrorCode::kWrongState, "the previous Advance is not yet answered");
   const auto why = fault_of(request, world_.clock == scene::ClockKind::kLockstep);
   if (!why.empty()) return call.fail(ErrorCode::kBadValue, why);
-  const auto& now = *now_;
+  const auto& now = call.now;
   if (!now.fault.empty()) return call.fail(ErrorCode::kFrozen, now.fault);
-  // Who comes later than a whole period in realtime or free starts anew from now: no burst of answers.
+  // Realtime and free: a member that is late by more than a period starts anew from now. Otherwise it would
+  // get a burst of answers.
   if (now.tick - member->granted_tick > request.ticks) member->granted_tick = now.tick;
   member->granted_tick += request.ticks;
   member->waited_since.reset();
@@ -82,17 +91,18 @@ void Gateway::handle(const Call& call, const protocol::Advance& request) {
   start_asked_ = true;
   mailbox_.wake();
   answer(*member, now);
-  if (member->advance) call.session.hold();  // what was answered to writes before it leaves with its answer
+  // Replies to the writes before it may leave together with its own.
+  if (member->advance) call.session.hold();
 }
 
-void Gateway::handle(const Call& call, const protocol::Leave&) {
+void Lockstep::handle(const Call& call, const protocol::Leave&) {
   if (!members_.find(call.session.id()))
     return call.fail(ErrorCode::kWrongState, "this session has not joined");
-  leave(call.session.id());
+  leave(call.session.id(), call.now);
   call.reply(protocol::Ok{});
 }
 
-void Gateway::handle(const Call& call, const protocol::Note& request) {
+void Lockstep::handle(const Call& call, const protocol::Note& request) {
   auto* member = members_.find(call.session.id());
   if (!member) return call.fail(ErrorCode::kWrongState, "Note needs Join first");
   if (request.text.size() > kLongestNote)
@@ -101,28 +111,27 @@ void Gateway::handle(const Call& call, const protocol::Note& request) {
   call.reply(protocol::Ok{});
 }
 
-// What a member has heard of its program's connections, against what has been said by now.
-bool Gateway::was_told_more(const Follows& follows) {
-  if (bus_door_.said() > follows.bus_said) return true;
+bool Lockstep::was_told_more(const Follows& follows) {
+  if (buses_.said() > follows.bus_said) return true;
   auto streams = follows.streams;
-  for (auto& stream : streams) stream.written = 0;  // who is gone says nothing more
-  bus_door_.fill_in(streams);
+  for (auto& stream : streams) stream.written = 0;  // a connection that is gone says nothing more
+  buses_.fill_in(streams);
   for (std::size_t i = 0; i < streams.size(); ++i)
     if (streams[i].written > follows.streams[i].heard) return true;
   return false;
 }
 
-bool Gateway::follow_buses(std::int64_t tick) {
+bool Lockstep::follow_buses(std::int64_t tick) {
   bool any = false;
   for (auto& member : members_.all()) {
-    if (member.bus_gate) follow_gate(member);
+    gates_.follow_bus(member);
     if (!member.advance || !member.follows) continue;
     auto& follows = *member.follows;
     if (!follows.settled) {
-      bus_door_.settle(follows.streams);
+      buses_.settle(follows.streams);
       follows.settled = true;
       any = true;
-      if (member.bus_gate) follow_gate(member);
+      gates_.follow_bus(member);
     }
     if (tick < member.granted_tick && !member.bus_gate && was_told_more(follows)) {
       member.granted_tick = tick;
@@ -132,12 +141,11 @@ bool Gateway::follow_buses(std::int64_t tick) {
   return any;
 }
 
-void Gateway::answer_advances(const Published& now) {
+void Lockstep::answer_advances(const Published& now) {
   for (auto& member : members_.all()) answer(member, now);
 }
 
-// Answers a member that waits for a tick that has come, or never will.
-void Gateway::answer(Member& member, const Published& now) {
+void Lockstep::answer(Member& member, const Published& now) {
   if (!member.advance) return;
   if (now.fault.empty() && (now.tick < member.granted_tick || (member.follows && !member.follows->settled)))
     return;
@@ -151,17 +159,17 @@ void Gateway::answer(Member& member, const Published& now) {
   client.waiting = false;
 }
 
-protocol::Advanced Gateway::advanced(const Member& member, const Published& now) {
+protocol::Advanced Lockstep::advanced(const Member& member, const Published& now) {
   protocol::Advanced reply{now.tick, now.sim_time_ns, now.era};
   if (!member.follows) return reply;
-  reply.bus_said = bus_door_.said();
+  reply.bus_said = buses_.said();
   reply.streams = member.follows->streams;
   for (auto& stream : reply.streams) std::swap(stream.written, stream.heard);
-  bus_door_.fill_in(reply.streams);
+  buses_.fill_in(reply.streams);
   return reply;
 }
 
-void Gateway::check_timeouts(std::int64_t tick) {
+void Lockstep::check_timeouts(std::int64_t tick, const Published& now) {
   const auto* late = members_.waited_too_long(tick, clock_());
   if (!late) return;
   const auto session = late->session;
@@ -172,12 +180,12 @@ void Gateway::check_timeouts(std::int64_t tick) {
   if (on_timeout == OnTimeout::kFree)
     dropped_.insert(session);
   else
-    lose_parts_of(session, text);
-  leave(session);
-  broadcast({"lockstep_timeout", text, {}, era_, tick});
+    parts_.lose_all_of(session, parts_commanded_by(session), text, now);
+  leave(session, now);
+  clients_.broadcast({"lockstep_timeout", text, {}, clients_.known_era(), tick});
 }
 
-void Gateway::end_advances(std::int64_t tick, const std::string& why) {
+void Lockstep::end_advances(std::int64_t tick, const std::string& why) {
   for (auto& member : members_.all()) {
     if (!member.advance) continue;
     auto& client = clients_.at(member.session);
@@ -187,6 +195,61 @@ void Gateway::end_advances(std::int64_t tick, const std::string& why) {
     member.follows.reset();
     member.granted_tick = tick;
     member.waited_since.reset();
+  }
+}
+
+void Lockstep::leave(std::uint64_t session, const Published& now) {
+  const auto* member = members_.find(session);
+  if (!member) return;
+  gates_.close(*member);
+  for (auto& [id, client] : clients_.all())
+    if (client.step_until && gates_.gate_of(*client.session) == member) client.step_until = now.tick;
+  members_.leave(session);
+}
+
+std::span<const std::uint32_t> Lockstep::parts_commanded_by(std::uint64_t session) const {
+  for (const auto& member : members_.all())
+    if (member.session == session) return member.parts;
+  return {};
+}
+
+void Lockstep::remove(std::uint64_t session, const Published& now) {
+  leave(session, now);
+  dropped_.erase(session);
+}
+
+std::optional<std::int64_t> Lockstep::hold(const protocol::Session& session, const protocol::Request& request,
+                                           const Published& now) {
+  auto* member = gates_.gate_of(session);
+  if (!member || !now.fault.empty() || !member->gate->ends_cycle(request)) return std::nullopt;
+  member->granted_tick = now.tick + member->gate->period_ticks();
+  member->waited_since.reset();
+  start_asked_ = true;
+  mailbox_.wake();
+  return member->granted_tick;
+}
+
+void Lockstep::begin_cycle_with(const protocol::Session& session, const protocol::Request& request) {
+  if (auto* member = gates_.gate_of(session)) member->gate->ends_cycle(request);
+}
+
+void Lockstep::begin_era(const Published& now) {
+  members_.rebase(now.tick);
+  for (auto& member : members_.all())
+    if (member.gate) member.gate->restart();
+}
+
+void Lockstep::describe(protocol::ServerStatus& status) const {
+  for (const auto& member : members_.all()) {
+    const auto waited = member.waited_since ? clock_() - *member.waited_since : Member::Clock::duration{};
+    status.lockstep.push_back({member.client, member.granted_tick, std::chrono::nanoseconds(waited).count(),
+                               member.grade, member.note});
+  }
+  for (const auto& [id, client] : clients_.all()) {
+    const auto& name = client.session->client_name();
+    if (client.session->role() >= protocol::Role::kController && !members_.is_member(id) &&
+        !gates_.is_gated(name))
+      status.free_running.push_back(name);
   }
 }
 

@@ -1,0 +1,63 @@
+// The sessions that said hello, and which of their requests wait.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "protocol/server.h"
+
+namespace visum::gateway {
+
+// A session's requests are answered in order. While one waits for the world, or replies wait to be written,
+// those behind it wait in `backlog`.
+struct Client {
+  protocol::Session* session = nullptr;
+  bool waiting = false;
+  std::optional<std::int64_t> step_until;  // a gate holds the first of the backlog until this tick
+  std::deque<std::pair<std::uint64_t, protocol::Request>> backlog;
+};
+
+// All clients, in the order of their sessions' numbers, which makes the order of replies and events the same
+// in every run. Lives on the sessions' thread. The Gateway owns it; its parts use it to answer later than
+// they were asked, and to tell everybody. A client is there from hello until its session closed.
+class Clients {
+ public:
+  Client& add(protocol::Session& session) {
+    auto& client = clients_[session.id()];
+    client.session = &session;
+    return client;
+  }
+  void remove(std::uint64_t session) { clients_.erase(session); }
+  // Null: that session is gone.
+  Client* find(std::uint64_t session) {
+    const auto found = clients_.find(session);
+    return found == clients_.end() ? nullptr : &found->second;
+  }
+  Client& at(std::uint64_t session) { return clients_.at(session); }
+  std::map<std::uint64_t, Client>& all() { return clients_; }
+  const std::map<std::uint64_t, Client>& all() const { return clients_; }
+  std::size_t size() const { return clients_.size(); }
+
+  void broadcast(const protocol::Event& event) {
+    for (auto& [id, client] : clients_) client.session->send(0, event);
+  }
+
+  // The era that the clients know of. It is older than that of the newest copy of the world until serve() has
+  // told them.
+  std::uint64_t known_era() const { return known_era_; }
+  void set_known_era(std::uint64_t era) { known_era_ = era; }
+
+  // Requests that were answered with an error since the start.
+  std::uint64_t refused() const { return refused_; }
+  void count_refusal() { ++refused_; }
+
+ private:
+  std::map<std::uint64_t, Client> clients_;  // by session
+  std::uint64_t known_era_ = 1;
+  std::uint64_t refused_ = 0;
+};
+
+}  // namespace visum::gateway

@@ -1,0 +1,94 @@
+#include "server/gateway/daemon_doors.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <utility>
+
+#include "server/gateway/playback.h"
+#include "server/recording/flight_recorder.h"
+
+namespace visum::gateway {
+namespace {
+
+std::size_t most_ports(const cycle::Simulation& simulation) {
+  std::size_t most = 0;
+  for (const auto& bound : simulation.parts()) most = std::max(most, bound.controller_inputs.size());
+  return most;
+}
+
+StaticWorld shown_world(const cycle::Simulation& simulation, const DaemonOptions& options) {
+  auto world = static_world(simulation);
+  world.simulated = options.simulated;
+  world.has_world = options.has_world;
+  world.stuck_node = options.stuck_node;
+  if (options.playback) world.steering_part = options.playback->name();
+  return world;
+}
+
+std::function<void(Published&)> shown_by(const DaemonOptions& options) {
+  if (!options.playback) return options.show;
+  return [playback = options.playback](Published& published) { playback->show(published); };
+}
+
+protocol::WebOptions web_options(const HttpOptions& http, Web& web) {
+  return {http.on ? &web : nullptr, http.port, http.any_if_taken, http.hosts};
+}
+
+}  // namespace
+
+DaemonDoors::DaemonDoors(cycle::Simulation& the_simulation, const DaemonOptions& options,
+                         std::atomic<bool>& stop, Gateway::Latest newest)
+    : simulation(the_simulation),
+      stopping(stop),
+      iterations(options.iterations),
+      wait(options.wait),
+      show(shown_by(options)),
+      flight(options.flight),
+      playback(options.playback),
+      mailbox(most_ports(simulation)),
+      tick_side(simulation, mailbox, options.run_at_once),
+      buses(tick_side),
+      gateway(shown_world(simulation, options),
+              options.token_file.empty() ? Tokens() : Tokens(options.token_file), mailbox, tick_side.pacer(),
+              std::move(newest), buses),
+      web(
+          options.http.page.empty() ? PageFiles() : PageFiles(options.http.page), gateway,
+          [this] { return server.refused(); }, options.playback),
+      server({options.address, options.port, {}, web_options(options.http, web), options.tls}, gateway) {
+  if (playback) tick_side.play([this] { return playback->tick(); }, [this] { return playback->era(); });
+}
+
+void DaemonDoors::open_buses(std::vector<bus::BusAddress> addresses, std::function<void()> wake) {
+  if (playback) return;
+  auto of_scene = bus::scene_buses(simulation.scene());
+  addresses.insert(addresses.begin(), of_scene.begin(), of_scene.end());
+  buses.open(simulation, addresses, std::move(wake));
+}
+
+void DaemonDoors::tick() {
+  tick_side.tick();
+  ++ticks_made;
+  buses.after_tick();
+}
+
+void DaemonDoors::add_to_copy(Published& copy) const {
+  if (flight) copy.dump = flight->dump();
+  if (show) show(copy);
+}
+
+bool DaemonDoors::ended() const {
+  return stopping.load(std::memory_order_relaxed) || gateway.shutdown_asked() ||
+         (iterations > 0 && ticks_made >= iterations);
+}
+
+void sleep_until(std::chrono::steady_clock::time_point due) {
+  // steady_clock is CLOCK_MONOTONIC.
+  const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(due.time_since_epoch()).count();
+  const timespec until{static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  }
+}
+
+}  // namespace visum::gateway

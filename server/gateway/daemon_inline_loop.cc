@@ -1,0 +1,133 @@
+#include <sys/prctl.h>
+
+#include <utility>
+
+#include "server/gateway/daemon_loop.h"
+
+namespace visum::gateway {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kIdle{20};          // how soon stop() is noticed while no tick is due
+constexpr std::chrono::milliseconds kPaceLook{1};       // sessions of a paced lockstep are served that often
+constexpr std::chrono::microseconds kTickingLook{100};  // and those of a world that ticks as fast as it can
+constexpr std::chrono::seconds kFarewell{2};            // for clients that read their last frames slowly
+
+// One thread ticks and serves the sessions. In lockstep, waking another thread for each step would cost more
+// than the step itself.
+class InlineLoop final : public DaemonLoop {
+ public:
+  InlineLoop(cycle::Simulation& simulation, const DaemonOptions& options, std::atomic<bool>& stop)
+      : DaemonLoop(simulation, options, stop, [this]() -> const Published& { return fresh_copy(); }),
+        paced_(options.paced && simulation.scene().clock == scene::ClockKind::kLockstep) {
+    doors_.open_buses(options.buses, [this] { doors_.server.notify(); });
+  }
+
+  void run() override;
+
+ private:
+  // Whether the world may tick now.
+  bool may_tick();
+  // False: the next tick's time has not come yet; sessions are served meanwhile.
+  bool await_due();
+  void end_sessions();
+  // The copy is made when it is asked for, and only if something happened since the last time.
+  const Published& fresh_copy();
+
+  const bool paced_;
+  bool is_paced_now_ = false;
+  Published copy_;
+  std::uint64_t copied_version_ = 0;  // of the tick's side
+};
+
+const Published& InlineLoop::fresh_copy() {
+  const auto& simulation = doors_.simulation;
+  const auto version = doors_.tick_side.version();
+  if (copy_.tick != simulation.tick_count() || copy_.era != simulation.era() || copied_version_ != version ||
+      copy_.fault.empty() == simulation.frozen()) {
+    fill_unhashed(copy_, simulation, doors_.tick_side.pace());
+    doors_.add_to_copy(copy_);
+    copied_version_ = version;
+  }
+  return copy_;
+}
+
+bool InlineLoop::may_tick() {
+  auto& tick_side = doors_.tick_side;
+  auto& lockstep = doors_.gateway.lockstep();
+  if (lockstep.start_asked()) tick_side.start();
+  if (!tick_side.time_runs()) {
+    lockstep.end_waits();
+    return is_paced_now_ = false;
+  }
+  if (doors_.simulation.scene().clock == scene::ClockKind::kFree) return true;
+  const auto tick = doors_.simulation.tick_count();
+  if (lockstep.lets(tick, tick_side.stepping())) return await_due();
+  is_paced_now_ = false;
+  doors_.gateway.check_timeouts(tick);
+  return false;
+}
+
+bool InlineLoop::await_due() {
+  if (!paced_ && !doors_.gateway.lockstep().has_dropped()) return true;
+  auto& pacer = doors_.tick_side.pacer();
+  if (!std::exchange(is_paced_now_, true)) pacer.restart(Clock::now());
+  const auto left = pacer.due() - Clock::now();
+  if (left > kPaceLook) return false;
+  if (left > Clock::duration::zero()) sleep_until(pacer.due());
+  pacer.begin_tick(Clock::now());
+  return true;
+}
+
+void InlineLoop::run() {
+  if (paced_) prctl(PR_SET_TIMERSLACK, 1UL);
+  auto& tick_side = doors_.tick_side;
+  auto& gateway = doors_.gateway;
+  auto& server = doors_.server;
+  auto now = Clock::now(), polled = now - kTickingLook;
+  while (!doors_.ended()) {
+    if (now - polled >= kTickingLook) {
+      server.poll();
+      polled = now;
+    }
+    const auto version = tick_side.version();
+    tick_side.empty_mailbox();
+    tick_side.give_back();
+    // Members learn of a reset before anything else: the ticks that they granted were of the era before.
+    if (version != tick_side.version()) gateway.serve();
+    if (doors_.buses.serve()) tick_side.touch();
+    if (gateway.lockstep().follow_buses(doors_.simulation.tick_count())) gateway.serve();
+    if (may_tick()) {
+      if (gateway.complete_writes()) tick_side.empty_mailbox();
+      if (doors_.wait) doors_.wait(Clock::now());
+      doors_.tick();
+      tick_side.give_back();
+      now = tick_side.ticked_at();
+      if (!doors_.has_something_to_send()) continue;
+      gateway.serve();
+      server.write();
+    } else {
+      gateway.serve();
+      server.poll_for(is_paced_now_ ? kPaceLook : kIdle);
+      now = polled = Clock::now();
+    }
+  }
+  end_sessions();
+}
+
+void InlineLoop::end_sessions() {
+  doors_.gateway.end();
+  doors_.gateway.serve();
+  doors_.server.stop();
+  const auto patience = Clock::now() + kFarewell;
+  while (!doors_.server.ended() && Clock::now() < patience) doors_.server.poll_for(kIdle);
+}
+
+}  // namespace
+
+std::unique_ptr<DaemonLoop> make_inline_loop(cycle::Simulation& simulation, const DaemonOptions& options,
+                                             std::atomic<bool>& stop) {
+  return std::make_unique<InlineLoop>(simulation, options, stop);
+}
+
+}  // namespace visum::gateway

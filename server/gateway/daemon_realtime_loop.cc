@@ -1,0 +1,121 @@
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <exception>
+#include <thread>
+
+#include "server/gateway/daemon_loop.h"
+#include "server/gateway/playback.h"
+#include "server/world/exchange.h"
+
+namespace visum::gateway {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kLongestSleep{20};  // how soon stop() is noticed while no tick is due
+constexpr std::chrono::milliseconds kBeforeTick{1};     // a comparison ends so long before a tick is due
+
+// The tick's thread only ever notifies the sessions' thread; it never waits for it.
+class RealtimeLoop final : public DaemonLoop {
+ public:
+  RealtimeLoop(cycle::Simulation& simulation, const DaemonOptions& options, std::atomic<bool>& stop)
+      : DaemonLoop(simulation, options, stop, [this]() -> const Published& { return newest_copy(); }) {
+    doors_.open_buses(options.buses, [this] { doors_.mailbox.wake(); });
+    publish(false);
+  }
+
+  void run() override;
+
+ private:
+  void tick_in_real_time();
+
+  // The sessions' thread.
+  const Published& newest_copy() {
+    exchange_.refresh();
+    return exchange_.front();
+  }
+
+  // Puts a copy of the world before the sessions' thread, and wakes it if it has something to send. Commands
+  // go back only after that: a client that is told that something is done finds it done in the copy.
+  void publish(bool wake) {
+    auto& copy = exchange_.back();
+    fill(copy, doors_.simulation, doors_.tick_side.pace());
+    doors_.add_to_copy(copy);
+    exchange_.publish();
+    doors_.tick_side.give_back();
+    published_version_ = doors_.tick_side.version();
+    if (wake) doors_.server.notify();
+  }
+
+  void wait_until(Clock::time_point due) {
+    if (doors_.wait) return doors_.wait(due);
+    if (!doors_.buses.are_open()) return sleep_until(due);
+    doors_.buses.serve_until(due);
+  }
+
+  // A recording is compared while there is nothing else to do, up to `until`.
+  void compare_until(Clock::time_point until) {
+    while (comparing_ && Clock::now() < until) comparing_ = doors_.playback->compare();
+  }
+
+  world::Exchange<Published> exchange_;
+  std::uint64_t published_version_ = 0;          // of the tick's side, as of the last copy
+  bool comparing_ = doors_.playback != nullptr;  // parts of the recording are not compared yet
+};
+
+// The sessions' thread is told of the end in any case, also where a tick throws.
+void RealtimeLoop::run() {
+  prctl(PR_SET_TIMERSLACK, 1UL);
+  std::thread sessions([this] { doors_.server.run(); });
+  std::exception_ptr failure;
+  try {
+    tick_in_real_time();
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  doors_.gateway.end();
+  doors_.server.notify();
+  doors_.server.stop();
+  sessions.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+void RealtimeLoop::tick_in_real_time() {
+  auto& tick_side = doors_.tick_side;
+  auto& pacer = tick_side.pacer();
+  bool was_running = false;
+  while (!doors_.ended()) {
+    tick_side.empty_mailbox();
+    doors_.buses.serve();
+    if (doors_.gateway.lockstep().start_asked()) tick_side.start();
+    const bool runs = tick_side.time_runs();
+    if (runs && !was_running) pacer.restart(Clock::now());
+    if (published_version_ != tick_side.version() || runs != was_running) publish(true);
+    was_running = runs;
+    if (!runs) {
+      compare_until(Clock::now() + kLongestSleep);
+      doors_.mailbox.wait_for(comparing_ ? std::chrono::milliseconds(0) : kLongestSleep);
+      continue;
+    }
+    // A tick that is far off is waited for in pieces. Commands are done in between, and may change when it is
+    // due.
+    const auto until = std::min(pacer.due(), Clock::now() + kLongestSleep);
+    compare_until(until - kBeforeTick);
+    wait_until(until);
+    if (until < pacer.due()) continue;
+    tick_side.empty_mailbox();
+    pacer.begin_tick(Clock::now());
+    const auto version_before = published_version_;
+    doors_.tick();
+    publish(doors_.has_something_to_send() || version_before != tick_side.version());
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<DaemonLoop> make_realtime_loop(cycle::Simulation& simulation, const DaemonOptions& options,
+                                               std::atomic<bool>& stop) {
+  return std::make_unique<RealtimeLoop>(simulation, options, stop);
+}
+
+}  // namespace visum::gateway

@@ -1,0 +1,46 @@
+// Requests about the bodies of the world: descriptions, meshes, pushes, bodies that come and go.
+#pragma once
+
+#include <memory>
+
+#include "server/gateway/commands.h"
+#include "server/gateway/input_limiter.h"
+#include "server/gateway/mailbox.h"
+
+namespace visum::gateway {
+
+// Keeps the description of the world that is valid now. Lives on the sessions' thread, owned by the Gateway.
+class WorldRequests {
+ public:
+  WorldRequests(const StaticWorld& world, Mailbox& mailbox, Clients& clients, InputLimiter& limiter,
+                Commands& commands)
+      : world_(world),
+        mailbox_(mailbox),
+        clients_(clients),
+        limiter_(limiter),
+        commands_(commands),
+        view_(world.view) {}
+
+  void handle(const Call& call, const protocol::DescribeWorld&) { call.reply(view_.description); }
+  void handle(const Call& call, const protocol::ReadMesh& request);
+  void handle(const Call& call, const protocol::ReadTexture& request);
+  void handle(const Call& call, const protocol::PushBody& request);
+  void handle(const Call& call, const protocol::AddBody& request) { commands_.send(call, request); }
+  void handle(const Call& call, const protocol::RemoveBody& request) { commands_.send(call, request); }
+
+  // Bodies came or went.
+  void replace_view(WorldView view, const Published& now);
+  // Takes over the world of another server where the copy shows one: a mirror shows that of an arm.
+  void follow_shown_world(const Published& now);
+
+ private:
+  const StaticWorld& world_;
+  Mailbox& mailbox_;
+  Clients& clients_;
+  InputLimiter& limiter_;
+  Commands& commands_;
+  WorldView view_;
+  std::shared_ptr<const WorldView> shown_;  // the other server's world that view_ was copied from
+};
+
+}  // namespace visum::gateway
