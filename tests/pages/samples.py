@@ -26,7 +26,7 @@ BLOCK = re.compile(r"(<!-- (sample|file): (?!end)(.+?) -->\n```(\w*)\n)(.*?)(```
 WALL_CLOCK = re.compile(r" in \d+\.\d+ s \(\d+(\.\d+)? x real time\)")
 TIMEOUT_S = 240
 FIRST_STEPS = 2  # lines of the controller that the excerpt shows
-CHECKS = 2  # and of the checks
+CHECKS = 1  # and of the checks
 
 
 def without_wall_clock(text: str) -> str:
@@ -35,11 +35,17 @@ def without_wall_clock(text: str) -> str:
 
 def excerpt(output: str) -> str:
     """The controller's first lines, the first checks, and the verdict; "..." where lines are left out."""
-    lines = output.splitlines()
-    steps = [line.rstrip() for line in lines if re.match(r"\w+ +\| +\d", line)]
-    verdict = [line.rstrip() for line in lines if "state hash" in line or re.match(r"PASSED|FAILED", line)]
-    checks = [line.rstrip() for line in lines if line.startswith("  passed ") or line.startswith("  failed ")]
-    return "\n".join([*steps[:FIRST_STEPS], "...", *checks[:CHECKS], "...", *verdict]) + "\n"
+    lines = [line.rstrip() for line in output.splitlines()]
+    steps = [line for line in lines if re.match(r"\w+ +\| +\d", line)]
+    checks: list[list[str]] = []  # each with the lines that it goes on in
+    for line in lines:
+        if re.match(r"  (passed|failed) ", line):
+            checks.append([line])
+        elif checks and line.startswith("        "):
+            checks[-1].append(line)
+    verdict = next((i for i, line in enumerate(lines) if "simulated in" in line), len(lines))
+    shown = [line for check in checks[:CHECKS] for line in check]
+    return "\n".join([*steps[:FIRST_STEPS], "...", *shown, "...", *lines[verdict:]]) + "\n"
 
 
 def sample(command: str, visum: Path) -> str:
