@@ -9,7 +9,8 @@ VISUM is the program, e.g. build/dev/bin/visum. A block stands between two comme
     <!-- sample: visum run FILE -->   an excerpt of what that command prints
     <!-- file: PATH -->               a file of the tree, without the comment that it begins with
 
-Figures of the wall clock are masked before the comparison: they differ from run to run.
+Figures of the wall clock are masked before the comparison: they differ from run to run. README also
+has to stay short: it is the first page that a newcomer reads.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ PAGE = SOURCE / "README.md"
 BLOCK = re.compile(r"(<!-- (sample|file): (?!end)(.+?) -->\n```(\w*)\n)(.*?)(```\n<!-- \2: end -->)", re.S)
 WALL_CLOCK = re.compile(r" in \d+\.\d+ s \(\d+(\.\d+)? x real time\)")
 TIMEOUT_S = 240
+MOST_LINES = 120
 FIRST_STEPS = 2  # lines of the controller that the excerpt shows
 CHECKS = 1  # and of the checks
 
@@ -85,6 +87,8 @@ def main() -> None:
     blocks = len(BLOCK.findall(page))
     if blocks < 2:
         sys.exit(f"{PAGE.name}: {blocks} blocks found; has a comment around one been changed?")
+    if (count := page.count("\n")) > MOST_LINES:
+        sys.exit(f"{PAGE.name} has {count} lines, more than {MOST_LINES}: move some to the page of their folder")
     if sys.argv[2:]:
         PAGE.write_text(page)
         print(f"{PAGE.name}: {len(stale)} of {blocks} blocks rewritten")
