@@ -9,7 +9,8 @@ VISUM is the program, e.g. build/dev/bin/visum. A block stands between two comme
     <!-- sample: visum run FILE -->   an excerpt of what that command prints
     <!-- file: PATH -->               a file of the tree, without the comment that it begins with
 
-Figures of the wall clock are masked before the comparison: they differ from run to run.
+Figures of the wall clock are masked before the comparison: they differ from run to run. README also
+has to stay short: it is the first page that a newcomer reads.
 """
 
 from __future__ import annotations
@@ -25,8 +26,9 @@ PAGE = SOURCE / "README.md"
 BLOCK = re.compile(r"(<!-- (sample|file): (?!end)(.+?) -->\n```(\w*)\n)(.*?)(```\n<!-- \2: end -->)", re.S)
 WALL_CLOCK = re.compile(r" in \d+\.\d+ s \(\d+(\.\d+)? x real time\)")
 TIMEOUT_S = 240
+MOST_LINES = 120
 FIRST_STEPS = 2  # lines of the controller that the excerpt shows
-CHECKS = 2  # and of the checks
+CHECKS = 1  # and of the checks
 
 
 def without_wall_clock(text: str) -> str:
@@ -35,11 +37,17 @@ def without_wall_clock(text: str) -> str:
 
 def excerpt(output: str) -> str:
     """The controller's first lines, the first checks, and the verdict; "..." where lines are left out."""
-    lines = output.splitlines()
-    steps = [line.rstrip() for line in lines if re.match(r"\w+ +\| +\d", line)]
-    verdict = [line.rstrip() for line in lines if "state hash" in line or re.match(r"PASSED|FAILED", line)]
-    checks = [line.rstrip() for line in lines if line.startswith("  passed ") or line.startswith("  failed ")]
-    return "\n".join([*steps[:FIRST_STEPS], "...", *checks[:CHECKS], "...", *verdict]) + "\n"
+    lines = [line.rstrip() for line in output.splitlines()]
+    steps = [line for line in lines if re.match(r"\w+ +\| +\d", line)]
+    checks: list[list[str]] = []  # each with the lines that it goes on in
+    for line in lines:
+        if re.match(r"  (passed|failed) ", line):
+            checks.append([line])
+        elif checks and line.startswith("        "):
+            checks[-1].append(line)
+    verdict = next((i for i, line in enumerate(lines) if "simulated in" in line), len(lines))
+    shown = [line for check in checks[:CHECKS] for line in check]
+    return "\n".join([*steps[:FIRST_STEPS], "...", *shown, "...", *lines[verdict:]]) + "\n"
 
 
 def sample(command: str, visum: Path) -> str:
@@ -79,6 +87,8 @@ def main() -> None:
     blocks = len(BLOCK.findall(page))
     if blocks < 2:
         sys.exit(f"{PAGE.name}: {blocks} blocks found; has a comment around one been changed?")
+    if (count := page.count("\n")) > MOST_LINES:
+        sys.exit(f"{PAGE.name} has {count} lines, more than {MOST_LINES}: move some to the page of their folder")
     if sys.argv[2:]:
         PAGE.write_text(page)
         print(f"{PAGE.name}: {len(stale)} of {blocks} blocks rewritten")
