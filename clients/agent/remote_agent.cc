@@ -25,7 +25,8 @@ const plugin::AgentKind& kind_of(const config::Node& entry, const std::vector<pl
 
 }  // namespace
 
-// What a new agent may ask: its name, settings and parts. It lives only while the agent is made.
+// The answers to a new agent's questions: its name, settings and parts. It lives only while the agent is
+// made.
 class RemoteAgent::Context final : public plugin::AgentContext {
  public:
   Context(Client& client, const config::Node& entry, RemoteAgent& agent)

@@ -1,4 +1,4 @@
-// What the server programs share around their daemon: exit codes, the log, signals, the line that says
+// Shared by the server programs, around their daemon: exit codes, the log, signals, the line that says
 // "ready". Main thread only, but for the signal handler inside.
 #pragma once
 

@@ -195,9 +195,10 @@ static int help(void) {
       "Finds, homes and moves an arm of PowerCube modules on a serial line\n"
       "usage: visum-serial-arm DEVICE [BAUD] [TIME_SCALE]\n\n"
       "BAUD        the line's speed; 38400 by default\n"
-      "TIME_SCALE  how much faster than the wall clock the arm's time runs; 1 by default\n"
+      "TIME_SCALE  speed of the arm's time against the wall clock; 1 by default\n"
       "--help      prints this\n\n"
-      "Moves the modules on ramps and in steps at 50 Hz, halts and resets them, and prints how long all that took.\n"
+      "Moves the modules on ramps and in steps at 50 Hz, halts and resets them, and\n"
+      "prints how long all that took.\n"
       "Exit codes: 0 all went well, 1 something did not, 2 bad usage.");
   return 0;
 }

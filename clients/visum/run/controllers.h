@@ -44,7 +44,7 @@ class Controllers {
   // without the clock, or their parts are stopped. Throws ExitError(kLost) if the run ends with it.
   void note_timeouts();
   bool any_in_real_time() const;  // whether one that was late still goes on
-  // Whether all have ended, or have left the clock.
+  // True once all have ended, or have left the clock.
   bool all_done() const;
 
   // Throws ExitError if one ended badly: kFailed for an exit code, kLost for a signal that the time line did

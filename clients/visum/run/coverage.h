@@ -44,7 +44,7 @@ class Coverage {
   bool known_ = false;
 };
 
-// Whether a cell can be tested against such a shape, which is not so for meshes and hulls.
+// True if a cell can be tested against such a shape, which is not so for meshes and hulls.
 bool is_plain(const protocol::ShapeDescription& shape);
 
 }  // namespace visum::run

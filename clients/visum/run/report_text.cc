@@ -24,12 +24,12 @@ std::string verdict(const Report& report, const CheckResult& check, const cli::S
   return check.value || report.error.empty() ? style.red("FAILED") : style.dim("  -   ");
 }
 
-// `text` in lines of at most 80 columns that begin with `indent` blanks, the first line without them.
-std::string indented(const std::string& text, std::size_t indent = kIndent) {
+// `text` in lines of at most 80 columns that begin with kIndent blanks, the first line without them.
+std::string indented(const std::string& text) {
   std::string result;
-  for (const char c : wrapped(text, 0, kWidth - indent)) {
+  for (const char c : wrapped(text, 0, kWidth - kIndent)) {
     result += c;
-    if (c == '\n') result.append(indent, ' ');
+    if (c == '\n') result.append(kIndent, ' ');
   }
   return result;
 }
@@ -53,11 +53,11 @@ std::string check_lines(const Report& report, const cli::Style& style) {
   return text;
 }
 
+// Messages stay on one line, however long: people search logs for them.
 std::string trouble(const Report& report, const cli::Style& style) {
   std::string text;
-  for (const auto& failure : report.failures)
-    text += "  " + style.red("FAILED") + "  " + indented(failure) + "\n";
-  if (!report.error.empty()) text += "  " + style.red("ERROR") + "   " + indented(report.error) + "\n";
+  for (const auto& failure : report.failures) text += "  " + style.red("FAILED") + "  " + failure + "\n";
+  if (!report.error.empty()) text += "  " + style.red("ERROR") + "   " + report.error + "\n";
   for (const auto& controller : report.controllers) {
     if (controller.failure.empty()) continue;
     text += "  last lines of " + controller.name + ":\n";
@@ -88,7 +88,7 @@ std::size_t failed(std::span<const Report> reports) {
 std::string reasons(const Report& report, const cli::Style& style) {
   std::string text;
   const auto add = [&](const char* word, const std::string& reason) {
-    text += "    " + style.red(word) + "  " + indented(reason, kIndent + 2) + "\n";
+    text += "    " + style.red(word) + "  " + reason + "\n";
   };
   if (!report.error.empty()) add("ERROR ", report.error);
   for (const auto& failure : report.failures) add("FAILED", failure);

@@ -168,7 +168,7 @@ class ExecVerb : public Verb {
   bool in_step() const { return lockstep_ || parsed_gate_.has_value(); }
   bool stays() const { return in_step() || !scene_.empty() || timeout_s_ > 0.0 || link_.json; }
 
-  // Whether --connect stands on the command line. CLI11's excludes() would also count VISUM_CONNECT.
+  // True if --connect stands on the command line. CLI11's excludes() would also count VISUM_CONNECT.
   bool has_said_connect() const {
     const auto& said = app_->parse_order();
     return std::ranges::find(said, app_->get_option("--connect")) != said.end();
