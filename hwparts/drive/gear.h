@@ -16,7 +16,7 @@
 //          limits
 //
 // Rotor, semi-implicitly:
-//   J (ω⁺ - ω) = h (τm - S ω⁺ - τ);  with  Jₑ = J + h S  and the speed without a load  ωf = (J ω + h τm) / Jₑ :
+//   J (ω⁺ - ω) = h (τm - S ω⁺ - τ); with Jₑ = J + h S  and the speed without a load  ωf = (J ω + h τm) / Jₑ :
 //   ω⁺ = ωf - h τ / Jₑ                                                                                  (1)
 // Spring and damper at the tick's end, φ⁺ = φ + h (ω⁺ - q̇⁺):
 //   τ = k φ⁺ + d (ω⁺ - q̇⁺) = k φ + κ (ω⁺ - q̇⁺),   κ = h k + d                                          (2)

@@ -222,7 +222,7 @@ class Truth {
   virtual std::int64_t time_ns() const = 0;
   virtual double tick_s() const = 0;
   virtual Pose pose() const = 0;  // of the sensor's frame, in the world
-  // Of the sensor's frame, in the world, m/s and rad/s.
+  // Velocity of the sensor's frame, in the world's axes, m/s and rad/s.
   virtual void velocity(double linear[3], double angular[3]) const = 0;
   // Distance in m along a direction (of any length but 0) from the sensor's origin, both in the sensor's
   // frame. Infinity if nothing is within `farthest` m. The body that carries the sensor is not seen.

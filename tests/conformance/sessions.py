@@ -14,7 +14,8 @@ from visum import visum_pb2 as pb
 
 LENGTH = struct.Struct("<I")
 
-# These fields may differ in a later release: figures of the run, texts for people, and results of the physics.
+# These fields may differ in a later release: figures of the run, texts for people, and results of the
+# physics.
 MAY_CHANGE = {
     "Welcome": {"server"},
     "Error": {"text"},

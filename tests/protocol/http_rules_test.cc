@@ -1,5 +1,5 @@
-// Who may ask for what: DNS names that were made to point here, pages of other origins, and malformed
-// requests.
+// The rules of who may ask for which file: DNS names that were made to point here, pages of other origins,
+// and malformed requests.
 #include "protocol/http_rules.h"
 
 #include <gtest/gtest.h>

@@ -30,7 +30,8 @@ LONG_ENOUGH_S = 1800.0
 MOST_GROWTH_KIB = 1024.0  # of shorter ones, between their second and their last quarter
 RECORDED_S = 300.0  # longer recordings would fill the disk
 QUEUE_KIB = 32 * 1024.0  # the recorder's, whose pages come into memory as they are used for the first time
-EXPLAINED = "this needs the role controller, the session has observer"  # some of the crowd only may look, and try
+# Some of the crowd may only look, and try to command all the same.
+EXPLAINED = "this needs the role controller, the session has observer"
 PROCESSES = 4
 MOST_THOUGHT_S = 0.03  # between two deeds of a process' clients
 

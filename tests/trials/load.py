@@ -70,7 +70,7 @@ def priority(options: argparse.Namespace, _: Path) -> str:
     return visum_load(options, 250, ("taskset", "-c", "0", "chrt", "-f", "50"), ("taskset", "-c", others))
 
 
-# Readers that stand still ------------------------------------------------------------------------------------------
+# Readers that stand still ---------------------------------------------------------------------------------
 
 
 def observe(address: str, count: int, every_n_ticks: int, received: "multiprocessing.Array[int]", lost: "multiprocessing.Value[int]", back: "multiprocessing.Value[int]") -> None:
@@ -137,7 +137,7 @@ def stopped(options: argparse.Namespace, _: Path) -> str:
             f"of the others none was cut off; lateness p99.9 {status.lateness_p999_ns / 1e3:.0f} us")
 
 
-# Floods ------------------------------------------------------------------------------------------------------------
+# Floods ---------------------------------------------------------------------------------------------------
 
 
 def connect_and_close(port: int, count: "multiprocessing.Value[int]") -> None:
@@ -177,7 +177,8 @@ def flood(options: argparse.Namespace, _: Path) -> str:
                 await_that(lambda: counts[2].value == silent, "all are open")
                 began = time.monotonic()
                 while time.monotonic() < began + options.seconds:
-                    # Half of the time there are silent clients only: a flood would push them out of the kernel's queue.
+                    # Half of the time there are silent clients only: a flood would push them out of the
+                    # kernel's queue.
                     if not any(count.value for count in counts[:2]) and time.monotonic() > began + options.seconds / 2:
                         floods.enter_context(processes(*((connect_and_close, (daemon.port, count)) for count in counts[:2])))
                     wanted = 1e-3 * (steps % 100)

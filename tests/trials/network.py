@@ -50,7 +50,7 @@ def daemon_at(options: argparse.Namespace, wire: Wire, folder: Path, clock: str,
                   before=("ip", "netns", "exec", wire.far))
 
 
-# The wire is cut ---------------------------------------------------------------------------------------------------
+# The wire is cut ------------------------------------------------------------------------------------------
 
 
 def wave(wire: Wire, port: int, token: Path, steps: "multiprocessing.Value[int]", told: "multiprocessing.Value[int]") -> None:
@@ -107,7 +107,7 @@ def cut(options: argparse.Namespace, folder: Path) -> str:
     return f"found and stopped {found_s:.1f} s after the cut; the next controller got the lease, and the arm stands until it is reset"
 
 
-# The wire is bad, and time waits -----------------------------------------------------------------------------------
+# The wire is bad, and time waits --------------------------------------------------------------------------
 
 
 def control_from(wire: Wire, address: str, ticks: int, answers: Answers, token: Path) -> None:
@@ -126,7 +126,7 @@ def lockstep(options: argparse.Namespace, folder: Path) -> str:
     return f"{counts} in {options.ticks} ticks: the same bits as over a good wire, {answers[0][1]:#018x}"
 
 
-# The wire is bad, and time does not wait ---------------------------------------------------------------------------
+# The wire is bad, and time does not wait ------------------------------------------------------------------
 
 
 class Steering:

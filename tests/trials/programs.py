@@ -135,7 +135,7 @@ def run_all(trials: dict[str, Callable[..., str]], wanted: list[str], options: a
     return 1 if 1 in codes else min(codes)
 
 
-# Loads: each goes on until it is killed ----------------------------------------------------------------------------
+# Loads: each goes on until it is killed -------------------------------------------------------------------
 
 
 def burn() -> None:

@@ -183,7 +183,8 @@ def descriptors(options: argparse.Namespace, folder: Path) -> str:
         crowd = []
         while daemon.descriptors() < DESCRIPTORS:
             crowd.append(programs.connect(daemon.port))
-        more = [programs.connect(daemon.port) for _ in range(20)]  # the kernel takes them, the daemon cannot yet
+        # The kernel takes these connections; the daemon cannot yet.
+        more = [programs.connect(daemon.port) for _ in range(20)]
         with good.part("arm").lease():
             good.join()
             good.advance_ticks(100)
@@ -232,7 +233,8 @@ def main() -> int:
     parser.add_argument("--bin", type=Path, default=SOURCE / "build/dev/bin")
     parser.add_argument("wall", nargs="*", help=", ".join(WALLS))
     options = parser.parse_args()
-    if os.environ.get("VISUM_UNSHARED") != "yes":  # in a mount namespace of its own, so that no mount is left behind
+    # In a mount namespace of its own, so that no mount is left behind.
+    if os.environ.get("VISUM_UNSHARED") != "yes":
         able = subprocess.run(["unshare", "--mount", "true"], capture_output=True).returncode == 0
         if able:
             os.execvpe("unshare", ["unshare", "--mount", "--propagation", "private", sys.executable, *sys.argv], {**os.environ, "VISUM_UNSHARED": "yes"})

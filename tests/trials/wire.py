@@ -29,7 +29,7 @@ MOST_BYTES = 65536  # of a packet
 
 
 class Weather(NamedTuple):
-    """What happens to packets, in both directions. Each has its own delay, so they may overtake each other."""
+    """The faults that packets meet, in both directions. Each has its own delay, so they may overtake each other."""
 
     delay_ms: float = 0.0
     jitter_ms: float = 0.0  # more or less than the delay, evenly

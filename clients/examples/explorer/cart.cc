@@ -7,7 +7,7 @@
 namespace visum::explorer {
 namespace {
 
-// Of models/cart/cart.urdf.
+// Figures from models/cart/cart.urdf.
 constexpr double kWheelRadius_m = 0.08;
 constexpr double kWheelbase_m = 0.36;
 constexpr double kHalfTrack_m = 0.18;

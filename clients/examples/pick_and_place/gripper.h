@@ -18,7 +18,7 @@ class Gripper {
   // Closes on an object of this width. Returns true if something holds the fingers apart, and false if
   // nothing is there.
   bool close_on(double width_m);
-  // Whether the fingers still stand as far apart as when close_on() returned true.
+  // Tells whether the fingers still stand as far apart as when close_on() returned true.
   bool holds() const;
 
  private:

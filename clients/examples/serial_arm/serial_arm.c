@@ -1,4 +1,4 @@
-/* What a lab's test program does with an arm of PowerCube modules on a serial line: finds the modules,
+/* A lab's test program for an arm of PowerCube modules on a serial line: finds the modules,
  * identifies and homes them, moves them on ramps and in steps at 50 Hz, halts and resets them, and says how
  * long all that took.
  *
