@@ -14,7 +14,7 @@ inline constexpr std::uint16_t kDefaultPort = 1500;
 struct Limits {
   std::size_t max_frame = 64u << 10;  // payload of a request
   std::size_t max_frame_before_hello = 1u << 10;
-  std::size_t max_frame_admin = 16u << 20;  // payload of an admin's request (AddBody carries a scene's YAML)
+  std::size_t max_frame_admin = 16u << 20;         // payload of an admin's request (AddBody carries YAML)
   std::size_t max_frame_to_client = 64u << 20;     // payload that a client accepts
   int max_depth = 16;                              // how deep Protobuf messages may be nested
   std::chrono::milliseconds hello_deadline{2000};  // for the whole Hello, counted from connecting

@@ -1,6 +1,5 @@
 // Records which call into a plug-in's code this process is in. A watchdog on another thread uses it to find a
-// call that does not come back. At most one call stands at a time, because all plug-ins of a process run on
-// one thread.
+// call that does not come back. One record is enough, because all plug-ins of a process run on one thread.
 #pragma once
 
 #include <cstdint>

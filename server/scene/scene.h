@@ -58,7 +58,7 @@ struct Scene {
   std::filesystem::path file;
   world::WorldModel world;
   std::vector<std::string> engine_names{"default"};     // the scene's names for world.engines
-  std::vector<config::Place> engine_places;             // where the scene sets them; file only: an option did
+  std::vector<config::Place> engine_places;             // where the scene sets them; empty: an option did
   std::map<std::size_t, config::Node> plugged_engines;  // entries of engines that plug-ins bring, by number
   std::vector<ModelPlan> models;
   std::vector<PartPlan> parts;
