@@ -130,7 +130,7 @@ struct HttpConnection::Impl {
   // Ends our side of the stream, then throws input away until the peer closes.
   void linger();
   void discard();
-  // Tells whether the peer has used up the time for what we wait for now.
+  // True if the peer has used up the time for its present step.
   bool is_late() const;
 
   WebStream stream;

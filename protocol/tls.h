@@ -78,7 +78,7 @@ class TlsStream {
   std::string failure_;
 };
 
-// Tells whether the first bytes of a connection are those of TLS.
+// True if the first bytes of a connection look like TLS.
 bool looks_like_tls(std::span<const std::byte> first);
 
 }  // namespace visum::protocol

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import visum
 
-# Of models/cart/cart.urdf, m. x counts from the rear axle.
+# Lengths of models/cart/cart.urdf, m. x counts from the rear axle.
 WHEEL_RADIUS = 0.08
 WHEELBASE = 0.36
 HALF_TRACK = 0.18

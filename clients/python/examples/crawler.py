@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import visum
 
-# Of models/crawler/crawler.urdf, m.
+# Lengths of models/crawler/crawler.urdf, m.
 UPPER_ARM, FOREARM, HAND = 0.16, 0.16, 0.10
 FLOOR = 0.015 - 0.105  # the tip's axis when it touches, below the shoulder
 HAND_ANGLE = 2.6  # from straight up, forward: nearly down

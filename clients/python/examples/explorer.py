@@ -185,7 +185,7 @@ class Explorer:
         return on_run(start, run, length)[0], driven >= length
 
     def is_blocked(self, start: Pose, run: list[Move], driven: float, speed: float, least: float) -> bool:
-        """Whether the scan shows something nearer than `least` to where the cart will be before it can stop."""
+        """True if the scan shows something nearer than `least` to where the cart will be before it can stop."""
         here, points = self._cart.pose, self._eye.points()
         to = driven + speed * speed / (2 * ACCELERATION) + STOP_SHORT
         return any(room(points, seen_from(here, on_run(start, run, way)[0])) < least for way in np.arange(driven, to, 0.05))

@@ -22,7 +22,7 @@ BETWEEN_RAYS = 0.1  # m: nothing hides so near to free floor
 HIT, PASS = 3, -1
 LEAST, SOMETHING, MOST = -10, 4, 40
 
-# Of models/cart/cart.urdf: three circles along the axis of the cart hold it with its wheels steered. m, from the rear axle.
+# Three circles along the cart's axis that cover it with its wheels steered (models/cart/cart.urdf). m, from the rear axle.
 CIRCLES_AT = (0.0, 0.18, 0.36)
 CIRCLE_RADIUS = 0.27
 CENTRE_AT = 0.18  # the chassis' frame, from the rear axle

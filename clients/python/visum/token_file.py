@@ -37,7 +37,7 @@ def read_token_file(file: str | Path | None, role: str) -> bytes:
 
 
 def _is_better(offered: int, best: int, wanted: int) -> bool:
-    """Whether a token of the rank `offered` suits the rank `wanted` better than a token of the rank `best`."""
+    """True if a token of the rank `offered` suits the rank `wanted` better than a token of the rank `best`."""
     if best < wanted:
         return offered > best
     return wanted <= offered < best
