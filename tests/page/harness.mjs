@@ -60,13 +60,18 @@ export async function overlay(page, name, on) {
   await page.keyboard.press("Escape");
   await drawn(page);
 }
-// Done when a body stays where it is on the screen.
-export const settled = (page, body) =>
-  until(page, (body) => {
-    const before = window.seenAt;
-    const now = (window.seenAt = JSON.stringify(visum.project(body)));
-    return before === now;
-  }, body);
+// Waits until a body stays where it is on the screen: at the same place in several looks, with two frames of the display
+// between them. On a busy machine no frame may come between two looks, and a body that travels would seem to stand.
+export async function settled(page, name) {
+  const kLooks = 5;
+  let before = "";
+  for (let same = 0; same < kLooks; ) {
+    await twoFrames(page);
+    const now = JSON.stringify(await body(page, name));
+    same = now === before ? same + 1 : 0;
+    before = now;
+  }
+}
 // Where a point of a body is on the screen.
 export const body = (page, name, point) => page.evaluate(([name, point]) => visum.project(name, point), [name, point]);
 export const isRed = (r, g, b) => r > 120 && r > 3 * g && r > 3 * b; // and not the arm's orange
