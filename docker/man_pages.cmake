@@ -1,8 +1,9 @@
-# Writes a manual page for each program, and for each verb of visum, to the folder OUT. Arguments: BIN, the folder of
-# the programs; PROGRAMS, their names separated by commas; OUT; VERSION.
+# Writes a manual page for each program, and for each verb of visum, to the folder OUT. Arguments: BIN, the
+# folder of the programs; PROGRAMS, their names separated by commas; OUT; VERSION.
 #
-# `PROGRAM --help-man` prints the page, made from the same options and texts as --help (protocol/command_line). The
-# example controllers know no --help-man: their page holds the text of --help as it is.
+# `PROGRAM --help-man` prints the page, made from the same options and texts as --help
+# (protocol/command_line). The example controllers know no --help-man: their page holds the text of --help as
+# it is.
 string(REPLACE "," ";" PROGRAMS "${PROGRAMS}")
 file(REMOVE_RECURSE ${OUT})
 file(MAKE_DIRECTORY ${OUT})

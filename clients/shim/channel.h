@@ -1,6 +1,6 @@
-// The memory that the time shim shares with the scheduler that drives its time: one slot for each thread of the
-// program and of the processes that it starts. SPEC.md says which side may change which field, and when. Needs
-// no library.
+// The memory that the time shim shares with the scheduler that drives its time: one slot for each thread of
+// the program and of the processes that it starts. SPEC.md says which side may change which field, and when.
+// Needs no library.
 #pragma once
 
 #include <atomic>

@@ -25,8 +25,8 @@ def place(*words):
 NAMESPACES = place("unshare", "--mount", "true")[0] == 0
 
 
-# Writes as libm5api does, which discards both directions before each write: here right after it, which is the same for
-# commands whose answers nobody waits for. SAVEPARAMS counts what came through.
+# Writes as libm5api does, which discards both directions before each write: here right after it, which is
+# the same for commands whose answers nobody waits for. SAVEPARAMS counts what came through.
 DISCARDER = """
 import os, sys, termios, tty
 line = os.open(sys.argv[1], os.O_RDWR | os.O_NOCTTY)

@@ -217,7 +217,8 @@ class Https(WithCertificates):
         while True:
             try:
                 tls.do_handshake()
-                break  # the client is content: it does not know yet that its lack of a certificate is an error
+                # The client is content: it does not know yet that its lack of a certificate is an error
+                break
             except ssl.SSLWantReadError:
                 receive()
         while True:
@@ -230,8 +231,8 @@ class Https(WithCertificates):
                 return plain, str(error)
 
     def test_a_refused_connection_stays_open_until_the_client_has_read_why(self):
-        # A browser that reads the alert and finds the connection ended before it wrote its request reports "not connected",
-        # and drops the reason.
+        # A browser that reads the alert and finds the connection ended before it wrote its request reports
+        # "not connected", and drops the reason.
         with self.daemon() as daemon:
             for door in ("http", "port"):
                 with self.subTest(door):

@@ -1,7 +1,7 @@
 // Makes the README's clip: the arm carries the box to its place while the page shows it.
 //   node tests/page/clip.mjs [FILE]        default: clients/page/arm.webp
-// It needs Debian's package webp, Chromium, and visumd, visum and visum-pick-and-place in VISUM_BIN. It takes some
-// minutes. Time stands while a picture is taken, so the clip looks the same on a slow machine.
+// It needs Debian's package webp, Chromium, and visumd, visum and visum-pick-and-place in VISUM_BIN. It
+// takes some minutes. Time stands while a picture is taken, so the clip looks the same on a slow machine.
 import { execFileSync, spawn } from "node:child_process";
 import { mkdtempSync, rmSync, statSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -10,20 +10,23 @@ import { drawn } from "./picture.mjs";
 import { Daemon, bin, launch, openPage, source, until } from "./programs.mjs";
 
 const file = process.argv[2] ?? join(source, "clients/page/arm.webp");
-const folder = process.env.VISUM_PICTURES ?? mkdtempSync(join(tmpdir(), "visum-clip-")); // VISUM_PICTURES: keeps them there
+// VISUM_PICTURES: keeps them there
+const folder = process.env.VISUM_PICTURES ?? mkdtempSync(join(tmpdir(), "visum-clip-"));
 const kTicks = 200; // ms of simulated time between two pictures
 const kShownMs = 100; // twice as fast as life
 const kLastMs = 2000; // the last picture stays before the clip begins again
 const kMostPictures = 250; // the arm needs 113
 
-// Paused under lockstep, so that the world moves by the steps of the page alone, and the controller is never late.
+// Paused under lockstep, so that the world moves by the steps of the page alone, and the controller is never
+// late.
 const daemon = await Daemon.start("--clock", "lockstep");
 execFileSync(join(bin, "visum"), ["pause", "--connect", `127.0.0.1:${daemon.port}`]);
 const browser = await launch();
 let controller;
 try {
   const page = await openPage(browser, daemon, { viewport: { width: 1000, height: 560 } });
-  await page.getByRole("button", { name: "Panel", exact: true }).click(); // closes it: the view gets its place
+  // Closes it: the view gets its place
+  await page.getByRole("button", { name: "Panel", exact: true }).click();
   controller = spawn(join(bin, "visum-pick-and-place"), ["--connect", `127.0.0.1:${daemon.port}`], { stdio: ["ignore", "ignore", "inherit"] });
   const pictures = await picturesOf(page);
   const last = pictures.pop();

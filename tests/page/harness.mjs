@@ -1,5 +1,5 @@
-// The tests of this folder share one browser. Each test has its own daemon and its own page, and fails if the page has done
-// something wrong by the end (`page.faults`).
+// The tests of this folder share one browser. Each test has its own daemon and its own page, and fails if
+// the page has done something wrong by the end (`page.faults`).
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { drawn, twoFrames } from "./picture.mjs";
@@ -20,8 +20,8 @@ export function browserTest(name, run) {
   test(name, { timeout: kLongestMs }, run);
 }
 
-// Calls `run(page, claim, daemon)`. claim(name, body) runs a part of the test; its name stands in the error if it fails.
-// `serve` starts the program that serves the page.
+// Calls `run(page, claim, daemon)`. claim(name, body) runs a part of the test; its name stands in the error
+// if it fails. `serve` starts the program that serves the page.
 export function pageTest(name, run, { daemon: words = [], serve = () => Daemon.start(...words), ...options } = {}) {
   browserTest(name, async (t) => {
     const daemon = await serve();

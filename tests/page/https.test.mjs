@@ -1,6 +1,7 @@
-// The page of a daemon that speaks TLS. A browser with a certificate may do what the certificate's name allows; a browser
-// without one gets nothing. Playwright's own TLS shows the certificates, because Chromium picks one only when a person answers
-// its dialogue. The daemon's certificate is taken on trust, as by a user who clicks the warning away.
+// The page of a daemon that speaks TLS. A browser with a certificate may do what the certificate's name
+// allows; a browser without one gets nothing. Playwright's own TLS shows the certificates, because Chromium
+// picks one only when a person answers its dialogue. The daemon's certificate is taken on trust, as by a
+// user who clicks the warning away.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { once } from "node:events";

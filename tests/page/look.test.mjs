@@ -93,7 +93,8 @@ pageTest("a body goes while time stands: the others stay where they are, and the
   const follow = page.getByRole("button", { name: "Follow" });
   const select = () => page.getByRole("combobox", { name: "Selected body" }).selectOption({ label: "box" });
   await button(page, "Pause").click();
-  await page.getByRole("button", { name: "Single tick" }).click({ trial: true }); // enabled once the pause is in force
+  // Enabled once the pause is in force
+  await page.getByRole("button", { name: "Single tick" }).click({ trial: true });
   await select();
   await follow.click();
   await drawn(page);

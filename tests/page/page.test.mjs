@@ -80,7 +80,8 @@ pageTest("pauses, steps by one and by many, goes on, slower, and from the beginn
   await page.getByRole("button", { name: "Run" }).click();
   const from = await page.evaluate(() => visum.simTime());
   await until(page, (time) => visum.simTime() > time + 0.3, from);
-  // A tenth of the speed: less than a second of the world in all the time that the status needs to tell of it.
+  // A tenth of the speed: less than a second of the world in all the time that the status needs to tell of
+  // it.
   await page.getByRole("combobox", { name: "Speed" }).selectOption("0.1×");
   await until(page, () => Number(document.querySelector(".meter-value").textContent) < 0.2);
   await button(page, "Reset the world").click();
@@ -184,7 +185,8 @@ browserTest("another scene leaves nothing of the one before", async () => {
     await page.getByText("No longer held: Desired Angle 1 (the lease of 'arm' is lost)").waitFor();
     await live(page);
     const from = await page.evaluate(() => visum.simTime());
-    await until(page, (time) => visum.simTime() > time + 2.5, from); // twice what lets blackboards be read again
+    // Twice what lets blackboards be read again
+    await until(page, (time) => visum.simTime() > time + 2.5, from);
     const errors = await page.locator(".toast.error").allTextContents();
     assert.deepEqual(errors.filter((text) => !text.startsWith("No longer held")), []);
   } finally {

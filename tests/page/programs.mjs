@@ -1,4 +1,5 @@
-// Starts the real programs for the tests of this folder: visumd on free ports, and Chromium with the page that it serves.
+// Starts the real programs for the tests of this folder: visumd on free ports, and Chromium with the page
+// that it serves.
 import { execFileSync, spawn } from "node:child_process";
 import { once } from "node:events";
 import { existsSync } from "node:fs";
@@ -31,7 +32,8 @@ export class Daemon {
     if (!options.includes("--port")) own.push("--port", "0");
     await this.spawn("visumd", [scene, ...own, ...options.filter((word) => word !== "--hold")]);
   }
-  // Starts any server program, and resolves when it is ready. What it logs goes to our own stderr and to `log`.
+  // Starts any server program, and resolves when it is ready. What it logs goes to our own stderr and to
+  // `log`.
   async spawn(program, words) {
     this.process = spawn(join(bin, program), words, { stdio: ["ignore", "pipe", "pipe"] });
     this.log = "";
@@ -82,8 +84,8 @@ export const launch = () =>
     args: ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
   });
 
-// Opens a page of `daemon` and waits until it shows live data. `page.faults` collects what no page may do: errors on the
-// console, exceptions, requests to other hosts.
+// Opens a page of `daemon` and waits until it shows live data. `page.faults` collects what no page may do:
+// errors on the console, exceptions, requests to other hosts.
 export async function openPage(browser, daemon, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, ...options });
   const page = await context.newPage();

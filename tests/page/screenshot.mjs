@@ -10,7 +10,8 @@ const kMove = { "Desired Angle 1": -0.35, "Desired Angle 2": 0.35, "Desired Angl
 const browser = await launch();
 const daemon = await Daemon.start();
 const page = await openPage(browser, daemon);
-// Slower than life, so that a busy machine misses fewer ticks of the plot. Make the picture on an idle machine.
+// Slower than life, so that a busy machine misses fewer ticks of the plot. Make the picture on an idle
+// machine.
 const speed = (name) => page.getByRole("combobox", { name: "Speed" }).selectOption(name);
 await speed("0.1×");
 // Jogs the arm, and pauses once it stands: a world that stands is drawn with every pixel, on any machine.

@@ -32,9 +32,11 @@ pageTest("what sensors see is laid over the world", async (page, claim) => {
   });
 
   await claim("a camera's frustum opens by its angle of view, from where it stands", async () => {
-    // models/scenes/sensors.yaml: xyz -1.5 -1.8 1.8, rpy 0 0.45 0.75, 640 by 480, 75 degrees; a corner of its frame at 0.25 m.
+    // models/scenes/sensors.yaml: xyz -1.5 -1.8 1.8, rpy 0 0.45 0.75, 640 by 480, 75 degrees; a corner of
+    // its frame at 0.25 m.
     const side = Math.tan((75 * Math.PI) / 360);
-    const places = [0.25, 0.6].map((depth) => inWorld([depth, depth * side, depth * side * 0.75])); // the upper left edge
+    // The upper left edge
+    const places = [0.25, 0.6].map((depth) => inWorld([depth, depth * side, depth * side * 0.75]));
     const seen = async () => Promise.all(places.map((point) => count("floor", point, kFrustum)));
     assert.deepEqual(await seen(), [0, 0]);
     await overlay(page, "Camera frusta", true);

@@ -3,7 +3,8 @@ import { test } from "node:test";
 import { decodeCamera } from "../src/tree/camera_image";
 
 function picture(shows: number, width: number, height: number, bytesPerPixel: number, fill: (view: DataView) => void, takenNs = 1_500_000_000n): Uint8Array {
-  const bytes = new Uint8Array(3 + 24 + width * height * bytesPerPixel).subarray(3); // not where its memory begins
+  // Not where its memory begins
+  const bytes = new Uint8Array(3 + 24 + width * height * bytesPerPixel).subarray(3);
   const view = new DataView(bytes.buffer, bytes.byteOffset);
   [24, width, height, shows].forEach((value, i) => view.setUint32(4 * i, value, true));
   view.setBigInt64(16, takenNs, true);

@@ -1,4 +1,5 @@
-// As much of a document as widgets touch, for tests without a browser; imported before all that makes elements.
+// As much of a document as widgets touch, for tests without a browser; imported before all that makes
+// elements.
 
 class Element extends EventTarget {
   className = "";

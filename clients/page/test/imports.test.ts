@@ -1,5 +1,5 @@
-// Modules of the page, and the folders that they stand in, must not import each other in a circle: a reader can then
-// understand them from the bottom up. Imports of types count as well.
+// Modules of the page, and the folders that they stand in, must not import each other in a circle: a reader
+// can then understand them from the bottom up. Imports of types count as well.
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { dirname, join, normalize } from "node:path";

@@ -27,7 +27,8 @@ const outputs = (from: number, to: number) => Array.from({ length: to - from }, 
 const data = (type: WidgetType, ports: string[], more: Partial<WidgetData> = {}): WidgetData =>
   ({ type, label: "L", x: 0, y: 0, w: 6, h: 2, ports: named(ports), ...more });
 
-// A part that is leased and stands at `inputs`, and what is written to it: first port and values of each message.
+// A part that is leased and stands at `inputs`, and what is written to it: first port and values of each
+// message.
 async function standing(...inputs: number[]) {
   const { asked, link } = server();
   const parts = new Parts(link);

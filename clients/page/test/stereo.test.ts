@@ -25,7 +25,8 @@ test("both eyes look in parallel through one window", () => {
   near((right + left) / 2, (-0.0325 * 0.01) / 1.5);
 });
 
-// Similar triangles: eyes e apart, the screen at s, a point at z. Disparity on the screen, left minus right: e (s/z - 1).
+// Similar triangles: eyes e apart, the screen at s, a point at z. Disparity on the screen, left minus right:
+// e (s/z - 1).
 test("the disparity is e (s/z - 1), nothing in the plane of the screen", () => {
   const camera = middleCamera();
   const [left, right] = eyeCameras(camera, kSettings);

@@ -1,4 +1,5 @@
-// Makes src/.generated/visum_pb.ts from the protocol's messages: protoc, with the plugin that package-lock.json fixes.
+// Makes src/.generated/visum_pb.ts from the protocol's messages: protoc, with the plugin that
+// package-lock.json fixes.
 import { execFileSync } from "node:child_process";
 import { mkdirSync } from "node:fs";
 import { dirname, join } from "node:path";

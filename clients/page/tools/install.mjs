@@ -1,5 +1,5 @@
-// Fetches the packages that package-lock.json fixes into node_modules (npm ci); does nothing, and needs no network,
-// where they stand there already.
+// Fetches the packages that package-lock.json fixes into node_modules (npm ci); does nothing, and needs no
+// network, where they stand there already.
 import { spawnSync } from "node:child_process";
 import { copyFileSync, existsSync, readFileSync } from "node:fs";
 import { dirname, join } from "node:path";

@@ -78,8 +78,10 @@ class TurningEye(Eye):
         self._part, self._mounted_at, self._neck = part, mounted_at, neck
         self._distance, self._angle = part.outputs("Distance"), neck.outputs("Actual Angle")
         self.reach = {port.name: port for port in part.output_ports}["Distance"].maximum
-        self._way = Cart(cart)  # reckons by itself, so that no correction of the map moves what was met before
-        self._met: deque[tuple[float, float, float]] = deque()  # the mast's angle, and the place that the ray met
+        # Reckons by itself, so that no correction of the map moves what was met before
+        self._way = Cart(cart)
+        # The mast's angle, and the place that the ray met
+        self._met: deque[tuple[float, float, float]] = deque()
         self.angles = self.distances = np.empty(0)
 
     def turn(self) -> None:

@@ -17,12 +17,13 @@ CELL = 0.05  # m
 HALF_SIZE = 160  # cells: the map reaches 8 m each way
 BORDER = 20  # cells
 BETWEEN_RAYS = 0.1  # m: nothing hides so near to free floor
-# The evidence that a ray adds to the cell at its end and to the cells on its path, and the limits of a cell's evidence. They
-# keep one stray ray from erasing what was seen often.
+# The evidence that a ray adds to the cell at its end and to the cells on its path, and the limits of a
+# cell's evidence. They keep one stray ray from erasing what was seen often.
 HIT, PASS = 3, -1
 LEAST, SOMETHING, MOST = -10, 4, 40
 
-# Three circles along the cart's axis that cover it with its wheels steered (models/cart/cart.urdf). m, from the rear axle.
+# Three circles along the cart's axis that cover it with its wheels steered (models/cart/cart.urdf). m, from
+# the rear axle.
 CIRCLES_AT = (0.0, 0.18, 0.36)
 CIRCLE_RADIUS = 0.27
 CENTRE_AT = 0.18  # the chassis' frame, from the rear axle

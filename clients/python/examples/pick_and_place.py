@@ -35,7 +35,7 @@ class Failed(Exception):
     """The job is impossible, or went wrong."""
 
 
-# Kinematics ------------------------------------------------------------------------------------------------------------
+# Kinematics ------------------------------------------------------------------------------------------
 
 
 def rotation(axis: Vector, angle: float) -> np.ndarray:
@@ -151,7 +151,7 @@ def follow_line(chain: Chain, start: Vector, p_end: Vector, rest: Vector) -> Pat
     return line
 
 
-# The plan --------------------------------------------------------------------------------------------------------------
+# The plan --------------------------------------------------------------------------------------------
 
 
 def orientation(tilt: float, azimuth: float, side: float) -> np.ndarray:
@@ -238,7 +238,7 @@ def make_plan(chain: Chain, start: Vector, options: argparse.Namespace) -> Plan:
     raise Failed("both places can be reached, but not with one grip and on a way that keeps clear of the table")
 
 
-# The arm ---------------------------------------------------------------------------------------------------------------
+# The arm ---------------------------------------------------------------------------------------------
 
 
 class Arm:
@@ -344,7 +344,7 @@ def run(arm: Arm, plan: Plan, options: argparse.Namespace) -> None:
     arm.say(f"done: carried the box from ({box[0]:.3f}, {box[1]:.3f}) to ({goal[0]:.3f}, {goal[1]:.3f})")
 
 
-# The command line ------------------------------------------------------------------------------------------------------
+# The command line ------------------------------------------------------------------------------------
 
 
 def place(text: str) -> Vector:

@@ -72,7 +72,7 @@ class Client:
         """Ends the session. Leases that were not released count as lost, and their parts stop."""
         self.connection.close()
 
-    # Parts ---------------------------------------------------------------------------------------------------------
+    # Parts -----------------------------------------------------------------------------------------------
 
     def part_names(self) -> list[str]:
         return [part.name for part in self.connection.request(list_parts=pb.ListParts()).parts.parts]
@@ -106,7 +106,7 @@ class Client:
         if refusal := self.settle():
             raise refusal
 
-    # Time ----------------------------------------------------------------------------------------------------------
+    # Time ------------------------------------------------------------------------------------------------
 
     def join(self, timeout_s: float = 0.0) -> None:
         """Joins the clock. Under lockstep the world waits from now on for each advance of this client, at most `timeout_s`
@@ -156,7 +156,8 @@ class Client:
     def _set_time(self, now: pb.Advanced) -> None:
         self.tick, self.time_ns, self.era = now.tick, now.sim_time_ns, now.era
 
-    # The world's truth ---------------------------------------------------------------------------------------------
+    # The world's truth
+    # ---------------------------------------------------------------------------------------------
 
     def status(self) -> pb.ServerStatus:
         """The message ServerStatus: tick, clock, pace, lateness, the clients that the lockstep waits for, and more."""
@@ -183,7 +184,7 @@ class Client:
         self.connection.events.clear()
         return events
 
-    # Role admin ----------------------------------------------------------------------------------------------------
+    # Role admin ------------------------------------------------------------------------------------------
 
     def pause(self) -> None:
         self.connection.request(pause=pb.Pause())

@@ -46,7 +46,7 @@ class Part:
         self._forget_writes()
         self.read()
 
-    # Ports ---------------------------------------------------------------------------------------------------------
+    # Ports -----------------------------------------------------------------------------------------------
 
     def inputs(self, group_or_name: str) -> Inputs:
         return Inputs(self, find_ports(self.name, "controller input", self.input_ports, group_or_name))
@@ -98,7 +98,7 @@ class Part:
         self._staged: set[int] = set()
         self._last_write: set[int] = set()
 
-    # Lease ---------------------------------------------------------------------------------------------------------
+    # Lease -----------------------------------------------------------------------------------------------
 
     def acquire(self, deadline_s: float = 0.0, take: bool = False) -> None:
         """Takes the lease, the exclusive right to write. After `deadline_s` of simulated time without a write the server
@@ -137,7 +137,7 @@ class Part:
         if self.leased:
             self.release()
 
-    # Parameters and blackboards ------------------------------------------------------------------------------------
+    # Parameters and blackboards --------------------------------------------------------------------------
 
     def parameters(self) -> dict[str, ParameterValue]:
         reply = self._client.connection.request(get_parameters=pb.GetParameters(part=self.name))
@@ -150,7 +150,8 @@ class Part:
         return known[name]
 
     def set_parameter(self, name: str, value: ParameterValue) -> None:
-        fields = {bool: "flag", int: "integer", float: "number", str: "text"}  # bool comes first: it is an int, too
+        # `bool` comes first: a bool is an int, too.
+        fields = {bool: "flag", int: "integer", float: "number", str: "text"}
         field = next((field for kind, field in fields.items() if isinstance(value, kind)), None)
         if field is None:
             raise Error(ErrorCode.MISUSE, f"'{name}' cannot be a {type(value).__name__}; give a bool, int, float or str")

@@ -43,7 +43,7 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"a scene cannot hold a {type(value).__name__}")
 
 
-# Poses and shapes ------------------------------------------------------------------------------------------------------
+# Poses and shapes ------------------------------------------------------------------------------------
 
 
 def pose(x: float = 0, y: float = 0, z: float = 0, *, rpy: Vector | None = None, wxyz: Vector | None = None,
@@ -89,7 +89,7 @@ def convex(file: str | Path, **more: Any) -> Entry:
     return _shape("convex", file, **more)
 
 
-# The scene -------------------------------------------------------------------------------------------------------------
+# The scene -------------------------------------------------------------------------------------------
 
 
 class Scene:

@@ -26,7 +26,8 @@ export class TimeControls {
   private readonly lateness = meter("Late p99.9", "How late ticks begin: of a thousand, one is later");
 
   constructor(private readonly link: Link, private readonly clock: Clock, private readonly recording: Recording) {
-    this.run = iconButton(icons.play, "Run", () => this.toggle(), { class: "icon primary", disabled: true }); // until it is known whether time runs
+    // Until it is known whether time runs
+    this.run = iconButton(icons.play, "Run", () => this.toggle(), { class: "icon primary", disabled: true });
     this.runIcon = this.run.querySelector("path")!;
     this.speed.addEventListener("change", () => this.clock.setSpeed(Number(this.speed.value)).catch(reportError));
     this.element = h(

@@ -1,4 +1,5 @@
-// The framing of the port protocol (protocol/SPEC.md, section 2): a 4-byte little-endian length, then a payload.
+// The framing of the port protocol (protocol/SPEC.md, section 2): a 4-byte little-endian length, then a
+// payload.
 
 const kHeaderBytes = 4;
 export const kMaxPayload = 64 << 20;

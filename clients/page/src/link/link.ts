@@ -16,7 +16,8 @@ const kLastRetryMs = 2000;
 export class Link {
   readonly state = new Signal<LinkState>({ kind: "connecting" });
   readonly told = new Emitter<Body>();
-  readonly recorded = new Signal<boolean>(false); // a recording is shown: the user can move in its time, and change nothing
+  // A recording is shown: the user can move in its time, and change nothing
+  readonly recorded = new Signal<boolean>(false);
   role = Role.ADMIN;
   readonly name: string;
   private token = "";

@@ -1,4 +1,5 @@
-// The protocol's messages as the page uses them: names for the cases of requests and replies, and their errors.
+// The protocol's messages as the page uses them: names for the cases of requests and replies, and their
+// errors.
 import { create, fromBinary, toBinary, type MessageInitShape } from "@bufbuild/protobuf";
 import {
   ClientMessageSchema,

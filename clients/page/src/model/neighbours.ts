@@ -1,7 +1,8 @@
-// Groups ports that stand side by side in one vector. They are written in one message, because a part may demand that they
-// agree. Pure.
+// Groups ports that stand side by side in one vector. They are written in one message, because a part may
+// demand that they agree. Pure.
 
-// The place of a port, as Port in part.ts has it. part.ts imports this file, so this file does not import part.ts.
+// The place of a port, as Port in part.ts has it. part.ts imports this file, so this file does not import
+// part.ts.
 interface Placed {
   readonly part: { readonly name: string };
   readonly side: string;

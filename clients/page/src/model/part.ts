@@ -81,7 +81,8 @@ export class Part {
       await this.link.request({ case: "releaseLease", value: { part: this.name } }, "ok");
     } catch (error) {
       for (const [index, value] of held) this.held.set(index, value);
-      if (!(error instanceof RequestError && error.code === ErrorCode.ERROR_NO_LEASE)) throw error; // else it was lost before
+      // Else it was lost before
+      if (!(error instanceof RequestError && error.code === ErrorCode.ERROR_NO_LEASE)) throw error;
     }
     this.leaseLost();
   }
@@ -245,7 +246,8 @@ export class Part {
     try {
       await this.send(indices[0]!, indices.map((index) => this.held.get(index)!));
     } catch (error) {
-      if (error instanceof LostError || (error instanceof RequestError && error.code === ErrorCode.ERROR_BUSY)) return; // the next sample tries again
+      // The next sample tries again
+      if (error instanceof LostError || (error instanceof RequestError && error.code === ErrorCode.ERROR_BUSY)) return;
       this.giveUp(indices, (error as Error).message);
     }
   }

@@ -20,7 +20,8 @@ export interface WidgetData {
   y: number;
   w: number;
   h: number;
-  ports: PortName[]; // slider, number, button: inputs that get the same value; stick: its two axes; scope: its traces
+  // slider, number, button: inputs that get the same value; stick: its two axes; scope: its traces
+  ports: PortName[];
   actual?: PortName; // slider: shown beside the commanded value
   minimum?: number; // replaces the port's own
   maximum?: number;

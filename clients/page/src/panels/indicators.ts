@@ -13,7 +13,8 @@ export function led({ data, ports }: Context): Widget {
       const value = valueOf(ports[0]);
       const on = data.bit === undefined ? value >= (data.threshold ?? 0.5) : bitOf(value, data.bit);
       lamp.dataset["on"] = String(on);
-      setText(word, Number.isNaN(value) ? "–" : on ? "on" : "off"); // a word as well, because colour alone is not enough
+      // A word as well, because colour alone is not enough
+      setText(word, Number.isNaN(value) ? "–" : on ? "on" : "off");
     },
   };
 }

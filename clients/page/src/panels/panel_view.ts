@@ -84,7 +84,8 @@ export class PanelView {
   }
 
   private build(): void {
-    const kept = this.parts.list.value.map((part) => part.record([])); // a scope's recording outlives the scope
+    // A scope's recording outlives the scope
+    const kept = this.parts.list.value.map((part) => part.record([]));
     for (const { widget } of this.placed) widget.dispose?.();
     for (const stop of this.leases) stop();
     this.placed = this.panel.widgets.map((data) => this.place(data));

@@ -53,7 +53,8 @@ export class PortRow {
   setEditable(on: boolean): void {
     if (this.port.side !== "input" || on === (this.editor !== null)) return;
     this.editor = on ? editorFor(this.port) : null;
-    this.editor?.show(this.port.part.value(this.port)); // also while the row is out of sight, and update() draws nothing
+    // Also while the row is out of sight, and update() draws nothing
+    this.editor?.show(this.port.part.value(this.port));
     this.editorPlace.replaceChildren(...(this.editor ? [this.editor.element] : []));
     this.element.draggable = !on; // dragging an editor must not drag the row
     if (this.hold) this.hold.hidden = !on;

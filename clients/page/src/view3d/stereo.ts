@@ -66,7 +66,8 @@ function drawHalves(renderer: WebGLRenderer, scene: Scene, pictures: Picture[]):
   const size = renderer.getSize(new Vector2());
   renderer.setScissorTest(true);
   for (const { camera, x, y, width, height } of pictures) {
-    const place = [x * size.x, (1 - y - height) * size.y, width * size.x, height * size.y] as const; // y upwards
+    // Y upwards
+    const place = [x * size.x, (1 - y - height) * size.y, width * size.x, height * size.y] as const;
     renderer.setViewport(...place);
     renderer.setScissor(...place);
     renderer.render(scene, camera);
@@ -94,7 +95,8 @@ const quad = new Mesh(
 );
 const flat = new OrthographicCamera(-1, 1, 1, -1, 0, 1);
 const quadScene = new Scene().add(quad);
-const eyeTarget = () => new WebGLRenderTarget(1, 1, { samples: 4, type: HalfFloatType }); // linear, and brighter than white if needed
+// linear, and brighter than white if needed
+const eyeTarget = () => new WebGLRenderTarget(1, 1, { samples: 4, type: HalfFloatType });
 let targets: [WebGLRenderTarget, WebGLRenderTarget] | null = null;
 
 function drawAnaglyph(renderer: WebGLRenderer, scene: Scene, eyes: [PerspectiveCamera, PerspectiveCamera]): void {

@@ -11,7 +11,8 @@ import { Resolution } from "./resolution";
 import { drawStereo, picturesOf, type Picture, type StereoSettings } from "./stereo";
 
 const kMostPixelRatio = 2;
-export const kInvisible = 1e-5; // m, rad, or of a quaternion: a body held by its drives trembles less, and needs no new picture
+// m, rad, or of a quaternion: a body held by its drives trembles less, and needs no new picture
+export const kInvisible = 1e-5;
 
 export class Viewer {
   readonly canvas: HTMLCanvasElement;
@@ -108,7 +109,8 @@ export class Viewer {
   }
 
   private async rebuild(description: WorldDescription): Promise<void> {
-    this.poses = this.shown = new Float64Array(0); // new poses do not belong to the bodies that are still there
+    // New poses do not belong to the bodies that are still there
+    this.poses = this.shown = new Float64Array(0);
     if (!(await this.bodies.build(description))) return;
     this.built = description;
     this.unlit = true;
@@ -157,7 +159,8 @@ export class Viewer {
     this.unlit = false;
     const sphere = this.extent();
     this.lights.build(this.built?.lights ?? [], Math.max(0.5, sphere.radius + sphere.center.length()));
-    const arm = new Vector3(0.62, -0.68, 0.42).normalize().multiplyScalar((2.35 * sphere.radius) / Math.min(1, this.view.camera.aspect)); // further away if the view is narrow
+    // Further away if the view is narrow
+    const arm = new Vector3(0.62, -0.68, 0.42).normalize().multiplyScalar((2.35 * sphere.radius) / Math.min(1, this.view.camera.aspect));
     const position = sphere.center.clone().add(arm);
     this.view.setHome({ name: "Home", position: position.toArray(), target: sphere.center.toArray(), fov: 40 });
     const scene = this.built?.scene ?? "";
