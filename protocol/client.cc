@@ -34,8 +34,8 @@ struct Connection::Impl {
   std::uint64_t encode(const Request& request);  // queues one more request in flight; returns its id
   void flush();                                  // sends what encode() queued
   // Waits for bytes and files the frames in them.
-  bool receive(Deadline deadline);  // false: the deadline passed
-  bool taken(std::size_t received);
+  bool receive(Deadline deadline);   // false: the deadline passed
+  bool taken(std::size_t received);  // files what was received; true if that was anything
   // After a read over TLS: reads all that is there.
   void drain();
   template <typename Call>
@@ -141,7 +141,7 @@ void Connection::Impl::read_frames() {
     if (next.state != FrameBuffer::State::kFrame) return;
     std::string why;
     auto frame = decode_reply(next.payload, why);
-    if (!frame) throw ConnectionError("the server sent what is no reply: " + why);
+    if (!frame) throw ConnectionError("the server sent something that is not a reply: " + why);
     inbox_.put(std::move(*frame));
   }
 }

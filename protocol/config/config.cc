@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "protocol/config/number_text.h"
 #include "protocol/config/read_file.h"
 #include "protocol/config/unknown_name.h"
 #include "protocol/config/yaml_document.h"
@@ -22,28 +23,24 @@ std::string describe(const Place& place, const std::string& message) {
   return text + message;
 }
 
-// The shortest form that reads back as the same number: 0.1, not 0.10000000000000001.
-std::string shown(double number) {
-  char buffer[32];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, number).ptr;
-  return std::string(buffer, end);
-}
-
+// A text from the file, as messages quote it: long ones are cut.
 std::string shown(std::string text) {
   constexpr std::size_t kLongest = 60;
   if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
   return text;
 }
 
+// "must be ...": the range in words.
 std::string demand(const Range& range) {
   const double largest = std::numeric_limits<double>::max();
   if (range.minimum > -largest && range.maximum < largest && !range.exclusive_minimum)
-    return "must be between " + shown(range.minimum) + " and " + shown(range.maximum);
+    return "must be between " + number_text(range.minimum) + " and " + number_text(range.maximum);
   std::string text;
   if (range.minimum > -largest)
-    text = (range.exclusive_minimum ? "must be greater than " : "must be at least ") + shown(range.minimum);
+    text = (range.exclusive_minimum ? "must be greater than " : "must be at least ") +
+           number_text(range.minimum);
   if (range.maximum < largest)
-    text += (text.empty() ? "must be at most " : " and at most ") + shown(range.maximum);
+    text += (text.empty() ? "must be at most " : " and at most ") + number_text(range.maximum);
   return text;
 }
 
@@ -52,6 +49,7 @@ bool inside(const Range& range, double number) {
   return !(range.exclusive_minimum && number == range.minimum);
 }
 
+// std::from_chars() takes no plus sign, YAML does.
 std::string_view without_plus(std::string_view text) {
   const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
   return plus ? text.substr(1) : text;
@@ -71,6 +69,7 @@ bool is_infinity_or_nan(std::string_view text) {
 ConfigError::ConfigError(Place place, const std::string& message)
     : std::runtime_error(describe(place, message)), place_(std::move(place)), message_(message) {}
 
+// A node keeps its document alive by it, and points to its value in there.
 struct Node::Data {
   std::shared_ptr<const Document> document;
   const Value* value;
@@ -85,6 +84,7 @@ struct Node::Data {
   }
 };
 
+// Reports a value of another kind than wanted.
 void Node::Data::fail_kind(const std::string& wanted) const {
   std::string is = "is empty";
   if (value->kind == Kind::kScalar) is = "is '" + shown(value->scalar) + "'";

@@ -49,6 +49,8 @@ Value number_value(double number, int line) {
   return value;
 }
 
+// Walks the tree and builds the expanded one. way_ is the path to the value in hand, for errors; the budget
+// counts every value that is made.
 class Expander {
  public:
   Expander(const Node& root, ExpansionBudget& budget) : root_(root), budget_(budget) {}
@@ -82,6 +84,7 @@ class Expander {
     return path;
   }
 
+  // Takes one value from the budget, and fails if there is none left.
   void spend(int line) {
     if (budget_.values == 0)
       fail(line,
@@ -89,6 +92,7 @@ class Expander {
     --budget_.values;
   }
 
+  // A map or list of the same kind and line, without its content.
   static Value bare(const Value& from) {
     Value to;
     to.kind = from.kind;
@@ -98,6 +102,7 @@ class Expander {
 
   // ---- repetition ----
 
+  // Appends an item of a list, or as many as its `repeat` says.
   void expand_item(const Value& item, std::size_t place, const Scope& scope, std::vector<Value>& to) {
     const Entry* repeat = find_repeat(item);
     if (!repeat) {
@@ -120,6 +125,7 @@ class Expander {
     return nullptr;
   }
 
+  // The counters of `repeat`: one called "index" for a number, else one for each name of the map.
   std::vector<Counter> read_counters(const Value& repeat, int line) const {
     std::vector<Counter> counters;
     if (repeat.kind == Node::Kind::kScalar) counters.push_back({kIndex, read_count(repeat)});
@@ -144,6 +150,8 @@ class Expander {
     return make_node({root_.place().file, root_.folder(), value}, {root_.place().file, value.line, path()});
   }
 
+  // Counts through counters[level] and those behind it, and appends the item at each combination. `label`
+  // names the item in errors: "2, row 1, column 0".
   void count(const Value& item, const std::string& label, const std::vector<Counter>& counters,
              std::vector<Value>& numbers, std::size_t level, const Scope& scope, std::vector<Value>& to) {
     if (level == counters.size()) {
@@ -216,7 +224,8 @@ class Expander {
     const std::string name = trimmed(inside);
     if (!is_variable_name(name) || is_reserved_name(name)) return written(sum(inside, line, scope));
     const Value& value = variable(name, line, scope);
-    if (value.kind != Node::Kind::kScalar) fail(line, "'" + name + "' is no text, and text stands beside it");
+    if (value.kind != Node::Kind::kScalar)
+      fail(line, "'" + name + "' is a list or a map, and no text may stand beside it");
     return value.scalar;
   }
 

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "protocol/config/trig.h"
+#include "protocol/config/unknown_name.h"
 
 namespace visum::config {
 namespace {
@@ -58,6 +59,12 @@ class Reader {
 
  private:
   [[noreturn]] void fail(const std::string& why) const { throw std::invalid_argument(why); }
+
+  [[noreturn]] void fail_unknown(const std::string& function) const {
+    std::vector<std::string> known;
+    for (const Function& one : kFunctions) known.emplace_back(one.name);
+    fail(unknown_name("function", function, known));
+  }
 
   void skip_blanks() {
     while (at_ < text_.size() && text_[at_] == ' ') ++at_;
@@ -141,7 +148,7 @@ class Reader {
 
   double call(const std::string& word) {
     const Function* function = find_function(word);
-    if (!function) fail("there is no function '" + word + "'");
+    if (!function) fail_unknown(word);
     const double first = sum();
     if (function->one) return function->one(closed(first));
     if (!take(',')) fail("'" + word + "' takes two numbers");

@@ -38,7 +38,7 @@ fs::path find_file(const std::string& name, const std::vector<fs::path>& folders
     if (error) continue;
     if (file.parent_path() != root)
       throw Error("'" + (root / (name + ".so")).string() + "' leads out of its folder");
-    if (!fs::is_regular_file(file)) throw Error("'" + file.string() + "' is no file");
+    if (!fs::is_regular_file(file)) throw Error("'" + file.string() + "' is not a regular file");
     refuse_if_anybody_may_write(root);
     refuse_if_anybody_may_write(file);
     return file;
@@ -53,6 +53,7 @@ std::string last_dl_error() {
   return text ? text : "no reason given";
 }
 
+// Loads the library and checks its version and its C++ library before anything else of it is used.
 const Manifest* manifest_of(const fs::path& file) {
   // RTLD_LOCAL: two plug-ins may have functions of the same name. Never closed, because vtables and texts of
   // exceptions are used until the end.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "protocol/config/config.h"
+#include "protocol/config/number_text.h"
 #include "protocol/config/unknown_name.h"
 #include "protocol/plugin/plugin.h"
 
@@ -41,8 +42,8 @@ template <typename Port>
 void check_value(const Port& port, double value, const std::string& part) {
   if (value >= port.minimum && value <= port.maximum) return;  // false for NaN
   throw Error("part '" + part + "': '" + port.name + "' must be a number from " +
-              std::to_string(port.minimum) + " to " + std::to_string(port.maximum) + ", is " +
-              std::to_string(value));
+              config::number_text(port.minimum) + " to " + config::number_text(port.maximum) + ", is " +
+              config::number_text(value));
 }
 
 template <typename From>

@@ -102,7 +102,7 @@ std::variant<McapReader::End, Attachment, Message> McapReader::next() {
     }
     record.op = static_cast<Op>(in_chunk_.number<std::uint8_t>());
     record.content = in_chunk_.raw(in_chunk_.number<std::uint64_t>());
-    if (!in_chunk_.complete() || !take_in_chunk(record)) fail("a chunk holds what is no record");
+    if (!in_chunk_.complete() || !take_in_chunk(record)) fail("a chunk holds something that is not a record");
   }
   if (ended_) return End{};
   return item_;
@@ -151,6 +151,7 @@ bool McapReader::take_channel(Bytes content) {
   return true;
 }
 
+// Checks the chunk as a whole; next() then reads the records in it.
 bool McapReader::enter_chunk(Bytes content) {
   LittleReader from(content);
   from.raw(8 + 8);  // earliest and latest time of its messages; each message has its own
@@ -180,7 +181,7 @@ bool McapReader::read_attachment(Bytes content, Attachment& attachment) {
 bool McapReader::take_data_end(Bytes content) {
   LittleReader from(content);
   const auto crc = from.number<std::uint32_t>();
-  if (!from.complete()) return fail("the data's end is no record");
+  if (!from.complete()) return fail("the record at the end of the data is malformed");
   if (crc != 0 && crc != crc_.value() && !went_) return fail("the CRC of the data is wrong");
   summary_at_ = place_;
   crc_ = {};
@@ -193,7 +194,7 @@ bool McapReader::finish(Bytes footer) {
   const auto summary = from.number<std::uint64_t>();
   from.number<std::uint64_t>();  // where the index of the summary begins
   const auto crc = from.number<std::uint32_t>();
-  if (!from.complete() || !from.at_end() || summary_at_ == 0) return fail("the footer is no record");
+  if (!from.complete() || !from.at_end() || summary_at_ == 0) return fail("the footer is malformed");
   if (summary != 0 && summary != summary_at_) return fail("the summary is not where the footer says");
   if (crc != 0 && crc != crc_.value()) return fail("the summary's CRC is wrong");
   std::vector<std::byte> magic;

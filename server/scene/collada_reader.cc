@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxParts = 1000;
 
 [[noreturn]] void fail_answer() {
-  throw std::runtime_error("its reader's answer is no mesh");
+  throw std::runtime_error("its reader's answer is not a mesh");
 }
 
 // Takes the next line off `text`.

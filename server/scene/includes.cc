@@ -28,6 +28,7 @@ std::string place_of(const Node& node) {
   return node.place().file + ":" + std::to_string(node.place().line);
 }
 
+// A value must have the kind of its default: a list, a map or a single value.
 void check_kind(const Node& value, const Node& otherwise) {
   if (otherwise.kind() == Node::Kind::kNull || value.kind() == otherwise.kind()) return;
   value.fail(std::string("must be ") + word_for(otherwise.kind()) + ", as its default in " +
@@ -37,10 +38,12 @@ void check_kind(const Node& value, const Node& otherwise) {
 // Reports a parameter without default that was not given.
 [[noreturn]] void fail_missing(const Node& parameter, const std::string& name, const Node* asked_by) {
   if (!asked_by)
-    parameter.fail("has no value: this file is made to be included by another, which gives it one");
+    parameter.fail(
+        "has no default: give it a value with --parameters, or in the file that includes this one");
   asked_by->fail("parameter '" + name + "' is missing, it has no default in " + place_of(parameter));
 }
 
+// Checks the names of the parameters and that `given` names no others.
 void check_names(const Node& block, const std::optional<Node>& given) {
   const auto names = block.keys();
   if (names.size() > kMaxParameters)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocol/config/number_text.h"
 #include "server/scene/frames.h"
 #include "server/scene/values.h"
 #include "server/world/joint_kinds.h"
@@ -85,7 +86,8 @@ void read_limits(const Node& node, world::Joint& joint) {
 void read_position(const Node& node, world::Joint& joint) {
   joint.initial_position = node.number(kPlaceable);
   if (joint.limited && (joint.initial_position < joint.lower || joint.initial_position > joint.upper))
-    node.fail("must be within the joint's limits, is " + node.text());
+    node.fail("must be within the joint's limits " + config::number_text(joint.lower) + " and " +
+              config::number_text(joint.upper) + ", is " + node.text());
 }
 
 void read_freedom(const Node& node, world::Joint& joint) {
@@ -112,7 +114,7 @@ world::Curve read_curve(const Node& node) {
   for (std::size_t i = 0; i < list.size(); ++i) points.push_back(read_vector(list.at(i)));
   world::Curve curve(points, closed);
   if (curve.empty())
-    list.fail(closed ? "must be at least 3 points, neighbours apart, the last apart from the first"
+    list.fail(closed ? "must be at least 3 points; neighbours must differ, and so must the first and the last"
                      : "must be at least 2 points, neighbours apart");
   return curve;
 }

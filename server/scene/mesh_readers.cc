@@ -56,7 +56,7 @@ bool is_mesh_format(const std::filesystem::path& file) {
 world::TriangleMesh read_mesh(const std::filesystem::path& file, const config::Place& wanted_by) {
   const std::string shown = file.string();
   if (!is_mesh_format(file))
-    throw config::ConfigError(wanted_by, "'" + shown + "': is no mesh that can be read (.stl or .obj)");
+    throw config::ConfigError(wanted_by, "'" + shown + "': is not a mesh that can be read (.stl or .obj)");
   config::FileContent content = config::read_file(file, kMaxMeshBytes);
   if (!content.fault.empty()) throw config::ConfigError(wanted_by, "'" + shown + "': " + content.fault);
   world::TriangleMesh mesh =

@@ -9,6 +9,7 @@
 namespace visum::scene {
 namespace {
 
+// How many numbers the text of an element holds, and which.
 struct TextRule {
   const char* element;
   std::size_t least, most;
@@ -64,9 +65,11 @@ void note_link_losses(const XMLElement& link, const std::string& name, ModelXml&
   else if (!inertial->FirstChildElement("inertia"))
     xml.losses.push_back("link '" + name + "' gives no <inertia>: SDF's 1 kg·m² is used if it moves");
   if (says("false", "0", link.FirstChildElement("gravity")))
-    xml.losses.push_back("link '" + name + "' falls as all do: a link without gravity is not simulated");
+    xml.losses.push_back("link '" + name +
+                         "' feels gravity like all others: a link without gravity is not simulated");
   if (says("true", "1", link.FirstChildElement("kinematic")))
-    xml.losses.push_back("link '" + name + "' is moved by forces as all are: <kinematic> is not simulated");
+    xml.losses.push_back("link '" + name +
+                         "' is moved by forces like all others: <kinematic> is not simulated");
 }
 
 // The model's own pose is ignored, because the scene's `pose` places the model's frame, as that of an

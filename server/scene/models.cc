@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "protocol/config/number_text.h"
 #include "protocol/config/read_file.h"
 #include "server/scene/frames.h"
 #include "server/scene/joints.h"
@@ -67,6 +68,7 @@ class Placement {
   }
   world::BodyId body(const std::string& link) const { return draft_.body(name_ + "/" + link); }
 
+  // With `fixed: true`, links that hang on no joint stand still.
   void ground_roots() {
     if (!node_.boolean_or("fixed", true)) return;
     std::set<std::string> hanging;
@@ -120,6 +122,7 @@ class Placement {
     draft_.add_shape(shape, link_place(link));
   }
 
+  // The mesh of a shape: from its own file, or a part of a converted Collada file.
   world::MeshId mesh_of(const RobotShape& from, const RobotLink& link) {
     const auto converted = robot_.converted.find(from.mesh);
     if (converted == robot_.converted.end()) return draft_.mesh(from.mesh, from.scale, link_place(link));
@@ -149,8 +152,8 @@ class Placement {
     if (stands_still(joint.child)) {
       if (!stands_still(joint.parent))
         throw config::ConfigError(joint_place(from),
-                                  "its child stands still and its parent moves: turn the joint round");
-      robot_.losses.push_back("joint '" + from.joint.name + "' is not simulated: both its links stand still");
+                                  "its child is fixed and its parent moves: exchange the two");
+      robot_.losses.push_back("joint '" + from.joint.name + "' is not simulated: both its links are fixed");
       return;
     }
     joint.initial_position = initial_position(from, joint);
@@ -164,8 +167,8 @@ class Placement {
     if (!given) return nearest_to_zero(joint);
     const double position = given->number(kPlaceable);
     if (joint.limited && (position < joint.lower || position > joint.upper))
-      given->fail("must be within the joint's limits " + std::to_string(joint.lower) + " and " +
-                  std::to_string(joint.upper) + ", is " + given->text());
+      given->fail("must be within the joint's limits " + config::number_text(joint.lower) + " and " +
+                  config::number_text(joint.upper) + ", is " + given->text());
     return position;
   }
 

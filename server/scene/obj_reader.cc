@@ -42,7 +42,7 @@ class ObjReader {
     else if (keyword == "f")
       read_face(cursor);
     else if (!keyword.empty() && std::find(kSkipped.begin(), kSkipped.end(), keyword) == kSkipped.end())
-      fail("'" + std::string(keyword.substr(0, 40)) + "' is no word of an OBJ file");
+      fail("'" + std::string(keyword.substr(0, 40)) + "' is not a keyword of an OBJ file");
   }
 
   void read_vertex(TextCursor& cursor) {
@@ -57,7 +57,7 @@ class ObjReader {
     const std::string_view number = word.substr(0, word.find('/'));
     std::int64_t index = 0;
     if (!parse_number(number, index))
-      fail("'" + std::string(word.substr(0, 40)) + "' is no corner of a face");
+      fail("'" + std::string(word.substr(0, 40)) + "' is not a valid corner of a face");
     const auto count = static_cast<std::int64_t>(vertices_.size());
     const std::int64_t from_start = index < 0 ? count + index : index - 1;
     if (from_start < 0 || from_start >= count)

@@ -24,9 +24,9 @@ void refuse_taken_kinds(const Draft& draft, const plugin::Library& library, cons
   const auto check = [&](const auto& kinds, const auto& find) {
     for (const auto& kind : kinds) {
       const std::string called = kind.name;
-      if (is_built_in(called)) name.fail("brings a kind '" + called + "', which there is without it");
+      if (is_built_in(called)) name.fail("brings a kind '" + called + "', but a built-in kind has that name");
       if (find(draft.scene.plugins, called))
-        name.fail("brings a kind '" + called + "', as another plug-in does");
+        name.fail("brings a kind '" + called + "', but another plug-in has that name, too");
     }
   };
   check(library.manifest->agents, plugin::find_agent);

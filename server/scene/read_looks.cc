@@ -129,7 +129,8 @@ void read_viewpoint(Draft& draft, const Node& node) {
   viewpoint.position = point_in_world(draft, read_vector(node.get("position")));
   viewpoint.target = point_in_world(draft, read_vector(node.get("target")));
   viewpoint.fov_rad = node.number_or("fov_deg", viewpoint.fov_rad / kRadPerDeg, {5.0, 120.0}) * kRadPerDeg;
-  if ((viewpoint.position - viewpoint.target).norm() < 1e-6) node.fail("looks from where it looks to");
+  if ((viewpoint.position - viewpoint.target).norm() < 1e-6)
+    node.fail("'position' and 'target' must not be the same point");
   viewpoints.push_back(viewpoint);
 }
 

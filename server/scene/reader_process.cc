@@ -122,7 +122,7 @@ bool drain(int fd, std::string& to) {
 }
 
 [[noreturn]] void fail_late(const ReaderBounds& bounds) {
-  throw std::runtime_error("its reader was not done after " + std::to_string(bounds.deadline.count()) +
+  throw std::runtime_error("its reader did not finish within " + std::to_string(bounds.deadline.count()) +
                            " ms");
 }
 
@@ -141,7 +141,7 @@ Heard listen(int out, int err, Clock::time_point end, const ReaderBounds& bounds
     if (watched[0].revents != 0 && !drain(out, heard.answer)) watched[0].fd = -1;
     if (watched[1].revents != 0 && !drain(err, heard.words)) watched[1].fd = -1;
     if (heard.answer.size() > bounds.answer_bytes)
-      throw std::runtime_error("it makes more than " + std::to_string(bounds.answer_bytes >> 20) +
+      throw std::runtime_error("it has more than " + std::to_string(bounds.answer_bytes >> 20) +
                                " MiB of triangles");
     if (heard.words.size() > kMaxWords) heard.words.resize(kMaxWords);
   }
@@ -161,9 +161,9 @@ std::string run_reader(const std::string& program, const std::filesystem::path& 
   const auto status = child.wait_until(end);
   if (!status) fail_late(bounds);
   if (WIFSIGNALED(*status))
-    throw std::runtime_error(std::string("its reader died of it (") + ::strsignal(WTERMSIG(*status)) + ")");
+    throw std::runtime_error(std::string("its reader crashed (") + ::strsignal(WTERMSIG(*status)) + ")");
   if (WEXITSTATUS(*status) != 0)
-    throw std::runtime_error(heard.words.empty() ? "its reader failed and does not say why"
+    throw std::runtime_error(heard.words.empty() ? "its reader failed without a reason"
                                                  : heard.words.substr(0, heard.words.find('\n')));
   return std::move(heard.answer);
 }

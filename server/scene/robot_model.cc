@@ -25,6 +25,7 @@
 #include <sstream>
 
 #include "protocol/config/config.h"
+#include "protocol/config/unknown_name.h"
 #include "server/scene/mesh_path.h"
 #include "server/scene/mesh_readers.h"
 #include "server/scene/model_xml.h"
@@ -80,6 +81,8 @@ std::string urdf_name(std::string name, const std::string& link) {
   return end > 1 ? name.substr(0, end - 1) : name;
 }
 
+// Copies what sdformat read into a RobotModel, and refuses what is not simulated. Lines of errors come from
+// model_xml.cc, because sdformat does not keep them.
 class Reader {
  public:
   Reader(RobotModel& model, const ModelXml& xml) : model_(model), xml_(xml), file_(model.file.string()) {}
@@ -305,7 +308,7 @@ class Reader {
 
   void demand_link(const std::string& link, const config::Place& place) const {
     if (xml_.link_lines.count(link) == 0)
-      throw config::ConfigError(place, "names '" + link + "', which is no link");
+      throw config::ConfigError(place, config::unknown_name("link", link, xml_.links));
   }
 
   void read_kind(const sdf::Joint& from, const config::Place& place, world::Joint& joint) {
@@ -369,6 +372,7 @@ class Reader {
   std::map<std::filesystem::path, std::string> not_converted_;  // with the reasons
 };
 
+// Unknown and deprecated elements are no errors; they go to sdformat's log.
 sdf::ParserConfig quiet_config() {
   sdf::ParserConfig config;
   config.SetFindCallback([](const std::string&) { return std::string(); });  // no look-ups, no downloads
@@ -378,6 +382,7 @@ sdf::ParserConfig quiet_config() {
   return config;
 }
 
+// Reports why sdformat refused the file: its first error, or what it printed.
 [[noreturn]] void fail_load(const sdf::Errors& errors, ConsoleCapture& console, const std::string& file) {
   std::string message = errors.empty() ? console.first_line() : errors.front().Message();
   int line = 0;

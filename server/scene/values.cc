@@ -52,7 +52,8 @@ Eigen::Quaterniond quaternion_from_rpy(const Eigen::Vector3d& rpy) {
 }
 
 world::Pose read_pose(const config::Node& node) {
-  if (const auto in = node.find("in")) in->fail("frames are for what is placed in the world");
+  if (const auto in = node.find("in"))
+    in->fail("only things that are placed in the world can stand in a frame");
   return read_pose_in(node);
 }
 

@@ -158,10 +158,9 @@ INSTANTIATE_TEST_SUITE_P(
         Misdeed{"Throws", "throws", "lost its head"},
         Misdeed{"ThrowsAnInt", "throws an int", "threw something that is no std::exception"},
         Misdeed{"SetsNotANumber", "sets not a number",
-                "part 'arm': 'Desired Angle 1' must be a number from -9.417000 to 9.417000, is nan"},
+                "part 'arm': 'Desired Angle 1' must be a number from -9.417 to 9.417, is nan"},
         Misdeed{"SetsTooMuch", "sets too much",
-                "part 'arm': 'Desired Angle 1' must be a number from -9.417000 to 9.417000, is "
-                "1000000000.000000"},
+                "part 'arm': 'Desired Angle 1' must be a number from -9.417 to 9.417, is 1e+09"},
         Misdeed{"SetsAnUnknownPort", "sets an unknown port", "part 'arm' has no input number 999, it has 22"},
         Misdeed{"AsksForAnUnknownName", "asks for an unknown name",
                 "part 'arm': there is no input 'Desired Angel 1'; did you mean 'Desired Angle 1'?"},

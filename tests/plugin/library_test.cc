@@ -69,12 +69,12 @@ TEST(PluginLibrary, SaysWhatIsWrongWithAFile) {
   files.write("text.so", "I am no library");
   EXPECT_NE(refusal_of("text", {files.folder()}).find("cannot be loaded: "), std::string::npos);
   fs::create_directory(files.folder() / "folder.so");
-  EXPECT_NE(refusal_of("folder", {files.folder()}).find("is no file"), std::string::npos);
+  EXPECT_NE(refusal_of("folder", {files.folder()}).find("is not a regular file"), std::string::npos);
 }
 
 TEST(PluginScene, NamesThePlaceOfWhatIsWrong) {
   EXPECT_EQ(error_of_scene("plugins: [thief]"),
-            "s.yaml:2: plugins[0]: brings a kind 'imu', which there is without it");
+            "s.yaml:2: plugins[0]: brings a kind 'imu', but a built-in kind has that name");
   EXPECT_EQ(error_of_scene("agents: [{name: a, kind: stepper}]"),
             "s.yaml:2: agents[0].kind: no plug-in of this scene has agents; name one under 'plugins'");
   const std::string with = "plugins: [kinds]\n";

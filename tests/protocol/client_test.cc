@@ -304,7 +304,7 @@ TEST(ClientAlone, SaysThatTheHostIsUnknown) {
 
 TEST(ClientAlone, SaysThatTheServerIsNoVisum) {
   EXPECT_THAT(what_connecting_says("HTTP/1.1 400 Bad Request\r\n"), HasSubstr("is this Visum?"));
-  EXPECT_THAT(what_connecting_says(std::string("\x02\x00\x00\x00\xFF\xFF", 6)), HasSubstr("no reply"));
+  EXPECT_THAT(what_connecting_says(std::string("\x02\x00\x00\x00\xFF\xFF", 6)), HasSubstr("is not a reply"));
   EXPECT_THAT(what_connecting_says(""), HasSubstr("the server closed the connection"));
 }
 

@@ -77,7 +77,7 @@ std::optional<protocol::ReplyFrame> RawClient::reply() {
   if (bytes_.size() < protocol::kHeaderBytes + length) return std::nullopt;
   std::string why;
   auto frame = protocol::decode_reply({bytes_.data() + protocol::kHeaderBytes, length}, why);
-  if (!frame) throw std::runtime_error("the server sent what is no reply: " + why);
+  if (!frame) throw std::runtime_error("the server sent something that is not a reply: " + why);
   bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(protocol::kHeaderBytes + length));
   return frame;
 }

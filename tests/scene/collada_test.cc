@@ -200,7 +200,7 @@ TEST(ColladaAnswer, ThatIsNoMeshIsRefused) {
   };
   for (const char* answer : {"", "end\n", "part none 5\nab", "part none\nend\n", "part 2 0 0 1 4\nabcd",
                              "part 0 0 0 4\nabcd", "part none 4 5\nabcd", "other\nend\n", "textured\n"})
-    EXPECT_EQ(refused(answer), "its reader's answer is no mesh") << answer;
+    EXPECT_EQ(refused(answer), "its reader's answer is not a mesh") << answer;
 }
 
 }  // namespace

@@ -348,9 +348,10 @@ joints:
   - {name: j2, type: hinge, parent: d, child: e, axis: [0, 1, 0]}
 no_collision: [[a, b], [a, e]]
 )");
-  EXPECT_THAT(convert(file, files.folder() / "s.sdf", {}),
-              ElementsAre("the restitution of the stops of joint 'j1' is not written to SDF",
-                          "SDF has no pairs that never collide: 'a' and 'b' (and 1 more) do there"));
+  EXPECT_THAT(
+      convert(file, files.folder() / "s.sdf", {}),
+      ElementsAre("the restitution of the stops of joint 'j1' is not written to SDF",
+                  "SDF cannot keep pairs of bodies apart: 'a' and 'b' (and 1 more) can collide there"));
   const std::string text = text_of(files.folder() / "s.sdf");
   const auto said = text.find("<self_collide>true</self_collide>");
   EXPECT_GT(said, text.find("<model name=\"c\">"));
@@ -381,9 +382,9 @@ TEST(Convert, ReadsNoOtherFilesAndNoCode) {
   EXPECT_EQ(refusal("a.x3d", "<X3D><Scene>\n<Script url='javascript:x'/></Scene></X3D>"),
             "a.x3d:2: <Script> is not read: write what it stands for");
   EXPECT_EQ(refusal("b.x3d", "<!DOCTYPE x [<!ENTITY a 'aaaa'>]>\n<X3D><Scene/></X3D>"),
-            "b.x3d:1: a document type that declares something is not read");
+            "b.x3d:1: a document type with declarations is not supported");
   EXPECT_EQ(refusal("a.txt", ""),
-            "a.txt: its ending tells its format, and must be one of .yaml, .urdf, .sdf, .x3d, .x3dv, .wrl");
+            "a.txt: its extension names its format and must be one of .yaml, .urdf, .sdf, .x3d, .x3dv, .wrl");
 }
 
 }  // namespace

@@ -57,6 +57,7 @@ TEST(Expression, SaysWhatIsNoSum) {
   EXPECT_EQ(fault_of_sum("1 2"), "'2' is not expected");
   EXPECT_EQ(fault_of_sum("(1"), "a ')' is missing");
   EXPECT_EQ(fault_of_sum("sinus(1)"), "there is no function 'sinus'");
+  EXPECT_EQ(fault_of_sum("sqr(1)"), "there is no function 'sqr'; did you mean 'sqrt'?");
   EXPECT_EQ(fault_of_sum("max(1)"), "'max' takes two numbers");
   EXPECT_EQ(fault_of_sum("1 / 0"), "it has no finite value");
   EXPECT_EQ(fault_of_sum("sqrt(-1)"), "it has no finite value");
@@ -141,7 +142,7 @@ TEST(Expand, RefusesWhatMakesNoSense) {
   EXPECT_EQ(expand_error("a: ${1"), "f.yaml:1: a: '${1' has no '}'");
   EXPECT_EQ(expand_error("a: ${2 * word}", "{word: red}"), "f.yaml:1: a: 'word' is no number");
   EXPECT_EQ(expand_error("a: b${list}", "{list: []}"),
-            "f.yaml:1: a: 'list' is no text, and text stands beside it");
+            "f.yaml:1: a: 'list' is a list or a map, and no text may stand beside it");
   EXPECT_EQ(expand_error("'${a}': 1", "{a: 1}"), "f.yaml:1: a key cannot be computed");
   EXPECT_THAT(expand_error("- {repeat: many}"), HasSubstr("[0].repeat: must be a whole number, is 'many'"));
   EXPECT_THAT(expand_error("- {repeat: -1}"),

@@ -187,8 +187,8 @@ TEST(SceneLanguage, ParametersAreChecked) {
             "scene.yaml:3: include[0].parameters.color: must be a list, as its default in post.yaml:6");
   EXPECT_EQ(
       language_error("parameters: {name: }"),
-      "scene.yaml:2: parameters.name: has no value: this file is made to be included by another, which gives "
-      "it one");
+      "scene.yaml:2: parameters.name: has no default: give it a value with --parameters, or in the file that "
+      "includes this one");
   EXPECT_EQ(language_error("parameters: {1st: 1}"),
             "scene.yaml:2: parameters.1st: '1st' is no name: letters, digits and '_', no digit first");
 }
@@ -199,7 +199,7 @@ TEST(SceneLanguage, FramesAreChecked) {
   EXPECT_EQ(language_error("frames: [{name: dock}, {name: dock}]"),
             "scene.yaml:2: frames[1]: there is already a frame 'dock' (scene.yaml:2)");
   EXPECT_THAT(language_error("bodies: [{name: a, fixed: true, shapes: [{sphere: 1, pose: {in: dock}}]}]"),
-              HasSubstr("shapes[0].pose.in: frames are for what is placed in the world"));
+              HasSubstr("shapes[0].pose.in: only things that are placed in the world can stand in a frame"));
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ TEST(BadLooks, AreRefusedWithTheirPlace) {
       {"lights: [{kind: directional, direction: [0, 0, 0]}]",
        "s.yaml:2: lights[0].direction: must not be zero"},
       {"viewpoints: [{name: a, position: [1, 0, 0], target: [1, 0, 0]}]",
-       "s.yaml:2: viewpoints[0]: looks from where it looks to"},
+       "s.yaml:2: viewpoints[0]: 'position' and 'target' must not be the same point"},
   };
   for (const auto& [yaml, message] : table) EXPECT_EQ(looks_error(yaml), message) << yaml;
 }

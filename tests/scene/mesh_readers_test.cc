@@ -94,12 +94,12 @@ TEST(MeshReaders, ObjFaultsAreNamed) {
   EXPECT_EQ(obj(corners + "f 1 2 0\n"), "m.obj:4: face names vertex 0, there are 3 so far");
   EXPECT_EQ(obj(corners + "f 1 2 -4\n"), "m.obj:4: face names vertex -4, there are 3 so far");
   EXPECT_EQ(obj(corners + "f 1 2 99999999999999999999\n"),
-            "m.obj:4: '99999999999999999999' is no corner of a face");
+            "m.obj:4: '99999999999999999999' is not a valid corner of a face");
   EXPECT_EQ(obj(corners + "f 1 2\n"), "m.obj:4: a face needs three corners, has 2");
   EXPECT_EQ(obj("v 0 zero 0\n"), "m.obj:1: a vertex needs three numbers");
   EXPECT_EQ(obj("v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
             "m.obj:4: triangle 0 has a vertex that is not finite");
-  EXPECT_EQ(obj("hello\n"), "m.obj:1: 'hello' is no word of an OBJ file");
+  EXPECT_EQ(obj("hello\n"), "m.obj:1: 'hello' is not a keyword of an OBJ file");
 }
 
 TEST(MeshReaders, FilesThatCannotBeReadAreReportedToWhoAsked) {
@@ -109,7 +109,7 @@ TEST(MeshReaders, FilesThatCannotBeReadAreReportedToWhoAsked) {
   };
   EXPECT_EQ(read(files.folder() / "none.stl"), "asker.yaml:3: shapes[0]: 'none.stl': no such file");
   EXPECT_EQ(read(files.write("a.dae", "x")),
-            "asker.yaml:3: shapes[0]: 'a.dae': is no mesh that can be read (.stl or .obj)");
+            "asker.yaml:3: shapes[0]: 'a.dae': is not a mesh that can be read (.stl or .obj)");
   const auto huge = files.write("huge.stl", "x");
   std::filesystem::resize_file(huge, kMaxMeshBytes + 1);
   EXPECT_EQ(read(huge),

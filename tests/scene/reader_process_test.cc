@@ -48,22 +48,22 @@ TEST_F(ReaderProcess, IsGivenNothingElseOfOurs) {
 
 TEST_F(ReaderProcess, ThatFailsGivesItsFirstLineAsTheReason) {
   EXPECT_EQ(why_not(script("echo answer; echo no mesh >&2; echo more >&2; exit 1")), "no mesh");
-  EXPECT_EQ(why_not(script("exit 3")), "its reader failed and does not say why");
+  EXPECT_EQ(why_not(script("exit 3")), "its reader failed without a reason");
 }
 
 TEST_F(ReaderProcess, ThatDiesIsNamedWithItsSignal) {
-  EXPECT_EQ(why_not(script("kill -SEGV $$")), "its reader died of it (Segmentation fault)");
+  EXPECT_EQ(why_not(script("kill -SEGV $$")), "its reader crashed (Segmentation fault)");
 }
 
 TEST_F(ReaderProcess, ThatHangsIsKilledAtItsDeadline) {
-  EXPECT_EQ(why_not(script("exec sleep 1000"), 50ms), "its reader was not done after 50 ms");
-  EXPECT_EQ(why_not(script("exec >&- 2>&-; exec sleep 1000"), 50ms), "its reader was not done after 50 ms")
+  EXPECT_EQ(why_not(script("exec sleep 1000"), 50ms), "its reader did not finish within 50 ms");
+  EXPECT_EQ(why_not(script("exec >&- 2>&-; exec sleep 1000"), 50ms), "its reader did not finish within 50 ms")
       << "also where it has nothing more to say";
 }
 
 TEST_F(ReaderProcess, ThatTalksWithoutEndIsKilled) {
-  EXPECT_EQ(why_not(script("exec cat /dev/zero")), "it makes more than 4 MiB of triangles");
-  EXPECT_EQ(why_not(script("exec cat /dev/zero >&2"), 100ms), "its reader was not done after 100 ms");
+  EXPECT_EQ(why_not(script("exec cat /dev/zero")), "it has more than 4 MiB of triangles");
+  EXPECT_EQ(why_not(script("exec cat /dev/zero >&2"), 100ms), "its reader did not finish within 100 ms");
 }
 
 TEST_F(ReaderProcess, ThatIsNotThereIsNamed) {

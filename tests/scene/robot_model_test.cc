@@ -207,11 +207,12 @@ TEST(Sdf, LossesSayWhatWouldChangeThePhysics) {
                        "<sdf version='1.8'><model name='cell'><pose>0 0 5 0 0 0</pose><link name='balloon'>"
                        "<gravity>false</gravity><kinematic>true</kinematic>"
                        "<inertial><mass>0.05</mass></inertial></link></model></sdf>");
-  EXPECT_THAT(model.losses,
-              ElementsAre("the model's own <pose> is not read: the scene's 'pose' places it",
-                          "link 'balloon' gives no <inertia>: SDF's 1 kg·m² is used if it moves",
-                          "link 'balloon' falls as all do: a link without gravity is not simulated",
-                          "link 'balloon' is moved by forces as all are: <kinematic> is not simulated"));
+  EXPECT_THAT(
+      model.losses,
+      ElementsAre("the model's own <pose> is not read: the scene's 'pose' places it",
+                  "link 'balloon' gives no <inertia>: SDF's 1 kg·m² is used if it moves",
+                  "link 'balloon' feels gravity like all others: a link without gravity is not simulated",
+                  "link 'balloon' is moved by forces like all others: <kinematic> is not simulated"));
   EXPECT_EQ(model.links[0].X_ML.p, Eigen::Vector3d::Zero());
 }
 

@@ -54,7 +54,7 @@ Format format_of(const fs::path& file, const char* known) {
   if (ending == ".x3d") return Format::kX3dXml;
   if (ending == ".x3dv") return Format::kX3dClassic;
   if (ending == ".wrl" || ending == ".vrml") return Format::kVrml97;
-  fail(file, std::string("its ending tells its format, and must be one of ") + known);
+  fail(file, std::string("its extension names its format and must be one of ") + known);
 }
 
 std::string written(const Scene& scene, Output& output) {

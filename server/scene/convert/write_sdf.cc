@@ -26,6 +26,7 @@ std::string pose_text(const world::Pose& pose) {
   return exact(all, 6);
 }
 
+// Null: SDF has no such joint.
 const char* sdf_type(const world::Joint& joint) {
   switch (joint.kind) {
     case JointKind::kFixed:
@@ -50,6 +51,7 @@ std::string flat(std::string name) {
   return name;
 }
 
+// Writes a scene as the elements of one SDF document, in their order. Poses are in the world.
 class SdfWriter {
  public:
   SdfWriter(const Scene& scene, Output& output)
@@ -115,6 +117,7 @@ class SdfWriter {
     return groups;
   }
 
+  // A model of the bodies `members`, named after the first of them, with the joints that carry them.
   void model(std::size_t first, const std::vector<std::size_t>& members) {
     open("model", "name", flat(world_.bodies[first].name).c_str());
     const bool fixed = std::ranges::all_of(members, [&](std::size_t i) { return world_.bodies[i].fixed; });
@@ -223,7 +226,7 @@ class SdfWriter {
         element("size", std::string("200 200"));
         break;
       case ShapeKind::kConvex:
-        output_.lose("SDF has no hulls: '" + shape.name + "' is written as the mesh that it is the hull of");
+        output_.lose("SDF has no convex hulls: '" + shape.name + "' is written as its whole mesh");
         [[fallthrough]];
       case ShapeKind::kMesh:
         open("mesh");
@@ -314,13 +317,14 @@ class SdfWriter {
     close();
   }
 
+  // Notes the pairs that never collide in the scene, but can in the SDF file.
   void tell_pairs() {
     if (untold_.empty()) return;
     const auto name = [&](world::BodyId id) { return "'" + world_.bodies[id.index()].name + "'"; };
     const std::size_t others = untold_.size() - 1;
-    output_.lose("SDF has no pairs that never collide: " + name(untold_[0].first) + " and " +
+    output_.lose("SDF cannot keep pairs of bodies apart: " + name(untold_[0].first) + " and " +
                  name(untold_[0].second) + (others > 0 ? " (and " + std::to_string(others) + " more)" : "") +
-                 " do there");
+                 " can collide there");
   }
 
   void tell_losses() {

@@ -76,6 +76,7 @@ class YamlWriter {
  private:
   void line(const std::string& key, const std::string& value) { text_ += key + ": " + value + "\n"; }
 
+  // Writes a list with one entry on a line. An entry for which `write` returns "" is left out.
   template <typename Entries, typename Write>
   void list(const char* key, const Entries& entries, const Write& write) {
     std::string lines;
@@ -105,10 +106,12 @@ class YamlWriter {
     if (!map.empty()) line("materials", map.text());
   }
 
+  // A file name of an entry, as it must stand in the file that is written.
   std::string file_of(const config::Node& node) const {
     return yaml_text(output_.path_to(node.folder() / node.text()));
   }
 
+  // The entry as it was read, with its file and its place in the world.
   std::string model_text(const ModelPlan& model) const {
     return yaml_of(model.config,
                    {{"file", file_of(model.config.get("file"))}, {"pose", yaml_pose(model.X_WM)}});
@@ -133,8 +136,8 @@ class YamlWriter {
     for (std::size_t i = world_.bodies.size(); i-- > 0;) {
       model_comes = model_comes || !world_.bodies[i].model.empty();
       if (world_.bodies[i].model.empty() && model_comes)
-        return output_.lose("in one file models come before bodies, '" + world_.bodies[i].name +
-                            "' too: nothing else changes, but the state hash does");
+        return output_.lose("in one file models come before bodies, and '" + world_.bodies[i].name +
+                            "' moves behind them: the world is the same, but not its state hash");
     }
   }
 
@@ -244,6 +247,7 @@ class YamlWriter {
     if (curve.closed()) map.add("closed", "true");
   }
 
+  // The keys of joints that can be driven.
   static void freedom(const world::Joint& joint, YamlMap& map) {
     if (joint.limited) {
       const double limits[] = {joint.lower, joint.upper};
@@ -260,6 +264,7 @@ class YamlWriter {
     map.add_unless("damping", joint.damping, 0.0);
   }
 
+  // The pairs that neither joints nor the entries of models say already.
   void no_collision() {
     std::set<std::string> limp;  // models whose entries say that none of their links collide
     for (const ModelPlan& model : scene_.models)

@@ -29,6 +29,7 @@ X3dNode use_of(const X3dNode& node) {
   return other;
 }
 
+// A DEF name: unique by its number, and with the characters that X3D allows.
 std::string def_name(const std::string& what, std::size_t number, const std::string& name) {
   std::string def = what + std::to_string(number) + "_";
   for (const char c : name) {
@@ -38,6 +39,7 @@ std::string def_name(const std::string& what, std::size_t number, const std::str
   return def;
 }
 
+// Stores YAML in the node's metadata.
 void add_metadata(X3dNode& node, const std::string& yaml) {
   node.add("metadata", node_of("MetadataString", {{"name", kMetadataName}, {"value", x3d_texts({yaml})}}));
 }
@@ -72,6 +74,8 @@ struct Form {
   world::Pose X_SF;  // in the shape's frame
 };
 
+// Builds the tree. Each body has a Transform with its visible shapes, and a RigidBody that uses the same
+// shapes.
 class Exporter {
  public:
   Exporter(const Scene& scene, Output& output, bool physics)
@@ -189,6 +193,7 @@ class Exporter {
     collection.add("bodies", std::move(rigid));
   }
 
+  // Adds the shape twice: visible in the Transform of its body, and collidable in its RigidBody.
   void add_shape(X3dNode& place, X3dNode& rigid, const world::Shape& shape) {
     const std::string metadata = shape_metadata(shape);
     for (Form& form : forms_of(shape)) {
@@ -244,6 +249,7 @@ class Exporter {
     collection.add("joints", std::move(node));
   }
 
+  // Names the bodies of a joint or motor; without body1, the parent is the world.
   void add_sides(const world::Joint& joint, X3dNode& node) const {
     if (joint.parent.valid()) node.add("body1", bodies_[joint.parent.index()]);
     node.add("body2", bodies_[joint.child.index()]);
@@ -279,6 +285,7 @@ class Exporter {
     node.values["stopBounce"] = exact(joint.stop_restitution);
   }
 
+  // Exact values, and those that X3D has no field for.
   static std::string joint_metadata(const world::Joint& joint) {
     YamlMap map;
     map.add_text("name", flat_name(joint.name)).add_pose(joint.X_PJ).add("axis", yaml_list(joint.axis_J));
@@ -295,7 +302,7 @@ class Exporter {
                                             {"color", color_text(light.color)}}));
       return;
     }
-    if (light.shadows) output_.lose("X3D's lights throw no shadows");
+    if (light.shadows) output_.lose("X3D's lights cast no shadows");
     if (light.intensity > 1.0) output_.lose("X3D's lights have an intensity of 1 at most");
     X3dNode node = node_of("DirectionalLight", {{"intensity", exact(std::min(light.intensity, 1.0))},
                                                 {"color", color_text(light.color)}});

@@ -42,7 +42,7 @@ std::vector<Eigen::Vector3d> points_of(const X3dNode& node, const std::string& f
     const X3dNode& coord = resolved(child);
     const auto numbers = numbers_of(coord, "point", 0, {}, file);
     if (numbers.size() % 3 != 0)
-      fail_at(coord, file, "point must be threes of numbers, has " + std::to_string(numbers.size()));
+      fail_at(coord, file, "point must have 3 numbers for each point, has " + std::to_string(numbers.size()));
     std::vector<Eigen::Vector3d> points;
     for (std::size_t i = 0; i < numbers.size(); i += 3)
       points.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
@@ -81,7 +81,7 @@ void triangles(const X3dNode& node, const std::string& file, world::TriangleMesh
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) indices.push_back(static_cast<double>(i));
   if (node.type == "IndexedTriangleSet") indices = numbers_of(node, "index", 0, {}, file);
   if (indices.size() % 3 != 0)
-    fail_at(node, file, "must have threes of points, has " + std::to_string(indices.size()));
+    fail_at(node, file, "must have 3 points for each triangle, has " + std::to_string(indices.size()));
   for (std::size_t i = 0; i < indices.size(); i += 3)
     mesh.triangles.push_back({index_of_point(node, indices[i], mesh.vertices.size(), file),
                               index_of_point(node, indices[i + 1], mesh.vertices.size(), file),

@@ -96,7 +96,7 @@ class Importer {
   const X3dNode& resolved(const X3dNode& node) const {
     if (node.use.empty()) return node;
     const auto found = defs_.find(node.use);
-    if (found == defs_.end()) fail(node, "there is no node DEF '" + node.use + "' before it");
+    if (found == defs_.end()) fail(node, unknown_use(node.use, defs_));
     return *found->second;
   }
 
@@ -146,7 +146,7 @@ class Importer {
   }
 
   void read_body(const X3dNode& node) {
-    if (node.type != "RigidBody") fail(node, "is no RigidBody");
+    if (node.type != "RigidBody") fail(node, "is not a RigidBody");
     const auto known = metadata(node);
     world::Body body;
     body.name = name_of(node, known, "body_", scene_.world.bodies.size());
@@ -180,7 +180,7 @@ class Importer {
         read_collidable(resolved(*inner), body, X_BC, depth + 1);
       return;
     }
-    if (node.type != "CollidableShape") fail(node, "is no CollidableShape and no CollidableOffset");
+    if (node.type != "CollidableShape") fail(node, "is neither a CollidableShape nor a CollidableOffset");
     const X3dNode* shape = child_of(node, "shape");
     if (!shape) fail(node, "has no shape");
     add_shape(resolved(*shape), body, X_BC, Eigen::Vector3d::Ones(), flag_of(node, "enabled", true, file_),
@@ -189,7 +189,7 @@ class Importer {
 
   void add_shape(const X3dNode& node, world::BodyId body, const Pose& X_BN, const Eigen::Vector3d& scale,
                  bool collides, const std::optional<Node>& known) {
-    if (node.type != "Shape") fail(node, "is no Shape");
+    if (node.type != "Shape") fail(node, "is not a Shape");
     const X3dNode* geometry = child_of(node, "geometry");
     if (!geometry) return;
     const std::optional<X3dForm>& form = form_of(resolved(*geometry), scale[0]);
@@ -246,7 +246,8 @@ class Importer {
     const X3dNode* child = child_of(joint, field);
     if (!child) return nullptr;
     const X3dNode& body = resolved(*child);
-    if (!bodies_.contains(&body)) fail(*child, std::string(field) + " is no body of a RigidBodyCollection");
+    if (!bodies_.contains(&body))
+      fail(*child, std::string(field) + " is not a body of a RigidBodyCollection");
     return &body;
   }
 
@@ -263,13 +264,13 @@ class Importer {
   void read_joint(const X3dNode& node) {
     const auto kind = kind_of(node.type);
     if (!kind) {
-      if (node.type != "MotorJoint") fail(node, "is no joint");
+      if (node.type != "MotorJoint") fail(node, "is not a joint");
       if (const auto motor = metadata(node)) {
         motors_.insert(motor->get("joint").text());
         return;
       }
       scene_.losses.push_back("line " + std::to_string(node.line) +
-                              ": a MotorJoint is not read: what drives joints here are hardware parts");
+                              ": a MotorJoint is not read: in Visum, hardware parts drive joints");
       return;
     }
     if (node.type == "DoubleAxisHingeJoint")
@@ -371,7 +372,7 @@ class Importer {
     if (depth > kMaxX3dDepth)
       fail(given, "nodes are nested more than " + std::to_string(kMaxX3dDepth) + " deep");
     if (++visits_ > kMaxX3dNodes)
-      fail(given, "what USE stands for has more than " + std::to_string(kMaxX3dNodes) + " nodes");
+      fail(given, "with every USE written out it has more than " + std::to_string(kMaxX3dNodes) + " nodes");
     if (node.type == "RigidBodyCollection" || node.type == "CollisionCollection") return;
     if (node.type == "Shape") {
       if (of_bodies_.contains(&node)) return;
@@ -388,13 +389,12 @@ class Importer {
         walk(child, X_WI, scale, collides, depth + 1, scenery);
   }
 
-  // X_NI: the inner frame in the outer one, whose lengths count `scale` times. Afterwards `scale` is that of
-  // the inner frame.
+  // X_NI: the inner frame in the outer one. `scale`: of the outer frame's lengths; set to the inner frame's.
   Pose transform_of(const X3dNode& node, double& scale) const {
     const Eigen::Vector3d center = vector(node, "center", Eigen::Vector3d::Zero());
     const Eigen::Vector3d factors = vector(node, "scale", Eigen::Vector3d::Ones());
     if (factors[0] != factors[1] || factors[1] != factors[2] || !(factors[0] > 0))
-      fail(node, "scale must be the same above 0 along all axes");
+      fail(node, "scale must be the same along all axes, and greater than 0");
     const Eigen::Quaterniond q = rotation(node, "rotation");
     const Eigen::Vector3d p =
         vector(node, "translation", Eigen::Vector3d::Zero()) + center - q * (factors[0] * center);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "protocol/config/config.h"
+#include "protocol/config/unknown_name.h"
 #include "server/scene/convert/output.h"
 #include "server/scene/text_cursor.h"
 #include "server/world/turn.h"
@@ -71,7 +72,7 @@ std::vector<double> numbers_of(const X3dNode& node, const std::string& field, st
   for (std::string_view word = cursor.word(); !word.empty(); word = cursor.word()) {
     double number = 0.0;
     if (!parse_number(word, number) || !std::isfinite(number))
-      fail_at(node, file, field + ": '" + std::string(word.substr(0, 40)) + "' is no finite number");
+      fail_at(node, file, field + ": '" + std::string(word.substr(0, 40)) + "' is not a finite number");
     numbers.push_back(number);
   }
   if (count != 0 && numbers.size() != count)
@@ -87,6 +88,12 @@ bool flag_of(const X3dNode& node, const std::string& field, bool otherwise, cons
   if (found->second != "true" && found->second != "false")
     fail_at(node, file, field + " must be true or false, is '" + found->second.substr(0, 40) + "'");
   return found->second == "true";
+}
+
+std::string unknown_use(const std::string& use, const std::map<std::string, const X3dNode*>& defs) {
+  std::vector<std::string> known;
+  for (const auto& [name, node] : defs) known.push_back(name);
+  return "there is no node DEF '" + use + "' before it" + config::did_you_mean(use, known);
 }
 
 std::string flat_name(std::string name) {

@@ -1,6 +1,7 @@
 // Converts between values and the texts of X3D fields.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ std::vector<double> numbers_of(const X3dNode& node, const std::string& field, st
 bool flag_of(const X3dNode& node, const std::string& field, bool otherwise, const std::string& file);
 
 [[noreturn]] void fail_at(const X3dNode& node, const std::string& file, const std::string& message);
+
+// The error text for a USE without its DEF. Names the nearest of `defs`.
+std::string unknown_use(const std::string& use, const std::map<std::string, const X3dNode*>& defs);
 
 // X3D has no models, so "arm/link_3" (a link of a model) becomes "arm.link_3".
 std::string flat_name(std::string name);

@@ -62,7 +62,8 @@ class Reader {
     if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
       fail(document.ErrorLineNum(), "not valid XML: " + std::string(document.ErrorName()));
     const XMLElement* root = document.RootElement();
-    if (!root || std::strcmp(root->Name(), "X3D") != 0) fail(root ? root->GetLineNum() : 0, "is no <X3D>");
+    if (!root || std::strcmp(root->Name(), "X3D") != 0)
+      fail(root ? root->GetLineNum() : 0, "the root element must be <X3D>");
     const XMLElement* scene = root->FirstChildElement("Scene");
     if (!scene) fail(root->GetLineNum(), "has no <Scene>");
     return node(*scene, 0);
@@ -82,7 +83,7 @@ class Reader {
     if (bracket != std::string::npos && bracket < end)
       fail(static_cast<int>(1 +
                             std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n')),
-           "a document type that declares something is not read");
+           "a document type with declarations is not supported");
   }
 
   X3dNode node(const XMLElement& element, int depth) {
