@@ -13,7 +13,7 @@ namespace {
 
 using protocol::Connection;
 
-constexpr std::chrono::milliseconds kSilence{250};   // after which it is asked for one
+constexpr std::chrono::milliseconds kSilence{250};  // after which it is asked for one
 constexpr std::chrono::seconds kBackSoon{3};
 constexpr double kManyCounts = 1e15;      // only counters reach so far
 constexpr std::int64_t kLostTicks = 100;  // later than any answer
@@ -68,8 +68,8 @@ ArmLink::ArmLink(std::string address, std::string part, Entry entry)
 ArmLink::Found ArmLink::find(const std::string& address, const std::string& part, const Entry& entry,
                              const protocol::PartDescription& before) {
   const auto [host, port] = protocol::parse_address(address);
-  Connection link(host, port, {1, 1, "visum-mirror", protocol::Role::kController, entry.token}, kConnectTimeout,
-                  entry.tls);
+  Connection link(host, port, {1, 1, "visum-mirror", protocol::Role::kController, entry.token},
+                  kConnectTimeout, entry.tls);
   auto description =
       link.request_as<protocol::PartDescriptionReply>(protocol::DescribePart{part}).description;
   if (const auto other = before.name.empty() ? std::nullopt : difference(before, description))

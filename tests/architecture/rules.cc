@@ -140,8 +140,9 @@ const std::array<std::string_view, 8> kSlashExtensions = {".h",  ".c",   ".cc", 
                                                           ".ts", ".mjs", ".proto", ".css"};
 const std::array<std::string_view, 5> kHashExtensions = {".py", ".sh", ".cmake", ".yml", ".yaml"};
 
-const std::array<std::string_view, 12> kCodeExtensions = {".h",  ".c",   ".cc",   ".py",    ".sh",    ".js",
-                                                          ".ts", ".css", ".html", ".cmake", ".proto", ".in"};
+// A .proto lists the messages of one protocol, most of its lines comments: it is data, as a schema is.
+const std::array<std::string_view, 11> kCodeExtensions = {".h",  ".c",   ".cc",   ".py",    ".sh", ".js",
+                                                          ".ts", ".css", ".html", ".cmake", ".in"};
 
 bool any_prefix(const std::vector<std::string>& prefixes, std::string_view text) {
   return std::any_of(prefixes.begin(), prefixes.end(),

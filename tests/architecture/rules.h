@@ -38,8 +38,8 @@ std::span<const std::string> folders_with_code();
 
 std::span<const std::string> unfinished_words();
 
-inline constexpr std::size_t kMaxFileLines = 500;
-inline constexpr std::size_t kMaxFunctionLines = 120;
+inline constexpr std::size_t kMaxFileLines = 460;
+inline constexpr std::size_t kMaxFunctionLines = 80;
 
 // Tells whether the limits on lengths hold for the file: they do for code, not for data or prose.
 bool is_code(std::string_view path);

@@ -1,4 +1,4 @@
-// What a wrong scenario is told: file, line, key and reason, word for word.
+// A wrong scenario is refused with file, line, key and reason, compared word for word.
 #include <gtest/gtest.h>
 
 #include "clients/visum/run/scenario_reader.h"

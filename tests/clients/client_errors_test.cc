@@ -1,4 +1,4 @@
-// What the client library does about what goes wrong: the code, the part, the port, the text.
+// Errors of the client library carry the code, the part, the port and the text.
 #include <gmock/gmock.h>
 
 #include <limits>

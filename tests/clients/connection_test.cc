@@ -1,5 +1,4 @@
-// What the client library and the runner need of a connection: several requests at once, and a wait with an
-// end.
+// The client library and the runner need of a connection: several requests at once, and a wait with an end.
 #include <gtest/gtest.h>
 
 #include "protocol/client.h"

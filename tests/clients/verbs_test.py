@@ -298,7 +298,7 @@ class Refusals(unittest.TestCase):
 
 
 class Files(unittest.TestCase):
-    """What is there already is lost by no command that fails."""
+    """A command that fails leaves the files that were there."""
 
     def setUp(self):
         self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
@@ -344,7 +344,7 @@ class Files(unittest.TestCase):
 
 class Completion(unittest.TestCase):
     def complete(self, connect, *words):
-        """What bash offers for the last word."""
+        """The words that bash offers for the last one."""
         script = visum("completion", "bash").stdout + f"""
 COMP_WORDS=({' '.join(words)}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _visum; printf '%s\\n' "${{COMPREPLY[@]}}"
 """

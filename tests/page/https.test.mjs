@@ -90,7 +90,7 @@ httpsTest("over https, a browser without a certificate sees nothing", async (dae
   await logged(daemon, /127\.0\.0\.1:\d+ is refused: the client shows no certificate/);
 });
 
-// What the daemon logs comes through a pipe, and may come after the browser has given up.
+// The daemon's log comes through a pipe, and may come after the browser has given up.
 async function logged(daemon, wanted) {
   while (!wanted.test(daemon.log)) await once(daemon.process.stderr, "data");
 }

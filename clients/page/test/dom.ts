@@ -68,7 +68,7 @@ Object.assign(globalThis, {
   },
 });
 
-// What happens to an element, with what its event tells.
+// Sends an event to an element, with these details.
 export function happens(element: object, type: string, details: object = {}): void {
   (element as Element).dispatchEvent(Object.assign(new Event(type), details));
 }

@@ -58,7 +58,7 @@ const kArm: Described = {
   blackboards: [{ name: "Log", contentType: "text/plain", elements: 3n }],
 };
 
-// Whether the part is the same one after a reconnection that describes it as `after`.
+// True if the part is the same one after a reconnection that describes it as `after`.
 async function staysAs(after: Described): Promise<boolean> {
   let described = kArm;
   const { link } = server((request) => {

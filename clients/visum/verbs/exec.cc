@@ -208,8 +208,8 @@ class ExecVerb : public Verb {
     return options;
   }
 
-  // Of --can: where it names no part, the one that another option names; else the scene's only part with
-  // modules, which visumd finds.
+  // The part of --can. Where it names none: the one that another option names, else the scene's only part
+  // with modules, which visumd finds.
   std::string part_to_add(const exec::CanOption& can) const {
     if (!can.part.empty()) return can.part;
     if (!parsed_buses_.empty()) return parsed_buses_.front().part;

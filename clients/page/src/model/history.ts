@@ -121,7 +121,7 @@ export class History {
     return low;
   }
 
-  // Whether samples were lost between two samples.
+  // True if samples were lost between two samples.
   private gapWithin(a: number, b: number): boolean {
     return this.gaps[a % this.capacity] !== this.gaps[b % this.capacity];
   }

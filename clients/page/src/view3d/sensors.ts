@@ -1,4 +1,4 @@
-// What sensors see: the rays of distance sensors, by their own readings, and the space in a camera's picture.
+// Draws the view of sensors: the rays of distance sensors, by their own readings, and the space in a camera's picture.
 // They move with the body that carries the sensor.
 import { BufferGeometry, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments, Points, PointsMaterial } from "three";
 import type { SensorDescription, WorldDescription } from "../link/messages";

@@ -1,4 +1,4 @@
-// What sensors see, in their own frame: they look along x, and z is up. Pure.
+// The lines of a sensor's view in its own frame: it looks along x, and z is up. Pure functions.
 import type { SensorDescription } from "../link/messages";
 
 export type Point = [number, number, number];
