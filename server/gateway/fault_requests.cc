@@ -1,7 +1,8 @@
 #include "server/gateway/fault_requests.h"
 
-#include <algorithm>
+#include <vector>
 
+#include "protocol/config/unknown_name.h"
 #include "server/cycle/network_model.h"
 
 namespace visum::gateway {
@@ -25,6 +26,12 @@ protocol::ActiveFault describe(const hwparts::ActiveFault& active, const std::st
   for (std::size_t i = 0; i < info.numbers.size(); ++i)
     if (info.numbers[i]) fault.numbers.push_back({info.numbers[i]->name, active.fault.numbers[i]});
   return fault;
+}
+
+std::vector<std::string> fault_names() {
+  std::vector<std::string> names;
+  for (const auto& info : hwparts::fault_kinds()) names.emplace_back(info.name);
+  return names;
 }
 
 }  // namespace
@@ -69,7 +76,7 @@ void FaultRequests::handle(const Call& call, const protocol::ClearFault& request
   if (!part) return;
   const auto* kind = hwparts::find_fault_kind(request.kind);
   if (!kind && !request.kind.empty())
-    return call.fail(ErrorCode::kUnknownName, "there is no fault '" + request.kind + "'");
+    return call.fail(ErrorCode::kUnknownName, config::unknown_name("fault", request.kind, fault_names()));
   auto* input = limiter_.blank_or_fail(call);
   if (!input) return;
   input->kind = Input::Kind::kClearFault;

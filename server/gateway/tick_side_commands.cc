@@ -1,4 +1,4 @@
-// What the tick's side answers between ticks: one function per request.
+// The commands of the TickSide, which it answers between ticks: one function for each kind of request.
 #include <algorithm>
 #include <exception>
 #include <new>
@@ -82,8 +82,8 @@ Reply TickSide::answer(Command& command, const protocol::AddBody& request) {
   } catch (const config::ConfigError& error) {
     return Error{ErrorCode::kBadValue, error.what(), {}};
   } catch (const std::bad_alloc&) {
-    throw;                                 // no body's fault
-  } catch (const std::exception& error) {  // of an engine or a sensor that cannot be had for that world
+    throw;                                 // the machine's fault, not the body's
+  } catch (const std::exception& error) {  // an engine or a sensor cannot be made for that world
     return Error{ErrorCode::kBadValue, error.what(), {}};
   }
   command.view = std::make_unique<WorldView>(describe_world(simulation_.scene(), simulation_.revision()));

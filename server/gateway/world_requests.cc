@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "protocol/config/unknown_name.h"
+
 namespace visum::gateway {
 
 using protocol::ErrorCode;
@@ -40,8 +42,11 @@ void WorldRequests::handle(const Call& call, const protocol::ReadTexture& reques
 void WorldRequests::handle(const Call& call, const protocol::PushBody& request) {
   const auto& bodies = view_.description.bodies;
   const auto found = std::ranges::find(bodies, request.body, &protocol::BodyDescription::name);
-  if (found == bodies.end())
-    return call.fail(ErrorCode::kUnknownName, "there is no body '" + request.body + "'");
+  if (found == bodies.end()) {
+    std::vector<std::string> names;
+    for (const auto& body : bodies) names.push_back(body.name);
+    return call.fail(ErrorCode::kUnknownName, config::unknown_name("body", request.body, names));
+  }
   if (found->fixed) return call.fail(ErrorCode::kWrongState, "'" + request.body + "' is fixed");
   if (!is_vector(request.force_n, false) || !is_vector(request.torque_nm, true) ||
       !is_vector(request.point_m, true))
