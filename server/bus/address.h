@@ -37,9 +37,10 @@ using BusNames = std::map<std::string, std::vector<std::string>>;
 
 inline constexpr std::size_t kMaxBusLinks = 32;
 
-// Throws std::runtime_error for what is no such address, or names a part that the scene does not have.
+// Throws std::runtime_error where the text is not such an address, or names a part that the scene does not
+// have.
 BusAddress parse_bus(const std::string& text, const scene::Scene& scene);
-// Those of the scene's parts. Throws ConfigError.
+// The addresses under the key `bus` of the scene's parts. Throws ConfigError.
 std::vector<BusAddress> scene_buses(const scene::Scene& scene);
 
 }  // namespace visum::bus
