@@ -1,5 +1,5 @@
-// The seam of buses: what a part's modules are wired to. A link opens channels; the bus thread reads and
-// writes them. Kinds by name: one line each in bus_kinds.cc.
+// The seam of the buses: a link connects a part's modules to clients' programs. It opens channels, which the
+// bus thread reads and writes. Each kind of link is one line in bus_kinds.cc.
 #pragma once
 
 #include <memory>
@@ -11,21 +11,22 @@
 
 namespace visum::bus {
 
+// Made when the daemon opens its buses, then owned and called by the bus thread (bus_thread.h).
 class BusLink {
  public:
   virtual ~BusLink() = default;
-  // As the ready line shows it: "pty:arm.tty", "tcp:40123".
+  // The name in the ready line: "pty:arm.tty", "tcp:40123".
   virtual std::string name() const = 0;
-  // The same as others on this machine find it: with an absolute path.
+  // The same for other programs on this machine: with an absolute path.
   virtual std::string address() const { return name(); }
-  // The channels that are there from the beginning. Called once.
+  // The channels that exist from the beginning. Called once.
   virtual std::vector<std::unique_ptr<Channel>> channels() { return {}; }
-  // What to poll for new channels; -1: none come.
+  // The descriptor to poll for new channels; -1: none will come.
   virtual int listener() const { return -1; }
-  // A new one, if one came.
+  // A new channel, if one came.
   virtual std::unique_ptr<Channel> accept() { return nullptr; }
-  // The last accept() failed though somebody waits: no descriptor is left. Who asks again at once asks in
-  // vain.
+  // True: the last accept() failed because this process has no descriptor left, while a client waits. Asking
+  // again at once would fail too.
   virtual bool is_short() const { return false; }
 };
 

@@ -51,7 +51,7 @@ void BusThread::flush() {
 
 void BusThread::wake() {
   const std::uint64_t one = 1;
-  // Can fail only where the counter is full, and then the thread is awake.
+  // This fails only where the counter is full, and then the thread is awake anyway.
   [[maybe_unused]] const auto written = ::write(wake_fd_, &one, sizeof one);
 }
 
@@ -69,7 +69,6 @@ void BusThread::run() {
   }
 }
 
-// For wake(), any listener, or any channel, in this order.
 std::vector<pollfd> BusThread::watched() const {
   std::vector<pollfd> set{{wake_fd_, POLLIN, 0}};
   for (const auto& wiring : wirings_)
@@ -78,23 +77,20 @@ std::vector<pollfd> BusThread::watched() const {
   return set;
 }
 
-// Until there is something to do. Who takes turns with us may add or remove lines meanwhile, and wakes us.
 void BusThread::wait() {
   std::unique_lock turn(turn_);
-  const bool somebody_rests = std::ranges::any_of(wirings_, rests);
+  const bool one_rests = std::ranges::any_of(wirings_, rests);
   auto set = watched();
   turn.unlock();
-  ::poll(set.data(), set.size(), somebody_rests ? static_cast<int>(kRest.count()) : -1);
+  ::poll(set.data(), set.size(), one_rests ? static_cast<int>(kRest.count()) : -1);
 }
 
-// What is there now.
 std::vector<pollfd> BusThread::look() const {
   auto set = watched();
   if (::poll(set.data(), set.size(), 0) < 0) return {};
   return set;
 }
 
-// True if a line or a listener had something.
 bool BusThread::serve(const std::vector<pollfd>& ready) {
   if (ready.empty()) return false;
   if (ready[0].revents) {
@@ -116,7 +112,7 @@ bool BusThread::serve(const std::vector<pollfd>& ready) {
 }
 
 // poll() on a pseudo terminal first lets the kernel's worker carry over what was written to its other end, so
-// that nothing is left behind. On TCP nobody promises that: there we wait for as many bytes as were written.
+// nothing stays behind. TCP gives no such promise: there we wait for as many bytes as were written.
 bool BusThread::settle(const std::vector<protocol::Stream>& streams, std::chrono::milliseconds patience) {
   const std::lock_guard turn(turn_);
   const auto begin = std::chrono::steady_clock::now();
@@ -126,7 +122,8 @@ bool BusThread::settle(const std::vector<protocol::Stream>& streams, std::chrono
   const auto come = [this](const protocol::Stream& stream) { return has_come(stream); };
   bool all = false, missing = false;
   do {
-    const bool may_connect = within(kGrace);  // asked before we look: a late look still finds who has come
+    const bool may_connect =
+        within(kGrace);  // asked before we look, so a late look still finds a client that has come
     while (within(patience) && serve(look())) {
     }
     if (!may_connect) missing |= give_up_missing(streams);
@@ -136,7 +133,6 @@ bool BusThread::settle(const std::vector<protocol::Stream>& streams, std::chrono
   return all && !missing;
 }
 
-// True where a connection is missing that was not given up before.
 bool BusThread::give_up_missing(const std::vector<protocol::Stream>& streams) {
   bool any = false;
   for (const auto& stream : streams)
@@ -175,13 +171,15 @@ void BusThread::fill_in(std::vector<protocol::Stream>& streams) {
       stream = {stream.port, channel->written(), channel->heard()};
 }
 
-// False where nobody came, or nobody could be let in.
 bool BusThread::admit(std::uint32_t link) {
   auto& wiring = wirings_[link];
   auto channel = wiring.link->accept();
   if (wiring.link->is_short()) {
     const bool is_new = wiring.rests_until == std::chrono::steady_clock::time_point{};
-    if (is_new) spdlog::warn("{}: somebody waits, and no descriptor is left for him", wiring.link->name());
+    if (is_new)
+      spdlog::warn(
+          "{}: a client waits to connect, but no file descriptor is left; raise the limit (ulimit -n)",
+          wiring.link->name());
     wiring.rests_until = std::chrono::steady_clock::now() + kRest;
   } else if (channel) {
     wiring.rests_until = {};
@@ -209,8 +207,8 @@ void BusThread::read(std::uint64_t number, OpenChannel& line) {
   lines_.erase(number);
 }
 
-// The kernel carries what was written to a pseudo terminal over to us in a worker of its own, and forgets it
-// where the client's tcflush() comes before the worker: nothing that we do could save it.
+// A worker of the kernel carries what was written to a pseudo terminal over to us. If the client calls
+// tcflush() before that worker ran, the kernel drops the bytes, and nothing on our side can save them.
 void BusThread::warn(Wiring& wiring) {
   if (std::exchange(wiring.warned, true)) return;
   spdlog::warn(

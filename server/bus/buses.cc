@@ -78,7 +78,6 @@ Buses::~Buses() {
   ::close(request_fd_);
 }
 
-// Any thread.
 void Buses::ring() {
   const std::uint64_t one = 1;
   [[maybe_unused]] const auto written = ::write(request_fd_, &one, sizeof one);
@@ -114,9 +113,9 @@ void Buses::send(const BusItem& item, std::int64_t late_ns) {
   answers.push_back({simulation_.sim_time_ns() + timing.delay_ns() + late_ns, {}, item});
 }
 
-// Bounded: who asks faster than he is answered does not hold the tick up.
+// Bounded, so that a client that asks faster than it is answered does not hold up the tick.
 bool Buses::serve() {
-  follow_era();  // what comes now comes after it
+  follow_era();  // requests that come now belong to the new era
   std::size_t count = 0;
   for (BusItem item; count < BusThread::kQueue && thread_->next_request(item); ++count) {
     const auto gate = gates_.find(parts_[item.link]);
@@ -169,7 +168,7 @@ void Buses::close_gate(std::uint32_t part) {
   send();
 }
 
-// A line that takes time needs the world to run.
+// While telegrams are on a line that takes time, the world has to run on, tick by tick.
 std::int64_t Buses::granted_tick(std::uint32_t part) const {
   const auto gate = gates_.find(part);
   const auto tick = simulation_.tick_count();
@@ -219,7 +218,6 @@ void Buses::follow_era() {
   for (auto& [part, gate] : gates_) gate.begin_era(simulation_.tick_count());
 }
 
-// Requests that have come in are obeyed, answers that have gone out are written.
 void Buses::move_lines() {
   follow_era();
   for (auto& line : lines_) {
@@ -234,8 +232,8 @@ void Buses::move_lines() {
   }
 }
 
-// The first of each way takes the line once it is ready, and not before: what is late leaves it to others. Of
-// both, who was ready first.
+// The first telegram of a direction takes the line once it is ready, and not before; a late one leaves the
+// line to others. If both directions are ready, the one that was ready first goes first.
 std::optional<Buses::Through> Buses::next_through(LinkQueues& line) const {
   using Way = LineTiming::Way;
   const auto now = simulation_.sim_time_ns();

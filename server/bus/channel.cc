@@ -90,7 +90,7 @@ void Channel::decode(const OnTelegram& on_telegram) {
   if (speech_ == Speech::kSlcan || speech_ == Speech::kSlcanHost) take_slcan(on_telegram);
 }
 
-// A serial frame begins with 02; slcan's lines with a letter, or with the CR that clears the line.
+// A serial frame begins with 02; a line of slcan begins with a letter, or with the CR that clears the line.
 void Channel::decide() {
   while (speech_ == Speech::kUndecided && !received_.empty()) {
     const auto first = received_.front();
@@ -128,7 +128,7 @@ void Channel::take_slcan(const OnTelegram& on_telegram) {
   received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(done));
 }
 
-// Frames. What else an adapter says ("z", CR, BEL) only acknowledges.
+// Everything but frames ("z", CR, BEL) only acknowledges.
 void Channel::hear_adapter(const SlcanDecoded& decoded, const OnTelegram& on_telegram) {
   if (decoded.progress == Progress::kBad || decoded.kind != SlcanDecoded::Kind::kFrame) return;
   if (const auto telegram = powercube::from_can(decoded.frame)) on_telegram(*telegram, BusFraming::kCan);
@@ -171,7 +171,7 @@ void Channel::send(const Telegram& telegram, bool corrupted) {
     if (open_ || speech_ == Speech::kSlcanHost) write(line.data.data(), line.size);
   } else if (telegram.kind != Telegram::Kind::kState) {
     auto frame = powercube::encode_serial(telegram);
-    if (corrupted) frame.data[frame.size - 2] ^= 0x40;  // of the check sum, before the frame's end
+    if (corrupted) frame.data[frame.size - 2] ^= 0x40;  // in the check sum, just before the frame's end
     write(frame.data.data(), frame.size);
   }
 }

@@ -1,5 +1,6 @@
-// One stream of bytes with a client's program at its other end, and how it is spoken on. One thread at a
-// time; nothing blocks. What cannot be written at once is lost, as on a real line that nobody reads.
+// One stream of bytes with a client's program at its other end, and the encoding that is spoken on it. One
+// thread at a time. Nothing blocks: bytes that cannot be written at once are lost, as on a real line that
+// nobody reads.
 #pragma once
 
 #include <cstdint>
@@ -34,28 +35,33 @@ class Channel {
   Channel& operator=(const Channel&) = delete;
 
   int fd() const { return fd_; }
-  // On a CAN bus everybody hears everything, on a serial line only what is meant for him.
+  // On a CAN bus each client hears everything, on a serial line only its own answers.
   bool is_can() const { return speech_ != Speech::kUndecided && speech_ != Speech::kSerial; }
 
   std::uint16_t port() const { return port_; }        // TCP: the client's; else 0
   std::uint64_t heard() const { return heard_; }      // bytes read so far
   std::uint64_t written() const { return written_; }  // bytes written so far
 
-  // Takes in what is there. False: the other end is gone.
+  // Reads what is there and decodes it. False: the other end is gone.
   bool read(const OnTelegram& on_telegram);
-  // Whether the client has discarded output of its own since the last call; only packets tell.
+  // Whether the client has discarded its own output since the last call. Only known with Reads::kPackets.
   bool client_discarded() { return std::exchange(client_discarded_, false); }
-  // One write. Corrupted: with a bit of its check sum turned over; serial lines only.
+  // One write. `corrupted`: with a bit of the check sum flipped; serial lines only.
   void send(const powercube::Telegram& telegram, bool corrupted = false);
 
  private:
+  // Bytes of a tty or a TCP connection.
   bool read_bytes(const OnTelegram& on_telegram);
+  // Frames of a CAN interface of the kernel.
   bool read_can(const OnTelegram& on_telegram);
   void decode(const OnTelegram& on_telegram);
+  // Finds out from the first byte which encoding a TCP client speaks.
   void decide();
   void take_serial(const OnTelegram& on_telegram);
   void take_slcan(const OnTelegram& on_telegram);
+  // We are the host: takes frames, and skips what the adapter acknowledges.
   void hear_adapter(const powercube::SlcanDecoded& decoded, const OnTelegram& on_telegram);
+  // We are the adapter: carries out a line of the host, and acknowledges it.
   void handle_adapter_command(const powercube::SlcanDecoded& decoded, const OnTelegram& on_telegram);
   void write(const void* data, std::size_t size);
 

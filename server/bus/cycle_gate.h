@@ -1,6 +1,6 @@
-// Grade L1: a program that asks and is answered, and knows nothing of a clock, lets the world run by a period
-// for each of its cycles. Which request ends a cycle is a rule; while the world runs its period, what comes
-// waits, so that how fast the program is makes no difference. Lives on the tick's thread, between ticks.
+// Grade L1 of the lockstep, for programs that know nothing of a simulated clock. Such a program asks and is
+// answered in cycles, and each cycle lets the world run by one period. A rule says which request ends a
+// cycle. Requests that come while the world runs its period wait, so the program's speed makes no difference.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,17 @@
 
 namespace visum::bus {
 
+// Which request ends a cycle.
 struct CycleRule {
   std::int64_t period_ticks = 1;
-  // The frame to this module that begins with these bytes ends a cycle: it is obeyed, and its answer leaves
-  // when the period is over. Empty: a request that was made already in this cycle ends it: the period comes
-  // first, then it is obeyed and answered.
+  // A frame to this module that begins with these bytes ends a cycle: it is handled at once, and its answer
+  // leaves when the period is over. Empty: a request that was made already in this cycle ends it; then the
+  // period comes first, and the request is handled and answered after it.
   std::uint8_t module = 0;
   std::vector<std::uint8_t> frame;
 };
 
+// The gate of one part's buses. Lives on the tick's thread, between ticks; Buses owns it.
 class CycleGate {
  public:
   struct Answer {
@@ -33,25 +35,25 @@ class CycleGate {
 
   // A request has come. More than kQueue that wait are lost, as in a receiver that overruns.
   void ask(const BusItem& request);
-  // The next one that is to be obeyed at `tick`; none: nothing is there, or the world runs first.
+  // The next request that is to be handled at `tick`; none: no request waits, or the world runs first.
   std::optional<BusItem> next(std::int64_t tick);
   // The tick up to which the world may run.
   std::int64_t granted_tick() const { return granted_tick_; }
 
-  // An answer that waits for its step.
+  // Keeps an answer until the world has run its period.
   void hold(const Answer& answer) { answers_.push_back(answer); }
-  // Those that may leave at `tick`.
+  // The answers that may leave at `tick`.
   std::vector<Answer> released(std::int64_t tick);
 
-  // The world stands at `tick` now, whatever was granted: it will not move again.
+  // The world stands at `tick` and will not move again, whatever was granted.
   void restart(std::int64_t tick) { granted_tick_ = tick; }
-  // The same after a reset or restore: a cycle begins, with what waits. Answers that wait leave.
+  // After a reset or restore: a cycle begins with the requests that wait, and answers that wait leave.
   void begin_era(std::int64_t tick) {
     restart(tick);
     asked_.clear();
     paid_ = false;
   }
-  // What still waits, once the gate is no more.
+  // The requests that still wait when the gate is closed.
   std::deque<BusItem>& requests() { return requests_; }
 
  private:
@@ -66,7 +68,7 @@ class CycleGate {
   std::deque<BusItem> requests_;
   std::vector<Answer> answers_;
   std::set<Key> asked_;  // in this cycle
-  bool paid_ = false;    // the first request: its period is over
+  bool paid_ = false;    // the period that the first waiting request asked for is over
 };
 
 }  // namespace visum::bus

@@ -1,4 +1,4 @@
-// The host's end of a bus, as a device of this machine: what visum-hwpart drives real modules with.
+// The host's end of a bus, as a device of this machine. visum-hwpart drives real modules with it.
 //
 //   serial:/dev/ttyUSB0,38400     RS-232; bit rate 1200 to 115200
 //   tcp:HOST:PORT, tcp:PORT       RS-232 behind a device server; without HOST on this machine
@@ -13,8 +13,8 @@
 
 namespace visum::bus {
 
-// Opens it. When the device goes it is tried again, twice a second. Throws std::runtime_error that says what
-// is no such bus or cannot be opened, and why.
+// Opens a bus. When its device goes away, it is tried again twice a second. Throws std::runtime_error that
+// says what is wrong with the text, or what cannot be opened and why.
 std::unique_ptr<powercube::BusConnection> open_host_connection(const std::string& text);
 
 }  // namespace visum::bus

@@ -31,7 +31,7 @@ constexpr Rate kSerialRates[] = {{"1200", B1200},   {"2400", B2400},    {"4800",
 // Lawicel's commands for kbit/s.
 constexpr std::pair<const char*, const char*> kCanRates[] = {
     {"125", "S4"}, {"250", "S5"}, {"500", "S6"}, {"1000", "S8"}};
-constexpr timeval kConnectTimeout{0, 200'000};  // a lost device server is asked for between ticks
+constexpr timeval kConnectTimeout{0, 200'000};  // a lost device server is tried again between ticks
 
 [[noreturn]] void fail(const std::string& what) {
   throw std::runtime_error(what + ": " + std::strerror(errno));
@@ -44,7 +44,7 @@ std::pair<std::string, std::string> split(const std::string& where, const std::s
   return {where.substr(0, comma), where.substr(comma + 1)};
 }
 
-// Raw, 8N1, no handshake, for us alone: where another has it, nothing of it is changed.
+// Raw, 8N1, no handshake, and for us alone. Where another program has the device, its settings stay.
 int open_tty(const std::string& path, speed_t speed) {
   const int fd = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0) fail("cannot open " + path);

@@ -1,4 +1,5 @@
-// Opens what host_line.h names. Each throws std::runtime_error that says what cannot be opened and why.
+// Opens the devices that host_connection.h names. Each function throws std::runtime_error that says what
+// cannot be opened and why.
 #pragma once
 
 #include <memory>

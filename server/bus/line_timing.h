@@ -1,5 +1,5 @@
-// When telegrams get through a line that is not ideal: they take turns, each for as long as its bits take. A
-// serial line has a pair of wires for each direction, a CAN bus one for both. In simulated time.
+// Tells when telegrams get through a line that is not ideal, in simulated time. They take turns, each for as
+// long as its bits take. A serial line has a pair of wires for each direction, a CAN bus one for both.
 #pragma once
 
 #include <algorithm>
@@ -18,8 +18,8 @@ class LineTiming {
 
   explicit LineTiming(const BusTiming& timing) : timing_(timing) {}
 
-  // When a telegram that is ready at `now_ns` has gone over the line. To be asked once that has come: it
-  // takes the line from then on.
+  // Takes the line for a telegram that is ready at `now_ns`, and returns when it has passed. To be called
+  // once that time has come, not earlier.
   std::int64_t pass(const powercube::Telegram& telegram, powercube::BusFraming framing, Way way,
                     std::int64_t now_ns) {
     const double bits = framing == powercube::BusFraming::kSerial
@@ -37,7 +37,7 @@ class LineTiming {
 
  private:
   static constexpr double kBitsPerByte = 10.0;  // 8N1
-  static constexpr double kCanOverhead = 47.0;  // of a standard frame, without stuffing
+  static constexpr double kCanOverhead = 47.0;  // bits of a standard frame, without stuffing
   BusTiming timing_;
   std::int64_t free_ns_ = 0, free_back_ns_ = 0;
 };

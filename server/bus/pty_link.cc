@@ -1,5 +1,5 @@
-// A pseudo terminal with a link to it at a path of the user's choice: for programs that open a tty by its
-// name.
+// A pseudo terminal, with a symbolic link to it at a path that the user chose. For programs that open a tty
+// by its name.
 #include <fcntl.h>
 #include <stdlib.h>
 #include <sys/ioctl.h>
@@ -24,7 +24,8 @@ namespace fs = std::filesystem;
   throw std::runtime_error(what + ": " + std::strerror(errno));
 }
 
-// A link left behind by a daemon that was killed leads nowhere and may go; anything else is somebody's.
+// A link that leads nowhere was left behind by a daemon that was killed, and may go. Anything else belongs to
+// another program.
 void make_link(const fs::path& path, const std::string& tty) {
   std::error_code error;
   if (fs::is_symlink(fs::symlink_status(path, error)) && !fs::exists(path, error)) fs::remove(path, error);
@@ -72,7 +73,7 @@ class PtyLink : public BusLink {
         ::ptsname_r(master_, tty.data(), tty.size()) != 0)
       fail("cannot set up a pseudo terminal");
     tty_ = tty.data();
-    // Held open by us as well, so that clients may come and go.
+    // We hold it open as well, so that clients may come and go.
     slave_ = ::open(tty_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
     termios settings{};
     if (slave_ < 0 || ::tcgetattr(slave_, &settings) != 0) fail("cannot open " + tty_);

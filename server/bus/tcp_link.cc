@@ -1,5 +1,5 @@
-// A TCP port on loopback, and only there: a bus knows no passwords. As a serial device server for RS-232, and
-// for slcan; several clients at once.
+// A TCP port that works as a serial device server, for RS-232 and for slcan, with several clients at once.
+// Only on loopback, since a bus knows no passwords.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/tcp.h>

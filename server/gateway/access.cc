@@ -15,7 +15,7 @@ using protocol::Role;
 template <typename T, typename... Of>
 inline constexpr bool kIsOneOf = (std::is_same_v<T, Of> || ...);
 
-// Same time whatever the first difference: nobody learns a token byte by byte.
+// Takes the same time wherever the first difference is, so that a token cannot be guessed byte by byte.
 bool equal_in_constant_time(const std::string& a, const std::string& b) {
   unsigned char difference = a.size() == b.size() ? 0 : 1;
   for (std::size_t i = 0; i < a.size(); ++i)
@@ -25,7 +25,7 @@ bool equal_in_constant_time(const std::string& a, const std::string& b) {
 
 constexpr std::string_view kName = "CN=";
 
-// What is left of a line, without blanks around it.
+// The rest of a line, without blanks around it.
 std::string rest_of(std::istringstream& words) {
   std::string rest;
   std::getline(words >> std::ws, rest);

@@ -1,4 +1,4 @@
-// Who may do what: the role that each request needs, and the tokens and certificates that give roles.
+// Access rules: the role that each request needs, and the tokens and certificates that give roles.
 #pragma once
 
 #include <filesystem>
@@ -10,18 +10,18 @@
 
 namespace visum::gateway {
 
-// The least role that may send this request. Hello needs none and is not asked about. Anybody may pull an
-// emergency stop; to release it takes a controller.
+// The least role that may send this request. Hello needs no role and is not asked about. Every client may
+// pull an emergency stop; only a controller may release it.
 protocol::Role role_needed(const protocol::Request& request);
 
-// What only a simulated world can do: hold time, go back in it, change bodies.
+// True for requests that only a simulated world can carry out: to hold time, go back in it, change bodies.
 bool needs_world(const protocol::Request& request);
-// Whether it changes nothing in a recording that is shown: reads, and moves within it. `steering`: the part
-// that does.
+// True for requests that change nothing in a recording that is shown: reads, and moves within it. `steering`
+// is the part that moves it.
 bool leaves_recording(const protocol::Request& request, const std::string& steering);
 
-// The roles by token, and by the name in a client's certificate. Without a token file everybody on loopback,
-// and everybody with a certificate, gets the role that he asks for.
+// The roles by token, and by the name in a client's certificate. Without a token file, every client on
+// loopback and every client with a certificate gets the role that it asks for. Constant after construction.
 class Tokens {
  public:
   Tokens() = default;  // no file: no token is asked for
@@ -30,8 +30,8 @@ class Tokens {
   explicit Tokens(const std::filesystem::path& file);
 
   bool required() const { return !entries_.empty(); }
-  // The role granted to somebody who asks for `wanted`: at most that of his token or of the name in his
-  // certificate ("": he showed none); kUnspecified: not let in.
+  // The role granted to a client that asks for `wanted`: at most the role of its token or of the name in its
+  // certificate ("": it showed none). kUnspecified: it is not let in.
   protocol::Role grant(const std::string& token, const std::string& identity, protocol::Role wanted) const;
 
  private:

@@ -1,6 +1,4 @@
-// The daemon: a simulation, the sessions in front of it, and the loop that runs both. In clock realtime the
-// sessions have a thread of their own and the tick never waits for them; in lockstep and free both share the
-// caller's thread, so that no step pays for waking another thread.
+// The daemon: a simulation, the sessions in front of it, and the loop that runs both.
 #pragma once
 
 #include <atomic>
@@ -30,9 +28,9 @@ struct Published;
 struct HttpOptions {
   bool on = false;
   std::uint16_t port = 8080;       // 0: any free one
-  bool any_if_taken = false;       // where somebody else has that port, take any free one
+  bool any_if_taken = false;       // if another program has that port, take any free one
   std::string page;                // its folder; empty: none, only /healthz, /metrics and sessions
-  std::vector<std::string> hosts;  // further names under which this machine is asked for
+  std::vector<std::string> hosts;  // further names under which clients reach this machine
 };
 
 struct DaemonOptions {
@@ -58,6 +56,9 @@ struct DaemonOptions {
   std::function<void(Published&)> show;
 };
 
+// Made and run on one thread. In clock realtime the sessions have a thread of their own, and the tick never
+// waits for them. In lockstep and free both share the caller's thread, so that no step pays for waking
+// another thread. run() passes on what a tick throws.
 class Daemon {
  public:
   // Opens the buses and binds the port; clients that connect from now on are served once run() is called.
@@ -67,8 +68,8 @@ class Daemon {
   ~Daemon();
 
   std::uint16_t port() const;
-  const bus::BusNames& buses() const;
-  std::uint16_t http_port() const;  // 0: off
+  const bus::BusNames& buses() const;  // the open ones
+  std::uint16_t http_port() const;     // 0: off
   // Until stop(), a client's Shutdown, or `iterations` ticks.
   void run();
   // Any thread, and signal handlers: the current tick is finished, replies are flushed, run() returns.

@@ -1,7 +1,8 @@
 #include "server/gateway/fault_requests.h"
 
-#include <algorithm>
+#include <vector>
 
+#include "protocol/config/unknown_name.h"
 #include "server/cycle/network_model.h"
 
 namespace visum::gateway {

@@ -1,7 +1,5 @@
-// Writes of which a tick has enough: what a wire held up and delivers at once, a client that is too quick, or
-// one that writes to a world that stands. Of each part, the ports that a tick to come is to be told of (in
-// realtime the one after it, else the next); their values are those latched last, so that any number of
-// writes costs one more input. Lives on the sessions' thread.
+// Writes that are more than one tick takes: from a network that held them up and delivers them at once, from
+// a client that is too quick, or from one that writes while the world stands still.
 #pragma once
 
 #include <algorithm>
@@ -11,6 +9,9 @@
 
 namespace visum::gateway {
 
+// Keeps for each part only the ports that a later tick has to be told of: in realtime the tick after the
+// next, else the next. Their values are those latched last. So any number of late writes costs one more input
+// for each run of neighbouring ports. Lives on the sessions' thread; Parts owns it.
 class LateWrites {
  public:
   // Ports `first`, `first + 1`, ... of a part.
@@ -26,8 +27,8 @@ class LateWrites {
   bool empty() const { return std::ranges::all_of(ports_, &std::vector<bool>::empty); }
   bool has(std::uint32_t part) const { return part < ports_.size() && !ports_[part].empty(); }
 
-  // The first of the part's ports with those that follow it without a gap: from, to behind the last. They are
-  // late no more.
+  // Takes out the first late port and those that follow it without a gap. Returns the first, and the one
+  // after the last.
   std::pair<std::uint32_t, std::uint32_t> take_run(std::uint32_t part) {
     auto& ports = ports_[part];
     const auto from = std::ranges::find(ports, true);
@@ -40,7 +41,7 @@ class LateWrites {
   }
 
  private:
-  std::vector<std::vector<bool>> ports_;  // by part; empty: none
+  std::vector<std::vector<bool>> ports_;  // by part, by port; empty: no port is late
 };
 
 }  // namespace visum::gateway

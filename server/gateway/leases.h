@@ -1,4 +1,4 @@
-// Who may command which part: one lease per part, held by one session. Lives on the sessions' thread.
+// Leases: the exclusive right of one session to command a part.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,7 @@ struct Lease {
 // The session of a lease that an agent of the scene holds, for as long as the scene stands.
 inline constexpr std::uint64_t kAgentsSession = ~std::uint64_t{0};
 
+// One lease for each part. Lives on the sessions' thread; Parts owns it.
 class Leases {
  public:
   explicit Leases(std::size_t parts) : leases_(parts) {}
@@ -31,7 +32,7 @@ class Leases {
   }
   void free(std::size_t part) { leases_[part] = {0, {}, leases_[part].epoch, 0}; }
 
-  // Newer than the last one that was taken; 0 is not counted.
+  // Whether a write's number is newer than that of the last write. 0: the client does not count its writes.
   bool is_new(std::size_t part, std::uint64_t sequence) const {
     return sequence == 0 || sequence > leases_[part].sequence;
   }

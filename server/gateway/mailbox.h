@@ -1,7 +1,6 @@
-// What crosses from the sessions' thread to the tick's thread and back, without a lock: bounded
-// single-producer, single-consumer queues. Inputs (writes, pushes, leases) wait for the next tick border;
-// commands (reset, snapshot, parameters, ...) are done at once, and come back with their reply. In lockstep
-// and free both ends are one thread.
+// The mailbox between the sessions' thread and the tick's thread: bounded queues without a lock, each with
+// one producer and one consumer. Inputs (writes, pushes, leases) wait for the next tick border. Commands
+// (reset, snapshot, parameters, ...) are carried out at once, and come back with their reply.
 #pragma once
 
 #include <atomic>
@@ -20,18 +19,18 @@
 
 namespace visum::gateway {
 
-// Something latched for the next tick border. Applied in the order of (part, lease epoch, arrival), so that
-// it does not matter which of two clients' bytes came first.
+// A change that is latched for the next tick border. Inputs are applied in the order of (part, lease epoch,
+// arrival), so that it does not matter which of two clients' bytes came first.
 struct Input {
   enum class Kind { kWrite, kLeaseGranted, kLeaseReleased, kLeaseLost, kPush, kFault, kClearFault };
   Kind kind = Kind::kWrite;
   std::uint32_t part = 0;
-  std::uint64_t epoch = 0;          // of the part's lease; pushes, faults: a hash of the client's name
-  std::uint32_t first_port = 0;     // kWrite
-  std::vector<double> values;       // kWrite; its capacity is kept
-  std::int64_t deadline_ticks = 0;  // kLeaseGranted; 0: none
-  dynamics::Wrench wrench{};        // kPush
-  std::uint64_t revision = 0;       // kPush: of the world that the body's number is of
+  std::uint64_t epoch = 0;                    // of the part's lease; pushes, faults: see order_of()
+  std::uint32_t first_port = 0;               // kWrite
+  std::vector<double> values;                 // kWrite; its capacity is kept
+  std::int64_t deadline_ticks = 0;            // kLeaseGranted; 0: none
+  dynamics::Wrench wrench{};                  // kPush
+  std::uint64_t revision = 0;                 // kPush: of the world that the body's number belongs to
   std::optional<Eigen::Vector3d> push_point;  // kPush: where the force acts, in W; none: the centre of mass
   std::int64_t duration_ticks = 0;            // kPush, kFault (0: until it is cleared)
   hwparts::Fault fault{};                     // kFault
@@ -44,13 +43,13 @@ struct Input {
 struct Command {
   std::uint64_t session = 0;
   std::uint64_t id = 0;
-  std::uint32_t part = 0;  // where the request is about one
+  std::uint32_t part = 0;  // the part that the request is about, if any
   protocol::Request request;
   protocol::Reply reply;            // filled by the tick's side
-  std::unique_ptr<WorldView> view;  // filled where the world's description changed
+  std::unique_ptr<WorldView> view;  // filled if the world's description changed
 };
 
-// The tick's side tells of something that no request asked for.
+// News from the tick's side that no request asked for.
 struct Notice {
   enum class Kind { kDeadlineMissed, kPushRefused, kFaultRefused };
   Kind kind = Kind::kDeadlineMissed;
@@ -59,6 +58,7 @@ struct Notice {
   std::int64_t tick = 0;
 };
 
+// Owned by the daemon; must outlive both sides. In lockstep and free one thread uses both ends.
 class Mailbox {
  public:
   static constexpr std::size_t kInputs = 1024;
@@ -69,7 +69,8 @@ class Mailbox {
   ~Mailbox();
 
   // The sessions' side.
-  // To be filled and sent; none: the queue is full. Some are kept back for what must not be lost.
+  // A blank to be filled and sent; null: the queue is full. kUrgent of them are kept back for inputs that
+  // must not be lost.
   Input* blank_input(bool urgent = false);
   void send(Input* input);
   bool send(std::unique_ptr<Command> command);  // false: full
@@ -99,7 +100,7 @@ class Mailbox {
   Queue<Command*, kCommands> done_;
   Queue<Notice, kInputs> notices_;
   std::size_t commands_out_ = 0;    // sent and not yet back
-  std::atomic<bool> woken_{false};  // arrived_ has been released, and nobody has come to it since
+  std::atomic<bool> woken_{false};  // arrived_ has been released, and wait_for() has not returned since
   std::binary_semaphore arrived_{0};
 };
 

@@ -16,7 +16,7 @@ bool Members::is_member(std::uint64_t session) const {
 
 Member& Members::join(std::uint64_t session, const std::string& client, std::int64_t tick,
                       std::chrono::nanoseconds timeout) {
-  end_waits();  // the time alone does not count
+  end_waits();  // while a member was alone, waiting for it did not count
   auto& member = members_.emplace_back();
   member.session = session;
   member.client = client;

@@ -79,7 +79,7 @@ void write_clients(Page& page, const Metrics& metrics) {
   page.one("visum_sessions", "gauge", "Clients that said hello.", metrics.status.sessions);
   page.one("visum_lockstep_members", "gauge", "Clients that step with the world.",
            static_cast<double>(metrics.status.lockstep.size()));
-  page.head("visum_part_leased", "gauge", "1 where somebody commands the part.");
+  page.head("visum_part_leased", "gauge", "1 where a client commands the part.");
   for (const auto& part : metrics.parts) page.value(!part.lease_owner.empty(), label("part", part.name));
   page.one("visum_lease_losses_total", "counter", "Leases that ended without a release.",
            static_cast<double>(metrics.lease_losses));

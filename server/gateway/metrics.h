@@ -1,4 +1,4 @@
-// The server's own state as Prometheus wants it (text format 0.0.4).
+// The server's own state in the format of Prometheus (text format 0.0.4). Pure functions; any thread.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
-// The page's files, as its build left them: read once, whole, into memory. What is not among them does not
-// exist, so that no request can name any other file.
+// The files of the browser's page, as its build left them.
 #pragma once
 
 #include <filesystem>
@@ -10,6 +9,8 @@
 
 namespace visum::gateway {
 
+// All files are read into memory once, at start. A path that is not among them does not exist, so no request
+// can name any other file of the machine. Constant after construction; any thread. Web owns it.
 class PageFiles {
  public:
   PageFiles() = default;  // no page
@@ -24,13 +25,13 @@ class PageFiles {
   struct File {
     std::string content_type, etag;
     bool immutable = false;   // a hash of its content is in its name
-    std::string plain, gzip;  // gzip: as the build compressed it; empty: it did not
+    std::string plain, gzip;  // gzip: as compressed by the build; empty: it was not
   };
   std::map<std::string, File> files_;  // by path, "/assets/index-B1c2D3.js"
 };
 
-// Where the page stands beside this program: installed (../share/visum/page) or in the build tree (../page).
-// Empty: in neither.
+// The page's folder beside this program: installed (../share/visum/page) or in the build tree (../page).
+// Empty: there is neither.
 std::filesystem::path find_page_folder();
 
 }  // namespace visum::gateway

@@ -18,7 +18,7 @@ constexpr std::string_view kPortsPath = "/recording/ports/";
 constexpr std::uint64_t kMostRows = 10'000;        // at once
 constexpr std::size_t kLongestReport = 64u << 10;  // bytes
 
-// As fast as it was, with pauses and speeds as somebody looks at it.
+// Shown in real time, whatever clock it was recorded with. Viewers may pause it and change its speed.
 void in_real_time(scene::Scene& scene) {
   scene.clock = scene::ClockKind::kRealtime;
   scene.speed = 1.0;
@@ -31,7 +31,7 @@ std::string free_name(const cycle::Simulation& world) {
   return name;
 }
 
-// As few digits as come back to the same bits.
+// The fewest digits that give the same bits when they are read.
 std::string exact_number(double value) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
@@ -49,7 +49,7 @@ std::string ports_as_json(const std::vector<recording::PortDifference>& ports) {
 
 }  // namespace
 
-// The part that steers. It is beside the world, not of it.
+// The part that steers. It does not belong to the world.
 class Playback::Steering : public hwparts::Part {
  public:
   explicit Steering(Playback& playback) : playback_(playback) {
@@ -166,8 +166,7 @@ void Playback::show_ports(Published& published) const {
   }
 }
 
-// For its clients the clock must never go back within an era: a jump begins a new one, as a reset that was
-// recorded does.
+// For clients, time must never go back within an era. So a jump begins a new era, as a recorded reset does.
 std::uint64_t Playback::era() {
   const auto recorded = player_.world().era();
   if (std::exchange(jumps_, 0) > 0 || recorded != recorded_era_) ++shown_era_;

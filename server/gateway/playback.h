@@ -1,8 +1,4 @@
-// A recording in place of a live world: what the daemon shows while somebody goes through it. Its time runs,
-// stands and jumps; nothing else in it can be changed. A part of kind "recording" steers it: its parameter
-// Position, in ticks since the recording's beginning, jumps there; its blackboard Report tells, as JSON, how
-// far the recorded bits were compared with this program's, and the first difference. Lives on the tick's
-// thread.
+// A recording in place of a live world, for clients that look through it.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +14,10 @@
 
 namespace visum::gateway {
 
+// The recording's time runs, stands and jumps; nothing else in it can be changed. A part of kind "recording"
+// steers it. Its parameter Position, in ticks since the recording's beginning, jumps there. Its blackboard
+// Report tells, as JSON, how far the recorded bits were compared with this program's, and the first
+// difference. Lives on the tick's thread, apart from ports_at(); the program that starts the daemon owns it.
 class Playback {
  public:
   // Throws what recording::Player throws.
@@ -29,14 +29,13 @@ class Playback {
 
   // Instead of the world's own tick; false: the recording ends here.
   bool tick() { return player_.advance(); }
-  // Compares one more tick with the recorded one, in a world of its own; false: all that there is, is
-  // compared.
+  // Compares one more tick with the recorded one, in a world of its own. False: all ticks have been compared.
   bool compare() { return comparison_.run(1); }
-  // The one that clients are shown: each jump began another.
+  // The era that clients are shown: each jump begins a new one.
   std::uint64_t era();
   // The sessions' thread: rows of PortReader's, as bytes of little-endian doubles, for the path
-  // /recording/ports/PART/TO/COUNT: a part by its number, a position, and how many ticks up to it. No such
-  // path: nothing.
+  // /recording/ports/PART/TO/COUNT: a part by its number, a position, and how many ticks up to it. Nothing
+  // where the path names no part or position.
   std::optional<std::string> ports_at(const std::string& path);
   // Puts what was recorded in place of what the world's parts show, and the jumps into its era.
   void show(Published& published);
@@ -58,7 +57,7 @@ class Playback {
   std::uint64_t recorded_era_ = 1;  // of the last look
   std::uint64_t shown_era_ = 1;
   std::uint64_t shown_revision_ = 1;
-  std::shared_ptr<const WorldView> view_;  // where bodies came or went; null: as at the beginning
+  std::shared_ptr<const WorldView> view_;  // filled once bodies came or went; null: as at the beginning
 };
 
 }  // namespace visum::gateway

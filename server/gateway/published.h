@@ -1,5 +1,4 @@
-// A copy of what the sessions may see of the world, as of one tick border. Filled on the tick's thread, read
-// on the sessions'. Its vectors keep their capacity: filling it does not allocate once warm.
+// A copy of all that the sessions may see of the world, as of one tick border.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +13,15 @@
 
 namespace visum::gateway {
 
-// How the loop stands.
+// Whether time runs, and how fast.
 struct Pace {
   bool paused = true;
   double speed = 1.0;
   double real_time_factor = 0.0;
 };
 
+// Filled on the tick's thread, read on the sessions' thread. Its vectors keep their capacity, so that filling
+// it does not allocate once warm.
 struct Published {
   struct Part {
     std::vector<double> controller_inputs, sensor_outputs;
@@ -30,9 +31,9 @@ struct Published {
   std::uint64_t era = 0;
   std::uint64_t revision = 0;
   std::uint64_t state_hash = 0;                  // where `hashed_by` is null
-  const cycle::Simulation* hashed_by = nullptr;  // it stands as this copy shows it, and tells its hash
+  const cycle::Simulation* hashed_by = nullptr;  // still as this copy shows it, so its hash can be asked for
   std::string fault;                             // empty: not frozen
-  std::string dump;                              // the file that holds the ticks before it froze; empty: none
+  std::string dump;  // the file with the ticks before it froze; empty: there is none
   Pace pace;
   std::vector<Part> parts;
   std::vector<double> poses;       // 7 per body: x y z qw qx qy qz of the link frame
@@ -43,14 +44,15 @@ struct Published {
   cycle::Phases::Summary phases{};
   std::uint64_t solver_warnings = 0;
   std::shared_ptr<const cycle::FlightRing> ring;  // shared: a change of the world makes a new one
-  std::shared_ptr<const WorldView> shown;  // another server's world, in place of this one's; null: its own
+  std::shared_ptr<const WorldView> shown;  // the world of another server to show; null: this server's own
 };
 
-// Why it is frozen, and where the ticks before it are.
+// Why the world is frozen, and which file holds the ticks before.
 std::string frozen_reason(const Published& published);
 
 void fill(Published& published, const cycle::Simulation& simulation, const Pace& pace);
-// Likewise for readers on the tick's thread, before its next tick: the hash is made where it is asked for.
+// The same without the hash, which is then made when it is asked for. Only for readers on the tick's thread,
+// and only until the next tick.
 void fill_unhashed(Published& published, const cycle::Simulation& simulation, const Pace& pace);
 std::uint64_t state_hash(const Published& published);
 

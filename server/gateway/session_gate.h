@@ -1,4 +1,4 @@
-// Grade L1 for clients of the ports: what of their requests ends a cycle. Lives on the sessions' thread.
+// Grade L1 of the lockstep for clients of the ports: decides which of their requests ends a cycle.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,17 @@
 
 namespace visum::gateway {
 
+// Lives on the sessions' thread; its Member owns it.
 class SessionGate {
  public:
-  // For the sessions of this name.
+  // For the sessions of clients with this name.
   SessionGate(std::string client, std::int64_t period_ticks)
       : client_(std::move(client)), period_ticks_(period_ticks) {}
 
   const std::string& client() const { return client_; }
   std::int64_t period_ticks() const { return period_ticks_; }
-  // Whether this was asked already in this cycle: then the cycle is over, and another begins with it. Only
-  // what reads or writes the world's state belongs to a cycle.
+  // Whether this was asked already in this cycle. If so the cycle is over, and the next begins with this
+  // request. Only requests that read or write the world's state belong to a cycle.
   bool ends_cycle(const protocol::Request& request);
   void restart() { asked_.clear(); }  // another era: a cycle begins
 

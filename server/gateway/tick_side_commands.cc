@@ -1,4 +1,4 @@
-// TickSide: how it answers the requests that came as commands, between ticks. One function per request.
+// The commands of the TickSide, which it answers between ticks: one function for each kind of request.
 #include <algorithm>
 #include <utility>
 

@@ -30,7 +30,7 @@ WebReply Web::get(const protocol::WebRequest& request) {
   return files_.get(request);
 }
 
-// To those who may read ports.
+// Only for clients that may read ports.
 WebReply Web::recorded(const protocol::WebRequest& request) const {
   WebReply reply;
   if (!lets_in(request, reply)) return reply;
@@ -45,7 +45,7 @@ WebReply Web::recorded(const protocol::WebRequest& request) const {
   return reply;
 }
 
-// Open to whoever reaches the port, so it says no more than that.
+// Every program that reaches the port may ask this, so it tells no more than that.
 WebReply Web::health() const {
   WebReply reply;
   const auto status = gateway_.metrics().status;
@@ -65,7 +65,7 @@ bool Web::lets_in(const protocol::WebRequest& request, WebReply& refusal) const 
   return false;
 }
 
-// Tells what Status tells, and to the same people.
+// Tells what Status tells, to clients that may ask for Status.
 WebReply Web::metrics(const protocol::WebRequest& request) const {
   WebReply reply;
   if (!lets_in(request, reply)) return reply;

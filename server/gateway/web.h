@@ -1,5 +1,4 @@
-// What the HTTP port answers: the page's files, /healthz, /metrics. Only reads; lives on the sessions'
-// thread.
+// The HTTP port's answers: the page's files, /healthz, /metrics, and the ports of a recording.
 #pragma once
 
 #include <functional>
@@ -12,10 +11,11 @@ namespace visum::gateway {
 
 class Playback;
 
+// It only reads. Lives on the sessions' thread; the daemon owns it.
 class Web : public protocol::WebPages {
  public:
-  // `refused_connections`: what the server has turned away so far.
-  // `playback`: a recording that is shown, whose ports plots ask for; null: the world lives.
+  // `refused_connections` tells how many the server has turned away so far. `playback` is a recording that is
+  // shown, whose ports the page plots; null: the world is a live one.
   Web(PageFiles files, Gateway& gateway, std::function<std::uint64_t()> refused_connections,
       Playback* playback = nullptr);
 
@@ -23,9 +23,10 @@ class Web : public protocol::WebPages {
 
  private:
   protocol::WebReply health() const;
+  // False: the request shows neither a token nor a certificate that gives a role; `refusal` is filled.
   bool lets_in(const protocol::WebRequest& request, protocol::WebReply& refusal) const;
   protocol::WebReply metrics(const protocol::WebRequest& request) const;
-
+  // Rows of a recording's ports.
   protocol::WebReply recorded(const protocol::WebRequest& request) const;
 
   PageFiles files_;

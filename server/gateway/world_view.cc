@@ -30,7 +30,7 @@ const char* kind_name(world::ShapeKind kind) {
   return "";
 }
 
-// How many numbers of Shape::size mean something.
+// How many numbers of Shape::size this kind of shape uses.
 std::size_t sizes_of(world::ShapeKind kind) {
   switch (kind) {
     case world::ShapeKind::kBox:

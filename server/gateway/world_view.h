@@ -1,4 +1,4 @@
-// The world in the protocol's words: what DescribeWorld, ReadMesh and ReadWorld answer.
+// The world as messages of the protocol: the answers to DescribeWorld, ReadMesh and ReadTexture.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace visum::gateway {
 
-// What does not change while ticking.
+// It changes only when bodies come or go, not by ticks.
 struct WorldView {
   protocol::WorldDescription description;
   std::vector<protocol::MeshData> meshes;

@@ -13,10 +13,11 @@ namespace {
 
 using protocol::Connection;
 
-constexpr std::chrono::milliseconds kSilence{250};  // after which it is asked for one
+// After that long without a word from the server, it is asked whether it still answers.
+constexpr std::chrono::milliseconds kSilence{250};
 constexpr std::chrono::seconds kBackSoon{3};
-constexpr double kManyCounts = 1e15;      // only counters reach so far
-constexpr std::int64_t kLostTicks = 100;  // later than any answer
+constexpr double kManyCounts = 1e15;      // only counters have such a range
+constexpr std::int64_t kLostTicks = 100;  // an answer never takes that long
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 class OtherPart : public std::runtime_error {
@@ -35,7 +36,7 @@ std::optional<std::string> difference_of_ports(const std::vector<protocol::Port>
   return std::nullopt;
 }
 
-// A sample with a number for each port.
+// Whether the sample has a number for each port.
 bool fits(const protocol::PartSample& sample, const protocol::PartDescription& part) {
   return sample.controller_inputs.size() == part.controller_inputs.size() &&
          sample.sensor_outputs.size() == part.sensor_outputs.size();
@@ -123,7 +124,8 @@ bool ArmLink::poll() {
   return connected() && put_back_;
 }
 
-// A world that is paused sends no samples, nor does a server that hangs: but that one answers nothing.
+// A world that is paused sends no samples, and neither does a server that hangs. But only the second one does
+// not answer requests.
 void ArmLink::check_answers() {
   const auto now = Clock::now();
   if (probe_) {
@@ -147,7 +149,8 @@ void ArmLink::check_answers() {
   }
 }
 
-// A sample tells of an era as soon as the event does. What crossed the Reset under way shows in a later one.
+// A sample shows a new era as soon as the event does. Counters that crossed the Reset on their way show in a
+// later sample.
 void ArmLink::take(protocol::PartSample sample) {
   if (!fits(sample, description_)) return;
   const bool other_era = sample.era != sample_.era;
@@ -174,7 +177,7 @@ bool ArmLink::look_again() {
     tried_ = Clock::now();
     search_ = std::async(std::launch::async, [closing = std::move(closing_), address = address_, part = part_,
                                               entry = entry_, before = description_] {
-      if (closing.valid()) closing.wait();  // what was left first gives its lease back
+      if (closing.valid()) closing.wait();  // the old connection gives its lease back first
       return find(address, part, entry, before);
     });
   }
@@ -192,7 +195,7 @@ bool ArmLink::look_again() {
   return true;
 }
 
-// At once: until its lease is back the arm goes on with its last command.
+// This happens at once, since the arm goes on with its last command until its lease is back.
 void ArmLink::drop() {
   if (!connected()) return;
   closing_ = std::async(std::launch::async,
@@ -223,7 +226,7 @@ std::vector<double> ArmLink::as_the_arm_counts(std::span<const double> inputs,
     const auto count = [&] { return inputs[i] + (ahead_[i] - initial[i]); };
     if (count() < port.minimum || count() > port.maximum) {
       ahead_[i] += std::ceil(port.minimum - count());
-      if (count() == sent_[i]) ahead_[i] += 1.0;  // or it would be no change
+      if (count() == sent_[i]) ahead_[i] += 1.0;  // else the arm would see no change
     }
     values[i] = count();
   }
@@ -236,7 +239,7 @@ bool ArmLink::same_counters(std::span<const double> a, std::span<const double> b
   return true;
 }
 
-// A counter that was sent and is not in force after a while is sent with the next write again.
+// A counter that was sent, but is not in force after a while, is sent again with the next write.
 void ArmLink::write(std::span<const double> inputs, std::span<const double> initial) {
   const auto values = as_the_arm_counts(inputs, initial);
   const bool is_lost = counted_at_ && sample_.tick > *counted_at_ + kLostTicks &&
@@ -251,7 +254,6 @@ void ArmLink::write_counters(std::span<const double> inputs, std::span<const dou
   send_runs(as_the_arm_counts(inputs, initial), true);
 }
 
-// What is new: counters each by itself, neighbours that are none together.
 void ArmLink::send_runs(std::span<const double> values, bool of_counters) {
   for (std::size_t first = 0, end = 0; first < values.size(); first = end) {
     end = first + 1;

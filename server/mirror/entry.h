@@ -1,4 +1,4 @@
-// How the mirror connects to an arm's server, and what it shows there to be let in.
+// How the mirror connects to an arm's server, and the credentials that it shows there.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,7 @@ inline constexpr std::chrono::milliseconds kConnectTimeout{1000};  // also for a
 inline constexpr std::chrono::seconds kRetryPeriod{1};
 
 struct Entry {
-  std::string token;       // empty: none is wanted
+  std::string token;       // empty: the server asks for no token
   protocol::TlsFiles tls;  // none: plain text
 };
 

@@ -82,8 +82,8 @@ void Mirror::pump() {
   compare();
 }
 
-// Its counters go on from where they are, so that nothing is done late that it has missed; but for a halt,
-// which stands until the controller's Reset.
+// The arm's counters go on from where they are, so it does not carry out late what it has missed. Only a halt
+// is sent again, since it stands until the controller's Reset.
 void Mirror::take_up(ArmLink& arm) {
   auto before = commanded();
   if (halted_) before[halt_] -= 1.0;
@@ -91,15 +91,16 @@ void Mirror::take_up(ArmLink& arm) {
   if (halted_) arm.write_counters(commanded(), initial_);
 }
 
-// While the arms are looked for that a lost controller has left, the next one waits for both. An arm that is
-// gone for longer is missed by what it alone would have shown: the primary by commands that are done once.
+// After a lost controller both arms were left, and are looked for; the next controller waits for both. If the
+// primary is gone for longer, it would miss commands that are carried out once (counters). If both are, every
+// command would be missed. An other arm that is gone for longer counts as missing nothing.
 AwayArm Mirror::look_who_is_away() const {
   using enum AwayArm::Misses;
   for (std::size_t i = 0; i < kArms; ++i)
     if (arms_[i].comes_back()) return {static_cast<std::uint8_t>(i), kEverything};
   if (arms_[primary_].connected()) return {};
-  const bool nobody_is_there = !arms_[1 - primary_].connected();
-  return {static_cast<std::uint8_t>(primary_), nobody_is_there ? kEverything : kCounters};
+  const bool both_are_away = !arms_[1 - primary_].connected();
+  return {static_cast<std::uint8_t>(primary_), both_are_away ? kEverything : kCounters};
 }
 
 bool Mirror::misses_something(AwayArm away, std::span<const double> before,
@@ -120,7 +121,8 @@ std::optional<std::string> Mirror::refuse_now(std::span<const double> before,
   return arms_[away.arm].address() + " is away, and would miss this command: try again when it is back";
 }
 
-// The controller has its word already that all was well, and the other arm may have obeyed.
+// It is too late to refuse the command: the controller was told that it was accepted, and the other arm may
+// have carried it out. So this is a fault.
 void Mirror::hear_refusals() {
   for (std::size_t i = 0; i < kArms; ++i) {
     if (refusals_seen_[i] == arms_[i].refusals()) continue;
@@ -143,7 +145,6 @@ void Mirror::compare() {
   exceeded_ = exceeded;
 }
 
-// Both stand until the controller's Reset.
 void Mirror::raise(const std::string& why) {
   spdlog::error("{}", why);
   why_ = why;
@@ -170,7 +171,7 @@ void Mirror::command(std::span<const double> inputs) {
   if (std::ranges::equal(inputs, inputs_)) return;
   if (inputs[reset_] != inputs_[reset_]) {
     fault_ = halted_ = false;
-    exceeded_ = false;  // still too far apart is a fault anew
+    exceeded_ = false;  // if they are still too far apart, that is a new fault
   }
   if (inputs[halt_] != inputs_[halt_]) halted_ = true;
   const auto before = std::exchange(inputs_, {inputs.begin(), inputs.end()});
@@ -241,7 +242,8 @@ std::optional<std::string> Mirror::set_parameter(const std::string& name,
   return *reason + "; and it was not taken back at " + primary.address() + ": " + *failure;
 }
 
-// Both are asked before either one answers: a server that hangs delays no stop of the other arm.
+// Both arms are asked before either one answers, so that a server that hangs does not delay the other arm's
+// stop.
 std::optional<std::string> Mirror::set_emergency_stop(const protocol::ParameterValue& value) {
   const auto* pressed = std::get_if<bool>(&value);
   if (!pressed) return "must be true or false";

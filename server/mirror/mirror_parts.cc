@@ -13,7 +13,7 @@ using protocol::Parameter;
 using protocol::ParameterValue;
 using protocol::Port;
 
-// What neither of them has: joints of a world, and a state to go back to.
+// Neither of the two parts has joints of a world, or a state to go back to.
 class MirrorPart : public hwparts::Part {
  public:
   explicit MirrorPart(Mirror& mirror) : mirror_(mirror) {}

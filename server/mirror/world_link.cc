@@ -12,9 +12,9 @@ namespace {
 using protocol::Connection;
 
 constexpr std::int64_t kEvery_ns =
-    4'000'000;  // a picture is drawn each 16 ms: no older than a quarter of that
+    4'000'000;  // the page draws each 16 ms: a sample is at most a quarter of that old
 
-// All meshes or textures of a world: as many as its description names.
+// Reads all meshes or textures of a world.
 template <typename Data, typename Request>
 std::vector<Data> read_all(Connection& link, std::size_t count) {
   std::vector<Data> all;

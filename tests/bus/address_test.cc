@@ -1,4 +1,4 @@
-// Addresses of buses, as the command line and a scene write them. Mistakes are named.
+// Addresses of buses on the command line and in a scene; error messages name the mistake.
 #include "server/bus/address.h"
 
 #include <gmock/gmock.h>
@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(Bus, WrongAddress,
                                          Wrong{"Range", "arm=pty:x,baud=3", "between"}),
                          [](const auto& info) { return std::string(info.param.name); });
 
-// A scene of its own, with `bus: ...` in the part.
+// A small scene with `bus: ...` in its part.
 scene::Scene scene_with(const LinkFolder& folder, const std::string& bus) {
   const std::string models = VISUM_SOURCE_DIR "/models/";
   std::ofstream(folder / "scene.yaml")

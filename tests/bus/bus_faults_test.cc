@@ -80,10 +80,10 @@ TEST_F(BusFaults, ALateAnswerTakesItsSimulatedTime) {
   while (line.read_once(0).empty() && ticks < 1000) {
     advance(client, 1);
     ++ticks;
-    if (ticks < 10) line.read_once(20);  // lets what would be early come
+    if (ticks < 10) line.read_once(20);  // an answer that is too early would show here
   }
   EXPECT_GE(ticks, 15);
-  EXPECT_LE(ticks, 60);  // when the request came is the host's business
+  EXPECT_LE(ticks, 60);  // the host decides when the request comes
 }
 
 TEST_F(BusFaults, LateAnswersThatWaitHaveAMaximum) {
@@ -103,7 +103,7 @@ TEST_F(BusFaults, LateAnswersThatWaitHaveAMaximum) {
   EXPECT_GT(heard.size(), 0u);
 }
 
-// Its wires are free while an answer is not ready.
+// The line's wires are free while an answer is not ready.
 TEST(BusFaultsOnASlowLine, ALateAnswerDoesNotHoldUpAHalt) {
   DaemonOptions options;
   options.buses = {{"arm", "tcp", "0", {115200.0, 0}}};

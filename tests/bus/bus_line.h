@@ -19,7 +19,7 @@
 
 namespace visum::bus {
 
-// Module 3 is asked for its version, and says it.
+// The request for module 3's version, and the answer.
 inline const powercube::Telegram kGetVersion{powercube::Telegram::Kind::kGet, 3, {0x0A, 0x1D}};
 inline const powercube::Telegram kVersion{powercube::Telegram::Kind::kAnswer, 3, {0x0A, 0x1D, 0x34, 0x46}};
 
@@ -33,7 +33,7 @@ class BusLine {
     EXPECT_EQ(::tcsetattr(line.fd_, TCSANOW, &settings), 0);
     return line;
   }
-  // `name`: as the ready line has it, "tcp:40123".
+  // `name` as in the ready line: "tcp:40123".
   static BusLine tcp(const std::string& name) {
     BusLine line(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
     line.connect(name);
@@ -68,7 +68,7 @@ class BusLine {
     return {bytes.data.begin(), bytes.data.begin() + static_cast<std::ptrdiff_t>(bytes.size)};
   }
 
-  // Returns the bytes of one read(). They are empty if nothing came within `patience_ms`, or at the end.
+  // The bytes of one read(); empty: nothing came within `patience_ms`, or the stream ended.
   std::string read_once(int patience_ms = 10'000) {
     pollfd set{fd_, POLLIN, 0};
     if (::poll(&set, 1, patience_ms) <= 0) return {};
@@ -76,7 +76,7 @@ class BusLine {
     const auto count = ::read(fd_, bytes, sizeof bytes);
     return count > 0 ? std::string(bytes, static_cast<std::size_t>(count)) : std::string();
   }
-  // Up to and with `end`, which the last byte is.
+  // Reads up to and including the byte `end`.
   std::string read_to(char end) {
     for (;;) {
       const auto at = rest_.find(end);

@@ -150,7 +150,7 @@ TEST(Bus, CanClientsHearAnswersAndEachOther) {
   EXPECT_EQ(first.read_to('\r'), BusLine::slcan(kVersion));
   EXPECT_EQ(second.read_to('\r'), BusLine::slcan(kGetVersion));
   EXPECT_EQ(second.read_to('\r'), BusLine::slcan(kVersion));
-  EXPECT_EQ(serial.ask({Kind::kGet, 4, {0x0A, 0x20}}).module, 4);  // and nothing of all that
+  EXPECT_EQ(serial.ask({Kind::kGet, 4, {0x0A, 0x20}}).module, 4);  // and no answer to all that came before
 }
 
 TEST(Bus, AnSlcanAdapterThatIsClosedCarriesNothing) {
@@ -180,13 +180,13 @@ TEST(Bus, ALineThatIsNotIdealTakesItsSimulatedTime) {
   while (line.read_once(0).empty() && ticks < 1000) {
     advance(client, 1);
     ++ticks;
-    if (ticks < 10) line.read_once(20);  // lets what would be early come
+    if (ticks < 10) line.read_once(20);  // an answer that is too early would show here
   }
   EXPECT_GE(ticks, 19);
-  EXPECT_LE(ticks, 60);  // when the request came is the host's business
+  EXPECT_LE(ticks, 60);  // the host decides when the request comes
 }
 
-// Whoever writes at once after a reset is heard in the world as it is then.
+// A client that writes at once after a reset is heard in the world as it is then.
 TEST(Bus, WhatComesBetweenAResetAndTheNextTickIsNotLost) {
   RunningDaemon daemon(scene::ClockKind::kLockstep, with({{"arm", "tcp", "0", {0.0, 2'000'000}}}));
   auto line = BusLine::tcp(daemon.buses().at("arm").at(0));
@@ -214,7 +214,7 @@ TEST(LineTiming, HasWiresForEachWayOnRs232AndOneBusOnCan) {
   EXPECT_GT(can.pass(kVersion, BusFraming::kCan, kFromModules, 0), first);
 }
 
-// Not for longer than its patience, whatever still comes.
+// It never takes longer than its patience, whatever still comes.
 TEST(BusThread, SettlesThoughClientsFloodTheBus) {
   using Clock = std::chrono::steady_clock;
   std::vector<BusThread::Wiring> wirings;

@@ -1,4 +1,4 @@
-// Advance with follow_buses: what a program says over a bus and what it hears, against the world's time.
+// Advance with follow_buses: when a program's telegrams are handled and answered, in the world's time.
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -125,7 +125,7 @@ TEST_F(FollowBuses, StatusTellsGradeAndNote) {
             protocol::ErrorCode::kBadValue);
 }
 
-// A bus over TCP, alone.
+// Only a bus over TCP.
 class SettleOverTcp : public testing::Test {
  protected:
   SettleOverTcp() {

@@ -1,4 +1,4 @@
-// Grade L1: what a program asks over a bus lets the world run, and nothing else does.
+// Grade L1: only a program's requests over a bus let the world run.
 #include <optional>
 #include <thread>
 

@@ -1,4 +1,4 @@
-// Links in need: no descriptor is left for who comes, a device is somebody's already.
+// Links in need: no descriptor is left for a new client, or a device belongs to another program already.
 #include <fcntl.h>
 #include <stdlib.h>
 #include <sys/eventfd.h>
@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// No descriptor is free while this lives.
+// While this exists, no descriptor is free.
 class NoDescriptors {
  public:
   NoDescriptors() {
@@ -48,7 +48,7 @@ TEST(TcpLink, TellsThatNoDescriptorIsLeft) {
   EXPECT_FALSE(link->is_short()) << "nobody came";
 }
 
-// Somebody waits at it for ever.
+// A client waits at it for ever.
 class ShortLink : public BusLink {
  public:
   explicit ShortLink(std::atomic<int>& asked) : asked_(asked), fd_(::eventfd(1, EFD_CLOEXEC)) {}

@@ -1,5 +1,5 @@
 // A whole tick of the arm's scene, as visumd does it in real time: mailbox, drives, part, collision, engine,
-// the copy for the sessions. What FCL and ODE allocate inside is counted apart.
+// the copy for the sessions. Allocations inside FCL and ODE are counted apart.
 #include <gtest/gtest.h>
 
 #include "server/gateway/mailbox.h"
@@ -21,7 +21,7 @@ struct Rig {
   TickSide tick_side{simulation, mailbox, true};
   world::Exchange<Published> exchange;
 
-  // Every 10 ms, as a controller would: the joints to and fro.
+  // Moves the joints to and fro, every 10 ms, as a controller would.
   void command() {
     Input* input = mailbox.blank_input();
     input->kind = Input::Kind::kWrite;

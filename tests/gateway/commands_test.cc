@@ -1,5 +1,5 @@
-// What is answered from the world's copy behind a command, where both sides of the mailbox have threads of
-// their own: never from a copy of before it.
+// A request behind a command is never answered from a copy of the world that is older than the command. Both
+// sides of the mailbox have threads of their own here.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -82,7 +82,7 @@ TEST_F(Commands, ComeBackOnceThereIsACopyOfWhatTheyDid) {
   gateway.on_request(session, 1, protocol::Reset{});
   gateway.on_request(session, 2, protocol::ReadWorld{});
   tick_side.empty_mailbox();
-  gateway.serve();  // the reset is done, and nothing published
+  gateway.serve();  // the reset is done, but no copy is published yet
   EXPECT_TRUE(session.replies.empty());
   publish();
   gateway.serve();

@@ -1,4 +1,4 @@
-// Who gets in.
+// Which clients a daemon lets in.
 #include <gtest/gtest.h>
 
 #include "tests/gateway/running_daemon.h"

@@ -1,5 +1,5 @@
-// A gateway and its world on one thread, with sessions that note what they are sent: the test says which of
-// its two sides acts when.
+// A gateway and its world on one thread, with sessions that note what they are sent. The test decides when
+// each of the two sides acts.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -60,12 +60,12 @@ class GatewayRig {
     EXPECT_EQ(gateway.on_hello(session, {1, 1, name, role, {}}, welcome, refusal), role);
     return session;
   }
-  // The number of the request.
+  // Returns the number of the request.
   std::uint64_t ask(NotedSession& session, const protocol::Request& request) {
     gateway.on_request(session, ++last_id_, request);
     return last_id_;
   }
-  // What answers it at once.
+  // The reply, which must come at once.
   template <typename T>
   T answer(NotedSession& session, const protocol::Request& request) {
     const auto id = ask(session, request);
@@ -76,7 +76,7 @@ class GatewayRig {
   }
   void leave(NotedSession& session, protocol::CloseReason reason) { gateway.on_close(session, reason); }
 
-  // The tick's side alone; the sessions' side knows of it after publish().
+  // Only the tick's side acts; the sessions' side knows of it after publish().
   void tick() {
     tick_side.empty_mailbox();
     tick_side.tick();

@@ -1,4 +1,4 @@
-// What the sessions' side does where its requests and the world's news cross.
+// The sessions' side when requests cross with news from the world.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ using scene::ClockKind;
 
 constexpr std::int64_t kDeadline_ns = 5'000'000;  // 5 ticks
 
-// "lease_lost arm", each of them.
+// How many times the session was told "lease_lost".
 std::size_t losses_told_to(const NotedSession& session) {
   return static_cast<std::size_t>(std::ranges::count(session.events, "lease_lost", &Event::kind));
 }
@@ -147,7 +147,7 @@ TEST(MissedDeadline, OfALeaseWhoseLossWasToldIsNotToldAgain) {
   EXPECT_EQ(rig.gateway.metrics().lease_losses, 1u);
 }
 
-// At a microsecond's tick a second is a million of them.
+// With ticks of a microsecond, a second is a million ticks.
 TEST(NetworkDelay, OfMoreTicksThanThereIsRoomForIsRefused) {
   GatewayRig rig(ClockKind::kLockstep, 1'000);
   auto& admin = rig.connect("admin", Role::kAdmin);

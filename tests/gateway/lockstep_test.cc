@@ -1,4 +1,5 @@
-// Lockstep: the tick waits for each client that joined; the same bits whatever the order of bytes.
+// Lockstep: the tick waits for each client that joined, and the bits are the same in whatever order bytes
+// come.
 #include <gtest/gtest.h>
 
 #include "tests/gateway/running_daemon.h"
@@ -88,9 +89,9 @@ TEST(Lockstep, OthersGoOnWhereATimeOutIsToStopOrFreeItsClient) {
   }
 }
 
-constexpr double kControllerLost = 6.0;  // of the port Part State
+constexpr double kControllerLost = 6.0;  // a value of the port Part State
 
-// With a time-out of its own, as `visum exec --wait`.
+// Joins with a time-out of its own, as `visum exec --wait` does.
 Join late(OnTimeout on_timeout) {
   return {100'000'000, 2, on_timeout, {}, {"arm"}};
 }

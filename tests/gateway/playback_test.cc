@@ -1,5 +1,4 @@
-// A recording on the page's side of the daemon: what its clients see, how they move in it, what they may not
-// do.
+// A daemon that shows a recording: clients see it and move in it, but cannot change it.
 #include "server/gateway/playback.h"
 
 #include <gtest/gtest.h>
@@ -44,7 +43,7 @@ class PlaybackTest : public testing::Test {
         client().request_as<protocol::BlackboardData>(protocol::ReadBlackboard{"recording", "Report", 0, 0});
     return {reinterpret_cast<const char*>(board.data.data()), board.data.size()};
   }
-  // Asks until the status is as it should be; time is the recording's, so that this comes or hangs.
+  // Asks until the status is as it should be. Time is the recording's, so this comes or hangs.
   template <typename Condition>
   protocol::ServerStatus status_once(const Condition& condition) {
     auto now = status();

@@ -161,7 +161,7 @@ TEST(Writes, AreAllOrNothing) {
   EXPECT_EQ(client.request_as<PartSample>(Read{"arm"}).controller_inputs, before);
 }
 
-// A wire that was held up delivers them at once.
+// A network that held up the writes delivers them all at once.
 TEST(Writes, ManyAtOnceAreAllAcceptedAndTheLastOfEachPortComesIntoForce) {
   RunningDaemon daemon(scene::ClockKind::kRealtime);
   auto admin = daemon.connect("admin", Role::kAdmin), client = daemon.connect("writer");
@@ -195,7 +195,7 @@ TEST(Writes, OfManyAtOnceTheLastHoldsAfterTheRelease) {
   EXPECT_EQ(admin.request_as<PartSample>(Read{"arm"}).controller_inputs[0], 0.01 * 20);
 }
 
-// A member that stands in a debugger, and a joystick beside it.
+// A member stands in a debugger while a joystick beside it goes on writing.
 TEST(Writes, ToAWorldThatStandsLeaveRoomForOthersAndComeIntoForceAtItsNextTick) {
   RunningDaemon daemon(scene::ClockKind::kLockstep);
   auto member = daemon.connect("member", Role::kAdmin), writer = daemon.connect("writer");
@@ -214,7 +214,7 @@ TEST(Writes, ToAWorldThatStandsLeaveRoomForOthersAndComeIntoForceAtItsNextTick) 
   EXPECT_NO_THROW(writer.request(ReleaseLease{"arm"}));
 }
 
-// As all that is written before a reset: undone by it.
+// Like all writes before a reset, they are undone by it.
 TEST(Writes, OfManyAtOnceNoneOutlivesAReset) {
   RunningDaemon daemon(scene::ClockKind::kRealtime);
   auto admin = daemon.connect("admin", Role::kAdmin), client = daemon.connect("writer");
@@ -227,7 +227,7 @@ TEST(Writes, OfManyAtOnceNoneOutlivesAReset) {
   EXPECT_EQ(admin.request_as<PartSample>(Read{"arm"}).controller_inputs[0], initial);
 }
 
-// What one controller sent too much of does not come between the next one's commands.
+// Late writes of one controller do not come between the commands of the next.
 TEST(Writes, OfManyAtOnceNoneIsLeftToTheNextHolder) {
   RunningDaemon daemon(scene::ClockKind::kRealtime);
   auto admin = daemon.connect("admin", Role::kAdmin), client = daemon.connect("writer");

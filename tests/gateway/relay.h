@@ -1,5 +1,5 @@
-// A TCP port on loopback that leads to another one. Where to can change, and it can stand still, as a server
-// does that is stopped: connected, and silent.
+// A TCP port on loopback that forwards to another one. The test may change the other one, or make the relay
+// stand still like a stopped server: connected, but silent.
 #pragma once
 
 #include <arpa/inet.h>
@@ -40,7 +40,7 @@ class Relay {
   }
 
   std::uint16_t port() const { return port_; }
-  // Who is connected is cut.
+  // Cuts all connections.
   void lead_to(std::uint16_t target) {
     const std::lock_guard lock(mutex_);
     target_ = target;

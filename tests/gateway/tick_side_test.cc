@@ -1,4 +1,4 @@
-// What the tick's side makes of inputs that were on their way when something happened.
+// The tick's side and inputs that were on their way when a lease was lost or the world changed.
 #include "server/gateway/tick_side.h"
 
 #include <gtest/gtest.h>
@@ -54,7 +54,7 @@ TEST_F(Inputs, AWriteThatComesAfterItsDeadlineIsNotDone) {
   write(1, 0.25);
   run(20);
   ASSERT_EQ(desired(), 0.25);
-  write(1, 0.5);  // accepted before the word of the loss was there
+  write(1, 0.5);  // accepted before the sessions' side knew of the loss
   run(1);
   EXPECT_EQ(desired(), 0.25);
 }

@@ -103,7 +103,7 @@ TEST(Time, ALongTickHoldsUpNoRequest) {
   admin.request(Pause{});
   EXPECT_TRUE(status_of(admin).paused);
   admin.request(Resume{});
-  admin.request(SetSpeed{1000.0});  // and the tick comes at once
+  admin.request(SetSpeed{1000.0});  // makes the tick come at once
   admin.request(Join{});
   EXPECT_GE(advance(admin, 5).tick, 5);
 }

@@ -1,4 +1,4 @@
-// A daemon that speaks TLS: who gets in, as whom, and what the others are told.
+// A daemon with TLS: which clients get in, with which role, and what the others are told.
 #include <gmock/gmock.h>
 
 #include <cstdio>
@@ -17,7 +17,7 @@ using std::chrono::seconds;
 using ::testing::HasSubstr;
 using visum::testing::Certificates;
 
-// The address, as the kernel writes it, on which somebody listens at `port`.
+// The address on which a program listens at `port`, as the kernel writes it.
 std::string listening_on(std::uint16_t port) {
   std::ifstream table("/proc/net/tcp");
   char wanted[8];
@@ -63,7 +63,7 @@ TEST_F(TlsDoors, ACertificateOpensThemAndEverythingWorksAsInPlainText) {
         Write{"arm", static_cast<std::uint32_t>(index_of(arm.controller_inputs, "Desired Angle 1")), {0.5}});
     client.request(Pause{});
     client.request(Step{20});
-    // A frame of many records.
+    // One frame that takes many TLS records.
     EXPECT_GT(client.request_as<WorldDescription>(DescribeWorld{}).bodies.size(), 5u);
   }
 }

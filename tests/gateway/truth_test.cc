@@ -103,7 +103,7 @@ TEST(Truth, AFrozenWorldSaysSoAndResetRevivesIt) {
   RunningDaemon daemon(scene::ClockKind::kLockstep);
   auto client = daemon.connect("admin", Role::kAdmin);
   client.request(Join{});
-  // The largest push that is let in, on a grain: faster than anything sane.
+  // The largest push that is accepted, on a grain, makes it faster than anything sane.
   client.request(AddBody{"{name: grain, mass: 1.0e-5, pose: {xyz: [2, 2, 1]}, shapes: [{sphere: 0.01}]}"});
   client.request(PushBody{"grain", {1e6, 0, 0}, {}, {}, 1'000'000'000});
   const auto error = refusal_of([&] { advance(client, 1000); });

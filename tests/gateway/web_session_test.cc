@@ -109,7 +109,7 @@ TEST_F(WebSession, ALostPageLosesItsLease) {
   expect_lease_becomes_free();
 }
 
-// What a browser does when a tab closes. The transport below closes its socket by itself then.
+// A browser says goodbye when a tab closes. The transport below closes its socket by itself then.
 TEST_F(WebSession, APageThatSaysGoodbyeLosesItsLease) {
   WebClient web(http());
   greet(web);
@@ -155,8 +155,8 @@ TEST_F(WebSession, APageThatAsksForMuchBehindAStepKeepsItsLease) {
   page.ask<Ok>(ReleaseLease{"arm"});
 }
 
-// A page that does not run, asleep or on a busy machine, holds up nobody. It keeps its session and is sent no
-// more than a window: the present is not behind megabytes of the past when it wakes.
+// A page that does not run, asleep or on a busy machine, holds up no other client. It keeps its session and
+// is sent no more than a window. So it does not have to read megabytes of the past when it wakes.
 TEST_F(WebSession, APageThatDoesNotReadIsSentNoMoreThanAWindow) {
   constexpr std::int64_t kTicks = 1000;
   WebClient page(http());

@@ -145,7 +145,7 @@ TEST_F(Web, EveryMetricHasItsHelpAndType) {
   EXPECT_GT(values, 20);
 }
 
-// For who has the token "looking-only-0001".
+// With the header of a client that has the token "looking-only-0001".
 DaemonOptions guarded(const Page& page, const test::TempFiles& files) {
   auto options = page.served();
   options.token_file = files.write("tokens", "observer looking-only-0001\n");
@@ -166,7 +166,7 @@ TEST(WebDoor, MetricsAskForTheTokenThatSessionsNeed) {
   EXPECT_EQ(http_get(daemon.http_port(), "/healthz").status, 200);
 }
 
-// Over a socket for both kinds of addresses, on which those of IPv4 look like some of IPv6.
+// Listens on a socket for both kinds of addresses, on which IPv4 addresses look like IPv6 addresses.
 TEST(WebDoor, OnAllAddressesEachOfThemIsAName) {
   const test::TempFiles files;
   const Page page;

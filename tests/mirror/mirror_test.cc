@@ -1,4 +1,4 @@
-// A mirror in front of two daemons that go their own ways: worlds that start anew, arms that are away.
+// A mirror in front of two daemons that are reset or go away independently of each other.
 #include "server/mirror/mirror.h"
 
 #include <gmock/gmock.h>
@@ -31,7 +31,7 @@ PartSample sample_of(Connection& link) {
   return link.request_as<PartSample>(Read{"arm"});
 }
 
-// Lets the mirror work until it is so.
+// Lets the mirror work until the condition holds.
 void work_until(Mirror& mirror, const std::function<bool()>& holds, const char* what) {
   const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (!holds()) {
@@ -156,7 +156,7 @@ TEST_F(MirrorOfWorlds, AHaltStandsInAWorldThatIsResetUntilTheControllersReset) {
   expect_state(*other, PartState::kReady);
 }
 
-// With what the shadow has counted so far, as the mirror knows by then.
+// The controller commands a lower count than the arms have; it is a change all the same.
 TEST_F(MirrorOfWorlds, ACountBelowThatOfAnArmIsAChangeThereAsWell) {
   command("Reset", 5.0);
   expect_in_force("Reset", 5.0);
@@ -217,7 +217,7 @@ TEST_F(MirrorOfArmsAway, ACommandThatWasTakenBeforeTheLossWasKnownIsAFaultAndNot
   EXPECT_TRUE(mirror.fault());
   EXPECT_THAT(mirror.why(), HasSubstr(address_of_one + " was away, and has missed a command"));
   expect_both_there();
-  expect_in_force("Halt", 1.0);  // by the fault
+  expect_in_force("Halt", 1.0);  // the fault's
   expect_in_force("Reset", 0.0);
   expect_state(*one, PartState::kControllerLost);
   bump("Reset");
@@ -266,11 +266,11 @@ TEST_F(MirrorParameters, AnEmergencyStopReachesTheShadowOfAPrimaryThatIsGone) {
   EXPECT_NE(mirror.set_parameter("Emergency Stop", 1.0), std::nullopt);
 }
 
-// The primary behind a relay.
+// A mirror whose primary is behind a relay.
 class MirrorOfServers : public ::testing::Test {
  protected:
   void expect(const std::function<bool()>& holds, const char* what) { work_until(mirror, holds, what); }
-  // The same arm as a part of another kind: as many ports, with other names.
+  // The same arm as a part of another kind, with as many ports but other names.
   std::string scene_of_another_part() {
     const std::string models = VISUM_SOURCE_DIR "/models/";
     std::ifstream file(models + "scenes/amtec_arm.yaml");
@@ -302,7 +302,7 @@ TEST_F(MirrorOfServers, OneThatComesBackWithAnotherPartStaysAway) {
   expect([&] { return mirror.connected(0); }, "it is back");
 }
 
-// The samples alone do not tell a hanging arm from a paused one.
+// Neither of them sends samples, so samples do not tell the two apart.
 TEST_F(MirrorOfServers, OneThatHangsIsAwayAndOneThatIsPausedIsNot) {
   other.connect("admin", Role::kAdmin).request(Pause{});
   relay.stand_still();

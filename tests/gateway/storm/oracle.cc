@@ -57,7 +57,8 @@ protocol::Role Oracle::on_hello(protocol::Session& session, const protocol::Hell
 }
 
 void Oracle::on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) {
-  // A bit that was flipped: there would be no answer, or one of two, by which to know what became of it.
+  // A flipped bit made the id 0, or that of another request. Then no answer, or one of two, would tell what
+  // became of this one.
   if (id == 0) return;
   auto& open = asked_[session.id()];
   const auto same = open.find(id);
@@ -131,7 +132,7 @@ void Oracle::accepted(protocol::Session& session, const protocol::Request& reque
   }
 }
 
-// Everybody is told; the first to be told counts. A missed deadline is known to the world already.
+// All sessions are told; only the first time counts. The world knows of a missed deadline already.
 void Oracle::lost(const protocol::Event& event) {
   auto& part = parts_[part_of(event.part)];
   if (event.text.starts_with("a lease that is over"))
@@ -144,8 +145,8 @@ void Oracle::lost(const protocol::Event& event) {
     expect(part.lost_there >= part.epoch, "the world knows of a missed deadline first");
 }
 
-// Some commands take what came before them to the world at once, so that it is followed while it is taken
-// out.
+// Some commands bring the inputs before them into the world at once. So the oracle follows while the mailbox
+// is emptied.
 void Oracle::empty_mailbox(gateway::TickSide& tick_side) {
   for (auto& part : parts_) part.delivered = kAll;
   tick_side.empty_mailbox();
@@ -172,7 +173,7 @@ void Oracle::took(const recording::TimedInput& input) {
   }
 }
 
-// What was accepted before it was asked for was done before it, and is undone by it.
+// Writes accepted before it was asked for were done before it, and are undone by it.
 void Oracle::took_era() {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     auto& part = parts_[i];

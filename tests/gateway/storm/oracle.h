@@ -1,7 +1,7 @@
-// What must hold whatever the weather: it stands between the sessions and the gateway, and beside the world,
-// and compares what was promised with what was done.
+// The oracle checks what must hold in any storm. It stands between the sessions and the gateway, and observes
+// the world. It compares what was promised with what was done:
 //
-//   - a part has one owner at a time, and only his writes are accepted;
+//   - a part has one owner at a time, and only the owner's writes are accepted;
 //   - a write that is accepted reaches the world once, in order, maybe together with those behind it (of each
 //   port the latest value), or not at all where its lease was lost before;
 //   - nothing of a lease that was lost moves the part afterwards, and the part stands soon after the loss;
@@ -36,7 +36,7 @@ class Oracle final : public protocol::SessionHandler, public cycle::Observer {
 
   void took(const recording::TimedInput& input) override;
   void ticked() override;
-  // Does it, and knows from then on that what was accepted before has reached the tick's side.
+  // Empties the mailbox, and knows from then on that all inputs accepted before have reached the tick's side.
   void empty_mailbox(gateway::TickSide& tick_side);
 
   void expect(bool holds, const std::string& claim);
@@ -50,7 +50,7 @@ class Oracle final : public protocol::SessionHandler, public cycle::Observer {
   const Counts& counts() const { return counts_; }
 
  private:
-  // What the sessions' side has decided of a part, on its way to the world.
+  // A decision of the sessions' side about a part, on its way to the world.
   struct Step {
     enum class Kind { kGrant, kWrite, kRelease, kLoss } kind;
     std::uint64_t epoch;
@@ -87,8 +87,8 @@ class Oracle final : public protocol::SessionHandler, public cycle::Observer {
   std::vector<PartModel> parts_;
   std::map<std::uint64_t, std::map<std::uint64_t, std::deque<protocol::Request>>>
       asked_;  // by session, by id
-  // What had to be done before each Reset and RestoreSnapshot that waits for its answer: a number of steps of
-  // each part.
+  // For each Reset and RestoreSnapshot that waits for its answer: the number of steps of each part that had
+  // to be done before it.
   std::map<std::pair<std::uint64_t, std::uint64_t>, std::vector<std::uint64_t>>
       era_requests_;  // by session, id
   std::string broken_;

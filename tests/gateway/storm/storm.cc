@@ -72,7 +72,7 @@ class Server {
                       now_ms + kKeepaliveMs + dice_.within(0, kKeepaliveMs)});
   }
 
-  // A millisecond: both sides' work, in an order that two threads might have had.
+  // One millisecond: the work of both sides, in an order that two threads might have had.
   void turn(std::int64_t now_ms) {
     context_.now = std::chrono::milliseconds(now_ms - born_ms_);
     serve_sessions(now_ms);
@@ -148,7 +148,7 @@ class Server {
       session->turn(now_ms);
       session->tell_closed();
     }
-    for (auto* session : order) session->tell_closed();  // whom another one's turn has closed
+    for (auto* session : order) session->tell_closed();  // those that another one's turn has closed
     std::erase_if(lines_, [](const Line& line) { return line.session->gone(); });
   }
 

@@ -19,7 +19,7 @@ class WiredSession final : public protocol::SessionCore {
         oracle_(oracle),
         connection_(std::move(connection)) {}
 
-  // What a readable and writable socket brings about.
+  // Does what a readable and writable socket would cause.
   void turn(std::int64_t now_ms) {
     now_ms_ = now_ms;
     if (connection_->reset) return close(protocol::CloseReason::kLost);
