@@ -90,7 +90,7 @@ class Buses {
   };
   // The next telegram that has passed the line by now.
   std::optional<Through> next_through(LinkQueues& line) const;
-  // What modules say unasked.
+  // Sends the messages that modules send unasked.
   void send_spontaneous();
   // Has the bus thread's queue written, if there is an answer in it.
   void send();

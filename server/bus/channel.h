@@ -44,7 +44,7 @@ class Channel {
 
   // Reads what is there and decodes it. False: the other end is gone.
   bool read(const OnTelegram& on_telegram);
-  // Whether the client has discarded its own output since the last call. Only known with Reads::kPackets.
+  // True if the client has discarded its own output since the last call. Only known with Reads::kPackets.
   bool client_discarded() { return std::exchange(client_discarded_, false); }
   // One write. `corrupted`: with a bit of the check sum flipped; serial lines only.
   void send(const powercube::Telegram& telegram, bool corrupted = false);

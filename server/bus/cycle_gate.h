@@ -14,7 +14,7 @@
 
 namespace visum::bus {
 
-// Which request ends a cycle.
+// The rule that says which request ends a cycle.
 struct CycleRule {
   std::int64_t period_ticks = 1;
   // A frame to this module that begins with these bytes ends a cycle: it is handled at once, and its answer

@@ -24,7 +24,7 @@ class Commands {
   // Collects what was answered. To be called before the newest copy of the world is taken: then that copy is
   // at least as new as the answers, and requests behind these commands are answered from it.
   void collect();
-  // What was collected, for replies.
+  // Hands out the collected commands, for their replies.
   std::vector<std::unique_ptr<Command>> take_collected();
 
  private:

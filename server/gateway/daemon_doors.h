@@ -1,4 +1,4 @@
-// What both loops of the daemon run: the two sides of the gateway, the server and the buses.
+// The pieces that both loops of the daemon run: the two sides of the gateway, the server and the buses.
 #pragma once
 
 #include <atomic>
@@ -35,7 +35,7 @@ struct DaemonDoors {
   // Completes a copy of the world with what the simulation does not know.
   void add_to_copy(Published& copy) const;
   bool ended() const;
-  // Whether the sessions have to be served after this tick.
+  // True if the sessions have to be served after this tick.
   bool has_something_to_send() {
     return gateway.next_due() <= simulation.tick_count() || simulation.frozen() || tick_side.has_told();
   }

@@ -26,7 +26,7 @@ class InlineLoop final : public DaemonLoop {
   void run() override;
 
  private:
-  // Whether the world may tick now.
+  // True if the world may tick now.
   bool may_tick();
   // False: the next tick's time has not come yet; sessions are served meanwhile.
   bool await_due();

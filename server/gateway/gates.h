@@ -29,7 +29,7 @@ class Gates {
   void follow_bus(Member& member) const;
   // Session gates: the member whose gate watches this session; null: no other session's gate does.
   Member* gate_of(const protocol::Session& session);
-  // Whether any gate is for clients of this name, its own session included.
+  // True if any gate is for clients of this name, its own session included.
   bool is_gated(const std::string& client) const;
 
  private:

@@ -54,7 +54,7 @@ class Gateway : public protocol::SessionHandler {
   void serve();
   // The earliest tick at which serve() has something to send; int64's maximum: there is none. Any thread.
   std::int64_t next_due() const { return next_due_.load(std::memory_order_relaxed); }
-  // What the daemon's loop asks before each tick.
+  // For the daemon's loop, which asks it before each tick.
   Lockstep& lockstep() { return lockstep_; }
   const Lockstep& lockstep() const { return lockstep_; }
   // Lockstep, while the world waits at `tick`: drops a member that has been waited for too long.
@@ -68,7 +68,7 @@ class Gateway : public protocol::SessionHandler {
 
   // For /metrics; the connections that the server refused are not in it.
   Metrics metrics();
-  // Whether a token, or the name in a certificate, gives at least this role.
+  // True if a token, or the name in a certificate, gives at least this role.
   bool lets_in(const std::string& token, const std::string& identity, protocol::Role role) const {
     return tokens_.grant(token, identity, role) != protocol::Role::kUnspecified;
   }

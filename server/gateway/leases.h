@@ -32,7 +32,7 @@ class Leases {
   }
   void free(std::size_t part) { leases_[part] = {0, {}, leases_[part].epoch, 0}; }
 
-  // Whether a write's number is newer than that of the last write. 0: the client does not count its writes.
+  // True if a write's number is newer than that of the last write. 0: the client does not count its writes.
   bool is_new(std::size_t part, std::uint64_t sequence) const {
     return sequence == 0 || sequence > leases_[part].sequence;
   }

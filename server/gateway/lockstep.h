@@ -35,7 +35,7 @@ class Lockstep {
 
   // True once a member stepped: time starts. Any thread.
   bool start_asked() const { return start_asked_.load(std::memory_order_relaxed); }
-  // Whether the world may go on from `tick`. A world without members moves only by Step (`stepping`), or for
+  // True if the world may go on from `tick`. A world without members moves only by Step (`stepping`), or for
   // a client that was late and goes on in real time.
   bool lets(std::int64_t tick, bool stepping) const {
     return members_.empty() ? stepping || has_dropped() : members_.limit() > tick;

@@ -12,7 +12,7 @@
 
 namespace visum::gateway {
 
-// What an Advance with follow_buses tells about its program's connections.
+// An Advance with follow_buses tells this about its program's connections.
 struct Follows {
   std::uint64_t bus_said = 0;
   std::vector<protocol::Stream> streams;

@@ -1,4 +1,4 @@
-// Who commands which part, and with which values: leases, writes, and what happens when a controller is lost.
+// Commands of parts, and the right to give them: leases, writes, and what happens when a controller is lost.
 #pragma once
 
 #include <cstdint>

@@ -13,7 +13,7 @@
 
 namespace visum::gateway {
 
-// Whether time runs, and how fast.
+// The pace of time: paused or running, and how fast.
 struct Pace {
   bool paused = true;
   double speed = 1.0;

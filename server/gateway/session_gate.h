@@ -20,7 +20,7 @@ class SessionGate {
 
   const std::string& client() const { return client_; }
   std::int64_t period_ticks() const { return period_ticks_; }
-  // Whether this was asked already in this cycle. If so the cycle is over, and the next begins with this
+  // True if this was asked already in this cycle. If so the cycle is over, and the next begins with this
   // request. Only requests that read or write the world's state belong to a cycle.
   bool ends_cycle(const protocol::Request& request);
   void restart() { asked_.clear(); }  // another era: a cycle begins

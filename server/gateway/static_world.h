@@ -1,4 +1,4 @@
-// What the sessions' side knows of the world without asking the tick's thread.
+// The facts about the world that the sessions' side knows without asking the tick's thread.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// What clients read of ports and of the world: single samples, and streams of them.
+// Readings of ports and of the world for clients: single samples, and streams of them.
 #pragma once
 
 #include <cstdint>

@@ -36,7 +36,7 @@ std::optional<std::string> difference_of_ports(const std::vector<protocol::Port>
   return std::nullopt;
 }
 
-// Whether the sample has a number for each port.
+// True if the sample has a number for each port.
 bool fits(const protocol::PartSample& sample, const protocol::PartDescription& part) {
   return sample.controller_inputs.size() == part.controller_inputs.size() &&
          sample.sensor_outputs.size() == part.sensor_outputs.size();

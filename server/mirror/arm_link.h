@@ -33,7 +33,7 @@ class ArmLink {
 
   bool connected() const { return connection_.has_value(); }
   int descriptor() const { return connected() ? connection_->native_handle() : -1; }
-  // Of the newest sample.
+  // From the newest sample.
   std::span<const double> sensor_outputs() const { return sample_.sensor_outputs; }
 
   // Takes in what came, without waiting. Notices a server that hangs, and looks for one that is gone. True:

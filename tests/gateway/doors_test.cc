@@ -1,4 +1,4 @@
-// Which clients a daemon lets in.
+// A daemon lets in the clients that it should, and no others.
 #include <gtest/gtest.h>
 
 #include "tests/gateway/running_daemon.h"

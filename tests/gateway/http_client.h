@@ -45,7 +45,7 @@ class WebClient {
       if (frame.reply_to == last_id_) return std::get<T>(std::move(frame.reply));
     }
   }
-  // What the server says as it closes the connection: the code of RFC 6455. Reads what comes before.
+  // The code of RFC 6455 with which the server closes the connection. Reads all messages before it.
   int closing_code();
   void say_goodbye();                     // the closing handshake, begun by the page
   std::uint64_t received_bytes() const;   // so far

@@ -60,8 +60,9 @@ export async function overlay(page, name, on) {
   await page.keyboard.press("Escape");
   await drawn(page);
 }
-// Waits until a body stays where it is on the screen: at the same place in several looks, with two frames of the display
-// between them. On a busy machine no frame may come between two looks, and a body that travels would seem to stand.
+// Waits until a body stays where it is on the screen: at the same place in several looks, with two frames of
+// the display between them. On a busy machine no frame may come between two looks, and a body that travels
+// would seem to stand.
 export async function settled(page, name) {
   const kLooks = 5;
   let before = "";

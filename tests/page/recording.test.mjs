@@ -94,7 +94,7 @@ pageTest("a recording is moved through by its slider", async (page, claim) => {
       await (await filled).finished();
       const angle = await page.evaluate(() => visum.read("arm", "Actual Angle 1"));
       let rows = await lines();
-      // What came is in the plot a moment later
+      // The samples are in the plot a moment later
       while (rows.length !== Math.min(position, 10_000)) rows = await lines();
       assert.deepEqual(rows.map(([time]) => Math.round(1000 * time)), rows.map((_, i) => position - rows.length + 1 + i));
       assert.ok(Math.abs(rows.at(-1)[1] - angle) < 1e-6, `${rows.at(-1)} and ${angle}`);

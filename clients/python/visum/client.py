@@ -156,7 +156,7 @@ class Client:
     def _set_time(self, now: pb.Advanced) -> None:
         self.tick, self.time_ns, self.era = now.tick, now.sim_time_ns, now.era
 
-    # The world's truth ---------------------------------------------------------------------------------------
+    # The world's truth --------------------------------------------------------------------------------
 
     def status(self) -> pb.ServerStatus:
         """The message ServerStatus: tick, clock, pace, lateness, the clients that the lockstep waits for, and more."""

@@ -1,5 +1,5 @@
-// Draws the view of sensors: the rays of distance sensors, by their own readings, and the space in a camera's picture.
-// They move with the body that carries the sensor.
+// Draws the view of sensors: the rays of distance sensors, by their own readings, and the space in a camera's
+// picture. They move with the body that carries the sensor.
 import { BufferGeometry, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments, Points, PointsMaterial } from "three";
 import type { SensorDescription, WorldDescription } from "../link/messages";
 import type { Part } from "../model/part";
