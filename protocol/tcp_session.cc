@@ -126,6 +126,7 @@ void TcpSession::discard(std::size_t bytes) {
 // writing
 
 void TcpSession::flush() {
+  if (lingering_ && close_reason() == CloseReason::kShutdown) return hang_up();
   if (blocked_ || lingering_ || !socket_.is_open()) return;
   for (auto bytes = bytes_for_network(); !bytes.empty(); bytes = bytes_for_network()) {
     error_code error;

@@ -26,7 +26,8 @@ constexpr std::size_t kMostText = 4096;  // without an end of line: no slcan
 // than that.
 constexpr unsigned kCallsPerRound = 256;
 std::mutex lines_lock;
-std::vector<CanLine*> lines;
+// Never destroyed: a program may end with handles open, whose lines end after this file's own variables.
+std::vector<CanLine*>& lines = *new std::vector<CanLine*>;
 std::atomic<unsigned> calls = 0;
 
 // -1, and why not.
@@ -122,11 +123,11 @@ CanLine::~CanLine() {
   ::close(fd_);
 }
 
-void CanLine::serve_others() {
+void CanLine::serve_lines() {
   if (++calls % kCallsPerRound != 0) return;
   const std::lock_guard lock(lines_lock);
   for (CanLine* line : lines)
-    if (line != this && !line->watched_by_program_) line->take_in();
+    if (!line->watched_by_program_) line->take_in();
 }
 
 void CanLine::take_in() {
@@ -163,13 +164,13 @@ bool CanLine::write(const Frame& frame) {
   for (std::size_t i = 0; i < frame.size; ++i)
     size += std::snprintf(line + size, sizeof line - static_cast<std::size_t>(size), "%02X", frame.data[i]);
   line[size++] = '\r';
-  serve_others();
+  serve_lines();
   const std::lock_guard lock(writing_);
   return send_all(fd_, line, static_cast<std::size_t>(size));
 }
 
 std::optional<Frame> CanLine::read(Clock::time_point due) {
-  serve_others();
+  serve_lines();
   const std::lock_guard lock(reading_);
   while (frames_.empty())
     if (!receive(due)) return std::nullopt;

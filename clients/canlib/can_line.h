@@ -61,8 +61,8 @@ class CanLine {
 
  private:
   explicit CanLine(int fd);
-  // Counts a call, and now and then takes in what has come for the other lines.
-  void serve_others();
+  // Counts a call, and now and then takes in the frames that have come for all lines.
+  void serve_lines();
   void take_in();  // what is there, without waiting
   bool receive(Clock::time_point due);
   void take_lines();

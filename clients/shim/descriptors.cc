@@ -185,6 +185,7 @@ void note_written(const Descriptor& to, std::int64_t count) {
 }
 
 void note_read(const Descriptor& from, std::int64_t count) {
+  if (count > 0 && from.on_bus()) note_progress();
   if (count > 0 && from.stream) from.stream->heard += static_cast<std::uint64_t>(count);
 }
 

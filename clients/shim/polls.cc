@@ -26,8 +26,8 @@ std::int64_t deadline_after(const timespec* length) {
 }
 
 // Counts a look that found nothing and did not wait.
-int noted(const char* doing, int found, bool at_once) {
-  if (found == 0 && at_once) note_look(doing);
+int noted(const FdWait& wait, int found, bool at_once) {
+  if (found == 0 && at_once) note_look(wait.doing, wait.on_bus);
   return found;
 }
 
@@ -46,7 +46,7 @@ int poll_until(const char* doing, pollfd* set, nfds_t count, std::int64_t deadli
   const int found = wait_for(
       wait, [&] { return VISUM_REAL(ppoll)(set, count, &kAtOnce, signals); },
       [&](const timespec* length) { return VISUM_REAL(ppoll)(set, count, length, signals); });
-  return noted(doing, found, at_once);
+  return noted(wait, found, at_once);
 }
 
 struct Sets {
@@ -84,7 +84,7 @@ int select_until(const char* doing, const Sets& sets, std::int64_t deadline, con
       [&](const timespec* length) { return select_once(sets, length, signals); });
   for (auto* set : {sets.read, sets.write, sets.error})
     if (found == 0 && set) FD_ZERO(set);
-  return noted(doing, found, at_once);
+  return noted(wait, found, at_once);
 }
 
 int epoll_until(const char* doing, int epoll, epoll_event* events, int most, std::int64_t deadline,
@@ -95,7 +95,7 @@ int epoll_until(const char* doing, int epoll, epoll_event* events, int most, std
   const int found = wait_for(
       wait, [&] { return VISUM_REAL(epoll_pwait)(epoll, events, most, 0, signals); },
       [&](const timespec*) { return VISUM_REAL(epoll_pwait)(epoll, events, most, -1, signals); });
-  return noted(doing, found, at_once);
+  return noted(wait, found, at_once);
 }
 
 }  // namespace

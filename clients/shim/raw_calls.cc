@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <sys/epoll.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
 #include <time.h>
@@ -86,6 +87,22 @@ long in_step(const Call& call) {
                                              pointer<const timespec>(word[2]), pointer<timespec>(word[3])));
     case SYS_poll:
       return ::poll(pointer<pollfd>(word[0]), static_cast<nfds_t>(word[1]), static_cast<int>(word[2]));
+    case SYS_ppoll:
+      return ::ppoll(pointer<pollfd>(word[0]), static_cast<nfds_t>(word[1]), pointer<const timespec>(word[2]),
+                     pointer<const sigset_t>(word[3]));
+    case SYS_epoll_wait:
+      return ::epoll_wait(static_cast<int>(word[0]), pointer<epoll_event>(word[1]), static_cast<int>(word[2]),
+                          static_cast<int>(word[3]));
+    case SYS_epoll_pwait:
+      return ::epoll_pwait(static_cast<int>(word[0]), pointer<epoll_event>(word[1]),
+                           static_cast<int>(word[2]), static_cast<int>(word[3]),
+                           pointer<const sigset_t>(word[4]));
+    case SYS_pselect6: {
+      const auto* signals = pointer<const sigset_t* const>(word[5]);  // and, behind it, the set's size
+      return ::pselect(static_cast<int>(word[0]), pointer<fd_set>(word[1]), pointer<fd_set>(word[2]),
+                       pointer<fd_set>(word[3]), pointer<const timespec>(word[4]),
+                       signals ? *signals : nullptr);
+    }
     case SYS_select:
       return ::select(static_cast<int>(word[0]), pointer<fd_set>(word[1]), pointer<fd_set>(word[2]),
                       pointer<fd_set>(word[3]), pointer<timeval>(word[4]));

@@ -44,7 +44,7 @@ ssize_t look(const char* doing, const Descriptor& from, Call call) {
   fire_timers();
   if (from.on_bus()) catch_up(from.stream_bit());
   const ssize_t got = call();
-  if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) note_look(doing);
+  if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) note_look(doing, from.on_bus());
   return got;
 }
 
@@ -120,8 +120,10 @@ ssize_t read_tty(int fd, void* to, std::size_t size) {
     errno = EINTR;
     return -1;
   }
-  if (count == 0 && rules.pause_ns == 0) note_look("read");
-  return count == 0 ? 0 : VISUM_REAL(read)(fd, to, static_cast<std::size_t>(count));
+  if (count == 0 && rules.pause_ns == 0) note_look("read", true);
+  if (count == 0) return 0;
+  note_progress();
+  return VISUM_REAL(read)(fd, to, static_cast<std::size_t>(count));
 }
 
 }  // namespace

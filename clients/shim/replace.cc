@@ -31,9 +31,9 @@ struct Arguments {
   bool fit = true;
 };
 
-void collect(Arguments& arguments, const char* first, va_list list) {
+void collect(Arguments& arguments, const char* first, va_list* list) {
   std::size_t count = 0;
-  for (const char* word = first; word; word = va_arg(list, const char*)) {
+  for (const char* word = first; word; word = va_arg(*list, const char*)) {
     arguments.fit = count < kMostArguments;
     if (!arguments.fit) return;
     arguments.words[count++] = const_cast<char*>(word);
@@ -55,6 +55,11 @@ VISUM_EXPORT int fexecve(int fd, char* const argv[], char* const envp[]) noexcep
   return replacing([&] { return VISUM_REAL(fexecve)(fd, argv, envp); });
 }
 
+VISUM_EXPORT int execveat(int folder, const char* path, char* const argv[], char* const envp[],
+                          int flags) noexcept {
+  return replacing([&] { return VISUM_REAL(execveat)(folder, path, argv, envp, flags); });
+}
+
 VISUM_EXPORT int execv(const char* path, char* const argv[]) noexcept {
   return replacing([&] { return VISUM_REAL(execv)(path, argv); });
 }
@@ -71,7 +76,7 @@ VISUM_EXPORT int execl(const char* path, const char* first, ...) noexcept {
   Arguments arguments;
   va_list list;
   va_start(list, first);
-  collect(arguments, first, list);
+  collect(arguments, first, &list);
   va_end(list);
   return arguments.fit ? execv(path, arguments.words.data()) : too_many();
 }
@@ -80,7 +85,7 @@ VISUM_EXPORT int execlp(const char* file, const char* first, ...) noexcept {
   Arguments arguments;
   va_list list;
   va_start(list, first);
-  collect(arguments, first, list);
+  collect(arguments, first, &list);
   va_end(list);
   return arguments.fit ? execvp(file, arguments.words.data()) : too_many();
 }
@@ -89,7 +94,7 @@ VISUM_EXPORT int execle(const char* path, const char* first, ...) noexcept {
   Arguments arguments;
   va_list list;
   va_start(list, first);
-  collect(arguments, first, list);
+  collect(arguments, first, &list);
   char* const* environment = arguments.fit ? va_arg(list, char* const*) : nullptr;
   va_end(list);
   return arguments.fit ? execve(path, arguments.words.data(), environment) : too_many();

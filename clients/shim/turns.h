@@ -46,7 +46,7 @@ auto blocked(const char* doing, Call call, std::uint32_t flags = 0, std::uint64_
 
 // Counts a look at a clock or a descriptor that did not wait. A thread that does nothing else makes time pass
 // by it.
-void note_look(const char* doing);
+void note_look(const char* doing, bool on_bus = false);
 void note_progress();  // the thread did something: the count of looks begins again
 // Counts a request over a bus or a session. A thread that asks again and again makes time pass by it.
 void note_request();

@@ -83,6 +83,6 @@ VISUM_EXPORT int ioctl(int fd, unsigned long request, ...) noexcept {
     bring_in(fd);
   }
   const int result = static_cast<int>(VISUM_REAL(syscall)(SYS_ioctl, fd, request, argument));
-  if (looks && result == 0 && *static_cast<int*>(argument) == 0) note_look("ioctl");
+  if (looks && result == 0 && *static_cast<int*>(argument) == 0) note_look("ioctl", true);
   return result;
 }

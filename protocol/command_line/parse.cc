@@ -31,7 +31,8 @@ std::optional<Extra> find_extra(const CLI::App& app) {
   for (const CLI::App* verb : app.get_subcommands())
     if (auto extra = find_extra(*verb)) return extra;
   if (app.get_prefix_command()) return std::nullopt;
-  const auto words = app.remaining();
+  auto words = app.remaining();
+  std::erase(words, "--");  // ends the options, and is no word itself
   for (const auto& word : words)
     if (looks_like_option(word)) return Extra{&app, word};
   if (words.empty()) return std::nullopt;

@@ -37,8 +37,9 @@ using BusNames = std::map<std::string, std::vector<std::string>>;
 
 inline constexpr std::size_t kMaxBusLinks = 32;
 
-// "=tcp:0" leaves the part open: Buses takes the only one that has modules. Throws std::runtime_error for
-// any other text, or for a part that the scene does not have.
+// "=tcp:0" leaves the part open: Buses takes the only one that has modules, and adds nothing where a part has
+// a bus of that kind already. Throws std::runtime_error for any other text, or for a part that the scene does
+// not have.
 BusAddress parse_bus(const std::string& text, const scene::Scene& scene);
 // The addresses under the key `bus` of the scene's parts. Throws ConfigError.
 std::vector<BusAddress> scene_buses(const scene::Scene& scene);

@@ -57,7 +57,12 @@ Buses::Buses(cycle::Simulation& simulation, const std::vector<BusAddress>& addre
   if (addresses.size() > kMaxBusLinks)
     throw std::runtime_error("more than " + std::to_string(kMaxBusLinks) + " buses");
   std::vector<BusThread::Wiring> wirings;
+  const auto is_named = [](const BusAddress& address) { return !address.part.empty(); };
   for (const auto& address : addresses) {
+    const auto is_same_kind = [&](const BusAddress& other) {
+      return is_named(other) && other.kind == address.kind;
+    };
+    if (!is_named(address) && std::ranges::any_of(addresses, is_same_kind)) continue;  // there is one already
     const auto part =
         address.part.empty() ? part_with_modules(simulation) : part_index(simulation, address.part);
     const auto& name = simulation.parts()[part].part->description().name;

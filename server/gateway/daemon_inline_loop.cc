@@ -18,12 +18,13 @@ constexpr std::chrono::seconds kFarewell{2};            // for clients that read
 class InlineLoop final : public DaemonLoop {
  public:
   InlineLoop(cycle::Simulation& simulation, const DaemonOptions& options, std::atomic<bool>& stop)
-      : DaemonLoop(simulation, options, stop, [this]() -> const Published& { return fresh_copy(); }),
-        paced_(options.paced && simulation.scene().clock == scene::ClockKind::kLockstep) {
+      : paced_(options.paced && simulation.scene().clock == scene::ClockKind::kLockstep),
+        doors_(simulation, options, stop, [this]() -> const Published& { return fresh_copy(); }) {
     doors_.open_buses(options.buses, [this] { doors_.server.notify(); });
   }
 
   void run() override;
+  DaemonDoors& doors() override { return doors_; }
 
  private:
   // True if the world may tick now.
@@ -38,6 +39,7 @@ class InlineLoop final : public DaemonLoop {
   bool is_paced_now_ = false;
   Published copy_;
   std::uint64_t copied_version_ = 0;  // of the tick's side
+  DaemonDoors doors_;                 // last: while it ends, sessions may still ask for the copy
 };
 
 const Published& InlineLoop::fresh_copy() {

@@ -16,15 +16,7 @@ class DaemonLoop {
   // Until a stop, a client's Shutdown, or the last of the iterations. Passes on what a tick throws.
   virtual void run() = 0;
 
-  DaemonDoors& doors() { return doors_; }
-  const DaemonDoors& doors() const { return doors_; }
-
- protected:
-  DaemonLoop(cycle::Simulation& simulation, const DaemonOptions& options, std::atomic<bool>& stop,
-             Gateway::Latest newest)
-      : doors_(simulation, options, stop, std::move(newest)) {}
-
-  DaemonDoors doors_;
+  virtual DaemonDoors& doors() = 0;
 };
 
 // Clock realtime: the caller's thread ticks, and the sessions have a thread of their own.

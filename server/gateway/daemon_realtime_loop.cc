@@ -19,12 +19,14 @@ constexpr std::chrono::milliseconds kBeforeTick{1};     // a comparison ends so 
 class RealtimeLoop final : public DaemonLoop {
  public:
   RealtimeLoop(cycle::Simulation& simulation, const DaemonOptions& options, std::atomic<bool>& stop)
-      : DaemonLoop(simulation, options, stop, [this]() -> const Published& { return newest_copy(); }) {
+      : comparing_(options.playback != nullptr),
+        doors_(simulation, options, stop, [this]() -> const Published& { return newest_copy(); }) {
     doors_.open_buses(options.buses, [this] { doors_.mailbox.wake(); });
     publish(false);
   }
 
   void run() override;
+  DaemonDoors& doors() override { return doors_; }
 
  private:
   void tick_in_real_time();
@@ -59,8 +61,9 @@ class RealtimeLoop final : public DaemonLoop {
   }
 
   world::Exchange<Published> exchange_;
-  std::uint64_t published_version_ = 0;          // of the tick's side, as of the last copy
-  bool comparing_ = doors_.playback != nullptr;  // parts of the recording are not compared yet
+  std::uint64_t published_version_ = 0;  // of the tick's side, as of the last copy
+  bool comparing_;                       // parts of the recording are not compared yet
+  DaemonDoors doors_;                    // last: while it ends, sessions may still ask for the copy
 };
 
 // The sessions' thread is told of the end in any case, also where a tick throws.

@@ -10,7 +10,7 @@ StaticWorld static_world(const cycle::Simulation& simulation) {
                     std::chrono::nanoseconds(scene.lockstep_timeout_ns),
                     {},
                     {},
-                    describe_world(scene, simulation.revision())};
+                    std::make_shared<const WorldView>(describe_world(scene, simulation.revision()))};
   for (const auto& bound : simulation.parts()) {
     world.parts.push_back(bound.part.get());
     world.agents.push_back(bound.agent);

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,7 @@ struct StaticWorld {
   std::chrono::nanoseconds lockstep_timeout{};
   std::vector<const hwparts::Part*> parts;  // only their const, any-thread functions are used
   std::vector<std::string> agents;          // by part: the scene's agent that commands it; empty: none
-  WorldView view;
+  std::shared_ptr<const WorldView> view;
   bool simulated = true;
   bool has_world = true;                    // false: see DaemonOptions
   std::string steering_part{};              // of a recording that is shown; empty: the world is a live one

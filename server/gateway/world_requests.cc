@@ -27,20 +27,21 @@ Eigen::Vector3d to_vector(const std::vector<double>& numbers) {
 }  // namespace
 
 void WorldRequests::handle(const Call& call, const protocol::ReadMesh& request) {
-  if (request.mesh >= view_.meshes.size())
-    return call.fail(ErrorCode::kUnknownName, "there are " + std::to_string(view_.meshes.size()) + " meshes");
-  call.reply(view_.meshes[request.mesh]);
+  if (request.mesh >= view_->meshes.size())
+    return call.fail(ErrorCode::kUnknownName,
+                     "there are " + std::to_string(view_->meshes.size()) + " meshes");
+  call.reply(view_->meshes[request.mesh]);
 }
 
 void WorldRequests::handle(const Call& call, const protocol::ReadTexture& request) {
-  if (request.texture >= view_.textures.size())
+  if (request.texture >= view_->textures.size())
     return call.fail(ErrorCode::kUnknownName,
-                     "there are " + std::to_string(view_.textures.size()) + " textures");
-  call.reply(view_.textures[request.texture]);
+                     "there are " + std::to_string(view_->textures.size()) + " textures");
+  call.reply(view_->textures[request.texture]);
 }
 
 void WorldRequests::handle(const Call& call, const protocol::PushBody& request) {
-  const auto& bodies = view_.description.bodies;
+  const auto& bodies = view_->description.bodies;
   const auto found = std::ranges::find(bodies, request.body, &protocol::BodyDescription::name);
   if (found == bodies.end()) {
     std::vector<std::string> known;
@@ -62,7 +63,7 @@ void WorldRequests::handle(const Call& call, const protocol::PushBody& request) 
   input->part = 0;
   input->epoch = order_of(call);
   input->wrench = {world::BodyId{body}, to_vector(request.force_n), to_vector(request.torque_nm)};
-  input->revision = view_.description.revision;
+  input->revision = view_->description.revision;
   input->push_point = request.point_m.empty() ? std::nullopt : std::optional(to_vector(request.point_m));
   input->duration_ticks = world_.to_ticks(request.duration_ns);
   mailbox_.send(input);
@@ -70,14 +71,14 @@ void WorldRequests::handle(const Call& call, const protocol::PushBody& request) 
 }
 
 void WorldRequests::replace_view(WorldView view, const Published& now) {
-  view_ = std::move(view);
+  view_ = std::make_shared<const WorldView>(std::move(view));
   clients_.broadcast({"world_changed", "bodies came or went", {}, now.era, now.tick});
 }
 
 void WorldRequests::follow_shown_world(const Published& now) {
   if (now.shown == shown_) return;
   shown_ = now.shown;
-  view_ = *shown_;
+  view_ = shown_;
   clients_.broadcast({"world_changed", "another world is shown", {}, now.era, now.tick});
 }
 

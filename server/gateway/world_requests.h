@@ -21,7 +21,7 @@ class WorldRequests {
         commands_(commands),
         view_(world.view) {}
 
-  void handle(const Call& call, const protocol::DescribeWorld&) { call.reply(view_.description); }
+  void handle(const Call& call, const protocol::DescribeWorld&) { call.reply(view_->description); }
   void handle(const Call& call, const protocol::ReadMesh& request);
   void handle(const Call& call, const protocol::ReadTexture& request);
   void handle(const Call& call, const protocol::PushBody& request);
@@ -39,8 +39,8 @@ class WorldRequests {
   Clients& clients_;
   InputLimiter& limiter_;
   Commands& commands_;
-  WorldView view_;
-  std::shared_ptr<const WorldView> shown_;  // the other server's world that view_ was copied from
+  std::shared_ptr<const WorldView> view_;   // of the world as it is now
+  std::shared_ptr<const WorldView> shown_;  // another server's world, where the last copy showed one
 };
 
 }  // namespace visum::gateway

@@ -8,7 +8,7 @@ import sys
 import tempfile
 import unittest
 
-from programs import ARM, BIN, DEADLINE_S, Daemon
+from programs import ARM, BIN, DEADLINE_S, Daemon, visum
 
 WAITS = BIN / "visum-test-waits"
 SERIAL_ARM = BIN / "visum-serial-arm"
@@ -193,7 +193,7 @@ class ProgramsForRealModules(unittest.TestCase):
         self.assertEqual(text, "8 found")
         self.assertIn("takes a tick or more", errors)
         self.assertGreaterEqual(figures["sim_seconds"], 23 * 0.93)
-        self.assertLess(figures["sim_seconds"], 23 * 0.93 * 1.05, "at most a 32nd late")
+        self.assertLess(figures["sim_seconds"], 23 * (0.93 + 0.04), "a look is 10 ms late at most, and each module takes a few")
 
     def test_a_server_and_its_client_over_loopback(self):
         text, figures, _ = self.same_in_runs(2, HABITS, "serve", "{bus.arm}", 100)
@@ -266,7 +266,7 @@ class Options(unittest.TestCase):
     def test_wrong_ones_are_told_of_by_this_commands_names(self):
         self.assertIn("PART=pty, PART=slcan or PART=tcp", run("true", buses=("--bus", "arm=rs485"), expect=2)[2])
         with Daemon() as daemon:
-            done = daemon.visum("exec", "--tty", "ttyS0=arm", "--", "true", expect=2)
+            done = visum("exec", "--connect", daemon.connect, "--tty", "ttyS0=arm", "--", "true", expect=2)
             self.assertIn("start visumd with --bus arm=pty:PATH", done.stderr)
 
 

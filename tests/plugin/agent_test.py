@@ -144,7 +144,7 @@ class Outside(unittest.TestCase):
         with Daemon("--clock", "lockstep", scene=SCENES / "cart.yaml") as daemon:
             done = run_agent(SCENES / "explorer_agent.yaml", "--connect", daemon.connect, "--time", 1)
             self.assertEqual(done.returncode, 3)
-            self.assertIn("explorer_agent.yaml:8: agents[0]: explorer: no part 'eye' here", done.stderr)
+            self.assertIn("explorer_agent.yaml:8: agents[0]: explorer: there is no part 'eye'; there is only 'cart'", done.stderr)
         self.assertEqual(run_agent(SCENES / "cart.yaml", "--time", 1).returncode, 3)
         self.assertEqual(run_agent("--time", 1).returncode, 2)
 

@@ -23,7 +23,7 @@ constexpr std::int64_t kFirstWatch_ns = 100'000, kWatch_ns = 10'000'000;
 constexpr std::int64_t kSoon_ns = 50'000;  // a thread is about to end or to wake up
 constexpr std::int64_t kMostTicks = 1000;  // at once; then look for threads that woke up by themselves
 
-constexpr std::chrono::seconds kFarewell{5};  // how long to wait for the world once the program has ended
+constexpr std::chrono::seconds kLastAdvance{5};  // how long to wait for the world once the program has ended
 constexpr std::chrono::milliseconds kWaking{500};  // how long to wait for a parent to notice its child's end
 
 bool is_ready(const Slot& slot, std::int64_t now_ns) {
@@ -89,7 +89,7 @@ void Scheduler::check_end() {
 
 bool Scheduler::is_patient() {
   check_end();
-  return !ended_ || Clock::now() < ended_at_ + kFarewell;
+  return !ended_ || Clock::now() < ended_at_ + kLastAdvance;
 }
 
 // Sets `soon` where no thread runs but one is about to end or to wake up. Two passes: first no thread may run
@@ -158,7 +158,9 @@ void Scheduler::free_if_gone(Slot& slot) {
     if (Clock::now() - *ended < kWaking) return;
   }
   ended.reset();
-  check_announced(slot);
+  // A thread that calls exec() goes on as its process' first one: its own end says nothing yet.
+  const bool goes_on = tid != pid && (slot.flags & shim::kReplacing) != 0 && !threads_.state(pid, pid).gone();
+  if (!goes_on) check_announced(slot);
   threads_.forget(tid != 0 ? tid : pid);
   for (auto& alarm : memory_.alarms)
     if (alarm.pid == pid && tid == pid) alarm.pid = 0;
@@ -304,7 +306,7 @@ void Scheduler::kill_all() {
   for (const auto process : processes)
     if (process != program_ || !ended_) ::kill(process, SIGKILL);
   if (!ended_) ::waitpid(program_, nullptr, 0);
-  const auto give_up = Clock::now() + kFarewell;
+  const auto give_up = Clock::now() + kLastAdvance;
   for (const auto process : processes)
     while (process != program_ && !threads_.state(process, process).gone() && Clock::now() < give_up)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

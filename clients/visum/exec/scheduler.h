@@ -46,6 +46,8 @@ class Scheduler {
     std::uint64_t began = 0;  // `ticks`, when this turn was seen first
     int still = 0;            // looks in a row at which it slept without having announced it
     Clock::time_point still_since = Clock::now();
+    std::uint64_t reserved = 0;  // kStarting: the slot's ticket, when it was seen first
+    Clock::time_point starting_since = Clock::now();
     bool unknown = false;  // it waits in a call that the shim does not know
     bool told = false;
     std::optional<Clock::time_point> ended;  // it has ended, and the parent that waits for it still sleeps

@@ -67,16 +67,23 @@ void Scheduler::look_after(Slot& slot) {
 // in a moment: a full pipe, a page that is read from disk.
 void Scheduler::look_at_wait(const Slot& slot, Watched& watched) {
   const auto wait = Threads::wait_of(slot.pid, slot.tid);
+  // It may have parked since it was looked at. Only the scheduler lets it run again.
+  if (slot.state != State::kRunning || slot.go != watched.turn) return;
   if (wait == KernelWait::kHostTime)
     note_out_of_step(text_of(slot) +
                      " waits by the host's time: in a system call that the shim does not see");
   const bool in_earnest = wait == KernelWait::kInput || Clock::now() - watched.still_since > kPassing;
-  if (slot.state == State::kRunning && watched.still >= kStill && in_earnest) watched.unknown = true;
+  if (watched.still >= kStill && in_earnest) watched.unknown = true;
 }
 
 // A slot was reserved for a process that never took it: a static program, or one that ended at once.
 void Scheduler::drop_if_late(Slot& slot) {
-  if (Clock::now() - quiet_since_ < kStart) return;
+  auto& watched = watched_[number(slot)];
+  if (watched.reserved != slot.ticket) {
+    watched.reserved = slot.ticket;
+    watched.starting_since = Clock::now();
+  }
+  if (Clock::now() - watched.starting_since < kStart) return;
   std::fprintf(
       stderr,
       "visum: a process that %s started does not keep in step: it is linked statically, or has ended\n",
@@ -94,8 +101,9 @@ void Scheduler::note_out_of_step(const std::string& why) {
 void Scheduler::check_announced(const Slot& slot) {
   const auto process = std::to_string(slot.pid);
   if (slot.state == State::kStarting && slot.parent != 0)
-    note_out_of_step("process " + process + ", which " + process_name(slot.parent) + " (" +
-                     std::to_string(slot.parent) + ") started, has not loaded the time shim");
+    note_out_of_step((slot.pid == 0 ? "a process" : "process " + process) + ", which " +
+                     process_name(slot.parent) + " (" + std::to_string(slot.parent) +
+                     ") started, has not loaded the time shim");
   if ((slot.flags & shim::kReplacing) != 0)
     note_out_of_step("process " + process + " has become a program that has not loaded the time shim");
 }

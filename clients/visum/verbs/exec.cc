@@ -46,11 +46,11 @@ const char* const kFooter =
     "L2 every "
     "run has the same result.\n"
     "Exit codes: that of the program, or 2 wrong options, 3 the scene is wrong, 4 with L1 or L2 the program "
-    "was ended "
-    "by a signal or was late (--wait) or the world was lost, 6 with L0 the host was too slow for real time "
-    "and the run "
-    "is invalid, 124 --timeout is over, 125 visum itself failed, 126 the program cannot be run, 127 it was "
-    "not found.\n"
+    "was ended by a signal or was late (--wait) or the world was lost, 6 the run is invalid: its claim could "
+    "not be established (with L0 the host was too slow for real time; with L2 a process of the program did "
+    "not keep in step, as one that is linked statically), 124 --timeout is over, 125 visum itself failed, "
+    "126 "
+    "the program cannot be run, 127 it was not found.\n"
     "\nExamples:\n"
     "  visumd models/scenes/amtec_arm.yaml --bus arm=pty:arm.tty &\n"
     "  visum exec --tty ttyS0=arm -- ./controller args\n"
@@ -212,6 +212,8 @@ class ExecVerb : public Verb {
   // with modules, which visumd finds.
   std::string part_to_add(const exec::CanOption& can) const {
     if (!can.part.empty()) return can.part;
+    const auto over_tcp = std::ranges::find(parsed_buses_, "tcp", &exec::BusOption::kind);
+    if (over_tcp != parsed_buses_.end()) return over_tcp->part;
     if (!parsed_buses_.empty()) return parsed_buses_.front().part;
     return parsed_ttys_.empty() ? std::string() : parsed_ttys_.front().part;
   }
@@ -292,6 +294,7 @@ class ExecVerb : public Verb {
     began_ = true;
     const auto give_up = timeout_s_ > 0.0 ? Clock::now() + duration() : Clock::time_point::max();
     const int status = exec::await_end(program, give_up);
+    started_program_ = exec::was_started();
     const auto after = link.request_as<protocol::ServerStatus>(protocol::Status{});
     return finish(status, after, run::why_invalid(before, after, max_overruns_));
   }
