@@ -20,7 +20,7 @@ MAY_CHANGE = {
     "Welcome": {"server"},
     "Error": {"text"},
     "Event": {"text"},
-    "Parameter": {"help"},
+    "ParameterDescription": {"help"},
     "ServerStatus": {"real_time_factor", "overruns", "lateness_p50_ns", "lateness_p999_ns", "lateness_max_ns", "state_hash", "phases",
                      "own_allocations", "solver_warnings"},
     "PartSample": {"sensor_outputs"},
