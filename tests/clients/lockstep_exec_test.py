@@ -231,6 +231,18 @@ class Verdict(unittest.TestCase):
     def test_one_that_sleeps_past_the_library(self):
         self.assertIn("waits by the host's time", self.invalid(BIN / "visum-test-raw-sleep", "raw"))
 
+    def test_a_scenario_with_such_a_controller_is_invalid_and_not_passed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "static.yaml"
+            file.write_text(f"visum_scenario: 1\nname: static\nscene: {ARM}\nclock: lockstep\nmax_sim_s: 10\ncontrollers:\n"
+                            f"  - {{name: stranger, command: [\"{BIN / 'visum-test-static'}\"], shim: true}}\n"
+                            "checks: [{name: the arm is there, that: {port: {part: arm, name: Part State}, equals: 0},"
+                            " when: eventually}]\n")
+            done = visum("run", file, "--json", expect=6)
+        result = json.loads(done.stdout.splitlines()[-1])
+        self.assertEqual((result["passed"], result["valid"]), (False, False))
+        self.assertIn("controller 'stranger': the program itself has not loaded the time shim", result["invalid_reason"])
+
     def test_one_that_could_not_be_started_is_not_valid_either(self):
         _, figures, _ = run("no-such-program", expect=127)
         self.assertFalse(figures["valid"])

@@ -248,7 +248,7 @@ void Scheduler::advance() {
   const auto until = earliest();
   if (awaits_answer() || (until == shim::kNever && !any_on_bus())) {
     if (memory_.dirty) advance_by(0);
-    complain_of_missing_shim();
+    end_program_without_shim();
     shim::futex_wait(memory_.bell, quiet_bell_, kWatch_ns);
     return;
   }

@@ -69,7 +69,7 @@ class Scheduler {
   void await_announcements();
   void note_out_of_step(const std::string& why);
   void complain(shim::Slot& slot);
-  void complain_of_missing_shim();
+  void end_program_without_shim();
   shim::Slot* next_ready();
   shim::Slot* next_to_recheck();
   void give_turn(shim::Slot& slot, bool again);
@@ -102,7 +102,6 @@ class Scheduler {
   Clock::time_point quiet_since_ = Clock::now();
   Clock::time_point noted_ = Clock::now();
   Clock::time_point started_ = Clock::now();
-  bool complained_of_missing_shim_ = false;
   std::string out_of_step_;
 };
 

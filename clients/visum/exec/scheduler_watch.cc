@@ -1,5 +1,6 @@
 // Watches threads that have run for long: they may be dead, in a call that the shim does not know, computing
 // or spinning.
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -130,15 +131,12 @@ void Scheduler::await_announcements() {
 }
 
 // A program that loads the shim has a slot before its own code runs.
-void Scheduler::complain_of_missing_shim() {
-  if (memory_.used != 0 || complained_of_missing_shim_ || Clock::now() - started_ < kComplain) return;
-  complained_of_missing_shim_ = true;
-  world_.note("waits for a program that does not load the time shim");
-  std::fprintf(
-      stderr,
-      "visum: %s (%d) does not load the time shim, and the world waits for it: is it linked statically, "
-      "or setuid? --gate needs no shim\n",
-      process_name(program_).c_str(), static_cast<int>(program_));
+void Scheduler::end_program_without_shim() {
+  if (memory_.used != 0 || !out_of_step_.empty() || Clock::now() - started_ < kComplain) return;
+  note_out_of_step(process_name(program_) + " (" + std::to_string(program_) +
+                   ") does not load the time shim, and the world waits for it: is it linked statically, or "
+                   "setuid? --gate needs no shim");
+  ::kill(program_, SIGKILL);
 }
 
 void Scheduler::complain(Slot& slot) {

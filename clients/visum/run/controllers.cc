@@ -217,6 +217,17 @@ void Controllers::stop_all() {
   }
 }
 
+std::string Controllers::out_of_step() const {
+  constexpr std::string_view kVerdict = "visum: INVALID: ";
+  for (const Controller& controller : controllers_) {
+    if (!controller.spec->shim || !controller.process) continue;
+    for (const std::string& line : controller.process->last_lines())
+      if (line.starts_with(kVerdict))
+        return "controller '" + controller.spec->name + "': " + line.substr(kVerdict.size());
+  }
+  return {};
+}
+
 std::vector<ControllerResult> Controllers::results() const {
   std::vector<ControllerResult> results;
   for (const Controller& controller : controllers_) {

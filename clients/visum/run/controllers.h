@@ -52,6 +52,9 @@ class Controllers {
   void check_ends();
   void signal(const std::string& name, int number);
   void stop_all();
+  // Why a controller under the time shim was not in step with the world, as `visum exec` has said; empty: all
+  // were, as far as they have ended.
+  std::string out_of_step() const;
   std::vector<ControllerResult> results() const;
 
  private:

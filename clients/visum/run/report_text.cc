@@ -132,7 +132,10 @@ std::string report_json(const Report& report) {
   json.begin_object().member("passed", report.passed()).member("ticks", report.ticks);
   json.key("sim_seconds").number(with_point(report.sim_seconds));
   json.key("wall_seconds").number(with_point(report.wall_seconds));
-  if (report.code == cli::kInvalid) json.member("invalid", true);
+  const bool valid = report.code != cli::kInvalid;
+  json.member("valid", valid);
+  if (!valid)
+    json.member("invalid_reason", report.error).member("invalid", true);  // `invalid`: for one release
   return json.member("state_hash", cli::hex(report.state_hash)).end_object().text();
 }
 

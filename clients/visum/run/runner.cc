@@ -84,6 +84,7 @@ class Run {
   void go();
   void collect();  // what is known so far, into the report
   std::string why_invalid() { return run::why_invalid({}, session_.status(), scenario_.max_overruns); }
+  std::string out_of_step() const { return controllers_.out_of_step(); }
   void keep();
 
  private:
@@ -263,7 +264,7 @@ void judge(Report& report) {
   report.code = good ? cli::kDone : cli::kFailed;
 }
 
-// On a host that was too slow, neither success nor failure means anything.
+// Neither success nor failure means anything on a host that was too slow, or where a program was not in step.
 void invalidate(Report& report, const std::string& why) {
   if (report.code != cli::kDone && report.code != cli::kFailed) return;
   fail(report, cli::kInvalid, report.error.empty() ? why : why + "; " + report.error);
@@ -282,6 +283,7 @@ void run_with(Daemon& daemon, const Scenario& scenario, const RunOptions& option
   guard(at_the_end, nullptr, [&] { invalid = run->why_invalid(); });
   run->collect();
   judge(report);
+  if (invalid.empty()) invalid = run->out_of_step();
   if (!invalid.empty()) invalidate(report, invalid);
   if (report.code == cli::kDone || report.code == cli::kFailed) {
     Report afterwards;  // how the time after the scenario ends does not matter to its result
