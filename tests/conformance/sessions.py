@@ -21,6 +21,7 @@ MAY_CHANGE = {
     "Error": {"text"},
     "Event": {"text"},
     "ParameterDescription": {"help"},
+    "FaultKind": {"effect"},
     "ServerStatus": {"real_time_factor", "overruns", "lateness_p50_ns", "lateness_p999_ns", "lateness_max_ns", "state_hash", "phases",
                      "own_allocations", "solver_warnings"},
     "PartSample": {"sensor_outputs"},
