@@ -90,7 +90,7 @@ TEST(ReportJunit, WhatABrokenRunDidNotReachIsSkipped) {
 TEST(ReportJson, IsTheLineThatScriptsRelyOn) {
   EXPECT_EQ(
       report_json(report()),
-      R"({"passed":true,"ticks":12000,"sim_seconds":12.0,"wall_seconds":0.4,"state_hash":"0000000000009f01"})");
+      R"({"passed":true,"valid":true,"ticks":12000,"sim_seconds":12.0,"wall_seconds":0.4,"state_hash":"0000000000009f01"})");
 }
 
 TEST(ReportJson, HasALinePerCheck) {

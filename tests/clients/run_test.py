@@ -14,7 +14,7 @@ import xml.etree.ElementTree as xml
 
 from programs import ARM, BIN, DEADLINE_S, SOURCE, children_of, processes_with, visum
 
-RESULT = {"passed", "ticks", "sim_seconds", "wall_seconds", "state_hash"}
+RESULT = {"passed", "valid", "ticks", "sim_seconds", "wall_seconds", "state_hash"}
 
 
 def free_port_that_nobody_is_given():

@@ -17,8 +17,8 @@ namespace visum::run {
 
 // For people, in lines of at most 80 columns.
 std::string report_text(const Report& report, const cli::Style& style);
-// {"passed":true,"ticks":12000,"sim_seconds":12.0,"wall_seconds":0.4,"state_hash":"9f..."}, without a line's
-// end.
+// {"passed":true,"valid":true,"ticks":12000,"sim_seconds":12.0,"wall_seconds":0.4,"state_hash":"9f..."}
+// Without a line's end.
 std::string report_json(const Report& report);
 // A line for each check:
 // {"check":"...","passed":true,"value":0.0012,"unit":"m","bound":"below 0.01 m","at_s":12.0}
