@@ -55,7 +55,7 @@ class NoBuses final : public BusDoor {
   std::int64_t granted_tick(std::uint32_t) const override { return 0; }
 
  private:
-  const std::vector<protocol::PartBus> addresses_;
+  const std::vector<protocol::PartBus> addresses_{};
 };
 
 }  // namespace visum::bus

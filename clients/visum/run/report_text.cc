@@ -128,14 +128,14 @@ std::string report_text(const Report& report, const cli::Style& style) {
 }
 
 std::string report_json(const Report& report) {
-  cli::JsonWriter json;
-  json.begin_object().member("passed", report.passed()).member("ticks", report.ticks);
-  json.key("sim_seconds").number(with_point(report.sim_seconds));
-  json.key("wall_seconds").number(with_point(report.wall_seconds));
   const bool valid = report.code != cli::kInvalid;
-  json.member("valid", valid);
+  cli::JsonWriter json;
+  json.begin_object().member("passed", report.passed()).member("valid", valid);
   if (!valid)
     json.member("invalid_reason", report.error).member("invalid", true);  // `invalid`: for one release
+  json.member("ticks", report.ticks);
+  json.key("sim_seconds").number(with_point(report.sim_seconds));
+  json.key("wall_seconds").number(with_point(report.wall_seconds));
   return json.member("state_hash", cli::hex(report.state_hash)).end_object().text();
 }
 
