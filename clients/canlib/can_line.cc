@@ -25,6 +25,7 @@ constexpr std::size_t kMostText = 4096;  // without an end of line: no slcan
 // The lines of this process. A call in so many also serves the others: a socket's buffer holds more frames
 // than that.
 constexpr unsigned kCallsPerRound = 256;
+constexpr int kMostReads = 128;  // for one line in a round: more bytes than so many calls bring
 std::mutex lines_lock;
 // Never destroyed: a program may end with handles open, whose lines end after this file's own variables.
 std::vector<CanLine*>& lines = *new std::vector<CanLine*>;
@@ -133,7 +134,7 @@ void CanLine::serve_lines() {
 void CanLine::take_in() {
   const std::unique_lock lock(reading_, std::try_to_lock);
   if (!lock) return;  // its own reader is at it
-  while (receive(Clock::now())) {
+  for (int reads = 0; reads < kMostReads && receive(Clock::now()); ++reads) {
   }
 }
 
