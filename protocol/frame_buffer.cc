@@ -50,6 +50,11 @@ void FrameBuffer::clear() {
   begin_ = end_ = wanted_ = 0;
 }
 
+void FrameBuffer::give_up() {
+  clear();
+  bytes_ = std::vector<std::byte>(kHeaderBytes);
+}
+
 void FrameBuffer::compact() {
   std::memmove(bytes_.data(), bytes_.data() + begin_, held());
   end_ -= begin_;

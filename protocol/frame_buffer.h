@@ -33,6 +33,8 @@ class FrameBuffer {
   // Makes room for at least so many bytes, so that one read can bring many frames.
   void reserve(std::size_t bytes);
   void clear();
+  // Drops what is held, and the memory with it.
+  void give_up();
 
  private:
   std::size_t held() const { return end_ - begin_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "protocol/config/printable.h"
 #include "protocol/limits.h"
 
 namespace visum::protocol {
@@ -11,11 +12,6 @@ constexpr std::uint32_t kOldestVersion = 1;
 
 std::string range(std::uint32_t from, std::uint32_t to) {
   return from == to ? std::to_string(from) : std::to_string(from) + " to " + std::to_string(to);
-}
-
-// Refused, because names are shown in terminals and logs.
-bool has_control_character(const std::string& name) {
-  return std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
 }
 
 }  // namespace
@@ -34,8 +30,8 @@ std::optional<Error> refuse_hello(const Hello& hello, std::uint32_t& version) {
   if (hello.client_name.size() > kMaxClientName)
     return Error{
         ErrorCode::kBadValue, "client_name has more than " + std::to_string(kMaxClientName) + " bytes", {}};
-  if (has_control_character(hello.client_name))
-    return Error{ErrorCode::kBadValue, "client_name contains a control character", {}};
+  if (!config::is_printable(hello.client_name))
+    return Error{ErrorCode::kBadValue, std::string("client_name ") + config::kNotPrintable, {}};
   return std::nullopt;
 }
 

@@ -1,7 +1,5 @@
 #include "protocol/http_connection.h"
 
-#include <spdlog/spdlog.h>
-
 #include <array>
 #include <boost/asio/buffer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -27,9 +25,9 @@ using boost::system::error_code;
 using HttpRequest = http::request<http::empty_body>;
 
 constexpr std::uint32_t kMaxHeadBytes = 8u << 10;
-constexpr std::chrono::milliseconds kIdle{15'000};  // from an answer to the next whole request
-constexpr std::chrono::milliseconds kLinger{500};   // for the peer to read why it is refused
-constexpr std::size_t kMaxDiscarded = 1u << 20;
+constexpr std::chrono::milliseconds kIdle{15'000};     // from an answer to the next request
+constexpr std::chrono::milliseconds kHttpLinger{500};  // for the peer to read why it is refused
+constexpr std::size_t kMaxHttpDiscarded = 1u << 20;
 constexpr char kPlainText[] =
     "this server speaks TLS only: ask for https://, and show a certificate of its authority\n";
 
@@ -105,13 +103,14 @@ std::string head_text(const WebReply& reply, std::size_t length, bool keep_alive
 }  // namespace
 
 struct HttpConnection::Impl {
-  Impl(Listener::Socket the_socket, const TlsContext* tls, const HttpRules& the_rules, WebPages& the_pages,
-       SessionContext& the_context, HttpOwner& the_owner)
+  Impl(Listener::Socket the_socket, const asio::ip::tcp::endpoint& the_peer, const TlsContext* tls,
+       const HttpRules& the_rules, WebPages& the_pages, SessionContext& the_context, HttpOwner& the_owner)
       : stream(std::move(the_socket), tls),
         rules(the_rules),
         pages(the_pages),
         context(the_context),
         owner(the_owner),
+        address(the_peer.address()),
         since(context.now) {
     set_socket_options(stream.socket());
   }
@@ -130,14 +129,17 @@ struct HttpConnection::Impl {
   // Ends our side of the stream, then throws input away until the peer closes.
   void linger();
   void discard();
+  bool has_begun() const { return parser->got_some() || buffer.size() > 0; }  // to send a request
+  bool is_idle() const { return was_answered && !writing && !lingering && !has_begun(); }
   // True if the peer has used up the time for its present step.
-  bool is_late() const;
+  bool is_late();
 
   WebStream stream;
   const HttpRules& rules;
   WebPages& pages;
   SessionContext& context;
   HttpOwner& owner;
+  const asio::ip::address address;
   beast::flat_buffer buffer{kMaxHeadBytes};
   std::optional<http::request_parser<http::empty_body>> parser;
   WebReply reply;
@@ -147,6 +149,7 @@ struct HttpConnection::Impl {
   bool writing = false;
   bool was_answered = false;
   bool handshake_failed = false;
+  bool head_began = false;    // the first byte of the next request has come
   bool lingering = false;     // everything is written, and input is thrown away
   std::size_t discarded = 0;  // bytes
   ServedTime since;           // when the present wait for the peer began, or made progress
@@ -155,6 +158,7 @@ struct HttpConnection::Impl {
 
 void HttpConnection::Impl::read() {
   parser.emplace();
+  head_began = false;
   parser->header_limit(kMaxHeadBytes);
   since = context.now;
   ++operations;
@@ -183,7 +187,9 @@ void HttpConnection::Impl::tls_failed() {
   error_code gone;
   const auto peer = to_text(stream.socket().remote_endpoint(gone));
   const bool plain = stream.spoke_plain_text();
-  spdlog::warn("{} is refused: {}", peer, plain ? "plain HTTP, where https is spoken" : stream.failure());
+  context.address_logs.of(peer).write(
+      LogLevel::kWarning,
+      peer + " is refused: " + (plain ? "plain HTTP, where https is spoken" : stream.failure()));
   context.refused.fetch_add(1, std::memory_order_relaxed);
   if (plain) return send({400, "text/plain; charset=utf-8", kPlainText}, false, true);
   // The stream has sent the alert. Our side stays open until the peer closes or the time is up: Chromium
@@ -264,26 +270,33 @@ void HttpConnection::Impl::discard() {
                                     --operations;
                                     discarded += bytes;
                                     if (!stream.is_open()) return;
-                                    if (error || discarded > kMaxDiscarded) return stream.close();
+                                    if (error || discarded > kMaxHttpDiscarded) return stream.close();
                                     discard();
                                   });
 }
 
-bool HttpConnection::Impl::is_late() const {
+bool HttpConnection::Impl::is_late() {
   const auto& limits = context.limits;
   const auto is_over = [this](std::chrono::milliseconds deadline) {
     return context.now - since > deadline + context.step;
   };
   // A refused TLS client gets as long as one that says nothing at all.
-  if (lingering) return is_over(handshake_failed ? limits.hello_deadline : kLinger);
+  if (lingering) return is_over(handshake_failed ? limits.hello_deadline : kHttpLinger);
   if (writing) return is_over(limits.stall_deadline);
-  // The first request must come as soon as a Hello must. Further ones may take their time.
-  return is_over(was_answered ? kIdle : limits.hello_deadline);
+  // The first request must come as soon as a Hello must. Further ones may take their time, but once one has
+  // begun, its head must come soon.
+  if (!was_answered) return is_over(limits.hello_deadline);
+  if (!head_began && has_begun()) {
+    head_began = true;
+    since = context.now;
+  }
+  return is_over(head_began ? limits.http_head_deadline : kIdle);
 }
 
-HttpConnection::HttpConnection(Listener::Socket socket, const TlsContext* tls, const HttpRules& rules,
-                               WebPages& pages, SessionContext& context, HttpOwner& owner)
-    : impl_(std::make_unique<Impl>(std::move(socket), tls, rules, pages, context, owner)) {}
+HttpConnection::HttpConnection(Listener::Socket socket, const asio::ip::tcp::endpoint& peer,
+                               const TlsContext* tls, const HttpRules& rules, WebPages& pages,
+                               SessionContext& context, HttpOwner& owner)
+    : impl_(std::make_unique<Impl>(std::move(socket), peer, tls, rules, pages, context, owner)) {}
 
 HttpConnection::~HttpConnection() = default;
 
@@ -297,6 +310,22 @@ void HttpConnection::sweep() {
 
 void HttpConnection::close() {
   impl_->stream.close();
+}
+
+bool HttpConnection::is_open() const {
+  return impl_->stream.is_open();
+}
+
+bool HttpConnection::is_idle() const {
+  return impl_->is_idle();
+}
+
+ServedTime HttpConnection::since() const {
+  return impl_->since;
+}
+
+const asio::ip::address& HttpConnection::address() const {
+  return impl_->address;
 }
 
 bool HttpConnection::finished() const {

@@ -13,13 +13,18 @@ namespace visum::protocol {
 class HttpConnection {
  public:
   // `tls` is null for plain text. What is passed by reference or pointer must outlive the connection.
-  HttpConnection(Listener::Socket socket, const TlsContext* tls, const HttpRules& rules, WebPages& pages,
-                 SessionContext& context, HttpOwner& owner);
+  HttpConnection(Listener::Socket socket, const boost::asio::ip::tcp::endpoint& peer, const TlsContext* tls,
+                 const HttpRules& rules, WebPages& pages, SessionContext& context, HttpOwner& owner);
   ~HttpConnection();
 
   void start();  // begins to read
   void sweep();  // closes if the peer takes too long
   void close();
+  bool is_open() const;
+  // True between two requests, when the browser loses nothing if it must connect again.
+  bool is_idle() const;
+  ServedTime since() const;                         // the beginning of its present step
+  const boost::asio::ip::address& address() const;  // of the peer
   bool finished() const;  // closed or handed on, and no operation is pending: it may be destroyed
 
  private:

@@ -1,17 +1,15 @@
 #include "protocol/http_door.h"
 
 #include <algorithm>
+#include <limits>
+#include <map>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "protocol/http_connection.h"
 
 namespace visum::protocol {
-namespace {
-
-constexpr std::size_t kMaxConnections = 64;  // a browser opens at most six, and keeps them for a while
-
-}  // namespace
 
 HttpDoor::HttpDoor(boost::asio::io_context& io, const std::string& address, WebOptions options,
                    const TlsContext* tls, SessionContext& context, HttpOwner& owner)
@@ -19,7 +17,8 @@ HttpDoor::HttpDoor(boost::asio::io_context& io, const std::string& address, WebO
   const auto listen = [&](std::uint16_t port) {
     return std::make_unique<Listener>(
         io, address, port, context.limits.accepts_per_second,
-        [this](Listener::Socket socket, const auto& peer) { admit(std::move(socket), peer); });
+        [this](Listener::Socket socket, const auto& peer) { admit(std::move(socket), peer); },
+        [this] { context_.refused.fetch_add(1, std::memory_order_relaxed); });
   };
   try {
     listener_ = listen(options_.port);
@@ -32,17 +31,33 @@ HttpDoor::HttpDoor(boost::asio::io_context& io, const std::string& address, WebO
 
 HttpDoor::~HttpDoor() = default;
 
-// Over the limit a connection is closed without an answer: a browser tries again.
-void HttpDoor::admit(Listener::Socket socket, const boost::asio::ip::tcp::endpoint&) {
+void HttpDoor::admit(Listener::Socket socket, const boost::asio::ip::tcp::endpoint& peer) {
   forget_finished();
-  if (connections_.size() >= kMaxConnections) {
-    context_.refused.fetch_add(1, std::memory_order_relaxed);
-    return;
-  }
-  auto& connection = connections_.emplace_back(
-      std::make_unique<HttpConnection>(std::move(socket), tls_, *rules_, *options_.pages, context_, owner_));
+  make_room();
+  auto& connection = connections_.emplace_back(std::make_unique<HttpConnection>(
+      std::move(socket), peer, tls_, *rules_, *options_.pages, context_, owner_));
   connection->start();
   owner_.http_connected();
+}
+
+// Connections between two requests yield first, then those of the address with the most connections, then the
+// oldest: a browser opens six at most.
+void HttpDoor::make_room() {
+  std::map<boost::asio::ip::address, std::size_t> of_share;
+  std::vector<HttpConnection*> open;
+  for (auto& connection : connections_) {
+    if (!connection->is_open()) continue;
+    open.push_back(connection.get());
+    ++of_share[share_of(connection->address())];
+  }
+  if (open.size() < context_.limits.max_http_connections) return;
+  const auto first_to_yield = std::ranges::min_element(open, {}, [&](const HttpConnection* connection) {
+    const auto others = std::numeric_limits<std::size_t>::max() - of_share[share_of(connection->address())];
+    return std::tuple(!connection->is_idle(), others, connection->since());
+  });
+  if (first_to_yield == open.end()) return;
+  if (!(*first_to_yield)->is_idle()) context_.refused.fetch_add(1, std::memory_order_relaxed);
+  (*first_to_yield)->close();
 }
 
 void HttpDoor::sweep() {

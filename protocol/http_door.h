@@ -45,8 +45,10 @@ class HttpDoor {
   std::size_t connection_count() const { return connections_.size(); }
 
  private:
-  // Takes a new connection, or closes it if there are too many.
+  // Takes a new connection. If there are too many, another one yields its place, so that a health check or a
+  // page is always answered.
   void admit(Listener::Socket socket, const boost::asio::ip::tcp::endpoint& peer);
+  void make_room();
   void forget_finished();
 
   const WebOptions options_;

@@ -186,7 +186,9 @@ struct Error {
   std::string text;
   std::string owner;
 };
-struct Ok {};
+struct Ok {
+  std::int64_t acts_at_tick = 0;  // 0: it is done
+};
 struct Welcome {
   std::uint32_t version = 1;
   std::string server;
@@ -211,6 +213,10 @@ struct PhaseTime {
 struct PartBus {
   std::string part, name;  // "arm", "pty:/tmp/arm.tty"
 };
+struct Exchange {
+  std::string name;
+  std::uint64_t count = 0;
+};
 struct ServerStatus {
   std::int64_t tick = 0, sim_time_ns = 0;
   std::uint64_t era = 0;
@@ -231,6 +237,14 @@ struct ServerStatus {
   std::int64_t stuck_ns = 0;
   std::vector<std::string> free_running{};
   std::uint64_t solver_warnings = 0;
+  std::vector<Exchange> exchanges{};      // by client
+  std::vector<Exchange> bus_exchanges{};  // by part
+  std::uint64_t bus_drops = 0;
+  std::string working{};  // empty: no tick takes long
+  std::int64_t working_ns = 0;
+  std::uint64_t silent_stops = 0, late_writes = 0;
+  std::uint64_t limited_ticks = 0;
+  std::vector<std::string> limited_bodies{};
 };
 struct PartSummary {
   std::string name, kind, lease_owner;

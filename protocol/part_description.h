@@ -34,6 +34,10 @@ struct Parameter {
   bool read_only = false;
 };
 
+// The parameter that takes the supply from all motors of a part, where the part has one. Every client may set
+// it to true.
+inline constexpr const char* kEmergencyStop = "Emergency Stop";
+
 // A block of bytes beside the ports, with a name.
 struct Blackboard {
   std::string name;

@@ -12,7 +12,9 @@
 #include <boost/asio/steady_timer.hpp>
 #include <cerrno>
 #include <cstring>
+#include <limits>
 #include <map>
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -41,6 +43,11 @@ milliseconds sweep_period(const Limits& limits) {
   return std::clamp(shortest / 10, milliseconds(5), milliseconds(50));
 }
 
+std::string kept_for_admins(const Limits& limits, Role role) {
+  if (role == Role::kAdmin || limits.places_for_admins == 0) return {};
+  return ", but for " + std::to_string(limits.places_for_admins) + " that are kept for admins";
+}
+
 int make_eventfd() {
   const int fd = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
   if (fd < 0) throw std::runtime_error(std::string("eventfd: ") + std::strerror(errno));
@@ -54,20 +61,21 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   ~Impl() override;
 
   void woken(WireSession& session) override { woken_.push_back(&session); }
+  std::string refuse_place(const WireSession& session, Role role) const override;
   void http_connected() override { arm_sweep(); }
   void upgraded(UpgradePointer upgrade) override;
 
-  // Makes a session of a new TCP connection, or turns it away.
+  // Makes a session of a new TCP connection.
   void admit(tcp::socket socket, const tcp::endpoint& peer);
-  // Owns and starts a session. With a `refusal`, the session tells it to the client and closes.
-  void keep(std::unique_ptr<WireSession> session, const std::string& refusal);
-  // The limit that a further session from this address would exceed; "" if there is none.
-  std::string refusal(const asio::ip::address& peer) const;
-  // So many refused sessions linger that no more are made.
+  // Owns and starts a session.
+  void keep(std::unique_ptr<WireSession> session);
+  // If too many sessions have not said Hello, ends the oldest one of the address with the most of them. So a
+  // client that says Hello at once is never kept out by silent ones.
+  void make_room_for(const tcp::endpoint& newcomer);
+  // So many refused sessions linger that the next one is cut off.
   bool crowded() const {
     return count([](const WireSession& s) { return s.closing(); }) >= kMaxLeaving;
   }
-  void turn_away(tcp::socket& socket, const std::string& why);
   std::size_t count(bool (*of)(const WireSession&)) const;
 
   // Other threads wake the server by an eventfd: signal() writes it, on_signal() runs on the server's thread.
@@ -84,6 +92,9 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   enum class Held { kStay, kLeave };  // sessions that hold() their queue: leave them alone, or write
   void settle(Held held = Held::kLeave);
   bool serve_ready();
+  // Runs handlers. Where memory runs out within Asio or Beast, that costs the connection at hand.
+  template <typename Run>
+  std::size_t run_handlers(Run run);
   void count_open();  // publishes the number of open sessions for other threads
   bool over() const { return stopping_ && sessions_.empty(); }
 
@@ -96,8 +107,12 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   SessionHandler& handler_;
   SessionContext context_{options_.limits, handler_};
   Listener listener_{
-      io_, options_.address, options_.port, options_.limits.accepts_per_second,
-      [this](tcp::socket socket, const tcp::endpoint& peer) { admit(std::move(socket), peer); }};
+      io_,
+      options_.address,
+      options_.port,
+      options_.limits.accepts_per_second,
+      [this](tcp::socket socket, const tcp::endpoint& peer) { admit(std::move(socket), peer); },
+      [this] { context_.refused.fetch_add(1, std::memory_order_relaxed); }};
   std::unique_ptr<HttpDoor> http_;  // null: no HTTP
   const milliseconds sweep_period_;
   asio::steady_timer sweep_timer_{io_};
@@ -135,54 +150,66 @@ Server::Impl::~Impl() {
 // ---------------------------------------- accepting
 
 void Server::Impl::admit(tcp::socket socket, const tcp::endpoint& peer) {
-  const std::string why = refusal(peer.address());
-  if (!why.empty() && (tls_ || crowded())) return turn_away(socket, why);
-  keep(std::make_unique<TcpSession>(context_, *this, std::move(socket), next_id_++, peer, tls_.get()), why);
+  make_room_for(peer);
+  keep(std::make_unique<TcpSession>(context_, *this, std::move(socket), next_id_++, peer, tls_.get()));
 }
 
 // From here on it is a session like any other, with the same limits and the same refusals.
 void Server::Impl::upgraded(UpgradePointer upgrade) {
   tcp::endpoint peer;
   if (stopping_ || !peer_of(*upgrade, peer)) return;
-  const std::string why = refusal(peer.address());
-  if (!why.empty() && crowded()) return void(context_.refused.fetch_add(1, std::memory_order_relaxed));
-  keep(make_web_session(context_, *this, next_id_++, peer, std::move(upgrade)), why);
+  make_room_for(peer);
+  keep(make_web_session(context_, *this, next_id_++, peer, std::move(upgrade)));
 }
 
-void Server::Impl::keep(std::unique_ptr<WireSession> session, const std::string& refusal) {
+void Server::Impl::keep(std::unique_ptr<WireSession> session) {
   WireSession& kept = *(sessions_[session->id()] = std::move(session));
-  if (!refusal.empty()) kept.refuse(0, {ErrorCode::kBusy, refusal, {}});
   kept.start();
   count_open();
   arm_sweep();
 }
 
-std::string Server::Impl::refusal(const asio::ip::address& peer) const {
-  const Limits& limits = options_.limits;
-  std::size_t open = 0, before_hello = 0, of_peer = 0;
-  for (const auto& [id, session] : sessions_) {
-    if (session->closing()) continue;
-    ++open;
-    before_hello += session->awaits_hello();
-    of_peer += session->address() == peer;
+void Server::Impl::make_room_for(const tcp::endpoint& newcomer) {
+  std::map<asio::ip::address, std::vector<WireSession*>> silent;  // by address, the oldest first
+  std::size_t count = 0;
+  for (auto& [id, session] : sessions_) {
+    if (!session->awaits_hello()) continue;
+    silent[share_of(session->address())].push_back(session.get());
+    ++count;
   }
-  if (open >= limits.max_sessions)
-    return "the limit of " + std::to_string(limits.max_sessions) + " sessions is reached";
-  if (before_hello >= limits.max_unauthenticated) return "too many clients that have not said Hello yet";
-  if (of_peer >= limits.max_sessions_per_peer && !unmapped(peer).is_loopback())
-    return "the limit of " + std::to_string(limits.max_sessions_per_peer) +
-           " sessions from one address is reached";
-  return {};
+  if (count < options_.limits.max_unauthenticated) return;
+  const auto weight = [own = share_of(newcomer.address())](const auto& entry) {
+    const auto age = std::numeric_limits<std::uint64_t>::max() - entry.second.front()->id();
+    return std::pair(entry.second.size() + (entry.first == own), age);
+  };
+  const auto busiest = std::ranges::max_element(silent, {}, weight);
+  if (busiest == silent.end()) return;
+  WireSession& oldest = *busiest->second.front();
+  const bool crowd = crowded();
+  oldest.refuse(0,
+                {ErrorCode::kBusy, "its place was given to a newer connection, because it was silent", {}});
+  if (crowd) oldest.let_go();
 }
 
-// Refuses a connection without making a session: sends as much of the reason as goes at once.
-void Server::Impl::turn_away(tcp::socket& socket, const std::string& why) {
-  context_.refused.fetch_add(1, std::memory_order_relaxed);
-  std::vector<std::byte> frame;
-  encode_reply(0, Error{ErrorCode::kBusy, why, {}}, frame);
-  error_code ignored;
-  socket.non_blocking(true, ignored);
-  socket.write_some(asio::buffer(frame.data(), frame.size()), ignored);
+// Called when a session says Hello, which is the moment from which it counts.
+std::string Server::Impl::refuse_place(const WireSession& session, Role role) const {
+  const Limits& limits = options_.limits;
+  const auto share = share_of(session.address());
+  std::size_t open = 0, of_peer = 0;
+  for (const auto& [id, other] : sessions_) {
+    if (other->closing() || other->awaits_hello()) continue;
+    ++open;
+    of_peer += share_of(other->address()) == share;
+  }
+  const std::size_t more = role == Role::kAdmin ? limits.places_for_admins : 0;
+  if (open + limits.places_for_admins >= limits.max_sessions + more)
+    return "the limit of " + std::to_string(limits.max_sessions) + " sessions is reached" +
+           kept_for_admins(limits, role);
+  const bool local = unmapped(session.address()).is_loopback();
+  const std::size_t most = local ? limits.max_sessions_per_local_peer : limits.max_sessions_per_peer;
+  if (of_peer >= most + more)
+    return "the limit of " + std::to_string(most + more) + " sessions from one address is reached";
+  return {};
 }
 
 std::size_t Server::Impl::count(bool (*of)(const WireSession&)) const {
@@ -255,6 +282,7 @@ void Server::Impl::sweep() {
   context_.now += std::min<ServedTime>(steady_clock::now() - last_sweep_, 2 * sweep_period_);
   for (auto& [id, session] : sessions_) session->sweep();
   if (http_) http_->sweep();
+  context_.address_logs.sweep();
   arm_sweep();
 }
 
@@ -280,12 +308,22 @@ void Server::Impl::settle(Held held) {
   if (any_closed) count_open();
 }
 
+template <typename Run>
+std::size_t Server::Impl::run_handlers(Run run) {
+  try {
+    return run(io_);
+  } catch (const std::bad_alloc&) {
+    spdlog::error("a connection is lost: not enough memory is left");
+    return 1;
+  }
+}
+
 // Bounded, so that no client can keep the caller here.
 bool Server::Impl::serve_ready() {
   bool any = false;
   const std::size_t connections = http_ ? http_->connection_count() : 0;
-  for (std::size_t left = sessions_.size() + connections + kSpareEvents; left > 0 && io_.poll_one() > 0;
-       --left) {
+  for (std::size_t left = sessions_.size() + connections + kSpareEvents; left > 0; --left) {
+    if (run_handlers([](auto& io) { return io.poll_one(); }) == 0) break;
     any = true;
     settle(Held::kStay);
   }
@@ -311,7 +349,8 @@ void Server::start() {
 }
 
 void Server::run() {
-  for (impl_->settle(); !impl_->over(); impl_->settle()) impl_->io_.run_one();
+  for (impl_->settle(); !impl_->over(); impl_->settle())
+    impl_->run_handlers([](auto& io) { return io.run_one(); });
 }
 
 bool Server::poll() {
@@ -322,7 +361,7 @@ bool Server::poll() {
 void Server::poll_for(std::chrono::nanoseconds at_most) {
   impl_->settle();
   const bool waits = at_most.count() > 0;
-  if (waits && impl_->io_.run_one_for(at_most) == 0) return;
+  if (waits && impl_->run_handlers([&](auto& io) { return io.run_one_for(at_most); }) == 0) return;
   impl_->settle(Impl::Held::kStay);
   const bool others =
       !waits || impl_->sessions_.size() > 1 || (impl_->http_ && impl_->http_->connection_count() > 0);

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/client_log.h"
 #include "protocol/limits.h"
 #include "protocol/messages.h"
 #include "protocol/tls.h"
@@ -49,6 +50,9 @@ class Session {
   virtual bool ready_for(std::uint32_t stream) const = 0;
   // Allows what is queued now to leave together with what follows, at the server's next poll() at the latest.
   virtual void hold() {}
+  // Writes a line about this client to the log, at most 20 a second (client_log.h). Clients that have not
+  // said Hello share that with all others from their address.
+  virtual void log(LogLevel level, const std::string& text) = 0;
   // Sends what is queued, then closes.
   virtual void close(CloseReason reason) = 0;
 };

@@ -1,9 +1,8 @@
 #include "protocol/session_core.h"
 
-#include <spdlog/spdlog.h>
-
 #include <cassert>
 #include <exception>
+#include <new>
 #include <utility>
 
 #include "protocol/codec.h"
@@ -15,6 +14,9 @@ namespace {
 constexpr int kRequestsPerTurn = 64;            // then other sessions have their turn
 constexpr std::size_t kIdleBytes = 16u << 10;   // receive buffer between frames
 constexpr std::size_t kHelloBufferBytes = 512;  // receive buffer before the hello
+
+constexpr const char* kNoMemory =
+    "not enough memory is left for this request: the limit (ulimit -v, or the container's) is reached";
 
 std::string in_words(std::chrono::milliseconds time) {
   return std::to_string(time.count()) + " ms";
@@ -38,7 +40,11 @@ void SessionCore::send(std::uint64_t reply_to, const Reply& reply) {
   if (phase_ != Phase::kOpen) return;
   // Only events need this check: the handler sends no replies while behind().
   if (reply_to == 0 && queue_full()) return close(CloseReason::kLost);
-  out_.push(reply_to, reply, context_.limits.max_frame_to_client);
+  try {
+    out_.push(reply_to, reply, context_.limits.max_frame_to_client);
+  } catch (const std::bad_alloc&) {  // a client must not wait for an answer that never comes
+    return close(CloseReason::kLost);
+  }
   owes_room_ = owes_room_ || behind();
   wake();
 }
@@ -52,9 +58,14 @@ bool SessionCore::send_latest(std::uint32_t stream, const Reply& sample) {
 void SessionCore::refuse(std::uint64_t reply_to, Error error) {
   if (phase_ == Phase::kClosing) return;
   context_.refused.fetch_add(1, std::memory_order_relaxed);
-  spdlog::debug("session {} ({}): refused: {}", id_, peer_, error.text);
+  log(LogLevel::kDebug, "session " + std::to_string(id_) + " (" + peer_ + "): refused: " + error.text);
   out_.push(reply_to, std::move(error), context_.limits.max_frame_to_client);
   close(CloseReason::kRefused);
+}
+
+void SessionCore::log(LogLevel level, const std::string& text) {
+  ClientLog& lines = log_ ? *log_ : context_.address_logs.of(peer_);
+  lines.write(level, text);
 }
 
 void SessionCore::close(CloseReason reason) {
@@ -89,6 +100,25 @@ bool SessionCore::tell_room() {
 bool SessionCore::behind() const {
   return out_.waiting_replies() >= context_.limits.max_queued_replies / 2 ||
          out_.waiting_bytes() >= context_.limits.max_queued_bytes / 2;
+}
+
+void SessionCore::out_of_memory() {
+  in_.give_up();
+  try {
+    refuse(0, {ErrorCode::kBusy, kNoMemory, {}});
+  } catch (const std::bad_alloc&) {
+    close(CloseReason::kLost);
+  }
+}
+
+std::span<std::byte> SessionCore::room() {
+  try {
+    return in_.space();
+  } catch (const std::bad_alloc&) {
+    spdlog::error("session {} ({}, {}): {}", id_, client_name_, peer_, kNoMemory);
+    out_of_memory();
+    return {};
+  }
 }
 
 SessionCore::Appetite SessionCore::handle_frames() {
@@ -134,6 +164,9 @@ void SessionCore::handle_hello(std::uint64_t id, const Request& request) {
   if (role == Role::kUnspecified) return refuse(id, std::move(refusal));
   role_ = welcome.role = role;
   granted_ = true;
+  log_.emplace("'" + client_name_ + "' at " + peer_);
+  if (const std::string full = refuse_place(role); !full.empty())
+    return refuse(id, {ErrorCode::kBusy, full, {}});
   if (phase_ == Phase::kClosing) return;
   phase_ = Phase::kOpen;
   in_.reserve(kIdleBytes);
@@ -164,6 +197,7 @@ bool SessionCore::over(ServedTime since, std::chrono::milliseconds deadline) con
 }
 
 void SessionCore::check_deadlines() {
+  if (log_) log_->sweep();
   const Limits& limits = context_.limits;
   if (phase_ == Phase::kHello && over(opened_, limits.hello_deadline))
     refuse(0, {ErrorCode::kTimeout, "no Hello within " + in_words(limits.hello_deadline), {}});
@@ -178,11 +212,16 @@ void SessionCore::guarded(std::uint64_t request_id, Call call) {
   std::string what = "unknown exception";
   try {
     return call();
+  } catch (const std::bad_alloc&) {
+    spdlog::error("session {} ({}, {}): {}", id_, client_name_, peer_, kNoMemory);
+    if (request_id == 0) return out_of_memory();
+    return send(request_id, Error{ErrorCode::kBusy, kNoMemory, {}});
   } catch (const std::exception& error) {
     what = error.what();
   } catch (...) {
   }
-  spdlog::error("session {} ({}, {}): internal error: {}", id_, client_name_, peer_, what);
+  log(LogLevel::kError,
+      "session " + std::to_string(id_) + " (" + client_name_ + ", " + peer_ + "): internal error: " + what);
   refuse(request_id, {ErrorCode::kInternal, "internal error: " + what, {}});
 }
 

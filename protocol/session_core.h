@@ -26,6 +26,7 @@ struct SessionContext {
   ServedTime now{0};
   ServedTime step{0};  // how far `now` may lag behind
   std::atomic<std::uint64_t> refused{0};
+  AddressLogs address_logs;
 };
 
 class SessionCore : public Session {
@@ -41,6 +42,7 @@ class SessionCore : public Session {
   bool send_latest(std::uint32_t stream, const Reply& sample) override;
   bool ready_for(std::uint32_t stream) const override { return !out_.has_waiting(stream); }
   void hold() override { held_ = phase_ == Phase::kOpen; }
+  void log(LogLevel level, const std::string& text) override;
   void close(CloseReason reason) override;
 
   // Sends the error as the last reply and closes.
@@ -63,18 +65,24 @@ class SessionCore : public Session {
   };
 
   void end_hold() { held_ = false; }
+  // There is no memory for this session's bytes: gives back what it holds, tells the peer and closes.
+  void out_of_memory();
+  // Room for the bytes that come next; empty, and the session is closed: there is no memory.
+  std::span<std::byte> room();
   // Asks for a call of flush(): there is something to write or to close. Called at most once per batch of
   // calls.
   virtual void wake() = 0;
   // Writes what can be written without waiting.
   virtual void flush() = 0;
+  // The reason why there is no place for this session with the role that it was granted; "": there is one.
+  virtual std::string refuse_place(Role) const { return {}; }
 
   FrameBuffer& in() { return in_; }
   WriteQueue& out() { return out_; }
   // Handles the frames that have arrived, up to a number per turn.
   Appetite handle_frames();
   void peer_closed();  // at the end of the peer's stream
-  // Refuses a peer whose Hello or whose frame takes too long.
+  // Refuses a peer whose Hello or whose frame takes too long, and tells of lines that the log left out.
   void check_deadlines();
   // True if the session was behind() and the handler was not told of room since.
   bool owes_room() const { return owes_room_; }
@@ -93,7 +101,9 @@ class SessionCore : public Session {
   void handle(std::span<const std::byte> payload);
   void handle_hello(std::uint64_t id, const Request& request);
   void too_large(std::uint32_t length);
-  // Calls `call`. An exception is a bug of ours: it is logged, and this session is refused.
+  // Calls `call`. Where memory runs out, the request is refused with BUSY, and the session stays if the
+  // request's number is known. Any other exception is a bug of ours: it is logged, and the session is
+  // refused.
   template <typename Call>
   void guarded(std::uint64_t request_id, Call call);
 
@@ -101,6 +111,7 @@ class SessionCore : public Session {
   const std::uint64_t id_;
   const std::string peer_;
   std::string client_name_;
+  std::optional<ClientLog> log_;  // once a role is granted
   Role role_ = Role::kUnspecified;
   Phase phase_ = Phase::kHello;
   CloseReason reason_ = CloseReason::kGoodbye;

@@ -1,7 +1,5 @@
 #include "protocol/tcp_session.h"
 
-#include <spdlog/spdlog.h>
-
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/error.hpp>
 #include <boost/asio/post.hpp>
@@ -41,6 +39,8 @@ void TcpSession::start() {
 
 void TcpSession::read() {
   if (reading_ || !socket_.is_open()) return;
+  const auto space = space_for_network();
+  if (space.empty()) return;  // closed, for want of memory
   reading_ = true;
   ++operations_;
   // Bytes are left to decipher. They wait for a turn of their own: other sessions come first, and
@@ -53,7 +53,6 @@ void TcpSession::read() {
       if (!closing()) return take_plain();
       read();
     });
-  const auto space = space_for_network();
   socket_.async_read_some(asio::buffer(space.data(), space.size()),
                           [this](const error_code& error, std::size_t bytes) {
                             --operations_;
@@ -79,7 +78,7 @@ void TcpSession::stream_ended() {
 }
 
 std::span<std::byte> TcpSession::space_for_network() {
-  return tls_ ? std::span(ciphered_) : in().space();
+  return tls_ ? std::span(ciphered_) : room();
 }
 
 void TcpSession::decipher(std::size_t bytes) {
@@ -96,7 +95,9 @@ void TcpSession::decipher(std::size_t bytes) {
 }
 
 void TcpSession::take_plain() {
-  const std::size_t bytes = tls_->read(in().space());
+  const auto space = room();
+  if (space.empty()) return;
+  const std::size_t bytes = tls_->read(space);
   wake();  // the handshake may have something to send
   if (!tls_->failure().empty()) return tls_failed();
   if (tls_->ended()) return stream_ended();
@@ -106,7 +107,7 @@ void TcpSession::take_plain() {
 }
 
 void TcpSession::tls_failed() {
-  spdlog::warn("{} is refused: {}", peer(), tls_->failure());
+  log(LogLevel::kWarning, peer() + " is refused: " + tls_->failure());
   context().refused.fetch_add(1, std::memory_order_relaxed);
   if (!awaits_hello()) return close(CloseReason::kRefused);
   // The session still counts against the limit of clients that have not said Hello. It lingers after flush(),

@@ -21,6 +21,7 @@ class TokenBucket {
     tokens_ -= 1.0;
     return true;
   }
+  bool is_full(Time now) const { return tokens_at(now) >= capacity(); }
   // The time until the next token. Call it after take() returned false.
   std::chrono::nanoseconds wait() const {
     return std::chrono::nanoseconds(static_cast<std::int64_t>((1.0 - tokens_) / per_second_ * 1e9) + 1);
@@ -28,9 +29,12 @@ class TokenBucket {
 
  private:
   double capacity() const { return std::max(1.0, per_second_); }
-  void refill(Time now) {
+  double tokens_at(Time now) const {
     const double seconds = std::chrono::duration<double>(now - filled_).count();
-    tokens_ = std::min(capacity(), tokens_ + seconds * per_second_);
+    return std::min(capacity(), tokens_ + seconds * per_second_);
+  }
+  void refill(Time now) {
+    tokens_ = tokens_at(now);
     filled_ = now;
   }
 

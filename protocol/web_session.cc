@@ -19,7 +19,7 @@ namespace http = boost::beast::http;
 namespace websocket = boost::beast::websocket;
 using boost::system::error_code;
 
-constexpr std::chrono::milliseconds kLinger{500};  // for the peer's half of the closing handshake
+constexpr std::chrono::milliseconds kGoodbyeTime{500};  // for the peer's half of the closing handshake
 
 websocket::close_code code_for(CloseReason reason) {
   if (reason == CloseReason::kShutdown) return websocket::close_code::going_away;
@@ -97,9 +97,10 @@ void WebSession::start() {
 
 void WebSession::read() {
   if (reading_ || !is_open()) return;
+  const auto space = room();
+  if (space.empty()) return;  // closed, for want of memory
   reading_ = true;
   ++operations_;
-  const auto space = in().space();
   stream_.async_read_some(asio::buffer(space.data(), space.size()),
                           [this](const error_code& error, std::size_t bytes) {
                             --operations_;
@@ -189,7 +190,7 @@ void WebSession::sweep() {
   if (!is_open()) return;
   check_deadlines();
   if (writing_since_ && over(*writing_since_, context().limits.stall_deadline)) return lost();
-  const bool stuck = saying_goodbye_ ? over(goodbye_since_, kLinger) : closing() && !accepted_;
+  const bool stuck = saying_goodbye_ ? over(goodbye_since_, kGoodbyeTime) : closing() && !accepted_;
   if (stuck) hang_up();
 }
 

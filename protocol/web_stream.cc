@@ -11,7 +11,7 @@ namespace {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
-constexpr std::size_t kCipheredBytes = 16u << 10;  // about a record of TLS
+constexpr std::size_t kWebCipheredBytes = 16u << 10;  // about a record of TLS
 
 }  // namespace
 
@@ -19,7 +19,7 @@ struct WebStream::Impl : std::enable_shared_from_this<WebStream::Impl> {
   Impl(Socket the_socket, const TlsContext* context) : socket(std::move(the_socket)) {
     if (!context) return;
     tls = std::make_unique<TlsStream>(*context);
-    ciphered.resize(kCipheredBytes);
+    ciphered.resize(kWebCipheredBytes);
   }
 
   void read(std::span<std::byte> into, Done done);
@@ -153,10 +153,10 @@ void WebStream::read(asio::mutable_buffer into, Done done) {
 }
 
 bool WebStream::encipher(asio::const_buffer from, std::size_t& taken) {
-  const std::size_t most = std::min(from.size(), kCipheredBytes - taken);
+  const std::size_t most = std::min(from.size(), kWebCipheredBytes - taken);
   const std::size_t bytes = impl_->tls->write({static_cast<const std::byte*>(from.data()), most});
   taken += bytes;
-  return bytes == from.size() && taken < kCipheredBytes;
+  return bytes == from.size() && taken < kWebCipheredBytes;
 }
 
 void WebStream::deliver(std::size_t taken, Done done) {

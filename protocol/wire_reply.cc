@@ -17,7 +17,7 @@ struct PutReply {
     w.set_text(m.text);
     w.set_owner(m.owner);
   }
-  void operator()(const Ok&) const { to.mutable_ok(); }
+  void operator()(const Ok& m) const { to.mutable_ok()->set_acts_at_tick(m.acts_at_tick); }
   void operator()(const Welcome& m) const {
     auto& w = *to.mutable_welcome();
     w.set_version(m.version);
@@ -160,7 +160,7 @@ bool take(const v1::ServerMessage& from, Reply& to, std::string& why) {
     case Case::kError:
       return take(from.error(), to.emplace<Error>(), why);
     case Case::kOk:
-      to = Ok{};
+      to = Ok{from.ok().acts_at_tick()};
       return true;
     case Case::kWelcome:
       return take(from.welcome(), to.emplace<Welcome>(), why);

@@ -1,6 +1,7 @@
 #include "protocol/wire_session.h"
 
 #include <boost/asio/post.hpp>
+#include <new>
 #include <sstream>
 #include <utility>
 
@@ -46,8 +47,12 @@ void WireSession::work() {
   woken_ = false;
   end_hold();
   tell_closed();
-  flush();
-  if (tell_room()) proceed_if_due();
+  try {
+    flush();
+    if (tell_room()) proceed_if_due();
+  } catch (const std::bad_alloc&) {  // for this session's bytes; the others are served
+    lost();
+  }
 }
 
 void WireSession::proceed() {

@@ -11,11 +11,14 @@ namespace visum::protocol {
 
 class WireSession;
 
-// Collects the sessions that have something to do, for the end of the current event. The server is one.
+// Collects the sessions that have something to do, for the end of the current event, and has places for them.
+// The server is one.
 class SessionOwner {
  public:
   virtual ~SessionOwner() = default;
   virtual void woken(WireSession& session) = 0;
+  // The limit that stands against a session that says Hello with this role; "" if there is a place for it.
+  virtual std::string refuse_place(const WireSession& session, Role role) const = 0;
 };
 
 class WireSession : public SessionCore {
@@ -44,6 +47,7 @@ class WireSession : public SessionCore {
 
   bool is_open() const { return socket().is_open(); }
   void wake() override;
+  std::string refuse_place(Role role) const override { return owner_.refuse_place(*this, role); }
   void proceed();         // handles the frames that have arrived, then reads on
   void proceed_if_due();  // continues reading that waited for writing
   bool paused() const { return paused_; }

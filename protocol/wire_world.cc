@@ -100,6 +100,11 @@ void put(const PhaseTime& from, v1::PhaseTime& to) {
   to.set_max_ns(from.max_ns);
 }
 
+void put(const Exchange& from, v1::Exchange& to) {
+  to.set_name(from.name);
+  to.set_count(from.count);
+}
+
 }  // namespace
 
 void put(const ServerStatus& from, v1::ServerStatus& to) {
@@ -131,6 +136,15 @@ void put(const ServerStatus& from, v1::ServerStatus& to) {
   }
   for (const auto& client : from.free_running) to.add_free_running(client);
   to.set_solver_warnings(from.solver_warnings);
+  for (const Exchange& exchange : from.exchanges) put(exchange, *to.add_exchanges());
+  for (const Exchange& exchange : from.bus_exchanges) put(exchange, *to.add_bus_exchanges());
+  to.set_bus_drops(from.bus_drops);
+  to.set_working(from.working);
+  to.set_working_ns(from.working_ns);
+  to.set_silent_stops(from.silent_stops);
+  to.set_late_writes(from.late_writes);
+  to.set_limited_ticks(from.limited_ticks);
+  for (const auto& body : from.limited_bodies) to.add_limited_bodies(body);
 }
 
 void take(const v1::ServerStatus& from, ServerStatus& to) {
@@ -159,6 +173,15 @@ void take(const v1::ServerStatus& from, ServerStatus& to) {
   for (const auto& w : from.buses()) to.buses.push_back({w.part(), w.name()});
   to.free_running.assign(from.free_running().begin(), from.free_running().end());
   to.solver_warnings = from.solver_warnings();
+  for (const auto& w : from.exchanges()) to.exchanges.push_back({w.name(), w.count()});
+  for (const auto& w : from.bus_exchanges()) to.bus_exchanges.push_back({w.name(), w.count()});
+  to.bus_drops = from.bus_drops();
+  to.working = from.working();
+  to.working_ns = from.working_ns();
+  to.silent_stops = from.silent_stops();
+  to.late_writes = from.late_writes();
+  to.limited_ticks = from.limited_ticks();
+  to.limited_bodies.assign(from.limited_bodies().begin(), from.limited_bodies().end());
 }
 
 void put(const WorldDescription& from, v1::WorldDescription& to) {

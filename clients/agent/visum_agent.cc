@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "clients/agent/remote_agent.h"
+#include "protocol/command_line/output.h"
 #include "protocol/command_line/parse.h"
 #include "protocol/config/config.h"
 
@@ -75,9 +76,7 @@ void declare(CLI::App& app, Options& options) {
   command_line::add_version(app);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int act(int argc, char** argv) {
   Options options;
   CLI::App app{"Runs an agent of a scene file as a client", "visum-agent"};
   declare(app, options);
@@ -92,4 +91,10 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "visum-agent: %s\n", error.what());
     return 1;
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return visum::command_line::finish("visum-agent", act(argc, argv));
 }

@@ -1,7 +1,4 @@
 // visum: the command line. The table below lists its verbs; each is a file in verbs/.
-#include <poll.h>
-#include <unistd.h>
-
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -13,8 +10,10 @@
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/verbs/verbs.h"
 #include "protocol/client.h"
+#include "protocol/command_line/output.h"
 #include "protocol/command_line/parse.h"
 #include "protocol/config/config.h"
+#include "protocol/config/printable.h"
 
 namespace {
 
@@ -36,6 +35,7 @@ constexpr Row kVerbs[] = {
     {"param-set", "change a part's parameter", cli::make_param_set},
     {"camera", "write a camera's picture to a file", cli::make_camera},
     {"status", "show time, pace, load, and which clients the world waits for", cli::make_status},
+    {"stop", "pull the emergency stop of a part, or of all", cli::make_stop},
     {"pause", "stop time", cli::make_pause},
     {"resume", "let time run", cli::make_resume},
     {"step", "let a paused world do some ticks", cli::make_step},
@@ -59,7 +59,7 @@ constexpr Row kVerbs[] = {
 };
 
 int complain(cli::ExitCode code, const char* text) {
-  std::fprintf(stderr, "visum: %s\n", text);
+  std::fprintf(stderr, "visum: %s\n", config::printable(text, "\t\n").c_str());
   return code;
 }
 
@@ -89,14 +89,6 @@ int run(cli::Verb& verb) try { return verb.run(); } catch (const cli::ExitError&
   return complain(cli::kFailed, error.what());
 }
 
-// Returns whether all output has arrived. A reader that closes the pipe early, as `| head` does, is not a
-// failure.
-bool is_printed() {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return true;
-  pollfd reader{STDOUT_FILENO, 0, 0};
-  return ::poll(&reader, 1, 0) == 1 && (reader.revents & (POLLERR | POLLHUP)) != 0;
-}
-
 int act(int argc, char** argv) {
   CLI::App app{"Looks at and commands the parts of a Visum server, and runs scenarios", "visum"};
   command_line::add_version(app);
@@ -105,9 +97,8 @@ int act(int argc, char** argv) {
       "`visum VERB --help` shows a verb's options and examples.\n"
       "Exit codes: 0 done or passed, 1 refused or failed, 2 bad usage, unknown name or bad value, 3 the "
       "scene or "
-      "scenario is wrong, 4 the connection or a controller was lost, 5 a replay differs, 6 the host was too "
-      "slow "
-      "for real time, 124 timed out, 130 interrupted.");
+      "scenario is wrong, 4 the connection or a controller was lost, 5 a replay differs, 6 "
+      "what the run claims could not be established, 124 timed out, 130 interrupted.");
   std::vector<std::pair<CLI::App*, std::unique_ptr<cli::Verb>>> verbs;
   for (const Row& row : kVerbs) {
     verbs.emplace_back(app.add_subcommand(row.name, row.help), row.make());
@@ -124,7 +115,5 @@ int act(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
-  const int code = act(argc, argv);
-  return code != cli::kDone || is_printed() ? code
-                                            : complain(cli::kFailed, "standard output: cannot be written");
+  return command_line::finish("visum", act(argc, argv));
 }

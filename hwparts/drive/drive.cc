@@ -162,6 +162,12 @@ Setpoint Drive::follow_bus() {
       const double target = reachable_target(data_, state_, motion.target);
       return stopping_inside(step_on(motion, from, target, limits, tick_s_), target, limits);
     }
+    case MotionKind::kCosine: {
+      // An end beyond a soft limit is gone to on a ramp, which trips there.
+      const double target = reachable_target(data_, state_, motion.target);
+      if (target != motion.target) return ramp_to(from, target, limits.speed, acceleration, tick_s_);
+      return turn(motion, from, {limits.speed, acceleration}, tick_s_);
+    }
     case MotionKind::kCurrent: {
       watch_way(state_, motion.target);
       if (has(state_, state_bit::kError)) return from;

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "protocol/config/trig.h"
 
 namespace visum::drive {
 namespace {
 
+constexpr double kPi = 4.0 * config::kQuarterPi;
 constexpr double kStill_s = 0.1;  // without motion for this long, the axis stands
 // Streamed steps have periods of 10 to 50 ms. These are the longest gap to the next one, and their longest
 // duration.
@@ -37,6 +41,11 @@ Setpoint run_evenly(const Setpoint& from, double target, double remaining_s, con
   const double speed = lower < upper ? std::clamp(wanted, lower, upper) : std::clamp(wanted, upper, lower);
   const bool arrives = remaining_s <= tick_s && speed == wanted;
   return {arrives ? target : from.position + speed * tick_s, speed, phase_of(from.speed, speed)};
+}
+
+// The shortest period of a cosine loop over a way d:  d pi/T <= v,  2 d (pi/T)² <= a
+double shortest_turn(double d, const MotionLimits& limits) {
+  return std::max(kPi * d / limits.speed, kPi * std::sqrt(2.0 * d / limits.acceleration));
 }
 
 }  // namespace
@@ -78,6 +87,34 @@ Setpoint step_on(Motion& motion, const Setpoint& from, double target, const Moti
     motion.in_progress = false;
   }
   return setpoint;
+}
+
+Motion start_cosine(double target, double period_s, double acceleration) {
+  Motion loop;
+  loop.kind = MotionKind::kCosine;
+  loop.target = target;
+  loop.acceleration = acceleration;
+  loop.next_duration_s = period_s;
+  return loop;
+}
+
+Setpoint turn(Motion& motion, const Setpoint& from, const MotionLimits& limits, double tick_s) {
+  if (!motion.goes_on && from.speed != 0.0) return ramp_stop(from, limits.acceleration, tick_s);
+  if (!std::exchange(motion.goes_on, true)) motion.next_target = from.position;
+  const double way = motion.target - motion.next_target;
+  if (motion.remaining_s < 0.5 * tick_s) {
+    const double period = std::max(motion.next_duration_s, shortest_turn(std::abs(way), limits));
+    if (way == 0.0 || period < tick_s || !std::isfinite(period)) return {from.position, 0.0, RampPhase::kEnd};
+    motion.duration_s = period;
+    motion.remaining_s += period;
+  }
+  motion.remaining_s -= tick_s;
+  const double rate = 2.0 * kPi / motion.duration_s;
+  const auto angle = config::sin_cos(rate * (motion.duration_s - motion.remaining_s));
+  const double speed = 0.5 * way * rate * angle.sin;
+  const auto phase = phase_of(from.speed, speed);
+  return {motion.next_target + 0.5 * way * (1.0 - angle.cos), speed,
+          phase == RampPhase::kEnd ? RampPhase::kSteady : phase};
 }
 
 Setpoint follow_axis(Motion& motion, double position, double speed, bool moves, double tick_s) {

@@ -16,7 +16,8 @@ using drive::Motion;
 using drive::MotionKind;
 
 struct Mode {
-  std::uint8_t simple, extended;
+  std::uint8_t simple;
+  std::optional<std::uint8_t> extended;
   MotionKind kind;
   bool increments;
 };
@@ -25,6 +26,7 @@ constexpr Mode kModes[] = {
     {0x07, 0x11, MotionKind::kVelocity, false}, {0x08, 0x12, MotionKind::kCurrent, false},
     {0x09, 0x13, MotionKind::kRamp, true},      {0x0B, 0x15, MotionKind::kStep, true},
     {0x0C, 0x16, MotionKind::kVelocity, true},  {0x0D, 0x17, MotionKind::kCurrent, true},
+    {0x18, {}, MotionKind::kCosine, false},
 };
 
 const Mode* find_mode(std::uint8_t byte) {
@@ -33,9 +35,14 @@ const Mode* find_mode(std::uint8_t byte) {
   return found == std::end(kModes) ? nullptr : found;
 }
 
+// A 16-bit time in ms stands behind the target.
+bool has_time(MotionKind kind) {
+  return kind == MotionKind::kStep || kind == MotionKind::kCosine;
+}
+
 // A current in digits comes as 16 bits (KTH, the Bosch header) or as 32 (m5api).
 bool length_fits(const Mode& mode, std::size_t size) {
-  if (mode.kind == MotionKind::kStep) return size == 8;
+  if (has_time(mode.kind)) return size == 8;
   if (mode.kind == MotionKind::kCurrent && mode.increments && size == 4) return true;
   return size == 6;
 }
@@ -89,6 +96,10 @@ MoveResult begin_step(const ModuleEdit& edit, double target, double duration_s) 
 
 MoveResult carry_out(const ModuleEdit& edit, const Motion& motion) {
   if (goes_to_a_place(motion.kind)) edit.module.target_position = motion.target;
+  if (motion.kind == MotionKind::kCosine) {
+    edit.drive.move_by_bus(drive::start_cosine(motion.target, motion.duration_s, motion.acceleration));
+    return MoveResult::kDone;
+  }
   if (motion.kind == MotionKind::kStep) return begin_step(edit, motion.target, motion.duration_s);
   edit.drive.move_by_bus(motion);
   return MoveResult::kDone;
@@ -102,7 +113,7 @@ std::optional<Move> read_move(const ModuleView& view, const Message& message) {
   if (!mode || !length_fits(*mode, message.size)) return std::nullopt;
   Move move{mode->kind, mode->increments, message.data[1] == mode->extended, 0.0, 0.0};
   move.target = target_of(view, *mode, raw_value(*mode, message));
-  if (mode->kind == MotionKind::kStep) move.duration_s = value_at<std::uint16_t>(message, 6) * 1e-3;
+  if (has_time(mode->kind)) move.duration_s = value_at<std::uint16_t>(message, 6) * 1e-3;
   return move;
 }
 

@@ -1,6 +1,6 @@
 // SETMOVE: turns a module's motion commands into motions of its drive. There are ramp, step, velocity and
 // current, each with a float or in increments, and each answered with 64 (hex) or with position and state.
-// The mode bytes are from the m5api header.
+// Their mode bytes are from the m5api header. The cosine loop (FCOSLOOP) is from the ROS package amtec.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ struct Move {
   bool increments = false;
   bool extended = false;    // answered with position, state, inputs and outputs
   double target = 0.0;      // [u], [u]/s, or A
-  double duration_s = 0.0;  // steps
+  double duration_s = 0.0;  // steps, and the period of cosine loops
 };
 
 // Nothing for an unknown mode or a wrong length.

@@ -6,10 +6,12 @@
 #include "hwparts/servo_group/tuning.h"
 
 namespace visum::servo_group {
+
+using protocol::kEmergencyStop;
+
 namespace {
 
 constexpr const char* kSupplyVoltage = "Supply Voltage";
-constexpr const char* kEmergencyStop = "Emergency Stop";
 constexpr const char* kFieldBus = "Field Bus";
 constexpr double kHighestSupply_v = 60.0;
 

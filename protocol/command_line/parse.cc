@@ -3,7 +3,9 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <CLI/TypeTools.hpp>
 #include <cctype>
+#include <cmath>
 #include <iostream>
 #include <vector>
 
@@ -87,6 +89,20 @@ const CLI::App* asked_for_page(const CLI::App& app, int argc, const char* const*
   return nullptr;
 }
 
+// A check for NaN and infinity, which no option means and which pass CLI::Range.
+std::string check_finite(const std::string& word) {
+  double number = 0.0;
+  return !CLI::detail::lexical_cast(word, number) || std::isfinite(number)
+             ? std::string()
+             : "'" + word + "' is not a finite number";
+}
+
+void refuse_infinities(CLI::App& app) {
+  for (CLI::Option* option : app.get_options())
+    if (option->get_type_name().find("FLOAT") != std::string::npos) option->check(check_finite, "");
+  for (CLI::App* inner : app.get_subcommands([](CLI::App*) { return true; })) refuse_infinities(*inner);
+}
+
 }  // namespace
 
 void add_version(CLI::App& app) {
@@ -105,6 +121,7 @@ std::string explain(const CLI::App& app, const CLI::Error& error) {
 
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
   use_wrapped_help(app);
+  refuse_infinities(app);
   if (const CLI::App* one = asked_for_page(app, argc, argv)) {
     std::cout << man_page(*one);
     return 0;

@@ -1,6 +1,6 @@
 // How every program of Visum reads its command line. CLI11 parses; this adds what CLI11 lacks: suggestions
-// for misspelt options and verbs, help that fits 80 columns, and a manual page made from the same app. All
-// calls belong to the main thread, before the program starts others.
+// for misspelt options and verbs, help that fits 80 columns, a manual page made from the same app, and a
+// refusal of NaN and infinity. All calls belong to the main thread, before the program starts others.
 #pragma once
 
 #include <optional>

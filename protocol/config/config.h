@@ -98,4 +98,8 @@ inline constexpr std::size_t kMaxNodes = 1'000'000;
 Node load_file(const std::filesystem::path& path);
 Node load_text(const std::string& yaml, const std::string& name, const std::filesystem::path& folder = ".");
 
+// At least as many values as this text holds, if it is YAML: counts the marks that stand before a value or
+// behind a key. Found without parsing, so that a text can be refused before that costs time and memory.
+std::size_t most_values(std::string_view yaml);
+
 }  // namespace visum::config

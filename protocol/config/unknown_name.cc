@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "protocol/config/printable.h"
+
 namespace visum::config {
 namespace {
 
@@ -48,7 +50,7 @@ std::string did_you_mean(std::string_view name, const std::vector<std::string>& 
 
 std::string unknown_name(std::string_view what, std::string_view name,
                          const std::vector<std::string>& known) {
-  std::string text = "there is no " + std::string(what) + " '" + std::string(name) + "'";
+  std::string text = "there is no " + std::string(what) + " '" + printable(name) + "'";
   const std::string near = did_you_mean(name, known);
   if (!near.empty() || known.empty() || known.size() > kMaxListed) return text + near;
   if (known.size() == 1) return text + "; there is only '" + known[0] + "'";

@@ -194,6 +194,17 @@ std::string item_path(const std::string& parent, const std::string& index) {
   return parent + "[" + index + "]";
 }
 
+std::size_t most_values(std::string_view yaml) {
+  std::size_t values = 1;  // the root
+  for (std::size_t i = 0; i < yaml.size(); ++i) {
+    const char c = yaml[i];
+    const bool ends =
+        i + 1 == yaml.size() || std::string_view(" \t\r\n").find(yaml[i + 1]) != std::string_view::npos;
+    values += c == ',' || c == ':' || c == '[' || c == '{' || (c == '-' && ends);
+  }
+  return values;
+}
+
 Value parse_yaml(const std::string& yaml, const std::string& file) {
   refuse_hostile_text(yaml, file);
   std::istringstream stream(yaml);

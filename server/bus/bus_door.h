@@ -11,17 +11,23 @@
 
 namespace visum::bus {
 
-// The seam between the sessions and the buses. addresses() may be called on the sessions' thread; it does not
-// change once sessions are served. All other functions belong to lockstep, where one thread does everything;
-// they are called between ticks. Buses (buses.h) says what they mean.
+// The seam between the sessions and the buses. addresses() and exchanges() may be called on the sessions'
+// thread; addresses() does not change once sessions are served. dropped() may be called on any thread. All
+// other functions belong to lockstep, where one thread does everything; they are called between ticks. Buses
+// (buses.h) says what they mean.
 class BusDoor {
  public:
   virtual ~BusDoor() = default;
 
   virtual const std::vector<protocol::PartBus>& addresses() const = 0;
+  // How many telegrams the modules of each of these parts have got so far.
+  virtual std::vector<protocol::Exchange> exchanges() const = 0;
   bool has(const std::string& part) const {
     return std::ranges::find(addresses(), part, &protocol::PartBus::part) != addresses().end();
   }
+
+  // Frames and lines that clients were sent and did not read in time. Any thread.
+  virtual std::uint64_t dropped() const = 0;
 
   // Handles and answers all that the members' programs have written by now. Waits for what `streams` promise.
   virtual void settle(const std::vector<protocol::Stream>& streams) = 0;
@@ -47,6 +53,8 @@ class NoBuses final : public BusDoor {
   }
 
   const std::vector<protocol::PartBus>& addresses() const override { return addresses_; }
+  std::vector<protocol::Exchange> exchanges() const override { return {}; }
+  std::uint64_t dropped() const override { return 0; }
   void settle(const std::vector<protocol::Stream>&) override {}
   std::uint64_t said() override { return 0; }
   void fill_in(std::vector<protocol::Stream>&) override {}

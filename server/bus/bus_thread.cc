@@ -43,10 +43,9 @@ BusThread::~BusThread() {
 
 void BusThread::flush() {
   const std::unique_lock turn(turn_, std::try_to_lock);
-  if (turn)
-    send_answers();
-  else
-    wake();
+  if (!turn) return wake();
+  send_answers();
+  leave_rests();
 }
 
 void BusThread::wake() {
@@ -63,6 +62,7 @@ void BusThread::run() {
       const std::lock_guard turn(turn_);
       serve(look());
       send_answers();
+      count_dropped();
       queued = std::exchange(queued_, false);
     }
     if (queued) on_request_();
@@ -73,7 +73,10 @@ std::vector<pollfd> BusThread::watched() const {
   std::vector<pollfd> set{{wake_fd_, POLLIN, 0}};
   for (const auto& wiring : wirings_)
     set.push_back({rests(wiring) ? -1 : wiring.link->listener(), POLLIN, 0});
-  for (const auto& [number, line] : lines_) set.push_back({line.channel->fd(), POLLIN, 0});
+  for (const auto& [number, line] : lines_) {
+    const short events = line.channel->has_rest() ? POLLIN | POLLOUT : POLLIN;
+    set.push_back({line.channel->fd(), events, 0});
+  }
   return set;
 }
 
@@ -101,7 +104,9 @@ bool BusThread::serve(const std::vector<pollfd>& ready) {
   auto of_line = ready.begin() + 1 + static_cast<std::ptrdiff_t>(wirings_.size());
   for (auto at = lines_.begin(); at != lines_.end();) {
     const auto line = at++;  // reading may end the line
-    if (!(of_line++)->revents) continue;
+    const auto revents = (of_line++)->revents;
+    if (revents & POLLOUT) line->second.channel->flush();
+    if (!(revents & ~POLLOUT)) continue;
     any = true;
     read(line->first, line->second);
   }
@@ -130,6 +135,7 @@ bool BusThread::settle(const std::vector<protocol::Stream>& streams, std::chrono
     all = std::ranges::all_of(streams, come);
   } while (!all && within(patience));
   if (lines != lines_.size() || newest != next_number_) wake();
+  leave_rests();
   return all && !missing;
 }
 
@@ -154,6 +160,25 @@ const Channel* BusThread::channel_of(std::uint32_t port) const {
 void BusThread::send_now() {
   const std::lock_guard turn(turn_);
   send_answers();
+  leave_rests();
+}
+
+void BusThread::leave_rests() {
+  count_dropped();
+  if (std::ranges::any_of(lines_, [](const auto& line) { return line.second.channel->has_rest(); })) wake();
+}
+
+void BusThread::count_dropped() {
+  auto dropped = dropped_by_gone_;
+  for (const auto& [number, line] : lines_) {
+    if (line.channel->dropped() == 0) continue;
+    dropped += line.channel->dropped();
+    auto& wiring = wirings_[line.link];
+    if (!std::exchange(wiring.warned_of_drops, true))
+      spdlog::warn("{}: a client does not read what it is sent; frames and lines for it are dropped",
+                   wiring.link->name());
+  }
+  dropped_.store(dropped, std::memory_order_relaxed);
 }
 
 std::uint64_t BusThread::said() {
@@ -204,6 +229,7 @@ void BusThread::read(std::uint64_t number, OpenChannel& line) {
   const auto& link = *wirings_[line.link].link;
   if (link.listener() < 0) spdlog::warn("the bus {} is gone", link.name());
   gone_.insert(line.channel->port());
+  dropped_by_gone_ += line.channel->dropped();
   lines_.erase(number);
 }
 

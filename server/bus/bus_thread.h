@@ -34,6 +34,7 @@ class BusThread {
     std::unique_ptr<BusLink> link;
     std::uint32_t part = 0;
     bool warned = false;                                  // that a client discards its output
+    bool warned_of_drops = false;                         // that a client does not read
     std::chrono::steady_clock::time_point rests_until{};  // until then its listener is not polled
   };
   // `on_request` is called on the thread, after requests were queued.
@@ -44,6 +45,8 @@ class BusThread {
   bool next_request(BusItem& item) { return requests_.pop(item); }
   void answer(const BusItem& item) { answers_.push(item); }
   void flush();  // after the last answer() of a batch
+  // Frames and lines that were dropped because a client did not read, so far. Any thread.
+  std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
   // The same for a world that waits for its clients. These wait for the mutex, so that everything is done
   // when they return. settle() reads all that clients have written by now. It also waits for the bytes that
@@ -90,6 +93,9 @@ class BusThread {
   void send_answers();
   // Sends to all CAN channels of `part`, apart from the channel `except`.
   void spread(std::uint32_t part, const powercube::Telegram& telegram, std::uint64_t except);
+  // To be called by another thread that has written: this one writes the rests of frames once there is room.
+  void leave_rests();
+  void count_dropped();
   void wake();
 
   std::vector<Wiring> wirings_;
@@ -99,6 +105,8 @@ class BusThread {
   std::uint64_t next_number_ = 1;
   std::set<std::uint32_t> gone_;  // TCP: ports of clients that went, were turned away or never came
   Queue<BusItem> requests_, answers_;
+  std::uint64_t dropped_by_gone_ = 0;
+  std::atomic<std::uint64_t> dropped_{0};
   bool queued_ = false;  // requests, in this round
   int wake_fd_;
   std::atomic<bool> ending_{false};

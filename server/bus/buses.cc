@@ -73,6 +73,7 @@ Buses::Buses(cycle::Simulation& simulation, const std::vector<BusAddress>& addre
     addresses_.push_back({name, link->address()});
     parts_.push_back(part);
     lines_.push_back({LineTiming(address.timing), {}, {}});
+    got_.emplace_back(0);
     wirings.push_back({std::move(link), part});
   }
   thread_ = std::make_unique<BusThread>(std::move(wirings), [this] { ring(); });
@@ -81,6 +82,15 @@ Buses::Buses(cycle::Simulation& simulation, const std::vector<BusAddress>& addre
 Buses::~Buses() {
   thread_.reset();
   ::close(request_fd_);
+}
+
+std::vector<protocol::Exchange> Buses::exchanges() const {
+  std::map<std::string, std::uint64_t> by_part;
+  for (std::size_t i = 0; i < got_.size(); ++i)
+    by_part[addresses_[i].part] += got_[i].load(std::memory_order_relaxed);
+  std::vector<protocol::Exchange> exchanges;
+  for (const auto& [part, count] : by_part) exchanges.push_back({part, count});
+  return exchanges;
 }
 
 void Buses::ring() {
@@ -123,6 +133,7 @@ bool Buses::serve() {
   follow_era();  // requests that come now belong to the new era
   std::size_t count = 0;
   for (BusItem item; count < BusThread::kQueue && thread_->next_request(item); ++count) {
+    got_[item.link].fetch_add(1, std::memory_order_relaxed);
     const auto gate = gates_.find(parts_[item.link]);
     gate != gates_.end() ? gate->second.ask(item) : accept(item);
   }

@@ -2,6 +2,7 @@
 // and are answered at once from what the modules know since the last tick.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -34,6 +35,9 @@ class Buses {
 
   const BusNames& names() const { return names_; }
   const std::vector<protocol::PartBus>& addresses() const { return addresses_; }  // for Status
+  std::vector<protocol::Exchange> exchanges() const;                              // the same; any thread
+
+  std::uint64_t dropped() const { return thread_->dropped(); }  // any thread
 
   // All that follows: between ticks.
 
@@ -99,9 +103,10 @@ class Buses {
   std::function<void()> wake_;
   BusNames names_;
   std::vector<protocol::PartBus> addresses_;
-  std::vector<std::uint32_t> parts_;          // by link
-  std::vector<LinkQueues> lines_;             // by link
-  std::map<std::uint32_t, CycleGate> gates_;  // by part
+  std::vector<std::uint32_t> parts_;            // by link
+  std::deque<std::atomic<std::uint64_t>> got_;  // by link: telegrams that came
+  std::vector<LinkQueues> lines_;               // by link
+  std::map<std::uint32_t, CycleGate> gates_;    // by part
   std::uint64_t era_ = 0;
   bool answered_ = false;  // an answer waits for send()
   bool settles_ = false;   // settle() is used: answers are written before send() returns

@@ -24,6 +24,10 @@ constexpr int kFramesAtOnce = 64;   // of the kernel's
 constexpr std::string_view kDone = "\r", kWrong = "\a", kSent = "z\r", kVersion = "V1013\r",
                            kSerialNumber = "NV001\r", kNoFlags = "F00\r";
 
+std::span<const std::uint8_t> bytes_of(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
 bool would_block(int error) {
   return error == EAGAIN || error == EWOULDBLOCK || error == EINTR;
 }
@@ -121,7 +125,7 @@ void Channel::take_slcan(const OnTelegram& on_telegram) {
     if (speech_ == Speech::kSlcanHost)
       hear_adapter(decoded, on_telegram);
     else if (decoded.progress == Progress::kBad)
-      write(kWrong.data(), kWrong.size());
+      write(bytes_of(kWrong));
     else
       handle_adapter_command(decoded, on_telegram);
   }
@@ -135,7 +139,7 @@ void Channel::hear_adapter(const SlcanDecoded& decoded, const OnTelegram& on_tel
 }
 
 void Channel::handle_adapter_command(const SlcanDecoded& decoded, const OnTelegram& on_telegram) {
-  const auto say = [this](std::string_view text) { write(text.data(), text.size()); };
+  const auto say = [this](std::string_view text) { write(bytes_of(text)); };
   switch (decoded.kind) {
     case SlcanDecoded::Kind::kFrame: {
       if (!open_ || listens_only_) return say(kWrong);
@@ -165,20 +169,37 @@ void Channel::handle_adapter_command(const SlcanDecoded& decoded, const OnTelegr
 void Channel::send(const Telegram& telegram, bool corrupted) {
   if (speech_ == Speech::kSocketCan) {
     const auto frame = to_kernel(powercube::to_can(telegram));
-    write(&frame, sizeof frame);
+    write({reinterpret_cast<const std::uint8_t*>(&frame), sizeof frame});
   } else if (is_can()) {
     const auto line = powercube::encode_slcan(powercube::to_can(telegram));
-    if (open_ || speech_ == Speech::kSlcanHost) write(line.data.data(), line.size);
+    if (open_ || speech_ == Speech::kSlcanHost) write(std::span(line.data).first(line.size));
   } else if (telegram.kind != Telegram::Kind::kState) {
     auto frame = powercube::encode_serial(telegram);
     if (corrupted) frame.data[frame.size - 2] ^= 0x40;  // in the check sum, just before the frame's end
-    write(frame.data.data(), frame.size);
+    write(std::span(frame.data).first(frame.size));
   }
 }
 
-void Channel::write(const void* data, std::size_t size) {
-  const auto written = ::write(fd_, data, size);
-  if (written > 0) written_ += static_cast<std::uint64_t>(written);
+void Channel::write(std::span<const std::uint8_t> whole) {
+  flush();
+  const auto written = has_rest() ? 0 : write_some(whole);
+  if (written == 0) {
+    ++dropped_;
+    return;
+  }
+  const auto rest = whole.subspan(written);
+  rest_.assign(rest.begin(), rest.end());
+}
+
+void Channel::flush() {
+  if (has_rest()) rest_.erase(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(write_some(rest_)));
+}
+
+std::size_t Channel::write_some(std::span<const std::uint8_t> bytes) {
+  const auto count = ::write(fd_, bytes.data(), bytes.size());
+  if (count <= 0) return 0;
+  written_ += static_cast<std::uint64_t>(count);
+  return static_cast<std::size_t>(count);
 }
 
 }  // namespace visum::bus

@@ -1,10 +1,12 @@
 // One stream of bytes with a client's program at its other end, and the encoding that is spoken on it. One
-// thread at a time. Nothing blocks: bytes that cannot be written at once are lost, as on a real line that
-// nobody reads.
+// thread at a time. Nothing blocks. Where the other end does not read, frames and lines are lost, as on a
+// real line that nobody reads; but only whole ones. The rest of one that was begun is kept until there is
+// room.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -46,8 +48,12 @@ class Channel {
   bool read(const OnTelegram& on_telegram);
   // True if the client has discarded its own output since the last call. Only known with Reads::kPackets.
   bool client_discarded() { return std::exchange(client_discarded_, false); }
-  // One write. `corrupted`: with a bit of the check sum flipped; serial lines only.
+  // `corrupted`: with a bit of the check sum flipped; serial lines only.
   void send(const powercube::Telegram& telegram, bool corrupted = false);
+  // True: the rest of a frame or line waits for room. Then flush() is to be called once fd() is writable.
+  bool has_rest() const { return !rest_.empty(); }
+  void flush();
+  std::uint64_t dropped() const { return dropped_; }  // frames and lines so far, for want of room
 
  private:
   // Bytes of a tty or a TCP connection.
@@ -63,16 +69,20 @@ class Channel {
   void hear_adapter(const powercube::SlcanDecoded& decoded, const OnTelegram& on_telegram);
   // We are the adapter: carries out a line of the host, and acknowledges it.
   void handle_adapter_command(const powercube::SlcanDecoded& decoded, const OnTelegram& on_telegram);
-  void write(const void* data, std::size_t size);
+  // Writes one whole frame or line, or drops it.
+  void write(std::span<const std::uint8_t> whole);
+  // Writes what there is room for. Returns how many bytes that were.
+  std::size_t write_some(std::span<const std::uint8_t> bytes);
 
   int fd_;
   Speech speech_;
   Reads reads_;
   std::uint16_t port_;
-  std::uint64_t heard_ = 0, written_ = 0;
+  std::uint64_t heard_ = 0, written_ = 0, dropped_ = 0;
   bool client_discarded_ = false;
   bool open_ = false;  // slcan: between "O" and "C"
   bool listens_only_ = false;
+  std::vector<std::uint8_t> rest_;      // of the frame or line that was written in part
   std::vector<std::uint8_t> received_;  // not decoded yet; shorter than one read and one frame
 };
 

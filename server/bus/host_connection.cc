@@ -62,7 +62,8 @@ class HostConnection : public powercube::BusConnection {
   void wait_until(std::int64_t due_ns) override {
     const auto left = std::max<std::int64_t>(0, due_ns - now_ns());
     const timespec wait{static_cast<time_t>(left / 1'000'000'000), static_cast<long>(left % 1'000'000'000)};
-    pollfd line{channel_ ? channel_->fd() : -1, POLLIN, 0};
+    const short events = channel_ && channel_->has_rest() ? POLLIN | POLLOUT : POLLIN;
+    pollfd line{channel_ ? channel_->fd() : -1, events, 0};
     ::ppoll(&line, 1, &wait, nullptr);
   }
 
@@ -70,6 +71,7 @@ class HostConnection : public powercube::BusConnection {
   void read() {
     if (!channel_) reopen();
     if (!channel_) return;
+    channel_->flush();
     const auto keep = [this](const Telegram& telegram, BusFraming) {
       if (received_.size() < kMostReceived) received_.push_back(telegram);
     };

@@ -6,6 +6,7 @@
 #include "server/collision/broad_phase.h"
 #include "server/collision/narrow_phase.h"
 #include "server/collision/shapes.h"
+#include "server/collision/sweep.h"
 #include "server/collision/travel.h"
 
 namespace visum::collision {
@@ -13,6 +14,10 @@ namespace visum::collision {
 namespace {
 
 constexpr double kRoundingM = 1e-6;  // more than the error of gaps and paths
+bool has_mesh(const PreparedShape& a, const PreparedShape& b) {
+  return a.mesh != nullptr || b.mesh != nullptr;
+}
+
 // Shapes that are this far apart (m) are found apart by a fresh look, too.
 constexpr double kSurelyApartM = 1e-4;
 
@@ -24,7 +29,8 @@ struct CollisionStage::Impl {
         shapes(prepare_shapes(model, meshes)),
         placed_in(shapes.size(), 0),
         broad(shapes, pairs_that_never_collide(model)),
-        travel(shapes, model) {}
+        travel(shapes, model),
+        sweep(shapes, model) {}
 
   // A pair of shapes that may touch before the near pairs are searched again, and the path (m, of both bodies
   // together) up to which it cannot touch.
@@ -53,6 +59,11 @@ struct CollisionStage::Impl {
     for (const auto& [i, j] : broad.find(shapes)) near.push_back({i, j});
   }
 
+  // Lists the near pairs whose boxes meet.
+  void find_meeting(const world::WorldState& state);
+  // Tests such a pair exactly. A mesh in it may take its share of the work.
+  const std::vector<Point>& test(const PreparedShape& a, const PreparedShape& b);
+
   const world::WorldModel& model;
   PreparedMeshes meshes;
   std::vector<PreparedShape> shapes;     // of them
@@ -61,7 +72,14 @@ struct CollisionStage::Impl {
   BroadPhase broad;
   NarrowPhase narrow;
   Travel travel;
+  Sweep sweep;
   std::vector<Near> near;
+  // Those of them whose boxes meet now, with the path of their bodies; how many with a mesh are still to
+  // test.
+  std::vector<std::pair<Near*, double>> meeting;
+  std::uint64_t meshes_meeting = 0;
+  std::uint64_t work = 0;
+  std::vector<world::BodyId> limited;
 };
 
 namespace {
@@ -87,27 +105,66 @@ Contact make_contact(const PreparedShape& a, const PreparedShape& b, const Point
 CollisionStage::CollisionStage(const world::WorldModel& model) : impl_(std::make_unique<Impl>(model)) {}
 CollisionStage::~CollisionStage() = default;
 
+void CollisionStage::hold_back(const world::WorldState& before, world::WorldState& after) {
+  if (impl_->model.continuous_collision) impl_->sweep.hold_back(impl_->shapes, impl_->broad, before, after);
+}
+
+const std::vector<world::BodyId>& CollisionStage::limited() const {
+  return impl_->limited;
+}
+
+std::uint64_t CollisionStage::work() const {
+  return impl_->work;
+}
+
+// Closer and closer: by the paths of the bodies, then by the boxes. A pair with a mesh is never left out by
+// its path alone, so how many there are depends on the poses only.
+void CollisionStage::Impl::find_meeting(const world::WorldState& state) {
+  meeting.clear();
+  meshes_meeting = 0;
+  for (Near& pair : near) {
+    const double path = travel.of(shapes[pair.first].body) + travel.of(shapes[pair.second].body);
+    if (path < pair.apart_until) continue;
+    const PreparedShape& a = placed(pair.first, state);
+    const PreparedShape& b = placed(pair.second, state);
+    const double gap = gap_of_boxes(a, b);
+    pair.apart_until = path + gap - kRoundingM;
+    if (gap > 0.0) continue;
+    meeting.emplace_back(&pair, path);
+    meshes_meeting += has_mesh(a, b);
+  }
+}
+
+const std::vector<Point>& CollisionStage::Impl::test(const PreparedShape& a, const PreparedShape& b) {
+  if (!has_mesh(a, b)) return narrow.find(a, b);
+  const std::uint64_t limit = model.collision_work_limit;
+  const std::uint64_t share = (limit - std::min(limit, work)) / meshes_meeting--;
+  // A sample may take as much again.
+  const std::vector<Point>& points = narrow.find(a, b, std::max<std::uint64_t>(1, share / 2));
+  work += narrow.work();
+  if (!narrow.is_limited()) return points;
+  for (const world::BodyId body : {a.body, b.body})
+    if (limited.size() < kMaxNamed && !std::ranges::count(limited, body)) limited.push_back(body);
+  return points;
+}
+
 bool CollisionStage::find(const world::WorldState& state, std::vector<Contact>& contacts) {
   contacts.clear();
   Impl& of = *impl_;
   ++of.call;
   of.travel.follow(state);
   if (!of.travel.is_within_margins()) of.find_near(state);
-  // Near pairs, closer and closer: by the paths of their bodies, by their boxes, then exactly.
-  for (Impl::Near& near : of.near) {
-    const double path = of.travel.of(of.shapes[near.first].body) + of.travel.of(of.shapes[near.second].body);
-    if (path < near.apart_until) continue;
-    const PreparedShape& a = of.placed(near.first, state);
-    const PreparedShape& b = of.placed(near.second, state);
-    const double gap = gap_of_boxes(a, b);
-    near.apart_until = path + gap - kRoundingM;
-    if (gap > 0.0) continue;
-    const std::vector<Point>& points = of.narrow.find(a, b);
+  of.find_meeting(state);
+  of.work = 0;
+  of.limited.clear();
+  for (const auto& [near, path] : of.meeting) {
+    const PreparedShape &a = of.shapes[near->first], &b = of.shapes[near->second];
+    const std::vector<Point>& points = of.test(a, b);
     for (std::size_t k = 0; k < points.size(); ++k) {
       if (contacts.size() == kMaxContacts) return false;
       contacts.push_back(make_contact(a, b, points[k], k));
     }
-    near.apart_until = path + of.narrow.gap() - kSurelyApartM;
+    near->apart_until = path + of.narrow.gap() - kSurelyApartM;
   }
   return true;
 }

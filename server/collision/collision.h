@@ -45,6 +45,17 @@ class CollisionStage {
   // met. Returns false if there are more than kMaxContacts; `contacts` then holds the first of them only.
   bool find(const world::WorldState& state, std::vector<Contact>& contacts);
 
+  // After a step: leaves fast free bodies where they first touched another body, if they would have passed
+  // through it within the tick (sweep.h). They keep their velocity. Does nothing where the model has no
+  // continuous collision.
+  void hold_back(const world::WorldState& before, world::WorldState& after);
+  // Returns, for the last find(), the bodies of pairs with meshes whose work met its limit (WorldModel::
+  // collision_work_limit), each once, in the order of the pairs, at most kMaxNamed. Such pairs keep the
+  // contacts of a sample of their triangles. Each pair with a mesh has an equal share of the limit, and what
+  // pairs before it have left.
+  const std::vector<world::BodyId>& limited() const;
+  std::uint64_t work() const;  // of the last find(), in units of work.h
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
@@ -52,5 +63,6 @@ class CollisionStage {
 
 inline constexpr std::size_t kMaxContactsPerPair = 8;
 inline constexpr std::size_t kMaxContacts = 20'000;
+inline constexpr std::size_t kMaxNamed = 16;
 
 }  // namespace visum::collision

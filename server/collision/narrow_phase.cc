@@ -12,6 +12,11 @@ namespace {
 // Points gathered of one pair before those that matter least are dropped.
 constexpr std::size_t kMostGathered = 256;
 constexpr std::size_t kLeftWhenThinned = 48;
+// Work, in units of work.h: of two triangles, of a triangle with a convex shape and with each of its corners,
+// of a point that is gathered (and later thinned out).
+constexpr std::uint64_t kTwoTriangles = 60, kTriangle = 100, kPerCorner = 2, kPerPoint = 200;
+// A sample has as many triangles as were done before the work was spent, or fewer.
+constexpr std::uint64_t kLeastSample = 16;
 constexpr double kSameNormal = 1.0 - 1e-6;
 constexpr double kAtCornerM = 1e-6;
 constexpr double kRiseSine = 1e-4;  // a smaller rise is rounding
@@ -72,22 +77,18 @@ bool may_push(const Mesh& mesh, const MeshTriangle& triangle, const Eigen::Vecto
 
 }  // namespace
 
-NarrowPhase::MovingTriangle::MovingTriangle() : convex(make_convex(make_triangle())), gjk(convex) {}
-
-Placed NarrowPhase::MovingTriangle::place(const PreparedShape& mesh, const MeshTriangle& triangle) {
-  set_triangle(convex.polytope, triangle.corners, triangle.normal);
-  convex.center = (triangle.corners[0] + triangle.corners[1] + triangle.corners[2]) / 3.0;
-  gjk.set_triangle(triangle.corners);
-  return {&convex, &gjk, mesh.placed.R, mesh.placed.p};
-}
-
 NarrowPhase::NarrowPhase() {
   points_.reserve(2 * kMostGathered);
 }
 
-const std::vector<Point>& NarrowPhase::find(const PreparedShape& a, const PreparedShape& b) {
+const std::vector<Point>& NarrowPhase::find(const PreparedShape& a, const PreparedShape& b,
+                                            std::uint64_t most) {
   using enum world::ShapeKind;
   points_.clear();
+  work_.start(most);
+  most_ = most;
+  sampled_ = 0;
+  limited_ = false;
   gap_ = 0.0;
   // A plane or mesh gives normals from itself to the other shape: they are turned if it is a.
   const auto turn = [this] {
@@ -114,6 +115,34 @@ const std::vector<Point>& NarrowPhase::find(const PreparedShape& a, const Prepar
   return points_;
 }
 
+// The triangles stand in the order of the tree, so equal steps through their list spread over the mesh.
+template <typename Meets, typename Each>
+void NarrowPhase::visit(const Mesh& mesh, Meets&& meets, Each&& each) {
+  std::uint64_t done = 0;
+  const auto look = [&](const Eigen::AlignedBox3d& node) {
+    work_.take(1);
+    return !work_.is_spent() && meets(node);
+  };
+  mesh.visit(look, [&](std::uint32_t i) {
+    if (work_.is_spent()) return;
+    each(mesh.triangles()[i]);
+    ++done;
+  });
+  if (!work_.is_spent()) return;
+  limited_ = true;
+  sampled_ = work_.taken();
+  work_.start(most_);
+  const std::uint64_t size = mesh.triangles().size();
+  const std::uint64_t step = std::max<std::uint64_t>(1, size / std::max(done, kLeastSample));
+  for (std::uint64_t i = step / 2; i < size && !work_.is_spent(); i += step) {
+    const MeshTriangle& triangle = mesh.triangles()[i];
+    work_.take(1);
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d& corner : triangle.corners) box.extend(corner);
+    if (meets(box)) each(triangle);
+  }
+}
+
 void NarrowPhase::add_below(const PreparedShape& plane, const Eigen::Vector3d& point_W, double radius) {
   const Eigen::Vector3d normal = plane.placed.R.col(2);
   const double height = normal.dot(point_W - plane.placed.p) - radius;
@@ -131,8 +160,9 @@ void NarrowPhase::find_with_plane(const PreparedShape& plane, const PreparedShap
     const auto below = [&](const Eigen::AlignedBox3d& box) {
       return normal.dot(box.center()) - normal.cwiseAbs().dot(0.5 * box.sizes()) < offset;
     };
-    shape.mesh->visit(below, [&](std::uint32_t i) {
-      for (const Eigen::Vector3d& corner : shape.mesh->triangles()[i].corners)
+    visit(*shape.mesh, below, [&](const MeshTriangle& triangle) {
+      work_.take(3 * kPerPoint);
+      for (const Eigen::Vector3d& corner : triangle.corners)
         add_below(plane, placed.p + placed.R * corner, 0.0);
     });
   } else if (shape.convex.family == Family::kPolytope) {
@@ -147,13 +177,15 @@ void NarrowPhase::find_with_plane(const PreparedShape& plane, const PreparedShap
 
 void NarrowPhase::find_with_mesh(const PreparedShape& mesh, const PreparedShape& shape) {
   const Eigen::AlignedBox3d box = in_frame_of(mesh, shape.box_W);
-  mesh.mesh->visit([&](const Eigen::AlignedBox3d& node) { return node.intersects(box); },
-                   [&](std::uint32_t i) {
-                     const MeshTriangle& triangle = mesh.mesh->triangles()[i];
-                     find_with_triangle(shape.placed, triangle_a_.place(mesh, triangle), *mesh.mesh,
-                                        triangle);
-                     thin_out();
-                   });
+  const std::uint64_t look = kTriangle + kPerCorner * shape.convex.polytope.vertices.size();
+  visit(
+      *mesh.mesh, [&](const Eigen::AlignedBox3d& node) { return node.intersects(box); },
+      [&](const MeshTriangle& triangle) {
+        const std::size_t before = points_.size();
+        find_with_triangle(shape.placed, triangle_a_.place(mesh, triangle), *mesh.mesh, triangle);
+        work_.take(look + kPerPoint * (points_.size() - before));
+        thin_out();
+      });
 }
 
 // A triangle pushes sideways only over a sharp edge, or where a body stands on the edge or corner itself.
@@ -184,19 +216,24 @@ void NarrowPhase::find_meshes(const PreparedShape& a, const PreparedShape& b) {
   const Eigen::AlignedBox3d shared_W = a.box_W.intersection(b.box_W);
   const Eigen::AlignedBox3d shared = in_frame_of(a, shared_W);
   const auto meets_shared = [&](const Eigen::AlignedBox3d& node) { return node.intersects(shared); };
-  a.mesh->visit(meets_shared, [&](std::uint32_t i) {
-    const Placed placed_a = triangle_a_.place(a, a.mesh->triangles()[i]);
+  visit(*a.mesh, meets_shared, [&](const MeshTriangle& triangle) {
+    const Placed placed_a = triangle_a_.place(a, triangle);
     Eigen::AlignedBox3d box_W;
-    for (const Eigen::Vector3d& corner : a.mesh->triangles()[i].corners)
-      box_W.extend(placed_a.p + placed_a.R * corner);
+    for (const Eigen::Vector3d& corner : triangle.corners) box_W.extend(placed_a.p + placed_a.R * corner);
     const Eigen::AlignedBox3d box = in_frame_of(b, box_W);
-    b.mesh->visit([&](const Eigen::AlignedBox3d& node) { return node.intersects(box); },
-                  [&](std::uint32_t j) {
-                    const Placed placed_b = triangle_b_.place(b, b.mesh->triangles()[j]);
-                    const Direction direction = find_direction(placed_a, placed_b, solver_);
-                    if (!direction.apart) add_manifold(placed_a, placed_b, direction, points_);
-                    thin_out();
-                  });
+    const auto meets = [&](const Eigen::AlignedBox3d& node) {
+      work_.take(1);
+      return !work_.is_spent() && node.intersects(box);
+    };
+    b.mesh->visit(meets, [&](std::uint32_t j) {
+      if (work_.is_spent()) return;
+      const Placed placed_b = triangle_b_.place(b, b.mesh->triangles()[j]);
+      const Direction direction = find_direction(placed_a, placed_b, solver_);
+      const std::size_t before = points_.size();
+      if (!direction.apart) add_manifold(placed_a, placed_b, direction, points_);
+      work_.take(kTwoTriangles + kPerPoint * (points_.size() - before));
+      thin_out();
+    });
   });
 }
 

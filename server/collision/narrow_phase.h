@@ -5,7 +5,9 @@
 
 #include "server/collision/gjk.h"
 #include "server/collision/manifold.h"
+#include "server/collision/moving_triangle.h"
 #include "server/collision/shapes.h"
+#include "server/collision/work.h"
 
 namespace visum::collision {
 
@@ -15,21 +17,20 @@ class NarrowPhase {
   NarrowPhase();
 
   // At most kMaxContactsPerPair points, with normals from b to a. Valid until the next call. Does not
-  // allocate once warm.
-  const std::vector<Point>& find(const PreparedShape& a, const PreparedShape& b);
+  // allocate once warm. A pair with a mesh that takes more work than `most` is looked at in a sample of the
+  // mesh's triangles, for as much work again; is_limited() then tells so.
+  const std::vector<Point>& find(const PreparedShape& a, const PreparedShape& b,
+                                 std::uint64_t most = UINT64_MAX);
+  bool is_limited() const { return limited_; }
+  std::uint64_t work() const { return sampled_ + work_.taken(); }  // of the last call, in units of work.h
   // How far apart the two shapes of the last call are at least, m. 0 or less: they touch, or it is not known.
   double gap() const { return gap_; }
 
  private:
-  // A triangle that is moved from one place of a mesh to the next.
-  struct MovingTriangle {
-    MovingTriangle();
-    Placed place(const PreparedShape& mesh, const MeshTriangle& triangle);
-
-    Convex convex;
-    GjkShape gjk;
-  };
-
+  // Calls each(triangle) for the triangles of a mesh for whose box meets(box) is true, or for a sample of
+  // them.
+  template <typename Meets, typename Each>
+  void visit(const Mesh& mesh, Meets&& meets, Each&& each);
   void find_with_plane(const PreparedShape& plane,
                        const PreparedShape& shape);                            // normals from plane to shape
   void find_with_mesh(const PreparedShape& mesh, const PreparedShape& shape);  // normals from mesh to shape
@@ -45,6 +46,9 @@ class NarrowPhase {
   MovingTriangle triangle_a_, triangle_b_;
   std::vector<Point> points_;
   double gap_ = 0.0;
+  PairWork work_;
+  std::uint64_t most_ = UINT64_MAX, sampled_ = 0;  // sampled_: work before the sample
+  bool limited_ = false;
 };
 
 }  // namespace visum::collision

@@ -16,6 +16,7 @@ enum class Refusal {
   kBadValue,     // a value that the world, the scene or the part does not take
   kWrongState,   // the same request may succeed once the world has changed
   kFull,         // a list with a fixed limit is full
+  kNoMemory,     // memory ran out
   kDamaged,      // a saved state that does not belong to this world
 };
 

@@ -15,6 +15,7 @@ void Pacer::begin_tick(Clock::time_point now) {
   due_ += period();
   if (late <= period()) return;
   overruns_.fetch_add(1, std::memory_order_relaxed);
+  lost_ += std::chrono::duration_cast<std::chrono::nanoseconds>(late);
   due_ = now + period();
 }
 

@@ -30,16 +30,20 @@ class Pacer {
   // dropped, so that no burst of ticks follows.
   void begin_tick(Clock::time_point now);
 
+  // The time that was dropped with them. On the tick's thread only.
+  std::chrono::nanoseconds lost() const { return lost_; }
   std::uint64_t overruns() const { return overruns_.load(std::memory_order_relaxed); }
   const LatenessHistogram& lateness() const { return lateness_; }
-
- private:
+  // Wall time from one tick to the next.
   Clock::duration period() const {
     return std::chrono::nanoseconds(static_cast<std::int64_t>(static_cast<double>(tick_ns_) / speed_));
   }
+
+ private:
   std::int64_t tick_ns_;
   double speed_ = 1.0;
   Clock::time_point due_{};
+  std::chrono::nanoseconds lost_{0};
   std::atomic<std::uint64_t> overruns_{0};
   LatenessHistogram lateness_;
 };

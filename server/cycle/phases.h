@@ -31,6 +31,7 @@ class Phases {
     if (ns > bin.max_ns) bin.max_ns = ns;
     last_ = now;
   }
+  std::chrono::steady_clock::time_point last() const { return last_; }  // when the phase that runs began
   // Ends a tick: after about a second of wall time the summary is renewed.
   void tick_done() {
     ++ticks_;

@@ -7,12 +7,10 @@
 
 #include "hwparts/plugged/plugged_part.h"
 #include "hwparts/plugged/plugged_sensor.h"
+#include "hwparts/powercube/module_bus.h"
 #include "hwparts/sensors/camera.h"
 #include "hwparts/sensors/sensor_kinds.h"
 #include "server/cycle/node_errors.h"
-#include "server/dynamics/kinds/engine_kinds.h"
-#include "server/dynamics/plugged/plugged_engine.h"
-#include "server/scene/settings.h"
 
 namespace visum::cycle {
 namespace {
@@ -31,36 +29,6 @@ std::vector<std::uint64_t> seeded(std::uint64_t seed) {
     word ^= word >> 31;
   }
   return words;
-}
-
-std::unique_ptr<dynamics::Engine> make_engine_of(const scene::Scene& scene, std::size_t number) {
-  const auto index = static_cast<std::int32_t>(number);
-  const auto* plugged = plugin::find_engine(scene.plugins, scene.world.engines[number].name);
-  if (!plugged) return dynamics::make_engine(scene.world, index);
-  if (std::ranges::any_of(dynamics::engine_kinds(),
-                          [&](const auto& kind) { return std::string_view(kind.name) == plugged->name; }))
-    throw std::runtime_error("a plug-in brings an engine '" + std::string(plugged->name) +
-                             "', which Visum has already");
-  const auto entry = scene.plugged_engines.find(number);
-  const auto keys = scene::engine_keys();
-  return dynamics::make_plugged_engine(
-      *plugged, scene.world, index,
-      entry == scene.plugged_engines.end() ? config::load_text("{}", "the engine's settings") : entry->second,
-      {keys.begin(), keys.end()});
-}
-
-// An engine that does not exist, or that cannot hold what the scene gives it, is reported at the place where
-// the scene names the engine.
-std::unique_ptr<dynamics::Engine> make_engine(const scene::Scene& scene, std::size_t number) {
-  try {
-    return make_engine_of(scene, number);
-  } catch (const config::ConfigError& error) {
-    if (scene.plugged_engines.contains(number) || scene.engine_places.empty()) throw;
-    throw config::ConfigError(scene.engine_places.at(number), error.message());
-  } catch (const std::runtime_error& error) {
-    if (scene.engine_places.empty()) throw;
-    throw config::ConfigError(scene.engine_places.at(number), error.what());
-  }
 }
 
 std::unique_ptr<hwparts::Part> make_part(const scene::Scene& scene, const scene::PartPlan& plan,
@@ -119,11 +87,15 @@ std::vector<config::ConfigError> errors_of_nodes(const scene::Scene& scene) {
   return errors;
 }
 
-Simulation::Simulation(scene::Scene scene, const PartMaker& make) : scene_(std::move(scene)) {
+Simulation::Simulation(scene::Scene scene, const PartMaker& make)
+    : scene_(std::make_shared<const scene::Scene>(std::move(scene))) {
   make_parts(make);
   make_sensors();
   make_agents();
-  use(make_machinery());
+  auto engines = make_engines(*scene_);
+  auto machinery = make_machinery(*scene_, sensors_);
+  machinery.engines = std::move(engines);
+  use(machinery);
   pushes_.reserve(kMaxPushes);
   wrenches_.reserve(kMaxPushes);
   start_state();
@@ -132,9 +104,9 @@ Simulation::Simulation(scene::Scene scene, const PartMaker& make) : scene_(std::
 Simulation::~Simulation() = default;
 
 void Simulation::make_parts(const PartMaker& make) {
-  for (const auto& plan : scene_.parts) {
+  for (const auto& plan : scene_->parts) {
     BoundPart bound;
-    bound.part = make_part(scene_, plan, make);
+    bound.part = make_part(*scene_, plan, make);
     for (std::size_t joint : bound.part->joints()) bound.joints.push_back(plan.joints.at(joint));
     bound.samples.resize(bound.joints.size());
     bound.drives.resize(bound.joints.size());
@@ -145,8 +117,8 @@ void Simulation::make_parts(const PartMaker& make) {
 
 void Simulation::make_sensors() {
   PixelBudget budget;
-  for (const auto& plan : scene_.sensors) {
-    auto sensor = make_sensor(scene_, plan);
+  for (const auto& plan : scene_->sensors) {
+    auto sensor = make_sensor(*scene_, plan);
     budget.take(*sensor, plan);
     sensors_.push_back(sensor.get());
     parts_.emplace_back().part = std::move(sensor);
@@ -154,56 +126,35 @@ void Simulation::make_sensors() {
 }
 
 void Simulation::make_agents() {
-  for (const auto& plan : scene_.agents) {
-    auto agent = std::make_unique<AgentPart>(plan, scene_.world.tick_ns, parts_);
+  for (const auto& plan : scene_->agents) {
+    auto agent = std::make_unique<AgentPart>(plan, scene_->world.tick_ns, parts_);
     agents_.push_back(agent.get());
     parts_.emplace_back().part = std::move(agent);
   }
 }
 
-Simulation::Machinery Simulation::make_machinery() const {
-  const auto& model = scene_.world;
-  Machinery made;
-  for (std::size_t i = 0; i < model.engines.size(); ++i) made.engines.push_back(make_engine(scene_, i));
-  made.collision = std::make_unique<collision::CollisionStage>(model);
-  made.senses = std::make_unique<sensing::Senses>(scene_, sensors_);
-  made.ring = std::make_shared<FlightRing>(model.joints.size(), model.bodies.size());
-  made.drives.resize(model.joints.size());
-  made.following_errors.resize(model.joints.size());
-  made.contact_forces.resize(model.bodies.size());
-  return made;
-}
-
-void Simulation::use(Machinery machinery) {
-  machinery.senses->attach();
-  engines_ = std::move(machinery.engines);
-  collision_ = std::move(machinery.collision);
-  senses_ = std::move(machinery.senses);
-  ring_ = std::move(machinery.ring);
-  drives_ = std::move(machinery.drives);
-  following_errors_ = std::move(machinery.following_errors);
-  contact_forces_ = std::move(machinery.contact_forces);
+// Swaps, so that the caller frees the old machinery where it likes. Where memory runs out, the old one stays.
+void Simulation::use(Machinery& machinery) {
+  try {
+    machinery.senses->attach();
+  } catch (...) {
+    if (senses_) senses_->attach();
+    throw;
+  }
+  std::swap(engines_, machinery.engines);
+  std::swap(collision_, machinery.collision);
+  std::swap(senses_, machinery.senses);
+  std::swap(ring_, machinery.ring);
+  std::swap(work_texts_, machinery.work_texts);
+  std::swap(drives_, machinery.drives);
+  std::swap(following_errors_, machinery.following_errors);
+  std::swap(contact_forces_, machinery.contact_forces);
   contacts_.clear();
 }
 
-// Machinery refers to scene_. So the new scene is put there first, and the old one is put back where the
-// machinery of the new one cannot be made.
-void Simulation::change_scene(scene::Scene changed, world::BodyId gone) {
-  std::swap(scene_, changed);
-  try {
-    auto machinery = make_machinery();
-    machinery.ring->take_over(*ring_, state_.tick, gone);
-    use(std::move(machinery));
-  } catch (...) {
-    std::swap(scene_, changed);
-    throw;
-  }
-  if (!original_) original_ = std::move(changed);
-}
-
 void Simulation::start_state() {
-  state_ = world::initial_state(scene_.world);
-  state_.random = seeded(scene_.seed);
+  state_ = world::initial_state(scene_->world);
+  state_.random = seeded(scene_->seed);
   state_.engines.resize(engines_.size());
   before_ = state_;
   contacts_.clear();
@@ -222,25 +173,33 @@ void Simulation::start_state() {
 
 void Simulation::tick() {
   if (frozen()) return;
+  working_.begin(state_.tick);
   end_faults();  // a restored state may hold faults whose time is over
   for (auto& bound : parts_) bound.deliver(state_.tick);
   phases_.begin();
+  enter(Stage::kSense);
   sense();
   phases_.end(Phase::kSense);
   if (!agents_.empty()) {
+    enter(Stage::kThink);
     think();
     phases_.end(Phase::kThink);
   }
+  enter(Stage::kAct);
   act();
   phases_.end(Phase::kAct);
+  enter(Stage::kCollide);
   collide();
   phases_.end(Phase::kCollide);
+  enter(Stage::kStep);
   step();
   phases_.end(Phase::kStep);
+  enter(Stage::kPublish);
   publish();
   end_faults();  // now, so that a write before the first tick without a fault is not lost to it
   phases_.end(Phase::kPublish);
   phases_.tick_done();
+  working_.end();
   if (observer_) observer_->ticked();
 }
 
@@ -251,12 +210,17 @@ void Simulation::sense() {
 }
 
 void Simulation::think() {
-  for (AgentPart* agent : agents_) agent->think(sim_time_ns());
+  for (std::size_t i = 0; i < agents_.size(); ++i) {
+    working_.enter(Stage::kThink, static_cast<std::uint32_t>(parts_.size() - agents_.size() + i));
+    agents_[i]->think(sim_time_ns());
+  }
   for (auto& bound : parts_) bound.deliver(state_.tick);  // agents' writes over networks without a delay
 }
 
 void Simulation::act() {
-  for (auto& bound : parts_) {
+  for (std::uint32_t part = 0; part < parts_.size(); ++part) {
+    auto& bound = parts_[part];
+    working_.enter(Stage::kAct, part);
     bound.part->act(bound.controller_inputs, bound.samples, bound.drives);
     for (std::size_t i = 0; i < bound.joints.size(); ++i) drives_[bound.joints[i].index()] = bound.drives[i];
   }
@@ -277,20 +241,36 @@ void Simulation::step() {
   std::erase_if(pushes_, [this](const Push& push) { return push.until_tick <= state_.tick; });
   wrenches_.clear();
   for (const auto& push : pushes_) wrenches_.push_back(push.wrench);
-  const dynamics::StepInput input{static_cast<double>(scene_.world.tick_ns) * 1e-9, contacts_, drives_,
+  const dynamics::StepInput input{static_cast<double>(scene_->world.tick_ns) * 1e-9, contacts_, drives_,
                                   wrenches_};
   before_ = state_;
   bool warned = false;
-  for (auto& engine : engines_) {
-    auto result = engine->step(input, state_);
+  std::vector<world::BodyId> limited = collision_->limited();
+  bool is_limited = !limited.empty();
+  for (std::uint32_t engine = 0; engine < engines_.size(); ++engine) {
+    working_.enter(Stage::kStep, engine);
+    auto result = engines_[engine]->step(input, state_);
     if (!result.ok) return freeze(std::move(result.fault));
     warned = warned || result.warned;
+    is_limited = is_limited || result.limited;
+    limited.insert(limited.end(), result.fell_short.begin(), result.fell_short.end());
   }
+  if (is_limited) note_limited(limited);
   if (warned) ++solver_warnings_;
-  world::measure_joints(scene_.world, state_, input.tick_s);
-  if (std::string offender; !world::is_sane(scene_.world, state_, &offender))
+  collision_->hold_back(before_, state_);
+  world::measure_joints(scene_->world, state_, input.tick_s);
+  if (std::string offender; !world::is_sane(scene_->world, state_, &offender))
     return freeze(std::move(offender));
   ++state_.tick;
+}
+
+void Simulation::note_limited(std::vector<world::BodyId>& bodies) {
+  ++limited_ticks_;
+  std::ranges::sort(bodies);
+  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+  bodies.resize(std::min(bodies.size(), dynamics::StepResult::kMostNamed));
+  limited_bodies_.clear();
+  for (const world::BodyId body : bodies) limited_bodies_.push_back(model().bodies[body.index()].name);
 }
 
 void Simulation::publish() {

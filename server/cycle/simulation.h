@@ -27,10 +27,12 @@
 #include "protocol/recording/state.h"
 #include "server/collision/collision.h"
 #include "server/cycle/agent_part.h"
-#include "server/cycle/flight_ring.h"
+#include "server/cycle/body_change.h"
+#include "server/cycle/machinery.h"
 #include "server/cycle/network_model.h"
 #include "server/cycle/outcome.h"
 #include "server/cycle/phases.h"
+#include "server/cycle/working.h"
 #include "server/dynamics/engine.h"
 #include "server/scene/scene.h"
 #include "server/sensing/senses.h"
@@ -149,11 +151,17 @@ class Simulation {
   void clear_faults(std::size_t part, std::optional<hwparts::FaultKind> kind,
                     std::optional<std::size_t> drive);
 
-  // Adds the body of this YAML entry. Refuses what the scene's reader, an engine or a sensor refuses. Drops
-  // the snapshots, which have another number of bodies.
-  Outcome add_body(const std::string& yaml);
-  // Refuses bodies that a model, a joint, a push or a sensor needs. Drops the snapshots.
-  Outcome remove_body(const std::string& name);
+  // A change of the bodies in three steps (body_change.h): begin_change() here, prepare() on any thread while
+  // the world ticks on, and change_bodies() here again. A change is whole or none. It drops the snapshots,
+  // which have another number of bodies. Refuses with kWrongState where the bodies have changed since it
+  // began, and with kNoMemory where memory runs out.
+  BodyChange begin_change(bool comes, std::string text) const;
+  Outcome change_bodies(BodyChange& change);  // afterwards `change` holds the old scene, to be freed
+  // The three steps at once. add_body() adds the body of a YAML entry, and refuses what the scene's reader,
+  // an engine or a sensor refuses. remove_body() refuses bodies that a model, a joint, a push or a sensor
+  // needs.
+  Outcome add_body(const std::string& yaml) { return change_now(true, yaml); }
+  Outcome remove_body(const std::string& name) { return change_now(false, name); }
 
   // Saves the whole world as it is at this tick border. The world must not be frozen.
   void keep(recording::State& whole) const;
@@ -169,8 +177,8 @@ class Simulation {
   // Null: no observer. It must outlive the simulation, or be taken away before it is destroyed.
   void set_observer(Observer* observer) { observer_ = observer; }
 
-  const scene::Scene& scene() const { return scene_; }
-  const world::WorldModel& model() const { return scene_.world; }
+  const scene::Scene& scene() const { return *scene_; }
+  const world::WorldModel& model() const { return scene_->world; }
   const world::WorldState& state() const { return state_; }
   // The scene's parts, then its sensors, then its agents.
   std::span<BoundPart> parts() { return parts_; }
@@ -182,11 +190,21 @@ class Simulation {
   // new one.
   std::shared_ptr<const FlightRing> ring() const { return ring_; }
   const Phases& phases() const { return phases_; }
+  // For other threads. The texts say which bodies collide, and then for each engine which bodies it moves;
+  // they are shared for the reason that ring() is.
+  Working& working() { return working_; }
+  const Working& working() const { return working_; }
+  std::shared_ptr<const std::vector<std::string>> work_texts() const { return work_texts_; }
   std::int64_t tick_count() const { return state_.tick; }
-  std::int64_t sim_time_ns() const { return state_.tick * scene_.world.tick_ns; }
+  std::int64_t sim_time_ns() const { return state_.tick * scene_->world.tick_ns; }
   std::uint64_t era() const { return era_; }
   // Ticks since the start in which an engine warned that it missed its tolerance (dynamics::StepResult).
   std::uint64_t solver_warnings() const { return solver_warnings_; }
+  // Ticks since the start whose work met a limit, of an engine or of the collisions. Such a tick ended with
+  // the best that was reached. The names are those of the bodies that fell short in the last of them, sorted,
+  // at most StepResult::kMostNamed.
+  std::uint64_t limited_ticks() const { return limited_ticks_; }
+  const std::vector<std::string>& limited_bodies() const { return limited_bodies_; }
   std::uint64_t revision() const { return revision_; }  // changes when bodies come or go
   bool frozen() const { return !fault_.empty(); }
   const std::string& fault() const { return fault_; }  // why the world is frozen; empty: it runs
@@ -194,6 +212,8 @@ class Simulation {
 
   static constexpr std::size_t kMaxSnapshots = 16;
   static constexpr std::size_t kMaxPushes = 64;
+  // The texts of all bodies that came and are there. Each state in a recording holds them.
+  static constexpr std::size_t kMaxEditBytes = std::size_t{16} << 20;
 
  private:
   struct Snapshot {
@@ -202,25 +222,15 @@ class Simulation {
     std::vector<std::byte> rest;  // see save_rest()
   };
 
-  // Everything that is made from the scene and made anew when bodies come or go. Refers to the scene.
-  struct Machinery {
-    std::vector<std::unique_ptr<dynamics::Engine>> engines;
-    std::unique_ptr<collision::CollisionStage> collision;
-    std::unique_ptr<sensing::Senses> senses;
-    std::shared_ptr<FlightRing> ring;
-    std::vector<hwparts::JointDrive> drives;
-    std::vector<double> following_errors, contact_forces;
-  };
-
   // Construction. make_sensors() and make_agents() append to parts_, in that order.
   void make_parts(const PartMaker& make);
   void make_sensors();
   void make_agents();
-  Machinery make_machinery() const;
-  void use(Machinery machinery);
-  // Changes to another scene with the same parts. Throws, and changes nothing, where its machinery cannot be
-  // made. `gone`: the body of the old scene that the new one lacks.
-  void change_scene(scene::Scene changed, world::BodyId gone = {});
+  void use(Machinery& machinery);
+  // Goes back to the scene as it was loaded. Throws, and changes nothing, where its machinery cannot be made.
+  void use_original_scene();
+  // Takes a body out of the state, and renumbers what refers to those behind it.
+  void erase_from_state(world::BodyId gone);
   // Puts bodies, joints and ports to the scene's initial state.
   void start_state();
   // Collects the parts' following errors by JointId.
@@ -229,11 +239,14 @@ class Simulation {
   void forget_ticks();
 
   // The phases of tick(), in their order.
+  void enter(Stage stage) { working_.enter(stage, 0, phases_.last()); }
   void sense();
   void think();
   void act();
   void collide();
   void step();
+  // Counts the tick where a limit was met, and takes down the names of these bodies.
+  void note_limited(std::vector<world::BodyId>& bodies);
   void publish();
   // Stops the world at before_, its last good state.
   void freeze(std::string fault);
@@ -257,17 +270,23 @@ class Simulation {
   Outcome load_all(const world::WorldState& state, std::span<const std::byte> rest);
   void save_all(const world::WorldState& state, std::vector<std::byte>& bytes) const;
 
+  Outcome change_now(bool comes, const std::string& text);
+  struct NotedEdit {
+    recording::State::Edit edit;
+    std::string came;  // the name of the body that came; empty: one went
+  };
   // Keeps edits_ short: a body that came and went leaves no entry.
-  void note_removed(const std::string& name);
+  void note(NotedEdit edit);
+  std::size_t edit_bytes() const;  // of text
   // Starts from the original scene and applies these edits; throws where one is refused.
   void edit_bodies(const std::vector<recording::State::Edit>& edits);
   // restore() without its way back: throws where something does not fit, in the middle of the work.
   void restore_all(const recording::State& whole);
 
-  scene::Scene scene_;
-  std::optional<scene::Scene> original_;       // as it was loaded; set once bodies have come or gone
-  std::vector<recording::State::Edit> edits_;  // from original_ to scene_
-  std::vector<std::string> edited_;            // for each edit the body that came; empty: one went
+  // Shared with a change of the bodies that is being made ready on another thread.
+  std::shared_ptr<const scene::Scene> scene_;
+  std::shared_ptr<const scene::Scene> original_;  // as it was loaded; set once bodies have come or gone
+  std::vector<NotedEdit> edits_;                  // from original_ to scene_
   world::WorldState state_;
   world::WorldState before_;  // the last good state, which a frozen world shows
   std::vector<BoundPart> parts_;
@@ -287,7 +306,10 @@ class Simulation {
   std::vector<Snapshot> snapshots_;
   std::shared_ptr<FlightRing> ring_;
   Phases phases_;
-  std::uint64_t solver_warnings_ = 0;
+  Working working_;
+  std::shared_ptr<const std::vector<std::string>> work_texts_;
+  std::uint64_t solver_warnings_ = 0, limited_ticks_ = 0;
+  std::vector<std::string> limited_bodies_;
   Observer* observer_ = nullptr;
   std::uint64_t next_snapshot_ = 1;
   std::uint64_t era_ = 1;

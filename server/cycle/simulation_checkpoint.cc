@@ -1,5 +1,6 @@
 // Simulation: saves the whole world at a tick border, and restores it. A saved state may come from a file, so
 // every length in it is checked, and every number that an engine would see.
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -22,14 +23,14 @@ void Simulation::keep(recording::State& whole) const {
     world::save(snapshots_[i].state, kept.state);
     kept.state.insert(kept.state.end(), snapshots_[i].rest.begin(), snapshots_[i].rest.end());
   }
-  whole.edits = edits_;
+  whole.edits.clear();
+  for (const auto& noted : edits_) whole.edits.push_back(noted.edit);
 }
 
 void Simulation::edit_bodies(const std::vector<recording::State::Edit>& edits) {
-  if (edits == edits_) return;
-  change_scene(original_ ? *original_ : scene_);
+  if (std::ranges::equal(edits, edits_, {}, {}, &NotedEdit::edit)) return;
+  use_original_scene();
   edits_.clear();
-  edited_.clear();
   snapshots_.clear();
   start_state();
   for (const auto& edit : edits) {

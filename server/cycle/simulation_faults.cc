@@ -67,7 +67,7 @@ void Simulation::load_faults(hwparts::StateReader& from) {
     const auto& part = *parts_[active.part].part;
     if (!part.has(hwparts::fault_info(active.fault.kind).target))
       throw std::out_of_range("a fault of a part that has none of the kind");
-    const auto room = NetworkModel::has_room_for(active.fault, part.description(), scene_.world.tick_ns);
+    const auto room = NetworkModel::has_room_for(active.fault, part.description(), scene_->world.tick_ns);
     if (!room.done()) throw std::out_of_range(room.text());
   }
 }
@@ -78,7 +78,7 @@ void Simulation::hand_out_faults() {
     auto& bound = parts_[part];
     bound.part->set_faults(own);
     bound.silent = faults_.find(part, hwparts::FaultKind::kPartSilent) != nullptr;
-    bound.set_network(NetworkModel::quality_of(own, scene_.world.tick_ns), scene_.seed + part);
+    bound.set_network(NetworkModel::quality_of(own, scene_->world.tick_ns), scene_->seed + part);
   }
 }
 

@@ -5,7 +5,15 @@
 #include <utility>
 #include <vector>
 
+#include "protocol/config/unknown_name.h"
+
 namespace visum::cycle {
+
+Outcome unknown_body(const world::WorldModel& model, const std::string& name) {
+  std::vector<std::string> known;
+  for (const auto& body : model.bodies) known.push_back(body.name);
+  return {Refusal::kUnknownName, config::unknown_name("body", name, known)};
+}
 
 Outcome can_remove(const world::WorldModel& model, world::BodyId body) {
   const auto& name = model.bodies[body.index()].name;

@@ -1,10 +1,15 @@
 // Takes a body out of a model and renumbers everything that refers to bodies by their ids. Pure functions.
 #pragma once
 
+#include <string>
+
 #include "server/cycle/outcome.h"
 #include "server/world/world_model.h"
 
 namespace visum::cycle {
+
+// Refuses a name that no body has, and names the nearest.
+Outcome unknown_body(const world::WorldModel& model, const std::string& name);
 
 // Refuses where the body belongs to a model or a joint holds it.
 Outcome can_remove(const world::WorldModel& model, world::BodyId body);

@@ -41,6 +41,13 @@ struct StepResult {
   bool ok = true;
   std::string fault;    // if !ok: names the body or joint; the state must then not be used
   bool warned = false;  // if ok: the solver did not reach its bounds, and went on with what it had
+  // If ok: the work of the tick has met its limit (EngineSetting::work_limit), and ended with the best that
+  // was reached. `fell_short` names the bodies that should have been held better, at most kMostNamed.
+  bool limited = false;
+  std::vector<world::BodyId> fell_short;
+  std::uint64_t work = 0;  // what the tick has taken, in the units of the limit; 0: the engine counts none
+
+  static constexpr std::size_t kMostNamed = 16;
 };
 
 // Simulation owns the engines. The tick's thread is the only one that calls them.

@@ -1,11 +1,11 @@
 #include "server/gateway/access.h"
 
 #include <algorithm>
-#include <fstream>
 #include <sstream>
 #include <type_traits>
 
 #include "protocol/config/config.h"
+#include "protocol/config/secret_file.h"
 
 namespace visum::gateway {
 namespace {
@@ -32,11 +32,6 @@ std::string rest_of(std::istringstream& words) {
   return rest.substr(0, rest.find_last_not_of(" \t\r") + 1);
 }
 
-bool is_emergency_stop(const protocol::SetParameter& request) {
-  const bool* on = std::get_if<bool>(&request.value);
-  return request.name == "Emergency Stop" && on != nullptr && *on;
-}
-
 Role role_named(const std::string& word) {
   if (word == "observer") return Role::kObserver;
   if (word == "controller") return Role::kController;
@@ -46,9 +41,14 @@ Role role_named(const std::string& word) {
 
 }  // namespace
 
+bool is_emergency_stop(const protocol::Request& request) {
+  const auto* set = std::get_if<protocol::SetParameter>(&request);
+  const bool* on = set ? std::get_if<bool>(&set->value) : nullptr;
+  return on && *on && set->name == protocol::kEmergencyStop;
+}
+
 Role role_needed(const protocol::Request& request) {
-  if (const auto* set = std::get_if<protocol::SetParameter>(&request); set && is_emergency_stop(*set))
-    return Role::kObserver;
+  if (is_emergency_stop(request)) return Role::kObserver;
   return std::visit(
       [](const auto& message) {
         using namespace protocol;
@@ -100,11 +100,7 @@ Tokens::Entry Tokens::read_entry(Role role, const std::string& words, const conf
 }
 
 Tokens::Tokens(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) throw config::ConfigError({file.string(), 0, ""}, "cannot be read");
-  using std::filesystem::perms;
-  if ((std::filesystem::status(file).permissions() & (perms::group_all | perms::others_all)) != perms::none)
-    throw config::ConfigError({file.string(), 0, ""}, "others may read it; chmod 600 makes it yours alone");
+  std::istringstream in(config::read_secret_file(file));
   int number = 0;
   for (std::string line; std::getline(in, line);) {
     ++number;

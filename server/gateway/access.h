@@ -1,6 +1,7 @@
 // Access rules: the role that each request needs, and the tokens and certificates that give roles.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,6 +15,9 @@ namespace visum::gateway {
 // pull an emergency stop; only a controller may release it.
 protocol::Role role_needed(const protocol::Request& request);
 
+// True for the request that stops a part: it sets the parameter `Emergency Stop` to true.
+bool is_emergency_stop(const protocol::Request& request);
+
 // True for requests that only a simulated world can carry out: to hold time, go back in it, change bodies.
 bool needs_world(const protocol::Request& request);
 // True for requests that change nothing in a recording that is shown: reads, and moves within it. `steering`
@@ -26,13 +30,20 @@ class Tokens {
  public:
   Tokens() = default;  // no file: no token is asked for
   // Lines of "observer|controller|admin TOKEN" or "... CN=NAME", # begins a comment; a token has at least 16
-  // characters (128 bits as hex are 32). Throws ConfigError for a wrong line, or a file that others may read.
+  // characters (128 bits as hex are 32). Throws ConfigError for a wrong line, or a file that is not ours
+  // alone (config::read_secret_file).
   explicit Tokens(const std::filesystem::path& file);
 
   bool required() const { return !entries_.empty(); }
   // The role granted to a client that asks for `wanted`: at most the role of its token or of the name in its
   // certificate ("": it showed none). kUnspecified: it is not let in.
   protocol::Role grant(const std::string& token, const std::string& identity, protocol::Role wanted) const;
+  // True if `matches` is true for one of the tokens.
+  template <typename Matches>
+  bool any_token(const Matches& matches) const {
+    return std::ranges::any_of(
+        entries_, [&](const Entry& entry) { return !entry.token.empty() && matches(entry.token); });
+  }
 
  private:
   struct Entry {

@@ -1,7 +1,5 @@
 #include "server/gateway/call.h"
 
-#include <spdlog/spdlog.h>
-
 #include <vector>
 
 #include "protocol/config/unknown_name.h"
@@ -17,7 +15,8 @@ void Call::reply(const protocol::Reply& reply) const {
 void Call::fail(ErrorCode code, const std::string& text, const std::string& owner) const {
   clients.count_refusal();
   if (code == ErrorCode::kForbidden)
-    spdlog::warn("'{}' at {} is refused: {}", session.client_name(), session.peer(), text);
+    session.log(protocol::LogLevel::kWarning,
+                "'" + session.client_name() + "' at " + session.peer() + " is refused: " + text);
   session.send(id, protocol::Error{code, text, owner});
 }
 

@@ -5,6 +5,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "protocol/server.h"
@@ -54,10 +55,20 @@ class Clients {
   std::uint64_t refused() const { return refused_; }
   void count_refusal() { ++refused_; }
 
+  // How often clients of each name have exchanged something with a part, also those that are gone. Past
+  // kMostNames the rest has the empty name.
+  static constexpr std::size_t kMostNames = 256;
+  const std::map<std::string, std::uint64_t>& exchanges() const { return exchanges_; }
+  void count_exchange(const std::string& client) {
+    const bool has_room = exchanges_.size() < kMostNames || exchanges_.contains(client);
+    ++exchanges_[has_room ? client : std::string()];
+  }
+
  private:
   std::map<std::uint64_t, Client> clients_;  // by session
   std::uint64_t known_era_ = 1;
   std::uint64_t refused_ = 0;
+  std::map<std::string, std::uint64_t> exchanges_;  // by client's name
 };
 
 }  // namespace visum::gateway

@@ -34,6 +34,7 @@ struct HttpOptions {
 };
 
 struct DaemonOptions {
+  std::string program = "visumd";  // its name for clients
   std::string address = "127.0.0.1";
   std::uint16_t port = 1500;
   bool run_at_once = false;  // else time starts with the first lease, the first step of a member, or resume
@@ -44,6 +45,14 @@ struct DaemonOptions {
   bool paced = false;  // lockstep too is no faster than the scene's speed; else as fast as its members let it
   HttpOptions http;
   std::function<StuckNode()> stuck_node;  // which call of a plug-in hangs; any thread. Empty: nobody watches
+  // Clock realtime: parts that sessions command are stopped once the sessions' thread has been silent for so
+  // long, and writes that have become older than this are dropped. 0: never.
+  std::chrono::milliseconds session_silence{250};
+  std::chrono::milliseconds command_age{200};
+  // Called, on another thread than run()'s, where the daemon is to end and a tick has not ended for two
+  // seconds: the sessions are closed, nothing records that tick, and run() will never return. It must end the
+  // process. `what` says what the tick was doing. Empty: the daemon waits for each tick.
+  std::function<void(const std::string& what)> abandoned;
   // Parts in front of something real.
   bool simulated = true;  // what the welcome says
   bool has_world = true;  // false: nobody may hold the time, go back in it, or change bodies

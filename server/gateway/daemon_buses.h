@@ -13,8 +13,8 @@
 
 namespace visum::gateway {
 
-// Lives on the tick's thread; only addresses() and names() may be called on others, once open() is done.
-// Until then, and where the daemon has no buses, each function does nothing.
+// Lives on the tick's thread; only addresses(), exchanges(), names() and dropped() may be called on others,
+// once open() is done. Until then, and where the daemon has no buses, each function does nothing.
 class DaemonBuses final : public bus::BusDoor {
  public:
   explicit DaemonBuses(TickSide& tick_side) : tick_side_(tick_side) {}
@@ -37,6 +37,10 @@ class DaemonBuses final : public bus::BusDoor {
 
   // BusDoor
   const std::vector<protocol::PartBus>& addresses() const override;
+  std::vector<protocol::Exchange> exchanges() const override {
+    return buses_ ? buses_->exchanges() : bus::NoBuses::instance().exchanges();
+  }
+  std::uint64_t dropped() const override { return buses_ ? buses_->dropped() : 0; }
   void settle(const std::vector<protocol::Stream>& streams) override;
   std::uint64_t said() override { return buses_ ? buses_->said() : 0; }
   void fill_in(std::vector<protocol::Stream>& streams) override {

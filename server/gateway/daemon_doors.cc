@@ -1,5 +1,6 @@
 #include "server/gateway/daemon_doors.h"
 
+#include <spdlog/spdlog.h>
 #include <time.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <utility>
 
 #include "server/gateway/playback.h"
+#include "server/gateway/working_text.h"
 #include "server/recording/flight_recorder.h"
 
 namespace visum::gateway {
@@ -20,6 +22,7 @@ std::size_t most_ports(const cycle::Simulation& simulation) {
 
 StaticWorld shown_world(const cycle::Simulation& simulation, const DaemonOptions& options) {
   auto world = static_world(simulation);
+  world.server = options.program + " " VISUM_VERSION;
   world.simulated = options.simulated;
   world.has_world = options.has_world;
   world.stuck_node = options.stuck_node;
@@ -45,19 +48,39 @@ DaemonDoors::DaemonDoors(cycle::Simulation& the_simulation, const DaemonOptions&
       iterations(options.iterations),
       wait(options.wait),
       show(shown_by(options)),
+      abandoned(options.abandoned),
       flight(options.flight),
       playback(options.playback),
       mailbox(most_ports(simulation)),
       tick_side(simulation, mailbox, options.run_at_once),
       buses(tick_side),
       gateway(shown_world(simulation, options),
-              options.token_file.empty() ? Tokens() : Tokens(options.token_file), mailbox, tick_side.pacer(),
-              std::move(newest), buses),
+              options.token_file.empty() ? Tokens() : Tokens(options.token_file), mailbox, tick_side.stops(),
+              tick_side.pacer(), std::move(newest), buses),
       web(
           options.http.page.empty() ? PageFiles() : PageFiles(options.http.page), gateway,
           [this] { return server.refused(); }, options.playback),
       server({options.address, options.port, {}, web_options(options.http, web), options.tls}, gateway) {
-  if (playback) tick_side.play([this] { return playback->tick(); }, [this] { return playback->era(); });
+  tick_side.on_change_ready([this] {
+    mailbox.wake();
+    server.notify();
+  });
+  if (playback)
+    tick_side.play([this] { return playback->tick(); }, [this] { return playback->era(); });
+  else
+    open_stop_door(options);
+}
+
+// Without the door, emergency stops still come in sessions.
+void DaemonDoors::open_stop_door(const DaemonOptions& options) {
+  std::vector<std::string> names;
+  for (const auto& bound : simulation.parts()) names.push_back(bound.part->description().name);
+  StopOrders orders(std::move(names), gateway.tokens(), options.tls.given(), tick_side.stops());
+  try {
+    stop_door.emplace(options.address, server.port(), std::move(orders));
+  } catch (const std::runtime_error& error) {
+    spdlog::warn("visum stop has to go through a session: {}", error.what());
+  }
 }
 
 void DaemonDoors::open_buses(std::vector<bus::BusAddress> addresses, std::function<void()> wake) {
@@ -67,20 +90,36 @@ void DaemonDoors::open_buses(std::vector<bus::BusAddress> addresses, std::functi
   buses.open(simulation, addresses, std::move(wake));
 }
 
-void DaemonDoors::tick() {
-  tick_side.tick();
+void DaemonDoors::after_tick() {
   ++ticks_made;
   buses.after_tick();
 }
 
 void DaemonDoors::add_to_copy(Published& copy) const {
+  copy.silent_stops = tick_side.silent_stops();
+  copy.late_writes = tick_side.dropped_writes();
   if (flight) copy.dump = flight->dump();
   if (show) show(copy);
 }
 
+bool DaemonDoors::end_asked() const {
+  return stopping.load(std::memory_order_relaxed) || gateway.shutdown_asked();
+}
+
 bool DaemonDoors::ended() const {
-  return stopping.load(std::memory_order_relaxed) || gateway.shutdown_asked() ||
-         (iterations > 0 && ticks_made >= iterations);
+  return end_asked() || (iterations > 0 && ticks_made >= iterations);
+}
+
+// From the moment at which the tick is abandoned its thread touches nothing but the world.
+void DaemonDoors::abandon(std::uint64_t tick, const std::function<void()>& say_goodbye) {
+  const auto work = simulation.working().now();
+  if (!abandoned || !simulation.working().abandon(tick)) return;
+  std::vector<const hwparts::Part*> parts;
+  for (const auto& bound : simulation.parts()) parts.push_back(bound.part.get());
+  say_goodbye();
+  buses.close();
+  stop_door.reset();
+  abandoned(working_text(work, parts, *simulation.work_texts()));
 }
 
 void sleep_until(std::chrono::steady_clock::time_point due) {

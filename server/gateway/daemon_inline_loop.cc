@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "server/gateway/daemon_loop.h"
+#include "server/gateway/relief.h"
 
 namespace visum::gateway {
 namespace {
@@ -12,9 +13,13 @@ constexpr std::chrono::milliseconds kIdle{20};          // how soon stop() is no
 constexpr std::chrono::milliseconds kPaceLook{1};       // sessions of a paced lockstep are served that often
 constexpr std::chrono::microseconds kTickingLook{100};  // and those of a world that ticks as fast as it can
 constexpr std::chrono::seconds kFarewell{2};            // for clients that read their last frames slowly
+// The relief shows a copy of the world. It is made before each tick where ticks take so long that a copy
+// costs nothing. Otherwise it may be a little older.
+constexpr std::chrono::milliseconds kSlowTick{1}, kOldCopy{50};
 
 // One thread ticks and serves the sessions. In lockstep, waking another thread for each step would cost more
-// than the step itself.
+// than the step itself. While a tick takes long, the relief's thread serves them instead: from the copy of
+// the world that was made last, since the world itself is being changed.
 class InlineLoop final : public DaemonLoop {
  public:
   InlineLoop(cycle::Simulation& simulation, const DaemonOptions& options, std::atomic<bool>& stop)
@@ -31,7 +36,13 @@ class InlineLoop final : public DaemonLoop {
   bool may_tick();
   // False: the next tick's time has not come yet; sessions are served meanwhile.
   bool await_due();
-  void end_sessions();
+  // Lets go of the sessions while `work` is done, which must not touch them.
+  template <typename Work>
+  void without_sessions(Relief& relief, const Work& work);
+  void tick(Relief& relief);
+  void end_sessions(std::chrono::milliseconds farewell);
+  Relief::Duties duties_of_relief();
+  void relieve(bool begins);
   // The copy is made when it is asked for, and only if something happened since the last time.
   const Published& fresh_copy();
 
@@ -39,10 +50,13 @@ class InlineLoop final : public DaemonLoop {
   bool is_paced_now_ = false;
   Published copy_;
   std::uint64_t copied_version_ = 0;  // of the tick's side
-  DaemonDoors doors_;                 // last: while it ends, sessions may still ask for the copy
+  Clock::time_point copied_at_{}, last_tick_at_{};
+  bool relieved_ = false;  // changes hands together with the sessions
+  DaemonDoors doors_;      // last: while it ends, sessions may still ask for the copy
 };
 
 const Published& InlineLoop::fresh_copy() {
+  if (relieved_) return copy_;
   const auto& simulation = doors_.simulation;
   const auto version = doors_.tick_side.version();
   if (copy_.tick != simulation.tick_count() || copy_.era != simulation.era() || copied_version_ != version ||
@@ -50,14 +64,64 @@ const Published& InlineLoop::fresh_copy() {
     fill_unhashed(copy_, simulation, doors_.tick_side.pace());
     doors_.add_to_copy(copy_);
     copied_version_ = version;
+    copied_at_ = doors_.tick_side.ticked_at();
   }
   return copy_;
+}
+
+template <typename Work>
+void InlineLoop::without_sessions(Relief& relief, const Work& work) {
+  struct Absence {
+    explicit Absence(InlineLoop& its_loop, Relief& its_relief) : loop(its_loop), relief(its_relief) {
+      relief.leave();
+    }
+    ~Absence() {
+      if (relief.take_back()) loop.doors_.tick_side.touch();
+    }
+    InlineLoop& loop;
+    Relief& relief;
+  };
+  const Absence absence(*this, relief);
+  work();
+}
+
+void InlineLoop::tick(Relief& relief) {
+  const auto now = doors_.tick_side.ticked_at();
+  if (now - std::exchange(last_tick_at_, now) > kSlowTick || now - copied_at_ > kOldCopy) {
+    fresh_copy();
+    copy_.state_hash = state_hash(copy_);
+    copy_.hashed_by = nullptr;
+  }
+  without_sessions(relief, [this] { doors_.tick_side.tick(); });
+  doors_.after_tick();
+}
+
+// The hash cannot be asked for while the world is being changed.
+void InlineLoop::relieve(bool begins) {
+  relieved_ = begins;
+  if (begins && std::exchange(copy_.hashed_by, nullptr)) copy_.state_hash = 0;
+  doors_.gateway.relieve(begins);
+}
+
+Relief::Duties InlineLoop::duties_of_relief() {
+  return {
+      .relieve = [this](bool begins) { relieve(begins); },
+      .serve =
+          [this](std::chrono::nanoseconds at_most) {
+            doors_.server.poll_for(at_most);
+            doors_.gateway.beat();
+          },
+      .wake = [this] { doors_.server.notify(); },
+      .is_to_end = [this] { return doors_.end_asked(); },
+      .tick = [this] { return relieved_ ? doors_.simulation.working().tick() : 0; },
+      .abandon = [this](auto tick) { doors_.abandon(tick, [this] { end_sessions(Relief::kFarewell); }); }};
 }
 
 bool InlineLoop::may_tick() {
   auto& tick_side = doors_.tick_side;
   auto& lockstep = doors_.gateway.lockstep();
   if (lockstep.start_asked()) tick_side.start();
+  if (tick_side.waits_for_change()) return is_paced_now_ = false;
   if (!tick_side.time_runs()) {
     lockstep.end_waits();
     return is_paced_now_ = false;
@@ -86,6 +150,8 @@ void InlineLoop::run() {
   auto& tick_side = doors_.tick_side;
   auto& gateway = doors_.gateway;
   auto& server = doors_.server;
+  fresh_copy();  // for a first tick that takes long
+  Relief relief(duties_of_relief());
   auto now = Clock::now(), polled = now - kTickingLook;
   while (!doors_.ended()) {
     if (now - polled >= kTickingLook) {
@@ -93,7 +159,7 @@ void InlineLoop::run() {
       polled = now;
     }
     const auto version = tick_side.version();
-    tick_side.empty_mailbox();
+    without_sessions(relief, [&] { tick_side.empty_mailbox(); });
     tick_side.give_back();
     // Members learn of a reset before anything else: the ticks that they granted were of the era before.
     if (version != tick_side.version()) gateway.serve();
@@ -102,10 +168,11 @@ void InlineLoop::run() {
     if (may_tick()) {
       if (gateway.complete_writes()) tick_side.empty_mailbox();
       if (doors_.wait) doors_.wait(Clock::now());
-      doors_.tick();
+      const auto before_tick = tick_side.version();
+      tick(relief);
       tick_side.give_back();
       now = tick_side.ticked_at();
-      if (!doors_.has_something_to_send()) continue;
+      if (before_tick == tick_side.version() && !doors_.has_something_to_send()) continue;
       gateway.serve();
       server.write();
     } else {
@@ -114,14 +181,14 @@ void InlineLoop::run() {
       now = polled = Clock::now();
     }
   }
-  end_sessions();
+  end_sessions(kFarewell);
 }
 
-void InlineLoop::end_sessions() {
+void InlineLoop::end_sessions(std::chrono::milliseconds farewell) {
   doors_.gateway.end();
   doors_.gateway.serve();
   doors_.server.stop();
-  const auto patience = Clock::now() + kFarewell;
+  const auto patience = Clock::now() + farewell;
   while (!doors_.server.ended() && Clock::now() < patience) doors_.server.poll_for(kIdle);
 }
 

@@ -1,11 +1,14 @@
+#include <spdlog/spdlog.h>
 #include <sys/prctl.h>
 
 #include <algorithm>
 #include <exception>
 #include <thread>
 
+#include "server/cycle/behind_watch.h"
 #include "server/gateway/daemon_loop.h"
 #include "server/gateway/playback.h"
+#include "server/gateway/relief.h"
 #include "server/world/exchange.h"
 
 namespace visum::gateway {
@@ -14,6 +17,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kLongestSleep{20};  // how soon stop() is noticed while no tick is due
 constexpr std::chrono::milliseconds kBeforeTick{1};     // a comparison ends so long before a tick is due
+constexpr std::chrono::milliseconds kFarewellLook{5};   // how often the end of the sessions is looked for
+constexpr int kMostRounds = 1000;  // of reading what clients sent while the sessions were held up
+constexpr std::chrono::milliseconds kBeat{50};  // how often idle sessions show that they are served
 
 // The tick's thread only ever notifies the sessions' thread; it never waits for it.
 class RealtimeLoop final : public DaemonLoop {
@@ -21,6 +27,9 @@ class RealtimeLoop final : public DaemonLoop {
   RealtimeLoop(cycle::Simulation& simulation, const DaemonOptions& options, std::atomic<bool>& stop)
       : comparing_(options.playback != nullptr),
         doors_(simulation, options, stop, [this]() -> const Published& { return newest_copy(); }) {
+    doors_.tick_side.watch_sessions(options.session_silence);
+    doors_.tick_side.drop_writes_older_than(options.command_age);
+    doors_.gateway.holdup().set_limit(options.command_age);
     doors_.open_buses(options.buses, [this] { doors_.mailbox.wake(); });
     publish(false);
   }
@@ -30,8 +39,11 @@ class RealtimeLoop final : public DaemonLoop {
 
  private:
   void tick_in_real_time();
+  void say_goodbye();
+  void read_what_waited();
 
   // The sessions' thread.
+  void serve_sessions();
   const Published& newest_copy() {
     exchange_.refresh();
     return exchange_.front();
@@ -61,6 +73,8 @@ class RealtimeLoop final : public DaemonLoop {
   }
 
   world::Exchange<Published> exchange_;
+  cycle::BehindWatch behind_;
+  std::atomic<bool> sessions_ended_{false};
   std::uint64_t published_version_ = 0;  // of the tick's side, as of the last copy
   bool comparing_;                       // parts of the recording are not compared yet
   DaemonDoors doors_;                    // last: while it ends, sessions may still ask for the copy
@@ -69,9 +83,12 @@ class RealtimeLoop final : public DaemonLoop {
 // The sessions' thread is told of the end in any case, also where a tick throws.
 void RealtimeLoop::run() {
   prctl(PR_SET_TIMERSLACK, 1UL);
-  std::thread sessions([this] { doors_.server.run(); });
+  std::thread sessions([this] { serve_sessions(); });
   std::exception_ptr failure;
   try {
+    const Relief relief({.is_to_end = [this] { return doors_.end_asked(); },
+                         .tick = [this] { return doors_.simulation.working().tick(); },
+                         .abandon = [this](auto tick) { doors_.abandon(tick, [this] { say_goodbye(); }); }});
     tick_in_real_time();
   } catch (...) {
     failure = std::current_exception();
@@ -83,16 +100,44 @@ void RealtimeLoop::run() {
   if (failure) std::rethrow_exception(failure);
 }
 
+void RealtimeLoop::serve_sessions() {
+  while (!doors_.server.ended()) {
+    doors_.server.poll_for(kBeat);
+    doors_.gateway.beat();
+    read_what_waited();
+  }
+  sessions_ended_.store(true);
+}
+
+// After a time in which this thread did not run: reads all that clients have sent meanwhile.
+void RealtimeLoop::read_what_waited() {
+  auto& holdup = doors_.gateway.holdup();
+  if (holdup.age().count() == 0) return;
+  for (int rounds = 0; rounds < kMostRounds && doors_.server.poll(); ++rounds) {
+  }
+  holdup.end();
+}
+
+// On the relief's thread, while a tick is abandoned.
+void RealtimeLoop::say_goodbye() {
+  doors_.gateway.end();
+  doors_.server.notify();
+  doors_.server.stop();
+  const auto patience = Clock::now() + Relief::kFarewell;
+  while (!sessions_ended_.load() && Clock::now() < patience) std::this_thread::sleep_for(kFarewellLook);
+}
+
 void RealtimeLoop::tick_in_real_time() {
   auto& tick_side = doors_.tick_side;
   auto& pacer = tick_side.pacer();
   bool was_running = false;
   while (!doors_.ended()) {
     tick_side.empty_mailbox();
+    tick_side.look_at_sessions();
     doors_.buses.serve();
     if (doors_.gateway.lockstep().start_asked()) tick_side.start();
     const bool runs = tick_side.time_runs();
-    if (runs && !was_running) pacer.restart(Clock::now());
+    if (runs && !was_running) tick_side.go_on(Clock::now());
     if (published_version_ != tick_side.version() || runs != was_running) publish(true);
     was_running = runs;
     if (!runs) {
@@ -107,9 +152,12 @@ void RealtimeLoop::tick_in_real_time() {
     wait_until(until);
     if (until < pacer.due()) continue;
     tick_side.empty_mailbox();
-    pacer.begin_tick(Clock::now());
+    const auto began = Clock::now();
+    pacer.begin_tick(began);
+    if (const auto line = behind_.look(began, pacer.lost(), pacer.overruns())) spdlog::warn("{}", *line);
     const auto version_before = published_version_;
-    doors_.tick();
+    tick_side.tick();
+    doors_.after_tick();
     publish(doors_.has_something_to_send() || version_before != tick_side.version());
   }
 }

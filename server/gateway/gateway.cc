@@ -1,10 +1,10 @@
 #include "server/gateway/gateway.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <limits>
 #include <utility>
+
+#include "protocol/config/printable.h"
 
 namespace visum::gateway {
 
@@ -27,38 +27,49 @@ void hand_over(const Call& call, const Message& message, Handlers&... handlers) 
   (try_one(handlers), ...);
 }
 
+// True if the request, once accepted, moves a value, a picture or a blackboard to or from a part.
+bool exchanges_with_part(const protocol::Request& request) {
+  return std::holds_alternative<protocol::Read>(request) ||
+         std::holds_alternative<protocol::Write>(request) ||
+         std::holds_alternative<protocol::Subscribe>(request) ||
+         std::holds_alternative<protocol::ReadBlackboard>(request) ||
+         std::holds_alternative<protocol::WriteBlackboard>(request);
+}
+
 }  // namespace
 
-Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, const cycle::Pacer& pacer, Latest latest,
-                 bus::BusDoor& buses)
+Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, StopLatch& stops,
+                 const cycle::Pacer& pacer, Latest latest, bus::BusDoor& buses)
     : world_(std::move(world)),
       tokens_(std::move(tokens)),
       mailbox_(mailbox),
       latest_(std::move(latest)),
       limiter_(world_.clock, mailbox),
-      parts_(world_, mailbox, clients_, limiter_),
-      commands_(mailbox, parts_),
+      parts_(world_, mailbox, clients_, limiter_, holdup_),
+      commands_(mailbox, parts_, stops),
       lockstep_(world_, mailbox, clients_, parts_, buses),
       streams_(world_),
       settings_(world_, parts_, commands_),
       time_(world_, commands_),
       bodies_(world_, mailbox, clients_, limiter_, commands_),
       faults_(world_, mailbox, limiter_, buses),
-      server_(world_, mailbox, clients_, lockstep_, pacer, buses) {}
+      server_(world_, mailbox, clients_, lockstep_, pacer, buses, parts_) {}
 
 protocol::Role Gateway::on_hello(protocol::Session& session, const protocol::Hello& hello,
                                  protocol::Welcome& welcome, protocol::Error& refusal) {
   const auto identity = session.identity();
   const auto role = tokens_.grant(hello.token, identity, hello.role);
   if (role == protocol::Role::kUnspecified) {
-    const std::string why =
-        identity.empty() ? "the token is missing or wrong"
-                         : "neither a token nor the certificate of '" + identity + "' gives a role here";
+    const std::string why = identity.empty() ? "the token is missing or wrong"
+                                             : "neither a token nor the certificate of '" +
+                                                   config::printable(identity) + "' gives a role here";
     refusal = tokens_.required() ? protocol::Error{ErrorCode::kUnauthenticated, why, {}}
                                  : protocol::Error{ErrorCode::kMalformed, "hello names no role", {}};
-    spdlog::warn("'{}' at {} is refused: {}", hello.client_name, session.peer(), refusal.text);
+    session.log(protocol::LogLevel::kWarning,
+                "'" + hello.client_name + "' at " + session.peer() + " is refused: " + refusal.text);
     return role;
   }
+  welcome.server = world_.server;
   welcome.tick_ns = world_.tick_ns;
   welcome.scene = world_.scene;
   welcome.clock = scene::name_of(world_.clock);
@@ -76,11 +87,15 @@ void Gateway::look_at_world() {
 void Gateway::on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) {
   auto* client = clients_.find(session.id());
   if (!client) return;
+  mailbox_.beat();
+  holdup_.look(Holdup::Clock::now());
   look_at_world();
   work_off(*client);
-  if (!client->waiting && client->backlog.empty()) {
+  if (!client->waiting && client->backlog.empty() && !is_deferred(*client, request)) {
     if (!holds(*client, id, request)) dispatch(*client, id, request);
   } else if (client->backlog.size() < kMaxBacklog) {
+    if (is_emergency_stop(request) && world_.steering_part.empty())
+      settings_.press_early(std::get<protocol::SetParameter>(request));
     client->backlog.emplace_back(id, request);
   } else {
     clients_.count_refusal();
@@ -105,11 +120,15 @@ void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request
   }
   if (!world_.steering_part.empty() && !leaves_recording(request, world_.steering_part))
     return call.fail(ErrorCode::kWrongState, "this is a recording: what happened in it cannot be changed");
+  const auto refused = clients_.refused();
   std::visit(
       [&](const auto& message) {
         hand_over(call, message, parts_, settings_, streams_, lockstep_, time_, bodies_, faults_, server_);
       },
       request);
+  // A command that waits for the tick is counted by finish_commands().
+  if (exchanges_with_part(request) && clients_.refused() == refused && !client.waiting)
+    clients_.count_exchange(session.client_name());
 }
 
 void Gateway::work_off_backlogs() {
@@ -120,7 +139,8 @@ void Gateway::work_off_backlogs() {
 }
 
 void Gateway::work_off(Client& client) {
-  while (!client.waiting && !client.backlog.empty() && !client.session->behind()) {
+  while (!client.waiting && !client.backlog.empty() && !client.session->behind() &&
+         !is_deferred(client, client.backlog.front().second)) {
     const auto [id, request] = std::move(client.backlog.front());
     client.backlog.pop_front();
     if (!holds(client, id, request)) dispatch(client, id, request);
@@ -177,6 +197,7 @@ void Gateway::on_close(protocol::Session& session, protocol::CloseReason reason)
 }
 
 void Gateway::serve() {
+  if (relieved_) return say_that_it_ends();
   commands_.collect();
   now_ = &latest_();
   const auto& now = *now_;
@@ -188,8 +209,13 @@ void Gateway::serve() {
   work_off_backlogs();
   parts_.send_late_writes(now);
   streams_.send_due(now);
-  if (ending_.exchange(false)) clients_.broadcast({"shutdown", "the server ends", {}, now.era, now.tick});
+  say_that_it_ends();
   note_next_due();
+}
+
+void Gateway::say_that_it_ends() {
+  if (ending_.exchange(false) && now_)
+    clients_.broadcast({"shutdown", "the server ends", {}, now_->era, now_->tick});
 }
 
 void Gateway::note_next_due() {
@@ -201,8 +227,21 @@ void Gateway::note_next_due() {
   next_due_.store(due, std::memory_order_relaxed);
 }
 
+// Each time that their number has doubled, so that the log stays short.
+void Gateway::warn_of_limits() {
+  if (!has_to_warn(now_->limited_ticks)) return;
+  limits_warned_at_.store(2 * now_->limited_ticks, std::memory_order_relaxed);
+  std::string bodies;
+  for (const std::string& body : now_->limited_bodies) bodies += (bodies.empty() ? "'" : ", '") + body + "'";
+  spdlog::warn(
+      "tick {}: the work of {} ticks has met its limit so far (work_limit of the scene); {}", now_->tick,
+      now_->limited_ticks,
+      bodies.empty() ? "in the last one no body fell short" : "in the last one fell short: " + bodies);
+}
+
 void Gateway::follow_eras() {
   const auto& now = *now_;
+  warn_of_limits();
   if (!now.fault.empty() && !frozen_) {
     ++freezes_;
     clients_.broadcast({"frozen", frozen_reason(now), {}, now.era, now.tick});
@@ -226,9 +265,12 @@ void Gateway::finish_commands() {
     if (command->view) bodies_.replace_view(std::move(*command->view), *now_);
     const bool failed = std::holds_alternative<protocol::Error>(command->reply);
     if (failed) clients_.count_refusal();
+    if (command->acknowledged) continue;
     auto* client = clients_.find(command->session);
     if (!client) continue;
     client->waiting = false;
+    if (!failed && exchanges_with_part(command->request))
+      clients_.count_exchange(client->session->client_name());
     if (command->id != 0 || failed) client->session->send(command->id, command->reply);
   }
 }
@@ -241,10 +283,34 @@ void Gateway::tell_notices() {
     } else if (notice.kind == Notice::Kind::kFaultRefused) {
       clients_.broadcast({"fault_refused", "too many faults act at once", world_.part_name(notice.part),
                           clients_.known_era(), notice.tick});
+    } else if (notice.kind == Notice::Kind::kWriteDropped) {
+      parts_.forget_dropped(notice.part, *now_);
     } else {
-      parts_.end_missed_lease(notice, *now_);
+      tell_stop(notice);
     }
   }
+}
+
+void Gateway::tell_stop(const Notice& notice) {
+  const auto& part = world_.part_name(notice.part);
+  if (notice.kind == Notice::Kind::kStopped) {
+    stop_log_.write(protocol::LogLevel::kWarning,
+                    "emergency stop of '" + part + "' at tick " + std::to_string(notice.tick));
+    clients_.broadcast(
+        {"emergency_stop", "an emergency stop was pulled", part, clients_.known_era(), notice.tick});
+  }
+  if (notice.kind == Notice::Kind::kSilent)
+    spdlog::error("the sessions' thread was silent: '{}' was stopped at tick {}", part, notice.tick);
+  if (notice.epoch != 0) parts_.end_missed_lease(notice, *now_);
+}
+
+void Gateway::beat() {
+  mailbox_.beat();
+  holdup_.look(Holdup::Clock::now());
+  if (!now_) return;
+  look_at_world();
+  if (!commands_.acknowledge_late(clients_, world_.working->border(), Commands::Clock::now())) return;
+  for (auto& [id, client] : clients_.all()) work_off(client);
 }
 
 void Gateway::check_timeouts(std::int64_t tick) {

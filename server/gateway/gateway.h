@@ -15,6 +15,7 @@
 #include "server/gateway/clients.h"
 #include "server/gateway/commands.h"
 #include "server/gateway/fault_requests.h"
+#include "server/gateway/holdup.h"
 #include "server/gateway/input_limiter.h"
 #include "server/gateway/lockstep.h"
 #include "server/gateway/mailbox.h"
@@ -38,8 +39,8 @@ class Gateway : public protocol::SessionHandler {
   // Gives the newest published copy, which stays as it is until the next call.
   using Latest = std::function<const Published&()>;
   // All references must outlive the gateway. Of `pacer` only the counters are read.
-  Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, const cycle::Pacer& pacer, Latest latest,
-          bus::BusDoor& buses = bus::NoBuses::instance());
+  Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, StopLatch& stops, const cycle::Pacer& pacer,
+          Latest latest, bus::BusDoor& buses = bus::NoBuses::instance());
 
   // SessionHandler
   protocol::Role on_hello(protocol::Session& session, const protocol::Hello& hello,
@@ -52,6 +53,18 @@ class Gateway : public protocol::SessionHandler {
   // Sends what is due: commands' replies, answers to Advance, samples, events. After every tick, or when
   // notified.
   void serve();
+  // Shows the tick's side that the sessions' thread goes round, and acknowledges requests that a long tick
+  // holds up. To be called every 50 ms or more often, and by whoever serves the sessions meanwhile.
+  void beat();
+  // The sessions' thread may have been stopped or starved; see Holdup. Writes that waited are refused.
+  Holdup& holdup() { return holdup_; }
+  // From now on (true) another thread serves the sessions, while the tick's thread does a tick that takes
+  // long. Requests that change the world are latched for its end. Whatever belongs to a cycle waits.
+  void relieve(bool begins) { relieved_ = begins; }
+  // True if the log is to tell of so many limited ticks. Any thread.
+  bool has_to_warn(std::uint64_t limited_ticks) const {
+    return limited_ticks >= limits_warned_at_.load(std::memory_order_relaxed);
+  }
   // The earliest tick at which serve() has something to send; int64's maximum: there is none. Any thread.
   std::int64_t next_due() const { return next_due_.load(std::memory_order_relaxed); }
   // For the daemon's loop, which asks it before each tick.
@@ -68,6 +81,7 @@ class Gateway : public protocol::SessionHandler {
 
   // For /metrics; the connections that the server refused are not in it.
   Metrics metrics();
+  const Tokens& tokens() const { return tokens_; }
   // True if a token, or the name in a certificate, gives at least this role.
   bool lets_in(const std::string& token, const std::string& identity, protocol::Role role) const {
     return tokens_.grant(token, identity, role) != protocol::Role::kUnspecified;
@@ -82,6 +96,11 @@ class Gateway : public protocol::SessionHandler {
   void dispatch(Client& client, std::uint64_t id, const protocol::Request& request);
   // True: a gate holds the request at the head of the backlog, until the world has run its period.
   bool holds(Client& client, std::uint64_t id, const protocol::Request& request);
+  // True: this request waits until the tick is over.
+  bool is_deferred(const Client& client, const protocol::Request& request) {
+    return relieved_ && lockstep_.waits_for_tick(*client.session, request);
+  }
+  void say_that_it_ends();
   // Handles the request that a gate held, once the world is there or never will be.
   void release(Client& client);
   void work_off(Client& client);
@@ -92,7 +111,10 @@ class Gateway : public protocol::SessionHandler {
   void follow_eras();
   void finish_commands();
   void tell_notices();
+  void tell_stop(const Notice& notice);
   void note_next_due();
+  // Names in the log the bodies that fell short, in ticks whose work met a limit.
+  void warn_of_limits();
 
   const StaticWorld world_;
   const Tokens tokens_;
@@ -101,6 +123,7 @@ class Gateway : public protocol::SessionHandler {
   const Published* now_ = nullptr;  // the copy in use; null: nothing has called from outside yet
   Clients clients_;
   InputLimiter limiter_;
+  Holdup holdup_;
   Parts parts_;
   Commands commands_;
   Lockstep lockstep_;
@@ -112,6 +135,9 @@ class Gateway : public protocol::SessionHandler {
   ServerRequests server_;
   bool frozen_ = false;
   std::uint64_t freezes_ = 0;
+  bool relieved_ = false;
+  protocol::ClientLog stop_log_{"emergency stops"};  // anybody may pull them, as often as he likes
+  std::atomic<std::uint64_t> limits_warned_at_{1};   // limited ticks at which the log tells of them next
   std::atomic<bool> ending_{false};
   std::atomic<std::int64_t> next_due_{0};
 };

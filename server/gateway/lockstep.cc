@@ -121,6 +121,13 @@ bool Lockstep::was_told_more(const Follows& follows) {
   return false;
 }
 
+bool Lockstep::waits_for_tick(const protocol::Session& session, const protocol::Request& request) {
+  return members_.is_member(session.id()) || gates_.gate_of(session) ||
+         std::holds_alternative<protocol::Join>(request) ||
+         std::holds_alternative<protocol::Advance>(request) ||
+         std::holds_alternative<protocol::Leave>(request) || std::holds_alternative<protocol::Note>(request);
+}
+
 bool Lockstep::follow_buses(std::int64_t tick) {
   bool any = false;
   for (auto& member : members_.all()) {

@@ -54,6 +54,9 @@ class Lockstep {
 
   // The Gateway.
 
+  // True for requests whose answer belongs to a cycle: those of members, and those that begin or end a
+  // membership. They are not looked at while a tick is being done.
+  bool waits_for_tick(const protocol::Session& session, const protocol::Request& request);
   // A session's request that ends a cycle has to wait until the world has run a period: the tick at which it
   // may be handled. None: it can be handled now.
   std::optional<std::int64_t> hold(const protocol::Session& session, const protocol::Request& request,

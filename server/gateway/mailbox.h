@@ -14,6 +14,7 @@
 
 #include "hwparts/fault_set.h"
 #include "protocol/messages.h"
+#include "server/cycle/body_change.h"
 #include "server/dynamics/engine.h"
 #include "server/gateway/world_view.h"
 
@@ -25,12 +26,13 @@ struct Input {
   enum class Kind { kWrite, kLeaseGranted, kLeaseReleased, kLeaseLost, kPush, kFault, kClearFault };
   Kind kind = Kind::kWrite;
   std::uint32_t part = 0;
-  std::uint64_t epoch = 0;                    // of the part's lease; pushes, faults: see order_of()
-  std::uint32_t first_port = 0;               // kWrite
-  std::vector<double> values;                 // kWrite; its capacity is kept
-  std::int64_t deadline_ticks = 0;            // kLeaseGranted; 0: none
-  dynamics::Wrench wrench{};                  // kPush
-  std::uint64_t revision = 0;                 // kPush: of the world that the body's number belongs to
+  std::uint64_t epoch = 0;                          // of the part's lease; pushes, faults: see order_of()
+  std::uint32_t first_port = 0;                     // kWrite
+  std::vector<double> values;                       // kWrite; its capacity is kept
+  std::chrono::steady_clock::time_point read_at{};  // kWrite: when it was sent to the tick's side
+  std::int64_t deadline_ticks = 0;                  // kLeaseGranted; 0: none
+  dynamics::Wrench wrench{};                        // kPush
+  std::uint64_t revision = 0;                       // kPush: of the world that the body's number belongs to
   std::optional<Eigen::Vector3d> push_point;  // kPush: where the force acts, in W; none: the centre of mass
   std::int64_t duration_ticks = 0;            // kPush, kFault (0: until it is cleared)
   hwparts::Fault fault{};                     // kFault
@@ -45,16 +47,20 @@ struct Command {
   std::uint64_t id = 0;
   std::uint32_t part = 0;  // the part that the request is about, if any
   protocol::Request request;
+  bool acknowledged = false;        // was answered before it was done: its reply is dropped
   protocol::Reply reply;            // filled by the tick's side
   std::unique_ptr<WorldView> view;  // filled if the world's description changed
+  // The old world's scene and machinery after a change of the bodies: freed with the command, since that
+  // takes longer than a tick has.
+  cycle::BodyChange left_over{};
 };
 
 // News from the tick's side that no request asked for.
 struct Notice {
-  enum class Kind { kDeadlineMissed, kPushRefused, kFaultRefused };
+  enum class Kind { kDeadlineMissed, kSilent, kStopped, kWriteDropped, kPushRefused, kFaultRefused };
   Kind kind = Kind::kDeadlineMissed;
   std::uint32_t part = 0;
-  std::uint64_t epoch = 0;
+  std::uint64_t epoch = 0;  // of the lease that this ended; kStopped: 0 where it ended none
   std::int64_t tick = 0;
 };
 
@@ -76,6 +82,7 @@ class Mailbox {
   bool send(std::unique_ptr<Command> command);  // false: full
   std::unique_ptr<Command> next_done();         // none: nothing came back
   bool next_notice(Notice& notice);
+  void beat() { beats_.fetch_add(1, std::memory_order_relaxed); }  // the sessions' thread came round
 
   // The tick's side.
   struct Item {
@@ -88,6 +95,7 @@ class Mailbox {
   void tell(const Notice& notice);                   // dropped where the queue is full
   void wait_for(std::chrono::milliseconds at_most);  // until something was sent
   void wake();                                       // makes wait_for return; any thread
+  std::uint64_t beats() const { return beats_.load(std::memory_order_relaxed); }
 
  private:
   template <typename T, std::size_t N>
@@ -99,7 +107,8 @@ class Mailbox {
   Queue<Item, kInputs + kCommands> sent_;
   Queue<Command*, kCommands> done_;
   Queue<Notice, kInputs> notices_;
-  std::size_t commands_out_ = 0;    // sent and not yet back
+  std::size_t commands_out_ = 0;  // sent and not yet back
+  std::atomic<std::uint64_t> beats_{0};
   std::atomic<bool> woken_{false};  // arrived_ has been released, and wait_for() has not returned since
   std::binary_semaphore arrived_{0};
 };

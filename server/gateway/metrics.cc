@@ -59,6 +59,17 @@ void write_time(Page& page, const protocol::ServerStatus& status) {
   page.one("visum_solver_warnings_total", "counter",
            "Ticks whose step was cut in halves, ended with its budget, or was complained of by ODE.",
            static_cast<double>(status.solver_warnings));
+  page.one("visum_tick_working_seconds", "gauge",
+           "For how long a tick has been in one phase; 0: no tick takes long.",
+           static_cast<double>(status.working_ns) * kSecondsPerNs);
+  page.one("visum_silent_stops_total", "counter",
+           "Parts that were stopped because the server could not hear their controllers.",
+           static_cast<double>(status.silent_stops));
+  page.one("visum_late_writes_total", "counter", "Writes that were dropped because they were too old.",
+           static_cast<double>(status.late_writes));
+  page.one("visum_limited_ticks_total", "counter",
+           "Ticks whose work met a limit, and that ended with the best that was reached.",
+           static_cast<double>(status.limited_ticks));
   page.head("visum_tick_lateness_seconds", "gauge", "How late ticks begin, in clock realtime.");
   const auto seconds = [](std::int64_t ns) { return static_cast<double>(ns) * kSecondsPerNs; };
   page.value(seconds(status.lateness_p50_ns), label("quantile", "0.5"));

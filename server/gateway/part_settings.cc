@@ -38,7 +38,18 @@ void PartSettings::handle(const Call& call, const protocol::SetParameter& reques
   const auto known = names_of(world_.parts[*part]->description().parameters);
   if (std::ranges::find(known, request.name) == known.end())
     return call.fail(ErrorCode::kUnknownName, config::unknown_name("parameter", request.name, known));
+  if (is_emergency_stop(request)) return commands_.stop(call, *part);
   commands_.send(call, request, *part);
+}
+
+void PartSettings::press_early(const protocol::SetParameter& stop) {
+  for (std::uint32_t part = 0; part < world_.parts.size(); ++part) {
+    const auto& description = world_.parts[part]->description();
+    const auto& known = description.parameters;
+    if (description.name == stop.part &&
+        std::ranges::find(known, stop.name, &protocol::Parameter::name) != known.end())
+      commands_.press(part);
+  }
 }
 
 bool PartSettings::blackboard_or_fail(const Call& call, std::uint32_t part, const std::string& name,

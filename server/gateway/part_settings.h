@@ -16,6 +16,9 @@ class PartSettings {
   PartSettings(const StaticWorld& world, const Parts& parts, Commands& commands)
       : world_(world), parts_(parts), commands_(commands) {}
 
+  // Stops the part of an emergency stop whose turn among its client's requests has not come yet.
+  void press_early(const protocol::SetParameter& stop);
+
   void handle(const Call& call, const protocol::GetParameters& request);
   void handle(const Call& call, const protocol::SetParameter& request);
   void handle(const Call& call, const protocol::ReadBlackboard& request);

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 
@@ -18,13 +19,26 @@ std::string with_nine_digits(double number) {
   return text;
 }
 
+std::int64_t ms_of(Holdup::Clock::duration time) {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(time).count();
+}
+
+// Why the tick's thread took a part from its controller, after the controller's name.
+std::string reason_of(Notice::Kind kind) {
+  if (kind == Notice::Kind::kStopped) return "was stopped by an emergency stop";
+  if (kind == Notice::Kind::kSilent) return "could not be heard: the server's sessions were held up";
+  return "missed the deadline that it asked for";
+}
+
 }  // namespace
 
-Parts::Parts(const StaticWorld& world, Mailbox& mailbox, Clients& clients, InputLimiter& limiter)
+Parts::Parts(const StaticWorld& world, Mailbox& mailbox, Clients& clients, InputLimiter& limiter,
+             const Holdup& holdup)
     : world_(world),
       mailbox_(mailbox),
       clients_(clients),
       limiter_(limiter),
+      holdup_(holdup),
       leases_(world.parts.size()),
       stops_(world.parts.size()) {
   for (const auto* part : world_.parts) {
@@ -82,8 +96,9 @@ void Parts::handle(const Call& call, const protocol::AcquireLease& request) {
   auto* input = limiter_.blank_or_fail(call);
   if (!input) return;
   if (others) {
-    spdlog::warn("'{}' at {} takes the lease of '{}' from '{}'", call.session.client_name(),
-                 call.session.peer(), request.part, lease.owner);
+    call.session.log(protocol::LogLevel::kWarning, "'" + call.session.client_name() + "' at " +
+                                                       call.session.peer() + " takes the lease of '" +
+                                                       request.part + "' from '" + lease.owner + "'");
     lose_lease(*part, "taken by '" + call.session.client_name() + "'", call.now);
   }
   const auto epoch = leases_.grant(*part, call.session.id(), call.session.client_name());
@@ -134,6 +149,13 @@ std::optional<std::string> Parts::refuse(std::uint32_t part, const protocol::Wri
 void Parts::handle(const Call& call, const protocol::Write& request) {
   const auto part = part_or_fail(call, world_, request.part);
   if (!part || !lease_or_fail(call, *part)) return;
+  if (const auto age = holdup_.age(); age.count() > 0) {
+    if (refused_late_++ == 0)
+      spdlog::warn("the server did not run for {} ms: it refuses the writes that waited meanwhile",
+                   ms_of(age));
+    return call.fail(ErrorCode::kStale, "this write has waited for up to " + std::to_string(ms_of(age)) +
+                                            " ms, since the server did not run: it is too old to be done");
+  }
   std::vector<double> wanted;
   if (auto reason = refuse(*part, request, wanted)) return call.fail(ErrorCode::kBadValue, *reason);
   if (auto reason = world_.parts[*part]->refuse_now(latched_[*part], wanted))
@@ -164,6 +186,7 @@ void Parts::send_write(std::uint32_t part, std::uint32_t first_port, std::uint32
   input->part = part;
   input->epoch = leases_.of(part).epoch;
   input->first_port = first_port;
+  input->read_at = Holdup::Clock::now();
   input->values.assign(latched_[part].begin() + first_port, latched_[part].begin() + end_port);
   mailbox_.send(input);
 }
@@ -210,6 +233,11 @@ bool Parts::send_before_command(const Call& call, bool need_all) {
   }
   for (auto& stop : stops_) stop.tick = -1;
   return true;
+}
+
+// Values that were never done are not those that the next write changes. Late writes know their own.
+void Parts::forget_dropped(std::uint32_t part, const Published& now) {
+  if (!late_.has(part)) latched_[part] = now.parts[part].controller_inputs;
 }
 
 void Parts::begin_era(const Published& now) {
@@ -262,8 +290,7 @@ void Parts::end_missed_lease(const Notice& notice, const Published& now) {
   // clients are told in any case.
   const bool holds = lease.epoch == notice.epoch && lease.session != 0;
   clients_.broadcast({"lease_lost",
-                      holds ? "'" + lease.owner + "' missed the deadline that it asked for"
-                            : "a lease that is over missed the deadline that was asked for",
+                      (holds ? "'" + lease.owner + "' " : "a lease that is over ") + reason_of(notice.kind),
                       world_.part_name(notice.part), clients_.known_era(), notice.tick});
   ++lease_losses_;
   if (lease.epoch != notice.epoch) return;

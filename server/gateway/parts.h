@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/gateway/call.h"
+#include "server/gateway/holdup.h"
 #include "server/gateway/input_limiter.h"
 #include "server/gateway/late_writes.h"
 #include "server/gateway/leases.h"
@@ -20,7 +21,8 @@ namespace visum::gateway {
 // touches the simulation; of the parts it calls only functions that any thread may call.
 class Parts {
  public:
-  Parts(const StaticWorld& world, Mailbox& mailbox, Clients& clients, InputLimiter& limiter);
+  Parts(const StaticWorld& world, Mailbox& mailbox, Clients& clients, InputLimiter& limiter,
+        const Holdup& holdup);
 
   void handle(const Call& call, const protocol::ListParts&);
   void handle(const Call& call, const protocol::DescribePart& request);
@@ -31,6 +33,10 @@ class Parts {
   protocol::PartList list() const;
   // Leases that ended without a release, since the start.
   std::uint64_t lease_losses() const { return lease_losses_; }
+  // Writes that were refused because they had waited for too long.
+  std::uint64_t refused_late() const { return refused_late_; }
+  // The tick's thread dropped a write that had become too old.
+  void forget_dropped(std::uint32_t part, const Published& now);
   // False: the session does not hold the part's lease, and the call has failed with that.
   bool lease_or_fail(const Call& call, std::uint32_t part) const;
 
@@ -79,11 +85,13 @@ class Parts {
   Mailbox& mailbox_;
   Clients& clients_;
   InputLimiter& limiter_;
+  const Holdup& holdup_;
   Leases leases_;
   std::vector<std::vector<double>> latched_;  // by part: controller inputs as last accepted
   LateWrites late_;
   std::vector<Stop> stops_;  // by part
   std::uint64_t lease_losses_ = 0;
+  std::uint64_t refused_late_ = 0;
 };
 
 }  // namespace visum::gateway

@@ -58,7 +58,10 @@ void fill_unhashed(Published& published, const cycle::Simulation& simulation, co
   published.pace = pace;
   published.phases = simulation.phases().summary();
   published.solver_warnings = simulation.solver_warnings();
+  published.limited_ticks = simulation.limited_ticks();
+  published.limited_bodies = simulation.limited_bodies();
   published.ring = simulation.ring();
+  published.work_texts = simulation.work_texts();
   const auto parts = simulation.parts();
   published.parts.resize(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -30,7 +30,7 @@ struct Published {
   std::int64_t sim_time_ns = 0;
   std::uint64_t era = 0;
   std::uint64_t revision = 0;
-  std::uint64_t state_hash = 0;                  // where `hashed_by` is null
+  std::uint64_t state_hash = 0;                  // where `hashed_by` is null; 0: not known
   const cycle::Simulation* hashed_by = nullptr;  // still as this copy shows it, so its hash can be asked for
   std::string fault;                             // empty: not frozen
   std::string dump;  // the file with the ticks before it froze; empty: there is none
@@ -42,8 +42,11 @@ struct Published {
   std::vector<collision::Contact> contacts;
   std::vector<hwparts::ActiveFault> faults;
   cycle::Phases::Summary phases{};
-  std::uint64_t solver_warnings = 0;
-  std::shared_ptr<const cycle::FlightRing> ring;  // shared: a change of the world makes a new one
+  std::uint64_t solver_warnings = 0, limited_ticks = 0;
+  std::vector<std::string> limited_bodies;          // names, of the last limited tick
+  std::uint64_t silent_stops = 0, late_writes = 0;  // see ServerStatus
+  std::shared_ptr<const cycle::FlightRing> ring;    // shared: a change of the world makes a new one
+  std::shared_ptr<const std::vector<std::string>> work_texts;  // see Simulation; shared likewise
   std::shared_ptr<const WorldView> shown;  // the world of another server to show; null: this server's own
 };
 

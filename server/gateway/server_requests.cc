@@ -2,9 +2,17 @@
 
 #include <chrono>
 
+#include "server/gateway/working_text.h"
+
 namespace visum::gateway {
 
 using protocol::ErrorCode;
+
+namespace {
+
+constexpr std::chrono::milliseconds kLong{100};  // a phase of a tick that lasts so long is shown
+
+}  // namespace
 
 void ServerRequests::handle(const Call& call, const protocol::Hello&) {
   call.fail(ErrorCode::kMalformed, "hello was said already");
@@ -33,13 +41,26 @@ protocol::ServerStatus ServerRequests::status(const Published& now) const {
   status.lateness_max_ns = pacer_.lateness().max();
   status.state_hash = state_hash(now);
   status.solver_warnings = now.solver_warnings;
+  status.silent_stops = now.silent_stops;
+  status.late_writes = now.late_writes + parts_.refused_late();
+  status.limited_ticks = now.limited_ticks;
+  status.limited_bodies = now.limited_bodies;
   status.sessions = static_cast<std::uint32_t>(clients_.size());
   status.refused = clients_.refused();
   status.buses = buses_.addresses();
+  for (const auto& [client, count] : clients_.exchanges()) status.exchanges.push_back({client, count});
+  status.bus_exchanges = buses_.exchanges();
+  status.bus_drops = buses_.dropped();
   if (world_.stuck_node) {
     const StuckNode stuck = world_.stuck_node();
     status.stuck_node = stuck.node;
     status.stuck_ns = std::chrono::nanoseconds(stuck.since).count();
+  }
+  const auto work = world_.working->now();
+  const auto lasts = cycle::Working::Clock::now() - work.since;
+  if (work.stage != cycle::Stage::kNothing && lasts >= kLong) {
+    status.working = working_text(work, world_.parts, *now.work_texts);
+    status.working_ns = std::chrono::nanoseconds(lasts).count();
   }
   lockstep_.describe(status);
   for (std::size_t i = 0; i < cycle::kPhases; ++i)

@@ -16,13 +16,14 @@ namespace visum::gateway {
 class ServerRequests {
  public:
   ServerRequests(const StaticWorld& world, Mailbox& mailbox, const Clients& clients, const Lockstep& lockstep,
-                 const cycle::Pacer& pacer, const bus::BusDoor& buses)
+                 const cycle::Pacer& pacer, const bus::BusDoor& buses, const Parts& parts)
       : world_(world),
         mailbox_(mailbox),
         clients_(clients),
         lockstep_(lockstep),
         pacer_(pacer),
-        buses_(buses) {}
+        buses_(buses),
+        parts_(parts) {}
 
   void handle(const Call& call, const protocol::Hello&);
   void handle(const Call& call, const protocol::Status&) { call.reply(status(call.now)); }
@@ -39,6 +40,7 @@ class ServerRequests {
   const Lockstep& lockstep_;
   const cycle::Pacer& pacer_;
   const bus::BusDoor& buses_;
+  const Parts& parts_;
   std::atomic<bool> shutdown_asked_{false};
 };
 

@@ -11,6 +11,7 @@ StaticWorld static_world(const cycle::Simulation& simulation) {
                     {},
                     {},
                     std::make_shared<const WorldView>(describe_world(scene, simulation.revision()))};
+  world.working = &simulation.working();
   for (const auto& bound : simulation.parts()) {
     world.parts.push_back(bound.part.get());
     world.agents.push_back(bound.agent);

@@ -28,6 +28,8 @@ struct StaticWorld {
   bool has_world = true;                    // false: see DaemonOptions
   std::string steering_part{};              // of a recording that is shown; empty: the world is a live one
   std::function<StuckNode()> stuck_node{};  // empty: plug-ins are not watched
+  std::string server{};                     // this program and its version, "visumd 0.2.0"
+  const cycle::Working* working = nullptr;  // the simulation's
 
   const std::string& part_name(std::uint32_t part) const { return parts[part]->description().name; }
   // Rounded up.

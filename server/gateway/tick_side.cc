@@ -12,7 +12,10 @@ TickSide::TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running
     : simulation_(simulation),
       mailbox_(mailbox),
       pacer_(simulation.model().tick_ns),
+      changes_(simulation),
+      waits_for_changes_(simulation.scene().clock != scene::ClockKind::kRealtime),
       watches_(simulation.parts().size()),
+      stops_(simulation.parts().size()),
       started_(running_at_once) {
   pacer_.set_speed(simulation.scene().speed, Clock::now());
   inputs_.reserve(Mailbox::kInputs);
@@ -22,10 +25,18 @@ TickSide::TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running
 }
 
 void TickSide::empty_mailbox() {
-  for (Mailbox::Item item; mailbox_.next(item);) {
+  stopped_.clear();
+  finish_changes();
+  obey_stops();
+  for (Mailbox::Item item; !waits_for_change() && mailbox_.next(item); obey_stops()) {
     if (item.command) {
+      const bool goes_back = std::holds_alternative<protocol::Reset>(item.command->request) ||
+                             std::holds_alternative<protocol::RestoreSnapshot>(item.command->request);
       run(std::unique_ptr<Command>(item.command));
       ++version_;
+      // It was on its way before these stops, and has undone them.
+      if (goes_back)
+        for (const auto part : stopped_) stop(part);
       continue;
     }
     if (item.input->kind == Input::Kind::kLeaseGranted) start();
@@ -36,6 +47,27 @@ void TickSide::empty_mailbox() {
 void TickSide::give_back() {
   for (auto& command : done_) mailbox_.give_back(std::move(command));
   done_.clear();
+  stops_.tell(simulation_.tick_count());
+}
+
+void TickSide::obey_stops() {
+  if (!stops_.is_pressed()) return;
+  stops_.take([this](std::size_t part) {
+    stop(static_cast<std::uint32_t>(part));
+    stopped_.push_back(static_cast<std::uint32_t>(part));
+  });
+  touch();
+}
+
+// A part without an emergency stop stops as if its controller were lost. That ends its lease, since the
+// controller's next write would move it on.
+void TickSide::stop(std::uint32_t part) {
+  const auto& description = simulation_.parts()[part].part->description();
+  const bool has_stop = std::ranges::find(description.parameters, protocol::kEmergencyStop,
+                                          &protocol::Parameter::name) != description.parameters.end();
+  if (has_stop && simulation_.set_parameter(part, protocol::kEmergencyStop, true).done())
+    return tell({Notice::Kind::kStopped, part, 0, simulation_.tick_count()});
+  if (!description.controller_inputs.empty()) take_from_controller(part, Notice::Kind::kStopped);
 }
 
 void TickSide::tick() {
@@ -80,14 +112,19 @@ void TickSide::apply(const Input& input) {
   switch (input.kind) {
     case Input::Kind::kWrite:
       if (input.epoch <= watches_[input.part].lost) return;
+      if (is_too_old(input)) {
+        ++dropped_writes_;
+        return tell({Notice::Kind::kWriteDropped, input.part, input.epoch, now});
+      }
       simulation_.write_inputs(input.part, input.first_port, input.values);
       watches_[input.part].last_tick = now;
       return;
     case Input::Kind::kLeaseGranted:
-      watches_[input.part] = {input.epoch, input.deadline_ticks, now, watches_[input.part].lost};
+      watches_[input.part] = {input.epoch, input.deadline_ticks, now, true, watches_[input.part].lost};
       return;
     case Input::Kind::kLeaseReleased:
       watches_[input.part].deadline_ticks = 0;
+      watches_[input.part].leased = false;
       return;
     case Input::Kind::kLeaseLost:
       end_watch(input.part, input.epoch);
@@ -100,6 +137,13 @@ void TickSide::apply(const Input& input) {
     case Input::Kind::kClearFault:
       return simulation_.clear_faults(input.part, input.fault_kind, input.fault_drive);
   }
+}
+
+// A slow world looks at its inputs rarely; two of its ticks are never too long.
+bool TickSide::is_too_old(const Input& write) const {
+  if (oldest_write_.count() == 0) return false;
+  return Clock::now() - std::max(write.read_at, runs_since_) >
+         std::max<Clock::duration>(oldest_write_, 2 * pacer_.period());
 }
 
 void TickSide::apply_fault(const Input& input) {
@@ -124,12 +168,28 @@ void TickSide::apply_push(const Input& input) {
 void TickSide::check_deadlines() {
   const auto now = simulation_.tick_count();
   for (std::uint32_t part = 0; part < watches_.size(); ++part) {
-    auto& watch = watches_[part];
-    if (watch.deadline_ticks == 0 || now - watch.last_tick <= watch.deadline_ticks) continue;
-    simulation_.lose_controller(part);
-    tell({Notice::Kind::kDeadlineMissed, part, watch.epoch, now});
-    end_watch(part, watch.epoch);
+    const auto& watch = watches_[part];
+    if (watch.deadline_ticks != 0 && now - watch.last_tick > watch.deadline_ticks)
+      take_from_controller(part, Notice::Kind::kDeadlineMissed);
   }
+}
+
+void TickSide::look_at_sessions() {
+  if (!session_watch_.look(mailbox_.beats(), Clock::now())) return;
+  for (std::uint32_t part = 0; part < watches_.size(); ++part) {
+    if (!watches_[part].leased) continue;
+    take_from_controller(part, Notice::Kind::kSilent);
+    ++silent_stops_;
+    touch();
+  }
+}
+
+void TickSide::take_from_controller(std::uint32_t part, Notice::Kind why) {
+  const auto& watch = watches_[part];
+  const auto epoch = watch.epoch;
+  simulation_.lose_controller(part);
+  tell({why, part, watch.leased ? epoch : 0, simulation_.tick_count()});
+  end_watch(part, epoch);
 }
 
 void TickSide::end_watch(std::uint32_t part, std::uint64_t lost_epoch) {

@@ -14,8 +14,11 @@
 
 #include "server/cycle/pacer.h"
 #include "server/cycle/simulation.h"
+#include "server/gateway/body_changes.h"
 #include "server/gateway/mailbox.h"
 #include "server/gateway/published.h"
+#include "server/gateway/session_watch.h"
+#include "server/gateway/stop_latch.h"
 
 namespace visum::gateway {
 
@@ -31,6 +34,23 @@ class TickSide {
   // answers the next request from that copy, which must not be older than the command.
   void give_back();
 
+  // Emergency stops come this way. They act before anything else that waits, also between two commands.
+  StopLatch& stops() { return stops_; }
+  // Clock realtime: from now on, look_at_sessions() stops the parts that sessions command once the sessions'
+  // thread has been silent for so long. 0: never.
+  void watch_sessions(std::chrono::milliseconds limit) { session_watch_.set_limit(limit); }
+  // Clock realtime: to be called each time that the loop comes round.
+  void look_at_sessions();
+  // Clock realtime: from now on, writes that are older than this are dropped. 0: none.
+  void drop_writes_older_than(std::chrono::milliseconds age) { oldest_write_ = age; }
+  std::uint64_t dropped_writes() const { return dropped_writes_; }
+  // Clock realtime: time runs again from now on. A write that came while it stood is not old.
+  void go_on(std::chrono::steady_clock::time_point now) {
+    pacer_.restart(now);
+    runs_since_ = now;
+  }
+  std::uint64_t silent_stops() const { return silent_stops_; }  // parts that were stopped that way
+
   // From now on the ticks come from a recording. `next` makes the next one and returns false at the end;
   // `era` returns the era that clients are shown.
   void play(std::function<bool()> next, std::function<std::uint64_t()> era) {
@@ -43,6 +63,14 @@ class TickSide {
 
   // False while the world is frozen or paused, or has not started. A Step in progress overrides the last two.
   bool time_runs() const { return !simulation_.frozen() && (started_ && !paused_ ? true : steps_left_ > 0); }
+  // True while a change of the bodies is made ready and the world must not go on before it: in lockstep and
+  // free, so that the tick at which it acts does not depend on how busy this machine is. Commands and inputs
+  // that came later stay in the mailbox. In real time the ticks go on.
+  bool waits_for_change() const { return waits_for_changes_ && changes_.under_way(); }
+  // `wake` is called on another thread when such a change is ready: empty_mailbox() then carries it out.
+  void on_change_ready(std::function<void()> wake) { changes_.on_ready(std::move(wake)); }
+  // Ends that thread, which finishes the change that it is at.
+  void end_changes() { changes_.end(); }
   bool stepping() const { return steps_left_ > 0; }
   void start() {  // at the first lease, the first step of a member, or Resume
     if (!std::exchange(started_, true)) ++version_;
@@ -67,6 +95,7 @@ class TickSide {
     std::uint64_t epoch = 0;
     std::int64_t deadline_ticks = 0;  // 0: none
     std::int64_t last_tick = 0;       // of the last write
+    bool leased = false;
     std::uint64_t lost = 0;  // epoch of the newest lost lease; its writes that come later are dropped
   };
 
@@ -80,14 +109,23 @@ class TickSide {
   // Applies the waiting inputs, sorted so that it does not matter which of two clients' bytes came first.
   void apply_inputs();
   void apply(const Input& input);
+  // True: the write has waited for so long, while time ran, that it is not done.
+  bool is_too_old(const Input& write) const;
   void apply_fault(const Input& input);
   void apply_push(const Input& input);
+  // Stops each part that was pressed since the last time.
+  void obey_stops();
+  void stop(std::uint32_t part);
   // Takes the part from each controller that has not written within its deadline.
   void check_deadlines();
+  // Takes the part from its controller, and tells the sessions' side why.
+  void take_from_controller(std::uint32_t part, Notice::Kind why);
   // Ends the part's deadline, and drops later writes of this lease and those before it.
   void end_watch(std::uint32_t part, std::uint64_t lost_epoch);
   // Answers a command, or begins a Step, which is answered by finish_steps().
   void run(std::unique_ptr<Command> command);
+  // Carries out the changes of the bodies that are ready, and answers them.
+  void finish_changes();
   // Replies to the running Step: all its ticks are done, or something stopped the time.
   void finish_steps();
   // Renews the real-time factor about once a second.
@@ -103,8 +141,6 @@ class TickSide {
   protocol::Reply answer(Command& command, const protocol::Reset&);
   protocol::Reply answer(Command& command, const protocol::TakeSnapshot&);
   protocol::Reply answer(Command& command, const protocol::RestoreSnapshot& request);
-  protocol::Reply answer(Command& command, const protocol::AddBody& request);
-  protocol::Reply answer(Command& command, const protocol::RemoveBody& request);
   protocol::Reply answer(Command& command, const protocol::GetParameters&);
   protocol::Reply answer(Command& command, const protocol::SetParameter& request);
   protocol::Reply answer(Command& command, const protocol::ReadBlackboard& request);
@@ -117,8 +153,17 @@ class TickSide {
   cycle::Pacer pacer_;
   std::function<bool()> next_;                // empty: the world makes its own ticks
   std::function<std::uint64_t()> shown_era_;  // empty: the world's own era
-  std::vector<Input*> inputs_;                // for the next tick
-  std::vector<Watch> watches_;                // by part
+  BodyChanges changes_;
+  const bool waits_for_changes_;  // not in real time
+  std::vector<Input*> inputs_;    // for the next tick
+  std::vector<Watch> watches_;    // by part
+  StopLatch stops_;
+  std::vector<std::uint32_t> stopped_;  // since the mailbox was emptied last
+  SessionWatch session_watch_;
+  std::uint64_t silent_stops_ = 0;
+  std::chrono::milliseconds oldest_write_{0};
+  std::uint64_t dropped_writes_ = 0;
+  Clock::time_point runs_since_{};
   std::vector<WatchedNode> nodes_;
   std::unique_ptr<Command> step_command_;       // the running Step; null: none
   std::vector<std::unique_ptr<Command>> done_;  // to be given back

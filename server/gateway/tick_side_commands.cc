@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/cycle/attempt.h"
 #include "server/gateway/tick_side.h"
 #include "server/world/world_state.h"
 
@@ -23,6 +24,7 @@ ErrorCode code_of(cycle::Refusal refusal) {
     case cycle::Refusal::kWrongState:
       return ErrorCode::kWrongState;
     case cycle::Refusal::kFull:
+    case cycle::Refusal::kNoMemory:
       return ErrorCode::kBusy;
     case cycle::Refusal::kNone:
     case cycle::Refusal::kDamaged:
@@ -55,9 +57,29 @@ void TickSide::run(std::unique_ptr<Command> command) {
   }
   // The client's writes that came before this request take effect before it.
   apply_inputs();
-  command->reply =
-      std::visit([&](const auto& request) { return answer(*command, request); }, command->request);
+  if (std::holds_alternative<protocol::AddBody>(command->request) ||
+      std::holds_alternative<protocol::RemoveBody>(command->request)) {
+    if (!changes_.full()) return changes_.begin(std::move(command));
+    command->reply = Error{ErrorCode::kBusy, "too many changes of the bodies are under way", {}};
+  } else {
+    const auto outcome = cycle::attempt(cycle::Refusal::kDamaged, [&] {
+      command->reply =
+          std::visit([&](const auto& request) { return answer(*command, request); }, command->request);
+    });
+    if (!outcome.done()) command->reply = error_of(outcome);
+  }
   done_.push_back(std::move(command));
+}
+
+// Inputs that came before the change is ready act before it: a push knows its body by the old numbers.
+void TickSide::finish_changes() {
+  while (changes_.ready()) {
+    apply_inputs();
+    auto [command, outcome] = changes_.finish();
+    command->reply = outcome.done() ? Reply(Ok{}) : Reply(error_of(outcome));
+    done_.push_back(std::move(command));
+    ++version_;
+  }
 }
 
 Reply TickSide::answer(Command&, const protocol::Pause&) {
@@ -93,18 +115,6 @@ Reply TickSide::answer(Command&, const protocol::RestoreSnapshot& request) {
   if (const auto outcome = simulation_.restore_snapshot(request.snapshot); !outcome.done())
     return error_of(outcome);
   for (auto& watch : watches_) watch.last_tick = simulation_.tick_count();
-  return Ok{};
-}
-
-Reply TickSide::answer(Command& command, const protocol::AddBody& request) {
-  if (const auto outcome = simulation_.add_body(request.yaml); !outcome.done()) return error_of(outcome);
-  command.view = std::make_unique<WorldView>(describe_world(simulation_.scene(), simulation_.revision()));
-  return Ok{};
-}
-
-Reply TickSide::answer(Command& command, const protocol::RemoveBody& request) {
-  if (const auto outcome = simulation_.remove_body(request.body); !outcome.done()) return error_of(outcome);
-  command.view = std::make_unique<WorldView>(describe_world(simulation_.scene(), simulation_.revision()));
   return Ok{};
 }
 

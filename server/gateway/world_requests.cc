@@ -70,6 +70,13 @@ void WorldRequests::handle(const Call& call, const protocol::PushBody& request) 
   call.reply(protocol::Ok{});
 }
 
+// Refused here already, so that a text that is too long is not copied. The thread that reads it checks again.
+void WorldRequests::handle(const Call& call, const protocol::AddBody& request) {
+  if (const auto fault = scene::too_long_for_body(request.yaml); !fault.empty())
+    return call.fail(ErrorCode::kBadValue, "the body " + fault);
+  commands_.send(call, request);
+}
+
 void WorldRequests::replace_view(WorldView view, const Published& now) {
   view_ = std::make_shared<const WorldView>(std::move(view));
   clients_.broadcast({"world_changed", "bodies came or went", {}, now.era, now.tick});

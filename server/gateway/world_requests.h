@@ -25,7 +25,7 @@ class WorldRequests {
   void handle(const Call& call, const protocol::ReadMesh& request);
   void handle(const Call& call, const protocol::ReadTexture& request);
   void handle(const Call& call, const protocol::PushBody& request);
-  void handle(const Call& call, const protocol::AddBody& request) { commands_.send(call, request); }
+  void handle(const Call& call, const protocol::AddBody& request);
   void handle(const Call& call, const protocol::RemoveBody& request) { commands_.send(call, request); }
 
   // Bodies came or went.

@@ -14,10 +14,9 @@
 namespace visum::mirror {
 namespace {
 
+using protocol::kEmergencyStop;
 using protocol::Port;
 using servo_group::PartState;
-
-constexpr const char* kEmergencyStop = "Emergency Stop";
 
 std::optional<std::size_t> find(const std::vector<Port>& ports, const std::string& name) {
   for (std::size_t i = 0; i < ports.size(); ++i)

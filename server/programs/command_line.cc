@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "protocol/command_line/output.h"
 #include "protocol/command_line/parse.h"
 #include "server/gateway/page_files.h"
 #include "server/programs/program.h"
@@ -29,6 +30,23 @@ void declare_tls(CLI::App& app, protocol::TlsFiles& tls) {
                                    "the authority that must have signed the clients' certificates (PEM)");
   for (auto* option : {certificate, key, authority})
     option->type_name("FILE")->check(CLI::ExistingFile)->needs(certificate)->needs(key)->needs(authority);
+}
+
+// When a server in real time trusts commands no more.
+void declare_guards(CLI::App& app, gateway::DaemonOptions& daemon) {
+  const auto add = [&](const char* name, std::chrono::milliseconds& value, const char* help) {
+    app.add_option_function<int>(
+           name, [&value](const int& ms) { value = std::chrono::milliseconds(ms); }, help)
+        ->default_str(std::to_string(value.count()))
+        ->type_name("MS")
+        ->check(CLI::Range(0, 60'000));
+  };
+  add("--session-silence-ms", daemon.session_silence,
+      "in real time: once the sessions have been held up for so many milliseconds of wall time, stop the "
+      "parts "
+      "that they command; 0: never");
+  add("--command-age-ms", daemon.command_age,
+      "in real time: drop writes that are older than so many milliseconds of wall time; 0: none");
 }
 
 }  // namespace
@@ -61,6 +79,7 @@ void declare_doors(CLI::App& app, gateway::DaemonOptions& daemon) {
 
 void declare_common(CLI::App& app, gateway::DaemonOptions& daemon, OutputOptions& output) {
   declare_doors(app, daemon);
+  declare_guards(app, daemon);
   app.add_option("--iterations", daemon.iterations, "end after this many ticks")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--json", output.json, "print one line of JSON when ready");
@@ -103,9 +122,12 @@ void declare_http(CLI::App& app, gateway::DaemonOptions& daemon, HttpArguments& 
 
 int run_command(CLI::App& app, const Command& command, const std::string& log_name,
                 const OutputOptions& output, const std::function<int()>& run) {
-  if (const auto code = command_line::parse(app, command.argc, command.argv)) return *code;
+  if (const auto code = command_line::parse(app, command.argc, command.argv))
+    return command_line::finish(log_name, *code);
   set_up_log(log_name, output.verbosity);
-  return exit_code_of(run);
+  const int code = exit_code_of(run);
+  end_log();
+  return command_line::finish(log_name, code);
 }
 
 }  // namespace visum::programs

@@ -36,7 +36,7 @@ void declare_node_timeout(CLI::App& app, PluginOptions& plugins);
 // Adds --listen, --port, --token-file and the three --tls options: where clients reach the program, and who
 // may.
 void declare_doors(CLI::App& app, gateway::DaemonOptions& daemon);
-// Adds those, --iterations, --json and -v.
+// Adds those, --session-silence-ms, --command-age-ms, --iterations, --json and -v.
 void declare_common(CLI::App& app, gateway::DaemonOptions& daemon, OutputOptions& output);
 
 // The port of the page, /metrics and /healthz, as the user gave it.
@@ -57,7 +57,7 @@ struct Command {
 };
 
 // Reads the words into the app, sets up the log as `log_name`, and calls run(). Returns what run() returns,
-// or the exit code for what it throws (exit_code_of).
+// or the exit code for what it throws (exit_code_of), or kOutputLost (output.h).
 int run_command(CLI::App& app, const Command& command, const std::string& log_name,
                 const OutputOptions& output, const std::function<int()>& run);
 

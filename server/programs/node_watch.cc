@@ -2,8 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <cstdlib>
-
 #include "protocol/plugin/foreign_call.h"
 #include "server/programs/program.h"
 
@@ -77,8 +75,7 @@ void NodeWatch::end_process(const StuckNode& lost) {
       "{} has not come back for {:.1f} s and is given up: its plug-in hangs. What it holds cannot be\n"
       "taken back, so this ends here (--node-timeout sets the limit)",
       lost.node, seconds(lost.since));
-  spdlog::default_logger()->flush();
-  std::_Exit(kTimedOut);
+  end_at_once(kTimedOut);
 }
 
 }  // namespace visum::programs

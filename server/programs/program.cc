@@ -1,7 +1,6 @@
 #include "server/programs/program.h"
 
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/details/os.h>
 #include <spdlog/spdlog.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -14,13 +13,17 @@
 #include <cstring>
 #include <exception>
 #include <iostream>
+#include <memory>
 #include <new>
+#include <stdexcept>
 #include <system_error>
 #include <thread>
 
+#include "protocol/command_line/output.h"
 #include "protocol/config/config.h"
 #include "protocol/json_text.h"
 #include "server/dynamics/kinds/engine_kinds.h"
+#include "server/programs/log_writer.h"
 
 namespace visum::programs {
 namespace {
@@ -54,6 +57,10 @@ void catch_signals() {
   action.sa_handler = on_signal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  // The terminal is closed. Under nohup this signal is ignored, and stays so.
+  struct sigaction before {};
+  if (sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)
+    sigaction(SIGHUP, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a recording at its size limit ends; the world goes on
 }
@@ -108,7 +115,9 @@ void print_ready(const gateway::Daemon& daemon, const cycle::Simulation& simulat
                           : ",\"http\":" + std::to_string(http) +
                                 ",\"page\":" + protocol::json_quoted(page_url(options, http)))
             << ",\"scene\":" << protocol::json_quoted(simulation.scene().name) << ",\"parts\":[" << parts
-            << "],\"buses\":" << buses_as_json(daemon.buses()) << "}" << std::endl;
+            << "],\"buses\":" << buses_as_json(daemon.buses()) << "}\n";
+  // Whoever started this program waits for the line.
+  if (const auto lost = command_line::find_lost_output(); !lost.empty()) throw std::runtime_error(lost);
 }
 
 void log_ready(const gateway::Daemon& daemon, const cycle::Simulation& simulation,
@@ -142,11 +151,16 @@ void set_verbosity(int verbosity) {
 }
 
 void set_up_log(const std::string& name, int verbosity) {
-  // The sink with colours finds out by itself whether stderr is a terminal.
-  spdlog::set_default_logger(std::getenv("NO_COLOR") ? spdlog::stderr_logger_mt(name)
-                                                     : spdlog::stderr_color_mt(name));
+  using namespace spdlog::details;
+  const bool colours = !std::getenv("NO_COLOR") && os::in_terminal(stderr) && os::is_color_terminal();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>(name, std::make_shared<LogWriter>(STDERR_FILENO, name, colours)));
   spdlog::set_pattern(name + ": %^%l%$: %v");
   set_verbosity(verbosity);
+}
+
+void end_log() {
+  spdlog::default_logger()->flush();
 }
 
 int exit_code_of(const std::function<int()>& run) {
@@ -165,6 +179,11 @@ int exit_code_of(const std::function<int()>& run) {
     spdlog::error("{}", error.what());
     return kUsage;
   }
+}
+
+void end_at_once(Exit code) {
+  end_log();
+  std::_Exit(code);
 }
 
 int run_until_signal(gateway::Daemon& daemon, const cycle::Simulation& simulation,

@@ -54,7 +54,6 @@ void print(const recording::Replay& replay) {
   }
   if (!replay.damage.empty())
     std::cout << "DAMAGED: the recording can be read only up to there: " << replay.damage << "\n";
-  std::cout << std::flush;
 }
 
 void print_as_json(const recording::Replay& replay) {
@@ -77,7 +76,7 @@ void print_as_json(const recording::Replay& replay) {
               << ",\"other_build\":" << protocol::json_quoted(other_build(replay)) << ",\"ports\":[" << ports
               << "]}";
   }
-  std::cout << "}" << std::endl;
+  std::cout << "}\n";
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ void print_right(const cycle::Simulation& simulation) {
   std::cout << simulation.scene().file.string()
             << " is right: " << counted(model.bodies.size(), "body", "bodies") << ", "
             << counted(model.joints.size(), "joint", "joints") << ", "
-            << counted(simulation.parts().size(), "part", "parts") << std::endl;
+            << counted(simulation.parts().size(), "part", "parts") << "\n";
 }
 
 void print_right_as_json(const cycle::Simulation& simulation) {
@@ -32,7 +32,7 @@ void print_right_as_json(const cycle::Simulation& simulation) {
     losses += (losses.empty() ? "" : ",") + protocol::json_quoted(loss);
   std::cout << "{\"right\":true,\"scene\":" << protocol::json_quoted(model.name)
             << ",\"bodies\":" << model.bodies.size() << ",\"joints\":" << model.joints.size()
-            << ",\"parts\":" << simulation.parts().size() << ",\"losses\":[" << losses << "]}" << std::endl;
+            << ",\"parts\":" << simulation.parts().size() << ",\"losses\":[" << losses << "]}\n";
 }
 
 // The members file, line, key and message of an error as JSON, after `before` and without the closing
@@ -67,8 +67,7 @@ std::vector<config::ConfigError> errors_of(const std::filesystem::path& file, co
 void print_wrong_as_json(const std::vector<config::ConfigError>& errors) {
   std::string list;
   for (const auto& error : errors) list += (list.empty() ? "" : ",") + members_of(error, "{") + "}";
-  std::cout << members_of(errors.front(), "{\"right\":false,") << ",\"errors\":[" << list << "]}"
-            << std::endl;
+  std::cout << members_of(errors.front(), "{\"right\":false,") << ",\"errors\":[" << list << "]}\n";
 }
 
 void check_scene(const std::filesystem::path& file, const scene::Options& options, bool json) {

@@ -12,14 +12,13 @@ namespace {
 void print(const std::filesystem::path& to, const std::vector<std::string>& losses) {
   for (const auto& loss : losses) std::cout << loss << "\n";
   std::cout << to.string() << " is written" << (losses.empty() ? "" : ", without what is listed above")
-            << std::endl;
+            << "\n";
 }
 
 void print_as_json(const std::filesystem::path& to, const std::vector<std::string>& losses) {
   std::string list;
   for (const auto& loss : losses) list += (list.empty() ? "" : ",") + protocol::json_quoted(loss);
-  std::cout << "{\"written\":" << protocol::json_quoted(to.string()) << ",\"losses\":[" << list << "]}"
-            << std::endl;
+  std::cout << "{\"written\":" << protocol::json_quoted(to.string()) << ",\"losses\":[" << list << "]}\n";
 }
 
 }  // namespace

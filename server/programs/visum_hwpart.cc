@@ -69,6 +69,7 @@ int run(Options options) {
     return hwparts::make_real_part(kind, context, *line, options.of_part);
   });
   auto& part = *simulation.parts().front().part;
+  options.of_daemon.program = "visum-hwpart";
   options.of_daemon.simulated = options.of_daemon.has_world = false;
   options.of_daemon.run_at_once = true;
   options.of_daemon.wait = [&](std::chrono::steady_clock::time_point due) {

@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "protocol/command_line/output.h"
 #include "protocol/command_line/parse.h"
 #include "server/scene/collada/confine.h"
 #include "server/scene/collada/import.h"
@@ -35,12 +36,14 @@ std::string read_all() {
   }
 }
 
-void write_all(int fd, const std::string& bytes) {
+// Returns false where not all of it can be written.
+bool write_all(int fd, const std::string& bytes) {
   for (std::size_t at = 0; at < bytes.size();) {
     const ssize_t written = ::write(fd, bytes.data() + at, bytes.size() - at);
-    if (written <= 0) return;  // nobody reads any more
+    if (written <= 0) return false;
     at += static_cast<std::size_t>(written);
   }
+  return true;
 }
 
 }  // namespace
@@ -55,12 +58,14 @@ int main(int argc, char** argv) {
         "file of a scene: it has bounded time and memory, and may make no system calls beyond what that "
         "needs.\n"
         "Exit codes: 0 done, 1 the file is bad, 2 bad usage.");
-    return visum::command_line::parse(app, argc, argv).value_or(0);
+    return visum::command_line::finish("visum-mesh", visum::command_line::parse(app, argc, argv).value_or(0));
   }
   int code = EXIT_SUCCESS;
   try {
     visum::collada::confine();
-    write_all(STDOUT_FILENO, visum::collada::to_answer(visum::collada::import_collada(read_all())));
+    const auto answer = visum::collada::to_answer(visum::collada::import_collada(read_all()));
+    if (!write_all(STDOUT_FILENO, answer))
+      throw std::runtime_error(std::string("standard output: cannot be written: ") + std::strerror(errno));
   } catch (const std::exception& error) {
     write_all(STDERR_FILENO, error.what());
     code = EXIT_FAILURE;

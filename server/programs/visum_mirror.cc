@@ -54,6 +54,7 @@ int run(Options options) {
                                                               const hwparts::PartContext& context) {
     return kind == "arm" ? mirror::make_mirrored_arm(mirror) : mirror::make_divergence(mirror, context.name);
   });
+  options.of_daemon.program = "visum-mirror";
   options.of_daemon.simulated = mirror.simulated();
   options.of_daemon.has_world = false;
   options.of_daemon.run_at_once = true;

@@ -3,8 +3,10 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -63,6 +65,7 @@ struct Options {
   programs::PluginOptions plugins;
   programs::HttpArguments http;
   std::string record;                                     // a file; empty: none
+  std::string try_record;                                 // as `record`, but may fail
   std::string dump = state_folder();                      // folder for the ticks before a freeze; or "off"
   std::string rewound;                                    // a recording to continue, instead of a scene
   double at_s = std::numeric_limits<double>::infinity();  // from which simulated time of it
@@ -93,9 +96,11 @@ scene::Scene load(const Options& options) {
 recording::Rewound make_world(const Options& options) {
   if (!options.rewound.empty()) {
     std::error_code not_there;
-    if (std::filesystem::equivalent(options.rewound, options.record, not_there))
-      throw std::runtime_error("--record " + options.record +
-                               " is the recording to continue, and would be overwritten: name another file");
+    for (const auto& file : {options.record, options.try_record})
+      if (std::filesystem::equivalent(options.rewound, file, not_there))
+        throw std::runtime_error(
+            "--record " + file +
+            " is the recording to continue, and would be overwritten: name another file");
     return recording::rewind(
         options.rewound, options.at_s, [&](scene::Scene& scene) { set_clock(options, scene); },
         plugin::plugin_folders(options.plugins.folders), options.of_scene.engine);
@@ -105,20 +110,33 @@ recording::Rewound make_world(const Options& options) {
   return {std::move(world), {std::move(noted.files), options.of_scene.engine, options.of_scene.parameters}};
 }
 
-// Records all that happens in the world for as long as it lives, and shows the recorder's messages in the
-// log. Make the daemon first: a program that cannot have its port must not empty an older recording.
+// Records all that happens in the world, and shows the recorder's messages in the log. Make the daemon first:
+// a program that cannot have its port must not empty an older recording.
 class Logbook {
  public:
-  Logbook(cycle::Simulation& simulation, const recording::Origin& origin, const std::string& file,
+  Logbook(cycle::Simulation& simulation, const recording::Origin& origin, const Options& options,
           recording::LogSink& log)
-      : recorder_(simulation, origin, file), log_(log) {
-    log_.follow(&recorder_);
+      : log_(log), needed_(!options.record.empty()) {
+    try {
+      recorder_.emplace(simulation, origin, needed_ ? options.record : options.try_record);
+      log_.follow(&*recorder_);
+    } catch (const std::exception& error) {
+      if (needed_) throw;
+      spdlog::warn("{}", error.what());
+    }
   }
   ~Logbook() { log_.follow(nullptr); }
 
+  // Completes the file. Returns false where it lacks something that --record promised.
+  bool close() {
+    log_.follow(nullptr);
+    return !recorder_ || recorder_->close() || !needed_;
+  }
+
  private:
-  recording::Recorder recorder_;
+  std::optional<recording::Recorder> recorder_;
   recording::LogSink& log_;
+  const bool needed_;
 };
 
 int run(Options options) {
@@ -128,7 +146,7 @@ int run(Options options) {
   auto& simulation = *world;
   std::optional<recording::LogSink> log;
   std::optional<recording::FlightRecorder> flight;
-  if (!options.record.empty())
+  if (!options.record.empty() || !options.try_record.empty())
     log.emplace();
   else if (options.dump != "off")
     options.of_daemon.flight = &flight.emplace(simulation, origin, options.dump);
@@ -136,24 +154,38 @@ int run(Options options) {
     options.of_daemon.buses.push_back(bus::parse_bus(bus, simulation.scene()));
   options.of_daemon.http = options.http.settled(options.of_daemon);
   options.of_daemon.paced = options.speedup > 0.0;
+  std::function<void(const std::string&)> abandon;  // set once all is there that it needs
+  options.of_daemon.abandoned = [&abandon](const std::string& what) { abandon(what); };
   gateway::Daemon daemon(simulation, options.of_daemon);
   std::optional<Logbook> logbook;
-  if (log) logbook.emplace(simulation, origin, options.record, *log);
+  if (log) logbook.emplace(simulation, origin, options, *log);
+  abandon = [&](const std::string& what) {
+    spdlog::error("ended after tick {}; the tick after it was abandoned, as it did not end: {}",
+                  simulation.working().border(), what);
+    logbook.reset();
+    programs::end_at_once(programs::kTimedOut);
+  };
   const int signal = programs::run_until_signal(daemon, simulation, options.of_daemon, options.output.json);
   if (simulation.frozen())
     spdlog::error("the world froze at tick {}: {}", simulation.tick_count(), simulation.fault());
   spdlog::info("ended at tick {}", simulation.tick_count());
+  const bool recorded = !logbook || logbook->close();
   if (signal == SIGINT) return programs::kInterrupted;
-  return simulation.frozen() ? programs::kFailed : programs::kPassed;
+  return simulation.frozen() || !recorded ? programs::kFailed : programs::kPassed;
 }
 
 // Adds what the world is made from: a scene, or a recording of one, which also fixes the seed. `verb` is
 // "record", "rewind" or empty.
 void declare_world(CLI::App& app, Options& options, std::string_view verb) {
-  if (verb == "record")
+  if (verb == "record") {
     app.add_option("recording", options.record, kRecordHelp)->required()->type_name("FILE.mcap");
-  else
-    app.add_option("--record", options.record, kRecordHelp)->type_name("FILE.mcap");
+  } else {
+    auto* record = app.add_option("--record", options.record, kRecordHelp)->type_name("FILE.mcap");
+    app.add_option("--try-record", options.try_record,
+                   "as --record, but a recording that cannot be written is only a warning")
+        ->type_name("FILE.mcap")
+        ->excludes(record);
+  }
   app.add_option("--dump", options.dump,
                  "folder for the last thousand ticks, written if the world freezes and --record is not "
                  "given; or off. "
@@ -176,8 +208,9 @@ void declare_world(CLI::App& app, Options& options, std::string_view verb) {
 }
 
 constexpr const char* kExitCodes =
-    "Exit codes: 0 ended in good order, 1 the world froze, 2 bad usage, 3 the scene is wrong, 124 a plug-in "
-    "hangs, 130 interrupted.";
+    "Exit codes: 0 ended in good order, 1 the world froze or the recording is not whole, 2 bad usage, 3 the "
+    "scene is wrong, 124 a plug-in hangs, or a tick did not end within 2 s of the signal and was abandoned, "
+    "130 interrupted.";
 
 std::string footer_of(std::string_view verb, const std::string& name) {
   std::string examples = "Example:\n  " + name;
@@ -333,9 +366,12 @@ int export_ports(const std::string& file, const recording::CsvOptions& options, 
   std::ofstream out_file;
   if (!to.empty()) out_file.open(made.path(), std::ios::binary | std::ios::trunc);
   std::ostream& out = to.empty() ? std::cout : out_file;
-  if (!out) throw std::runtime_error(to + ": cannot be written");
+  if (!out) throw std::runtime_error(to + ": cannot be written: " + std::strerror(errno));
   const auto result = recording::export_csv(file, options, out);
-  if (!out.flush()) throw std::runtime_error((to.empty() ? "standard output" : to) + ": cannot be written");
+  errno = 0;
+  if (!out.flush() && !to.empty())  // standard output is looked at in the end (output.h)
+    throw std::runtime_error(to + ": cannot be written" +
+                             (errno == 0 ? std::string() : std::string(": ") + std::strerror(errno)));
   made.keep();
   if (result.damage.empty()) return programs::kPassed;
   spdlog::error("{}: {} rows, then it is damaged: {}", file, result.rows, result.damage);

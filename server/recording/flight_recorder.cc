@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <fstream>
+#include <new>
 #include <stdexcept>
 #include <system_error>
 
@@ -41,7 +42,7 @@ void FlightRecorder::forget() {
   now_.in_use = before_.in_use = false;
 }
 
-void FlightRecorder::took(const TimedInput& input) {
+void FlightRecorder::took(const TimedInput& input) try {
   if (simulation_.frozen()) return;
   if (!now_.in_use) {  // a frozen world runs again: this input revived it
     dump_.clear();
@@ -54,9 +55,11 @@ void FlightRecorder::took(const TimedInput& input) {
   if (now_.input_bytes.size() <= kInputBytes) return;
   if (size > kInputBytes) forget();  // this input alone is too large to be kept
   begin_half();
+} catch (const std::bad_alloc&) {
+  forget();  // the next input begins anew
 }
 
-void FlightRecorder::ticked() {
+void FlightRecorder::ticked() try {
   if (!now_.in_use) return;
   const bool hashed = simulation_.frozen() || now_.ticks.size() % kHashEvery == 0;
   now_.ticks.push_back({simulation_.tick_count(),
@@ -70,6 +73,8 @@ void FlightRecorder::ticked() {
   }
   if (simulation_.frozen()) return dump_now();
   if (now_.ticks.size() == kTicks) begin_half();
+} catch (const std::bad_alloc&) {
+  forget();
 }
 
 void FlightRecorder::dump_now() {

@@ -1,6 +1,8 @@
 #include "server/recording/recorder.h"
 
+#include <new>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "server/recording/recording_writer.h"
@@ -10,6 +12,8 @@ namespace {
 
 constexpr std::uint64_t kStatePeriod_ns = 1'000'000'000;  // of simulated time
 
+constexpr const char* kNoMemory = "not enough memory is left for what comes";
+
 RecordingWriter::Overflow overflow_of(scene::ClockKind clock) {
   return clock == scene::ClockKind::kRealtime ? RecordingWriter::Overflow::kEnd
                                               : RecordingWriter::Overflow::kWait;
@@ -17,38 +21,45 @@ RecordingWriter::Overflow overflow_of(scene::ClockKind clock) {
 
 }  // namespace
 
-Recorder::Recorder(cycle::Simulation& simulation, const Origin& origin, const std::filesystem::path& file)
+Recorder::Recorder(cycle::Simulation& simulation, const Origin& origin, const std::filesystem::path& file) try
     : simulation_(simulation),
       writer_(std::make_unique<RecordingWriter>(file, overflow_of(simulation.scene().clock))) {
-  try {
-    channels_ = write_beginning(writer_->writer(), simulation_, origin);
-    if (origin.has_past) {
-      take_state();
-      writer_->put_first(channels_.states, static_cast<std::uint64_t>(simulation_.sim_time_ns()), bytes_);
-    }
-  } catch (const std::exception& error) {
-    throw std::runtime_error("the recording '" + file.string() + "' cannot be written: " + error.what());
+  channels_ = write_beginning(writer_->writer(), simulation_, origin);
+  if (origin.has_past) {
+    take_state();
+    writer_->put_first(channels_.states, static_cast<std::uint64_t>(simulation_.sim_time_ns()), bytes_);
   }
   writer_->start();
   simulation_.set_observer(this);
+} catch (const std::system_error&) {
+  throw;  // no thread can be started, which has nothing to do with the file
+} catch (const std::exception& error) {
+  throw std::runtime_error("the recording '" + file.string() + "' cannot be written: " + error.what());
 }
 
 Recorder::~Recorder() {
+  close();
+}
+
+bool Recorder::close() {
   simulation_.set_observer(nullptr);
+  return writer_->close();
 }
 
 void Recorder::put(std::uint16_t channel, std::int64_t publish_time_ns) {
   writer_->put(channel, time_ns_, static_cast<std::uint64_t>(publish_time_ns), bytes_);
 }
 
-void Recorder::took(const TimedInput& input) {
+void Recorder::took(const TimedInput& input) try {
   if (writer_->ended()) return;
   bytes_.clear();
   encode(input, bytes_);
   put(channels_.inputs, input.tick * simulation_.model().tick_ns);
+} catch (const std::bad_alloc&) {
+  writer_->end(kNoMemory);
 }
 
-void Recorder::ticked() {
+void Recorder::ticked() try {
   if (writer_->ended()) return;
   time_ns_ += static_cast<std::uint64_t>(simulation_.model().tick_ns);
   const auto tick = simulation_.tick_count();
@@ -66,6 +77,8 @@ void Recorder::ticked() {
   put(channels_.ticks, time_ns);
   if (time_ns_ < next_state_ns_ || simulation_.frozen()) return;
   put_state();
+} catch (const std::bad_alloc&) {
+  writer_->end(kNoMemory);
 }
 
 void Recorder::take_state() {

@@ -26,6 +26,10 @@ class Recorder : public cycle::Observer {
   Recorder(cycle::Simulation& simulation, const Origin& origin, const std::filesystem::path& file);
   ~Recorder() override;  // completes the file
 
+  // Observes no more and completes the file. Returns whether it holds all that happened; the log has said why
+  // not.
+  bool close();
+
   void took(const TimedInput& input) override;
   void ticked() override;
   void log(std::string_view level, std::string_view text);  // any thread

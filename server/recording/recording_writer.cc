@@ -25,7 +25,7 @@ constexpr std::chrono::seconds kPatience{10};
 int make_file(const std::filesystem::path& file) {
   const auto fail = [&](int fd, const char* why) {
     if (fd >= 0) ::close(fd);
-    throw std::runtime_error("the recording '" + file.string() + "' cannot be written: " + why);
+    throw std::runtime_error(why);
   };
   const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
   if (fd < 0) fail(fd, std::strerror(errno));
@@ -46,6 +46,10 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, Overflow ove
       writer_([this](Bytes bytes) { write(bytes); }, "visumd") {}
 
 RecordingWriter::~RecordingWriter() {
+  close();
+}
+
+bool RecordingWriter::close() {
   if (thread_.joinable()) {
     {
       const std::lock_guard lock(mutex_);
@@ -54,6 +58,7 @@ RecordingWriter::~RecordingWriter() {
     stopped_.notify_one();
     thread_.join();
   }
+  return !ended();
 }
 
 RecordingWriter::Descriptor::~Descriptor() {
@@ -102,7 +107,7 @@ void RecordingWriter::put_line(std::uint16_t channel, std::vector<std::byte> dat
 }
 
 void RecordingWriter::end(const std::string& why) {
-  if (!ended_.exchange(true)) spdlog::error("the recording '{}' ends here: {}", file_.string(), why);
+  if (!ended_.exchange(true)) spdlog::error("the recording '{}' ends early: {}", file_.string(), why);
 }
 
 void RecordingWriter::run() try {

@@ -1,7 +1,7 @@
 // Writes a recording's file on a thread of its own, so that a tick never waits for a disk. The tick's thread
-// hands it messages through a bounded queue. Where the disk is full or gone, or where the queue overflows
-// because the disk is slow, the recording ends there. The log says so, and the ticks go on. A message is
-// handed to the operating system at most half a second after it was put.
+// hands it messages through a bounded queue. Where the disk is full or gone, where the queue overflows
+// because the disk is slow, or where memory runs out, the recording ends there. The log says so, and the
+// ticks go on. A message is handed to the operating system at most half a second after it was put.
 #pragma once
 
 #include <atomic>
@@ -29,9 +29,9 @@ class RecordingWriter {
   };
 
   // Makes the file, or empties the one that is there. Throws std::runtime_error where that fails, also where
-  // another program is writing it.
+  // another program is writing it; the text is the reason alone.
   RecordingWriter(const std::filesystem::path& file, Overflow overflow);
-  ~RecordingWriter();  // writes the waiting messages and the file's summary
+  ~RecordingWriter();  // as close()
 
   // Order of calls: writer() for the beginning, put_first() where the world has a past, start(), then put()
   // and put_line() as often as needed. After start() the writer belongs to the thread.
@@ -45,9 +45,14 @@ class RecordingWriter {
   // Tick's thread. Whether an optional message of this length may be put: it takes at most half of the
   // queue's room.
   bool has_room_for(std::size_t bytes) const;
+  // Writes the waiting messages and the file's summary, and ends the recording. Returns whether the file
+  // holds all that was put. Not from the writer's own thread; a second call does nothing more.
+  bool close();
   // Any thread. The line gets the times of the message that is written before it.
   void put_line(std::uint16_t channel, std::vector<std::byte> data);
 
+  // Any thread: ends the recording and logs why, once.
+  void end(const std::string& why);
   bool ended() const { return ended_.load(std::memory_order_relaxed); }
 
  private:
@@ -70,9 +75,6 @@ class RecordingWriter {
   void write(Bytes bytes);
   // Waits for room in the queue where `overflow_` allows it; false: there is none.
   bool make_room(std::size_t bytes);
-  // Ends the recording and logs why, once.
-  void end(const std::string& why);
-
   struct Descriptor {
     ~Descriptor();
     int fd;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hwparts/part.h"
@@ -82,6 +83,13 @@ struct Options {
 
 // Throws ConfigError at the first thing that is wrong.
 Scene load_scene(const std::filesystem::path& file, const Options& options = {});
+
+// Limits of the text of an added body, checked before it is parsed. Far above what a body with the most
+// shapes needs; one of these limits is parsed within about a second.
+inline constexpr std::size_t kMaxBodyBytes = std::size_t{1} << 20;
+inline constexpr std::size_t kMaxBodyValues = 100'000;  // counted as config::most_values() does
+// Why a text is too long for an added body; empty: it is not.
+std::string too_long_for_body(std::string_view yaml);
 
 // Reads one entry of `bodies:` from a text (the request AddBody) and appends it to the world. If it is wrong,
 // throws ConfigError and changes nothing.

@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 using config::Node;
 
 constexpr std::int64_t kVersion = 1;
+constexpr const char* kAddedBody = "added body";  // in place of a file's name
 
 void check_header(const Node& root) {
   // The message does not quote the text: the file may be anything, even a secret.
@@ -34,7 +35,7 @@ void check_header(const Node& root) {
                    "materials",    "models",  "bodies",     "joints",
                    "no_collision", "parts",   "lights",     "viewpoints",
                    "panels",       "frames",  "parameters", "sensors",
-                   "plugins",      "agents"});
+                   "plugins",      "agents",  "collision"});
   const Node version = root.get("visum");
   if (version.integer(1) > kVersion)
     version.fail("this is version " + version.text() + " of the format, only version 1 is known here");
@@ -252,9 +253,21 @@ std::optional<Scene> load_scene(const fs::path& file, const Options& options,
   return errors.empty() ? std::optional(std::move(scene)) : std::nullopt;
 }
 
+std::string too_long_for_body(std::string_view yaml) {
+  if (yaml.size() > kMaxBodyBytes)
+    return "has " + std::to_string(yaml.size()) + " bytes, an added body has at most " +
+           std::to_string(kMaxBodyBytes);
+  if (config::most_values(yaml) > kMaxBodyValues)
+    return "has more than " + std::to_string(kMaxBodyValues) +
+           " values, counted by the marks that stand before them: , : [ { -";
+  return {};
+}
+
 void add_body(Scene& scene, const std::string& yaml) {
+  if (const auto fault = too_long_for_body(yaml); !fault.empty())
+    throw config::ConfigError({kAddedBody, 0, ""}, fault);
   const Sizes before(scene.world);
-  const Node entry = config::load_text(yaml, "added body", scene.file.parent_path());
+  const Node entry = config::load_text(yaml, kAddedBody, scene.file.parent_path());
   try {
     Draft draft(scene);
     read_body(draft, entry);

@@ -12,6 +12,7 @@ constexpr double kNsPerMs = 1e6;
 constexpr double kNsPerS = 1e9;
 constexpr double kMaxTickMs = 1000.0;
 constexpr double kMaxTimeoutS = 86400.0;
+constexpr std::int64_t kMostWork = 1'000'000'000'000;
 constexpr double kNsTolerance = 1e-6;  // decimal fractions of a millisecond are off by so much in binary
 
 ClockKind read_clock(const config::Node& node) {
@@ -35,6 +36,10 @@ int read_order(const config::Node& node) {
   return static_cast<int>(order);
 }
 
+std::uint64_t read_work_limit(const config::Node& node) {
+  return static_cast<std::uint64_t>(node.integer(1, kMostWork));
+}
+
 // Reads "ode" or {kind: ode, step: quick, ...}. The engine table checks the settings of a kind; for a
 // plug-in's kind, the plug-in does.
 world::EngineSetting read_engine(const config::Node& node, bool plugged) {
@@ -53,6 +58,7 @@ world::EngineSetting read_engine(const config::Node& node, bool plugged) {
   engine.v_max = node.number_or("v_max", engine.v_max, {0.0, 1e6, true});
   if (const auto budget = node.find("budget")) engine.budget = static_cast<int>(budget->integer(1, 100'000));
   engine.sleep_s = node.number_or("sleep", engine.sleep_s, {0.0, 86400.0});
+  if (const auto limit = node.find("work_limit")) engine.work_limit = read_work_limit(*limit);
   if (const auto impact = node.find("impact")) engine.impact = impact->one_of({"newton", "poisson"});
   return engine;
 }
@@ -77,6 +83,12 @@ world::Surface read_surface(const std::string& name, const config::Node& node) {
   return surface;
 }
 
+void read_collision(const config::Node& node, world::WorldModel& world) {
+  node.allow_only({"continuous", "work_limit"});
+  world.continuous_collision = node.boolean_or("continuous", world.continuous_collision);
+  if (const auto limit = node.find("work_limit")) world.collision_work_limit = read_work_limit(*limit);
+}
+
 // True if an earlier include brought the same surface.
 bool said_before(const std::vector<world::Surface>& surfaces, const world::Surface& again) {
   return std::any_of(surfaces.begin(), surfaces.end(), [&](const world::Surface& known) {
@@ -89,9 +101,9 @@ bool said_before(const std::vector<world::Surface>& surfaces, const world::Surfa
 }  // namespace
 
 std::span<const std::string_view> engine_keys() {
-  static const std::vector<std::string_view> known{"kind",  "step",   "iterations", "erp",
-                                                   "cfm",   "solver", "order",      "d_max",
-                                                   "v_max", "budget", "impact",     "sleep"};
+  static const std::vector<std::string_view> known{"kind",   "step",  "iterations", "erp",   "cfm",
+                                                   "solver", "order", "d_max",      "v_max", "budget",
+                                                   "impact", "sleep", "work_limit"};
   return known;
 }
 
@@ -100,6 +112,7 @@ void read_settings(Draft& draft, const config::Node& root) {
   if (const auto node = root.find("name")) scene.name = read_name(*node);
   if (const auto node = root.find("gravity")) scene.world.gravity = read_vector(*node);
   if (const auto node = root.find("tick_ms")) scene.world.tick_ns = read_tick_ns(*node);
+  if (const auto node = root.find("collision")) read_collision(*node, scene.world);
   if (const auto node = root.find("clock")) scene.clock = read_clock(*node);
   if (const auto node = root.find("speed")) scene.speed = node->number({kLeastSpeed, kMostSpeed});
   if (const auto node = root.find("seed")) scene.seed = static_cast<std::uint64_t>(node->integer(0));

@@ -1,8 +1,8 @@
 #include "server/scene/values.h"
 
-#include <algorithm>
 #include <cmath>
 
+#include "protocol/config/printable.h"
 #include "server/world/turn.h"
 
 namespace visum::scene {
@@ -26,8 +26,7 @@ Eigen::Quaterniond read_quaternion(const config::Node& node) {
 std::string name_fault(const std::string& name) {
   if (name.empty()) return "must not be empty";
   if (name.size() > kMaxNameBytes) return "must have at most " + std::to_string(kMaxNameBytes) + " bytes";
-  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
-  if (std::any_of(name.begin(), name.end(), is_control)) return "must not hold control characters";
+  if (!config::is_printable(name)) return config::kNotPrintable;
   if (name.find('/') != std::string::npos) return "must not hold a '/', is '" + name + "'";
   if (name.front() == ' ' || name.back() == ' ')
     return "must not begin or end with a blank, is '" + name + "'";

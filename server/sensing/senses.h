@@ -19,7 +19,7 @@ class Senses {
   // Senses in use.
   Senses(const scene::Scene& scene, std::span<sensors::Sensor* const> sensors);
 
-  // Attaches the probes to their sensors. Once, before the first feel().
+  // Attaches the probes to their sensors, in place of others. Before the first feel().
   void attach();
 
   // Fills the truth of the sensors that are due. Comes after the engines' step and before the sensors'

@@ -130,14 +130,21 @@ struct EngineSetting {
   int budget = 100;      // impulse iterate: corrections of each joint per tick
   double sleep_s = 0.0;  // impulse: bodies that stood still for so long sleep; 0: none ever sleeps
   std::string impact = "newton";  // impulse: "newton" or "poisson", the meaning of restitution
+  // Work that one tick may take. impulse: in row updates (server/dynamics/impulse/work_budget.h). ode: rows
+  // that the direct solver may have; beyond, the tick is made by QuickStep. 0: the engine's own limit.
+  std::uint64_t work_limit = 0;
 };
+
+inline constexpr std::uint64_t kCollisionWorkLimit = 30'000'000;  // unless the scene says otherwise
 
 struct WorldModel {
   std::string name;
   std::int64_t tick_ns = 1'000'000;
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s²
+  bool continuous_collision = true;          // fast free bodies are kept from passing through others
   std::vector<EngineSetting> engines;
-  std::vector<Surface> surfaces;  // [0] is the default
+  std::uint64_t collision_work_limit = kCollisionWorkLimit;  // of one tick (server/collision/work.h)
+  std::vector<Surface> surfaces;                             // [0] is the default
   std::vector<TriangleMesh> meshes;
   std::vector<Body> bodies;
   std::vector<Shape> shapes;  // sorted by body

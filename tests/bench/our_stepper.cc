@@ -31,9 +31,11 @@ class OurStepper : public Stepper {
     const auto result =
         engine_->step({1e-9 * static_cast<double>(model_.tick_ns), contacts_, drives_, {}}, state_);
     if (!result.ok) throw std::runtime_error(result.fault);
+    warned_ += result.warned;
     measure_joints(model_, state_);
   }
   void store(world::WorldState& state) const override { state = state_; }
+  int warned_ticks() const override { return warned_; }
 
  private:
   const world::WorldModel model_;
@@ -43,6 +45,7 @@ class OurStepper : public Stepper {
   std::vector<collision::Contact> contacts_;
   std::unique_ptr<dynamics::Engine> engine_;
   collision::CollisionStage collision_;
+  int warned_ = 0;
 };
 
 }  // namespace

@@ -74,6 +74,14 @@ INSTANTIATE_TEST_SUITE_P(
               "s.yaml:4: controllers[0]: the client name 'scenario' is the runner's own"},
         Wrong{"controllers: [{name: a, command: [a]}, {name: a, command: [b]}]\n",
               "s.yaml:4: controllers[1]: a second controller 'a'"},
+        Wrong{"controllers: [{name: bridge, command: [a]}, {name: b, command: [b], through: brigde}]\n",
+              "s.yaml:4: controllers[1].through: there is no other controller 'brigde'; did you mean "
+              "'bridge'?"},
+        Wrong{
+            "controllers: [{name: a, command: [a], exchanges: false}, {name: b, command: [b], through: a}]\n",
+            "s.yaml:4: controllers[1].through: 'a' must exchange something itself"},
+        Wrong{"controllers: [{name: a, command: [a], exchanges: false, through: a}]\n",
+              "s.yaml:4: controllers[0].through: not with 'exchanges: false'"},
         Wrong{"controllers: [{name: a, command: [a], client: c}, {name: b, command: [b], client: c}]\n",
               "s.yaml:4: controllers[1]: a second controller with client 'c'"}));
 

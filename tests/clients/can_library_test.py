@@ -18,6 +18,12 @@ class CanLibraries(unittest.TestCase):
         text = visum("exec", "--can", "peak=arm", "--", BIN / "visum-test-pcan", env=self.environment).stdout
         self.assertEqual(text, "all well\n")
 
+    def test_one_of_several_handles_is_read_and_keeps_its_speed(self):
+        for vendor, program in (("esd", "visum-test-ntcan"), ("peak", "visum-test-pcan")):
+            with self.subTest(vendor=vendor):
+                text = visum("exec", "--can", vendor, "--", BIN / program, 20_000, env=self.environment).stdout
+                self.assertEqual(text, "all answered\n")
+
     def test_wrong_use_is_named(self):
         refused = visum("exec", "--can", "kvaser", "--", "true", expect=2, env=self.environment).stderr
         self.assertIn("must be esd or peak", refused)

@@ -31,10 +31,10 @@ class WithCertificates(unittest.TestCase):
                     "-subj", f"/CN={name}", "-keyout", f"{file}.key", "-out", f"{file}.pem")
 
     @classmethod
-    def sign(cls, name, days=2):
-        """A certificate of the authority; one of a negative number of days has expired."""
-        cls.openssl("req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-subj", f"/CN={name}",
-                    "-keyout", f"{name}.key", "-out", f"{name}.csr")
+    def sign(cls, name, days=2, subject=None):
+        """A certificate of the authority; one of a negative number of days has expired. `name` is that of its files, too."""
+        cls.openssl("req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-utf8",
+                    "-subj", subject or f"/CN={name}", "-keyout", f"{name}.key", "-out", f"{name}.csr")
         (cls.folder / "names").write_text("subjectAltName=DNS:localhost,IP:127.0.0.1\n")
         cls.openssl("x509", "-req", "-in", f"{name}.csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial", "-days", days,
                     "-extfile", "names", "-out", f"{name}.pem")

@@ -23,7 +23,7 @@ TEST(JsonWriter, WritesNestedObjectsAndArrays) {
 TEST(JsonWriter, EscapesWhatJsonDemands) {
   JsonWriter json;
   json.value(std::string_view("a\"b\\c\nd\x01\x7f"));
-  EXPECT_EQ(json.text(), "\"a\\\"b\\\\c\\nd\\u0001\x7f\"");
+  EXPECT_EQ(json.text(), "\"a\\\"b\\\\c\\nd\\u0001\\u007f\"");
 }
 
 TEST(JsonWriter, NumbersThatAreNoneBecomeNull) {

@@ -203,7 +203,7 @@ class ProgramsForRealModules(unittest.TestCase):
     def test_one_that_reads_one_of_its_can_handles(self):
         for vendor, program in (("esd", "visum-test-ntcan"), ("peak", "visum-test-pcan")):
             with self.subTest(vendor=vendor):
-                text, _, _ = run(BIN / program, 5000, buses=("--can", vendor))
+                text, _, _ = run(BIN / program, 20_000, buses=("--can", vendor))
                 self.assertEqual(text, "all answered")
 
 

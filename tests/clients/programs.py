@@ -27,6 +27,9 @@ class Daemon:
 
     def __enter__(self):
         self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, text=True)
+        return self.wait_until_ready()
+
+    def wait_until_ready(self):
         self.ready = json.loads(self.process.stdout.readline())
         self.connect = f"127.0.0.1:{self.ready['port']}"
         return self

@@ -7,6 +7,7 @@ namespace visum::run {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 Report report() {
   Report report;
@@ -141,7 +142,18 @@ TEST(ReportText, ShowsTheLastLinesOfAControllerThatFailed) {
   Report failed = report();
   failed.controllers[0].failure = "exited with code 3";
   const std::string text = report_text(failed, cli::Style(false));
-  EXPECT_THAT(text, HasSubstr("    | first  [31mline\n")) << "without what would steer the terminal";
+  EXPECT_THAT(text, HasSubstr("    | first \\x1b[31mline\n")) << "shows what would steer the terminal";
+}
+
+TEST(ReportText, NotesTicksWhoseWorkMetALimitAndWhoFellShort) {
+  Report limited = report();
+  EXPECT_THAT(report_text(limited, cli::Style(false)), Not(HasSubstr("limit")));
+  EXPECT_THAT(report_json(limited), Not(HasSubstr("limited_ticks")));
+  limited.limited_ticks = 12;
+  limited.limited_bodies = {"arm/hand", "box"};
+  EXPECT_THAT(report_text(limited, cli::Style(false)), HasSubstr("note: 12 ticks met the limit"));
+  EXPECT_THAT(report_text(limited, cli::Style(false)), HasSubstr("arm/hand, box"));
+  EXPECT_THAT(report_json(limited), HasSubstr("\"limited_ticks\":12"));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@ import json
 import os
 import pathlib
 import random
+import resource
 import signal
 import socket
 import subprocess
@@ -178,6 +179,31 @@ class Worlds(Scenario):
         visum("run", wrong, "--junit", report, expect=3)
         self.assertNotIn("mcap", report.read_text(), "nothing was recorded")
 
+    def run_on_a_small_disk(self, text, room, *options):
+        """Runs it where no file can grow beyond `room` bytes: the next write fails, as on a full disk."""
+        return subprocess.run([BIN / "visum", "run", self.write(text), *options], capture_output=True, text=True, timeout=DEADLINE_S,
+                              restore_signals=False, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (room, room)))
+
+    def test_a_full_disk_costs_a_recording_in_case_and_no_run(self):
+        passes = "until: {at_s: 2}\nchecks: [{that: {tilt: {body: box}, below: 1}}]\n"
+        for room, trouble in ((0, "cannot be written"), (300_000, "ends early")):
+            done = self.run_on_a_small_disk(passes, room, "--recordings", self.folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            done = self.run_on_a_small_disk(passes.replace("below", "above"), room, "--recordings", self.folder)
+            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertRegex(done.stdout, rf"  note    (there is no recording: it|the recording) {trouble}: File too large\n")
+            self.assertEqual(self.recordings(), [] if room == 0 else ["scenario.mcap"])
+
+    def test_a_full_disk_under_a_recording_that_was_asked_for_is_a_failure(self):
+        passes = "until: {at_s: 2}\nchecks: [{that: {tilt: {body: box}, below: 1}}]\n"
+        done = self.run_on_a_small_disk(passes, 0, "--record", self.folder / "run.mcap")
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("run.mcap' cannot be written: File too large", done.stdout)
+        done = self.run_on_a_small_disk(passes, 300_000, "--record", self.folder / "run.mcap")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("  FAILED  the recording ends early: File too large\n", done.stdout)
+        self.assertTrue(done.stdout.endswith("FAILED: 1 of 1 checks\n"))
+
     def test_under_ci_a_run_that_fails_leaves_a_recording(self):
         fails = "until: {at_s: 0.02}\nchecks: [{that: {tilt: {body: box}, above: 1}}]\n"
         for word, left in (("false", []), ("true", ["scenario.mcap"])):
@@ -267,7 +293,7 @@ class Controllers(Scenario):
         program = self.folder / "spins.py"
         program.write_text(self.SPINS.format(sleep))
         command = f"[{sys.executable}, {program}]"
-        return self.run_it(f"max_sim_s: 20\ncontrollers: [{{name: c, shim: true, wait_s: 0.1, on_timeout: {way}, command: {command}}}]\n" + more,
+        return self.run_it(f"max_sim_s: 20\ncontrollers: [{{name: c, shim: true, exchanges: false, wait_s: 0.1, on_timeout: {way}, command: {command}}}]\n" + more,
                            expect=expect)
 
     def test_one_that_is_late_may_end_the_run_or_be_stopped_or_go_on(self):
@@ -287,7 +313,7 @@ class Controllers(Scenario):
         self.assertIn("controller 'c' has not joined the clock within 4 s", done.stderr)
 
     def test_one_that_does_not_join_may_end_whenever_it_likes(self):
-        result, done = self.run_it("controllers: [{name: c, joins: false, command: [sh, -c, 'echo $0 {port}', hello]}]\n")
+        result, done = self.run_it("controllers: [{name: c, joins: false, exchanges: false, command: [sh, -c, 'echo $0 {port}', hello]}]\n")
         self.assertRegex(done.stderr, r"c \| hello \d+")
 
     def test_one_that_is_killed_by_the_time_line_stops_the_arm(self):
@@ -336,7 +362,7 @@ class Controllers(Scenario):
         self.assertIn("not done after 0.5 s of wall time", done.stderr)
 
     def test_a_controller_that_prints_without_end_blocks_nothing(self):
-        self.run_it("until: {at_s: 0.2}\ncontrollers: [{name: c, joins: false, command: ['yes']}]\n")
+        self.run_it("until: {at_s: 0.2}\ncontrollers: [{name: c, joins: false, exchanges: false, command: ['yes']}]\n")
 
 
 class Ends(Scenario):
@@ -402,7 +428,7 @@ class Ends(Scenario):
 
     def test_a_fixed_port(self):
         port = free_port_that_nobody_is_given()
-        text = "controllers: [{name: c, joins: false, command: [echo, '{connect}']}]\n"
+        text = "controllers: [{name: c, joins: false, exchanges: false, command: [echo, '{connect}']}]\n"
         done = visum("run", self.write(text), "--port", port)
         self.assertIn(f"c | 127.0.0.1:{port}", done.stderr)
 

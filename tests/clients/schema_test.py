@@ -58,9 +58,9 @@ WRONG = [
 # Right for the program and for the schema: a text may look like a number or a truth value, as in YAML.
 RIGHT = [
     {"name": 7}, {"description": True}, {"checks": [{"name": 1, "that": {"speed": {"body": "box"}, "above": -1}}]},
-    {"controllers": [{"name": 1, "command": ["sleep", 9], "joins": False}],
+    {"controllers": [{"name": 1, "command": ["sleep", 9], "joins": False, "exchanges": False}],
      "timeline": [{"at_s": 0, "say": 5}, {"at_s": 0, "kill": 1}]},
-    {"controllers": [{"name": "a", "command": ["sleep", 0], "shim": True, "wait_s": 10}]},
+    {"controllers": [{"name": "a", "command": ["sleep", 0], "shim": True, "wait_s": 10, "exchanges": False}]},
 ]
 
 

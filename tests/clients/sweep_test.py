@@ -115,7 +115,7 @@ class Sweep(unittest.TestCase):
     def test_a_run_that_is_lost_counts_as_such(self):
         text = """
             sweep: {seconds: [0, 1000]}
-            controllers: [{name: c, joins: false, command: [sh, -c, 'sleep ${seconds}']}]
+            controllers: [{name: c, joins: false, exchanges: false, command: [sh, -c, 'sleep ${seconds}']}]
             max_sim_s: 1e5
         """
         runs, result = self.sweep(text, "--timeout", 2, expect=124)
@@ -127,7 +127,7 @@ class Sweep(unittest.TestCase):
             until: {at_s: 1e5}
             max_sim_s: 1e5
             sweep: {n: [1, 2, 3, 4]}
-            controllers: [{name: c, joins: false, command: [touch, '{scenario_dir}/began_${n}']}]
+            controllers: [{name: c, joins: false, exchanges: false, command: [touch, '{scenario_dir}/began_${n}']}]
         """
         self.interrupt(text, lambda: len(list(self.folder.glob("began_*"))) == 2, "--jobs", "2")
 
@@ -148,7 +148,7 @@ class Sweep(unittest.TestCase):
             until: {at_s: "${(n - 1) * 1e5 + 0.1}"}
             max_sim_s: 8e5
             sweep: {n: [1, 2, 3]}
-            controllers: [{name: c, joins: false, command: [touch, '{scenario_dir}/began_${n}']}]
+            controllers: [{name: c, joins: false, exchanges: false, command: [touch, '{scenario_dir}/began_${n}']}]
             checks: [{that: {tilt: {body: box}, below: 1}}]
         """
         junit = self.folder / "junit.xml"

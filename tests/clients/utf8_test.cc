@@ -31,7 +31,7 @@ TEST(Markup, HoldsOnlyWhatXmlAllows) {
 }
 
 TEST(Terminal, PrintableTextSteersNothing) {
-  EXPECT_EQ(printable("a\033[2Jb\rc\td"), "a [2Jb c\td");
+  EXPECT_EQ(printable("a\033[2Jb\rc\td"), "a\\x1b[2Jb\\x0dc\td");
 }
 
 TEST(Terminal, TextIsCutToTheRowsAboveTheCursor) {

@@ -38,6 +38,15 @@ class Usage(unittest.TestCase):
                       ["parts", "--token-file", "/nowhere"]):
             visum(*words, expect=2)
 
+    def test_no_number_is_infinite_or_no_number(self):
+        scenario = SOURCE / "models/scenarios/two_link_wave.yaml"
+        for words in (["rewind", "run.mcap", "--at"], ["export", "run.mcap", "--from"], ["export", "run.mcap", "--to"],
+                      ["record", "run.mcap", ARM, "--speedup"], ["run", scenario, "--node-timeout"], ["run", scenario, "--speedup"],
+                      ["check", ARM, "--node-timeout"], ["push", "box", "1", "2"], ["fault", "arm", "network_delay", "--for"],
+                      ["watch", "arm", "--every"], ["exec", "--period"], ["exec", "--wait"], ["mirror", "--speedup"]):
+            for number in ("nan", "inf", "NAN", "Infinity"):
+                self.assertRegex(visum(*words, number, expect=2).stderr, rf"{number}'? (is )?not ", words)
+
     def test_nobody_there_is_4(self):
         with Daemon("--clock", "lockstep") as daemon:
             connect = daemon.connect
@@ -47,6 +56,24 @@ class Usage(unittest.TestCase):
     def test_connect_comes_from_the_environment_too(self):
         with Daemon("--clock", "lockstep") as daemon:
             self.assertEqual(visum("parts", "--names", env={"VISUM_CONNECT": daemon.connect}).stdout, "arm\n")
+
+
+class Limits(unittest.TestCase):
+    def test_status_counts_ticks_that_met_the_limit_of_their_work_and_names_bodies(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder) / "heap.yaml"
+            scene.write_text("visum: 1\nengine: {kind: impulse, work_limit: 1}\nbodies:\n"
+                             "  - {name: floor, fixed: true, shapes: [{plane: true}]}\n" + "".join(
+                                 f"  - {{name: box_{i}, mass: 1, pose: {{xyz: [{0.02 * i}, 0, {0.05 + 0.03 * i}]}}, "
+                                 "shapes: [{box: [0.1, 0.1, 0.1]}]}\n" for i in range(5)))
+            with Daemon("--clock", "realtime", scene=scene) as daemon:
+                daemon.visum("pause")
+                before = daemon.json("status")["limited_ticks"]
+                daemon.visum("step", "25")
+                status = daemon.json("status")
+                self.assertEqual(status["limited_ticks"], before + 25)
+                self.assertTrue(set(status["limited_bodies"]) <= {f"box_{i}" for i in range(5)}, status["limited_bodies"])
+                self.assertIn(" ticks met the limit of their work", daemon.visum("status").stdout)
 
 
 class Queries(unittest.TestCase):
@@ -95,13 +122,14 @@ class Queries(unittest.TestCase):
             client.join()
             client.connection.request(note=pb.Note(text="waits\033[2J for\nits turn"))
             self.assertIn("waiter: L4 (steps of its own), lets the world run up to tick 0", text := self.daemon.visum("status").stdout)
-            self.assertRegex(text, r"; it waits \[2J for its turn\n")
+            self.assertRegex(text, r"; it waits\\x1b\[2J for\\x0aits turn\n")
 
     def test_what_cannot_be_printed_is_1_but_for_a_reader_that_has_seen_enough(self):
         for words in (["get", "arm", "--connect", self.daemon.connect], ["get", "--help"]):
             with open("/dev/full", "w") as full:
                 done = subprocess.run([BIN / "visum", *words], stdout=full, stderr=subprocess.PIPE, text=True, timeout=DEADLINE_S)
-            self.assertEqual((done.returncode, done.stderr), (1, "visum: standard output: cannot be written\n"))
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stderr, "^visum: standard output: cannot be written(: No space left on device)?\n$")
             reader, writer = os.pipe()
             os.close(reader)
             done = subprocess.run([BIN / "visum", *words], stdout=writer, stderr=subprocess.PIPE, text=True, timeout=DEADLINE_S)
@@ -324,7 +352,26 @@ class Files(unittest.TestCase):
     def test_a_report_that_cannot_be_written_is_1(self):
         for option in ("--junit", "--result"):
             done = visum("run", SOURCE / "models/scenarios/two_link_wave.yaml", "--recordings", "off", option, "/dev/full", expect=1)
-            self.assertEqual(done.stderr, "visum: /dev/full: cannot be written\n")
+            self.assertEqual(done.stderr, "visum: cannot write /dev/full: No space left on device\n")
+        done = visum("run", SOURCE / "models/scenarios/two_link_wave.yaml", "--junit", "/nowhere/report.xml", expect=2)
+        self.assertEqual(done.stderr, "visum: cannot write /nowhere/report.xml: No such file or directory\n")
+
+    def test_a_verb_of_the_server_whose_output_cannot_be_written_is_1(self):
+        visum("run", SOURCE / "models/scenarios/two_link_wave.yaml", "--record", self.file)
+        x3d = self.folder / "cart.x3d"
+        for words in (["check", ARM], ["check", ARM, "--json"], ["check", "--help"], ["replay", self.file], ["replay", self.file, "--json"],
+                      ["export", self.file], ["convert", SOURCE / "models/scenes/cart.yaml", x3d], ["mirror", "--help"]):
+            with open("/dev/full", "w") as full:
+                done = subprocess.run([BIN / "visum", *words], stdout=full, stderr=subprocess.PIPE, text=True, timeout=DEADLINE_S)
+            self.assertNotIn(done.returncode, (0, 5), words)
+            self.assertRegex(done.stderr, "standard output: cannot be written(: No space left on device)?\n$", words)
+
+    def test_a_server_whose_ready_line_cannot_be_written_does_not_start(self):
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([BIN / "visumd", ARM, "--json", "--port", "0", "--http", "off"], stdout=full, stderr=subprocess.PIPE,
+                                  text=True, timeout=DEADLINE_S)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("standard output: cannot be written", done.stderr)
 
     def test_an_export_takes_the_place_of_a_file_once_it_is_whole(self):
         visum("run", SOURCE / "models/scenarios/two_link_wave.yaml", "--record", self.file)

@@ -36,5 +36,36 @@ TEST(Allocation, FindDoesNotAllocateOnceWarm) {
   EXPECT_GT(contacts.size(), 30u);
 }
 
+TEST(Allocation, HoldBackDoesNotAllocateOnceWarm) {
+  SceneBuilder scene;
+  scene.add_fixed({kBox, {4, 4, 0.01}}, {});
+  scene.add_fixed({kMesh, {4, 4, 0.01}}, at(0, 0, -1));
+  for (const ShapeSpec& kind :
+       {ShapeSpec{kBox, {0.1, 0.1, 0.1}}, {kSphere, {0.05}}, {kCylinder, {0.05, 0.1}}})
+    scene.add(kind, {});
+  CollisionStage stage(scene.model);
+  const world::WorldState before = initial_state(scene.model);
+  world::WorldState after = before;
+  // Each body comes from above one of the plates, and goes through it.
+  const auto shoot = [&](double z) {
+    world::WorldState from = before;
+    after = before;
+    for (std::size_t i = 2; i < from.bodies.size(); ++i) {
+      from.bodies[i].p_WC = {static_cast<double>(i) - 3.0, 0.0, z + 0.3};
+      after.bodies[i].p_WC = {static_cast<double>(i) - 3.0, 0.0, z - 0.3};
+    }
+    return from;
+  };
+  for (const double z : {0.0, -1.0}) {
+    const world::WorldState from = shoot(z);
+    stage.hold_back(from, after);
+    for (std::size_t i = 2; i < after.bodies.size(); ++i) EXPECT_GT(after.bodies[i].p_WC.z(), z) << i;
+    const world::WorldState again = shoot(z);
+    const test_support::AllocationScope scope;
+    stage.hold_back(again, after);
+    EXPECT_EQ(scope.counts().ours, 0u) << scope.describe_ours();
+  }
+}
+
 }  // namespace
 }  // namespace visum::collision::testing

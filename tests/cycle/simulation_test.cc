@@ -71,6 +71,30 @@ TEST(Simulation, CountsTheTicksInWhichABudgetWasNotEnough) {
             0u);
 }
 
+TEST(Simulation, CountsTheTicksWhoseWorkMetALimitAndNamesBodies) {
+  const test::TempFiles files;
+  const auto load = [&](const std::string& limit) {
+    return scene::load_scene(files.write("pile.yaml", "visum: 1\nengine: {kind: impulse" + limit + R"(}
+collision: {work_limit: 1000}
+bodies:
+  - {name: floor, fixed: true, shapes: [{plane: true}]}
+  - {name: low, mass: 1, pose: {xyz: [0, 0, 0.04]}, shapes: [{box: [0.1, 0.1, 0.1]}]}
+  - {name: high, mass: 1, pose: {xyz: [0.02, 0, 0.1]}, shapes: [{box: [0.1, 0.1, 0.1]}]}
+  - {name: far, mass: 1, pose: {xyz: [9, 0, 9]}, shapes: [{box: [0.1, 0.1, 0.1]}]}
+)"));
+  };
+  Simulation limited(load(", work_limit: 1")), free(load(""));
+  run(limited, 50);
+  run(free, 50);
+  EXPECT_EQ(limited.fault(), "");
+  EXPECT_EQ(limited.limited_ticks(), 50u);
+  EXPECT_EQ(limited.solver_warnings(), 50u);
+  for (const std::string& name : limited.limited_bodies())
+    EXPECT_TRUE(name == "low" || name == "high") << name;
+  EXPECT_EQ(free.limited_ticks(), 0u);
+  EXPECT_TRUE(free.limited_bodies().empty());
+}
+
 TEST(Simulation, CountsTheTicksThatWereCutInHalves) {
   EXPECT_GT(warnings_of_falling_rods("engine: impulse\ntick_ms: 100"), 0u);  // too long for their second turn
   EXPECT_EQ(warnings_of_falling_rods("engine: impulse\ntick_ms: 1"), 0u);

@@ -27,16 +27,21 @@ Lab::Lab(world::WorldModel world_model)
 StepResult Lab::step() {
   stage_.find(state, contacts);
   const StepInput input{tick_s(), contacts, drives, wrenches};
-  bool warned = false;
+  before_ = state;
+  StepResult all;
   for (const auto& engine : engines) {
     const StepResult result = engine->step(input, state);
     if (!result.ok) return result;
-    warned = warned || result.warned;
+    all.warned = all.warned || result.warned;
+    all.limited = all.limited || result.limited;
+    all.fell_short.insert(all.fell_short.end(), result.fell_short.begin(), result.fell_short.end());
+    all.work += result.work;
   }
-  if (warned) ++warned_ticks;
+  if (all.warned) ++warned_ticks;
+  stage_.hold_back(before_, state);
   ++state.tick;
   measure_joints(model, state, tick_s());
-  return {};
+  return all;
 }
 
 void Lab::run(double seconds) {

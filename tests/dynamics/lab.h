@@ -14,7 +14,7 @@ class Lab {
  public:
   explicit Lab(world::WorldModel model);  // throws std::runtime_error for a faulty model
 
-  // One tick. Stops at the first engine that reports a fault.
+  // One tick. Stops at the first engine that reports a fault; otherwise all of their results together.
   StepResult step();
   // As many ticks as the time holds. Throws std::runtime_error with the fault's text if an engine reports
   // one.
@@ -44,6 +44,7 @@ class Lab {
 
  private:
   collision::CollisionStage stage_;
+  world::WorldState before_;
 };
 
 }  // namespace visum::dynamics::testing

@@ -62,7 +62,8 @@ class Line final : HttpOwner, SessionOwner {
     tcp::socket socket(io_);
     socket.assign(tcp::v4(), ends[0]);
     browser_ = ends[1];
-    connection_.emplace(std::move(socket), nullptr, rules_, pages_, context_, static_cast<HttpOwner&>(*this));
+    connection_.emplace(std::move(socket), tcp::endpoint(), nullptr, rules_, pages_, context_,
+                        static_cast<HttpOwner&>(*this));
     connection_->start();
     turn();
   }
@@ -105,6 +106,7 @@ class Line final : HttpOwner, SessionOwner {
  private:
   void http_connected() override {}
   void woken(WireSession& session) override { woken_.push_back(&session); }
+  std::string refuse_place(const WireSession&, Role) const override { return {}; }
   void upgraded(UpgradePointer upgrade) override {
     const auto text = [&](auto field) { return std::string(upgrade->request[field]); };
     const auto host = in_small_letters(text(boost::beast::http::field::host));

@@ -1,6 +1,8 @@
 #include "server/gateway/access.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 
@@ -17,11 +19,11 @@ TEST(Access, EveryRequestNeedsTheRoleOfTheTable) {
   for (const Request& request : std::initializer_list<Request>{
            Status{}, ListParts{}, DescribePart{}, Read{}, Subscribe{}, Unsubscribe{}, GetParameters{},
            ReadBlackboard{}, DescribeWorld{}, ReadWorld{}, SubscribeWorld{}, UnsubscribeWorld{}, ReadMesh{},
-           ListFaults{}})
+           ReadTexture{}, ListFaults{}})
     EXPECT_EQ(role_needed(request), Role::kObserver) << request.index();
   for (const Request& request :
        std::initializer_list<Request>{AcquireLease{}, ReleaseLease{}, Write{}, SetParameter{},
-                                      WriteBlackboard{}, Join{}, Advance{}, Leave{}})
+                                      WriteBlackboard{}, Join{}, Advance{}, Leave{}, Note{}})
     EXPECT_EQ(role_needed(request), Role::kController) << request.index();
   for (const Request& request : std::initializer_list<Request>{
            Pause{}, Resume{}, Step{}, SetSpeed{}, Reset{}, TakeSnapshot{}, RestoreSnapshot{}, PushBody{},
@@ -45,9 +47,10 @@ class TokenFile : public testing::Test {
     std::filesystem::permissions(file, perms::owner_read | perms::owner_write);
     return file;
   }
-  std::string error_of(const std::string& text) {
+  std::string error_of(const std::string& text) { return error_of_file(write(text)); }
+  static std::string error_of_file(const std::filesystem::path& file) {
     try {
-      Tokens tokens(write(text));
+      Tokens tokens(file);
     } catch (const config::ConfigError& error) {
       return error.what();
     }
@@ -76,6 +79,31 @@ TEST_F(TokenFile, NamesTheLineThatIsWrong) {
   EXPECT_NE(error_of("admin fedcba9876543210 more\n").find("more than a role and a token"),
             std::string::npos);
   EXPECT_NE(error_of("# nothing\n").find("holds no token"), std::string::npos);
+}
+
+TEST_F(TokenFile, MayBeALink) {
+  write("admin fedcba9876543210\n");
+  const auto link = files_.folder() / "link";
+  std::filesystem::create_symlink("tokens", link);
+  EXPECT_TRUE(Tokens(link).required());
+}
+
+// A pipe that nobody writes to would hang the start.
+TEST_F(TokenFile, RefusesWhatIsNoFileWithoutWaiting) {
+  const auto pipe = files_.folder() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(error_of_file(pipe), pipe.string() + ": is not a regular file");
+  EXPECT_EQ(error_of_file(files_.folder()), files_.folder().string() + ": is not a regular file");
+  EXPECT_EQ(error_of_file("/dev/null"), "/dev/null: is not a regular file");
+  EXPECT_EQ(error_of_file("/nowhere"), "/nowhere: cannot be read: No such file or directory");
+}
+
+// Only root can give a file away, so that only root can test it.
+TEST_F(TokenFile, RefusesAFileOfAnotherUser) {
+  if (::geteuid() != 0) return;
+  const auto file = write("admin fedcba9876543210\n");
+  ASSERT_EQ(::chown(file.c_str(), 4711, 4711), 0);
+  EXPECT_EQ(error_of_file(file), file.string() + ": belongs to another user (id 4711); chown makes it yours");
 }
 
 TEST_F(TokenFile, RefusesAFileThatOthersMayRead) {

@@ -25,6 +25,7 @@ class AdminSession final : public protocol::Session {
   bool send_latest(std::uint32_t, const protocol::Reply&) override { return true; }
   bool behind() const override { return false; }
   bool ready_for(std::uint32_t) const override { return true; }
+  void log(protocol::LogLevel, const std::string&) override {}
   void close(protocol::CloseReason) override {}
 
   std::map<std::uint64_t, protocol::Reply> replies;  // by request's id; 0: the last event
@@ -72,9 +73,12 @@ class Commands : public ::testing::Test {
   TickSide tick_side{simulation, mailbox, true};
   Published newest, taken;
   std::function<void()> meanwhile;
-  Gateway gateway{static_world(simulation), {}, mailbox, tick_side.pacer(), [this]() -> const Published& {
-                    return latest();
-                  }};
+  Gateway gateway{static_world(simulation),
+                  {},
+                  mailbox,
+                  tick_side.stops(),
+                  tick_side.pacer(),
+                  [this]() -> const Published& { return latest(); }};
   AdminSession session;
 };
 

@@ -34,6 +34,7 @@ class NotedSession final : public protocol::Session {
   bool behind() const override { return replies.size() >= room; }
   bool send_latest(std::uint32_t, const protocol::Reply&) override { return true; }
   bool ready_for(std::uint32_t) const override { return true; }
+  void log(protocol::LogLevel, const std::string&) override {}
   void close(protocol::CloseReason) override {}
 
   std::vector<std::pair<std::uint64_t, protocol::Reply>> replies;
@@ -107,9 +108,12 @@ class GatewayRig {
   std::uint64_t last_id_ = 0;
 
  public:
-  Gateway gateway{static_world(simulation), {}, mailbox, tick_side.pacer(), [this]() -> const Published& {
-                    return copy_;
-                  }};
+  Gateway gateway{static_world(simulation),
+                  {},
+                  mailbox,
+                  tick_side.stops(),
+                  tick_side.pacer(),
+                  [this]() -> const Published& { return copy_; }};
 };
 
 }  // namespace visum::gateway

@@ -124,6 +124,7 @@ TEST_F(Web, MetricsCountWhatHappened) {
   refusal_of([&] { client.request(Read{"leg"}); });
   const auto metrics = http_get(http(), "/metrics");
   EXPECT_EQ(metrics.fields.at("content-type"), "text/plain; version=0.0.4; charset=utf-8");
+  EXPECT_NE(metrics.body.find("\nvisum_limited_ticks_total 0\n"), std::string::npos);
   for (const char* line : {"visum_ticks 10", "visum_sim_time_seconds 0.01", "visum_sessions 1",
                            "visum_lockstep_members 1", "visum_part_leased{part=\"arm\"} 1",
                            "visum_refused_messages_total 1", "visum_frozen 0", "visum_faults_total 0"})

@@ -11,6 +11,7 @@ import unittest
 from pathlib import Path
 
 import links
+import promises
 import samples
 
 INSTALL_PAGES = samples.SOURCE / "docker" / "install-pages"
@@ -43,6 +44,14 @@ class Links(Folder):
                            "[x](https://nowhere.example/x.md) `[x](c.md)`\n```\n[x](c.md)\n```\n# A\n[x](#a)\n")
         self.write("build/c.md", "[x](nowhere.md)")
         self.assertEqual(links.faults_of(self.root), [])
+
+
+class Promises(Folder):
+    def test_finds_a_name_that_stands_for_no_test(self):
+        self.write("a_test.cc", "TEST(Suite, One) {}\nTEST_P(Other, Two) {}\nINSTANTIATE_TEST_SUITE_P(All, Other, x);\n")
+        names = promises.google_tests_in(self.root) | {"Trial.Wall.disk", "fuzz_web_replay"}
+        page = "`Suite.One`, `Suite.*`, `All/Other.*`, `Trial.Wall.*`, `fuzz_web`; `Suite.Two`, `Trial.Wand`, `fuzz_wab` and `page.md`"
+        self.assertEqual(promises.missing_in(page, names), ["Suite.Two", "Trial.Wand", "fuzz_wab"])
 
 
 class Samples(Folder):

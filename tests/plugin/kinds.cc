@@ -1,4 +1,5 @@
 // A plug-in for tests: an agent, a sensor and a part that do what they should, and others that do not.
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -46,6 +47,7 @@ class Culprit final : public Agent {
 
   void think(const Turn& turn) override {
     if (++turns_ < 3) return arm_.set(0, 0.5);
+    if (does_ == "sleeps" && turns_ == 3) std::this_thread::sleep_for(std::chrono::seconds(3));
     if (does_ == "throws") throw std::runtime_error("lost its head");
     if (does_ == "throws an int") throw 42;
     while (does_ == "hangs") std::this_thread::yield();

@@ -217,7 +217,7 @@ TEST_F(Client, LearnsWhyTheServerHungUp) {
 }
 
 TEST_F(Client, ARefusalBeforeHelloIsARefusal) {
-  options.limits.max_sessions = 0;
+  options.limits.max_sessions = options.limits.places_for_admins = 0;
   try {
     connect();
     FAIL();

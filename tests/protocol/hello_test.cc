@@ -40,7 +40,14 @@ TEST(Hello, RoleMustBeNamed) {
 TEST(Hello, NamesAreShortAndPrintable) {
   EXPECT_FALSE(refusal({1, 1, std::string(64, 'x'), Role::kObserver, ""}));
   EXPECT_EQ(refusal({1, 1, std::string(65, 'x'), Role::kObserver, ""})->code, ErrorCode::kBadValue);
-  EXPECT_EQ(refusal({1, 1, "a\x1b[2Jb", Role::kObserver, ""})->code, ErrorCode::kBadValue);
+  for (const char* name :
+       {"a\x1b[2Jb", "a\nb", "a\u0085", "\u009b2J", "a\u2028", "a\u202eb", "a\u2066", "\u200f"}) {
+    const auto error = refusal({1, 1, name, Role::kObserver, ""});
+    ASSERT_TRUE(error);
+    EXPECT_EQ(error->code, ErrorCode::kBadValue);
+    EXPECT_EQ(error->text,
+              "client_name must not hold control characters, separators of lines, or marks of direction");
+  }
 }
 
 }  // namespace

@@ -134,10 +134,12 @@ TEST_F(Limited, OnlyAnAdminMaySendLargeFrames) {
 
 TEST_F(Limited, OneSessionTooManyIsToldSo) {
   options.limits.max_sessions = 2;
+  options.limits.places_for_admins = 0;
   RawClient first(port()), second(port());
   greet(first);
   greet(second);
   RawClient third(port());
+  third.send_hello(Role::kAdmin);
   const Error error = expect_refusal(third);
   EXPECT_EQ(error.code, ErrorCode::kBusy);
   EXPECT_EQ(error.text, "the limit of 2 sessions is reached");
@@ -147,27 +149,93 @@ TEST_F(Limited, OneSessionTooManyIsToldSo) {
   greet(fourth);
 }
 
-TEST_F(Limited, OneClientTooManyWithoutHelloIsToldSo) {
+TEST_F(Limited, PlacesAreKeptForAdmins) {
+  options.limits.max_sessions = 2;
+  options.limits.places_for_admins = 1;
+  RawClient first(port()), second(port()), third(port());
+  greet(first);
+  second.send_hello(Role::kController);
+  EXPECT_EQ(expect_refusal(second).text,
+            "the limit of 2 sessions is reached, but for 1 that are kept for admins");
+  EXPECT_EQ(handler.sessions.size(), 1u) << "the handler is told that it is gone";
+  greet(third, Role::kAdmin);
+  RawClient fourth(port());
+  fourth.send_hello(Role::kAdmin);
+  EXPECT_EQ(expect_refusal(fourth).text, "the limit of 2 sessions is reached");
+}
+
+TEST_F(Limited, OneAddressTakesItsShareOfTheSessionsOnly) {
+  options.limits.max_sessions_per_local_peer = 2;
+  options.limits.places_for_admins = 1;
+  RawClient first(port()), second(port()), third(port());
+  greet(first);
+  greet(second);
+  third.send_hello(Role::kController);
+  const Error error = expect_refusal(third);
+  EXPECT_EQ(error.code, ErrorCode::kBusy);
+  EXPECT_EQ(error.text, "the limit of 2 sessions from one address is reached");
+  RawClient elsewhere(port(), {.from = "127.0.0.2"}), admin(port());
+  greet(elsewhere);
+  greet(admin, Role::kAdmin);
+}
+
+// ---------------------------------------- clients that say nothing
+
+TEST_F(Limited, ASilentClientYieldsItsPlaceToANewerOne) {
   options.limits.hello_deadline = milliseconds(10'000);
   options.limits.max_unauthenticated = 2;
   RawClient first(port()), second(port());
   EXPECT_TRUE(until([&] { return server().session_count() == 2; }));
   RawClient third(port());
-  EXPECT_EQ(expect_refusal(third).code, ErrorCode::kBusy);
-  greet(first);
-  RawClient fourth(port());
-  greet(fourth);
+  const Error error = expect_refusal(first);
+  EXPECT_EQ(error.code, ErrorCode::kBusy);
+  EXPECT_EQ(error.text, "its place was given to a newer connection, because it was silent");
+  greet(second);
+  greet(third);
 }
 
-TEST_F(Limited, LoopbackIsExemptFromTheLimitPerAddress) {
-  options.limits.max_sessions_per_peer = 1;
-  RawClient first(port()), second(port());
-  greet(first);
-  greet(second);
+TEST_F(Limited, SilentClientsOfOneAddressYieldBeforeThoseOfOthers) {
+  options.limits.hello_deadline = milliseconds(10'000);
+  options.limits.max_unauthenticated = 4;
+  RawClient slow(port());
+  ASSERT_TRUE(until([&] { return server().session_count() == 1; }));
+  std::vector<std::unique_ptr<RawClient>> flood;
+  for (std::size_t i = 0; i < 40; ++i) {
+    flood.push_back(std::make_unique<RawClient>(port(), RawClient::Options{.from = "127.0.0.2"}));
+    const std::size_t silent = std::min<std::size_t>(i + 2, 4);
+    ASSERT_TRUE(until([&] { return server().session_count() == silent; }));
+  }
+  greet(slow);
+}
+
+TEST_F(Limited, EachHonestHelloIsAnsweredAmongSilentConnections) {
+  options.limits.hello_deadline = milliseconds(10'000);
+  options.limits.accepts_per_second = 1e6;
+  std::vector<std::unique_ptr<RawClient>> flood, good;
+  for (int i = 0; i < 60; ++i) {
+    for (int silent = 0; silent < 5; ++silent) flood.push_back(std::make_unique<RawClient>(port()));
+    good.push_back(std::make_unique<RawClient>(port()));
+    greet(*good.back());
+  }
+  EXPECT_EQ(handler.sessions.size(), 60u);
+}
+
+TEST_F(Limited, AnAddressThatConnectsTooOftenKeepsNoOtherWaiting) {
+  options.limits.hello_deadline = milliseconds(10'000);
+  options.limits.max_unauthenticated = 1000;
+  options.limits.accepts_per_second = 20;
+  server();
+  std::vector<std::unique_ptr<RawClient>> flood;
+  for (int i = 0; i < 120; ++i)
+    flood.push_back(std::make_unique<RawClient>(port(), RawClient::Options{.from = "127.0.0.2"}));
+  RawClient good(port());
+  greet(good);
+  EXPECT_LT(server().session_count(), 110u) << "it did not wait for all that came before it";
 }
 
 TEST_F(Limited, AFloodOfRefusedClientsHoldsNoDescriptors) {
   options.limits.max_sessions = 1;
+  options.limits.places_for_admins = 0;
   options.limits.accepts_per_second = 1e6;
   RawClient good(port());
   greet(good);

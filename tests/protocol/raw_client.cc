@@ -26,6 +26,12 @@ void connect_to(int fd, const std::string& address, std::uint16_t port) {
     throw std::invalid_argument(address);
 }
 
+void bind_to(int fd, const std::string& address) {
+  sockaddr_in v4{AF_INET, 0, {}, {}};
+  if (::inet_pton(AF_INET, address.c_str(), &v4.sin_addr) != 1) throw std::invalid_argument(address);
+  checked(::bind(fd, reinterpret_cast<sockaddr*>(&v4), sizeof v4), "bind");
+}
+
 }  // namespace
 
 RawClient::RawClient(std::uint16_t port, const Options& options) {
@@ -34,6 +40,7 @@ RawClient::RawClient(std::uint16_t port, const Options& options) {
   if (options.receive_buffer > 0)
     checked(::setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &options.receive_buffer, sizeof options.receive_buffer),
             "SO_RCVBUF");
+  if (!options.from.empty()) bind_to(fd_, options.from);
   connect_to(fd_, options.address, port);
 }
 
@@ -80,6 +87,13 @@ std::optional<protocol::ReplyFrame> RawClient::reply() {
   if (!frame) throw std::runtime_error("the server sent something that is not a reply: " + why);
   bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(protocol::kHeaderBytes + length));
   return frame;
+}
+
+std::string RawClient::text() {
+  read();
+  std::string all(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
+  bytes_.clear();
+  return all;
 }
 
 bool RawClient::closed() {

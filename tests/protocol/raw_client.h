@@ -17,6 +17,7 @@ class RawClient {
  public:
   struct Options {
     std::string address = "127.0.0.1";  // or "::1"
+    std::string from = {};              // our own address, such as "127.0.0.2"; "": the system's choice
     int receive_buffer = 0;             // bytes; 0: the system's choice
   };
   explicit RawClient(std::uint16_t port) : RawClient(port, Options()) {}
@@ -32,6 +33,8 @@ class RawClient {
 
   // Reads what is there. Returns the oldest unread reply if a whole one has arrived.
   std::optional<protocol::ReplyFrame> reply();
+  // For a server that does not speak in frames: what has come and was not read yet.
+  std::string text();
   bool closed();  // the server closed the connection, and every reply was read
 
   void finish_sending();  // FIN

@@ -56,6 +56,15 @@ ServerStatus status() {
   s.stuck_ns = 1'200'000'000;
   s.free_running = {"joystick", "page"};
   s.solver_warnings = 5;
+  s.exchanges = {{"pick_and_place", 2400}, {"page", 3}};
+  s.bus_exchanges = {{"arm", 17}};
+  s.bus_drops = 12;
+  s.working = "engine 'impulse': box, sphere (2 bodies)";
+  s.working_ns = 700'000'000;
+  s.silent_stops = 1;
+  s.late_writes = 8;
+  s.limited_ticks = 3;
+  s.limited_bodies = {"arm/lower_arm", "box"};
   return s;
 }
 
@@ -166,7 +175,7 @@ Samples<Request> sample_requests() {
 Samples<Reply> sample_replies() {
   return {
       {"error", Error{ErrorCode::kLeased, "'arm' is leased by panel", "panel"}},
-      {"ok", Ok{}},
+      {"ok", Ok{812}},
       {"welcome",
        Welcome{1, "visumd 0.1.0", 17, Role::kController, 1'000'000, "amtec_arm", "realtime", true}},
       {"status", status()},

@@ -199,6 +199,21 @@ TEST_F(Serving, AThrowingHandlerCostsOnlyThatSession) {
   expect<Ok>(good);
 }
 
+TEST_F(Serving, ARequestThatThereIsNoMemoryForIsRefusedAndItsSessionStays) {
+  handler.answer = [](Session& session, std::uint64_t id, const Request& request) {
+    if (std::holds_alternative<Reset>(request)) throw std::bad_alloc();
+    session.send(id, Ok{});
+  };
+  RawClient client(port());
+  greet(client);
+  client.send(4, Reset{});
+  const auto error = expect<Error>(client);
+  EXPECT_EQ(error.code, ErrorCode::kBusy);
+  EXPECT_THAT(error.text, HasSubstr("not enough memory"));
+  client.send(5, Status{});
+  expect<Ok>(client);
+}
+
 TEST_F(Serving, AThrowingNotificationCostsNothing) {
   handler.at_notify = [] { throw 42; };
   server().notify();

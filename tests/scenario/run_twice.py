@@ -1,4 +1,5 @@
-"""Runs a scenario twice with the real programs over real TCP. Both runs must pass, with the same bits at the end.
+"""Runs a scenario twice with the real programs over real TCP. Both runs must pass, with the same bits at the end. The second
+run is that of an older processor.
 
     run_twice.py VISUM SCENARIO.yaml [OPTIONS OF visum run...]
 """
@@ -10,7 +11,7 @@ import sys
 import tempfile
 import xml.etree.ElementTree as ElementTree
 
-from scenario_runs import run_scenario
+from scenario_runs import OLDER_PROCESSOR, run_scenario
 
 
 def main() -> int:
@@ -22,7 +23,7 @@ def main() -> int:
     with tempfile.NamedTemporaryFile(suffix=".xml") as report:
         first = run_scenario(program, scenario, *options, "--junit", report.name)
         suite = ElementTree.parse(report.name).getroot()
-    second = run_scenario(program, scenario, *options)
+    second = run_scenario(program, scenario, *options, env=OLDER_PROCESSOR)
     assert first["passed"] and second["passed"]
     assert first["state_hash"] == second["state_hash"], (first, second)
     assert first["ticks"] == second["ticks"] > 0, (first, second)

@@ -1,6 +1,7 @@
 """Helpers of the scenario tests: run `visum run`, and vary the scenarios that ship."""
 
 import json
+import os
 import subprocess
 from pathlib import Path
 
@@ -8,11 +9,16 @@ import yaml
 
 MODELS = Path(__file__).resolve().parents[2] / "models"
 
+# The environment of a run as on an older processor: neither the C library nor numpy may use fused
+# multiply-add.
+OLDER_PROCESSOR = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-AVX2,-AVX2_Usable,-FMA_Usable,-FMA4",
+                   "NPY_DISABLE_CPU_FEATURES": "FMA3 AVX2 AVX512F AVX512CD AVX512_SKX", "PYTHONWARNINGS": "ignore"}
 
-def run_scenario(visum: str, scenario: str | Path, *options: str, expect: int = 0) -> dict:
+
+def run_scenario(visum: str, scenario: str | Path, *options: str, expect: int = 0, env: dict | None = None) -> dict:
     """The last line of `visum run --json`, as a dict. Fails with everything that was printed."""
     command = [visum, "run", str(scenario), "--json", *options]
-    result = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    result = subprocess.run(command, capture_output=True, text=True, timeout=300, env={**os.environ, **(env or {})})
     assert result.returncode == expect, f"{command}: exit code {result.returncode}\n{result.stdout}{result.stderr}"
     return json.loads(result.stdout.strip().splitlines()[-1])
 

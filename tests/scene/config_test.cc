@@ -185,6 +185,25 @@ TEST(Config, CapsDepthNodesKeysAndLines) {
   EXPECT_EQ(parse_error("a: " + std::string(1u << 20, 'x')), "t.yaml:1: a line has more than 1048576 bytes");
 }
 
+std::size_t values_in(const Node& node) {
+  std::size_t values = 1;
+  if (node.kind() == Node::Kind::kList)
+    for (std::size_t i = 0; i < node.size(); ++i) values += values_in(node.at(i));
+  if (node.kind() == Node::Kind::kMap)
+    for (const auto& key : node.keys()) values += values_in(node.get(key));
+  return values;
+}
+
+TEST(Config, KnowsWithoutParsingHowManyValuesATextHasAtMost) {
+  for (const char* yaml :
+       {"1", "", "a: 1", "[]", "[1, -2, [3, 4], {a: 1, b}]", "{a: {b: [1,2,3]}, c: , d: [[[]]]}",
+        "a:\n- 1\n-\n  - 2\n  - - 3\n    - 4\n- b: 1\n  c:\n", "- \"a, b: c\"\n- 'd'\n-\t5\n",
+        "a: |\n  x\n  y\nb: >\n  z\n", "a:\r\n  - 1\r\n  - 2\r\n"}) {
+    EXPECT_GE(most_values(yaml), values_in(node(yaml))) << yaml;
+  }
+  EXPECT_EQ(most_values("a: -1.5e-3\n"), 2u) << "a sign stands before no value of its own";
+}
+
 TEST(Config, BillionLaughsAreRefusedAtTheFirstAnchor) {
   EXPECT_EQ(parse_error("a: &a [x, x]\nb: &b [*a, *a]\nc: &c [*b, *b]\n"),
             "t.yaml:1: a: anchors and aliases are not supported, write the value out");

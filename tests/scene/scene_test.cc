@@ -384,5 +384,28 @@ TEST(AddBody, ChangesNothingIfWrong) {
   EXPECT_EQ(counts(), before);
 }
 
+// Neither is parsed: the errors name no line.
+TEST(AddBody, RefusesATextThatIsTooLongBeforeItParsesIt) {
+  Scene scene = load_scene(kData / "complete.yaml");
+  const auto error = [&](const std::string& yaml) {
+    return test::TempFiles().error_of([&] { add_body(scene, yaml); });
+  };
+  EXPECT_EQ(error("{name: [" + std::string(kMaxBodyBytes, 'x')),
+            "added body: has 1048584 bytes, an added body has at most 1048576");
+  std::string list = "{name: [";
+  while (list.size() < 300'000) list += "1, ";
+  EXPECT_THAT(error(list), HasSubstr("added body: has more than 100000 values"));
+}
+
+TEST(AddBody, TakesABodyWithAsManyShapesAsItMayHave) {
+  Scene scene = load_scene(kData / "complete.yaml");
+  std::string yaml = "{name: new, mass: 1, shapes: [";
+  for (int i = 0; i < 1000; ++i)
+    yaml += "{box: [0.1, 0.2, 0.3], pose: {xyz: [1.25, -2.5, " + std::to_string(i) +
+            ".125], rpy: [0.1, -0.2, 0.3]}, color: [1, 0.5, 0.25, 1], collides: true},\n";
+  add_body(scene, yaml + "]}");
+  EXPECT_EQ(shapes_of(scene, "new").size(), 1000u);
+}
+
 }  // namespace
 }  // namespace visum::scene

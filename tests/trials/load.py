@@ -9,7 +9,8 @@
   flood      connections as fast as possible, and thousands that stay and say nothing: other clients lose nothing, and
              nothing is left behind
 
-Delays are printed and not judged, because they depend on the machine. Exit code 0: all held; 1: one did not; 77: this machine
+Lateness is printed and not judged, because it depends on the machine. Judged are losses, memory, the ticks of `priority`, and that
+a reader that stands still is closed within a minute. Exit code 0: all held; 1: one did not; 77: this machine
 does not allow it.
 """
 
@@ -34,13 +35,16 @@ from programs import SOURCE, Daemon, NotHere, await_that, expect, processes
 
 STOPPED_KIB = 256  # of memory for each reader that stands still
 FLOOD_MIB = 64  # of memory for all of a flood
+GROWTH_KIB = 4096  # of memory from the first tenth of `clients` and `priority` to their end
+CLOSED_S = 60.0  # for a reader that stands still to be closed; the kernel's buffers have to fill first
+LEAST_TICKS = 0.99  # of those that are due, with a real-time priority
 MOST_IDLE = 8000
 SPARE_DESCRIPTORS = 100
 MOST_SESSIONS = 512  # of the protocol (protocol/limits.h)
 GROUPS = 4
 
 
-def visum_load(options: argparse.Namespace, hz: int, before: tuple[str, ...], load_before: tuple[str, ...] = ()) -> str:
+def visum_load(options: argparse.Namespace, hz: int, before: tuple[str, ...], load_before: tuple[str, ...] = (), least_ticks: float = 0.0) -> str:
     program = options.bin / "visum-load"
     expect(program.exists(), f"there is no {program}: it is built with -D VISUM_BENCHMARKS=ON")
     with Daemon(options.bin, "--clock", "realtime", before=before) as daemon:
@@ -54,6 +58,9 @@ def visum_load(options: argparse.Namespace, hz: int, before: tuple[str, ...], lo
         figures = dict(line.split() for line in done.stdout.read().splitlines() if len(line.split()) == 2)
     expect(done.returncode == 0, f"visum-load ended with {done.returncode}: {figures}")
     warm = resident[len(resident) // 10]
+    expect(resident[-1] - warm <= GROWTH_KIB, f"memory grew by {resident[-1] - warm} KiB")
+    ticks = float(figures["ticks"])
+    expect(ticks >= least_ticks * 1000 * options.seconds, f"{ticks:.0f} ticks in {options.seconds} s")
     names = ("disconnects", "commands", "commands_late", "commands_lost", "samples", "ticks", "overruns", "lateness_p50_us", "lateness_p99.9_us", "lateness_max_us")
     return f"{options.observers} observers at {hz} Hz for {options.seconds} s: " + ", ".join(
         f"{name} {figures[name]}" for name in names) + f"; memory {warm} KiB, at the end {resident[-1]} KiB"
@@ -67,7 +74,7 @@ def priority(options: argparse.Namespace, _: Path) -> str:
     if subprocess.run(["chrt", "-f", "50", "true"], capture_output=True).returncode != 0:
         raise NotHere("no SCHED_FIFO for this user")
     others = f"1-{(os.cpu_count() or 2) - 1}"
-    return visum_load(options, 250, ("taskset", "-c", "0", "chrt", "-f", "50"), ("taskset", "-c", others))
+    return visum_load(options, 250, ("taskset", "-c", "0", "chrt", "-f", "50"), ("taskset", "-c", others), LEAST_TICKS)
 
 
 # Readers that stand still ---------------------------------------------------------------------------------
@@ -123,6 +130,7 @@ def stopped(options: argparse.Namespace, _: Path) -> str:
             assert pid
             os.kill(pid, signal.SIGSTOP)
             closed_s = await_that(lambda: checker.status().sessions == sessions - each, "those that stand still are closed")
+            expect(closed_s <= CLOSED_S, f"closed after {closed_s:.0f} s")
             marks = [list(received) for received, _, _ in counts[:-1]]
             await_that(lambda: all(now > then for mark, (received, _, _) in zip(marks, counts) for now, then in zip(received, mark)), "everybody else is served")
             time.sleep(max(0.0, options.seconds - closed_s))

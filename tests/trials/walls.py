@@ -97,6 +97,10 @@ def memory(options: argparse.Namespace, folder: Path) -> str:
     return f"{MEMORY_MIB} MiB: 32 observers, 300 bodies, 100 snapshots, {peak // 1024} MiB resident; {again['ticks']} ticks replayed"
 
 
+def body(number: int) -> str:
+    return f"{{name: body_{number}, shapes: [{{sphere: 0.01}}], mass: 0.1, pose: {{xyz: [{number}, 5, 1]}}}}"
+
+
 def hoard(daemon: Daemon) -> tuple[int, int]:
     """Adds bodies until the daemon is gone. Returns how many, and a tick of the last second."""
     import visum
@@ -105,7 +109,7 @@ def hoard(daemon: Daemon) -> tuple[int, int]:
     bodies = tick = 0
     try:
         while bodies < MOST_BODIES:
-            admin.add_body(f"{{name: body_{bodies}, shapes: [{{sphere: 0.01}}], mass: 0.1, pose: {{xyz: [{bodies}, 5, 1]}}}}")
+            admin.add_body(body(bodies))
             bodies += 1
             tick = admin.status().tick
     except visum.Error:
@@ -129,17 +133,29 @@ def killed_for_memory(options: argparse.Namespace, folder: Path) -> str:
 
 
 def no_more_memory(options: argparse.Namespace, folder: Path) -> str:
+    import visum
+
     file, log = folder / "run.mcap", folder / "log"
     with Daemon(options.bin, "--clock", "realtime", "--run", "--record", file, log=log) as daemon:
         goes_on(daemon)  # with all threads that it starts
+        admin = visum.Client(daemon.address, name="hoarder", role="admin")
+        admin.add_body(body(0))  # starts the thread that reads bodies
         limit = int(Path(f"/proc/{daemon.pid}/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE") + SPARE_BYTES
         resource.prlimit(daemon.pid, resource.RLIMIT_AS, (limit, limit))
-        bodies, _ = hoard(daemon)
-        code = daemon.process.returncode
-    expect(code > 0 and "out of memory" in log.read_text(), f"it ended with {code}: {log.read_text()}")
+        refused, bodies = 0, 1
+        while refused < 20 and bodies < MOST_BODIES:
+            try:
+                admin.add_body(f"{{name: body_{bodies}, fixed: true, shapes: [{'{sphere: 0.01, collides: false}, ' * 1000}]}}")
+                bodies += 1
+            except visum.Error as error:
+                expect("memory" in str(error), f"it is refused for want of memory: {error}")
+                refused += 1
+        expect(refused == 20, f"{bodies} bodies are too much")
+        goes_on(daemon)
+        admin.close()
     again = replay(options.bin, file)
     expect(again["damage"] == "" and int(str(again["ticks"])) > 0, f"the recording was finished: {again}")
-    return f"with {bodies} bodies the system gives no more: it says so and ends; all of its {again['ticks']} ticks replayed"
+    return f"with {bodies} bodies the system gives no more: {refused} are refused, and all of the {again['ticks']} ticks replayed"
 
 
 def too_little_memory(options: argparse.Namespace, folder: Path) -> str:

@@ -16,6 +16,7 @@ import sys
 from typing import NamedTuple
 
 import visum
+from visum.trig import arc_tangent, cosine, hypotenuse, sine
 
 # Lengths of models/cart/cart.urdf, m. x counts from the rear axle.
 WHEEL_RADIUS = 0.08
@@ -40,7 +41,7 @@ class Pose(NamedTuple):
         """After the rear wheels have rolled so far: an arc, with the heading midway along it."""
         way, turn = (left + right) / 2, (right - left) / (2 * HALF_TRACK)
         midway = self.heading + turn / 2
-        return Pose(self.x + way * math.cos(midway), self.y + way * math.sin(midway), self.heading + turn)
+        return Pose(self.x + way * cosine(midway), self.y + way * sine(midway), self.heading + turn)
 
 
 class Circle(NamedTuple):
@@ -59,7 +60,7 @@ class Circle(NamedTuple):
 
     def pose(self, way: float) -> Pose:
         turned = way / self.radius
-        return Pose(self.radius * math.sin(turned), self.side * self.radius * (1 - math.cos(turned)),
+        return Pose(self.radius * sine(turned), self.side * self.radius * (1 - cosine(turned)),
                     self.side * turned)
 
 
@@ -76,9 +77,9 @@ class Cart:
     def command(self, speed: float, curvature: float) -> None:
         for wheel, (x, y) in enumerate(WHEELS):
             ahead, aside = 1 - curvature * y, curvature * x
-            self._speeds[wheel] = speed * math.hypot(ahead, aside) / WHEEL_RADIUS
+            self._speeds[wheel] = speed * hypotenuse(ahead, aside) / WHEEL_RADIUS
             if x > 0:
-                self._angles[wheel - 2] = math.atan2(aside, ahead)
+                self._angles[wheel - 2] = arc_tangent(aside, ahead)
         self._part.write()
 
     def reckon(self) -> None:
@@ -90,7 +91,7 @@ class Cart:
 
 def correction(pose: Pose, wanted: Pose) -> float:
     """The curvature that leads back onto the figure. A lateral error dies out, critically damped, within 0.5 m."""
-    aside = (wanted.y - pose.y) * math.cos(wanted.heading) - (wanted.x - pose.x) * math.sin(wanted.heading)
+    aside = (wanted.y - pose.y) * cosine(wanted.heading) - (wanted.x - pose.x) * sine(wanted.heading)
     turn = math.remainder(wanted.heading - pose.heading, 2 * math.pi)
     return 16.0 * aside + 8.0 * turn
 
@@ -106,7 +107,7 @@ def drive(client: visum.Client, cart: Cart, circle: Circle, cruise: float) -> No
         way = min(way + speed * PERIOD_S, circle.length)
         wanted = circle.pose(way)
         curvature = circle.curvature + correction(cart.pose, wanted)
-        ahead = (wanted.x - cart.pose.x) * math.cos(wanted.heading) + (wanted.y - cart.pose.y) * math.sin(wanted.heading)
+        ahead = (wanted.x - cart.pose.x) * cosine(wanted.heading) + (wanted.y - cart.pose.y) * sine(wanted.heading)
         cart.command(speed + 2.0 * ahead, max(-MAXIMUM_CURVATURE, min(MAXIMUM_CURVATURE, curvature)))
         client.advance_ms(1000 * PERIOD_S)
         cart.reckon()
@@ -137,7 +138,7 @@ def control(options: argparse.Namespace) -> None:
             for side in (1, -1):
                 drive(client, cart, Circle(options.radius, side), options.speed)
             client.leave()
-        print(f"done: reckons to be {math.hypot(cart.pose.x, cart.pose.y):.3f} m from where it started")
+        print(f"done: reckons to be {hypotenuse(cart.pose.x, cart.pose.y):.3f} m from where it started")
 
 
 if __name__ == "__main__":

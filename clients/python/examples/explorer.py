@@ -20,6 +20,7 @@ import numpy as np
 import visum
 from cart import Cart, Pose
 from floor_map import CENTRE_AT, CIRCLE_RADIUS, CIRCLES_AT, FloorMap, Move, ahead, along, find_way
+from visum.trig import arc_tangent, cosine, hypotenuse, sin_cos, sine
 
 PERIOD_S = 0.05
 CRUISE, ACCELERATION = 0.4, 0.6  # m/s, m/s2
@@ -63,8 +64,8 @@ class Eye:
     def points(self) -> np.ndarray:
         """The ends of the rays that met something, as rows of x and y in the cart's frame."""
         met = self.distances < self.reach - 0.05
-        return np.column_stack((self._mounted_at + self.distances[met] * np.cos(self.angles[met]),
-                                self.distances[met] * np.sin(self.angles[met])))
+        return np.column_stack((self._mounted_at + self.distances[met] * cosine(self.angles[met]),
+                                self.distances[met] * sine(self.angles[met])))
 
 
 class TurningEye(Eye):
@@ -99,7 +100,7 @@ class TurningEye(Eye):
         distance, turned = self._distance[0], self._angle[0]
         x, y = self.place(self._way.pose)
         direction = self._way.pose.heading + turned
-        self._met.append((turned, x + distance * math.cos(direction), y + distance * math.sin(direction)))
+        self._met.append((turned, x + distance * cosine(direction), y + distance * sine(direction)))
         while turned - self._met[0][0] > 2 * math.pi:
             self._met.popleft()
 
@@ -108,8 +109,8 @@ class TurningEye(Eye):
         met = np.array(self._met)
         if not len(met):
             return
-        self.distances = np.hypot(met[:, 1] - x, met[:, 2] - y)
-        self.angles = np.arctan2(met[:, 2] - y, met[:, 1] - x) - self._way.pose.heading
+        self.distances = hypotenuse(met[:, 1] - x, met[:, 2] - y)
+        self.angles = np.array([arc_tangent(b - y, a - x) for _, a, b in self._met]) - self._way.pose.heading
 
 
 class Explorer:
@@ -195,7 +196,7 @@ class Explorer:
 
 def seen_from(here: Pose, there: Pose) -> Pose:
     x, y = there.x - here.x, there.y - here.y
-    cos, sin = math.cos(here.heading), math.sin(here.heading)
+    sin, cos = sin_cos(here.heading)
     return Pose(x * cos + y * sin, y * cos - x * sin, there.heading - here.heading)
 
 
@@ -228,7 +229,7 @@ def on_run(start: Pose, run: list[Move], driven: float) -> tuple[Pose, float]:
 def errors(pose: Pose, wanted: Pose) -> tuple[float, float, float]:
     """The errors of a pose: to the left, in heading, and ahead."""
     x, y = wanted.x - pose.x, wanted.y - pose.y
-    cos, sin = math.cos(wanted.heading), math.sin(wanted.heading)
+    sin, cos = sin_cos(wanted.heading)
     return y * cos - x * sin, math.remainder(wanted.heading - pose.heading, 2 * math.pi), x * cos + y * sin
 
 

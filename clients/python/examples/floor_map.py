@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import heapq
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from cart import Pose
+from visum.trig import cosine, hypotenuse, sin_cos, sine
 
 CELL = 0.05  # m
 HALF_SIZE = 160  # cells: the map reaches 8 m each way
@@ -37,15 +39,21 @@ class Move(NamedTuple):
 
 
 def ahead(pose: Pose, way: float) -> tuple[float, float]:
-    return pose.x + way * math.cos(pose.heading), pose.y + way * math.sin(pose.heading)
+    sin, cos = sin_cos(pose.heading)
+    return pose.x + way * cos, pose.y + way * sin
+
+
+@lru_cache(maxsize=64)
+def chord(move: Move) -> float:
+    turn = move.way * move.curvature
+    return move.way * sine(turn / 2) / (turn / 2) if abs(turn) > 1e-9 else move.way
 
 
 def along(pose: Pose, move: Move) -> Pose:
     """The pose at the end of a move."""
     turn = move.way * move.curvature
     # The chord of the arc lies midway between both headings.
-    chord = move.way * math.sin(turn / 2) / (turn / 2) if abs(turn) > 1e-9 else move.way
-    x, y = ahead(pose._replace(heading=pose.heading + turn / 2), chord)
+    x, y = ahead(Pose(pose.x, pose.y, pose.heading + turn / 2), chord(move))
     return Pose(x, y, pose.heading + turn)
 
 
@@ -57,7 +65,7 @@ def disc(radius: float) -> list[tuple[int, int]]:
     """Offsets of the cells whose centres are within the radius."""
     reach = math.floor(radius / CELL)
     return [(i, j) for i in range(-reach, reach + 1) for j in range(-reach, reach + 1)
-            if math.hypot(i, j) * CELL <= radius]
+            if hypotenuse(i, j) * CELL <= radius]
 
 
 def spread(cells: np.ndarray, radius: float) -> np.ndarray:
@@ -86,8 +94,8 @@ class FloorMap:
 
     def _weigh(self, eye: tuple[float, float], angles: np.ndarray, ways: np.ndarray, weight: int) -> None:
         """Once for each cell, however many rays have gone through it."""
-        i = np.floor((eye[0] + ways * np.cos(angles)) / CELL).astype(int) + HALF_SIZE
-        j = np.floor((eye[1] + ways * np.sin(angles)) / CELL).astype(int) + HALF_SIZE
+        i = np.floor((eye[0] + ways * cosine(angles)) / CELL).astype(int) + HALF_SIZE
+        j = np.floor((eye[1] + ways * sine(angles)) / CELL).astype(int) + HALF_SIZE
         inside = (i >= 0) & (i < 2 * HALF_SIZE) & (j >= 0) & (j < 2 * HALF_SIZE)
         touched = np.zeros_like(self._evidence, dtype=bool)
         touched[i[inside], j[inside]] = True
@@ -105,7 +113,7 @@ class FloorMap:
         near_walls = sum(spread(walls, radius).astype(np.int16) for radius in (0.0, CELL, 2 * CELL))
 
         def score(at: Pose) -> int:
-            cos, sin = math.cos(at.heading), math.sin(at.heading)
+            sin, cos = sin_cos(at.heading)
             i = np.floor((at.x + points[:, 0] * cos - points[:, 1] * sin) / CELL).astype(int) + HALF_SIZE
             j = np.floor((at.y + points[:, 0] * sin + points[:, 1] * cos) / CELL).astype(int) + HALF_SIZE
             inside = (i >= 0) & (i < 2 * HALF_SIZE) & (j >= 0) & (j < 2 * HALF_SIZE)
@@ -162,7 +170,8 @@ def key_of(pose: Pose) -> Key:
 
 
 def fits(passable: np.ndarray, pose: Pose) -> bool:
-    return all(passable[cell_of(*ahead(pose, way))] for way in CIRCLES_AT)
+    sin, cos = sin_cos(pose.heading)
+    return all(passable[cell_of(pose.x + way * cos, pose.y + way * sin)] for way in CIRCLES_AT)
 
 
 def swerves(last: Move, move: Move) -> bool:

@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 import visum
+from visum.trig import arc_tangent, cosine, sin_cos, sine
 
 PERIOD_S = 0.01
 LIMIT_MARGIN = 0.06  # rad, kept from every joint's stops
@@ -38,18 +39,41 @@ class Failed(Exception):
 # Kinematics ------------------------------------------------------------------------------------------
 
 
+# Equal runs shall have equal bits on every machine. So sums of products are taken here in a fixed order.
+# Behind numpy's `@`, norm and solve stands a BLAS library, whose order depends on the processor.
+
+
+def product(A: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The matrix times a matrix or a vector."""
+    return (A * b).sum(axis=1) if b.ndim == 1 else (A[:, :, None] * b[None, :, :]).sum(axis=1)
+
+
+def length(v: Vector) -> float:
+    return math.sqrt((v * v).sum())
+
+
+def solution(A: np.ndarray, b: Vector) -> Vector:
+    """The x of A x = b, for a positive definite A (elimination without pivots)."""
+    rows = np.column_stack([A, b])
+    for i in range(len(b)):
+        rows[i] /= rows[i, i]
+        others = np.arange(len(b)) != i
+        rows[others] -= rows[others, i, None] * rows[i]
+    return rows[:, -1]
+
+
 def rotation(axis: Vector, angle: float) -> np.ndarray:
     """The rotation about a unit axis (Rodrigues)."""
     x, y, z = axis
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+    return np.eye(3) + sine(angle) * cross + (1 - cosine(angle)) * product(cross, cross)
 
 
 def rotation_vector(R: np.ndarray) -> Vector:
     """The rotation vector (axis times angle), for angles below pi."""
     w = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / 2
-    sine, cosine = np.linalg.norm(w), (np.trace(R) - 1) / 2
-    return w if sine < 1e-12 else w / sine * math.atan2(sine, cosine)
+    sin = length(w)
+    return w if sin < 1e-12 else w / sin * arc_tangent(sin, (np.trace(R) - 1) / 2)
 
 
 class Joint(NamedTuple):
@@ -80,14 +104,14 @@ class Chain:
         R, p = np.eye(3), np.zeros(3)
         for joint in reversed(path):
             R_joint, p_joint = _origin(joint)
-            R, p = R @ R_joint, p + R @ p_joint
+            R, p = product(R, R_joint), p + product(R, p_joint)
             if joint.get("type") == "fixed":
                 continue
             limit = joint.find("limit")
             self.joints.append(Joint(R, p, _numbers(joint.find("axis"), "xyz"), float(limit.get("lower")),
                                      float(limit.get("upper"))))
             R, p = np.eye(3), np.zeros(3)
-        self.tool_rotation, self.tool_offset = R, p + R @ np.mean(offsets, axis=0)
+        self.tool_rotation, self.tool_offset = R, p + product(R, np.mean(offsets, axis=0))
         self.lower = np.array([j.lower for j in self.joints]) + LIMIT_MARGIN
         self.upper = np.array([j.upper for j in self.joints]) - LIMIT_MARGIN
 
@@ -96,13 +120,13 @@ class Chain:
         R, p = np.eye(3), np.zeros(3)
         axes, origins = [], []
         for joint, angle in zip(self.joints, angles):
-            p = p + R @ joint.offset
-            R = R @ joint.rotation @ rotation(joint.axis, angle)
-            axes.append(R @ joint.axis)
+            p = p + product(R, joint.offset)
+            R = product(product(R, joint.rotation), rotation(joint.axis, angle))
+            axes.append(product(R, joint.axis))
             origins.append(p)
-        p = p + R @ self.tool_offset
+        p = p + product(R, self.tool_offset)
         columns = [np.concatenate([np.cross(a, p - o), a]) for a, o in zip(axes, origins)]
-        return R @ self.tool_rotation, p, np.array(columns).T, origins
+        return product(R, self.tool_rotation), p, np.array(columns).T, origins
 
 
 def _numbers(element: ElementTree.Element | None, key: str) -> Vector:
@@ -114,7 +138,7 @@ def _origin(joint: ElementTree.Element) -> tuple[np.ndarray, Vector]:
     origin = joint.find("origin")
     roll, pitch, yaw = _numbers(origin, "rpy")
     x, y, z = np.eye(3)
-    return rotation(z, yaw) @ rotation(y, pitch) @ rotation(x, roll), _numbers(origin, "xyz")
+    return product(product(rotation(z, yaw), rotation(y, pitch)), rotation(x, roll)), _numbers(origin, "xyz")
 
 
 def solve(chain: Chain, R: np.ndarray, p: Vector, seed: Vector, rest: Vector) -> Vector | None:
@@ -122,17 +146,17 @@ def solve(chain: Chain, R: np.ndarray, p: Vector, seed: Vector, rest: Vector) ->
     angles, checked = np.clip(seed, chain.lower, chain.upper), math.inf
     for i in range(150):
         R_now, p_now, J, _ = chain.motion(angles)
-        error = np.concatenate([p - p_now, rotation_vector(R @ R_now.T)])
-        if np.linalg.norm(error[:3]) < 1e-5 and np.linalg.norm(error[3:]) < 1e-4:
+        error = np.concatenate([p - p_now, rotation_vector(product(R, R_now.T))])
+        if length(error[:3]) < 1e-5 and length(error[3:]) < 1e-4:
             return angles
-        size = np.linalg.norm(error)
+        size = length(error)
         if i % 12 == 0:
             if size > 0.7 * checked:
                 return None
             checked = size
         wish = min(1.0, 10 * size) * 0.05 * (rest - angles)
-        damped = J @ J.T + (1e-9 + 1e-2 * size**2) * np.eye(6)
-        step = J.T @ np.linalg.solve(damped, error - J @ wish) + wish
+        damped = product(J, J.T) + (1e-9 + 1e-2 * size**2) * np.eye(6)
+        step = product(J.T, solution(damped, error - product(J, wish))) + wish
         step *= min(1.0, 0.25 / np.max(np.abs(step)))
         angles = np.clip(angles + step, chain.lower, chain.upper)
     return None
@@ -141,7 +165,7 @@ def solve(chain: Chain, R: np.ndarray, p: Vector, seed: Vector, rest: Vector) ->
 def follow_line(chain: Chain, start: Vector, p_end: Vector, rest: Vector) -> Path_ | None:
     """Joint angles for a straight line of the tool, every 5 mm, without a turn. None if they would have to jump."""
     R, p_start, _, _ = chain.motion(start)
-    steps = max(1, math.ceil(np.linalg.norm(p_end - p_start) / 0.005))
+    steps = max(1, math.ceil(length(p_end - p_start) / 0.005))
     line = [start]
     for i in range(1, steps + 1):
         angles = solve(chain, R, p_start + i / steps * (p_end - p_start), line[-1], rest)
@@ -156,8 +180,8 @@ def follow_line(chain: Chain, start: Vector, p_end: Vector, rest: Vector) -> Pat
 
 def orientation(tilt: float, azimuth: float, side: float) -> np.ndarray:
     """The tool's rotation when the gripper points down by `tilt`, towards `azimuth`. `side` -1 swaps the fingers."""
-    c, s = math.cos(azimuth), math.sin(azimuth)
-    z = np.array([c * math.cos(tilt), s * math.cos(tilt), -math.sin(tilt)])
+    s, c = sin_cos(azimuth)
+    z = np.array([c * cosine(tilt), s * cosine(tilt), -sine(tilt)])
     y = side * np.array([-s, c, 0.0])
     return np.column_stack([np.cross(y, z), y, z])
 
@@ -178,11 +202,11 @@ def ways_down(chain: Chain, place: Vector, grip: tuple[float, float], options: a
     """Paths from above a place straight down to a box that stands there, one for each side of the box."""
     tilt, side = grip
     rest = start.copy()
-    rest[0] = outward = math.atan2(place[1], place[0])
-    height = max(options.height / 2, 0.018 * math.sin(tilt) + 0.011 * math.cos(tilt) + 0.006)
+    rest[0] = outward = arc_tangent(place[1], place[0])
+    height = max(options.height / 2, 0.018 * sine(tilt) + 0.011 * cosine(tilt) + 0.006)
     tool = place + [0, 0, height]
     ways = []
-    for azimuth in sorted((options.yaw + k * math.pi / 2 for k in range(4)), key=lambda a: -math.cos(a - outward)):
+    for azimuth in sorted((options.yaw + k * math.pi / 2 for k in range(4)), key=lambda a: -cosine(a - outward)):
         above = solve(chain, orientation(tilt, azimuth, side), tool + [0, 0, options.lift], rest, rest)
         line = None if above is None else follow_line(chain, above, tool, rest)
         if line is not None and is_clear(chain, line, place[2], place[2]):

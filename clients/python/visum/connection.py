@@ -20,6 +20,7 @@ except ImportError as missing:
 VERSION = 1
 MAX_FRAME_BYTES = 64 << 20
 MAX_EVENTS = 1024
+RETRY_PAUSE_S = 0.2  # after a server has closed a connection without a word
 _LENGTH = struct.Struct("<I")
 
 
@@ -105,12 +106,29 @@ class Connection:
         self.events: deque[pb.Event] = deque(maxlen=MAX_EVENTS)
         self.latest_samples: dict[str, pb.PartSample] = {}  # of subscriptions, by part
         self.latest_world: pb.WorldSample | None = None
-        self._socket = _connect(address, patience_s)
-        _set_options(self._socket)
-        if any(tls):
-            self._socket = _secure(self._socket, address, tls)
-        self.welcome: pb.Welcome = self.request(hello=hello).welcome
+        end = time.monotonic() + patience_s
+        while True:
+            try:
+                self.welcome: pb.Welcome = self._say_hello(address, hello, end - time.monotonic(), tls)
+                break
+            except Error as error:
+                # A server that is flooded closes connections without a word; a later one may get its turn.
+                self._received.clear()
+                if error.code != ErrorCode.CONNECTION or time.monotonic() + RETRY_PAUSE_S > end:
+                    raise
+            time.sleep(RETRY_PAUSE_S)
         self._socket.settimeout(None)
+
+    def _say_hello(self, address: str, hello: pb.Hello, patience_s: float, tls: TlsFiles) -> pb.Welcome:
+        self._socket = _connect(address, patience_s)
+        try:
+            _set_options(self._socket)
+            if any(tls):
+                self._socket = _secure(self._socket, address, tls)
+            return self.request(hello=hello).welcome
+        except BaseException:
+            self._socket.close()
+            raise
 
     def close(self) -> None:
         """Ends the session. Leases that were not released count as lost."""

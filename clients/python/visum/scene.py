@@ -99,10 +99,11 @@ class Scene:
     def __init__(self, name: str | None = None, *, gravity: Vector | None = None, tick_ms: float | None = None,
                  clock: str | None = None, speed: float | None = None, seed: int | None = None,
                  lockstep_timeout_s: float | None = None, engine: str | Mapping[str, Any] | None = None,
-                 parameters: Mapping[str, Any] | None = None) -> None:
+                 collision: Mapping[str, bool | int] | None = None, parameters: Mapping[str, Any] | None = None) -> None:
         self.root: Entry = {"visum": 1}
         self.root.update(_plain({"name": name, "gravity": gravity, "tick_ms": tick_ms, "clock": clock, "speed": speed,
-                                 "seed": seed, "lockstep_timeout_s": lockstep_timeout_s, "engine": engine}))
+                                 "seed": seed, "lockstep_timeout_s": lockstep_timeout_s, "engine": engine,
+                                 "collision": collision}))
         if parameters is not None:
             # A parameter of None has no default: the scene that includes this file must give it.
             self.root["parameters"] = {key: None if value is None else _plain(value) for key, value in parameters.items()}

@@ -12,7 +12,7 @@ enum ExitCode : int {
   kUsage = 2,          // wrong options, unknown names, values that no port takes
   kBadConfig = 3,      // the scene or scenario is wrong
   kLost = 4,           // the connection or a controller was lost, or timed out in lockstep
-  kInvalid = 6,        // the run's claim could not be established: host too slow, program not in step
+  kInvalid = 6,        // the run's claim could not be established: host too slow, program not in step, ...
   kTimedOut = 124,     // the wall time that was allowed is over
   kExecFailed = 125,   // `visum exec` itself failed
   kInterrupted = 130,  // Ctrl-C

@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "protocol/config/printable.h"
+
 namespace visum::cli {
 namespace {
 
@@ -50,6 +52,11 @@ std::string hex(std::uint64_t hash) {
   std::string text(16, '0');
   for (auto digit = text.rbegin(); digit != text.rend(); ++digit, hash >>= 4) *digit = kDigits[hash & 15];
   return text;
+}
+
+void Table::row(std::vector<std::string> cells) {
+  for (auto& cell : cells) cell = config::printable(cell);
+  rows_.push_back(std::move(cells));
 }
 
 std::string Table::text(const std::string& indent) const {

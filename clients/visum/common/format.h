@@ -16,10 +16,11 @@ std::string readable(double number, int digits = 6);
 std::string seconds(std::int64_t time_ns);  // "1.250 s"
 std::string hex(std::uint64_t hash);        // 16 digits
 
-// A table as text: a line for each row, columns padded to their widest cell, two blanks between them.
+// A table as text: a line for each row, columns padded to their widest cell, two blanks between them. Cells
+// that could steer the terminal are escaped.
 class Table {
  public:
-  void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+  void row(std::vector<std::string> cells);
   std::string text(const std::string& indent = {}) const;
 
  private:

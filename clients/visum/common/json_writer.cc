@@ -4,6 +4,7 @@
 
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/utf8.h"
+#include "protocol/config/printable.h"
 
 namespace visum::cli {
 
@@ -47,21 +48,18 @@ JsonWriter& JsonWriter::raw(std::string_view token) {
 }
 
 void JsonWriter::append_quoted(std::string_view text) {
-  constexpr char kHex[] = "0123456789abcdef";
   text_ += '"';
-  for (const char c : valid_utf8(text)) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      text_ += '\\';
-      text_ += c;
-    } else if (c == '\n') {
+  const std::string valid = valid_utf8(text);
+  for (std::size_t at = 0, length = 0; at < valid.size(); at += length) {
+    length = config::utf8_length(valid, at);
+    const auto sequence = std::string_view(valid).substr(at, length);
+    if (sequence == "\n") {
       text_ += "\\n";
-    } else if (byte < 0x20) {
-      text_ += "\\u00";
-      text_ += kHex[byte >> 4];
-      text_ += kHex[byte & 15];
+    } else if (!config::is_printable(sequence)) {
+      text_ += length == 1 ? "\\u00" + config::printable(sequence).substr(2) : config::printable(sequence);
     } else {
-      text_ += c;
+      if (sequence == "\"" || sequence == "\\") text_ += '\\';
+      text_ += sequence;
     }
   }
   text_ += '"';

@@ -9,7 +9,6 @@
 #include "protocol/token_file.h"
 
 namespace visum::cli {
-namespace {
 
 std::string read_token(const LinkOptions& options, protocol::Role role) try {
   return protocol::read_token_file(options.token_file, role);
@@ -17,18 +16,18 @@ std::string read_token(const LinkOptions& options, protocol::Role role) try {
   throw ExitError(kUsage, error.what());
 }
 
-}  // namespace
+std::pair<std::string, std::uint16_t> server_of(const LinkOptions& options) try {
+  return protocol::parse_address(options.connect);
+} catch (const std::invalid_argument& error) {
+  throw ExitError(kUsage, std::string("--connect: ") + error.what());
+}
 
 protocol::Connection open_link(const LinkOptions& options, protocol::Role role,
                                const std::string& client_name) {
   const protocol::Hello hello{protocol::kProtocolVersion, protocol::kProtocolVersion, client_name, role,
                               read_token(options, role)};
-  try {
-    const auto [host, port] = protocol::parse_address(options.connect);
-    return protocol::Connection(host, port, hello, std::chrono::seconds(5), options.tls);
-  } catch (const std::invalid_argument& error) {
-    throw ExitError(kUsage, std::string("--connect: ") + error.what());
-  }
+  const auto [host, port] = server_of(options);
+  return protocol::Connection(host, port, hello, std::chrono::seconds(5), options.tls);
 }
 
 protocol::PartDescriptionReply describe_part(protocol::Connection& link, const std::string& part) {

@@ -1,7 +1,9 @@
 // Opens a session by the options that every connecting verb has, and looks parts up by name.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "protocol/client.h"
@@ -15,6 +17,10 @@ struct LinkOptions {
   protocol::TlsFiles tls;
   bool json = false;
 };
+
+// The token for this role, and the server's host and port. Throw ExitError(kUsage).
+std::string read_token(const LinkOptions& options, protocol::Role role);
+std::pair<std::string, std::uint16_t> server_of(const LinkOptions& options);
 
 // Throws ExitError(kUsage) for a wrong address or token file, ConnectionError if no server answers,
 // RequestError if it refuses us.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "protocol/config/printable.h"
+
 namespace visum::cli {
 namespace {
 
@@ -44,12 +46,7 @@ std::string cut_to_rows(const std::string& text, std::size_t rows) {
 }
 
 std::string printable(const std::string& text) {
-  std::string clean;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    clean += (byte < 0x20 && c != '\t') || byte == 0x7f ? ' ' : c;
-  }
-  return clean;
+  return config::printable(text, "\t");
 }
 
 }  // namespace visum::cli

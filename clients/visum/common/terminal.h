@@ -27,7 +27,7 @@ class Style {
 // The first lines of `text`, as many as fit above the cursor's line. The last one says how many are left out.
 std::string cut_to_rows(const std::string& text, std::size_t rows);
 
-// Text from controllers or servers, with control characters replaced so that it cannot steer the terminal.
+// A line from a controller or a server, escaped so that it cannot steer the terminal. Tabs stay.
 std::string printable(const std::string& text);
 
 }  // namespace visum::cli

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "clients/visum/common/exit_code.h"
+#include "clients/visum/common/terminal.h"
 
 namespace visum::exec {
 
@@ -41,7 +42,8 @@ std::optional<std::string> why_thrown_out(protocol::Connection& connection) {
 }
 
 void say_dropped(const std::string& why) {
-  std::fprintf(stderr, "visum: %s: it goes on in real time (L0), and no run is like another\n", why.c_str());
+  std::fprintf(stderr, "visum: %s: it goes on in real time (L0), and no run is like another\n",
+               cli::printable(why).c_str());
 }
 
 }  // namespace visum::exec

@@ -30,7 +30,8 @@ std::vector<std::string> command_line(const DaemonOptions& options) {
   if (options.engine) argv.insert(argv.end(), {"--engine", *options.engine});
   for (const auto& bus : options.buses) argv.insert(argv.end(), {"--bus", bus});
   if (options.speedup > 0.0) argv.insert(argv.end(), {"--speedup", cli::exact(options.speedup)});
-  if (!options.record.empty()) argv.insert(argv.end(), {"--record", options.record});
+  if (!options.record.empty())
+    argv.insert(argv.end(), {options.record_if_possible ? "--try-record" : "--record", options.record});
   if (!options.parameters.empty()) argv.insert(argv.end(), {"--parameters", options.parameters});
   for (const auto& folder : options.plugins) argv.insert(argv.end(), {"--plugins", folder});
   if (options.node_timeout_s)

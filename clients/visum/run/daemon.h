@@ -22,6 +22,7 @@ struct DaemonOptions {
   std::optional<std::int64_t> seed;
   std::vector<std::string> buses{};    // as --bus takes them
   std::string record{};                // a recording's file; empty: none
+  bool record_if_possible = false;     // it is only a warning if that cannot be written
   std::string parameters{};            // of the scene, as --parameters takes them; empty: its defaults
   std::vector<std::string> plugins{};  // folders
   std::optional<double> node_timeout_s{};

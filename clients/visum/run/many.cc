@@ -65,7 +65,7 @@ class Crew {
     std::vector<std::string> words{
         options_.program, "run",      options_.file,  "--only", std::to_string(run),
         "--result",       job.result, "--recordings", "off"};
-    if (job.recording) words.insert(words.end(), {"--record", job.recording->path()});
+    if (job.recording) words.insert(words.end(), {"--try-record", job.recording->path()});
     words.insert(words.end(), options_.words.begin(), options_.words.end());
     try {
       job.process = std::make_unique<ChildProcess>("run " + std::to_string(run), words,

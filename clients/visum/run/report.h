@@ -18,6 +18,7 @@ struct Report {
   std::vector<std::string> words;                          // options that a sweep started it with
   std::vector<std::pair<std::string, std::string>> swept;  // the sweep's values, for people
   std::string recording;                                   // its file; empty: none
+  std::string recording_trouble;                           // why it is missing or cut short; empty: it is not
   cli::ExitCode code = cli::kDone;
   std::string error;                  // why the run could not go to its end; empty if it did
   std::vector<std::string> failures;  // of the run as a whole, e.g. an end that never came
@@ -27,6 +28,8 @@ struct Report {
   double sim_seconds = 0.0;
   double wall_seconds = 0.0;  // of the stepping, without the start
   std::uint64_t state_hash = 0;
+  std::uint64_t limited_ticks = 0;  // ticks whose work met a limit, and bodies that fell short in the last
+  std::vector<std::string> limited_bodies;
 
   bool passed() const { return code == cli::kDone; }
 };

@@ -94,6 +94,7 @@ std::string report_as_json(const Report& report) {
       .member("file", report.file);
   json.member("scene", report.scene).member("clock", report.clock).member("engine", report.engine);
   json.member("seed", report.seed).member("recording", report.recording);
+  json.member("recording_trouble", report.recording_trouble);
   write_swept(json, report);
   json.member("code", static_cast<int>(report.code)).member("error", report.error);
   write_texts(json, "failures", report.failures);
@@ -117,6 +118,7 @@ Report read_report(const std::filesystem::path& file) {
   report.engine = root.get("engine").text();
   report.seed = root.get("seed").integer();
   report.recording = root.get("recording").text();
+  report.recording_trouble = root.get("recording_trouble").text();
   report.run = static_cast<std::size_t>(root.get("run").integer(0));
   const Node swept = root.get("sweep"), checks = root.get("checks"), controllers = root.get("controllers");
   for (const auto& name : swept.keys()) report.swept.emplace_back(name, swept.get(name).text());

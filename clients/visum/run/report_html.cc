@@ -139,6 +139,7 @@ std::string again(const Report& report) {
   if (report.run != 0) text += " --only " + number(report);
   for (const auto& word : report.words) text += " " + shell_word(word);
   if (!report.recording.empty()) text += "\nvisum replay " + shell_word(report.recording);
+  if (!report.recording_trouble.empty()) text += "\n# the recording " + report.recording_trouble;
   return "<pre>" + markup(text) + "</pre>\n";
 }
 

@@ -58,6 +58,7 @@ class Suite {
     if (report_.seed >= 0) add("seed", std::to_string(report_.seed));
     for (const auto& [name, value] : report_.swept) add(("sweep." + name).c_str(), value);
     if (!report_.recording.empty()) add("recording", report_.recording);
+    if (!report_.recording_trouble.empty()) add("recording_trouble", report_.recording_trouble);
     add("ticks", std::to_string(report_.ticks));
     add("sim_seconds", cli::exact(report_.sim_seconds));
     add("state_hash", cli::hex(report_.state_hash));

@@ -53,11 +53,22 @@ std::string check_lines(const Report& report, const cli::Style& style) {
   return text;
 }
 
+// For a run that failed, and whose recording in case is missing or cut short. A recording that was asked for
+// is among the failures.
+std::string recording_note(const Report& report, const std::string& before) {
+  const auto is_said = [&](const auto& failure) { return failure.ends_with(report.recording_trouble); };
+  if (report.passed() || report.recording_trouble.empty() || std::ranges::any_of(report.failures, is_said))
+    return {};
+  return before + (report.recording.empty() ? "there is no recording: it " : "the recording ") +
+         report.recording_trouble + "\n";
+}
+
 // Messages stay on one line, however long: people search logs for them.
 std::string trouble(const Report& report, const cli::Style& style) {
   std::string text;
   for (const auto& failure : report.failures) text += "  " + style.red("FAILED") + "  " + failure + "\n";
   if (!report.error.empty()) text += "  " + style.red("ERROR") + "   " + report.error + "\n";
+  text += recording_note(report, "  note    ");
   for (const auto& controller : report.controllers) {
     if (controller.failure.empty()) continue;
     text += "  last lines of " + controller.name + ":\n";
@@ -95,7 +106,22 @@ std::string reasons(const Report& report, const cli::Style& style) {
   for (const auto& check : report.checks)
     if (!check.passed && (check.value || report.error.empty()))
       add("FAILED", check.name + ": " + check.failure);
+  text += recording_note(report, "    note    ");
   return text;
+}
+
+// A run with limited ticks counts, but its physics was rougher there.
+std::string limits(const Report& report) {
+  if (report.limited_ticks == 0) return "";
+  std::string bodies;
+  for (const auto& body : report.limited_bodies)
+    bodies += (bodies.empty() ? ": " : ", ") + cli::printable(body);
+  return "  " +
+         wrapped("note: " + std::to_string(report.limited_ticks) +
+                     " ticks met the limit of their work (work_limit); fell short in the last of them" +
+                     (bodies.empty() ? ": none" : bodies),
+                 2) +
+         "\n";
 }
 
 }  // namespace
@@ -120,7 +146,7 @@ std::string report_text(const Report& report, const cli::Style& style) {
   const bool fits = report.name.size() + origin.size() + 3 <= kWidth;
   std::string text =
       style.bold(report.name) + (fits ? " (" + origin + ")\n" : "\n  " + wrapped(origin, 2) + "\n");
-  text += check_lines(report, style) + trouble(report, style) + figures(report);
+  text += check_lines(report, style) + trouble(report, style) + figures(report) + limits(report);
   const bool invalid = report.code == cli::kInvalid;
   text += (report.passed() ? style.green("PASSED") : style.red(invalid ? "INVALID" : "FAILED")) + ": " +
           std::to_string(passed) + " of " + std::to_string(report.checks.size()) + " checks\n";
@@ -136,6 +162,7 @@ std::string report_json(const Report& report) {
   json.member("ticks", report.ticks);
   json.key("sim_seconds").number(with_point(report.sim_seconds));
   json.key("wall_seconds").number(with_point(report.wall_seconds));
+  if (report.limited_ticks > 0) json.member("limited_ticks", report.limited_ticks);
   return json.member("state_hash", cli::hex(report.state_hash)).end_object().text();
 }
 

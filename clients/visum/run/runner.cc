@@ -10,6 +10,7 @@
 #include "clients/visum/run/actions.h"
 #include "clients/visum/run/bounds.h"
 #include "clients/visum/run/daemon.h"
+#include "clients/visum/run/exchanges.h"
 #include "clients/visum/run/session.h"
 #include "clients/visum/run/timeline.h"
 
@@ -83,7 +84,11 @@ class Run {
 
   void go();
   void collect();  // what is known so far, into the report
-  std::string why_invalid() { return run::why_invalid({}, session_.status(), scenario_.max_overruns); }
+  // Looks at the server for the last time, so that why_invalid() and silent_controller() know what was.
+  // The report notes the limits that the run has met.
+  void look_back();
+  std::string why_invalid() const { return run::why_invalid({}, last_, scenario_.max_overruns); }
+  std::string silent_controller() const { return find_silent_controller(scenario_.controllers, last_); }
   std::string out_of_step() const { return controllers_.out_of_step(); }
   void keep();
 
@@ -110,6 +115,7 @@ class Run {
   std::optional<Actions> actions_;
   std::optional<Quantity> until_;
   Observation now_;
+  protocol::ServerStatus last_;
   std::int64_t step_ticks_ = 1;
   std::optional<double> settled_at_s_;  // when `until` came true
   Clock::time_point began_ = Clock::now();
@@ -200,6 +206,12 @@ void Run::note_unfinished() {
   }
 }
 
+void Run::look_back() {
+  last_ = session_.status();
+  report_.limited_ticks = last_.limited_ticks;
+  report_.limited_bodies = last_.limited_bodies;
+}
+
 void Run::collect() {
   report_.wall_seconds = seconds_since(began_);
   report_.ticks = now_.world.tick;
@@ -264,7 +276,8 @@ void judge(Report& report) {
   report.code = good ? cli::kDone : cli::kFailed;
 }
 
-// Neither success nor failure means anything on a host that was too slow, or where a program was not in step.
+// Neither success nor failure means anything on a host that was too slow, or where a program was not in step
+// or exchanged nothing.
 void invalidate(Report& report, const std::string& why) {
   if (report.code != cli::kDone && report.code != cli::kFailed) return;
   fail(report, cli::kInvalid, report.error.empty() ? why : why + "; " + report.error);
@@ -280,15 +293,37 @@ void run_with(Daemon& daemon, const Scenario& scenario, const RunOptions& option
   if (!run) return;
   std::string invalid;
   Report at_the_end;  // if the daemon is gone, the report says so already
-  guard(at_the_end, nullptr, [&] { invalid = run->why_invalid(); });
+  guard(at_the_end, nullptr, [&] {
+    run->look_back();
+    invalid = run->why_invalid();
+  });
   run->collect();
   judge(report);
   if (invalid.empty()) invalid = run->out_of_step();
+  // A controller that failed explains the run by itself.
+  const bool all_well =
+      std::ranges::all_of(report.controllers, [](const auto& c) { return c.failure.empty(); });
+  if (invalid.empty() && all_well && at_the_end.code == cli::kDone) invalid = run->silent_controller();
   if (!invalid.empty()) invalidate(report, invalid);
   if (report.code == cli::kDone || report.code == cli::kFailed) {
     Report afterwards;  // how the time after the scenario ends does not matter to its result
     guard(afterwards, &daemon, [&] { run->keep(); });
   }
+}
+
+// visumd's log says why a recording cannot be written, or ends early. Returns the reason, if this is such a
+// line: "ends early: No space left on device".
+std::string find_recording_trouble(const std::string& line, const std::string& recording) {
+  const std::string subject = "the recording '" + recording + "' ";
+  const auto at = line.find(subject);
+  return recording.empty() || at == std::string::npos ? std::string() : line.substr(at + subject.size());
+}
+
+// A recording that was asked for belongs to the run's result; any other does not.
+void note_recording(Report& report, const Scenario& scenario) {
+  if (report.recording_trouble.empty() || scenario.record_if_possible) return;
+  report.failures.push_back("the recording " + report.recording_trouble);
+  if (report.code == cli::kDone) report.code = cli::kFailed;
 }
 
 }  // namespace
@@ -315,17 +350,22 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
                                        scenario.seed,
                                        bus_options(scenario, links),
                                        scenario.record,
+                                       scenario.record_if_possible,
                                        scenario.parameters,
                                        options.plugins,
                                        options.node_timeout_s,
                                        scenario.speedup};
-    Daemon daemon(daemon_options, scenario.start_wall_s, wait_loop,
-                  [&](const std::string& line) { options.on_line("visumd", line); });
+    Daemon daemon(daemon_options, scenario.start_wall_s, wait_loop, [&](const std::string& line) {
+      options.on_line("visumd", line);
+      if (auto trouble = find_recording_trouble(line, scenario.record); !trouble.empty())
+        report.recording_trouble = std::move(trouble);
+    });
     // With --keep the user wants to look at the world, from the beginning.
     if (options.keep && daemon.page_port() != 0)
       options.on_line("visumd", "the page: http://127.0.0.1:" + std::to_string(daemon.page_port()) + "/");
     run_with(daemon, scenario, options, wait_loop, report);
   });
+  if (report.error.empty()) note_recording(report, scenario);
   return report;
 }
 

@@ -76,6 +76,8 @@ struct ControllerSpec {
   double period_ms = 0.0;            // of --period, with shim or gate; 0: not given
   double wait_s = 0.0;               // of --wait
   std::string on_timeout = "end";    // of --on-timeout
+  bool exchanges = true;             // the run claims that it exchanges something with a part
+  std::string through;               // the controller that exchanges it on its behalf; empty: itself
   config::Place place;
 };
 
@@ -144,6 +146,7 @@ struct Scenario {
   std::size_t run = 0;
   std::vector<std::pair<std::string, std::string>> swept;
   std::string record;                        // a recording's file; empty: none
+  bool record_if_possible = false;           // a recording that cannot be written is no failure
   std::map<std::string, std::string> buses;  // kind by part: "pty", "tcp", "slcan"
   double speedup = 0.0;                      // simulated per wall seconds; 0: the scene's, in lockstep none
   double max_overruns = kMostOverruns;       // of all ticks, in real time; more make the run invalid

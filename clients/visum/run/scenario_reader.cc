@@ -7,6 +7,7 @@
 #include "clients/visum/run/session.h"
 #include "clients/visum/run/sweep.h"
 #include "protocol/config/flow.h"
+#include "protocol/config/unknown_name.h"
 
 namespace visum::run {
 namespace {
@@ -29,6 +30,22 @@ std::vector<Node> items(const Node& root, const char* key) {
   return nodes;
 }
 
+// A bridge is another controller that exchanges something itself. So no chain of bridges can be a circle.
+void check_bridge(const Node& node, const std::vector<ControllerSpec>& controllers) {
+  const auto through = node.find("through");
+  if (!through) return;
+  std::vector<std::string> others;
+  for (const ControllerSpec& other : controllers) {
+    if (other.name == node.get("name").text()) continue;
+    others.push_back(other.name);
+    if (other.name != through->text()) continue;
+    if (!other.exchanges || !other.through.empty())
+      through->fail("'" + other.name + "' must exchange something itself");
+    return;
+  }
+  through->fail(config::unknown_name("other controller", through->text(), others));
+}
+
 void read_controllers(const Node& root, Scenario& scenario) {
   for (const Node& node : items(root, "controllers")) {
     ControllerSpec controller = read_controller(node);
@@ -39,6 +56,7 @@ void read_controllers(const Node& root, Scenario& scenario) {
     }
     scenario.controllers.push_back(std::move(controller));
   }
+  for (const Node& node : items(root, "controllers")) check_bridge(node, scenario.controllers);
 }
 
 void read_buses(const Node& root, Scenario& scenario) {
@@ -133,8 +151,8 @@ void read_basics(const Node& root, Scenario& scenario) {
 }  // namespace
 
 ControllerSpec read_controller(const Node& node) {
-  node.allow_only(
-      {"name", "command", "client", "joins", "shim", "gate", "period_ms", "wait_s", "on_timeout"});
+  node.allow_only({"name", "command", "client", "joins", "shim", "gate", "period_ms", "wait_s", "on_timeout",
+                   "exchanges", "through"});
   ControllerSpec controller;
   controller.place = node.place();
   controller.name = node.get("name").text();
@@ -153,6 +171,10 @@ ControllerSpec read_controller(const Node& node) {
       node.fail("the client name '" + controller.client + "' is the runner's own");
   }
   if (const auto joins = node.find("joins")) controller.joins = joins->boolean();
+  if (const auto exchanges = node.find("exchanges")) controller.exchanges = exchanges->boolean();
+  controller.through = node.text_or("through", "");
+  if (!controller.exchanges && !controller.through.empty())
+    node.get("through").fail("not with 'exchanges: false'");
   read_step(node, controller);
   return controller;
 }

@@ -3,6 +3,7 @@
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/json_writer.h"
 #include "clients/visum/common/parameters.h"
+#include "clients/visum/common/terminal.h"
 #include "clients/visum/verbs/verbs.h"
 
 namespace visum::cli {
@@ -58,7 +59,7 @@ std::string port_table(const std::vector<Port>& ports, bool inputs) {
 std::string text_of(const protocol::PartDescriptionReply& reply) {
   const PartDescription& part = reply.description;
   std::string text = part.name + ": a part of kind " + part.kind + ", ";
-  text += reply.lease_owner.empty() ? "free\n" : "leased by " + reply.lease_owner + "\n";
+  text = printable(text + (reply.lease_owner.empty() ? "free" : "leased by " + reply.lease_owner)) + "\n";
   text += "\nController Input\n" + port_table(part.controller_inputs, true);
   text += "\nSensor Output\n" + port_table(part.sensor_outputs, false);
   if (!part.parameters.empty()) text += "\nParameters\n" + parameter_table(part.parameters);
@@ -74,8 +75,8 @@ std::string text_of(const protocol::PartDescriptionReply& reply) {
 
 std::string names_of(const PartDescription& part) {
   std::string text;
-  for (const Port& port : part.controller_inputs) text += port.name + "\n";
-  for (const Port& port : part.sensor_outputs) text += port.name + "\n";
+  for (const Port& port : part.controller_inputs) text += printable(port.name) + "\n";
+  for (const Port& port : part.sensor_outputs) text += printable(port.name) + "\n";
   return text;
 }
 

@@ -2,6 +2,7 @@
 
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/json_writer.h"
+#include "clients/visum/common/terminal.h"
 #include "clients/visum/verbs/verbs.h"
 
 namespace visum::cli {
@@ -46,7 +47,7 @@ class Faults : public Verb {
     Table table;
     for (const auto& kind : list.kinds) table.row({kind.name, kind.target, numbers_of(kind), kind.effect});
     std::string text = table.text() + "\n";
-    for (const auto& fault : list.active) text += "acts on " + in_words(fault) + "\n";
+    for (const auto& fault : list.active) text += "acts on " + printable(in_words(fault)) + "\n";
     return text + (list.active.empty() ? "no fault acts now\n" : "");
   }
 

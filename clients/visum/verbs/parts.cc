@@ -2,6 +2,7 @@
 
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/json_writer.h"
+#include "clients/visum/common/terminal.h"
 #include "clients/visum/verbs/verbs.h"
 
 namespace visum::cli {
@@ -35,7 +36,7 @@ class Parts : public Verb {
 
   static std::string names(const protocol::PartList& list) {
     std::string text;
-    for (const auto& part : list.parts) text += part.name + "\n";
+    for (const auto& part : list.parts) text += printable(part.name) + "\n";
     return text;
   }
 

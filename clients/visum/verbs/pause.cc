@@ -1,3 +1,5 @@
+#include <cstdio>
+
 #include "clients/visum/verbs/verbs.h"
 
 namespace visum::cli {
@@ -11,7 +13,10 @@ class PauseVerb : public Verb {
   }
 
   int run() override {
-    open_link(link_, protocol::Role::kAdmin).request(protocol::Pause{});
+    const auto done = open_link(link_, protocol::Role::kAdmin).request_as<protocol::Ok>(protocol::Pause{});
+    if (done.acts_at_tick != 0)
+      std::printf("latched: it acts at tick %lld, when the tick that the server is in has ended\n",
+                  static_cast<long long>(done.acts_at_tick));
     return 0;
   }
 

@@ -2,7 +2,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -11,6 +10,7 @@
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/interrupt.h"
 #include "clients/visum/common/terminal.h"
+#include "clients/visum/common/whole_file.h"
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/progress.h"
 #include "clients/visum/run/reports.h"
@@ -46,8 +46,13 @@ class RunVerb : public Verb {
                    "the world runs as "
                    "fast as it can")
         ->check(number_within(1e-3, 1e3));
-    app.add_option("--record", record_,
-                   "record every input, every port and the state's hash of every tick, as an MCAP file");
+    auto* record =
+        app.add_option("--record", record_,
+                       "record every input, every port and the state's hash of every tick, as an MCAP file");
+    app.add_option("--try-record", try_record_,
+                   "as --record, but a recording that cannot be written is only a warning")
+        ->type_name("FILE")
+        ->excludes(record);
     app.add_option("--recordings", recordings_,
                    "folder for the recording of a run that fails; or off. Default: the folder of --report, "
                    "else that of "
@@ -74,8 +79,8 @@ class RunVerb : public Verb {
         "With --record, `visum replay` can repeat the run.\n"
         "Exit codes: 0 passed, 1 a check failed, 2 bad usage, 3 the scene or scenario is wrong, 4 a "
         "controller was "
-        "lost or timed out, 6 the host was too slow for real time (the run is invalid), 124 the wall time "
-        "was over "
+        "lost or timed out, 6 what the run claims could not be established (the host was too slow for real "
+        "time, a program was not in step, a controller exchanged nothing), 124 the wall time was over "
         "or a plug-in hangs, 130 interrupted.\n\nExamples:\n"
         "  visum run models/scenarios/pick_and_place.yaml\n"
         "  visum run models/scenarios/pick_and_place.yaml --junit report.xml --json\n"
@@ -102,7 +107,7 @@ class RunVerb : public Verb {
   }
 
   int run_all(const config::Node& root) const {
-    if (!record_.empty() || !result_.empty() || keep_ || progress_ || port_ != 0)
+    if (!record_.empty() || !try_record_.empty() || !result_.empty() || keep_ || progress_ || port_ != 0)
       throw ExitError(kUsage,
                       "--record, --result, --port, --progress and --keep are for one run: choose it with "
                       "--only, or leave them "
@@ -166,6 +171,7 @@ class RunVerb : public Verb {
     try {
       std::filesystem::create_directories(folder);
       scenario.record = spare_.emplace(folder / name).path().string();
+      scenario.record_if_possible = true;
     } catch (const std::system_error& error) {
       std::fprintf(stderr, "visum: if this run fails, it leaves no recording: %s\n", error.what());
     }
@@ -178,6 +184,10 @@ class RunVerb : public Verb {
     if (speedup_ > 0.0) scenario.speedup = speedup_;
     if (seed_) scenario.seed = seed_;
     if (!record_.empty()) scenario.record = record_;
+    if (!try_record_.empty()) {
+      scenario.record = try_record_;
+      scenario.record_if_possible = true;
+    }
     if (timeout_s_ > 0.0) scenario.max_wall_s = timeout_s_;
     return scenario;
   }
@@ -195,11 +205,13 @@ class RunVerb : public Verb {
 
   static bool write(const std::string& file, const std::string& text) {
     if (file.empty()) return true;
-    std::ofstream out(file, std::ios::trunc);
-    out << text;
-    if (out.flush()) return true;
-    std::fprintf(stderr, "visum: %s: cannot be written\n", file.c_str());
-    return false;
+    try {
+      write_whole_file(file, text);
+      return true;
+    } catch (const std::runtime_error& error) {
+      std::fprintf(stderr, "visum: %s\n", error.what());
+      return false;
+    }
   }
 
   void invite(std::uint16_t port, const run::Catalogue& catalogue) const {
@@ -212,7 +224,7 @@ class RunVerb : public Verb {
     }
   }
 
-  std::string file_, junit_, engine_, clock_, record_, recordings_, report_, result_;
+  std::string file_, junit_, engine_, clock_, record_, try_record_, recordings_, report_, result_;
   std::size_t jobs_ = 1, only_ = 0;
   bool json_ = false, progress_ = false, keep_ = false, told_ = false, written_ = false;
   std::optional<run::SpareRecording> spare_;

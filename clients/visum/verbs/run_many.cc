@@ -1,7 +1,9 @@
 #include "clients/visum/verbs/run_many.h"
 
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <set>
 #include <system_error>
@@ -9,6 +11,7 @@
 
 #include "clients/visum/common/interrupt.h"
 #include "clients/visum/common/terminal.h"
+#include "clients/visum/common/whole_file.h"
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/many.h"
 #include "clients/visum/run/reports.h"
@@ -38,12 +41,6 @@ void make_folder(const std::string& folder) {
   if (error) throw ExitError(kUsage, folder + ": " + error.message());
 }
 
-void write_file(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary | std::ios::trunc);
-  out << text;
-  if (!out.flush()) throw ExitError(kFailed, file.string() + ": cannot be written");
-}
-
 std::size_t count_jobs(std::size_t wanted) {
   return wanted != 0 ? wanted : std::max(1U, std::thread::hardware_concurrency());
 }
@@ -53,7 +50,7 @@ std::size_t count_jobs(std::size_t wanted) {
 void check_writable(const std::string& file) {
   if (file.empty()) return;
   std::ofstream out(file, std::ios::app);
-  if (!out) throw ExitError(kUsage, file + ": cannot be written");
+  if (!out) throw ExitError(kUsage, "cannot write " + file + ": " + std::strerror(errno));
 }
 
 int run_many(const ManyRunsOptions& wanted, const config::Node& root) {
@@ -77,9 +74,9 @@ int run_many(const ManyRunsOptions& wanted, const config::Node& root) {
   const auto reports = run::run_many(options);
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   const std::filesystem::path folder = wanted.report;
-  if (!wanted.report.empty()) write_file(folder / "report.html", run::report_html(reports));
-  if (!wanted.report.empty()) write_file(folder / "junit.xml", run::report_junit(reports));
-  if (!wanted.junit.empty()) write_file(wanted.junit, run::report_junit(reports));
+  if (!wanted.report.empty()) write_whole_file(folder / "report.html", run::report_html(reports));
+  if (!wanted.report.empty()) write_whole_file(folder / "junit.xml", run::report_junit(reports));
+  if (!wanted.junit.empty()) write_whole_file(wanted.junit, run::report_junit(reports));
   std::fputs(run::many_text(reports, wall_s, style).c_str(), people);
   if (wanted.json) std::printf("%s\n", run::many_json(reports, wall_s).c_str());
   if (interrupted()) std::fputs("visum: interrupted\n", stderr);

@@ -45,14 +45,26 @@ std::string json_of(const Welcome& welcome, const ServerStatus& status) {
   json.member("paused", status.paused).member("frozen", status.frozen);
   json.member("frozen_reason", status.frozen_reason).member("speed", status.speed);
   json.member("real_time_factor", status.real_time_factor).member("overruns", status.overruns);
-  json.member("solver_warnings", status.solver_warnings);
+  json.member("solver_warnings", status.solver_warnings).member("limited_ticks", status.limited_ticks);
+  json.key("limited_bodies").begin_array();
+  for (const auto& body : status.limited_bodies) json.value(body);
+  json.end_array();
+  json.member("bus_drops", status.bus_drops);
   json.member("lateness_p50_ns", status.lateness_p50_ns).member("lateness_p999_ns", status.lateness_p999_ns);
   json.member("lateness_max_ns", status.lateness_max_ns).member("state_hash", hex(status.state_hash));
   json.member("sessions", status.sessions).member("refused", status.refused);
   json.member("own_allocations", status.own_allocations);
   json.member("stuck_node", status.stuck_node).member("stuck_ns", status.stuck_ns);
+  json.member("working", status.working).member("working_ns", status.working_ns);
+  json.member("silent_stops", status.silent_stops).member("late_writes", status.late_writes);
   write_members(json, status);
   return json.end_object().text() + "\n";
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + printable(name);
+  return text.empty() ? "none" : text;
 }
 
 std::string state_of(const ServerStatus& status) {
@@ -71,8 +83,8 @@ std::string grade_text(std::uint32_t grade) {
 std::string waiting_text(const ServerStatus& status) {
   std::string text;
   for (const auto& member : status.lockstep) {
-    text += "  " + member.client + ": " + grade_text(member.grade) + ", lets the world run up to tick " +
-            std::to_string(member.granted_tick);
+    text += "  " + printable(member.client) + ": " + grade_text(member.grade) +
+            ", lets the world run up to tick " + std::to_string(member.granted_tick);
     if (member.waiting_ns > 0)
       text += ", WAITED FOR since " + fixed(milliseconds(member.waiting_ns), 1) + " ms";
     if (!member.note.empty()) text += "; it " + printable(member.note);
@@ -81,7 +93,7 @@ std::string waiting_text(const ServerStatus& status) {
   if (!text.empty()) text = "clients that step with the world\n" + text;
   for (const auto& client : status.free_running)
     text += (&client == &status.free_running.front() ? "clients that do not step with the world\n  " : "  ") +
-            client + ": L0 (free-running)\n";
+            printable(client) + ": L0 (free-running)\n";
   return text;
 }
 
@@ -99,8 +111,21 @@ std::string text_of(const Welcome& welcome, const ServerStatus& status) {
                              fixed(milliseconds(status.lateness_p50_ns), 3) + " ms, p99.9 " +
                              fixed(milliseconds(status.lateness_p999_ns), 3) + " ms, max " +
                              fixed(milliseconds(status.lateness_max_ns), 3) + " ms"});
+  if (status.bus_drops > 0)
+    table.row(
+        {"buses", std::to_string(status.bus_drops) + " frames were dropped that no client read in time"});
   if (status.solver_warnings > 0)
     table.row({"solver", "fell short in " + std::to_string(status.solver_warnings) + " ticks since start"});
+  if (!status.working.empty())
+    table.row({"tick in progress", status.working + ", for " + seconds(status.working_ns)});
+  if (status.silent_stops > 0)
+    table.row({"stopped", std::to_string(status.silent_stops) + " times, as no controller could be heard"});
+  if (status.late_writes > 0)
+    table.row({"writes", std::to_string(status.late_writes) + " dropped, as they were too old"});
+  if (status.limited_ticks > 0)
+    table.row({"limited", std::to_string(status.limited_ticks) +
+                              " ticks met the limit of their work; fell short in the last: " +
+                              listed(status.limited_bodies)});
   table.row({"state hash", hex(status.state_hash)});
   table.row({"sessions",
              std::to_string(status.sessions) + ", " + std::to_string(status.refused) + " requests refused"});

@@ -16,6 +16,7 @@ std::unique_ptr<Verb> make_params();
 std::unique_ptr<Verb> make_param_set();
 std::unique_ptr<Verb> make_camera();
 std::unique_ptr<Verb> make_status();
+std::unique_ptr<Verb> make_stop();
 std::unique_ptr<Verb> make_pause();
 std::unique_ptr<Verb> make_resume();
 std::unique_ptr<Verb> make_step();

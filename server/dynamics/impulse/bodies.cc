@@ -175,6 +175,16 @@ void Bodies::put_back(const BodiesMotion& motion) {
   ++placements_;
 }
 
+void Bodies::put_to_rest(const BodiesMotion& motion, std::span<const std::size_t> numbers) {
+  for (const std::size_t i : numbers) {
+    x[i] = motion.x[i];
+    q_WB[i] = motion.q_WB[i];
+    v[i] = w[i] = Vector3d::Zero();
+    kernels_.orient(arrays_, &alone_[i], 1);
+    ++placements_;
+  }
+}
+
 void Bodies::store(world::WorldState& state) const {
   const std::size_t count = size();
   for (std::size_t i = 0; i < count; ++i) {

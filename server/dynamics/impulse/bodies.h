@@ -64,6 +64,8 @@ class Bodies {
   // Keeps the state at t, and restores it.
   void keep(BodiesMotion& motion) const;
   void put_back(const BodiesMotion& motion);
+  // Restores the places of some bodies, and takes their velocities away.
+  void put_to_rest(const BodiesMotion& motion, std::span<const std::size_t> numbers);
 
   // Groups the bodies of a list in blocks for the kernels. `answer` of a block holds each body's place in the
   // list.

@@ -1,6 +1,7 @@
 #include "server/dynamics/impulse/body_factor.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace visum::dynamics::impulse {
 namespace {
@@ -25,20 +26,46 @@ Block product(const Block& a, const Block& b) {
   return c;
 }
 
-// Gauss-Jordan in place. Returns false where a pivot is not positive.
+// A step of Gauss-Jordan in place, with the pivot on the diagonal.
+void eliminate(Block& a, std::size_t k) {
+  const double inverse = 1.0 / a[7 * k];
+  a[7 * k] = 1.0;
+  for (std::size_t j = 0; j < 6; ++j) a[6 * k + j] *= inverse;
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (i == k) continue;
+    const double factor = a[6 * i + k];
+    a[6 * i + k] = 0.0;
+    for (std::size_t j = 0; j < 6; ++j) a[6 * i + j] -= factor * a[6 * k + j];
+  }
+}
+
+// Returns false where a pivot is not positive.
 bool invert(Block& a) {
   for (std::size_t k = 0; k < 6; ++k) {
     if (!(a[7 * k] > 0.0)) return false;
-    const double inverse = 1.0 / a[7 * k];
-    a[7 * k] = 1.0;
-    for (std::size_t j = 0; j < 6; ++j) a[6 * k + j] *= inverse;
-    for (std::size_t i = 0; i < 6; ++i) {
-      if (i == k) continue;
-      const double factor = a[6 * i + k];
-      a[6 * i + k] = 0.0;
-      for (std::size_t j = 0; j < 6; ++j) a[6 * i + j] -= factor * a[6 * k + j];
-    }
+    eliminate(a, k);
   }
+  return true;
+}
+
+// The same with the largest pivot of each column. Returns false where there is none.
+bool invert_with_pivots(Block& a) {
+  std::array<std::size_t, 6> order{0, 1, 2, 3, 4, 5};
+  for (std::size_t k = 0; k < 6; ++k) {
+    std::size_t best = k;
+    for (std::size_t i = k + 1; i < 6; ++i)
+      if (std::abs(a[6 * i + k]) > std::abs(a[6 * best + k])) best = i;
+    if (best != k) {
+      std::swap_ranges(&a[6 * k], &a[6 * k] + 6, &a[6 * best]);
+      std::swap(order[k], order[best]);
+    }
+    if (!(std::abs(a[7 * k]) > 0.0)) return false;
+    eliminate(a, k);
+  }
+  // Exchanged rows of the matrix are exchanged columns of the inverse.
+  const Block mixed = a;
+  for (std::size_t k = 0; k < 6; ++k)
+    for (std::size_t i = 0; i < 6; ++i) a[6 * i + order[k]] = mixed[6 * i + k];
   return true;
 }
 
@@ -64,9 +91,9 @@ Block mass_block(const FreeBody& body) {
 
 }  // namespace
 
-void BodyFactor::start(const std::vector<FreeBody>& bodies, bool symmetric) {
+void BodyFactor::start(std::span<const FreeBody> bodies, bool symmetric) {
   // Before any row connects bodies, the pattern is the diagonal.
-  bodies_ = &bodies;
+  bodies_ = bodies;
   symmetric_ = symmetric;
   first_.resize(bodies.size());
   start_.resize(bodies.size());
@@ -89,7 +116,7 @@ bool BodyFactor::place(std::size_t most_entries) {
   upper_.resize(blocks);
   if (!symmetric_) std::fill(upper_.begin(), upper_.end(), Block{});
   inverse_.resize(first_.size());
-  for (std::size_t i = 0; i < first_.size(); ++i) row(i, i) = mass_block((*bodies_)[i]);
+  for (std::size_t i = 0; i < first_.size(); ++i) row(i, i) = mass_block(bodies_[i]);
   return true;
 }
 
@@ -107,6 +134,16 @@ void BodyFactor::add(std::size_t a, std::span<const Vector6> push, std::size_t b
       for (std::size_t j = 0; j < 6; ++j) sum[j] += x[r][i] * y[r][j];
     for (std::size_t j = 0; j < 6; ++j) block[6 * i + j] += sum[j];
   }
+}
+
+// Products of two blocks: one for each k in eliminate(), twice as many where the upper half is made, too; and
+// one for each block below the diagonal.
+std::uint64_t BodyFactor::multiplications() const {
+  std::uint64_t products = 0;
+  for (std::size_t i = 0; i < first_.size(); ++i)
+    for (std::size_t j = first_[i]; j <= i; ++j)
+      products += (symmetric_ ? 1 : 2) * (j - std::max(first_[i], first_[j])) + 1;
+  return 216 * products;
 }
 
 // The same formulas as for single numbers (envelope_lu.cc): L_ij = (A_ij - sum L_ik U_kj) D_j^-1 and U_ji =
@@ -127,7 +164,11 @@ bool BodyFactor::factor() {
     }
     eliminate(i, i);
     inverse_[i] = row(i, i);
-    if (!invert(inverse_[i])) return false;
+    if (invert(inverse_[i])) continue;
+    // Friction that is dragged along may make single pivots negative or zero; the block is sound
+    // nevertheless.
+    inverse_[i] = row(i, i);
+    if (symmetric_ || !invert_with_pivots(inverse_[i])) return false;
   }
   return true;
 }

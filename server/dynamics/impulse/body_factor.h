@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -31,12 +32,13 @@ class BodyFactor {
 
   // `symmetric`: all rows push along the directions that they measure. `bodies` must stay valid until
   // factor().
-  void start(const std::vector<FreeBody>& bodies, bool symmetric);
+  void start(std::span<const FreeBody> bodies, bool symmetric);
   void connect(std::size_t a, std::size_t b);  // a row holds both bodies
   bool place(std::size_t most_entries);        // puts M in place; false if there would be more entries
+  std::uint64_t multiplications() const;       // in factor(), once placed
   // Adds sum push measure^T: an impulse pushes body a, and b is where the row measures.
   void add(std::size_t a, std::span<const Vector6> push, std::size_t b, std::span<const Vector6> measure);
-  bool factor();                             // false where a pivot is not positive
+  bool factor();                             // false where a body cannot be solved for
   void solve(std::vector<double>& b) const;  // in place, six numbers for each body
 
  private:
@@ -46,7 +48,7 @@ class BodyFactor {
   // Subtracts from block (i, j) what the columns before it explain.
   void eliminate(std::size_t i, std::size_t j);
 
-  const std::vector<FreeBody>* bodies_ = nullptr;
+  std::span<const FreeBody> bodies_;
   bool symmetric_ = false;
   std::vector<std::size_t> first_, start_;  // by body
   std::vector<Block> lower_, upper_;        // upper_ is transposed; on the diagonal only lower_ counts

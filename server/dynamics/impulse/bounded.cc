@@ -85,40 +85,40 @@ double Bounded::velocity(std::size_t mechanism, const MechanismRow& row) const {
   return sum;
 }
 
-void Bounded::load_velocities() {
+void Bounded::load_velocities(Part& part) {
   // Bodies without joints: six numbers each, angular before linear. Mechanisms: one number for each row.
-  for (std::size_t i = 0; i < slotted_.size(); ++i) {
-    const Vector3d &w = plant_.bodies.w[slotted_[i]], &v = plant_.bodies.v[slotted_[i]];
-    for (int k = 0; k < 3; ++k) {
-      rows_.velocities[6 * i + static_cast<std::size_t>(k)] = w[k];
-      rows_.velocities[6 * i + 3 + static_cast<std::size_t>(k)] = v[k];
-    }
+  double* to = part.rows.velocities.data();
+  for (const std::size_t body : free_bodies(part)) {
+    const Vector3d &w = plant_.bodies.w[body], &v = plant_.bodies.v[body];
+    to = std::copy(v.data(), v.data() + 3, std::copy(w.data(), w.data() + 3, to));
   }
-  for (std::size_t m = 0; m < of_mechanism_.size(); ++m)
-    for (std::size_t i = 0; i < of_mechanism_[m].rows.size(); ++i)
-      rows_.velocities[of_mechanism_[m].offset + i] = velocity(m, of_mechanism_[m].rows[i]);
+  for (const std::size_t m : mechanisms(part))
+    for (const MechanismRow& row : of_mechanism_[m].rows) *to++ = velocity(m, row);
 }
 
-void Bounded::store_velocities() {
+void Bounded::store_velocities(Part& part) {
   // Bodies without joints take their velocities as they are.
-  Bodies& bodies = plant_.bodies;
-  for (std::size_t i = 0; i < slotted_.size(); ++i) {
-    const double* from = &rows_.velocities[6 * i];
-    bodies.w[slotted_[i]] = Vector3d(from[0], from[1], from[2]);
-    bodies.v[slotted_[i]] = Vector3d(from[3], from[4], from[5]);
+  const double* from = part.rows.velocities.data();
+  for (const std::size_t body : free_bodies(part)) {
+    plant_.bodies.w[body] = Vector3d(from[0], from[1], from[2]);
+    plant_.bodies.v[body] = Vector3d(from[3], from[4], from[5]);
+    from += 6;
   }
-  if (rows_.responses.empty()) return;
-  // Mechanisms get the change of each row's impulse, and answer it with all their joints.
-  for (std::size_t m = 0; m < of_mechanism_.size(); ++m)
+  if (!part.rows.responses.empty()) push_mechanisms(part);
+}
+
+// Mechanisms get the change of each row's impulse, and answer it with all their joints.
+void Bounded::push_mechanisms(Part& part) {
+  for (const std::size_t m : mechanisms(part))
     if (binds(m)) plant_.mechanisms[m].clear();
-  for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
-    const RowBlock& block = rows_.blocks[k];
+  for (std::size_t k = 0; k < part.block_count; ++k) {
+    const RowBlock& block = part.rows.blocks[k];
     for (std::size_t e = 0; e < block.end_count; ++e) {
       if (block.ends[e].free) continue;
       const std::size_t m = block.ends[e].mechanism;
       for (std::size_t i = 0; i < block.dim; ++i) {
         const MechanismRow& row = of_mechanism_[m].rows[block.ends[e].first + i];
-        const double impulse = block.lambda[i] - before_[k][i];
+        const double impulse = block.lambda[i] - before_[part.first_block + k][i];
         if (row.axis != nullptr)
           plant_.mechanisms[m].tree().push_axis(static_cast<std::size_t>(row.axis->node), impulse);
         else
@@ -126,8 +126,10 @@ void Bounded::store_velocities() {
       }
     }
   }
-  for (std::size_t m = 0; m < of_mechanism_.size(); ++m) {
+  Bodies& bodies = plant_.bodies;
+  for (const std::size_t m : mechanisms(part)) {
     if (!binds(m)) continue;
+    plant_.work.take(plant_.mechanisms[m].units());
     plant_.mechanisms[m].solve();
     moment_ == kAhead ? plant_.mechanisms[m].apply_ahead(bodies) : plant_.mechanisms[m].apply(bodies);
     take_axis_impulses(plant_, m, moment_);
@@ -153,7 +155,7 @@ void Bounded::aim_touch(RowBlock& block, const Touch& touch, double bounce) cons
       target -= 0.5 * h_ * (touch.frame.transpose() * touch.bias);
       // Lets the bodies sink into the layer, or drives them out of an overlap.
       const double beyond = beyond_noise(touch.depth - layer);
-      target[0] += std::min((beyond < 0.0 ? 1.0 : kPushShare) * beyond / h_, kMostPush);
+      target[0] += std::min((beyond < 0.0 ? 1.0 : kPushShare) * beyond / h_, apart_ ? 0.0 : kMostPush);
       return;
     }
     default:
@@ -212,7 +214,8 @@ void Bounded::aim_stop(RowBlock& block, const Axis& axis, std::size_t side) cons
       return;
     case kAhead: {
       const double left = room(axis, side);
-      block.target[0] = sign * std::max((left > 0.0 ? 1.0 : kPushShare) * left / h_, -kMostPush) - axis.bias;
+      block.target[0] =
+          sign * std::max((left > 0.0 ? 1.0 : kPushShare) * left / h_, apart_ ? 0.0 : -kMostPush) - axis.bias;
       return;
     }
     default:
@@ -231,9 +234,10 @@ void Bounded::aim_spring(RowBlock& block, const Spring& spring) const {
   block.high = kInfinite;
 }
 
-void Bounded::aim() {
-  for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
-    RowBlock& block = rows_.blocks[k];
+void Bounded::aim(Part& part) {
+  for (std::size_t i = 0; i < part.block_count; ++i) {
+    const std::size_t k = part.first_block + i;
+    RowBlock& block = blocks_[k];
     const Owner& owner = owners_[k];
     switch (owner.of) {
       case Of::kTouch:
@@ -261,57 +265,99 @@ void Bounded::aim() {
 // A tick that stops a body starts the next one with half of that impulse too much. Left alone, this would
 // move the body, be answered, and so on for ever. It therefore has to be solved once more: a body that has
 // moved gets the smaller bound kComesToRest.
-double Bounded::rest() const {
-  if (moment_ == kAfter) return rests_ ? 1.0 : 0.0;
-  return plant_.rested ? 1.0 : kComesToRest;
+double Bounded::rest(const Part& part) const {
+  if (moment_ == kAfter) return part.rests ? 1.0 : 0.0;
+  return has_rested(part.island) ? 1.0 : kComesToRest;
+}
+
+// New contacts do not count. An island of which a part has moved has not rested.
+bool Bounded::has_rested(std::size_t island) const {
+  bool rested = false;
+  for (const std::size_t i : plant_.islands.touches(island)) {
+    const Touch& touch = plant_.touches[i];
+    if (touch.rested == false) return false;
+    rested = rested || touch.rested == true;
+  }
+  return rested;
 }
 
 // If the look-ahead changed anything, the end of the step must be solved too. A small rest would otherwise
 // stay, and the next look-ahead would have to change it back.
-double Bounded::solve_rows() {
-  load_velocities();
-  for (std::size_t k = 0; k < rows_.blocks.size(); ++k) before_[k] = rows_.blocks[k].applied;
+double Bounded::solve_rows(Part& part) {
+  load_velocities(part);
+  for (std::size_t k = 0; k < part.block_count; ++k)
+    before_[part.first_block + k] = part.rows.blocks[k].applied;
   const double share = moment_ == kHit ? 0.0 : kShare;
-  const double missed =
-      gently_ ? rows_.sweep_gently(kGentleSweeps) : rows_.solve(kMostSweeps, kEnough, share, rest());
-  if (moment_ == kAhead) rests_ = rests_ && rows_.rests();
-  if (moment_ == kAfter) plant_.rested = rows_.rests();
-  store_velocities();
+  double missed = 0.0;
+  try {
+    missed = part.gently || apart_ ? rows_.sweep_gently(kGentleSweeps)
+                                   : rows_.solve(kMostSweeps, kEnough, share, rest(part));
+  } catch (const WorkSpent&) {
+    report();  // the best that was reached
+    throw;
+  }
+  if (moment_ == kAhead) part.rests = part.rests && part.rows.rests;
+  if (moment_ == kAfter)
+    for (const std::size_t i : plant_.islands.touches(part.island))
+      plant_.touches[i].rested = part.rows.rests;
+  store_velocities(part);
   return missed;
 }
 
-void Bounded::start_gently(std::span<const Vector3d> v, std::span<const Vector3d> w) {
-  gently_ = true;
-  for (const std::size_t i : slotted_) {
+void Bounded::start_gently(std::size_t island, std::span<const Vector3d> v, std::span<const Vector3d> w) {
+  Part& part = parts_[island];
+  part.gently = true;
+  for (const std::size_t i : free_bodies(part)) {
     plant_.bodies.v[i] = v[i];
     plant_.bodies.w[i] = w[i];
   }
-  for (RowBlock& block : rows_.blocks) block.lambda = block.applied = {};
+  for (RowBlock& block : part.rows.blocks) block.lambda = block.applied = {};
+  rows_.take(part.rows);
   rows_.soften(kGentleSoftness);
 }
 
-double Bounded::solve() {
-  if (!plant_.springs.empty()) load_velocities();
-  aim();
-  return solve_rows();
+double Bounded::solve(Part& part) {
+  if (!plant_.islands.springs(part.island).empty()) load_velocities(part);
+  aim(part);
+  return solve_rows(part);
+}
+
+double Bounded::solve(std::size_t island) {
+  rows_.take(parts_[island].rows);
+  return solve(parts_[island]);
+}
+
+void Bounded::find_short(double enough, std::vector<std::size_t>& found) {
+  for (Part& part : parts_) {
+    rows_.take(part.rows);
+    load_velocities(part);  // joints may have moved the bodies since
+    const auto bodies = free_bodies(part);
+    for (const RowBlock& block : part.rows.blocks) {
+      if (rows_.miss(block) <= enough) continue;
+      for (std::size_t e = 0; e < block.end_count; ++e) found.push_back(bodies[block.ends[e].offset / 6]);
+    }
+  }
 }
 
 // Poisson's law brings everything to rest first. Newton's asks for the whole bounce, then looks at the
 // energy.
-void Bounded::bounce() {
+void Bounded::bounce(std::size_t island) {
+  Part& part = parts_[island];
+  rows_.take(part.rows);
   const bool poisson = plant_.setting.impact == "poisson";
-  shares_.assign(rows_.blocks.size(), {.now = poisson ? 0.0 : 1.0});
-  met_.resize(rows_.blocks.size());
-  load_velocities();
-  for (std::size_t k = 0; k < rows_.blocks.size(); ++k)
-    for (std::size_t i = 0; i < rows_.blocks[k].dim; ++i) met_[k][i] = rows_.velocity(rows_.blocks[k], i);
-  solve();
-  poisson ? restore_by_poisson() : keep_energy();
+  load_velocities(part);
+  for (std::size_t i = 0; i < part.block_count; ++i) {
+    const std::size_t k = part.first_block + i;
+    shares_[k] = {.now = poisson ? 0.0 : 1.0};
+    for (std::size_t row = 0; row < blocks_[k].dim; ++row) met_[k][row] = rows_.velocity(blocks_[k], row);
+  }
+  solve(part);
+  poisson ? restore_by_poisson(part) : keep_energy(part);
 }
 
 // J, mean of the velocities before and after times the impulse; 0 where it is no more than rounding.
 double Bounded::work(std::size_t k) const {
-  const RowBlock& block = rows_.blocks[k];
+  const RowBlock& block = blocks_[k];
   double work = 0.0, size = 0.0;
   for (std::size_t i = 0; i < block.dim; ++i) {
     const double now = rows_.velocity(block, i);
@@ -323,10 +369,11 @@ double Bounded::work(std::size_t k) const {
 
 // Finds, for each contact by itself, the largest share of the bounce that gains no energy, by halving the
 // interval.
-void Bounded::keep_energy() {
+void Bounded::keep_energy(Part& part) {
+  const std::size_t end = part.first_block + part.block_count;
   for (int cut = 0; cut <= kMostCuts; ++cut) {
     bool changed = false;
-    for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
+    for (std::size_t k = part.first_block; k < end; ++k) {
       if (owners_[k].of != Of::kTouch || plant_.touches[owners_[k].index].bounce == 0.0) continue;
       Share& share = shares_[k];
       const double now = share.now;
@@ -336,24 +383,24 @@ void Bounded::keep_energy() {
       changed = changed || share.now != now;
     }
     if (!changed) return;
-    solve();
+    solve(part);
   }
 }
 
 // The second half of the hit: at least (1 + e) of the impulse of the first half.
-void Bounded::restore_by_poisson() {
-  for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
-    if (owners_[k].of != Of::kTouch) continue;
-    RowBlock& block = rows_.blocks[k];
-    const Touch& touch = plant_.touches[owners_[k].index];
-    block.low = (1.0 + touch.returned) * block.lambda[0];
+void Bounded::restore_by_poisson(Part& part) {
+  for (std::size_t i = 0; i < part.block_count; ++i) {
+    const Owner& owner = owners_[part.first_block + i];
+    if (owner.of != Of::kTouch) continue;
+    RowBlock& block = part.rows.blocks[i];
+    block.low = (1.0 + plant_.touches[owner.index].returned) * block.lambda[0];
   }
-  solve_rows();
+  solve_rows(part);
 }
 
 void Bounded::report() {
-  for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
-    const std::array<double, 3>& lambda = rows_.blocks[k].lambda;
+  for (std::size_t k = 0; k < blocks_.size(); ++k) {
+    const std::array<double, 3>& lambda = blocks_[k].lambda;
     const Owner& owner = owners_[k];
     switch (owner.of) {
       case Of::kTouch:

@@ -13,9 +13,9 @@ inline constexpr double kSurfaceLayerM = 5e-7;
 // Fastest separation of overlapping bodies: a body that starts inside another one is not shot out of it.
 inline constexpr double kMostPush = 0.5;  // m/s
 
-// Builds and solves the rows of one moment. Order of calls: build(), then solve() or bounce() any number of
-// times, then report(). Stepper owns it and uses it on the tick's thread. solve() may return NaN or infinity
-// where the rows have no answer; the caller looks at that.
+// Builds the rows of one moment, and solves each island's (islands.h). Order of calls: build(), then for each
+// island solve() or bounce() any number of times, then report(). Stepper owns it and uses it on the tick's
+// thread. solve() may return NaN or infinity where the rows have no answer; the caller looks at that.
 class Bounded {
  public:
   explicit Bounded(Plant& plant);
@@ -23,23 +23,30 @@ class Bounded {
   // Makes the rows that may bind at this moment. They start from the impulses of the last tick or of the
   // moment before. The mechanisms must be factored.
   void build(Moment moment, double h);
-  bool empty() const { return rows_.blocks.empty(); }
-  std::span<const std::size_t> free_bodies() const {
-    return slotted_;
-  }  // numbers of the bodies without joints that have rows
+  bool has_rows() const { return !blocks_.empty(); }  // of any island
+  bool has_rows(std::size_t island) const { return !parts_[island].rows.blocks.empty(); }
+  // Numbers of an island's bodies without joints that have rows.
+  std::span<const std::size_t> free_bodies(std::size_t island) const { return free_bodies(parts_[island]); }
   // True if any row acts on the mechanism.
-  bool binds(std::size_t mechanism) const { return !of_mechanism_[mechanism].rows.empty(); }
+  bool binds(std::size_t mechanism) const { return plant_.mechanism_bound[mechanism] != 0; }
 
-  // Solves with the bodies' present velocities, and changes them. Returns the largest miss before: by how
-  // much the velocities were not as the rows ask, m/s or rad/s.
-  double solve();
+  // Solves an island with its bodies' present velocities, and changes them. Returns the largest miss before:
+  // by how much the velocities were not as the rows ask, m/s or rad/s.
+  double solve(std::size_t island);
   // Undoes all that solve() has done: impulses go to zero, and bodies without joints get the velocities `v`
-  // and `w`. From now on, until the end of the step, the rows are softened and solved by a few sweeps only.
-  void start_gently(std::span<const Vector3d> v, std::span<const Vector3d> w);
+  // and `w`. From now on, until the end of the step, the island's rows are softened and solved by a few
+  // sweeps only.
+  void start_gently(std::size_t island, std::span<const Vector3d> v, std::span<const Vector3d> w);
+  // While set, for a limited step: rows see every body as if it had no joints, so that they need no response
+  // of a mechanism; solve() takes a few sweeps; and nothing is driven out of an overlap, which takes energy.
+  void take_apart(bool apart) { apart_ = apart; }
+  // While taken apart, after solve(): appends the numbers of the bodies whose rows miss more than `enough`
+  // (m/s or rad/s); some may appear several times.
+  void find_short(double enough, std::vector<std::size_t>& found);
   // Writes the rows' impulses to the touches, axes and springs.
   void report();
-  // Solves a collision, after build(kHit), by Newton's law of restitution or by Poisson's.
-  void bounce();
+  // Solves an island's collision, after build(kHit), by Newton's law of restitution or by Poisson's.
+  void bounce(std::size_t island);
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
@@ -61,11 +68,25 @@ class Bounded {
   // All rows on one mechanism.
   struct MechanismRows {
     std::vector<MechanismRow> rows;
-    std::size_t offset = 0, response = 0;  // where they begin in Rows::velocities and Rows::responses
+    std::size_t offset = 0, response = 0;  // where they begin in the island's velocities and responses
+  };
+  // The rows of one island, with the share of each list that is its own.
+  struct Part {
+    std::size_t island = 0;
+    std::size_t first_block = 0, block_count = 0;  // in blocks_, owners_, before_, met_ and shares_
+    std::size_t first_free = 0, free_count = 0;    // in slotted_ and bodies_
+    std::size_t velocity_count = 0, response_count = 0;
+    RowIsland rows;
+    bool gently = false;  // solves by a few softened sweeps
+    bool rests = false;   // the look-ahead found nothing to solve
   };
 
   // Forgets the rows of the last moment; keeps the memory.
   void reset(Moment moment, double h);
+  // Makes the rows of an island.
+  void build(Part& part);
+  // True if anything in the island is hit hard enough to bounce.
+  bool is_hit(std::size_t island) const;
   // Adds the three rows of a contact, and those of its twist.
   void add_touch(std::size_t index);
   // Adds the rows of rolling and torsional friction; comes right after its contact.
@@ -79,6 +100,8 @@ class Bounded {
   RowBlock& add_block(Owner owner, std::size_t dim);
   // Connects a block of one row to an axis, in the tree or closing a loop.
   void connect_axis(RowBlock& block, const Axis& axis);
+  // The same to the axis' two bodies, as if they had no joints.
+  void connect_axis_apart(RowBlock& block, const Axis& axis);
   template <typename FindA, typename FindB>
   // Connects a block to bodies a and b, each free or part of a mechanism.
   void connect_bodies(RowBlock& block, int a, int b, FindA find_a, FindB find_b);
@@ -89,17 +112,19 @@ class Bounded {
   // Connects a block to one or two bodies of the same mechanism, given the rows' directions there.
   void connect_mechanism(RowBlock& block, int a, const Reach* at_a, int b, const Reach* at_b);
   RowEnd& add_mechanism_end(RowBlock& block, int mechanism);
-  // Lays out velocities and responses once all rows are known, and finds the responses.
+  // Lays out an island's velocities and responses once all of its rows are known.
+  void lay_out(Part& part);
+  // Gives each island its share of the lists, and finds the responses.
   void finish();
   // Tells the blocks' ends where their mechanism's rows are, and finds all responses.
-  void connect_responses();
+  void connect_responses(Part& part, double* W);
   // Computes W of a mechanism: what a unit impulse on each of its rows does to all of them.
-  void find_response(std::size_t mechanism);
+  void find_response(std::size_t mechanism, double* W);
   // Velocity of a row in the mechanism's last answer, rad/s or m/s.
   double rate_in_answer(std::size_t mechanism, const MechanismRow& row) const;
 
   // Sets target, bounds and compliance of every block for this moment; one function for each kind of owner.
-  void aim();
+  void aim(Part& part);
   void aim_touch(RowBlock& block, const Touch& touch, double bounce) const;
   void aim_twist(RowBlock& block, const Touch& touch) const;
   void aim_law(RowBlock& block, const Axis& axis) const;
@@ -107,26 +132,41 @@ class Bounded {
   void aim_stop(RowBlock& block, const Axis& axis, std::size_t side) const;
   void aim_spring(RowBlock& block, const Spring& spring) const;
   // Loads velocities, solves the rows, stores velocities. Returns the largest miss before.
-  double solve_rows();
+  double solve(Part& part);
+  double solve_rows(Part& part);
   // Second half of a collision by Poisson's law.
-  void restore_by_poisson();
+  void restore_by_poisson(Part& part);
   // Cuts the bounces of a collision by Newton's law down until no contact gains energy.
-  void keep_energy();
+  void keep_energy(Part& part);
   // Work of a block's impulses on its bodies during a hit, J; 0 where it is no more than rounding.
   double work(std::size_t block) const;
-  double rest() const;  // the argument `rest` of Rows::solve()
+  double rest(const Part& part) const;  // the argument `rest` of Rows::solve()
+  // True if the last tick needed no change of the contacts' impulses.
+  bool has_rested(std::size_t island) const;
+  std::span<const std::size_t> mechanisms(const Part& part) const {
+    return plant_.islands.mechanisms(part.island);
+  }
+  std::span<const std::size_t> free_bodies(const Part& part) const {
+    return std::span(slotted_).subspan(part.first_free, part.free_count);
+  }
   // Copies the velocities of bodies and mechanisms into the rows, and what the rows changed back.
-  void load_velocities();
-  void store_velocities();
+  void load_velocities(Part& part);
+  void store_velocities(Part& part);
+  void push_mechanisms(Part& part);
   // Present velocity of a mechanism's row, rad/s or m/s.
   double velocity(std::size_t mechanism, const MechanismRow& row) const;
 
   Plant& plant_;
   Rows rows_;
-  std::vector<Owner> owners_;                  // by block
-  std::vector<MechanismRows> of_mechanism_;    // by mechanism
-  std::vector<std::size_t> slot_;              // by body without joints: its offset in the velocities
-  std::vector<std::size_t> slotted_;           // numbers of those that have one
+  std::vector<Part> parts_;         // by island
+  std::vector<RowBlock> blocks_;    // of one island after the other; so are the next three
+  std::vector<double> velocities_;  // of its bodies without joints, then of its mechanisms' rows
+  std::vector<FreeBody> bodies_;
+  std::vector<double> responses_;
+  std::vector<Owner> owners_;                // by block
+  std::vector<MechanismRows> of_mechanism_;  // by mechanism
+  std::vector<std::size_t> slot_;            // by body without joints: its offset in its island's velocities
+  std::vector<std::size_t> slotted_;         // numbers of those that have one
   std::vector<std::array<double, 3>> before_;  // by block: impulses before solve()
   // For a hit, by block: the velocities before it, and the share of Newton's bounce that is asked for, with
   // the interval in which the right share is known to lie.
@@ -135,8 +175,8 @@ class Bounded {
     double now = 1.0, least = 0.0, most = 1.0;
   };
   std::vector<Share> shares_;
-  bool gently_ = false;  // solves by a few softened sweeps
-  bool rests_ = false;   // the look-ahead found nothing to solve
+  std::size_t building_ = 0;  // the island whose rows are being made
+  bool apart_ = false;        // takes mechanisms apart, for a limited step
   Moment moment_ = kAhead;
   double h_ = 0.0;
 };

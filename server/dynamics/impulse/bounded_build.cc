@@ -23,39 +23,69 @@ void put(std::array<double, 6>& row, const Vector3d& angular, const Vector3d& li
 }  // namespace
 
 Bounded::Bounded(Plant& plant)
-    : plant_(plant), of_mechanism_(plant.mechanisms.size()), slot_(plant.bodies.size(), kNone) {}
+    : plant_(plant),
+      rows_(kernels(), &plant.work),
+      of_mechanism_(plant.mechanisms.size()),
+      slot_(plant.bodies.size(), kNone) {}
 
 // Forgets the rows of the last moment.
 void Bounded::reset(Moment moment, double h) {
   moment_ = moment;
   h_ = h;
-  rows_.clear();
+  blocks_.clear();
+  bodies_.clear();
   owners_.clear();
   for (MechanismRows& rows : of_mechanism_) rows.rows.clear();
   for (const std::size_t body : slotted_) slot_[body] = kNone;
   slotted_.clear();
+  parts_.resize(plant_.islands.size());
 }
 
 void Bounded::build(Moment moment, double h) {
+  plant_.work.take(WorkBudget::kPerTouch *
+                   (plant_.touches.size() + plant_.acting.size() + plant_.springs.size()));
   reset(moment, h);
-  // The look-ahead rests until it has solved something. Softened solving lasts until the end of the step.
-  if (moment == kAhead) rests_ = true;
-  gently_ = gently_ && moment == kAfter;
-  for (std::size_t i = 0; i < plant_.touches.size(); ++i) add_touch(i);
+  for (building_ = 0; building_ < parts_.size(); ++building_) {
+    Part& part = parts_[building_];
+    part.island = building_;
+    part.first_block = blocks_.size();
+    part.first_free = slotted_.size();
+    // The look-ahead rests until it has solved something. Softened solving lasts until the end of the step.
+    if (moment == kAhead) part.rests = true;
+    part.gently = part.gently && moment == kAfter;
+    if (moment != kHit || is_hit(building_)) build(part);
+    lay_out(part);
+  }
+  finish();
+}
+
+bool Bounded::is_hit(std::size_t island) const {
+  for (const std::size_t i : plant_.islands.touches(island))
+    if (plant_.touches[i].hits) return true;
+  for (const std::size_t m : plant_.islands.mechanisms(island))
+    for (const Axis& axis : plant_.acting_axes_of(m))
+      if (axis.hits[0] || axis.hits[1]) return true;
+  return false;
+}
+
+void Bounded::build(Part& part) {
+  const Islands& islands = plant_.islands;
+  for (const std::size_t i : islands.touches(part.island)) add_touch(i);
   // Axes that are not in the tree, or that are near a stop.
-  for (const std::size_t i : plant_.acting) {
-    const Axis& axis = plant_.axes[i];
-    if (axis.boxed || axis.loop >= 0 || is_within_reach(axis, h)) add_axis(i);
+  for (const std::size_t m : islands.mechanisms(part.island)) {
+    for (std::size_t k = plant_.first_acting[m]; k < plant_.first_acting[m + 1]; ++k) {
+      const Axis& axis = plant_.axes[plant_.acting[k]];
+      if (axis.boxed || axis.loop >= 0 || is_within_reach(axis, h_)) add_axis(plant_.acting[k]);
+    }
   }
   // Springs are solved in the look-ahead only.
-  if (moment == kAhead)
-    for (std::size_t i = 0; i < plant_.springs.size(); ++i) add_spring(i);
-  finish();
+  if (moment_ == kAhead)
+    for (const std::size_t i : islands.springs(part.island)) add_spring(i);
 }
 
 RowBlock& Bounded::add_block(Owner owner, std::size_t dim) {
   owners_.push_back(owner);
-  RowBlock& block = rows_.blocks.emplace_back();
+  RowBlock& block = blocks_.emplace_back();
   block.dim = dim;
   return block;
 }
@@ -64,8 +94,8 @@ RowBlock& Bounded::add_block(Owner owner, std::size_t dim) {
 // they write into the block itself, which avoids a copy.
 template <typename FindA, typename FindB>
 void Bounded::connect_bodies(RowBlock& block, int a, int b, FindA find_a, FindB find_b) {
-  const int of_a = a < 0 ? -1 : plant_.places[static_cast<std::size_t>(a)].mechanism;
-  const int of_b = b < 0 ? -1 : plant_.places[static_cast<std::size_t>(b)].mechanism;
+  const int of_a = a < 0 || apart_ ? -1 : plant_.places[static_cast<std::size_t>(a)].mechanism;
+  const int of_b = b < 0 || apart_ ? -1 : plant_.places[static_cast<std::size_t>(b)].mechanism;
   // Both bodies have no joints, or do not move.
   if (of_a < 0 && of_b < 0) {
     if (a >= 0) find_a(block, add_free_end(block, static_cast<std::size_t>(a)));
@@ -93,9 +123,9 @@ void Bounded::connect_bodies(RowBlock& block, int a, int b, FindA find_a, FindB 
 RowEnd& Bounded::add_free_end(RowBlock& block, std::size_t body) {
   // The body's first row gives it six velocities and its mass.
   if (slot_[body] == kNone) {
-    slot_[body] = 6 * slotted_.size();
+    slot_[body] = 6 * (slotted_.size() - parts_[building_].first_free);
     slotted_.push_back(body);
-    FreeBody& free = rows_.bodies.emplace_back();
+    FreeBody& free = bodies_.emplace_back();
     free.mass = plant_.bodies.constants[body].mass;
     const Matrix3d& inertia = plant_.bodies.inertia[body];
     std::copy(inertia.data(), inertia.data() + 9, free.inertia.begin());
@@ -138,7 +168,7 @@ void Bounded::add_twist(std::size_t index) {
   const Touch& touch = plant_.touches[index];
   RowBlock& block = add_block({Of::kTwist, index}, 3);
   block.kind = RowBlock::Kind::kTwist;
-  block.contact = rows_.blocks.size() - 2;
+  block.contact = blocks_.size() - 2 - parts_[building_].first_block;
   block.friction = touch.rolling_friction;
   block.torsion = touch.torsional_friction;
   for (int i = 0; i < 3; ++i) block.lambda[static_cast<std::size_t>(i)] = touch.twist[moment_][i];
@@ -201,7 +231,21 @@ void Bounded::add_spring(std::size_t index) {
       [&](RowBlock& of, RowEnd& end) { find(of, end, spec.b, pb, 1.0); });
 }
 
+void Bounded::connect_axis_apart(RowBlock& block, const Axis& axis) {
+  const AxisDirection along = axis_direction(*axis.spec, *axis.pose);
+  const auto find = [&](RowBlock& of, RowEnd& end, int body, double sign) {
+    const Vector3d lever = axis.pose->pb - plant_.bodies.x[static_cast<std::size_t>(body)];
+    put(end.J[0], sign * (along.w + lever.cross(along.v)), sign * along.v);
+    respond(of, end, body);
+  };
+  connect_bodies(
+      block, axis.a, axis.b, [&](RowBlock& of, RowEnd& end) { find(of, end, axis.a, -1.0); },
+      [&](RowBlock& of, RowEnd& end) { find(of, end, axis.b, 1.0); });
+  block.free_response = block.K[0];
+}
+
 void Bounded::connect_axis(RowBlock& block, const Axis& axis) {
+  if (apart_) return connect_axis_apart(block, axis);
   MechanismRows& rows = of_mechanism_[axis.mechanism];
   add_mechanism_end(block, static_cast<int>(axis.mechanism));
   // An axis of the tree is pushed directly.
@@ -246,27 +290,60 @@ void Bounded::connect_mechanism(RowBlock& block, int a, const Reach* at_a, int b
   }
 }
 
-void Bounded::finish() {
-  // measure_ahead() asks which mechanisms have rows.
-  for (std::size_t m = 0; m < of_mechanism_.size(); ++m) plant_.mechanism_bound[m] = binds(m);
-  if (empty()) return;
-  // First the bodies without joints, then the mechanisms; likewise W of each mechanism.
-  std::size_t offset = 6 * slotted_.size(), response = 0;
-  for (MechanismRows& rows : of_mechanism_) {
-    rows.offset = offset;
-    rows.response = response;
-    offset += rows.rows.size();
-    response += rows.rows.size() * rows.rows.size();
+// An island's velocities: first the bodies without joints, then the mechanisms; likewise W of each mechanism.
+void Bounded::lay_out(Part& part) {
+  part.block_count = blocks_.size() - part.first_block;
+  part.free_count = slotted_.size() - part.first_free;
+  part.velocity_count = 6 * part.free_count;
+  part.response_count = 0;
+  for (const std::size_t m : mechanisms(part)) {
+    // Each row needs an answer of the mechanism (find_response), which is looked at from each row.
+    MechanismRows& rows = of_mechanism_[m];
+    plant_.work.take(rows.rows.size() * (plant_.mechanisms[m].units() + rows.rows.size()));
+    rows.offset = part.velocity_count;
+    rows.response = part.response_count;
+    part.velocity_count += rows.rows.size();
+    part.response_count += rows.rows.size() * rows.rows.size();
   }
-  rows_.velocities.resize(offset);
-  rows_.responses.resize(response);
-  if (response > 0) connect_responses();
-  rows_.prepare();
-  before_.resize(rows_.blocks.size());
 }
 
-void Bounded::connect_responses() {
-  for (RowBlock& block : rows_.blocks) {
+void Bounded::finish() {
+  // measure_ahead() asks which mechanisms have rows.
+  for (std::size_t m = 0; m < of_mechanism_.size(); ++m)
+    plant_.mechanism_bound[m] = !of_mechanism_[m].rows.empty();
+  for (const std::size_t body : slotted_)
+    if (const int m = plant_.places[body].mechanism; m >= 0)
+      plant_.mechanism_bound[static_cast<std::size_t>(m)] = true;
+  std::size_t velocities = 0, responses = 0;
+  for (const Part& part : parts_) {
+    velocities += part.velocity_count;
+    responses += part.response_count;
+  }
+  velocities_.resize(velocities);
+  responses_.resize(responses);
+  before_.resize(blocks_.size());
+  if (moment_ == kHit) {
+    met_.resize(blocks_.size());
+    shares_.resize(blocks_.size());
+  }
+  // Each island gets its share of the lists.
+  velocities = responses = 0;
+  for (Part& part : parts_) {
+    part.rows = {std::span(blocks_).subspan(part.first_block, part.block_count),
+                 std::span(velocities_).subspan(velocities, part.velocity_count),
+                 std::span(bodies_).subspan(part.first_free, part.free_count),
+                 std::span(responses_).subspan(responses, part.response_count)};
+    if (part.response_count > 0) connect_responses(part, &responses_[responses]);
+    velocities += part.velocity_count;
+    responses += part.response_count;
+    rows_.take(part.rows);
+    rows_.prepare();
+  }
+}
+
+// `W`: of the island's mechanisms.
+void Bounded::connect_responses(Part& part, double* W) {
+  for (RowBlock& block : part.rows.blocks) {
     for (std::size_t e = 0; e < block.end_count; ++e) {
       RowEnd& end = block.ends[e];
       if (end.free) continue;
@@ -276,12 +353,14 @@ void Bounded::connect_responses() {
       end.offset = rows.offset;
     }
   }
-  for (std::size_t m = 0; m < of_mechanism_.size(); ++m) find_response(m);
+  for (const std::size_t m : mechanisms(part)) find_response(m, W + of_mechanism_[m].response);
   // Stops and laws measure their response by that of the axis alone.
-  for (std::size_t k = 0; k < rows_.blocks.size(); ++k) {
-    if (owners_[k].of != Of::kStop && owners_[k].of != Of::kLaw) continue;
-    const RowEnd& end = rows_.blocks[k].ends[0];
-    rows_.blocks[k].free_response = of_mechanism_[end.mechanism].rows[end.first].without_loops;
+  for (std::size_t k = 0; k < part.block_count; ++k) {
+    const Of of = owners_[part.first_block + k].of;
+    if (of != Of::kStop && of != Of::kLaw) continue;
+    RowBlock& block = part.rows.blocks[k];
+    const RowEnd& end = block.ends[0];
+    block.free_response = of_mechanism_[end.mechanism].rows[end.first].without_loops;
   }
 }
 
@@ -292,7 +371,7 @@ double Bounded::rate_in_answer(std::size_t m, const MechanismRow& row) const {
 }
 
 // Computes W row by row: a unit impulse on each of its rows, answered by the mechanism.
-void Bounded::find_response(std::size_t m) {
+void Bounded::find_response(std::size_t m, double* W) {
   MechanismRows& rows = of_mechanism_[m];
   Mechanism& mechanism = plant_.mechanisms[m];
   const std::size_t n = rows.rows.size();
@@ -310,8 +389,7 @@ void Bounded::find_response(std::size_t m) {
       row.without_loops = rate_in_answer(m, row);
     }
     mechanism.solve();
-    for (std::size_t j = 0; j < n; ++j)
-      rows_.responses[rows.response + i * n + j] = rate_in_answer(m, rows.rows[j]);
+    for (std::size_t j = 0; j < n; ++j) W[i * n + j] = rate_in_answer(m, rows.rows[j]);
   }
 }
 

@@ -1,5 +1,6 @@
 // The engine `impulse`: it looks ahead and finds the impulses that will hold the joints (see README.md beside
 // this file).
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -17,6 +18,8 @@ namespace visum::dynamics {
 namespace impulse {
 namespace {
 
+// Units of work for a tick, unless the scene sets another number; see README.md.
+constexpr std::uint64_t kWorkLimit = 50'000'000;
 constexpr int kMostHalvings = 6;  // a tick's steps may be cut down to 1/64
 
 // True if the joint's position counts more than one turn.
@@ -32,7 +35,8 @@ class ImpulseEngine : public Engine {
       : index_(static_cast<std::size_t>(engine_index)),
         plant_(model, engine_index),
         stepper_(plant_),
-        sleep_(plant_) {
+        sleep_(plant_),
+        limit_(plant_.setting.work_limit != 0 ? plant_.setting.work_limit : kWorkLimit) {
     within_.joints.resize(model.joints.size());
     for (std::size_t i = 0; i < model.joints.size(); ++i)
       if (counts_turns(model.joints[i])) turning_.push_back(i);
@@ -51,13 +55,24 @@ class ImpulseEngine : public Engine {
       return {false, fault};
     prepare(input, state);
     warned_ = false;
-    // Orders above 2 need the factors to decide on the stages.
-    if (plant_.setting.order > 2) stepper_.factor(input.tick_s, state);
-    bool ok = true;
-    for (const double share : stages(plant_, input.tick_s))
-      ok = ok && advance(share * input.tick_s, 0, input, state);
+    plant_.work.start(limit_);
+    bool ok = true, limited = false;
+    try {
+      // Orders above 2 need the factors to decide on the stages.
+      if (plant_.setting.order > 2) stepper_.factor(input.tick_s, state);
+      for (const double share : stages(plant_, input.tick_s))
+        ok = ok && advance(share * input.tick_s, 0, input, state);
+    } catch (const WorkSpent&) {
+      limited = true;
+    }
+    const std::uint64_t work = plant_.work.taken();
+    if (limited) make_limited(input, state);
     if (!ok) return {false, broken_text()};
-    return store(input, state);
+    StepResult result = store(input, state);
+    result.limited = limited;
+    result.work = work;
+    if (limited) name_short(result.fell_short);
+    return result;
   }
 
  private:
@@ -71,8 +86,37 @@ class ImpulseEngine : public Engine {
     prepare_axes(plant_, input.drives, state);
     for (Spring& spring : plant_.springs) spring.total = 0.0;
     find_touches(plant_, input.contacts, state);
+    plant_.islands.find(plant_);
     const std::size_t rest = std::min(kept.size(), sleep_.bytes());
     read_warm_start(std::span(kept).first(kept.size() - rest), input.contacts, plant_);
+  }
+
+  // Makes the tick anew as one limited step, whose work is bounded by itself. It starts from the contacts'
+  // impulses that were reached, unless the tick had been cut already. Where that gains so much energy that
+  // bodies have to stay where they were, it starts from none.
+  void make_limited(const StepInput& input, const world::WorldState& state) {
+    const bool whole = !has_moved_ && !warned_;
+    reached_.clear();
+    for (const Touch& touch : plant_.touches) reached_.push_back(touch.impulse[kAhead]);
+    plant_.work.start(UINT64_MAX);
+    prepare(input, state);
+    for (std::size_t i = 0; whole && i < reached_.size(); ++i)
+      if (reached_[i].allFinite()) plant_.touches[i].impulse[kAhead] = reached_[i];
+    if (!stepper_.step_limited(input.tick_s, input.wrenches, state)) {
+      prepare(input, state);
+      for (Touch& touch : plant_.touches) touch.impulse[kAhead] = touch.twist[kAhead] = Vector3d::Zero();
+      stepper_.step_limited(input.tick_s, input.wrenches, state);
+    }
+    warned_ = true;
+  }
+
+  // The bodies that fell short, each once, in the order of their numbers.
+  void name_short(std::vector<world::BodyId>& names) const {
+    std::vector<std::size_t> numbers(stepper_.short_bodies().begin(), stepper_.short_bodies().end());
+    std::ranges::sort(numbers);
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    numbers.resize(std::min(numbers.size(), StepResult::kMostNamed));
+    for (const std::size_t i : numbers) names.push_back(plant_.bodies.constants[i].id);
   }
 
   // Moves all by h. If the joints do not close, the step is made of two steps of half the length, down to
@@ -182,6 +226,8 @@ class ImpulseEngine : public Engine {
   double moved_s_ = 0.0;              // length of the last step of this tick: the axes must still be measured
   std::array<Moving, kMostHalvings + 1> before_;  // by number of halvings
   bool warned_ = false;                           // in this tick
+  std::uint64_t limit_;                           // units of work for one tick
+  std::vector<Vector3d> reached_;  // by touch: impulses of the look-ahead when the work was spent
 };
 
 }  // namespace

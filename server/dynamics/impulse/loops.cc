@@ -11,6 +11,8 @@ namespace {
 constexpr double kNearlySingular =
     3e-4;  // share of a row's free response; a four-bar has it within 0.03 rad of the line
 
+constexpr std::uint64_t kMostLoopRows = 6;  // that one joint holds
+
 }  // namespace
 
 // At each end: the torque about the centre of mass, and the force; A gets the opposite.
@@ -71,6 +73,23 @@ void Mechanism::find_loop_neighbours() {
     first_neighbour_[i] = 0;
     while (!share(first_neighbour_[i])) ++first_neighbour_[i];
   }
+}
+
+// Each row of a loop is answered by the parts that its loop joins, at most by the whole tree, and is then
+// eliminated by the rows before it, from its first neighbour's on.
+void Mechanism::count_units() {
+  std::vector<std::uint64_t> part_size(size(), 0);
+  for (std::size_t node = 0; node < size(); ++node) ++part_size[static_cast<std::size_t>(tree_.part(node))];
+  std::uint64_t answers = 0, entries = 0, products = 0;
+  for (std::size_t i = 0; i < loops_.size(); ++i) {
+    for (const int part : loop_parts_[i])
+      if (part >= 0) answers += kMostLoopRows * part_size[static_cast<std::size_t>(part)];
+    const std::uint64_t width = kMostLoopRows * (i + 1 - first_neighbour_[i]);
+    entries += kMostLoopRows * width;
+    products += kMostLoopRows * width * width;
+  }
+  pass_units_ = WorkBudget::kPerNode * size() + 2 * entries / WorkBudget::kMultiplications;
+  factor_units_ = WorkBudget::kPerNode * answers + entries + products / WorkBudget::kMultiplications;
 }
 
 double Mechanism::free_response(const PathMotion& line, const Bodies& bodies) const {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "server/dynamics/disjoint_sets.h"
 #include "server/dynamics/impulse/lanes/kernels.h"
 #include "server/world/joint_kinds.h"
 #include "server/world/joint_tree.h"
@@ -15,13 +15,6 @@ namespace {
 bool is_ours(const world::WorldModel& model, const Bodies& bodies, world::JointId id) {
   const world::Joint& joint = model.joints[id.index()];
   return world::info(joint.kind).holds_anything && bodies.number(joint.child) >= 0;
-}
-
-// The representative of a body's connected part, in a forest of parents (union-find).
-int representative(std::vector<int>& leader, int i) {
-  const auto at = [&](int k) -> int& { return leader[static_cast<std::size_t>(k)]; };
-  while (at(i) != i) i = at(i) = at(at(i));
-  return i;
 }
 
 // True if the joint's pose follows from its bodies alone. The others also need the world's state: a screw
@@ -99,6 +92,7 @@ Mechanism::Mechanism(const world::WorldModel& model, const Bodies& bodies, std::
     for (long& answer : block.answer) answer = tree_.answer(static_cast<std::size_t>(answer));
   find_blocks(bodies);
   find_loop_neighbours();
+  count_units();
 }
 
 void Mechanism::find_blocks(const Bodies& bodies) {
@@ -292,8 +286,7 @@ void Mechanism::clear() {
 
 std::vector<Mechanism> find_mechanisms(const world::WorldModel& model, const Bodies& bodies) {
   // Joins the parts of parent and child of every joint.
-  std::vector<int> leader(bodies.size());
-  std::iota(leader.begin(), leader.end(), 0);
+  DisjointSets parts(bodies.size());
   std::vector<bool> jointed(bodies.size(), false);
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     if (!is_ours(model, bodies, {static_cast<std::int32_t>(i)})) continue;
@@ -301,21 +294,17 @@ std::vector<Mechanism> find_mechanisms(const world::WorldModel& model, const Bod
     jointed[static_cast<std::size_t>(child)] = true;
     if (parent < 0) continue;
     jointed[static_cast<std::size_t>(parent)] = true;
-    const int a = representative(leader, child), b = representative(leader, parent);
-    leader[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    parts.join(static_cast<std::size_t>(child), static_cast<std::size_t>(parent));
   }
-  // A body's representative is the lowest number of its part, so one pass finds the parts in that order.
+  // A part's leader is its lowest body, so one pass finds the parts in that order.
   std::vector<std::vector<int>> members(bodies.size());
   std::vector<std::vector<world::JointId>> joints(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i)
-    if (jointed[i])
-      members[static_cast<std::size_t>(representative(leader, static_cast<int>(i)))].push_back(
-          static_cast<int>(i));
+    if (jointed[i]) members[parts.leader(i)].push_back(static_cast<int>(i));
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     const world::JointId id{static_cast<std::int32_t>(i)};
     if (is_ours(model, bodies, id))
-      joints[static_cast<std::size_t>(representative(leader, bodies.number(model.joints[i].child)))]
-          .push_back(id);
+      joints[parts.leader(static_cast<std::size_t>(bodies.number(model.joints[i].child)))].push_back(id);
   }
   std::vector<Mechanism> mechanisms;
   for (std::size_t i = 0; i < bodies.size(); ++i)

@@ -9,6 +9,7 @@
 #include "server/dynamics/impulse/loop_factor.h"
 #include "server/dynamics/impulse/prediction.h"
 #include "server/dynamics/impulse/tree.h"
+#include "server/dynamics/impulse/work_budget.h"
 
 namespace visum::dynamics::impulse {
 
@@ -70,6 +71,10 @@ class Mechanism {
   // The joint with the largest gap in those poses; null where there are no joints.
   const JointSpec* worst_joint() const;
 
+  // Units of work (work_budget.h): of one pass over all joints, and of factoring them.
+  std::uint64_t units() const { return pass_units_; }
+  std::uint64_t factor_units() const { return pass_units_ + factor_units_; }
+
   // Forgets all requests.
   void clear();
   // Asks for an impulse (N·s or N·m·s) on a relative motion.
@@ -118,6 +123,8 @@ class Mechanism {
     double wanted = 0.0;         // the velocity that is asked for, m/s or rad/s
   };
 
+  // Finds what a pass and a factor cost.
+  void count_units();
   // Finds, for each loop, the first loop that shares a part of the tree with it.
   void find_loop_neighbours();
   // Computes the rows of all loops in the present poses.
@@ -157,6 +164,7 @@ class Mechanism {
   std::size_t loop_row_count_ = 0;
   LoopFactor loop_factor_;
   std::vector<double> loop_errors_;
+  std::uint64_t pass_units_ = 0, factor_units_ = 0;
   Prediction prediction_;
   std::vector<double> foreseen_axis_;
   std::vector<double> tautness_;  // by node: square of a swing's frequency over the tension, 1/(kg·m)

@@ -70,6 +70,7 @@ Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
   std::partial_sum(first_axis.begin(), first_axis.end(), first_axis.begin());
   acting.reserve(axes.size());
   first_acting.assign(mechanisms.size() + 1, 0);
+  islands = Islands(*this);
 }
 
 }  // namespace visum::dynamics::impulse

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 
 #include "server/dynamics/engine.h"
+#include "server/dynamics/impulse/islands.h"
 #include "server/dynamics/impulse/mechanism.h"
+#include "server/dynamics/impulse/work_budget.h"
 
 namespace visum::dynamics::impulse {
 
@@ -81,6 +84,7 @@ struct Touch {
   Matrix3d frame;
   Vector3d foreign;       // m/s, the part of A's velocity against B that bodies of other engines cause
   Vector3d foreign_turn;  // rad/s, the same for the angular velocity
+  bool hits = false;      // hard enough to bounce
   double bounce = 0.0;    // m/s, velocity along the normal after a hit (Newton's law)
   double returned = 0.0;  // restitution as a share of the impulse that stops them (Poisson's law)
   Vector3d bias;          // m/s², relative acceleration of A against B in free flight
@@ -95,6 +99,8 @@ struct Touch {
   Vector3d total_twist = Vector3d::Zero();  // the same for the twist
   bool asleep = false;                      // keeps the impulses that the last awake tick recorded
   Vector3d kept_impulse, kept_twist;        // on A, in W, of one half of a tick
+  // The last tick needed no change of the impulses in this contact's island. Nothing: the contact is new.
+  std::optional<bool> rested;
 };
 
 // True if rolling or torsional friction acts at this contact.
@@ -145,7 +151,8 @@ struct Plant {
   bool all_idle = false;  // every axis was idle in the last tick
   std::vector<Spring> springs;
   std::vector<Touch> touches;
-  bool rested = false;                         // the last tick needed no change of the contacts' impulses
+  Islands islands;                             // of this tick
+  WorkBudget work;                             // of this tick
   std::vector<char> asleep, mechanism_asleep;  // by body, by mechanism (sleep.h)
   std::vector<char> mechanism_bound;           // by mechanism: rows act on it at this moment (bounded.h)
 
@@ -255,8 +262,9 @@ bool change_laws(Plant& plant, Moment moment, double h, bool as_rows);
 bool is_asleep(const Plant& plant, const Spring& spring);
 // Measures the springs' lengths at t and the directions in which they pull.
 void measure_springs(Plant& plant, const world::WorldState& state);
-// Measures the rates of their lengths over the look-ahead of h.
-void measure_springs_ahead(Plant& plant, const world::WorldState& state, double h);
+// Measures the rates of the lengths of some of them over the look-ahead of h.
+void measure_springs_ahead(Plant& plant, std::span<const std::size_t> springs, const world::WorldState& state,
+                           double h);
 void push_by_springs(Plant& plant,
                      const world::WorldState& state);  // repeats the look-ahead's impulses at t+h
 

@@ -9,10 +9,10 @@
 //
 // Rows at rest are not solved: if the starting impulses leave next to nothing missing, they are the answer.
 // Otherwise each proximal point takes a sweep of projected Gauss-Seidel, which finds the rows that are at
-// their bounds, and then solves the others at once (rows_active.cc). Where that does not end, it goes on with
-// sweeps that nonlinear conjugate gradients speed up: Silcowitz-Hansen, Niebe, Erleben, A nonsmooth nonlinear
-// conjugate gradient method for interactive contact force problems, Visual Computer 26 (2010). A sweep
-// forwards and back counts as one gradient.
+// their bounds, and then solves the others at once (rows_active.cc), or with their bounds by Newton's method
+// (rows_newton.cc). Where that does not end, it goes on with sweeps that nonlinear conjugate gradients speed
+// up: Silcowitz-Hansen, Niebe, Erleben, A nonsmooth nonlinear conjugate gradient method for interactive
+// contact force problems, Visual Computer 26 (2010). A sweep forwards and back counts as one gradient.
 #include "server/dynamics/impulse/rows.h"
 
 #include <algorithm>
@@ -29,22 +29,14 @@ constexpr double kRestShare = 1e-3;  // share of the allowed miss that counts as
 // Proximal points in one solution.
 constexpr int kMostPoints = 4;
 constexpr int kMostRounds = 8;  // rounds of sweeps and a solution at once, for one proximal point
-
-// How much the velocity of a block's first row changes for a unit impulse.
-double stiffness_of(const RowBlock& block) {
-  return block.K[0] + block.compliance + block.softness[0];
-}
+// More rows change sides than steps from bound to bound could follow, so sweeps smooth what is left.
+constexpr std::size_t kMostForSteps = 64;  // blocks
+constexpr int kMostSmoothing = 20;
 
 // True if the block has tangents that can move. Where nothing can move a contact, none of its impulses is
 // defined.
 bool has_tangents(const RowBlock& block) {
   return block.kind != RowBlock::Kind::kBounded && stiffness_of(block) > kRigid * block.free_response;
-}
-
-// Step size for sliding: 1 over the larger eigenvalue of the tangents' response.
-double sliding_step(const RowBlock& block) {
-  const double a = block.K[1] + block.softness[1], b = block.K[3], c = block.K[2] + block.softness[2];
-  return 2.0 / (a + c + std::sqrt((a - c) * (a - c) + 4.0 * b * b));
 }
 
 // Adds to a free body's velocities the effect of impulses on the rows of an end.
@@ -73,21 +65,24 @@ void move_centre(RowBlock& block) {
 
 }  // namespace
 
-void Rows::clear() {
-  largest_ = 0.0;
-  blocks.clear();
-  velocities.clear();
-  bodies.clear();
-  responses.clear();
+void Rows::take(RowIsland& island) {
+  island_ = &island;
+  blocks_ = island.blocks;
+  velocities_ = island.velocities;
+  bodies_ = island.bodies;
+  responses_ = island.responses;
 }
 
 void Rows::prepare() {
-  for (RowBlock& block : blocks) {
+  island_->largest_change = 0.0;
+  island_->sweep_units = 0;
+  for (RowBlock& block : blocks_) {
     for (std::size_t e = 0; e < block.end_count; ++e) {
       const RowEnd& end = block.ends[e];
+      island_->sweep_units += block.dim * (end.free ? 1 : 1 + end.size / WorkBudget::kMultiplications);
       // A mechanism's share of K is on the diagonal of its W.
       if (end.free) continue;
-      const double* W = &responses[end.response + end.first * end.size + end.first];
+      const double* W = &responses_[end.response + end.first * end.size + end.first];
       for (std::size_t i = 0; i < block.dim; ++i) block.K[i] += W[i * end.size + i];
       if (block.dim == 3) block.K[3] += W[end.size + 2];
     }
@@ -101,7 +96,7 @@ void Rows::prepare() {
 }
 
 void Rows::soften(double share) {
-  for (RowBlock& block : blocks) {
+  for (RowBlock& block : blocks_) {
     for (std::size_t i = 0; i < block.dim; ++i) block.softness[i] += share * block.free_response;
     if (block.kind != RowBlock::Kind::kBounded) invert_tangents(block);
   }
@@ -110,7 +105,7 @@ void Rows::soften(double share) {
 void Rows::push(const RowBlock& block, const std::array<double, 3>& by) {
   for (std::size_t e = 0; e < block.end_count; ++e) {
     const RowEnd& end = block.ends[e];
-    double* velocity = &velocities[end.offset];
+    double* velocity = &velocities_[end.offset];
     if (end.free) {
       // A mechanism: each impulse moves all of its rows.
       push_body(end, by, velocity);
@@ -118,7 +113,7 @@ void Rows::push(const RowBlock& block, const std::array<double, 3>& by) {
     }
     for (std::size_t i = 0; i < block.dim; ++i) {
       if (by[i] == 0.0) continue;
-      const double* response = &responses[end.response + (end.first + i) * end.size];
+      const double* response = &responses_[end.response + (end.first + i) * end.size];
       for (std::size_t j = 0; j < end.size; ++j) velocity[j] += response[j] * by[i];
     }
   }
@@ -166,7 +161,7 @@ double Rows::normal_step(const RowBlock& block) const {
 }
 
 double Rows::pressure(const RowBlock& block) const {
-  const RowBlock& contact = block.kind == RowBlock::Kind::kTwist ? blocks[block.contact] : block;
+  const RowBlock& contact = block.kind == RowBlock::Kind::kTwist ? blocks_[block.contact] : block;
   return std::max(0.0, contact.lambda[0] + contact.base[0]);
 }
 
@@ -197,28 +192,32 @@ double Rows::relax(RowBlock& block) {
   return std::max({normal, std::abs(along[0]) * block.K[1], std::abs(along[1]) * block.K[2]});
 }
 
-// The same figure as a sweep finds, but here no block moves anything.
+// The same figure as relax() finds, but here nothing moves.
+double Rows::miss(const RowBlock& block) const {
+  const double normal = std::max(0.0, std::abs(normal_step(block)) * stiffness_of(block));
+  if (!has_tangents(block)) return normal;
+  const Tangential along = tangents_step(block);
+  return std::max({normal, std::abs(along[0]) * block.K[1], std::abs(along[1]) * block.K[2]});
+}
+
 double Rows::largest_miss() const {
+  count_work(island_->sweep_units);
   double largest = 0.0;
-  for (const RowBlock& block : blocks) {
-    largest = std::max(largest, std::abs(normal_step(block)) * stiffness_of(block));
-    if (!has_tangents(block)) continue;
-    const Tangential along = tangents_step(block);
-    largest = std::max({largest, std::abs(along[0]) * block.K[1], std::abs(along[1]) * block.K[2]});
-  }
+  for (const RowBlock& block : blocks_) largest = std::max(largest, miss(block));
   return largest;
 }
 
 double Rows::sweep(bool forwards) {
+  count_work(island_->sweep_units);
   double largest = 0.0;
-  for (std::size_t i = 0; i < blocks.size(); ++i)
-    largest = std::max(largest, relax(blocks[forwards ? i : blocks.size() - 1 - i]));
+  for (std::size_t i = 0; i < blocks_.size(); ++i)
+    largest = std::max(largest, relax(blocks_[forwards ? i : blocks_.size() - 1 - i]));
   return largest;
 }
 
 // Puts the starting impulses into the velocities. They are the first proximal point, too.
 void Rows::start() {
-  for (RowBlock& block : blocks) {
+  for (RowBlock& block : blocks_) {
     std::array<double, 3> by{};
     for (std::size_t i = 0; i < block.dim; ++i) by[i] = block.lambda[i] - block.applied[i];
     push(block, by);
@@ -227,9 +226,9 @@ void Rows::start() {
   }
 }
 
-double Rows::largest_change() const {
-  double largest = 0.0;
-  for (const RowBlock& block : blocks)
+double Rows::note_change() {
+  double& largest = island_->largest_change;
+  for (const RowBlock& block : blocks_)
     for (std::size_t i = 0; i < block.dim; ++i)
       largest = std::max(largest, block.K[i] * std::abs(block.lambda[i]));
   return largest;
@@ -238,19 +237,17 @@ double Rows::largest_change() const {
 // True if next to nothing is missing with the starting impulses. With mechanisms this test is skipped: a
 // sweep costs no more than the look.
 bool Rows::is_at_rest(double least, double share, double rest) {
-  if (rest == 0.0 || !responses.empty()) return false;
-  largest_ = std::max(largest_, largest_change());
-  return largest_miss() <= rest * std::max(least, kRestShare * share * largest_);
+  if (rest == 0.0 || !responses_.empty()) return false;
+  return largest_miss() <= rest * std::max(least, kRestShare * share * note_change());
 }
 
 double Rows::solve(int most_sweeps, double least, double share, double rest) {
   start();
-  rests_ = is_at_rest(least, share, rest);
-  if (rests_) return 0.0;
+  island_->rests = is_at_rest(least, share, rest);
+  if (island_->rests) return 0.0;
   // One sweep tells which rows are at their bounds, and how large the changes are.
   const double missed = sweep(true);
-  largest_ = std::max(largest_, largest_change());
-  const double enough = std::max(least, share * largest_);
+  const double enough = std::max(least, share * note_change());
   // From proximal point to proximal point, until the softness leaves no error. A yielding normal is meant to
   // stay soft.
   for (int point = 0; point < kMostPoints; ++point) {
@@ -259,33 +256,42 @@ double Rows::solve(int most_sweeps, double least, double share, double rest) {
       break;
     }
     double left = 0.0;
-    for (const RowBlock& block : blocks)
+    for (const RowBlock& block : blocks_)
       for (std::size_t i = block.gives ? 1 : 0; i < block.dim; ++i)
         left = std::max(left, block.softness[i] * std::abs(block.lambda[i] - block.centre[i]));
     if (left <= enough) break;
-    for (RowBlock& block : blocks) move_centre(block);
+    for (RowBlock& block : blocks_) move_centre(block);
   }
   return missed;
 }
 
 double Rows::sweep_gently(int sweeps) {
   start();
-  rests_ = false;
+  island_->rests = false;
   const double missed = sweep(true);
   for (int k = 1; k < sweeps; ++k) sweep(k % 2 == 0);
   return missed;
 }
 
 // Comes after a sweep, which has found the rows at their bounds. With mechanisms a solution at once is dear,
-// so two more sweeps come before it and after it; what they smooth is not left to the next look-ahead.
-// Returns the largest miss at the end.
+// so two more sweeps come before it and after it; what they smooth is not left to the next look-ahead. A
+// second round begins with Newton's method. Returns the largest miss at the end.
 double Rows::settle(double enough) {
-  const bool alone = responses.empty();
+  const bool alone = responses_.empty();
+  const bool twists = std::ranges::any_of(
+      blocks_, [](const RowBlock& block) { return block.kind == RowBlock::Kind::kTwist; });
   double largest = 0.0;
   for (int round = 0; round < kMostRounds; ++round) {
     if (round > 0 || !alone)
-      for (const bool forwards : {true, false})
-        if (largest = sweep(forwards); largest <= enough) return largest;
+      if (largest = sweep_often(2, enough); largest <= enough) return largest;
+    if (round > 0 && !twists) {
+      if (largest = newton(enough); largest <= enough && alone) return largest;
+      if (largest <= enough) continue;
+    }
+    if (round > 0 && blocks_.size() > kMostForSteps) {
+      if (largest = sweep_often(kMostSmoothing, enough); largest <= enough) return largest;
+      continue;
+    }
     const bool solved = solve_active(enough);
     if (solved && !alone) continue;
     if (largest = largest_miss(); largest <= enough || !solved) return largest;
@@ -293,17 +299,24 @@ double Rows::settle(double enough) {
   return largest;
 }
 
+double Rows::sweep_often(int sweeps, double enough) {
+  double largest = 0.0;
+  for (int k = 0; k < sweeps; ++k)
+    if (largest = sweep(k % 2 == 0); largest <= enough) break;
+  return largest;
+}
+
 double Rows::sweep_and_accelerate(int most_sweeps, double enough) {
-  direction_lambda_.assign(3 * blocks.size(), 0.0);
-  direction_velocities_.assign(velocities.size(), 0.0);
-  last_lambda_.resize(3 * blocks.size());
-  last_velocities_.resize(velocities.size());
+  direction_lambda_.assign(3 * blocks_.size(), 0.0);
+  direction_velocities_.assign(velocities_.size(), 0.0);
+  last_lambda_.resize(3 * blocks_.size());
+  last_velocities_.resize(velocities_.size());
   double last_norm = 0.0, largest = 0.0;
   for (int k = 0; k < most_sweeps; ++k) {
-    for (std::size_t i = 0; i < blocks.size(); ++i)
-      std::copy(blocks[i].lambda.begin(), blocks[i].lambda.end(),
+    for (std::size_t i = 0; i < blocks_.size(); ++i)
+      std::copy(blocks_[i].lambda.begin(), blocks_[i].lambda.end(),
                 last_lambda_.begin() + static_cast<std::ptrdiff_t>(3 * i));
-    last_velocities_ = velocities;
+    last_velocities_.assign(velocities_.begin(), velocities_.end());
     largest = sweep(true);
     if (largest <= enough) return largest;
     largest = sweep(false);
@@ -311,26 +324,26 @@ double Rows::sweep_and_accelerate(int most_sweeps, double enough) {
     // The gradient is what the two sweeps have moved. Where it grows, the directions of before are dropped
     // (Fletcher-Reeves with restart).
     double norm = 0.0;
-    for (std::size_t i = 0; i < velocities.size(); ++i) {
-      const double moved = velocities[i] - last_velocities_[i];
+    for (std::size_t i = 0; i < velocities_.size(); ++i) {
+      const double moved = velocities_[i] - last_velocities_[i];
       norm += moved * moved;
     }
     const double beta = last_norm > 0.0 ? norm / last_norm : 2.0;
     last_norm = norm;
     const double keep = beta <= 1.0 ? beta : 0.0;
     // Along the old direction once more, for velocities and impulses alike.
-    for (std::size_t i = 0; i < velocities.size(); ++i) {
+    for (std::size_t i = 0; i < velocities_.size(); ++i) {
       const double old = direction_velocities_[i];
-      direction_velocities_[i] = keep * old + velocities[i] - last_velocities_[i];
-      velocities[i] += keep * old;
+      direction_velocities_[i] = keep * old + velocities_[i] - last_velocities_[i];
+      velocities_[i] += keep * old;
     }
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      for (std::size_t j = 0; j < blocks[i].dim; ++j) {
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      for (std::size_t j = 0; j < blocks_[i].dim; ++j) {
         double& direction = direction_lambda_[3 * i + j];
         const double old = direction;
-        direction = keep * old + blocks[i].lambda[j] - last_lambda_[3 * i + j];
-        blocks[i].lambda[j] += keep * old;
-        blocks[i].applied[j] += keep * old;
+        direction = keep * old + blocks_[i].lambda[j] - last_lambda_[3 * i + j];
+        blocks_[i].lambda[j] += keep * old;
+        blocks_[i].applied[j] += keep * old;
       }
     }
   }

@@ -14,6 +14,7 @@
 #include "server/dynamics/impulse/envelope_lu.h"
 #include "server/dynamics/impulse/friction_cone.h"
 #include "server/dynamics/impulse/lanes/kernels.h"
+#include "server/dynamics/impulse/work_budget.h"
 
 namespace visum::dynamics::impulse {
 
@@ -35,7 +36,7 @@ struct RowEnd {
   std::size_t mechanism = 0;  // mechanism: its index in the plant
   std::size_t first = 0,
               size = 0;  // mechanism: the first of the block's rows there, and the number of all rows there
-  std::size_t response = 0;  // mechanism: where its W begins in Rows::responses
+  std::size_t response = 0;  // mechanism: where its W begins in the responses
 };
 
 // Velocity along a direction, from the six velocities of a free body.
@@ -83,13 +84,43 @@ struct RowBlock {
   bool at_bound = false;  // rows_active.cc: its tangents have met their bound and stay there
 };
 
-// Solves a set of rows with bounds. Order of calls: clear(), fill blocks, velocities, bodies and responses,
-// prepare(), then solve() any number of times. Owned by Bounded, used on the tick's thread. Allocates only
-// while it grows. Where no answer exists, the result may be NaN or infinite; the caller looks at that.
+// The rows that one solution has to satisfy together, and all that they act on: parts of the caller's arrays.
+// Indices in the blocks (offset, response, contact) count from the beginnings of these parts.
+struct RowIsland {
+  std::span<RowBlock> blocks;
+  std::span<double> velocities;
+  std::span<const FreeBody> bodies;   // the free ones, in the order of their velocities
+  std::span<const double> responses;  // W of each mechanism that has rows, one after the other
+  double largest_change = 0.0;        // of a velocity by an impulse, since prepare(), m/s or rad/s
+  bool rests = false;                 // the last solve() had nothing to do
+  std::uint64_t sweep_units = 0;      // work of one sweep, since prepare()
+};
+
+// How much the velocity of a block's first row changes for a unit impulse.
+inline double stiffness_of(const RowBlock& block) {
+  return block.K[0] + block.compliance + block.softness[0];
+}
+
+// True if nothing can move the block's first row.
+inline bool is_rigid(const RowBlock& block) {
+  return !(stiffness_of(block) > kRigid * block.free_response);
+}
+
+// Step size for sliding: 1 over the larger eigenvalue of the tangents' response.
+inline double sliding_step(const RowBlock& block) {
+  const double a = block.K[1] + block.softness[1], b = block.K[3], c = block.K[2] + block.softness[2];
+  return 2.0 / (a + c + std::sqrt((a - c) * (a - c) + 4.0 * b * b));
+}
+
+// Solves an island of rows with bounds. Order of calls: fill an island, take(), prepare(), then solve() any
+// number of times. In between other islands may be taken. Owned by Bounded, used on the tick's thread.
+// Allocates only while it grows. Where no answer exists, the result may be NaN or infinite; the caller looks
+// at that.
 class Rows {
  public:
-  explicit Rows(const Kernels& by = kernels()) : kernels_(&by) {}
-  void clear();  // keeps the memory
+  // `work` may be null: then nothing is counted. Otherwise solve() and sweep_gently() may throw WorkSpent.
+  explicit Rows(const Kernels& by = kernels(), WorkBudget* work = nullptr) : kernels_(&by), work_(work) {}
+  void take(RowIsland& island);  // what follows concerns this island, which must stay valid
   // Computes MJ of an end on a free body from its J, and adds the end's share to the block's K.
   // respond_at_point() also computes J, for three rows along the columns of a frame (sign +1) or against them
   // (-1), at a lever from the centre of mass.
@@ -103,16 +134,10 @@ class Rows {
                                end.MJ[0].data(), block.K.data());
   }
 
-  // Input and output, filled by Bounded.
-  std::vector<RowBlock> blocks;
-  std::vector<double> velocities;
-  std::vector<FreeBody> bodies;   // the free ones, in the order of their velocities
-  std::vector<double> responses;  // W of each mechanism that has rows, one after the other
-
   // Completes the blocks' K and softness, once all ends are known.
   void prepare();
   // Finds the impulses; velocities and `applied` follow. Stops when no row misses more than `least` (m/s or
-  // rad/s), or more than `share` of the largest change of velocity since clear(). Returns the largest miss of
+  // rad/s), or more than `share` of the island's largest change. Returns the largest miss of
   // the first sweep. Does nothing if the start misses no more than the share `rest` of the miss that is
   // allowed at rest; 0: always solves.
   double solve(int most_sweeps, double least, double share, double rest);
@@ -121,7 +146,8 @@ class Rows {
   // A few sweeps only. Impulses that push against each other stay small, even if the rows are far from their
   // targets.
   double sweep_gently(int sweeps);
-  bool rests() const { return rests_; }  // the last solve() had nothing to do
+  // By how much a block's rows miss what they ask for, m/s or rad/s. A NaN counts as 0.
+  double miss(const RowBlock& block) const;
   double velocity(const RowBlock& block,
                   std::size_t row) const;  // relative velocity along the row, m/s or rad/s
 
@@ -131,7 +157,11 @@ class Rows {
   struct Row {
     std::size_t block, row;
     std::array<double, 2> drag{};
+    // A row across the sliding (kAcross) has a direction, by tangent, and gives way.
+    std::array<double, 2> across{};
+    double compliance = 0.0;
   };
+  static constexpr std::size_t kAcross = 3;
 
   // The share of a step that a block can take before it meets a bound: of its first row, and of its tangents
   // (or rolling).
@@ -141,11 +171,14 @@ class Rows {
 
   // One projected Gauss-Seidel sweep over all blocks. Returns the largest miss that it found.
   double sweep(bool forwards);
+  // Sweeps to and fro until nothing misses more than `enough`. Returns the largest miss.
+  double sweep_often(int sweeps, double enough);
   // Sweeps with nonlinear conjugate gradients, until nothing misses more than `enough`. Returns the largest
   // miss.
   double sweep_and_accelerate(int most_sweeps, double enough);
   // Alternates sweeps with solutions at once for one proximal point. Returns the largest miss.
   double settle(double enough);
+  double error(const Row& row) const;
   // The miss of a row's equation, m/s or rad/s.
   double error(const RowBlock& block, std::size_t row) const;
   // Corrects one block. Returns the largest miss that it found.
@@ -160,8 +193,9 @@ class Rows {
   bool is_at_rest(double least, double share, double rest);
   // Largest miss of any block, without correcting it.
   double largest_miss() const;
-  // Largest change of velocity that any impulse has made to its own row.
-  double largest_change() const;
+  // Notes the largest change of velocity that any impulse has made to its own row. Returns the island's
+  // largest so far.
+  double note_change();
   // Normal impulse so far, N·s; of a twist that of its contact.
   double pressure(const RowBlock& block) const;
   // Adds impulses to the velocities.
@@ -173,6 +207,8 @@ class Rows {
 
   // rows_active.cc: solves all rows within their bounds at once. Returns false if there are too many of them.
   bool solve_active(double enough);
+  // Velocity of row a for a unit impulse on row b, without the friction that it drags along.
+  double response(const Row& a, const Row& b) const;
   // Velocity of row r of block a for a unit impulse on row s of block b.
   double response(const RowBlock& a, std::size_t r, const RowBlock& b, std::size_t s) const;
   // Velocity of row a for the friction that row b drags along.
@@ -195,10 +231,27 @@ class Rows {
   Shares shares_within_bounds(const RowBlock& block, const std::array<double, 3>& step) const;
   bool step_active();
 
+  // rows_newton.cc: Newton's method for all rows with their bounds. Returns the largest miss; above `enough`
+  // it found no answer, and came as near as that.
+  double newton(double enough);
+  // One whole step. Returns false where the system has no factor.
+  bool newton_step();
+  // Put a block on the side where the projection leads, and its other rows into the active list.
+  void project_contact(std::size_t index);
+  void project_bounded(std::size_t index);
+  // Puts a contact's friction onto its cone, along a direction of length 1.
+  void slide_along(RowBlock& block, const Tangential& d);
+  // Impulses and velocities to come back to, fully or halfway.
+  void keep_point();
+  void put_back_point();
+  void go_half_back();
+
   // rows_bodies.cc: the same system with the bodies' velocities as unknowns.
   double softness(const Row& row) const;
   // True if all active rows are on free bodies only, and soft.
   bool bodies_alone() const;
+  // Direction of the row on a body.
+  static BodyFactor::Vector6 measure(const Row& row, const RowEnd& end);
   // Impulse on a body for a unit impulse of the row, with the friction that it drags along.
   BodyFactor::Vector6 push(const Row& row, const RowEnd& end) const;
   // The active rows from `i` on that belong to one block.
@@ -208,7 +261,19 @@ class Rows {
   bool factor_bodies(std::size_t most_entries);
   void solve_bodies();
 
+  // Counts work before it is done.
+  void count_work(std::uint64_t units) const {
+    if (work_ != nullptr) work_->take(units);
+  }
+
   const Kernels* kernels_;
+  RowIsland* island_ = nullptr;  // that was taken
+  // Its arrays.
+  std::span<RowBlock> blocks_;
+  std::span<double> velocities_;
+  std::span<const FreeBody> bodies_;
+  std::span<const double> responses_;
+  WorkBudget* work_;
   static constexpr std::size_t kNoBlock = static_cast<std::size_t>(-1);
   std::vector<Row> active_;
   EnvelopeLu factor_;
@@ -219,8 +284,6 @@ class Rows {
   std::vector<double> missing_;
   std::vector<std::array<double, 3>> steps_;  // by block: change of impulse
   std::vector<Shares> shares_;                // by block: how much of steps_ fits
-  bool rests_ = false;
-  double largest_ = 0.0;  // largest change that a solution began with since clear()
   std::vector<double> last_lambda_, last_velocities_, direction_lambda_, direction_velocities_;
 };
 
@@ -228,7 +291,7 @@ inline double Rows::velocity(const RowBlock& block, std::size_t row) const {
   double sum = 0.0;
   for (std::size_t e = 0; e < block.end_count; ++e) {
     const RowEnd& end = block.ends[e];
-    sum += end.free ? dot(end.J[row], &velocities[end.offset]) : velocities[end.offset + end.first + row];
+    sum += end.free ? dot(end.J[row], &velocities_[end.offset]) : velocities_[end.offset + end.first + row];
   }
   return sum;
 }

@@ -23,6 +23,7 @@ constexpr std::size_t kMostEntries = 400'000;  // of the factor: beyond this, sw
 constexpr double kInside =
     1.0 - 1e-9;                    // share of the friction radius up to which a contact counts as sticking
 constexpr double kAtBound = 1e-9;  // share of a step, or of a radius, that counts as zero
+constexpr std::size_t kPerResponse = 4;  // units to find one entry of the matrix
 
 // The largest a in 0..1 with a dx <= room. Where a step leads back to the bound from beyond, all of it.
 double share_below(double room, double dx) {
@@ -64,8 +65,21 @@ double Rows::response(const RowBlock& a, std::size_t r, const RowBlock& b, std::
       const RowEnd &end_a = a.ends[i], &end_b = b.ends[j];
       if (!meet(end_a, end_b)) continue;
       sum += end_a.free ? dot(end_a.J[r], end_b.MJ[s].data())
-                        : responses[end_a.response + (end_a.first + r) * end_a.size + end_b.first + s];
+                        : responses_[end_a.response + (end_a.first + r) * end_a.size + end_b.first + s];
     }
+  }
+  return sum;
+}
+
+double Rows::response(const Row& a, const Row& b) const {
+  const RowBlock &at = blocks_[a.block], &by = blocks_[b.block];
+  double sum = 0.0;
+  if (b.row == kAcross) {
+    for (std::size_t i = 0; i < 2; ++i) sum += b.across[i] * response(a, {b.block, i + 1});
+  } else if (a.row == kAcross) {
+    for (std::size_t i = 0; i < 2; ++i) sum += a.across[i] * response(at, i + 1, by, b.row);
+  } else {
+    sum = response(at, a.row, by, b.row);
   }
   return sum;
 }
@@ -74,14 +88,14 @@ double Rows::response(const RowBlock& a, std::size_t r, const RowBlock& b, std::
 double Rows::dragged(const Row& a, const Row& b) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < 2; ++i)
-    if (b.drag[i] != 0.0) sum += b.drag[i] * response(blocks[a.block], a.row, blocks[b.block], i + 1);
+    if (b.drag[i] != 0.0) sum += b.drag[i] * response(a, {b.block, i + 1});
   return sum;
 }
 
 // A sliding contact takes part with its normal only. Its tangents come back once they are asked to slide
 // less.
 void Rows::add_contact(std::size_t index) {
-  RowBlock& block = blocks[index];
+  RowBlock& block = blocks_[index];
   if (block.K[0] <= kRigid * block.free_response || !(block.lambda[0] > block.low)) return;
   const double radius = block.friction * pressure(block);
   const Tangential held{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
@@ -99,7 +113,7 @@ void Rows::add_contact(std::size_t index) {
 
 // Rolling or spinning against friction stays at its bound and takes no part.
 void Rows::add_twist(std::size_t index) {
-  const RowBlock& block = blocks[index];
+  const RowBlock& block = blocks_[index];
   if (block.K[0] <= kRigid * block.free_response) return;
   const double radius = block.friction * pressure(block), most = block.torsion * pressure(block);
   const double spun = block.lambda[0] + block.base[0];
@@ -116,8 +130,8 @@ void Rows::add_twist(std::size_t index) {
 
 void Rows::find_active() {
   active_.clear();
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    const RowBlock& block = blocks[i];
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const RowBlock& block = blocks_[i];
     if (block.kind == RowBlock::Kind::kContact)
       add_contact(i);
     else if (block.kind == RowBlock::Kind::kTwist)
@@ -149,13 +163,16 @@ bool Rows::factor_rows() {
     if (row.block != block) {
       block = row.block;
       first = 0;
-      while (active_[first].block != block && !meet(blocks[active_[first].block], blocks[block])) ++first;
+      while (active_[first].block != block && !meet(blocks_[active_[first].block], blocks_[block])) ++first;
     }
     factor_.add(first);
     if (factor_.entries() > kMostEntries) return false;
+    // Its entries, and their elimination.
+    const std::size_t width = i - first + 1;
+    count_work(width * (kPerResponse + width / WorkBudget::kMultiplications));
     for (std::size_t j = first; j <= i; ++j) {
       const Row& other = active_[j];
-      const double both = response(blocks[block], row.row, blocks[other.block], other.row);
+      const double both = response(row, other);
       factor_.at(i, j) = both + dragged(row, other);
       if (j < i) factor_.at(j, i) = both + dragged(other, row);
     }
@@ -164,11 +181,17 @@ bool Rows::factor_rows() {
   return factor_.factor();
 }
 
+double Rows::error(const Row& row) const {
+  const RowBlock& block = blocks_[row.block];
+  if (row.row != kAcross) return error(block, row.row);
+  return row.across[0] * error(block, 1) + row.across[1] * error(block, 2);
+}
+
 double Rows::find_missing() {
   missing_.resize(active_.size());
   double largest = 0.0;
   for (std::size_t i = 0; i < active_.size(); ++i) {
-    missing_[i] = error(blocks[active_[i].block], active_[i].row);
+    missing_[i] = error(active_[i]);
     largest = std::max(largest, std::abs(missing_[i]));
   }
   return largest;
@@ -218,22 +241,22 @@ Rows::Shares Rows::shares_within_bounds(const RowBlock& block, const std::array<
 // same share of the step. Returns false where a bound was met.
 bool Rows::step_active() {
   // The step of each block, with the friction that follows its normal.
-  steps_.assign(blocks.size(), {});
+  steps_.assign(blocks_.size(), {});
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const Row& row = active_[i];
     steps_[row.block][row.row] += missing_[i];
     for (std::size_t k = 0; k < 2; ++k) steps_[row.block][k + 1] += row.drag[k] * missing_[i];
   }
   // The smallest share that any block can take.
-  shares_.resize(blocks.size());
+  shares_.resize(blocks_.size());
   double share = 1.0;
-  for (std::size_t k = 0; k < blocks.size(); ++k) {
-    shares_[k] = shares_within_bounds(blocks[k], steps_[k]);
+  for (std::size_t k = 0; k < blocks_.size(); ++k) {
+    shares_[k] = shares_within_bounds(blocks_[k], steps_[k]);
     share = std::min({share, shares_[k].first, shares_[k].tangents});
   }
   const auto stops = [&](double own) { return own < 1.0 && own <= share + kAtBound; };
-  for (std::size_t k = 0; k < blocks.size(); ++k) {
-    RowBlock& block = blocks[k];
+  for (std::size_t k = 0; k < blocks_.size(); ++k) {
+    RowBlock& block = blocks_[k];
     std::array<double, 3> next = block.lambda;
     for (std::size_t i = 0; i < 3; ++i) next[i] += share * steps_[k][i];
     const bool twists = block.kind == RowBlock::Kind::kTwist;
@@ -245,19 +268,20 @@ bool Rows::step_active() {
     const std::array<double, 3> allowed = within_bounds(block, next, pressing);
     for (std::size_t i = 0; i < 3; ++i) steps_[k][i] = allowed[i] - block.lambda[i];
   }
-  for (std::size_t k = 0; k < blocks.size(); ++k) change(blocks[k], steps_[k]);
+  for (std::size_t k = 0; k < blocks_.size(); ++k) change(blocks_[k], steps_[k]);
   return share == 1.0;
 }
 
 bool Rows::solve_active(double enough) {
-  for (RowBlock& block : blocks) block.at_bound = false;
+  for (RowBlock& block : blocks_) block.at_bound = false;
   // From active set to active set. Where the factor fails, it is tried once more without dragged friction.
   for (int step = 0; step < kMostSteps; ++step) {
+    count_work(island_->sweep_units);
     find_active();
     if (active_.empty()) return true;
     if (!factor_active()) {
       for (Row& row : active_) row.drag = {};
-      for (RowBlock& block : blocks) block.drags = false;
+      for (RowBlock& block : blocks_) block.drags = false;
       if (!factor_active()) return false;
     }
     bool free = true;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <numeric>
 
 namespace visum::dynamics::impulse {
 namespace {
@@ -31,7 +30,7 @@ Sleep::Sleep(const Plant& plant) : sleep_s_(plant.setting.sleep_s) {
   for (const Place& place : plant.places)
     unit_of_.push_back(place.mechanism >= 0 ? static_cast<std::size_t>(place.mechanism) : units++);
   records_.resize(units);
-  leader_.resize(units);
+  islands_ = DisjointSets(units);
   drives_.resize(units);
   contacts_.resize(units);
 }
@@ -50,16 +49,9 @@ void Sleep::write(std::vector<std::byte>& to) const {
   if (is_wanted()) std::memcpy(to.data() + (to.size() - bytes()), records_.data(), bytes());
 }
 
-std::size_t Sleep::island(std::size_t unit) {
-  while (leader_[unit] != unit) unit = leader_[unit] = leader_[leader_[unit]];
-  return unit;
-}
-
 void Sleep::join(int body_a, int body_b) {
   if (body_a < 0 || body_b < 0) return;
-  const std::size_t a = island(unit_of_[static_cast<std::size_t>(body_a)]);
-  const std::size_t b = island(unit_of_[static_cast<std::size_t>(body_b)]);
-  leader_[std::max(a, b)] = std::min(a, b);
+  islands_.join(unit_of_[static_cast<std::size_t>(body_a)], unit_of_[static_cast<std::size_t>(body_b)]);
 }
 
 // A unit that moves is disturbed, also if its velocity was set from outside.
@@ -104,7 +96,7 @@ void Sleep::begin(const StepInput& input, const world::WorldState& state, const 
                   Plant& plant) {
   if (!is_wanted()) return;
   read(from);
-  std::iota(leader_.begin(), leader_.end(), std::size_t{0});
+  islands_.separate();
   // A unit stands still for one tick more, unless something disturbs it.
   for (Record& record : records_) record.still_s += input.tick_s;
   note_motion(plant);
@@ -121,10 +113,11 @@ void Sleep::begin(const StepInput& input, const world::WorldState& state, const 
 // An island has stood still for as long as that unit of it which moved last.
 void Sleep::mark(Plant& plant) {
   for (std::size_t i = 0; i < records_.size(); ++i) {
-    double& island_s = records_[island(i)].still_s;
+    double& island_s = records_[islands_.leader(i)].still_s;
     island_s = std::min(island_s, records_[i].still_s);
   }
-  for (std::size_t i = 0; i < records_.size(); ++i) records_[i].still_s = records_[island(i)].still_s;
+  for (std::size_t i = 0; i < records_.size(); ++i)
+    records_[i].still_s = records_[islands_.leader(i)].still_s;
   for (std::size_t i = 0; i < unit_of_.size(); ++i) {
     const bool sleeps = records_[unit_of_[i]].still_s >= sleep_s_;
     plant.asleep[i] = sleeps;

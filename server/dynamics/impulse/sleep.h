@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "server/dynamics/disjoint_sets.h"
 #include "server/dynamics/impulse/plant.h"
 
 namespace visum::dynamics::impulse {
@@ -47,15 +48,13 @@ class Sleep {
   void disturb(std::size_t unit) { records_[unit].still_s = 0.0; }
   // Puts the units of two bodies into one island.
   void join(int body_a, int body_b);
-  // The lowest unit of the island that a unit belongs to.
-  std::size_t island(std::size_t unit);
   // Sets the plant's marks, island by island.
   void mark(Plant& plant);
 
   double sleep_s_;
   std::vector<std::size_t> unit_of_;  // by body
   std::vector<Record> records_;       // by unit
-  std::vector<std::size_t> leader_;   // by unit: a forest whose roots are the islands' lowest units
+  DisjointSets islands_;              // of units; unlike Islands, sleeping contacts join them, too
   std::vector<std::uint64_t> drives_, contacts_;  // by unit, in this tick
 };
 

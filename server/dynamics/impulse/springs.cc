@@ -52,8 +52,10 @@ void measure_springs(Plant& plant, const world::WorldState& state) {
   }
 }
 
-void measure_springs_ahead(Plant& plant, const world::WorldState& state, double h) {
-  for (Spring& spring : plant.springs) {
+void measure_springs_ahead(Plant& plant, std::span<const std::size_t> springs, const world::WorldState& state,
+                           double h) {
+  for (const std::size_t i : springs) {
+    Spring& spring = plant.springs[i];
     if (!spring.acts) continue;
     const JointPose ahead = pose_ahead(spring.spec, plant.bodies, state.joints[spring.spec.id.index()], h);
     spring.mean_rate = (length_of(spring.spec, ahead, spring.length) - spring.length) / h;

@@ -72,6 +72,7 @@ Stepper::Stepper(Plant& plant)
       saved_v_(plant.bodies.size()),
       saved_w_(plant.bodies.size()) {
   bound_bodies_.reserve(plant.bodies.size());
+  watched_.reserve(plant.mechanisms.size());
   if (plant.setting.solver != "iterate") return;
   corrector_.emplace(plant);
   most_passes_ = plant.setting.budget;
@@ -143,6 +144,7 @@ void Stepper::factor(double h, const world::WorldState& state) {
   set_tree_axes(plant_, h);
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
     if (plant_.mechanism_asleep[m]) continue;
+    plant_.work.take(plant_.mechanisms[m].factor_units());
     const bool changed = plant_.mechanisms[m].place(plant_.bodies, state);
     if (!corrector_)
       plant_.mechanisms[m].factor(plant_.bodies);
@@ -165,6 +167,7 @@ bool Stepper::is_too_taut(double h) const {
 
 bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::WorldState& state,
                    int cuts_left) {
+  plant_.work.take(WorkBudget::kPerBody * plant_.bodies.size());
   divisible_ = cuts_left > 0;
   // Impulses at t, then the bodies move, then velocities at t+h. Everything after commit() concerns t+h.
   save_velocities();
@@ -229,32 +232,46 @@ bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::W
 
 void Stepper::hit(double h) {
   bounded_.build(kHit, h);
-  bounded_.bounce();
+  for (std::size_t island = 0; island < plant_.islands.size(); ++island)
+    if (bounded_.has_rows(island)) bounded_.bounce(island);
   bounded_.report();
   for (Axis& axis : plant_.acting_axes()) axis.rate = plant_.rate(axis);
 }
 
-void Stepper::note_energy(std::span<const Wrench> wrenches) {
-  bound_bodies_.clear();
-  const auto is_pushed = [](const Touch& touch) { return !touch.foreign.isZero(0.0); };
-  // Not where anything but gravity does work: wrenches, drives, springs, bodies of other engines.
-  if (bounded_.empty() || !wrenches.empty() || !plant_.acting.empty() || !plant_.springs.empty() ||
-      std::ranges::any_of(plant_.touches, is_pushed))
-    return;
-  // Bodies of the mechanisms with rows, and the free bodies that touch them.
-  for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
-    for (std::size_t node = 0; bounded_.binds(m) && node < plant_.mechanisms[m].size(); ++node)
-      bound_bodies_.push_back(static_cast<std::size_t>(plant_.mechanisms[m].body(node)));
-  if (bound_bodies_.empty()) return;
-  for (const std::size_t i : bounded_.free_bodies()) bound_bodies_.push_back(i);
-  const Energy energy = bound_energy();
-  energy_before_ = energy.kinetic + energy.potential;
+// True if anything but gravity may do work in the island: drives, springs, wrenches, bodies of other engines.
+bool Stepper::is_worked_on(std::size_t island, std::span<const Wrench> wrenches) const {
+  const Islands& islands = plant_.islands;
+  // Wrenches are few, and looking for their bodies' islands is not worth it.
+  return !wrenches.empty() || !islands.springs(island).empty() ||
+         std::ranges::any_of(
+             islands.mechanisms(island),
+             [&](std::size_t m) { return plant_.first_acting[m] < plant_.first_acting[m + 1]; }) ||
+         std::ranges::any_of(islands.touches(island),
+                             [&](std::size_t i) { return !plant_.touches[i].foreign.isZero(0.0); });
 }
 
-Stepper::Energy Stepper::bound_energy() const {
+// The mechanisms with rows count, and the free bodies that touch them.
+void Stepper::note_energy(std::span<const Wrench> wrenches) {
+  bound_bodies_.clear();
+  watched_.clear();
+  for (std::size_t island = 0; island < plant_.islands.size(); ++island) {
+    const std::size_t first = bound_bodies_.size();
+    if (!bounded_.has_rows(island) || is_worked_on(island, wrenches)) continue;
+    for (const std::size_t m : plant_.islands.mechanisms(island))
+      for (std::size_t node = 0; bounded_.binds(m) && node < plant_.mechanisms[m].size(); ++node)
+        bound_bodies_.push_back(static_cast<std::size_t>(plant_.mechanisms[m].body(node)));
+    if (bound_bodies_.size() == first) continue;
+    for (const std::size_t i : bounded_.free_bodies(island)) bound_bodies_.push_back(i);
+    const Watched watched{first, bound_bodies_.size() - first, 0.0};
+    const Energy energy = energy_of(watched);
+    watched_.push_back({watched.first, watched.count, energy.kinetic + energy.potential});
+  }
+}
+
+Stepper::Energy Stepper::energy_of(const Watched& watched) const {
   const Bodies& bodies = plant_.bodies;
   Energy energy;
-  for (const std::size_t i : bound_bodies_) {
+  for (const std::size_t i : std::span(bound_bodies_).subspan(watched.first, watched.count)) {
     const double mass = bodies.constants[i].mass;
     energy.kinetic +=
         0.5 * (mass * bodies.v[i].squaredNorm() + bodies.w[i].dot(bodies.inertia[i] * bodies.w[i]));
@@ -265,19 +282,20 @@ Stepper::Energy Stepper::bound_energy() const {
 }
 
 // A solution that only comes near an answer may have gained energy: more than rounding, and more than lifting
-// overlapping bodies apart takes. Then all motion is slowed down alike, which joints allow.
+// overlapping bodies apart takes. Then all motion of that island is slowed down alike, which joints allow.
 void Stepper::give_back_energy(double h) {
-  if (bound_bodies_.empty()) return;
-  const Energy now = bound_energy();
-  const double gained = now.kinetic + now.potential - energy_before_;
-  if (!(gained > kMostGain * now.kinetic + std::abs(h) * kMostPush * now.weight)) return;
-  // Takes the gain out of the kinetic energy.
-  const double share = std::sqrt(std::max(0.0, 1.0 - gained / now.kinetic));
-  for (const std::size_t i : bound_bodies_) {
-    plant_.bodies.v[i] *= share;
-    plant_.bodies.w[i] *= share;
+  for (const Watched& watched : watched_) {
+    const Energy now = energy_of(watched);
+    const double gained = now.kinetic + now.potential - watched.energy_before;
+    if (!(gained > kMostGain * now.kinetic + std::abs(h) * kMostPush * now.weight)) continue;
+    // Takes the gain out of the kinetic energy.
+    const double share = std::sqrt(std::max(0.0, 1.0 - gained / now.kinetic));
+    for (const std::size_t i : std::span(bound_bodies_).subspan(watched.first, watched.count)) {
+      plant_.bodies.v[i] *= share;
+      plant_.bodies.w[i] *= share;
+    }
+    fell_short_ = true;
   }
-  fell_short_ = true;
 }
 
 // A mechanism that has moved needs new poses and factors.
@@ -289,27 +307,30 @@ void Stepper::commit(double h) {
   plant_.for_free([&](auto blocks) { plant_.bodies.commit(blocks, h, plant_.model.gravity); });
 }
 
-void Stepper::match_velocities(std::size_t m, double h) {
+void Stepper::match_velocities(std::size_t m, double h, bool first) {
   // The iterative solver sweeps until v_max, or until its budget is spent.
   if (corrector_) {
     const double v_max = plant_.setting.v_max;
-    for (int sweep = 0; sweep < most_passes_; ++sweep)
+    for (int sweep = 0; sweep < most_passes_; ++sweep) {
+      plant_.work.take(plant_.mechanisms[m].units());
       if (corrector_->sweep_velocities(m, h, v_max, sweep) <= v_max) return;
+    }
     fell_short_ = true;
     return;
   }
   // The direct solver asks for velocities that agree along all joints at once.
   Mechanism& mechanism = plant_.mechanisms[m];
+  plant_.work.take(mechanism.units());
   mechanism.clear();
   mechanism.ask_velocities(plant_.bodies);
   ask_axes(plant_, m, kAfter, h);
-  push_known(m, kAfter, h);
+  if (first) push_known(m, kAfter, h);
   give_answer(m, kAfter);
 }
 
-void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
-  // The rows at t+h start from what they gave at t.
-  // The springs repeat their impulse; contacts meet at one point again.
+// The rows at t+h start from what they gave at t. The springs repeat their impulse; contacts meet at one
+// point again.
+void Stepper::begin_after(const world::WorldState& state) {
   push_by_springs(plant_, state);
   save_velocities();
   meet_touches(plant_);
@@ -317,6 +338,15 @@ void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, con
     touch.impulse[kAfter] = touch.impulse[kAhead];
     touch.twist[kAfter] = touch.twist[kAhead];
   }
+}
+
+void Stepper::solve_each_island() {
+  for (std::size_t i = 0; i < plant_.islands.size(); ++i)
+    if (bounded_.has_rows(i)) bounded_.solve(i);
+}
+
+void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {
+  begin_after(state);
   for (int i = 0; i < kMostChanges; ++i) {
     if (i > 0) restore_velocities();
     push(h, wrenches);
@@ -324,10 +354,8 @@ void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, con
     for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
       if (!plant_.mechanism_asleep[m]) match_velocities(m, h);
     bounded_.build(kAfter, h);
-    if (!bounded_.empty()) {
-      bounded_.solve();
-      bounded_.report();
-    }
+    solve_each_island();
+    bounded_.report();
     if (!change_laws(plant_, kAfter, h, corrector_ || i >= kFreeChanges)) return;
     if (i + 1 == kMostChanges) break;
     // The laws' impulses at t+h are found anew.

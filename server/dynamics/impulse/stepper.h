@@ -8,6 +8,7 @@
 
 #include "server/dynamics/impulse/bounded.h"
 #include "server/dynamics/impulse/corrector.h"
+#include "server/dynamics/impulse/energy_guard.h"
 
 namespace visum::dynamics::impulse {
 
@@ -23,6 +24,12 @@ class Stepper {
   // broken() names the joint, if there is one. `cuts_left`: how often the step may still be cut in halves.
   bool step(double h, std::span<const Wrench> wrenches, const world::WorldState& state, int cuts_left);
   const JointSpec* broken() const { return broken_; }
+  // Moves the bodies by h with little work, as far as that goes (stepper_limited.cc). For a tick whose work
+  // has met its limit, from its start. The touches' impulses for kAhead say where to start. Returns false
+  // where bodies had to stay where they were, at rest.
+  bool step_limited(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
+  // Numbers of the bodies that the last limited step should have held better; some may appear twice.
+  std::span<const std::size_t> short_bodies() const { return short_bodies_; }
   // The last step used up its passes or its budget before gaps and velocities were within their bounds, or
   // took an answer that only comes near one.
   bool fell_short() const { return fell_short_; }
@@ -80,32 +87,49 @@ class Stepper {
   bool close_alone(std::size_t mechanism, double h, const world::WorldState& state);
   // The same with the iterative solver.
   bool correct_alone(std::size_t mechanism, double h, const world::WorldState& state);
-  // Closes all mechanisms on which rows act, together with the rows.
-  bool close_together(double h, const world::WorldState& state);
-  // Measures the springs ahead; their bodies must have looked ahead.
-  void look_at_springs(double h, const world::WorldState& state);
+  // Closes all mechanisms of an island on which rows act, together with the rows.
+  bool close_together(std::size_t island, double h, const world::WorldState& state);
+  // Looks ahead with the island's bodies without joints, and measures its springs there.
+  void look_at_springs(std::size_t island, double h, const world::WorldState& state);
   // How far closing with rows has come: within the bounds, near enough to go on, or neither.
   enum class Closed { kYes, kNearly, kNo };
   // Alternates passes over joints and rows. `gently`: a few passes only, and what the rows then miss is left.
-  Closed close_with_rows(double h, const world::WorldState& state, bool gently);
-  // Notes the energy before the look-ahead, of bodies with rows where nothing but gravity can move them.
+  Closed close_with_rows(std::size_t island, double h, const world::WorldState& state, bool gently);
+  // One pass over the joints of an island's mechanisms with rows. Returns the largest gap, and notes whose it
+  // is; `closed`: all are within their bounds.
+  double close_joints(std::size_t island, double h, const world::WorldState& state, int pass, bool& closed);
+  // Notes the energy before the look-ahead, of islands with rows where nothing but gravity does work.
   void note_energy(std::span<const Wrench> wrenches);
+  bool is_worked_on(std::size_t island, std::span<const Wrench> wrenches) const;
   struct Energy {
     double kinetic = 0.0, potential = 0.0;  // J
     double weight = 0.0;                    // N, of all of these bodies
   };
-  // Present energy of those bodies.
-  Energy bound_energy() const;
-  // Slows those bodies down if the step has gained energy.
+  // An island's share of bound_bodies_.
+  struct Watched {
+    std::size_t first, count;
+    double energy_before;  // J, theirs before the look-ahead
+  };
+  // Their present energy.
+  Energy energy_of(const Watched& watched) const;
+  // Slows the bodies of an island down if the step has gained energy there.
   void give_back_energy(double h);
-  // Makes the joints' velocities of a mechanism agree at t+h.
-  void match_velocities(std::size_t mechanism, double h);
+  // Makes the joints' velocities of a mechanism agree at t+h. `first`: with the drives' known impulses.
+  void match_velocities(std::size_t mechanism, double h, bool first = true);
   // Look-ahead of a mechanism's bodies.
   void fly(std::size_t mechanism, double h);
   // Moves all bodies to where the last look-ahead has led.
   void commit(double h);
   // The second half of the step: forces, joints and rows at t+h.
+  void begin_after(const world::WorldState& state);
+  void solve_each_island();
   void correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
+  // stepper_limited.cc: the parts of step_limited().
+  void foresee_limited(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
+  void look_ahead_limited(double h, const world::WorldState& state);
+  void correct_velocities_limited(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
+  // Makes rows of all laws.
+  void box_laws();
   // Tells the predictions what the joints gave in this step.
   void note_joints();
   // Adds the step's impulses to the tick's totals.
@@ -120,8 +144,11 @@ class Stepper {
   const JointSpec* broken_ = nullptr;
   std::size_t broken_mechanism_ = 0;
   bool fell_short_ = false, divisible_ = false;
-  std::vector<std::size_t> bound_bodies_;  // of bodies with rows, where nothing but gravity can move them
-  double energy_before_ = 0.0;             // J, theirs before the look-ahead
+  // Islands with rows on mechanisms where nothing but gravity does work, and their bodies.
+  std::vector<Watched> watched_;
+  std::vector<std::size_t> bound_bodies_;
+  EnergyGuard guard_;                      // of a limited step
+  std::vector<std::size_t> short_bodies_;  // in it
   // By axis, by body: at the start of the moment that is solved.
   std::vector<double> saved_rates_;
   std::vector<Vector3d> saved_v_, saved_w_;

@@ -56,6 +56,7 @@ void Stepper::take_back(std::size_t m, double h) {
 // Gap of the look-ahead, and the request to the tree that would close it.
 double Stepper::find_gap(std::size_t m, double h, const world::WorldState& state, double law_share) {
   Mechanism& mechanism = plant_.mechanisms[m];
+  plant_.work.take(mechanism.units());
   fly(m, h);
   mechanism.clear();
   const double gap = mechanism.ask_gaps(plant_.bodies, state, h);
@@ -142,6 +143,7 @@ bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& stat
 
 // One correction of each joint. Rows that act on the mechanism need to know where it leads.
 double Stepper::correct(std::size_t m, double h, const world::WorldState& state, int sweep) {
+  plant_.work.take(plant_.mechanisms[m].units());
   const double gap = corrector_->sweep_gaps(m, h, d_max_, state, sweep);
   if (bounded_.binds(m)) {
     fly(m, h);
@@ -161,34 +163,43 @@ bool Stepper::correct_alone(std::size_t m, double h, const world::WorldState& st
   return std::isfinite(gap) || break_at(m);
 }
 
-void Stepper::look_at_springs(double h, const world::WorldState& state) {
-  if (plant_.springs.empty()) return;
-  plant_.for_free([&](auto blocks) { plant_.bodies.look_ahead(blocks, h, plant_.model.gravity); });
-  measure_springs_ahead(plant_, state, h);
+void Stepper::look_at_springs(std::size_t island, double h, const world::WorldState& state) {
+  const std::span<const std::size_t> springs = plant_.islands.springs(island);
+  if (springs.empty()) return;
+  for (const std::size_t i : bounded_.free_bodies(island))
+    plant_.bodies.look_ahead(plant_.bodies.block_of(i), h, plant_.model.gravity);
+  measure_springs_ahead(plant_, springs, state, h);
 }
 
-// Alternates Newton's passes over the joints of mechanisms with rows, and solutions of the rows.
-Stepper::Closed Stepper::close_with_rows(double h, const world::WorldState& state, bool gently) {
+double Stepper::close_joints(std::size_t island, double h, const world::WorldState& state, int pass,
+                             bool& closed) {
+  double largest = 0.0;
+  closed = true;
+  for (const std::size_t m : plant_.islands.mechanisms(island)) {
+    if (!bounded_.binds(m)) continue;
+    if (corrector_) corrector_->forget_look_ahead(m);
+    const double gap = corrector_ ? correct(m, h, state, pass) : close(m, h, state, pass);
+    closed = closed && gap <= d_max(m);
+    if (gap <= largest || std::isnan(largest)) continue;
+    largest = gap;
+    break_at(m);
+  }
+  return largest;
+}
+
+// Alternates Newton's passes over the joints of an island's mechanisms with rows, and solutions of the rows.
+Stepper::Closed Stepper::close_with_rows(std::size_t island, double h, const world::WorldState& state,
+                                         bool gently) {
   double largest = 0.0, moved = 0.0;
   bool closed = false;
   for (int pass = 0; pass < most_passes_; ++pass) {
     // The joints first; the worst one is noted in case nothing closes.
-    largest = 0.0;
-    closed = true;
-    for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
-      if (!bounded_.binds(m)) continue;
-      if (corrector_) corrector_->forget_look_ahead(m);
-      const double gap = corrector_ ? correct(m, h, state, pass) : close(m, h, state, pass);
-      closed = closed && gap <= d_max(m);
-      if (gap <= largest || std::isnan(largest)) continue;
-      largest = gap;
-      break_at(m);
-    }
+    largest = close_joints(island, h, state, pass, closed);
     if (!std::isfinite(largest)) return Closed::kNo;
     // Then springs and rows, with the bodies where the joints have brought them. `moved`: m or rad by which
     // the rows moved them.
-    look_at_springs(h, state);
-    moved = gently && pass >= kGentlePasses ? 0.0 : std::abs(h) * bounded_.solve();
+    look_at_springs(island, h, state);
+    moved = gently && pass >= kGentlePasses ? 0.0 : std::abs(h) * bounded_.solve(island);
     if (!std::isfinite(moved)) return Closed::kNo;
     if (closed && (gently || moved <= d_max_)) return Closed::kYes;
   }
@@ -200,21 +211,22 @@ Stepper::Closed Stepper::close_with_rows(double h, const world::WorldState& stat
 // For mechanisms that share contacts or have bounds of their own. Contacts that wedge joints may have no
 // answer, or only impulses that push against each other without limit. The second try then takes what comes
 // near an answer.
-bool Stepper::close_together(double h, const world::WorldState& state) {
+bool Stepper::close_together(std::size_t island, double h, const world::WorldState& state) {
   broken_ = nullptr;
-  Closed closed = close_with_rows(h, state, false);
+  const std::span<const std::size_t> mechanisms = plant_.islands.mechanisms(island);
+  Closed closed = close_with_rows(island, h, state, false);
   if (closed == Closed::kNo && broken_ != nullptr && has_laws_to_box(broken_mechanism_)) return false;
   if (closed == Closed::kNo && !corrector_) {
-    for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
+    for (const std::size_t m : mechanisms)
       if (bounded_.binds(m)) take_back(m, h);
-    bounded_.start_gently(unpushed_v_, unpushed_w_);
-    closed = close_with_rows(h, state, true);
+    bounded_.start_gently(island, unpushed_v_, unpushed_w_);
+    closed = close_with_rows(island, h, state, true);
     fell_short_ = true;
   }
   if (closed == Closed::kNo) return false;
   fell_short_ = fell_short_ || closed == Closed::kNearly;
   // Brings the look-ahead up to date with the last impulses.
-  for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
+  for (const std::size_t m : mechanisms) {
     if (!bounded_.binds(m)) continue;
     if (corrector_) corrector_->forget_look_ahead(m);
     fly(m, h);
@@ -228,10 +240,12 @@ bool Stepper::look_ahead(double h, const world::WorldState& state) {
     copy(plant_.bodies.v, unpushed_v_);
     copy(plant_.bodies.w, unpushed_w_);
   }
-  // Mechanisms without rows are closed one by one, the others together; then everything without joints flies.
+  // Mechanisms without rows are closed one by one, the others by islands; then everything without joints
+  // flies.
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
     if (!plant_.mechanism_asleep[m] && !bounded_.binds(m) && !close_alone(m, h, state)) return false;
-  if (!bounded_.empty() && !close_together(h, state)) return false;
+  for (std::size_t island = 0; island < plant_.islands.size(); ++island)
+    if (bounded_.has_rows(island) && !close_together(island, h, state)) return false;
   plant_.for_free([&](auto blocks) { plant_.bodies.look_ahead(blocks, h, plant_.model.gravity); });
   return true;
 }

@@ -52,6 +52,7 @@ bool find_hits(Plant& plant, double h) {
   bool any = false;
   for (Touch& touch : plant.touches) {
     if (touch.asleep) continue;
+    touch.hits = false;
     touch.bounce = 0.0;
     touch.returned = touch.restitution;
     if (touch.restitution == 0.0) continue;
@@ -60,7 +61,7 @@ bool find_hits(Plant& plant, double h) {
     touch.bounce =
         speed_after_hit(speed, touch.restitution, touch.depth, -touch.frame.col(0).dot(touch.bias));
     touch.returned = touch.bounce / speed;
-    any = true;
+    touch.hits = any = true;
   }
   // A stop is hit if the axis reaches it within the step at its present velocity.
   for (Axis& axis : plant.acting_axes()) {

@@ -67,7 +67,6 @@ Vector3d to_start_from(const Touch& touch, const std::array<Vector3d, kMoments>&
 void read_warm_start(std::span<const std::byte> bytes, std::span<const collision::Contact> contacts,
                      Plant& plant) {
   bytes = read_predictions(bytes, plant);
-  plant.rested = false;
   if (bytes.size() % sizeof(Record) != 0) return;
   const std::size_t count = bytes.size() / sizeof(Record);
   std::size_t i = 0;
@@ -83,7 +82,7 @@ void read_warm_start(std::span<const std::byte> bytes, std::span<const collision
     const Vector3d impulse = vector(record.impulse), twist = vector(record.twist);
     // A new contact starts from zero, and so does one with bad numbers.
     if (key(record) != key(contact) || !impulse.allFinite() || !twist.allFinite()) continue;
-    plant.rested = plant.rested || record.rested != 0;
+    touch.rested = record.rested != 0;
     touch.kept_impulse = impulse;
     touch.kept_twist = twist;
     if (is_held_from_turning(touch)) touch.twist[kAhead] = touch.frame.transpose() * twist;
@@ -116,7 +115,7 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
     const Record record{contact.shape_a.value,
                         contact.shape_b.value,
                         contact.feature,
-                        plant.rested ? 1 : 0,
+                        touch.rested.value_or(false) ? 1 : 0,
                         {impulse.x(), impulse.y(), impulse.z()},
                         {twist.x(), twist.y(), twist.z()}};
     std::memcpy(records.data() + i * sizeof(Record), &record, sizeof(Record));

@@ -4,9 +4,9 @@
 // the first gave too much, to move a contact to its place, the second took it back.
 //
 // Format: for each mechanism that predicts, the bytes of its prediction (prediction.h). Then one record for
-// each contact, in their order: shape_a, shape_b, feature, whether all have rested (32 bits each), impulse
-// and twist in W (3 doubles each). Native endianness, as the rest of a snapshot. A sleeping contact keeps its
-// record. record.
+// each contact, in their order: shape_a, shape_b, feature, whether its island has rested (32 bits each),
+// impulse and twist in W (3 doubles each). Native endianness, as the rest of a snapshot. A sleeping contact
+// keeps its record.
 #pragma once
 
 #include <cstddef>

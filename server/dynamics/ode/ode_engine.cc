@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "protocol/config/unknown_name.h"
+#include "server/dynamics/disjoint_sets.h"
 #include "server/dynamics/engine_factories.h"
 #include "server/dynamics/ode/ode_contacts.h"
 #include "server/dynamics/ode/ode_guard.h"
@@ -12,6 +13,10 @@
 namespace visum::dynamics {
 namespace ode {
 namespace {
+
+// Rows that the direct solver takes at once, unless the scene sets another number; and rows of a joint (with
+// its motor) and of a contact (with friction), at most.
+constexpr std::uint64_t kMostRows = 3000, kRowsOfJoint = 6, kRowsOfContact = 3;
 
 // Everything that ODE holds for one engine. It is made anew where ODE has given up.
 struct Mechanism {
@@ -67,6 +72,7 @@ class OdeEngine : public Engine {
   StepResult step(const StepInput& input, world::WorldState& state) override {
     if (std::string fault = find_input_fault(model_, input, state); !fault.empty()) return {false, fault};
     const std::uint64_t messages_before = ode_messages();
+    too_many_.clear();
     std::string failure;
     try {
       ensure_ode();
@@ -75,7 +81,7 @@ class OdeEngine : public Engine {
       failure = error.what();
     }
     // ODE's messages count as warnings of the solver.
-    if (failure.empty()) return check(state, ode_messages() != messages_before);
+    if (failure.empty()) return check(state, ode_messages() != messages_before || !too_many_.empty());
     failure += first_broken_body();
     rebuild();
     return {false, failure};
@@ -91,8 +97,8 @@ class OdeEngine : public Engine {
     prepare(input, state);
     if (quick_) {
       step_quickly(input.tick_s, bytes);
-    } else if (!step_directly(input.tick_s)) {
-      // The direct solver has left forces out: the iterative one makes the tick again.
+    } else if (find_too_many(input.contacts) || !step_directly(input.tick_s)) {
+      // The direct solver would take too long, or has left forces out: the iterative one makes the tick.
       prepare(input, state);
       dRandSetSeed(0);  // the seed of this tick alone
       dWorldQuickStep(mechanism_->world.id(), input.tick_s);
@@ -101,6 +107,33 @@ class OdeEngine : public Engine {
     for (std::size_t i = 0; i < mechanism_->joints.size(); ++i)
       state.joints[mechanism_->joint_ids[i].index()].effort = mechanism_->joints[i].effort();
     mechanism_->contacts.report(input.contacts);
+  }
+
+  // ODE's direct solver takes bodies that are joined together at once, and its work grows with the third
+  // power of their rows. Returns true if there are more rows anywhere than the limit allows, and notes some
+  // of the bodies there.
+  bool find_too_many(std::span<const collision::Contact> contacts) {
+    const auto moves = [&](world::BodyId id) { return id.valid() && !model_.bodies[id.index()].fixed; };
+    // Calls act(a, b, rows) for all that joins; a body that does not move is left out.
+    const auto each = [&](auto act) {
+      const auto join = [&](world::BodyId a, world::BodyId b, std::uint64_t rows) {
+        if (mechanism_->world.owns(a) || mechanism_->world.owns(b))
+          act((moves(a) ? a : b).index(), (moves(b) ? b : a).index(), rows);
+      };
+      for (const world::JointId id : mechanism_->joint_ids)
+        join(model_.joints[id.index()].child, model_.joints[id.index()].parent, kRowsOfJoint);
+      for (const collision::Contact& contact : contacts) join(contact.body_a, contact.body_b, kRowsOfContact);
+    };
+    joined_.separate(model_.bodies.size());
+    rows_.assign(model_.bodies.size(), 0);
+    each([&](std::size_t a, std::size_t b, std::uint64_t) { joined_.join(a, b); });
+    each([&](std::size_t a, std::size_t, std::uint64_t rows) { rows_[joined_.leader(a)] += rows; });
+    const std::uint64_t most = setting().work_limit != 0 ? setting().work_limit : kMostRows;
+    for (std::size_t i = 0; i < model_.bodies.size() && too_many_.size() < StepResult::kMostNamed; ++i)
+      if (const world::BodyId id{static_cast<std::int32_t>(i)};
+          mechanism_->world.owns(id) && rows_[joined_.leader(i)] > most)
+        too_many_.push_back(id);
+    return !too_many_.empty();
   }
 
   // Loads everything that a step acts on, from the state and the input alone.
@@ -138,7 +171,7 @@ class OdeEngine : public Engine {
   StepResult check(const world::WorldState& state, bool warned) const {
     std::string offender;
     const bool sane = is_sane(model_, state, &offender);
-    return {sane, offender, warned};
+    return {sane, offender, warned, !too_many_.empty(), too_many_};
   }
 
   // Text for the fault: the body at which ODE gave up.
@@ -163,6 +196,9 @@ class OdeEngine : public Engine {
   const world::WorldModel& model_;
   std::int32_t engine_index_;
   bool quick_;
+  DisjointSets joined_;
+  std::vector<std::uint64_t> rows_;      // by leader: of all that is joined to it
+  std::vector<world::BodyId> too_many_;  // in this tick: bodies whose rows are beyond the limit
   std::unique_ptr<Mechanism> mechanism_;
 };
 

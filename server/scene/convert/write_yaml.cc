@@ -27,6 +27,7 @@ std::string engine_text(const world::EngineSetting& engine) {
   map.add_unless("order", engine.order, usual.order).add_unless("d_max", engine.d_max, usual.d_max);
   map.add_unless("v_max", engine.v_max, usual.v_max).add_unless("budget", engine.budget, usual.budget);
   map.add_unless("sleep", engine.sleep_s, usual.sleep_s);
+  map.add_unless("work_limit", static_cast<double>(engine.work_limit), static_cast<double>(usual.work_limit));
   if (engine.impact != usual.impact) map.add_text("impact", engine.impact);
   return map.text();
 }
@@ -326,6 +327,11 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Scene& scene)
       {"seed", std::to_string(scene.seed)},
       {"lockstep_timeout_s", exact(static_cast<double>(scene.lockstep_timeout_ns) / kNsPerS)},
       {"engine", engine_text(scene, 0)}};
+  YamlMap collision;
+  if (!scene.world.continuous_collision) collision.add("continuous", "false");
+  if (scene.world.collision_work_limit != world::kCollisionWorkLimit)
+    collision.add("work_limit", std::to_string(scene.world.collision_work_limit));
+  if (!collision.empty()) settings.emplace_back("collision", collision.text());
   if (const std::string others = engines_text(scene); !others.empty())
     settings.emplace_back("engines", others);
   settings.emplace_back("surfaces", surfaces.text());

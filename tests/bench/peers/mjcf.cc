@@ -24,6 +24,7 @@ class Writer {
   }
 
   std::string text() {
+    size();
     out_ << "<worldbody>";
     children_of({});
     out_ << "</worldbody><equality>";
@@ -34,6 +35,14 @@ class Writer {
   }
 
  private:
+  // MuJoCo's own guess is too small for a stack of 50: it then leaves contacts out.
+  void size() {
+    constexpr std::size_t kContacts = 24, kRows = 4 * kContacts;  // by shape
+    if (!model_.shapes.empty())
+      out_ << "<size nconmax=\"" << kContacts * model_.shapes.size() << "\" njmax=\""
+           << kRows * model_.shapes.size() << "\"/>";
+  }
+
   void attribute(const char* name, const Vector3d& v) {
     out_ << ' ' << name << "=\"" << v.x() << ' ' << v.y() << ' ' << v.z() << '"';
   }

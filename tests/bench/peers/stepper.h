@@ -15,6 +15,7 @@ class Stepper {
   virtual void reset() = 0;  // back to the model's initial state
   virtual void step() = 0;   // one tick of the model; collision included where there are shapes
   virtual void store(world::WorldState& state) const = 0;  // the bodies' motions (velocities: at their coms)
+  virtual int warned_ticks() const { return 0; }           // since it was made; peers do not warn
 };
 
 struct StepperKind {

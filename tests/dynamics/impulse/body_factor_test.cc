@@ -116,14 +116,34 @@ TEST(BodyFactor, RefusesMoreEntriesThanItMayHave) {
   EXPECT_TRUE(factor.place(36 * 15));  // 1 + 2 + four times 3
 }
 
-TEST(BodyFactor, SaysWhereAPivotIsNotPositive) {
-  const std::vector<FreeBody> bodies{{1.0, {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}}};
-  const BodyFactor::Vector6 push{0.0, 0.0, 0.0, -2.0, 0.0, 0.0}, measure{0.0, 0.0, 0.0, 1.0, 0.0, 0.0};
+// A body of 1 kg with a row that pushes along (push_x, push_y) and measures along (1, 2).
+BodyFactor one_body(double push_x, double push_y) {
+  static const std::vector<FreeBody> bodies{{1.0, {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}}};
+  const BodyFactor::Vector6 push{0.0, 0.0, 0.0, push_x, push_y, 0.0}, measure{0.0, 0.0, 0.0, 1.0, 2.0, 0.0};
   BodyFactor factor;
   factor.start(bodies, false);
-  ASSERT_TRUE(factor.place(36));
+  EXPECT_TRUE(factor.place(36));
   factor.add(0, {&push, 1}, 0, {&measure, 1});
-  EXPECT_FALSE(factor.factor());
+  return factor;
+}
+
+// Friction that a normal drags along can make the first pivot zero or negative where the whole is sound.
+TEST(BodyFactor, SolvesWhereASinglePivotIsNotPositive) {
+  for (const double push_x : {-1.0, -2.0}) {
+    BodyFactor factor = one_body(push_x, 3.0);
+    ASSERT_TRUE(factor.factor());
+    std::vector<double> b{0.0, 0.0, 0.0, 1.0, 2.0, 0.0};
+    factor.solve(b);
+    Eigen::Matrix2d A;
+    A << 1.0 + push_x, 2.0 * push_x, 3.0, 7.0;
+    const Eigen::Vector2d expected = A.inverse() * Eigen::Vector2d(1.0, 2.0);
+    EXPECT_NEAR(b[3], expected[0], 1e-14);
+    EXPECT_NEAR(b[4], expected[1], 1e-14);
+  }
+}
+
+TEST(BodyFactor, SaysWhereABodyCannotBeSolvedFor) {
+  EXPECT_FALSE(one_body(-1.0, 0.0).factor());
 }
 
 }  // namespace

@@ -35,6 +35,24 @@ TEST(Ode, AStackOnWhichItsDirectSolverGivesUpStandsAllTheSame) {
   }
 }
 
+TEST(Ode, WithMoreRowsThanItsLimitItTakesQuickStepForTheTick) {
+  ModelBuilder b(ode("world"));
+  b.model.engines[0].work_limit = 30;
+  b.add_ground();
+  for (int i = 0; i < 4; ++i)
+    b.add_box("box_" + std::to_string(i), {0.1, 0.1, 0.1}, 1.0, at(0, 0, 0.05 + 0.1 * i));
+  b.add_box("alone", {0.1, 0.1, 0.1}, 1.0, at(1, 0, 0.05));  // with 12 rows: not one of the many
+  Lab lab(b.model);
+  lab.run_ticks(10);
+  const StepResult result = lab.step();
+  EXPECT_TRUE(result.limited);
+  ASSERT_EQ(result.fell_short.size(), 4u);
+  for (const BodyId id : result.fell_short) EXPECT_NE(b.model.bodies[id.index()].name, "alone");
+  lab.run(1.0);
+  for (int i = 0; i < 4; ++i)
+    EXPECT_NEAR(lab.body("box_" + std::to_string(i)).p_WC.z(), 0.05 + 0.1 * i, 1e-3);
+}
+
 TEST(Ode, ATickOnWhichItsDirectSolverGivesUpIsAFunctionOfTheStateToo) {
   Lab lab(stack_of_ten()), disturbed(stack_of_ten());
   ModelBuilder other(ode("quick"));

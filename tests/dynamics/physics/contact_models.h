@@ -14,4 +14,16 @@ inline constexpr double kTouch = 1e-6;
 world::WorldModel stack(const world::EngineSetting& engine, double tick_s, int count,
                         double top_mass_kg = 1.0);
 
+// `count` such stacks of `height` cubes side by side, 1 m apart, in a square.
+world::WorldModel towers(const world::EngineSetting& engine, double tick_s, int count, int height);
+
+// `rows` rows of bricks of 0.4 x 0.2 x 0.2 m and 1 kg, `columns` in a row. Every other row is shifted by half
+// a brick, so each brick stands on two.
+world::WorldModel wall(const world::EngineSetting& engine, double tick_s, int rows, int columns);
+
+// `count` heaps, `pitch` m apart in a row, each of `boxes` cubes of 0.2 m and 1 kg. The cubes hang in layers
+// over each other, each shifted and turned a little in its own way, then fall.
+world::WorldModel piles(const world::EngineSetting& engine, double tick_s, int count, int boxes,
+                        double pitch = 5.0);
+
 }  // namespace visum::physics

@@ -5,7 +5,7 @@
 
 #include "tests/dynamics/model_builder.h"
 #include "tests/dynamics/physics/case.h"
-#include "tests/dynamics/physics/contact_models.h"
+#include "tests/dynamics/physics/legged_models.h"
 #include "tests/dynamics/physics/measures.h"
 
 namespace visum::physics {
@@ -17,43 +17,13 @@ using Eigen::Vector3d;
 using world::BodyId;
 using world::JointKind;
 
-constexpr double kLegStiffness = 40.0, kDamping = 1.0, kBend = 0.3;  // rad: knees outwards
-constexpr double kUpper = 0.25, kLower = 0.25, kFoot = 0.03;         // m
-
-BodyId add_limb(ModelBuilder& b, const std::string& name, double mass_kg, double length, double angle,
-                const Vector3d& top) {
-  const Vector3d centre =
-      top + Eigen::AngleAxisd(angle, Vector3d::UnitY()) * Vector3d(0.0, 0.0, -0.5 * length);
-  const BodyId limb =
-      b.add_rotor(name, mass_kg, 1.0, at(centre.x(), centre.y(), centre.z(), angle, Vector3d::UnitY()));
-  const double across = mass_kg * length * length / 12.0 + 1e-3;
-  b.body(limb).inertia_C = Vector3d(across, across, 1e-3).asDiagonal();
-  return limb;
-}
-
-// The leg hangs at `hip`, its thigh `bend` forwards and its shank as far back; the foot is a ball at its end.
-void add_leg(ModelBuilder& b, const std::string& name, BodyId trunk, const Vector3d& hip, double bend) {
-  const auto turn = [](double angle) { return Eigen::AngleAxisd(angle, Vector3d::UnitY()); };
-  const Vector3d knee = hip + turn(-bend) * Vector3d(0.0, 0.0, -kUpper);
-  const Vector3d foot = knee + turn(bend) * Vector3d(0.0, 0.0, -kLower);
-  const BodyId root = b.add_rotor(name + "_hip", 1.4, 3e-3, at(hip.x(), hip.y(), hip.z()));
-  const BodyId thigh = add_limb(b, name + "_thigh", 1.6, kUpper, -bend, hip);
-  const BodyId shank = add_limb(b, name + "_shank", 0.4, kLower, bend, knee);
-  const BodyId ball = b.add_sphere(name + "_foot", kFoot, 0.1, at(foot.x(), foot.y(), foot.z()));
-  b.add_joint(name + "_spread", JointKind::kHinge, trunk, root, hip, Vector3d::UnitX());
-  b.add_joint(name + "_swing", JointKind::kHinge, root, thigh, hip, Vector3d::UnitY());
-  b.add_joint(name + "_bend", JointKind::kHinge, thigh, shank, knee, Vector3d::UnitY());
-  b.add_joint(name + "_ankle", JointKind::kFixed, shank, ball, foot, Vector3d::UnitZ());
-}
+constexpr double kLegStiffness = 40.0, kDamping = 1.0;
+constexpr std::int64_t kTickNs = 5'000'000;
 
 ModelBuilder robot(const world::EngineSetting& engine) {
   ModelBuilder b(engine);
-  b.model.tick_ns = 5'000'000;
-  const double height = (kUpper + kLower) * std::cos(kBend) + kFoot - kTouch;
-  const BodyId trunk = b.add_box("trunk", {0.5, 0.3, 0.15}, 6.0, at(0, 0, height));
-  for (const auto& [name, x, y] : {std::tuple("front_left", 0.3, 0.2), std::tuple("front_right", 0.3, -0.2),
-                                   std::tuple("hind_left", -0.3, 0.2), std::tuple("hind_right", -0.3, -0.2)})
-    add_leg(b, name, trunk, {x, y, height}, x > 0.0 ? kBend : -kBend);
+  b.model.tick_ns = kTickNs;
+  add_quadruped(b, "", 0.0, 0.0);
   return b;
 }
 

@@ -54,7 +54,7 @@ class Server {
         threaded_(clock == ClockKind::kRealtime),
         mailbox_(64),
         tick_side_(simulation_, mailbox_, false),
-        gateway_(gateway::static_world(simulation_), {}, mailbox_, tick_side_.pacer(),
+        gateway_(gateway::static_world(simulation_), {}, mailbox_, tick_side_.stops(), tick_side_.pacer(),
                  [this]() -> const Published& { return latest(); }),
         oracle_(gateway_, simulation_),
         born_ms_(now_ms) {

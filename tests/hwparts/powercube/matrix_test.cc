@@ -61,7 +61,7 @@ std::vector<Command> commands() {
        8, true},
       {"VelocityIncrementsExtended", with_value({0x0B, 0x16}, 50'000), 8, true},
       {"CurrentDigitsExtended", with_value({0x0B, 0x17}, std::int32_t{100}), 8, true},
-      {"CosineLoop", S::step(0x18, 0.5f, 500), 0},
+      {"CosineLoop", S::step(0x18, 0.5f, 500), 3, true},
       {"RampLoop", S::step(0x19, 0.5f, 500), 0},
       {"UnknownMove", with_value({0x0B, 0x05}, 0.5f), 0},
       {"LegacyStep", {0x0D, 0, 0, 0, 0, 0, 0}, 0},

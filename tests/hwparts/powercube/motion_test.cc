@@ -310,6 +310,80 @@ TEST(PowerCubeMotion, BadValuesAndLengthsMoveNothing) {
   EXPECT_EQ(bench.save(), before);
 }
 
+// The ROS package amtec sends mode 18 (FCOSLOOP) with a target and a period in ms for its services sweep_pan
+// and sweep_tilt, again and again until the answer carries 0B 18 (amtec_commands.c, amtecMotionFCosLoop).
+TEST(PowerCubeMotion, ACosineLoopIsAnsweredAndGoesToItsTargetAndBackForEver) {
+  BusBench bench;
+  bench.ramp(1, 0.2f);
+  bench.run(3.0);
+  EXPECT_EQ(bench.send(1, BusBench::step(0x18, 0.5f, 4000)), (Message{0x0B, 0x18, 0x64}));
+  for (int turn = 0; turn < 3; ++turn) {
+    bench.run(1.0);
+    EXPECT_NEAR(bench.position(1), 0.35, 2e-3) << turn;
+    EXPECT_NEAR(bench.get<float>(1, 0x42), 0.15 * 2 * M_PI / 4, 5e-3) << "the speed in the middle";
+    EXPECT_TRUE(bench.word(1) & bit::kMotion);
+    bench.run(1.0);
+    EXPECT_NEAR(bench.position(1), 0.5, 2e-3) << turn;
+    bench.run(2.0);
+    EXPECT_NEAR(bench.position(1), 0.2, 2e-3) << turn;
+    EXPECT_TRUE(bench.word(1) & bit::kMotion) << "it turns and does not stand";
+  }
+  EXPECT_TRUE(bench.ramp(1, 0.3f));
+  bench.run(3.0);
+  EXPECT_NEAR(bench.position(1), 0.3, 1e-3);
+  EXPECT_FALSE(bench.word(1) & (bit::kError | bit::kMotion));
+}
+
+TEST(PowerCubeMotion, ACosineLoopIsNoFasterThanTheLimitsAllow) {
+  for (const std::uint16_t period_ms : {0, 1, 100}) {
+    BusBench bench;
+    bench.set(1, 0x50, 1.0f);  // target acceleration
+    bench.send(1, BusBench::step(0x18, 0.5f, period_ms));
+    double most = 0.0, fastest = 0.0;
+    for (int i = 0; i < 4000; ++i) {
+      bench.tick();
+      most = std::max(most, static_cast<double>(bench.position(1)));
+      fastest = std::max(fastest, static_cast<double>(bench.get<float>(1, 0x42)));
+    }
+    EXPECT_NEAR(most, 0.5, 5e-3) << period_ms;
+    EXPECT_LT(fastest, 0.5 * M_PI / (M_PI * std::sqrt(2 * 0.5 / 1.0)) + 0.03) << period_ms;
+    EXPECT_FALSE(bench.word(1) & bit::kError) << period_ms;
+  }
+}
+
+TEST(PowerCubeMotion, ACosineLoopStopsFirstAndToWhereItStandsDoesNothing) {
+  BusBench bench;
+  bench.send(1, with_value({0x0B, 0x07}, 0.3f));
+  bench.run(1.0);
+  bench.send(1, BusBench::step(0x18, 0.0f, 3000));
+  bench.run(20.0);
+  EXPECT_FALSE(bench.word(1) & bit::kError);
+  EXPECT_LT(bench.position(1), 0.5);
+  const auto here = bench.position(2);
+  bench.send(2, BusBench::step(0x18, here, 100));
+  bench.run(0.5);
+  EXPECT_NEAR(bench.position(2), here, 1e-4);
+}
+
+TEST(PowerCubeMotion, ACosineLoopBeyondASoftLimitTripsThere) {
+  BusBench bench("", 0.001, 2.2);  // the limit is at 3.093
+  EXPECT_EQ(bench.send(1, BusBench::step(0x18, 3.5f, 2000)), (Message{0x0B, 0x18, 0x64}));
+  EXPECT_TRUE(bench.wait_for(1, bit::kBeyondSoft | bit::kError, 15.0));
+  EXPECT_NEAR(bench.position(1), 3.093, 5e-3);
+}
+
+TEST(PowerCubeMotion, ASnapshotHoldsACosineLoop) {
+  BusBench bench;
+  bench.send(1, BusBench::step(0x18, 0.5f, 2000));
+  bench.run(0.7);
+  const auto kept = bench.save();
+  bench.run(5.0);
+  const auto position = bench.position(1);
+  bench.load(kept);
+  bench.run(5.0);
+  EXPECT_EQ(bench.position(1), position);
+}
+
 TEST(PowerCubeMotion, AnUnhomedModuleLooksLikeAnErrorInTheShortState) {
   BusBench bench("homed: false");
   const auto answer = bench.send(1, {0x0A, 0x62});

@@ -1,0 +1,22 @@
+// Finds controllers of a scenario that exchanged nothing with a part: a run proves nothing about those. Pure
+// functions.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "clients/visum/run/scenario.h"
+#include "protocol/messages.h"
+
+namespace visum::run {
+
+// Returns why the run is invalid: a controller is known to have exchanged nothing, by the server's status at
+// the end. Empty: there is none.
+//
+// A controller's own are the sessions under its client's name, those that its gate names, and the buses that
+// its command names. What came under a name that no controller has, or over a bus that none names, may be
+// anyone's: then nobody is known to have exchanged nothing.
+std::string find_silent_controller(const std::vector<ControllerSpec>& controllers,
+                                   const protocol::ServerStatus& status);
+
+}  // namespace visum::run

@@ -1,0 +1,19 @@
+// HMAC-SHA256, and bytes that nobody can guess. OpenSSL stays inside keyed_hash.cc. Any thread.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+namespace visum::protocol {
+
+using KeyedHash = std::array<std::byte, 32>;
+
+// Throws std::runtime_error where OpenSSL cannot do it.
+KeyedHash keyed_hash(std::span<const std::byte> key, std::span<const std::byte> message);
+void fill_with_random(std::span<std::byte> bytes);
+
+// Takes the same time wherever the first difference is.
+bool equal_in_constant_time(const KeyedHash& a, const KeyedHash& b);
+
+}  // namespace visum::protocol

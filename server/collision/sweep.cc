@@ -1,0 +1,246 @@
+#include "server/collision/sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "server/world/joint_kinds.h"
+
+namespace visum::collision {
+namespace {
+
+// A body is left with at least half of this overlap, so that the next tick finds a contact.
+constexpr double kOverlapM = 2e-4;
+constexpr double kOverlapShare = 0.1;  // and with no more than this share of both thicknesses
+// Bodies that close in by less than this share of both thicknesses do not get past each other in a tick.
+constexpr double kDeepShare = 0.5;
+constexpr int kMostSteps = 64;  // of one search; the body is then left where the search has come to
+constexpr int kMostRounds = 4;  // bodies that are held back by others that are held back
+
+// How deep another body may be in a shape before it comes out behind, m.
+double thickness_of(const PreparedShape& shape) {
+  return 0.5 * shape.box_S.sizes().minCoeff();
+}
+
+// From the centre of mass to the farthest point that turning moves, m. A ball about a point moves only with
+// that point.
+double turning_reach_of(const PreparedShape& shape, const Eigen::Vector3d& p_BC) {
+  const bool is_round = shape.mesh == nullptr && shape.convex.family == Family::kRound;
+  const double rounding = is_round ? shape.convex.radius : 0.0;
+  const Eigen::AlignedBox3d core(shape.box_S.min().array() + rounding, shape.box_S.max().array() - rounding);
+  double reach = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    const auto corner = static_cast<Eigen::AlignedBox3d::CornerType>(i);
+    reach = std::max(reach, (shape.X_BS * core.corner(corner) - p_BC).norm());
+  }
+  return reach;
+}
+
+// The quaternion that means the same rotation as `to` and lies nearer to `from`.
+Eigen::Vector4d nearer_to(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+  return from.dot(to) < 0.0 ? (-to.coeffs()).eval() : to.coeffs();
+}
+
+// The pose of a body's centre of mass on its way: positions go straight, rotations along the chord of the two
+// quaternions.
+world::Pose between(const world::BodyState& from, const world::BodyState& to, double share) {
+  const Eigen::Vector4d chord = nearer_to(from.q_WB, to.q_WB) - from.q_WB.coeffs();
+  Eigen::Quaterniond q(from.q_WB.coeffs() + share * chord);
+  q.normalize();
+  return {from.p_WC + share * (to.p_WC - from.p_WC), q};
+}
+
+Eigen::AlignedBox3d widened(Eigen::AlignedBox3d box, double by) {
+  box.min().array() -= by;
+  box.max().array() += by;
+  return box;
+}
+
+}  // namespace
+
+// A shape on its body's way.
+struct Sweep::Way {
+  const PreparedShape& shape;
+  const Body& body;
+  const world::Body& model;
+  const world::BodyState &from, &to;
+
+  void put(double share, Placed& placed) const {
+    const world::Pose C = between(from, to, share);
+    const world::Pose X_WS = link_pose(model, {C.p, C.q, from.v_WC, from.w_WB}) * shape.X_BS;
+    placed.R = X_WS.q.toRotationMatrix();
+    placed.p = X_WS.p;
+  }
+};
+
+Sweep::Sweep(const std::vector<PreparedShape>& shapes, const world::WorldModel& model)
+    : model_(model), bodies_(model.bodies.size()) {
+  for (Body& body : bodies_) body.thickness = std::numeric_limits<double>::infinity();
+  for (const PreparedShape& shape : shapes) {
+    Body& body = bodies_[shape.body.index()];
+    if (shape.box_S.isEmpty()) continue;
+    body.thickness = std::min(body.thickness, thickness_of(shape));
+    body.turning_reach =
+        std::max(body.turning_reach, turning_reach_of(shape, model.bodies[shape.body.index()].p_BC));
+    if (!shape.fixed) moving_.push_back(shape.body.index());
+  }
+  std::sort(moving_.begin(), moving_.end());
+  moving_.erase(std::unique(moving_.begin(), moving_.end()), moving_.end());
+  for (const std::size_t i : moving_) bodies_[i].is_free = true;
+  for (const world::Joint& joint : model.joints) {
+    if (!world::info(joint.kind).holds_anything) continue;
+    if (joint.parent.valid()) bodies_[joint.parent.index()].is_free = false;
+    bodies_[joint.child.index()].is_free = false;
+  }
+}
+
+// Along the chord of two quaternions a point at r from the centre of mass goes by at most sqrt(2) times 2 r
+// the chord: the chord's middle, where the rotation is fastest, is at least 1/sqrt(2) away from 0.
+bool Sweep::measure_ways(const world::WorldState& before, const world::WorldState& after) {
+  double farthest = 0.0;
+  for (const std::size_t i : moving_) {
+    Body& body = bodies_[i];
+    const world::BodyState &from = before.bodies[i], &to = after.bodies[i];
+    body.share = 1.0;
+    body.way = to.p_WC - from.p_WC;
+    body.turn = 2.0 * std::numbers::sqrt2 * body.turning_reach *
+                (nearer_to(from.q_WB, to.q_WB) - from.q_WB.coeffs()).norm();
+    farthest = std::max(farthest, body.way.norm() + body.turn);
+  }
+  return std::ranges::any_of(moving_, [&](std::size_t i) {
+    const Body& body = bodies_[i];
+    return body.is_free && body.way.norm() + body.turn + farthest > kDeepShare * body.thickness;
+  });
+}
+
+void Sweep::hold_back(std::vector<PreparedShape>& shapes, BroadPhase& broad, const world::WorldState& before,
+                      world::WorldState& after) {
+  for (int round = 0; round < kMostRounds && measure_ways(before, after); ++round) {
+    list_pairs(shapes, broad, before, after);
+    const auto way_of = [&](const PreparedShape& shape) {
+      const std::size_t i = shape.body.index();
+      return Way{shape, bodies_[i], model_.bodies[i], before.bodies[i], after.bodies[i]};
+    };
+    for (const auto& [first, second] : pairs_) {
+      Body& held = bodies_[shapes[first].body.index()];
+      const auto share = first_touch(way_of(shapes[first]), way_of(shapes[second]));
+      if (share.value_or(1.0) >= held.share) continue;
+      held.share = *share;
+      held.other = shapes[second].body;
+    }
+    bool any = false;
+    for (const std::size_t i : moving_) {
+      if (bodies_[i].share == 1.0) continue;
+      leave_at_touch(i, before, after);
+      any = true;
+    }
+    if (!any) return;
+  }
+}
+
+void Sweep::list_pairs(std::vector<PreparedShape>& shapes, BroadPhase& broad, const world::WorldState& before,
+                       const world::WorldState& after) {
+  for (PreparedShape& shape : shapes) {
+    place(shape, model_, after);
+    shape.near_W = shape.box_W;
+    place(shape, model_, before);
+    if (shape.box_W.isEmpty() || shape.near_W.isEmpty())
+      shape.near_W.setEmpty();
+    else
+      shape.near_W = widened(shape.near_W.merged(shape.box_W), bodies_[shape.body.index()].turn + kOverlapM);
+  }
+  pairs_.clear();
+  for (const IndexPair& pair : broad.find(shapes)) add_pair(shapes, pair);
+}
+
+void Sweep::add_pair(const std::vector<PreparedShape>& shapes, const IndexPair& pair) {
+  const PreparedShape &first = shapes[pair.first], &second = shapes[pair.second];
+  const Body &a = bodies_[first.body.index()], &b = bodies_[second.body.index()];
+  const bool is_plane = first.kind == world::ShapeKind::kPlane || second.kind == world::ShapeKind::kPlane;
+  if (is_plane || (first.mesh != nullptr && second.mesh != nullptr) || !(a.is_free || b.is_free)) return;
+  const double thickness = thickness_of(first) + thickness_of(second);
+  if ((a.way - b.way).norm() + a.turn + b.turn <= kDeepShare * thickness) return;
+  // The body that moved farther is held back, if both are free.
+  const bool holds_first = a.is_free && (!b.is_free || a.way.norm() + a.turn >= b.way.norm() + b.turn);
+  pairs_.push_back(holds_first ? pair : IndexPair{pair.second, pair.first});
+}
+
+std::optional<double> Sweep::first_touch(const Way& held, const Way& other) {
+  if (held.shape.mesh != nullptr) return first_touch_with_mesh(held, other);
+  if (other.shape.mesh != nullptr) return first_touch_with_mesh(other, held);
+  return first_touch_of_convex(held, held.shape.placed, other, other.shape.placed,
+                               thickness_of(held.shape) + thickness_of(other.shape));
+}
+
+std::optional<double> Sweep::first_touch_with_mesh(const Way& mesh, const Way& convex) {
+  const PreparedShape& shape = mesh.shape;
+  const double thickness = thickness_of(convex.shape);
+  const Eigen::Vector3d way = convex.body.way - mesh.body.way;
+  const double turn = convex.body.turn + mesh.body.turn;
+  // The box around the convex shape's way as the mesh sees it, in the mesh's frame at the tick's begin.
+  const Eigen::Matrix3d R = shape.placed.R.transpose();
+  const Eigen::AlignedBox3d box = box_around(
+      widened(convex.shape.near_W, mesh.body.way.norm() + mesh.body.turn), R, -(R * shape.placed.p));
+  std::optional<double> first;
+  shape.mesh->visit(
+      [&](const Eigen::AlignedBox3d& node) { return node.intersects(box); },
+      [&](std::uint32_t i) {
+        const MeshTriangle& triangle = shape.mesh->triangles()[i];
+        // A body that slides along a surface crosses none of its triangles.
+        if (std::abs((shape.placed.R * triangle.normal).dot(way)) + turn <= kDeepShare * thickness) return;
+        const Placed placed = triangle_.place(shape, triangle);
+        const auto share = first_touch_of_convex(convex, convex.shape.placed, mesh, placed, thickness);
+        if (share && *share < first.value_or(1.0)) first = share;
+      });
+  return first;
+}
+
+// Each step goes as far as the gap allows along the direction in which the shapes are apart, or overlap
+// least. Shapes that touch from the beginning may come a little deeper: the other end of a plate that has
+// landed on one edge is not to swing through the floor.
+std::optional<double> Sweep::first_touch_of_convex(const Way& way_a, Placed a, const Way& way_b, Placed b,
+                                                   double thickness) {
+  const double least = std::min(kOverlapM, kOverlapShare * thickness);
+  const Eigen::Vector3d way = way_a.body.way - way_b.body.way;
+  const double turn = way_a.body.turn + way_b.body.turn;
+  double wanted = least, share = 0.0;
+  for (int step = 0; step < kMostSteps; ++step) {
+    way_a.put(share, a);
+    way_b.put(share, b);
+    const auto [apart_W, overlap] = least_overlap(a, b);
+    if (step == 0) wanted = std::max(overlap, 0.0) + least;
+    if (overlap > kDeepShare * thickness) return std::nullopt;  // too deep to be told what is in front
+    const double closing = turn - apart_W.dot(way);             // m in the whole tick
+    if (closing <= kDeepShare * thickness || (1.0 - share) * closing <= least) return std::nullopt;
+    if (overlap > wanted - 0.5 * least) return share;
+    share += (wanted - overlap) / closing;
+  }
+  return share;
+}
+
+// Unit direction from b to a, and the overlap along it; negative: apart.
+std::pair<Eigen::Vector3d, double> Sweep::least_overlap(const Placed& a, const Placed& b) {
+  if (const auto apart_W = solver_.separating_direction(a, b)) {
+    const double overlap = overlap_along(a, b, *apart_W);
+    if (overlap <= 0.0) return {*apart_W, overlap};
+  }
+  const Direction found = find_direction(a, b, solver_);
+  if (found.apart) return {(a.center() - b.center()).stableNormalized(), 0.0};
+  return {found.normal_W, found.depth};
+}
+
+void Sweep::leave_at_touch(std::size_t body, const world::WorldState& before,
+                           world::WorldState& after) const {
+  const Body& held = bodies_[body];
+  const std::size_t other = held.other.index();
+  world::Pose touching = between(before.bodies[body], after.bodies[body], held.share);
+  if (!model_.bodies[other].fixed) {
+    const world::Pose then = between(before.bodies[other], after.bodies[other], held.share);
+    touching = between(before.bodies[other], after.bodies[other], 1.0) * (then.inverse() * touching);
+  }
+  after.bodies[body].p_WC = touching.p;
+  after.bodies[body].q_WB = touching.q;
+}
+
+}  // namespace visum::collision

@@ -1,0 +1,70 @@
+// Continuous collision: keeps fast bodies from passing through others between two ticks. Contacts are found
+// where bodies are when a tick begins. A body that moves by more than its own thickness within a tick can be
+// in front of a plate at one tick and behind it at the next. The way of such a body is searched for the
+// place where it first touches something, and there it is left. It keeps its velocity, and the next tick
+// finds the contact.
+//
+// Only free bodies are held back, which no joint holds: a linked one cannot be moved alone. Two meshes are
+// not searched. Planes need no search, since nothing gets behind a plane. The search is conservative
+// advancement: B. Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems (1996), 2.3.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "server/collision/broad_phase.h"
+#include "server/collision/moving_triangle.h"
+#include "server/collision/shapes.h"
+
+namespace visum::collision {
+
+// CollisionStage owns it; tick's thread. Nothing fails, and nothing is allocated once warm.
+class Sweep {
+ public:
+  Sweep(const std::vector<PreparedShape>& shapes, const world::WorldModel& model);
+
+  // Moves each body of `after` that would have crossed another one since `before` back to where they touch.
+  // Places the shapes anew and changes their near_W. The result depends on the two states alone.
+  void hold_back(std::vector<PreparedShape>& shapes, BroadPhase& broad, const world::WorldState& before,
+                 world::WorldState& after);
+
+ private:
+  struct Body {                  // by BodyId
+    bool is_free = false;        // neither fixed nor held by a joint
+    double thickness = 0.0;      // m, half of the smallest side of its thinnest shape
+    double turning_reach = 0.0;  // m, from the centre of mass to the farthest point that turning moves
+    // In this tick:
+    Eigen::Vector3d way = Eigen::Vector3d::Zero();  // m, of the centre of mass
+    double turn = 0.0;                              // m, at least as far as turning moves any point
+    // Where it first touches something:
+    double share = 1.0;  // of the tick; 1: nowhere
+    world::BodyId other;
+  };
+  struct Way;
+
+  // Measures how far bodies have moved. True if a free one may have crossed something.
+  bool measure_ways(const world::WorldState& before, const world::WorldState& after);
+  // Fills pairs_ with pairs of shapes that may cross; the first is of the body that is to be held back.
+  void list_pairs(std::vector<PreparedShape>& shapes, BroadPhase& broad, const world::WorldState& before,
+                  const world::WorldState& after);
+  void add_pair(const std::vector<PreparedShape>& shapes, const IndexPair& pair);
+  // The share of the tick after which the first shape touches the second; none if it need not be held back.
+  std::optional<double> first_touch(const Way& held, const Way& other);
+  std::optional<double> first_touch_with_mesh(const Way& mesh, const Way& convex);
+  std::optional<double> first_touch_of_convex(const Way& way_a, Placed a, const Way& way_b, Placed b,
+                                              double thickness);
+  std::pair<Eigen::Vector3d, double> least_overlap(const Placed& a, const Placed& b);
+  // Leaves a body where it touches: in the frame of the other body, which goes on.
+  void leave_at_touch(std::size_t body, const world::WorldState& before, world::WorldState& after) const;
+
+  const world::WorldModel& model_;
+  std::vector<Body> bodies_;
+  std::vector<std::size_t> moving_;  // bodies with shapes that are not fixed
+  std::vector<IndexPair> pairs_;
+  GjkSolver solver_;
+  MovingTriangle triangle_;
+};
+
+}  // namespace visum::collision

@@ -1,0 +1,152 @@
+// All rows at once, with their bounds, by Newton's method.
+//
+// An answer is a fixed point of the projection: with e what a row misses and s a step size, every contact has
+//   l_n = max(low, l_n + s e_n),  l_t = the point of the friction disc that is nearest to l_t + s e_t
+// This is smooth except where a contact opens, closes, sticks or slides, and Newton's method works for it
+// (Alart, Curnier, A mixed formulation for frictional contact problems prone to Newton like solution methods,
+// Computer Methods in Applied Mechanics and Engineering 92, 1991). Each pass asks the projection where every
+// row stands, however many have changed sides since, and solves what is left:
+//   open       l_n = low, l_t = 0
+//   sticks     e_n = 0, e_t = 0
+//   slides     e_n = 0; l_t = R d along the direction d of l_t + s e_t, where R = mu l_n follows the normal;
+//              across d the disc is round, so that the contact gives way there: e_p = c dl_p with
+//              c = (|l_t + s e_t| - R)/(R s)
+// Near the answer the miss falls quadratically. Far from it the passes may cycle: then the best point is
+// taken up again, and the caller goes on in another way.
+#include <algorithm>
+#include <cmath>
+
+#include "server/dynamics/impulse/friction_cone.h"
+#include "server/dynamics/impulse/rows.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+constexpr int kMostNewtonPasses = 20;
+constexpr int kMostWorse = 4;         // whole steps in a row that come no nearer
+constexpr int kMostStepHalvings = 5;  // of a step
+constexpr double kExact = 1e-3;       // share of the allowed miss below which no further step is worth it
+
+}  // namespace
+
+void Rows::slide_along(RowBlock& block, const Tangential& d) {
+  const double radius = block.friction * pressure(block);
+  change(block, {0.0, radius * d[0] - block.base[1] - block.lambda[1],
+                 radius * d[1] - block.base[2] - block.lambda[2]});
+}
+
+void Rows::project_contact(std::size_t index) {
+  RowBlock& block = blocks_[index];
+  block.drags = false;
+  if (is_rigid(block)) return;
+  // Where the projection leads. The normal decides first; its impulse there is the radius' measure.
+  const double ahead = block.lambda[0] + normal_step(block);
+  const bool open = !(ahead > block.low);
+  const double radius = block.friction * std::max(0.0, ahead + block.base[0]);
+  const double step = sliding_step(block);
+  const Tangential to{block.lambda[1] + block.base[1] + step * error(block, 1),
+                      block.lambda[2] + block.base[2] + step * error(block, 2)};
+  if (open) change(block, {block.low - block.lambda[0], 0.0, 0.0});
+  if (!open) active_.push_back({index, 0});
+  if (is_within_disc(to, radius)) {
+    if (radius == 0.0) return slide_along(block, {0.0, 0.0});
+    active_.push_back({index, 1});
+    active_.push_back({index, 2});
+    return;
+  }
+  const double length = std::sqrt(to[0] * to[0] + to[1] * to[1]);
+  const Tangential d{to[0] / length, to[1] / length};
+  slide_along(block, d);
+  if (radius == 0.0) return;
+  if (!open) active_.back().drag = {block.friction * d[0], block.friction * d[1]};
+  active_.push_back({index, kAcross, {}, {-d[1], d[0]}, (length - radius) / (radius * step)});
+}
+
+void Rows::project_bounded(std::size_t index) {
+  RowBlock& block = blocks_[index];
+  const double by = normal_step(block), ahead = block.lambda[0] + by;
+  if (is_rigid(block) || ahead <= block.low || ahead >= block.high)
+    change(block, {by, 0.0, 0.0});
+  else
+    active_.push_back({index, 0});
+}
+
+bool Rows::newton_step() {
+  active_.clear();
+  for (std::size_t i = 0; i < blocks_.size(); ++i)
+    blocks_[i].kind == RowBlock::Kind::kContact ? project_contact(i) : project_bounded(i);
+  if (active_.empty()) return true;
+  if (!factor_active()) return false;
+  find_missing();
+  solve_factored();
+  steps_.assign(blocks_.size(), {});
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    const Row& row = active_[i];
+    std::array<double, 3>& step = steps_[row.block];
+    if (row.row != kAcross) step[row.row] += missing_[i];
+    for (std::size_t k = 0; k < 2; ++k) step[k + 1] += (row.drag[k] + row.across[k]) * missing_[i];
+  }
+  for (std::size_t k = 0; k < blocks_.size(); ++k) change(blocks_[k], steps_[k]);
+  return true;
+}
+
+void Rows::keep_point() {
+  last_lambda_.resize(3 * blocks_.size());
+  for (std::size_t i = 0; i < blocks_.size(); ++i)
+    std::copy(blocks_[i].lambda.begin(), blocks_[i].lambda.end(),
+              last_lambda_.begin() + static_cast<std::ptrdiff_t>(3 * i));
+  last_velocities_.assign(velocities_.begin(), velocities_.end());
+}
+
+void Rows::put_back_point() {
+  for (std::size_t i = 0; i < blocks_.size(); ++i)
+    for (std::size_t j = 0; j < blocks_[i].dim; ++j) {
+      blocks_[i].applied[j] += last_lambda_[3 * i + j] - blocks_[i].lambda[j];
+      blocks_[i].lambda[j] = last_lambda_[3 * i + j];
+    }
+  std::copy(last_velocities_.begin(), last_velocities_.end(), velocities_.begin());
+}
+
+void Rows::go_half_back() {
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    for (std::size_t j = 0; j < blocks_[i].dim; ++j) {
+      const double by = 0.5 * (last_lambda_[3 * i + j] - blocks_[i].lambda[j]);
+      blocks_[i].applied[j] += by;
+      blocks_[i].lambda[j] += by;
+    }
+  }
+  for (std::size_t i = 0; i < velocities_.size(); ++i)
+    velocities_[i] += 0.5 * (last_velocities_[i] - velocities_[i]);
+}
+
+// A step that comes no nearer is often the way to an answer, so a few whole steps are taken first. Then the
+// best point is taken up again, and steps are halved until they come nearer. One step more follows the first
+// that is near enough: it costs little, and leaves next to nothing to drift from tick to tick.
+double Rows::newton(double enough) {
+  double best = largest_miss();
+  keep_point();
+  int worse = 0;
+  for (int pass = 0; pass < kMostNewtonPasses; ++pass) {
+    const bool last = best <= enough;
+    if (!newton_step()) break;
+    double miss = largest_miss();
+    for (int k = 0; worse == kMostWorse && k < kMostStepHalvings && !(miss < best); ++k) {
+      go_half_back();
+      miss = largest_miss();
+    }
+    if (miss < best) {
+      best = miss;
+      if (worse < kMostWorse) worse = 0;
+      keep_point();
+    } else if (worse == kMostWorse) {
+      break;
+    } else if (++worse == kMostWorse) {
+      put_back_point();
+    }
+    if (last || best <= kExact * enough) break;
+  }
+  put_back_point();
+  return best;
+}
+
+}  // namespace visum::dynamics::impulse

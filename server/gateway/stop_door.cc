@@ -1,0 +1,85 @@
+#include "server/gateway/stop_door.h"
+
+#include <netdb.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+namespace visum::gateway {
+namespace {
+
+constexpr int kLookMs = 2;   // how often the latch is looked at while an order waits
+constexpr int kAtOnce = 64;  // datagrams that are handled before the latch is looked at again
+
+int bound_socket(const std::string& address, std::uint16_t port) {
+  const auto place = address + ":" + std::to_string(port);
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_DGRAM;
+  hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
+  addrinfo* found = nullptr;
+  const auto* host = address == "localhost" ? "127.0.0.1" : address.c_str();
+  if (const int failure = ::getaddrinfo(host, std::to_string(port).c_str(), &hints, &found); failure != 0)
+    throw std::runtime_error(place + ": " + ::gai_strerror(failure));
+  const int fd = ::socket(found->ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  const int bound = fd < 0 ? -1 : ::bind(fd, found->ai_addr, found->ai_addrlen);
+  const int error = errno;
+  ::freeaddrinfo(found);
+  if (bound == 0) return fd;
+  if (fd >= 0) ::close(fd);
+  throw std::runtime_error("UDP " + place + ": " + std::strerror(error));
+}
+
+}  // namespace
+
+StopDoor::StopDoor(const std::string& address, std::uint16_t port, StopOrders orders)
+    : orders_(std::move(orders)),
+      socket_(bound_socket(address, port)),
+      end_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  thread_ = std::thread([this] { run(); });
+}
+
+StopDoor::~StopDoor() {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = ::write(end_, &one, sizeof one);
+  thread_.join();
+  ::close(end_);
+  ::close(socket_);
+}
+
+void StopDoor::run() {
+  std::array<pollfd, 2> polled{{{socket_, POLLIN, 0}, {end_, POLLIN, 0}}};
+  while (!(polled[1].revents & POLLIN)) {
+    ::poll(polled.data(), polled.size(), orders_.waits() ? kLookMs : -1);
+    for (int i = 0; i < kAtOnce && (polled[0].revents & POLLIN); ++i) serve_one();
+    for (const auto& [peer, answer] : orders_.acted(StopOrders::Clock::now())) send(peer, answer);
+  }
+}
+
+void StopDoor::serve_one() {
+  std::array<std::byte, protocol::kStopOrderBytes + 1> buffer;
+  sockaddr_storage from{};
+  socklen_t length = sizeof from;
+  const auto got =
+      ::recvfrom(socket_, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &length);
+  if (got < 0) return;
+  const std::string peer(reinterpret_cast<const char*>(&from), length);
+  const auto answer =
+      orders_.answer(std::span(buffer).first(static_cast<std::size_t>(got)), peer, StopOrders::Clock::now());
+  if (answer) send(peer, *answer);
+}
+
+// An answer that does not leave is like one that is lost: the client asks again.
+void StopDoor::send(const std::string& peer, const protocol::StopDatagram& datagram) const {
+  const auto bytes = protocol::encode(datagram);
+  ::sendto(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(peer.data()),
+           static_cast<socklen_t>(peer.size()));
+}
+
+}  // namespace visum::gateway

@@ -1,0 +1,110 @@
+// Many bodies that touch: Scene/<what>/<n>/<engine>, the mean time of a tick of 1 ms over a fixed run from
+// the same start, so that all engines are measured in the same events. Counters at the run's end: depth_m,
+// the deepest overlap, as our collision stage sees it; speed_m_per_s, of the fastest body; warned, the ticks
+// that ended with a solver warning (ours only).
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "server/collision/collision.h"
+#include "server/world/joint_kinds.h"
+#include "tests/bench/stepper_kinds.h"
+#include "tests/dynamics/physics/contact_models.h"
+#include "tests/dynamics/physics/engine_rows.h"
+#include "tests/dynamics/physics/legged_models.h"
+
+namespace visum::bench {
+namespace {
+
+constexpr double kTick = 1e-3;
+constexpr std::size_t kMostForDirect = 40;  // bodies; beyond, a tick of ODE's dWorldStep takes seconds
+
+constexpr std::size_t kMostForMujoco = 300;  // bodies; beyond, its dense Jacobian needs gigabytes
+
+struct SceneCase {
+  std::string name;
+  world::WorldModel model;
+  int ticks;  // of the run
+};
+
+world::EngineSetting any_engine() {
+  return physics::engine_rows().front().setting;  // each stepper sets its own
+}
+
+std::vector<SceneCase> scene_cases() {
+  using namespace physics;
+  std::vector<SceneCase> cases;
+  const auto add = [&](const std::string& name, int n, const world::WorldModel& model, int ticks) {
+    cases.push_back({name + "/" + std::to_string(n), model, ticks});
+  };
+  // Beyond 30 boxes: the first events only.
+  for (const auto& [boxes, ticks] :
+       {std::pair(10, 4000), std::pair(30, 4000), std::pair(100, 600), std::pair(1000, 300)})
+    add("pile", boxes, piles(any_engine(), kTick, 1, boxes), ticks);
+  for (const int count : {1, 2, 4, 8}) add("piles", count, piles(any_engine(), kTick, count, 10), 600);
+  for (const auto& [count, ticks] : {std::pair(1, 300), std::pair(10, 300), std::pair(100, 100)})
+    add("towers", count, towers(any_engine(), kTick, count, 10), ticks);
+  for (const auto& [side, ticks] : {std::pair(3, 300), std::pair(10, 100)})
+    add("wall", side, wall(any_engine(), kTick, side, side), ticks);
+  for (const int height : {1, 10, 50}) add("stack", height, stack(any_engine(), kTick, height), 1000);
+  for (const int count : {1, 10}) add("ragdolls", count, falling_ragdolls(any_engine(), kTick, count), 1500);
+  for (const int count : {1, 10, 100}) {
+    add("quadrupeds", count, standing_quadrupeds(any_engine(), kTick, count, Held::kByFriction), 500);
+    add("sprung_quadrupeds", count, standing_quadrupeds(any_engine(), kTick, count, Held::kBySprings), 500);
+  }
+  return cases;
+}
+
+bool has_springs(const world::WorldModel& model) {
+  return std::ranges::any_of(model.joints,
+                             [](const auto& joint) { return !world::info(joint.kind).holds_anything; });
+}
+
+// Rows of other orders are left out: where bodies touch, they take the same steps or say nothing new.
+bool is_compared(const SceneCase& what, const std::string& row) {
+  for (const char* other : {"impulse-order4", "impulse-order6", "impulse-iterate", "mujoco-rk4"})
+    if (row == other) return false;
+  if (row == "mujoco" && what.model.bodies.size() > kMostForMujoco) return false;
+  if (row.starts_with("ode") && has_springs(what.model)) return false;  // ODE has none
+  return row != "ode" || what.model.bodies.size() <= kMostForDirect;
+}
+
+void judge(benchmark::State& state, const SceneCase& what, const Stepper& stepper) {
+  world::WorldState now = initial_state(what.model);
+  stepper.store(now);
+  collision::CollisionStage stage(what.model);
+  std::vector<collision::Contact> contacts;
+  stage.find(now, contacts);
+  double depth = 0.0, speed = 0.0;
+  for (const auto& contact : contacts) depth = std::max(depth, contact.depth);
+  for (const auto& body : now.bodies) speed = std::max(speed, body.v_WC.norm());
+  state.counters["depth_m"] = depth;
+  state.counters["speed_m_per_s"] = speed;
+  state.counters["warned"] = stepper.warned_ticks();
+}
+
+void run(benchmark::State& state, const SceneCase& what, const StepperKind& kind) {
+  try {
+    const auto stepper = kind.make(what.model, kind.name);
+    for (auto _ : state) stepper->step();
+    judge(state, what, *stepper);
+  } catch (const std::exception& error) {
+    state.SkipWithError(error.what());
+  }
+}
+
+const bool kRegistered = [] {
+  static const std::vector<SceneCase> cases = scene_cases();
+  for (const SceneCase& what : cases)
+    for (const StepperKind& kind : stepper_kinds())
+      if (kind.takes(what.model) && is_compared(what, kind.name))
+        benchmark::RegisterBenchmark(("Scene/" + what.name + "/" + kind.name).c_str(),
+                                     [&](benchmark::State& state) { run(state, what, kind); })
+            ->Unit(benchmark::kMicrosecond)
+            ->Iterations(what.ticks);
+  return true;
+}();
+
+}  // namespace
+}  // namespace visum::bench
