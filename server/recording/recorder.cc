@@ -12,8 +12,6 @@ namespace {
 
 constexpr std::uint64_t kStatePeriod_ns = 1'000'000'000;  // of simulated time
 
-constexpr const char* kNoMemory = "not enough memory is left for what comes";
-
 RecordingWriter::Overflow overflow_of(scene::ClockKind clock) {
   return clock == scene::ClockKind::kRealtime ? RecordingWriter::Overflow::kEnd
                                               : RecordingWriter::Overflow::kWait;

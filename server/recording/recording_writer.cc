@@ -106,8 +106,9 @@ void RecordingWriter::put_line(std::uint16_t channel, std::vector<std::byte> dat
   if (lines_.size() < kMaxLines) lines_.push_back({channel, std::move(data)});
 }
 
-void RecordingWriter::end(const std::string& why) {
-  if (!ended_.exchange(true)) spdlog::error("the recording '{}' ends early: {}", file_.string(), why);
+// Takes no memory: there may be none left.
+void RecordingWriter::end(std::string_view why) {
+  if (!ended_.exchange(true)) spdlog::error("the recording '{}' ends early: {}", file_.c_str(), why);
 }
 
 void RecordingWriter::run() try {
@@ -123,6 +124,8 @@ void RecordingWriter::run() try {
     flushed = Clock::now();
   }
   writer_.close();
+} catch (const std::bad_alloc&) {
+  end(kNoMemory);
 } catch (const std::exception& error) {
   end(error.what());
 }

@@ -10,13 +10,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
-#include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
 #include "protocol/recording/mcap_writer.h"
 
 namespace visum::recording {
+
+inline constexpr const char* kNoMemory = "not enough memory is left for what comes";
 
 class RecordingWriter {
  public:
@@ -52,7 +54,7 @@ class RecordingWriter {
   void put_line(std::uint16_t channel, std::vector<std::byte> data);
 
   // Any thread: ends the recording and logs why, once.
-  void end(const std::string& why);
+  void end(std::string_view why);
   bool ended() const { return ended_.load(std::memory_order_relaxed); }
 
  private:

@@ -141,7 +141,8 @@ def no_more_memory(options: argparse.Namespace, folder: Path) -> str:
         admin = visum.Client(daemon.address, name="hoarder", role="admin")
         admin.add_body(body(0))  # starts the thread that reads bodies
         limit = int(Path(f"/proc/{daemon.pid}/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE") + SPARE_BYTES
-        resource.prlimit(daemon.pid, resource.RLIMIT_AS, (limit, limit))
+        all_of_it = resource.prlimit(daemon.pid, resource.RLIMIT_AS)
+        resource.prlimit(daemon.pid, resource.RLIMIT_AS, (limit, all_of_it[1]))
         refused, bodies = 0, 1
         while refused < 20 and bodies < MOST_BODIES:
             try:
@@ -151,10 +152,15 @@ def no_more_memory(options: argparse.Namespace, folder: Path) -> str:
                 expect("memory" in str(error), f"it is refused for want of memory: {error}")
                 refused += 1
         expect(refused == 20, f"{bodies} bodies are too much")
+        resource.prlimit(daemon.pid, resource.RLIMIT_AS, all_of_it)  # or a new client may be refused, too
         goes_on(daemon)
+        admin.add_body(body(bodies))
         admin.close()
+    said, code = log.read_text(), daemon.process.returncode
+    cut_short = "ends early: not enough memory" in said  # a recorder may be the one that wants more while there is none
+    expect((code != 0) == cut_short, f"it ended with {code}: {said}")
     again = replay(options.bin, file)
-    expect(again["damage"] == "" and int(str(again["ticks"])) > 0, f"the recording was finished: {again}")
+    expect((again["damage"] != "") == cut_short and int(str(again["ticks"])) > 0, f"the recording is whole, or the log tells: {again}; {said}")
     return f"with {bodies} bodies the system gives no more: {refused} are refused, and all of the {again['ticks']} ticks replayed"
 
 
