@@ -157,7 +157,8 @@ def no_more_memory(options: argparse.Namespace, folder: Path) -> str:
         admin.add_body(body(bodies))
         admin.close()
     said, code = log.read_text(), daemon.process.returncode
-    cut_short = "ends early: not enough memory" in said  # a recorder may be the one that wants more while there is none
+    # A recorder may be the one that wants more while there is none.
+    cut_short = "ends early: not enough memory" in said
     expect((code != 0) == cut_short, f"it ended with {code}: {said}")
     again = replay(options.bin, file)
     expect((again["damage"] != "") == cut_short and int(str(again["ticks"])) > 0, f"the recording is whole, or the log tells: {again}; {said}")
