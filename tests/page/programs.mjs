@@ -26,7 +26,8 @@ export class Daemon {
   }
   async serve(...options) {
     const scene = options[0]?.endsWith(".yaml") ? options.shift() : join(source, "models/scenes/amtec_arm.yaml");
-    const own = ["--json", "--iterations", kMostTicks];
+    // On a busy machine the sessions' thread may wait longer for its turn than a robot's part may run on.
+    const own = ["--json", "--iterations", kMostTicks, "--session-silence-ms", "0", "--command-age-ms", "0"];
     if (!options.includes("-v")) own.push("-v", "0");
     if (!options.includes("--hold")) own.push("--run");
     if (!options.includes("--port")) own.push("--port", "0");

@@ -16,6 +16,7 @@ from programs import BIN, MODELS
 import visum
 
 ARM = MODELS / "scenes" / "amtec_arm.yaml"
+BUSY = ("--session-silence-ms", "0", "--command-age-ms", "0")  # a busy machine is no reason to stop the arm here
 SPEED = "1"  # of all clocks, in simulated seconds per second
 PATIENCE_S = 60  # a guard against hanging for ever, not a measure
 
@@ -48,7 +49,7 @@ class Program:
 
 
 def virtual_arm(*options: object, scene: Path = ARM) -> Program:
-    return Program("visumd", scene, "--run", "--speedup", SPEED, *options)
+    return Program("visumd", scene, "--run", "--speedup", SPEED, *BUSY, *options)
 
 
 def real_arm(bus: str, *options: object, scene: Path = ARM) -> Program:

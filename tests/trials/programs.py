@@ -46,7 +46,9 @@ class Daemon:
     """A visumd for the length of a `with`. `before`: a command that starts it (chrt, ip netns exec, ...)."""
 
     def __init__(self, programs: Path, *options: object, scene: Path = ARM, before: tuple[object, ...] = (), log: Path | None = None):
-        self.words = [*before, programs / "visumd", scene, "--port", 0, "--json", "-v", 0, *options]
+        # A busy machine is no reason to stop a part here.
+        patient = ("--session-silence-ms", 0, "--command-age-ms", 0)
+        self.words = [*before, programs / "visumd", scene, "--port", 0, "--json", "-v", 0, *patient, *options]
         self.log = log
 
     def __enter__(self) -> Daemon:
