@@ -13,17 +13,20 @@
                 arm.write()
                 client.advance_ms(10)
 
+visum.launch("scene.yaml") starts a server of its own first.
+
 The verbs are those of the C++ library (clients/cpp/visum.h). Units are SI and radians. Time is simulated time since the
 server's last reset. Calls block, and a Client and its Parts belong to one thread. Every failure raises visum.Error.
 """
 
 from visum.client import Client, ServerInfo
 from visum.errors import Error, ErrorCode
+from visum.launching import LaunchedClient, launch
 from visum.part import Part
 from visum.ports import Inputs, Outputs, Port
 from visum.program import exit_code_of
 from visum.world import Body, Contact, Joint, World, WorldView
 
-__all__ = ["Body", "Client", "Contact", "Error", "ErrorCode", "Inputs", "Joint", "Outputs", "Part", "Port",
-           "ServerInfo", "World", "WorldView", "exit_code_of"]
+__all__ = ["Body", "Client", "Contact", "Error", "ErrorCode", "Inputs", "Joint", "LaunchedClient", "Outputs", "Part",
+           "Port", "ServerInfo", "World", "WorldView", "exit_code_of", "launch"]
 __version__ = "0.2.0"

@@ -58,6 +58,7 @@ class Client:
         self._parts: list[Part] = []
         self._pending_writes: deque[tuple[int, pb.Write]] = deque()
         self._ahead_ns = 0  # how far the ticks that were asked for are ahead of the sum of the periods
+        self._advance: list[int] = []  # the numbers of an advance under way and of the reads behind it
         self._world: World | None = None
         self._world_revision = -1
 
@@ -123,26 +124,30 @@ class Client:
     def advance_ns(self, period_ns: int) -> None:
         """Says "I am done for this period", waits for the first tick at or after the period's end, and brings the samples of
         all parts up to date. Periods do not drift, even if they are no multiple of the tick."""
+        self.begin_advance_ns(period_ns)
+        self.finish_advance()
+
+    def begin_advance_ns(self, period_ns: int) -> None:
+        """The first half of advance_ns(): says so, and does not wait. So worlds of several clients run at the same time."""
         if period_ns <= 0:
             raise Error(ErrorCode.MISUSE, "a period must be longer than 0 ns")
+        if self._advance:
+            raise Error(ErrorCode.MISUSE, "an advance is under way: call finish_advance() first")
         missing_ns = period_ns - self._ahead_ns
         ticks = max(0, math.ceil(missing_ns / self.server.tick_ns))
         self._ahead_ns = ticks * self.server.tick_ns - missing_ns
         if ticks > 0:
-            self._advance(ticks)
+            self._advance = [self.connection.send(advance=pb.Advance(ticks=ticks))]
+            self._advance += [self.connection.send(read=pb.Read(part=part.name)) for part in self._parts]
 
-    def advance_ms(self, period_ms: float) -> None:
-        self.advance_ns(round(period_ms * 1e6))
-
-    def advance_ticks(self, ticks: int) -> None:
-        self.advance_ns(ticks * self.server.tick_ns)
-
-    def _advance(self, ticks: int) -> None:
-        advance = self.connection.send(advance=pb.Advance(ticks=ticks))
-        reads = [self.connection.send(read=pb.Read(part=part.name)) for part in self._parts]
+    def finish_advance(self) -> None:
+        """The second half of advance_ns(): waits, and brings the samples up to date."""
+        if not self._advance:
+            return
         # All answers are read before anything is raised, so that none is left over for the next period.
+        numbers, self._advance = self._advance, []
         refusal = self.settle()
-        advanced, *samples = [self.connection.take(number) for number in (advance, *reads)]
+        advanced, *samples = [self.connection.take(number) for number in numbers]
         if stood_still := refusal_of(advanced):
             raise refusal or stood_still  # the next advance raises stood_still again
         self._set_time(advanced.advanced)
@@ -152,6 +157,12 @@ class Client:
                 part.apply(sample.part_sample)
         if refusal:
             raise refusal
+
+    def advance_ms(self, period_ms: float) -> None:
+        self.advance_ns(round(period_ms * 1e6))
+
+    def advance_ticks(self, ticks: int) -> None:
+        self.advance_ns(ticks * self.server.tick_ns)
 
     def _set_time(self, now: pb.Advanced) -> None:
         self.tick, self.time_ns, self.era = now.tick, now.sim_time_ns, now.era

@@ -11,11 +11,12 @@ from collections import deque
 from typing import NamedTuple
 
 from visum.errors import Error, ErrorCode
+from visum.messages import why_no_messages
 
 try:
     from visum import visum_pb2 as pb
 except ImportError as missing:
-    raise ImportError("visum_pb2 is missing: the build makes it. Set PYTHONPATH=build/<preset>/python") from missing
+    raise ImportError(why_no_messages(missing)) from missing
 
 VERSION = 1
 MAX_FRAME_BYTES = 64 << 20
