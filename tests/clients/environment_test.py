@@ -87,7 +87,8 @@ class Environments(unittest.TestCase):
             self.assertEqual(truncated.tolist(), [True] * 3)
             with self.assertRaises(Error):
                 several.step([[0.5, 0.1]] * 2)
-            observations, rewards, _, truncated, infos = several.step([[9e9, 0]] * 3)  # the action is not looked at
+            # An action for an episode that has ended is not looked at.
+            observations, rewards, _, truncated, infos = several.step([[9e9, 0]] * 3)
             numpy.testing.assert_array_equal(observations[1], start)
             self.assertEqual((rewards.tolist(), truncated.tolist(), infos["sim_time_s"].tolist()), ([0] * 3, [False] * 3, [0] * 3))
 

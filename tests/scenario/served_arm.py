@@ -16,7 +16,8 @@ from programs import BIN, MODELS
 import visum
 
 ARM = MODELS / "scenes" / "amtec_arm.yaml"
-BUSY = ("--session-silence-ms", "0", "--command-age-ms", "0")  # a busy machine is no reason to stop the arm here
+# A busy machine is no reason to stop the arm here.
+BUSY = ("--session-silence-ms", "0", "--command-age-ms", "0")
 SPEED = "1"  # of all clocks, in simulated seconds per second
 PATIENCE_S = 60  # a guard against hanging for ever, not a measure
 

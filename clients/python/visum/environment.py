@@ -59,7 +59,7 @@ class _Box:
 
 
 class _Env:
-    """What gymnasium.Env gives where it is not installed."""
+    """Stands for gymnasium.Env where that is not installed."""
 
     def reset(self, *, seed: int | None = None, options: Info | None = None) -> Any:
         if seed is not None or not hasattr(self, "np_random"):
