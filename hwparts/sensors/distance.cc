@@ -23,10 +23,11 @@ std::unique_ptr<Sensor> make_distance(const SensorContext& context) {
   allow_keys(context.config, {"body", "pose", "range", "noise", "noise_share", "bias", "resolution"});
   const Reach reach = read_reach(context.config);
   Layout layout{"distance",
-                {{"Distance", "m", reach.lowest_m, reach.highest_m, reach.lowest_m, "Distance"},
+                {{"Distance", "m", reach.lowest_m, reach.highest_m, reach.highest_m, "Distance"},
                  {"In Range", "", 0.0, 1.0, 0.0, "In Range"}},
                 {},
-                {read_accuracy(context.config, reach.lowest_m, reach.highest_m)}};
+                {read_accuracy(context.config, reach.lowest_m, reach.highest_m)},
+                reach.highest_m};
   return std::make_unique<Distance>(context, std::move(layout));
 }
 

@@ -13,7 +13,7 @@ class Scanner : public Sensor {
   Scanner(const SensorContext& context, Layout layout, std::vector<double> beams)
       : Sensor(context, std::move(layout)),
         beams_(std::move(beams)),
-        scan_(beams_.size(), static_cast<float>(accuracy(0).lowest)) {}
+        scan_(beams_.size(), static_cast<float>(accuracy(0).highest)) {}
 
   std::span<const std::byte> read_blackboard(std::size_t) const override {
     return std::as_bytes(std::span(scan_));
@@ -48,11 +48,12 @@ std::unique_ptr<Sensor> make_scanner(const SensorContext& context) {
   const Accuracy accuracy = read_accuracy(context.config, reach.lowest_m, reach.highest_m);
   const std::size_t rays = beams.size();
   Layout layout{"scanner",
-                {{"Nearest Distance", "m", reach.lowest_m, reach.highest_m, reach.lowest_m, "Nearest"},
+                {{"Nearest Distance", "m", reach.lowest_m, reach.highest_m, reach.highest_m, "Nearest"},
                  {"Nearest Angle", "rad", beams.front(), beams.back(), beams.front(), "Nearest"},
                  {"Rays In Range", "", 0.0, static_cast<double>(rays), 0.0, "Rays In Range"}},
                 {{"scan", "application/x-float32", sizeof(float), rays, rays * sizeof(float), false}},
-                std::vector<Accuracy>(rays, accuracy)};
+                std::vector<Accuracy>(rays, accuracy),
+                reach.highest_m};
   return std::make_unique<Scanner>(context, std::move(layout), std::move(beams));
 }
 

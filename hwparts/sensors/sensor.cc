@@ -125,7 +125,7 @@ void Sensor::reset() {
   failure_ = initial_failure_;
   now_ns_ = samples_ = 0;
   changed_ = 0;
-  for (std::size_t i = 0; i < last_.size(); ++i) last_[i] = quantised(layout_.numbers[i], 0.0);
+  for (std::size_t i = 0; i < last_.size(); ++i) last_[i] = quantised(layout_.numbers[i], layout_.nothing);
   shown_ = last_;
   queue_.clear();
   shown_again(shown_);

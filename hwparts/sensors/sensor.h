@@ -34,6 +34,8 @@ struct Layout {
   std::vector<protocol::Port> ports;  // without `Changed`
   std::vector<protocol::Blackboard> blackboards;
   std::vector<Accuracy> numbers;
+  // Every number of the reading on the ports before the first sample: as if there were nothing to sense.
+  double nothing = 0.0;
 };
 
 class Sensor : public hwparts::Part {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "tests/hwparts/sensors/bench.h"
@@ -45,6 +46,32 @@ TEST(Sensor, ReadsTheEndOfItsRangeBeyondIt) {
   exact.tick({0.05});
   EXPECT_EQ(exact.port("Distance"), 0.1);
   EXPECT_EQ(exact.port("In Range"), 0.0);
+}
+
+TEST(Sensor, ReadsNothingBeforeItsFirstSample) {
+  Bench ray(kDistance + ", latency_ms: 3");
+  ray.tick({0.2});
+  EXPECT_EQ(ray.port("Changed"), 0.0);
+  EXPECT_EQ(ray.port("Distance"), 5.0) << "not the shortest distance, which would be an obstacle";
+  EXPECT_EQ(ray.port("In Range"), 0.0);
+  Bench stuck(kDistance + ", failure: stuck");
+  stuck.tick({0.2});
+  EXPECT_EQ(stuck.port("Distance"), 5.0);
+
+  Bench scanner("kind: scanner, range: [0.1, 5], rays: 4, angle: [-1, 1], latency_ms: 3");
+  const auto scan = [&scanner] {
+    const auto bytes = scanner.sensor->read_blackboard(0);
+    std::vector<float> distances(bytes.size() / sizeof(float));
+    std::memcpy(distances.data(), bytes.data(), bytes.size());
+    return distances;
+  };
+  scanner.tick({0.2});
+  EXPECT_EQ(scanner.port("Nearest Distance"), 5.0);
+  EXPECT_EQ(scan(), std::vector<float>(4, 5.0f));
+  for (int i = 0; i < 3; ++i) scanner.tick({0.2});
+  EXPECT_EQ(scan(), std::vector<float>(4, 0.2f));
+  scanner.reset();
+  EXPECT_EQ(scan(), std::vector<float>(4, 5.0f));
 }
 
 TEST(Sensor, NoiseHasItsDeviationAndNoMean) {
