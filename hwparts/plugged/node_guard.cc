@@ -68,7 +68,7 @@ std::size_t add_port(std::vector<protocol::Port>& ports, const plugin::Port& por
       std::isfinite(port.minimum) && std::isfinite(port.maximum) && std::isfinite(port.initial);
   if (!finite || port.initial < port.minimum || port.initial > port.maximum)
     throw plugin::Error("port '" + port.name + "': its initial value must lie within its range");
-  ports.push_back({port.name, port.unit, port.minimum, port.maximum, port.initial, ""});
+  ports.push_back({port.name, port.unit, port.minimum, port.maximum, port.initial, port.group});
   return ports.size() - 1;
 }
 

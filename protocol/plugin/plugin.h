@@ -48,7 +48,7 @@
 namespace visum::plugin {
 
 // Grows with every change of this header that breaks plug-ins built before.
-inline constexpr std::uint32_t kAbi = 2;
+inline constexpr std::uint32_t kAbi = 3;
 // Names the C++ library, because both sides must mean the same by std::string and std::vector.
 #if defined(_GLIBCXX_USE_CXX11_ABI) && _GLIBCXX_USE_CXX11_ABI
 inline constexpr const char* kRuntime = "libstdc++";
@@ -146,6 +146,7 @@ struct Port {
   double minimum = 0.0;
   double maximum = 1.0;
   double initial = 0.0;
+  std::string group;  // shared by ports that belong together, "Desired Angle"; clients find them by it
 };
 
 // ---------------------------------------- Agents

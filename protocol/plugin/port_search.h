@@ -48,7 +48,7 @@ void check_value(const Port& port, double value, const std::string& part) {
 
 template <typename From>
 Port plain_port(const From& port) {
-  return {port.name, port.unit, port.minimum, port.maximum, port.initial};
+  return {port.name, port.unit, port.minimum, port.maximum, port.initial, port.group};
 }
 
 }  // namespace visum::plugin

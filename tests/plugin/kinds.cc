@@ -135,8 +135,8 @@ class Motor final : public Part {
   explicit Motor(PartContext& scene)
       : fails_(scene.settings().text_or("fails", "")), torques_(scene.joints().size()) {
     for (const Joint& joint : scene.joints()) {
-      scene.add_input({"Torque " + joint.name, "Nm", -10.0, 10.0, 0.0});
-      scene.add_output({"Angle " + joint.name, "rad", -1e6, 1e6, 0.0});
+      scene.add_input({"Torque " + joint.name, "Nm", -10.0, 10.0, 0.0, "Torque"});
+      scene.add_output({"Angle " + joint.name, "rad", -1e6, 1e6, 0.0, "Angle"});
     }
   }
   void act(std::span<const double> inputs, std::span<const JointSample>,

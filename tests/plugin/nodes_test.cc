@@ -91,6 +91,14 @@ TEST(PluggedPart, DrivesItsJoints) {
   EXPECT_EQ(output_of(simulation, "motor", "Node State"), 0.0);
 }
 
+TEST(PluggedPart, GroupsItsPorts) {
+  cycle::Simulation simulation(kinds_scene(kRotor + "parts: [{name: motor, kind: motor, joints: [hinge]}]"));
+  const auto& description = part_of(simulation, "motor").part->description();
+  EXPECT_EQ(description.controller_inputs.at(0).group, "Torque");
+  EXPECT_EQ(description.sensor_outputs.at(0).group, "Angle");
+  EXPECT_EQ(description.sensor_outputs.back().group, "") << "of its own: Node State";
+}
+
 TEST(PluggedPart, ThatAsksForNonsenseLetsGoOfItsJoints) {
   cycle::Simulation simulation(
       kinds_scene(kRotor + "parts: [{name: motor, kind: motor, joints: [hinge], fails: act}]"));
