@@ -35,6 +35,13 @@ std::int64_t Members::limit() const {
   return limit;
 }
 
+const Member* Members::held_by(std::int64_t tick) const {
+  const Member* holder = nullptr;
+  for (const auto& member : members_)
+    if (member.granted_tick <= tick) holder = &member;
+  return holder;
+}
+
 std::optional<std::int64_t> Members::next_answer() const {
   std::optional<std::int64_t> next;
   for (const auto& member : members_)

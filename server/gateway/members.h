@@ -52,6 +52,8 @@ class Members {
 
   // The tick up to which all members let the world run.
   std::int64_t limit() const;
+  // The member that joined last of those that hold the world at `tick`; null: none does.
+  const Member* held_by(std::int64_t tick) const;
   // The earliest tick at which an Advance is to be answered; none: no member waits.
   std::optional<std::int64_t> next_answer() const;
   // Time stands, or a client joined: measuring of waits begins anew.

@@ -11,6 +11,7 @@
 #include "clients/visum/run/bounds.h"
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/exchanges.h"
+#include "clients/visum/run/run_profile.h"
 #include "clients/visum/run/session.h"
 #include "clients/visum/run/timeline.h"
 
@@ -79,6 +80,8 @@ class Run {
         report_(report),
         session_(daemon.port(), wait_loop),
         parts_(parts_needed(scenario)),
+        profile_(options.profile != nullptr ? &options.profile->runner() : nullptr),
+        phases_(profile_),
         controllers_(scenario.controllers, placeholder_values(scenario, daemon), session_, wait_loop,
                      options.on_line) {}
 
@@ -108,6 +111,8 @@ class Run {
   Report& report_;
   Session session_;
   const std::set<std::string> parts_;
+  config::Profile* const profile_;  // null: nobody measures
+  const RunnerPhases phases_;
   Controllers controllers_;
   Catalogue catalogue_;
   std::vector<Check> checks_;
@@ -135,7 +140,10 @@ void Run::prepare() {
   if (scenario_.max_sim_s * 1e3 / tick_ms > static_cast<double>(Session::kMostTicks)) {
     throw config::ConfigError({scenario_.file.string(), 0, "max_sim_s"}, "must be at most 900 million ticks");
   }
-  controllers_.start(scenario_.start_wall_s);
+  {
+    const config::ProfileScope measured(profile_, phases_.controllers);
+    controllers_.start(scenario_.start_wall_s);
+  }
   now_ = session_.look(parts_);
 }
 
@@ -151,6 +159,7 @@ void Run::tie_again() {
 void Run::go() {
   prepare();
   began_ = Clock::now();
+  const config::ProfileScope measured(profile_, phases_.checks);
   act();
   while (!is_over()) {
     step();
@@ -163,6 +172,7 @@ void Run::go() {
 
 void Run::step() {
   if (controllers_.any_in_real_time()) pace();
+  const config::ProfileScope measured(profile_, phases_.world);
   auto step = session_.step(step_ticks_, parts_);
   now_ = std::move(step.now);
   if (now_.world.revision != catalogue_.world.revision) tie_again();
@@ -342,19 +352,23 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
   WaitLoop wait_loop(scenario.max_wall_s);
   guard(report, nullptr, [&] {
     const cli::TempFolder links;
-    const DaemonOptions daemon_options{options.visumd,
-                                       scenario.scene,
-                                       scenario.clock,
-                                       options.port,
-                                       scenario.engine,
-                                       scenario.seed,
-                                       bus_options(scenario, links),
-                                       scenario.record,
-                                       scenario.record_if_possible,
-                                       scenario.parameters,
-                                       options.plugins,
-                                       options.node_timeout_s,
-                                       scenario.speedup};
+    DaemonOptions daemon_options{options.visumd,
+                                 scenario.scene,
+                                 scenario.clock,
+                                 options.port,
+                                 scenario.engine,
+                                 scenario.seed,
+                                 bus_options(scenario, links),
+                                 scenario.record,
+                                 scenario.record_if_possible,
+                                 scenario.parameters,
+                                 options.plugins,
+                                 options.node_timeout_s};
+    daemon_options.speedup = scenario.speedup;
+    if (options.profile != nullptr) {
+      daemon_options.profile = options.profile->daemon_file().string();
+      daemon_options.profile_spans = options.profile->wants_spans();
+    }
     Daemon daemon(daemon_options, scenario.start_wall_s, wait_loop, [&](const std::string& line) {
       options.on_line("visumd", line);
       if (auto trouble = find_recording_trouble(line, scenario.record); !trouble.empty())
