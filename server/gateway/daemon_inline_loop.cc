@@ -181,6 +181,8 @@ void InlineLoop::run() {
     // Members learn of a reset before anything else: the ticks that they granted were of the era before.
     if (version != tick_side.version()) gateway.serve();
     if (doors_.buses.serve()) tick_side.touch();
+    // Each answer may bring the next request of that member, as often as it has sent some ahead.
+    while (gateway.lockstep().follow_members(doors_.simulation.tick_count())) gateway.serve();
     if (gateway.lockstep().follow_buses(doors_.simulation.tick_count())) gateway.serve();
     if (may_tick()) {
       if (gateway.complete_writes()) tick_side.empty_mailbox();

@@ -48,6 +48,9 @@ class Lockstep {
     const auto* member = members_.held_by(tick);
     return member ? std::string_view(member->client) : std::string_view();
   }
+  // Before each tick: lets the world run on from `tick` for members that wait for all others, or has them
+  // answered because the number of members is not theirs. True: answers have to be sent.
+  bool follow_members(std::int64_t tick);
   // Before each tick: settles the buses for members that ask for it, and stops the world here, at `tick`, for
   // those whose program was told something. True: answers have to be sent.
   bool follow_buses(std::int64_t tick);

@@ -28,7 +28,7 @@ class Profiles(unittest.TestCase):
         rows = self.rows(done.stdout)
         total = rows.pop("total")[0]
         self.assertGreater(total, 0)
-        self.assertLessEqual({"load", "start", "end", "runner", "gateway", "physics", "drives", "parts", "collision"},
+        self.assertLessEqual({"load", "start", "end", "gateway", "physics", "drives", "parts", "collision"},
                              set(rows))
         rounding = 0.05 * len(rows) + 0.05
         self.assertAlmostEqual(sum(ms for ms, _ in rows.values()), total, delta=rounding)

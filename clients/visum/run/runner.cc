@@ -98,7 +98,11 @@ class Run {
  private:
   void prepare();
   void tie_again();
-  void step();
+  void note_members();
+  // Lets one step pass. False: the world stands where it was, because a member came or left.
+  bool step();
+  void send_steps();
+  bool may_go_on(double sim_s) const;
   void pace();
   void act();
   bool is_over();
@@ -122,6 +126,7 @@ class Run {
   Observation now_;
   protocol::ServerStatus last_;
   std::int64_t step_ticks_ = 1;
+  std::uint32_t members_ = 0;           // of the lockstep
   std::optional<double> settled_at_s_;  // when `until` came true
   Clock::time_point began_ = Clock::now();
   Clock::time_point due_{};  // pace()
@@ -145,6 +150,7 @@ void Run::prepare() {
     controllers_.start(scenario_.start_wall_s);
   }
   now_ = session_.look(parts_);
+  members_ = static_cast<std::uint32_t>(session_.status().lockstep.size());
 }
 
 // Bodies came or went, so the same names have other indices now.
@@ -162,7 +168,7 @@ void Run::go() {
   const config::ProfileScope measured(profile_, phases_.checks);
   act();
   while (!is_over()) {
-    step();
+    if (!step()) continue;
     for (Check& check : checks_) check.observe(now_);
     if (options_.on_step) options_.on_step(sim_seconds(now_));
     act();
@@ -170,15 +176,59 @@ void Run::go() {
   note_unfinished();
 }
 
-void Run::step() {
+// True if nothing is known by now that would end the run, or be due, at that time.
+bool Run::may_go_on(double sim_s) const {
+  double until_s = std::min(scenario_.max_sim_s, timeline_->next_s());
+  if (settled_at_s_) until_s = std::min(until_s, *settled_at_s_ + scenario_.settle_s);
+  if (!settled_at_s_ && scenario_.until.kind == Until::Kind::kTime)
+    until_s = std::min(until_s, scenario_.until.at_s);
+  return sim_s < until_s - kRounding_s;
+}
+
+// Sends steps ahead where nothing that we see in one can decide whether the next one is made. Then the world
+// does not wait for us: it goes on while we check.
+void Run::send_steps() {
+  const bool lockstep = session_.clock() == "lockstep";
+  const bool to_controllers = scenario_.until.kind == Until::Kind::kControllers && !settled_at_s_;
+  const bool looks = scenario_.until.kind == Until::Kind::kCondition && !settled_at_s_;
+  // The first step comes before anybody can have left.
+  const bool follows = lockstep && to_controllers && now_.world.tick > 0;
+  const bool alone = lockstep && !looks && !options_.keep && !timeline_->has_conditions() &&
+                     !controllers_.any_in_real_time() &&
+                     (!to_controllers || (follows && controllers_.all_joined()));
+  const std::size_t most = alone ? Session::most_steps(parts_) : 1;
+  const std::size_t ahead = session_.steps_ahead();
+  if (ahead > most / 2) return;
+  const auto step_s = static_cast<double>(step_ticks_ * session_.tick_ns()) * 1e-9;
+  std::size_t count = ahead == 0 ? 1 : 0;
+  while (ahead + count < most && may_go_on(sim_seconds(now_) + static_cast<double>(ahead + count) * step_s))
+    ++count;
+  if (count == 0) return;
+  session_.send_steps(count, step_ticks_, parts_, follows ? members_ : 0);
+  controllers_.check_ends();
+}
+
+bool Run::step() {
   if (controllers_.any_in_real_time()) pace();
   const config::ProfileScope measured(profile_, phases_.world);
-  auto step = session_.step(step_ticks_, parts_);
-  now_ = std::move(step.now);
-  if (now_.world.revision != catalogue_.world.revision) tie_again();
+  send_steps();
+  auto now = session_.take_step();
   controllers_.note_timeouts();
-  controllers_.check_ends();
-  if (scenario_.until.kind == Until::Kind::kControllers) controllers_.settle(std::move(step.status));
+  if (!now) {
+    note_members();
+    return false;
+  }
+  now_ = std::move(*now);
+  if (now_.world.revision != catalogue_.world.revision) tie_again();
+  if (scenario_.until.kind == Until::Kind::kControllers && session_.clock() != "lockstep")
+    controllers_.settle(session_.status());
+  return true;
+}
+
+// While the world stands. Notes which controllers have left.
+void Run::note_members() {
+  controllers_.settle(session_.status());
+  members_ = static_cast<std::uint32_t>(session_.status().lockstep.size());
 }
 
 // Waits for what the controllers send for the next tick before it acts; otherwise the order would depend on
@@ -193,6 +243,8 @@ bool Run::is_over() {
   const double now_s = sim_seconds(now_);
   if (!settled_at_s_) {
     const Until& until = scenario_.until;
+    const bool last = now_s >= scenario_.max_sim_s - kRounding_s;
+    if (last && until.kind == Until::Kind::kControllers) note_members();
     const bool reached = until.kind == Until::Kind::kControllers ? controllers_.all_done()
                          : until.kind == Until::Kind::kTime
                              ? now_s >= until.at_s - kRounding_s
@@ -247,7 +299,8 @@ void Run::keep() {
   wait_loop_.lift_limit();
   while (true) {
     pace();
-    session_.step(step_ticks_, {});
+    session_.send_steps(1, step_ticks_, {}, 0);
+    session_.take_step();
   }
 }
 
