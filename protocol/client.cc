@@ -244,6 +244,10 @@ std::optional<Reply> Connection::next(milliseconds timeout) {
   }
 }
 
+std::optional<Reply> Connection::next_kept() {
+  return impl_->inbox_.take_next();
+}
+
 int Connection::native_handle() const {
   return impl_->socket_.fd();
 }

@@ -82,6 +82,9 @@ class Connection {
   // The next sample or event. Returns nothing if none came within `timeout`.
   std::optional<Reply> next(std::chrono::milliseconds timeout);
 
+  // As next(), but only what was read already: it asks the socket for nothing.
+  std::optional<Reply> next_kept();
+
   int native_handle() const;  // for poll()
   // How long to poll the socket busily before blocking. 0 (the default) blocks at once.
   void set_spin(std::chrono::microseconds spin);

@@ -113,6 +113,7 @@ struct Advance {
   bool follow_buses = false;
   std::uint64_t bus_said = 0;
   std::vector<Stream> streams{};
+  std::uint32_t members = 0;
 };
 struct Leave {};
 struct Note {

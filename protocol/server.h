@@ -69,6 +69,8 @@ class SessionHandler {
   virtual void on_request(Session& session, std::uint64_t id, const Request& request) = 0;
   virtual void on_close(Session& session, CloseReason reason) = 0;  // only if on_hello() granted a role
   virtual void on_notify() = 0;                                     // soon after notify()
+  // Bytes came, which are handled next. For a profile: until now the server may have waited for them.
+  virtual void on_bytes() {}
   // Enough was written that the session is no longer behind(). Called before the session's next request.
   virtual void on_room(Session&) {}
 };

@@ -62,6 +62,7 @@ void TcpSession::read() {
 }
 
 void TcpSession::on_read(const error_code& error, std::size_t bytes) {
+  context().handler.on_bytes();
   if (!socket_.is_open()) return wake();
   if (error == asio::error::eof) return stream_ended();
   if (error) return lost();

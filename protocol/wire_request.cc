@@ -96,6 +96,7 @@ struct PutRequest {
     w.set_follow_buses(m.follow_buses);
     w.set_bus_said(m.bus_said);
     put_streams(m.streams, w.mutable_streams());
+    w.set_members(m.members);
   }
   void operator()(const Leave&) const { to.mutable_leave(); }
   void operator()(const Note& m) const { to.mutable_note()->set_text(m.text); }
@@ -216,7 +217,7 @@ bool take_world_request(const v1::ClientMessage& from, Request& to) {
   switch (from.request_case()) {
     case v1::ClientMessage::kAdvance:
       to = Advance{from.advance().ticks(), from.advance().follow_buses(), from.advance().bus_said(),
-                   streams_of(from.advance().streams())};
+                   streams_of(from.advance().streams()), from.advance().members()};
       return true;
     case v1::ClientMessage::kLeave:
       to = Leave{};

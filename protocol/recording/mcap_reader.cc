@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "protocol/recording/compression.h"
+
 namespace visum::recording {
 namespace {
 
@@ -160,10 +162,21 @@ bool McapReader::enter_chunk(Bytes content) {
   const std::string compression(from.text());
   const auto records = from.raw(from.number<std::uint64_t>());
   if (!from.complete() || !from.at_end()) return fail("a chunk's lengths contradict each other");
-  if (!compression.empty()) return fail("a chunk is compressed; only plain ones are read");
-  if (records.size() != size || crc32(records) != crc) return fail("a chunk's CRC is wrong");
   chunk_at_ = record_at_;
-  std::swap(chunk_, record_);  // views into the chunk stay valid: its bytes do not move
+  if (compression.empty()) return enter_records(records, size, crc, record_);
+  if (compression != kZstd) return fail("a chunk is compressed with something else than zstd");
+  if (size > kMaxRecordBytes)
+    return fail("a chunk of " + std::to_string(size) + " bytes when unpacked is too long");
+  if (!decompress(records, static_cast<std::size_t>(size), unpacked_))
+    return fail("a compressed chunk is damaged");
+  return enter_records(unpacked_, size, crc, unpacked_);
+}
+
+// `records` are bytes of `owner`, which are kept.
+bool McapReader::enter_records(Bytes records, std::uint64_t size, std::uint32_t crc,
+                               std::vector<std::byte>& owner) {
+  if (records.size() != size || crc32(records) != crc) return fail("a chunk's CRC is wrong");
+  std::swap(chunk_, owner);  // views into the chunk stay valid: its bytes do not move
   in_chunk_ = LittleReader(records);
   return true;
 }

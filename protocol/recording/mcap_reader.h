@@ -1,7 +1,7 @@
 // Reads an MCAP file from front to back, without its index. So a file that was cut short can be read up to
-// its last whole record. A chunk with a wrong CRC or with compression is refused. Never throws, and never
-// allocates more memory than the file is long. Owned by its user; any one thread.
-// allocates more than the file is long. Any one thread.
+// its last whole record. Chunks are plain or compressed with zstd; one with a wrong CRC, or compressed in
+// another way, is refused. Allocates no more memory than the file is long and its largest chunk is when
+// unpacked, at most kMaxRecordBytes. Owned by its user; any one thread.
 #pragma once
 
 #include <cstdint>
@@ -52,6 +52,7 @@ class McapReader {
   bool read_record(Record& record);
   // Checks a chunk's CRC and goes on with the records in it.
   bool enter_chunk(Bytes content);
+  bool enter_records(Bytes records, std::uint64_t size, std::uint32_t crc, std::vector<std::byte>& owner);
   bool read_attachment(Bytes content, Attachment& attachment);
   // Handle a record outside of chunks, and one inside a chunk.
   bool take(const Record& record);
@@ -68,7 +69,7 @@ class McapReader {
   std::uint64_t record_at_ = 0;   // where the current record begins
   Crc32 crc_;                     // of the data section, then of the summary
   std::uint64_t summary_at_ = 0;  // 0: still in the data section
-  std::vector<std::byte> record_, chunk_;
+  std::vector<std::byte> record_, chunk_, unpacked_;
   LittleReader in_chunk_{{}};
   std::map<std::uint16_t, Channel> channels_;
   std::variant<End, Attachment, Message> item_;

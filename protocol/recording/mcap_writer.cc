@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "protocol/recording/compression.h"
+
 namespace visum::recording {
 namespace {
 
@@ -15,7 +17,8 @@ void append_record(std::vector<std::byte>& out, Op op, const std::vector<std::by
 
 }  // namespace
 
-McapWriter::McapWriter(Sink sink, std::string_view library) : sink_(std::move(sink)) {
+McapWriter::McapWriter(Sink sink, std::string_view library, Chunks chunks)
+    : sink_(std::move(sink)), how_(chunks) {
   chunk_.reserve(kChunkBytes + (kChunkBytes >> 2));
   put(std::as_bytes(std::span(kMcapMagic)));
   std::vector<std::byte> header;
@@ -112,18 +115,21 @@ void McapWriter::flush() {
 // Writes the chunk and the indexes of its messages, and remembers it for the summary.
 void McapWriter::put_chunk() {
   const auto until_ns = indexes_.empty() ? 0 : until_ns_;
-  ChunkIndex index{chunk_from_ns_, until_ns, place_, 0, 0, chunk_.size(), {}};
+  const bool packs = how_ == Chunks::kCompressed && compress(chunk_, packed_);
+  const auto& stored = packs ? packed_ : chunk_;
+  const auto compression = packs ? kZstd : std::string_view();
+  ChunkIndex index{chunk_from_ns_, until_ns, place_, 0, 0, chunk_.size(), stored.size(), compression, {}};
   content_.clear();
   LittleWriter to(content_);
   to.number(static_cast<std::uint8_t>(Op::kChunk));
-  to.number(static_cast<std::uint64_t>(8 + 8 + 8 + 4 + 4 + 8 + chunk_.size()));
+  to.number(static_cast<std::uint64_t>(8 + 8 + 8 + 4 + 4 + compression.size() + 8 + stored.size()));
   to.number(chunk_from_ns_);
   to.number(until_ns);
   to.number(static_cast<std::uint64_t>(chunk_.size()));
   to.number(crc32(chunk_));
-  to.text("");  // no compression
-  to.number(static_cast<std::uint64_t>(chunk_.size()));
-  to.raw(chunk_);
+  to.text(compression);
+  to.number(static_cast<std::uint64_t>(stored.size()));
+  to.raw(stored);
   put(content_);
   index.length = place_ - index.start;
   put_message_indexes(index);
@@ -210,8 +216,8 @@ void McapWriter::put_chunk_index(const ChunkIndex& chunk) {
     to.number(place);
   }
   to.number(chunk.index_length);
-  to.text("");  // no compression
-  to.number(chunk.bytes);
+  to.text(chunk.compression);
+  to.number(chunk.stored_bytes);
   to.number(chunk.bytes);
   put_record(Op::kChunkIndex, content_);
 }

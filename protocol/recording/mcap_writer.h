@@ -1,6 +1,6 @@
-// Writes an MCAP file from front to back: uncompressed chunks, each with its CRC and the indexes of its
-// messages, and the summary on close(). What was flushed can be read even if close() is never called. Any one
-// thread.
+// Writes an MCAP file from front to back: chunks, each with its CRC and the indexes of its messages, and the
+// summary on close(). A chunk is compressed with zstd where that makes it smaller. What was flushed can be
+// read even if close() is never called. Any one thread.
 #pragma once
 
 #include <functional>
@@ -23,7 +23,9 @@ class McapWriter {
   // So that a chunk with one such message can still be read.
   static constexpr std::size_t kMaxMessageBytes = kMaxRecordBytes - 2 * kChunkBytes;
 
-  McapWriter(Sink sink, std::string_view library);
+  enum class Chunks { kCompressed, kPlain };
+
+  McapWriter(Sink sink, std::string_view library, Chunks chunks = Chunks::kCompressed);
 
   std::uint16_t add_schema(std::string_view name, std::string_view encoding, Bytes data);
   std::uint16_t add_channel(std::string_view topic, std::uint16_t schema, std::string_view encoding);
@@ -36,7 +38,8 @@ class McapWriter {
  private:
   using MessageIndex = std::vector<std::pair<std::uint64_t, std::uint64_t>>;  // log time, place in the chunk
   struct ChunkIndex {
-    std::uint64_t from_ns, until_ns, start, length, index_length, bytes;
+    std::uint64_t from_ns, until_ns, start, length, index_length, bytes, stored_bytes;
+    std::string_view compression;
     std::vector<std::pair<std::uint16_t, std::uint64_t>> message_indexes;  // channel, place in the file
   };
   struct AttachmentIndex {
@@ -56,7 +59,8 @@ class McapWriter {
   Sink sink_;
   Crc32 crc_;  // of the data section, then of the summary
   std::uint64_t place_ = 0;
-  std::vector<std::byte> chunk_, content_;
+  const Chunks how_;
+  std::vector<std::byte> chunk_, packed_, content_;
   std::uint64_t chunk_from_ns_ = 0;
   std::map<std::uint16_t, MessageIndex> indexes_;   // of the current chunk, by channel
   std::vector<std::byte> schemas_, channels_;       // their records, repeated in the summary

@@ -173,6 +173,8 @@ void Simulation::start_state() {
 
 void Simulation::tick() {
   if (frozen()) return;
+  if (profile_) profile_->tick_begins();
+  const config::ProfileScope measured(profile_, config::Profile::kParts);
   working_.begin(state_.tick);
   end_faults();  // a restored state may hold faults whose time is over
   for (auto& bound : parts_) bound.deliver(state_.tick);
@@ -200,7 +202,11 @@ void Simulation::tick() {
   phases_.end(Phase::kPublish);
   phases_.tick_done();
   working_.end();
-  if (observer_) observer_->ticked();
+  if (observer_) {
+    const config::ProfileScope recorded(profile_, config::Profile::kRecording);
+    observer_->ticked();
+  }
+  if (profile_) profile_->tick_ended();
 }
 
 void Simulation::sense() {
@@ -257,7 +263,10 @@ void Simulation::step() {
   }
   if (is_limited) note_limited(limited);
   if (warned) ++solver_warnings_;
-  collision_->hold_back(before_, state_);
+  {
+    const config::ProfileScope held_back(profile_, config::Profile::kCollision);
+    collision_->hold_back(before_, state_);
+  }
   world::measure_joints(scene_->world, state_, input.tick_s);
   if (std::string offender; !world::is_sane(scene_->world, state_, &offender))
     return freeze(std::move(offender));
@@ -296,6 +305,7 @@ void Simulation::freeze(std::string fault) {
 }
 
 std::uint64_t Simulation::state_hash() const {
+  const config::ProfileScope hashed(profile_, config::Profile::kHash);
   save_all(state_, scratch_);
   return world::hash_bytes(scratch_);
 }

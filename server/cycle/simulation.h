@@ -10,6 +10,7 @@
 // good state; only reset() or a restore makes it run again.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -23,6 +24,7 @@
 #include "hwparts/kinds/part_kinds.h"
 #include "hwparts/part.h"
 #include "hwparts/powercube/message.h"
+#include "protocol/config/profile.h"
 #include "protocol/recording/input.h"
 #include "protocol/recording/state.h"
 #include "server/collision/collision.h"
@@ -190,6 +192,8 @@ class Simulation {
   // new one.
   std::shared_ptr<const FlightRing> ring() const { return ring_; }
   const Phases& phases() const { return phases_; }
+  // Measures ticks and hashes from now on. Must outlive the simulation, or be taken away by null.
+  void set_profile(config::Profile* profile) { profile_ = profile; }
   // For other threads. The texts say which bodies collide, and then for each engine which bodies it moves;
   // they are shared for the reason that ring() is.
   Working& working() { return working_; }
@@ -239,7 +243,15 @@ class Simulation {
   void forget_ticks();
 
   // The phases of tick(), in their order.
-  void enter(Stage stage) { working_.enter(stage, 0, phases_.last()); }
+  void enter(Stage stage) {
+    working_.enter(stage, 0, phases_.last());
+    if (profile_) profile_->enter(kProfiled[static_cast<std::size_t>(stage)]);
+  }
+  // The stages of a tick in a profile, in their order.
+  static constexpr std::array<config::Profile::Phase, 7> kProfiled{
+      config::Profile::kGateway, config::Profile::kParts,     config::Profile::kAgents,
+      config::Profile::kDrives,  config::Profile::kCollision, config::Profile::kPhysics,
+      config::Profile::kParts};
   void sense();
   void think();
   void act();
@@ -307,6 +319,7 @@ class Simulation {
   std::shared_ptr<FlightRing> ring_;
   Phases phases_;
   Working working_;
+  config::Profile* profile_ = nullptr;
   std::shared_ptr<const std::vector<std::string>> work_texts_;
   std::uint64_t solver_warnings_ = 0, limited_ticks_ = 0;
   std::vector<std::string> limited_bodies_;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/config/profile.h"
 #include "protocol/tls.h"
 #include "server/bus/address.h"
 #include "server/cycle/simulation.h"
@@ -60,6 +61,7 @@ struct DaemonOptions {
   // piece of that.
   std::function<void(std::chrono::steady_clock::time_point)> wait;
   const recording::FlightRecorder* flight = nullptr;  // writes down how it froze; must outlive the daemon
+  config::Profile* profile = nullptr;                 // measures the tick's thread; must outlive the daemon
   Playback* playback = nullptr;  // a recording, whose world this is; must outlive the daemon
   // On the tick's thread, at each copy of the world for the sessions: puts another server's world into it.
   std::function<void(Published&)> show;

@@ -50,6 +50,7 @@ DaemonDoors::DaemonDoors(cycle::Simulation& the_simulation, const DaemonOptions&
       show(shown_by(options)),
       abandoned(options.abandoned),
       flight(options.flight),
+      profile(options.profile),
       playback(options.playback),
       mailbox(most_ports(simulation)),
       tick_side(simulation, mailbox, options.run_at_once),

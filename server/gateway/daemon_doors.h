@@ -60,7 +60,8 @@ struct DaemonDoors {
   const std::function<void(Published&)> show;
   const std::function<void(const std::string&)> abandoned;
   const recording::FlightRecorder* const flight;
-  Playback* const playback;  // null: the world is a live one
+  config::Profile* const profile;  // null: nobody measures
+  Playback* const playback;        // null: the world is a live one
   Mailbox mailbox;
   TickSide tick_side;
   DaemonBuses buses;

@@ -25,6 +25,7 @@ class InlineLoop final : public DaemonLoop {
   InlineLoop(cycle::Simulation& simulation, const DaemonOptions& options, std::atomic<bool>& stop)
       : paced_(options.paced && simulation.scene().clock == scene::ClockKind::kLockstep),
         doors_(simulation, options, stop, [this]() -> const Published& { return fresh_copy(); }) {
+    doors_.gateway.set_profile(options.profile);
     doors_.open_buses(options.buses, [this] { doors_.server.notify(); });
   }
 
@@ -40,6 +41,8 @@ class InlineLoop final : public DaemonLoop {
   template <typename Work>
   void without_sessions(Relief& relief, const Work& work);
   void tick(Relief& relief);
+  // Serves the sessions, and waits for them if they send nothing.
+  void await_sessions();
   void end_sessions(std::chrono::milliseconds farewell);
   Relief::Duties duties_of_relief();
   void relieve(bool begins);
@@ -140,12 +143,26 @@ bool InlineLoop::await_due() {
   if (!std::exchange(is_paced_now_, true)) pacer.restart(Clock::now());
   const auto left = pacer.due() - Clock::now();
   if (left > kPaceLook) return false;
-  if (left > Clock::duration::zero()) sleep_until(pacer.due());
+  if (left > Clock::duration::zero()) {
+    const config::ProfileScope waits(doors_.profile, config::Profile::kWait);
+    sleep_until(pacer.due());
+  }
   pacer.begin_tick(Clock::now());
   return true;
 }
 
+void InlineLoop::await_sessions() {
+  config::Profile::Phase waits = config::Profile::kWait;
+  if (doors_.profile) {
+    const auto holder = doors_.gateway.lockstep().held_by(doors_.simulation.tick_count());
+    if (!holder.empty()) waits = doors_.profile->add("waits for " + std::string(holder));
+  }
+  const config::ProfileScope measured(doors_.profile, waits);
+  doors_.server.poll_for(is_paced_now_ ? kPaceLook : kIdle);
+}
+
 void InlineLoop::run() {
+  if (doors_.profile) doors_.profile->enter(config::Profile::kGateway);
   if (paced_) prctl(PR_SET_TIMERSLACK, 1UL);
   auto& tick_side = doors_.tick_side;
   auto& gateway = doors_.gateway;
@@ -164,6 +181,8 @@ void InlineLoop::run() {
     // Members learn of a reset before anything else: the ticks that they granted were of the era before.
     if (version != tick_side.version()) gateway.serve();
     if (doors_.buses.serve()) tick_side.touch();
+    // Each answer may bring the next request of that member, as often as it has sent some ahead.
+    while (gateway.lockstep().follow_members(doors_.simulation.tick_count())) gateway.serve();
     if (gateway.lockstep().follow_buses(doors_.simulation.tick_count())) gateway.serve();
     if (may_tick()) {
       if (gateway.complete_writes()) tick_side.empty_mailbox();
@@ -177,10 +196,11 @@ void InlineLoop::run() {
       server.write();
     } else {
       gateway.serve();
-      server.poll_for(is_paced_now_ ? kPaceLook : kIdle);
+      await_sessions();
       now = polled = Clock::now();
     }
   }
+  if (doors_.profile) doors_.profile->enter(config::Profile::kEnd);
   end_sessions(kFarewell);
 }
 

@@ -62,6 +62,7 @@ class RealtimeLoop final : public DaemonLoop {
   }
 
   void wait_until(Clock::time_point due) {
+    const config::ProfileScope waits(doors_.profile, config::Profile::kWait);
     if (doors_.wait) return doors_.wait(due);
     if (!doors_.buses.are_open()) return sleep_until(due);
     doors_.buses.serve_until(due);
@@ -93,6 +94,7 @@ void RealtimeLoop::run() {
   } catch (...) {
     failure = std::current_exception();
   }
+  if (doors_.profile) doors_.profile->enter(config::Profile::kEnd);
   doors_.gateway.end();
   doors_.server.notify();
   doors_.server.stop();
@@ -131,6 +133,7 @@ void RealtimeLoop::tick_in_real_time() {
   auto& tick_side = doors_.tick_side;
   auto& pacer = tick_side.pacer();
   bool was_running = false;
+  if (doors_.profile) doors_.profile->enter(config::Profile::kGateway);
   while (!doors_.ended()) {
     tick_side.empty_mailbox();
     tick_side.look_at_sessions();
@@ -142,6 +145,7 @@ void RealtimeLoop::tick_in_real_time() {
     was_running = runs;
     if (!runs) {
       compare_until(Clock::now() + kLongestSleep);
+      const config::ProfileScope waits(doors_.profile, config::Profile::kWait);
       doors_.mailbox.wait_for(comparing_ ? std::chrono::milliseconds(0) : kLongestSleep);
       continue;
     }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 
+#include "protocol/config/profile.h"
 #include "protocol/server.h"
 #include "server/bus/bus_door.h"
 #include "server/cycle/pacer.h"
@@ -48,6 +49,9 @@ class Gateway : public protocol::SessionHandler {
   void on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) override;
   void on_close(protocol::Session& session, protocol::CloseReason reason) override;
   void on_notify() override { serve(); }
+  void on_bytes() override {
+    if (profile_ && !relieved_) profile_->enter(config::Profile::kGateway);
+  }
   void on_room(protocol::Session& session) override;
 
   // Sends what is due: commands' replies, answers to Advance, samples, events. After every tick, or when
@@ -61,6 +65,8 @@ class Gateway : public protocol::SessionHandler {
   // From now on (true) another thread serves the sessions, while the tick's thread does a tick that takes
   // long. Requests that change the world are latched for its end. Whatever belongs to a cycle waits.
   void relieve(bool begins) { relieved_ = begins; }
+  // Lockstep and free: measures from now on when bytes came. Must outlive it.
+  void set_profile(config::Profile* profile) { profile_ = profile; }
   // True if the log is to tell of so many limited ticks. Any thread.
   bool has_to_warn(std::uint64_t limited_ticks) const {
     return limited_ticks >= limits_warned_at_.load(std::memory_order_relaxed);
@@ -136,6 +142,7 @@ class Gateway : public protocol::SessionHandler {
   bool frozen_ = false;
   std::uint64_t freezes_ = 0;
   bool relieved_ = false;
+  config::Profile* profile_ = nullptr;
   protocol::ClientLog stop_log_{"emergency stops"};  // anybody may pull them, as often as he likes
   std::atomic<std::uint64_t> limits_warned_at_{1};   // limited ticks at which the log tells of them next
   std::atomic<bool> ending_{false};

@@ -20,6 +20,8 @@ std::string fault_of(const protocol::Advance& request, bool lockstep) {
   const int least = request.follow_buses ? 0 : 1;
   if (request.ticks < least || request.ticks > kMostTicks)
     return "ticks must be within " + std::to_string(least) + " and " + std::to_string(kMostTicks);
+  if (request.members > 0 && (!lockstep || request.follow_buses))
+    return "members is for the clock lockstep, and not for an Advance with follow_buses";
   if (request.follow_buses && !lockstep) return "follow_buses is for the clock lockstep";
   if (request.streams.size() > kMostStreams) return "more than " + std::to_string(kMostStreams) + " streams";
   for (const auto& stream : request.streams)
@@ -82,7 +84,10 @@ void Lockstep::handle(const Call& call, const protocol::Advance& request) {
   // Realtime and free: a member that is late by more than a period starts anew from now. Otherwise it would
   // get a burst of answers.
   if (now.tick - member->granted_tick > request.ticks) member->granted_tick = now.tick;
-  member->granted_tick += request.ticks;
+  if (request.members > 0)
+    member->after = {request.ticks, request.members};
+  else
+    member->granted_tick += request.ticks;
   member->waited_since.reset();
   member->advance = call.id;
   member->note.clear();
@@ -128,6 +133,19 @@ bool Lockstep::waits_for_tick(const protocol::Session& session, const protocol::
          std::holds_alternative<protocol::Leave>(request) || std::holds_alternative<protocol::Note>(request);
 }
 
+bool Lockstep::follow_members(std::int64_t tick) {
+  bool any = false;
+  for (auto& member : members_.all()) {
+    if (!member.after || members_.others_hold(member, tick)) continue;
+    if (member.after->members == members_.all().size())
+      member.granted_tick += member.after->ticks;
+    else
+      any = true;
+    member.after.reset();
+  }
+  return any;
+}
+
 bool Lockstep::follow_buses(std::int64_t tick) {
   bool any = false;
   for (auto& member : members_.all()) {
@@ -154,8 +172,8 @@ void Lockstep::answer_advances(const Published& now) {
 
 void Lockstep::answer(Member& member, const Published& now) {
   if (!member.advance) return;
-  if (now.fault.empty() && (now.tick < member.granted_tick || (member.follows && !member.follows->settled)))
-    return;
+  const bool waits = now.tick < member.granted_tick || member.after;
+  if (now.fault.empty() && (waits || (member.follows && !member.follows->settled))) return;
   auto& client = clients_.at(member.session);
   if (!now.fault.empty())
     client.session->send(*member.advance, protocol::Error{ErrorCode::kFrozen, now.fault, {}});
@@ -163,6 +181,7 @@ void Lockstep::answer(Member& member, const Published& now) {
     client.session->send(*member.advance, advanced(member, now));
   member.advance.reset();
   member.follows.reset();
+  member.after.reset();
   client.waiting = false;
 }
 
@@ -200,6 +219,7 @@ void Lockstep::end_advances(std::int64_t tick, const std::string& why) {
     client.waiting = false;
     member.advance.reset();
     member.follows.reset();
+    member.after.reset();
     member.granted_tick = tick;
     member.waited_since.reset();
   }

@@ -9,6 +9,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "server/bus/bus_door.h"
 #include "server/gateway/call.h"
@@ -42,6 +43,14 @@ class Lockstep {
   }
   // A client that was late goes on in real time, and so does the world.
   bool has_dropped() const { return !dropped_.empty(); }
+  // The client that holds the world at `tick`; empty: none does.
+  std::string_view held_by(std::int64_t tick) const {
+    const auto* member = members_.held_by(tick);
+    return member ? std::string_view(member->client) : std::string_view();
+  }
+  // Before each tick: lets the world run on from `tick` for members that wait for all others, or has them
+  // answered because the number of members is not theirs. True: answers have to be sent.
+  bool follow_members(std::int64_t tick);
   // Before each tick: settles the buses for members that ask for it, and stops the world here, at `tick`, for
   // those whose program was told something. True: answers have to be sent.
   bool follow_buses(std::int64_t tick);

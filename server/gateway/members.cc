@@ -35,10 +35,26 @@ std::int64_t Members::limit() const {
   return limit;
 }
 
+bool Members::others_hold(const Member& one, std::int64_t tick) const {
+  return std::ranges::any_of(members_, [&](const Member& member) {
+    return &member != &one && !member.after && member.granted_tick <= tick;
+  });
+}
+
+const Member* Members::held_by(std::int64_t tick) const {
+  const Member* holder = nullptr;
+  for (const auto& member : members_)
+    if (member.granted_tick <= tick) holder = &member;
+  return holder;
+}
+
 std::optional<std::int64_t> Members::next_answer() const {
   std::optional<std::int64_t> next;
-  for (const auto& member : members_)
-    if (member.advance && (!next || member.granted_tick < *next)) next = member.granted_tick;
+  for (const auto& member : members_) {
+    if (!member.advance) continue;
+    const auto answer = member.granted_tick + (member.after ? member.after->ticks : 0);
+    next = next ? std::min(*next, answer) : answer;
+  }
   return next;
 }
 

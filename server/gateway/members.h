@@ -19,6 +19,12 @@ struct Follows {
   bool settled = false;  // all that its program wrote has been handled and answered
 };
 
+// An Advance with `members` waits for the others.
+struct After {
+  std::int64_t ticks = 0;
+  std::uint32_t members = 0;
+};
+
 struct Member {
   using Clock = std::chrono::steady_clock;
   std::uint64_t session = 0;
@@ -28,6 +34,7 @@ struct Member {
   std::chrono::nanoseconds timeout{};             // 0: none
   std::optional<Clock::time_point> waited_since;  // the world waits for it
   std::optional<Follows> follows;                 // of the Advance that waits
+  std::optional<After> after;                     // the Advance that waits lets the world run only later
   std::uint32_t grade = 4;                        // of lockstep: 1, 2 or 4
   protocol::OnTimeout on_timeout = protocol::OnTimeout::kEnd;
   bool own_timeout = false;               // it asked for a time-out, which also holds where it is alone
@@ -52,6 +59,10 @@ class Members {
 
   // The tick up to which all members let the world run.
   std::int64_t limit() const;
+  // True if a member other than this one has not let the world run on from `tick`, and is free to do so.
+  bool others_hold(const Member& one, std::int64_t tick) const;
+  // The member that joined last of those that hold the world at `tick`; null: none does.
+  const Member* held_by(std::int64_t tick) const;
   // The earliest tick at which an Advance is to be answered; none: no member waits.
   std::optional<std::int64_t> next_answer() const;
   // Time stands, or a client joined: measuring of waits begins anew.

@@ -21,12 +21,14 @@
 #include "protocol/command_line/one_of.h"
 #include "protocol/command_line/parse.h"
 #include "protocol/config/new_file.h"
+#include "protocol/config/profile.h"
 #include "protocol/config/unknown_name.h"
 #include "server/cycle/simulation.h"
 #include "server/gateway/daemon.h"
 #include "server/gateway/playback.h"
 #include "server/programs/command_line.h"
 #include "server/programs/node_watch.h"
+#include "server/programs/profile_file.h"
 #include "server/programs/program.h"
 #include "server/programs/replay_report.h"
 #include "server/programs/scene_check.h"
@@ -64,10 +66,12 @@ struct Options {
   std::vector<std::string> buses;
   programs::PluginOptions plugins;
   programs::HttpArguments http;
-  std::string record;                                     // a file; empty: none
-  std::string try_record;                                 // as `record`, but may fail
-  std::string dump = state_folder();                      // folder for the ticks before a freeze; or "off"
-  std::string rewound;                                    // a recording to continue, instead of a scene
+  std::string record;                 // a file; empty: none
+  std::string try_record;             // as `record`, but may fail
+  std::string dump = state_folder();  // folder for the ticks before a freeze; or "off"
+  std::string rewound;                // a recording to continue, instead of a scene
+  std::string profile;                // a file; empty: nothing is measured
+  std::size_t profile_spans = 1'000'000;
   double at_s = std::numeric_limits<double>::infinity();  // from which simulated time of it
   scene::Options of_scene;
   gateway::DaemonOptions of_daemon;
@@ -140,10 +144,13 @@ class Logbook {
 };
 
 int run(Options options) {
+  std::optional<config::Profile> profile;
+  if (!options.profile.empty()) options.of_daemon.profile = &profile.emplace(options.profile_spans);
   const programs::NodeWatch watch(options.plugins.node_timeout());
   options.of_daemon.stuck_node = [&watch] { return watch.stuck(); };
   auto [world, origin] = make_world(options);
   auto& simulation = *world;
+  simulation.set_profile(options.of_daemon.profile);
   std::optional<recording::LogSink> log;
   std::optional<recording::FlightRecorder> flight;
   if (!options.record.empty() || !options.try_record.empty())
@@ -170,6 +177,7 @@ int run(Options options) {
     spdlog::error("the world froze at tick {}: {}", simulation.tick_count(), simulation.fault());
   spdlog::info("ended at tick {}", simulation.tick_count());
   const bool recorded = !logbook || logbook->close();
+  if (profile) programs::write_profile(*profile, options.profile);
   if (signal == SIGINT) return programs::kInterrupted;
   return simulation.frozen() || !recorded ? programs::kFailed : programs::kPassed;
 }
@@ -250,6 +258,13 @@ void declare(CLI::App& app, Options& options) {
                  "PART=KIND:WHERE, a field bus to the part's modules; repeatable. KIND:WHERE is pty:PATH, "
                  "tcp:PORT, slcan:PATH or socketcan:INTERFACE; ,baud=N and ,delay_ms=X may follow")
       ->type_name("BUS");
+  app.add_option("--profile", options.profile,
+                 "measure where the time goes, and write it to this file as a trace that Perfetto opens")
+      ->type_name("FILE.json");
+  app.add_option("--profile-spans", options.profile_spans,
+                 "spans of time to keep for the trace; 0: only the sums")
+      ->check(CLI::Range(0, 100'000'000))
+      ->capture_default_str();
   app.add_flag("-r,--run", options.of_daemon.run_at_once,
                "let time run at once instead of from the first lease on");
   command_line::add_version(app);

@@ -68,6 +68,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"png.h", {"server/sensing", "clients", "tests"}},
     {"jpeglib.h", {"server/sensing", "tests"}},
     {"CLI/", {"protocol/command_line", "server/programs", "clients", "tests"}},
+    {"zstd.h", {"protocol/recording", "tests"}},
     {"xxhash.h", {"server", "tests"}},
     {"Eigen/", {"hwparts", "server", "clients", "tests"}},
     {"gtest/", {"tests"}},

@@ -34,6 +34,55 @@ TEST(Lockstep, TheSlowestHoldsTheWorld) {
   EXPECT_EQ(std::get<Advanced>(fast.wait(waiting)).tick, 100);
 }
 
+Advance after_others(std::int64_t ticks, std::uint32_t members) {
+  return Advance{ticks, false, 0, {}, members};
+}
+
+TEST(Lockstep, AMemberThatFollowsTheOthersLetsTheWorldRunOnlyOnceTheyDo) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto runner = daemon.connect("runner"), other = daemon.connect("other");
+  runner.request(Join{});
+  other.request(Join{});
+  const auto ids = runner.send_together({after_others(10, 2), after_others(10, 2), after_others(10, 2)});
+  EXPECT_FALSE(runner.wait_for(ids[0], std::chrono::milliseconds(50))) << "the other has not decided yet";
+  EXPECT_EQ(advance(other, 10).tick, 10);
+  EXPECT_EQ(std::get<Advanced>(runner.wait(ids[0])).tick, 10);
+  EXPECT_EQ(advance(other, 20).tick, 30);
+  EXPECT_EQ(std::get<Advanced>(runner.wait(ids[1])).tick, 20);
+  EXPECT_EQ(std::get<Advanced>(runner.wait(ids[2])).tick, 30);
+}
+
+TEST(Lockstep, TheWorldStandsForAMemberThatFollowsTheOthersWhenOneLeaves) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto runner = daemon.connect("runner"), stays = daemon.connect("stays"), leaves = daemon.connect("leaves");
+  for (auto* client : {&runner, &stays, &leaves}) client->request(Join{});
+  const auto ids = runner.send_together({after_others(10, 3), after_others(10, 3), after_others(10, 3)});
+  const auto long_one = stays.send(Advance{100});
+  EXPECT_EQ(advance(leaves, 10).tick, 10);
+  leaves.request(Leave{});
+  for (const auto id : ids) EXPECT_EQ(std::get<Advanced>(runner.wait(id)).tick, 10);
+  EXPECT_EQ(runner.request_as<ServerStatus>(Status{}).tick, 10);
+  EXPECT_EQ(std::get<Advanced>(runner.request(after_others(90, 2))).tick, 100);
+  EXPECT_EQ(std::get<Advanced>(stays.wait(long_one)).tick, 100);
+}
+
+TEST(Lockstep, MembersThatFollowTheOthersDoNotWaitForEachOther) {
+  RunningDaemon daemon(scene::ClockKind::kLockstep);
+  auto one = daemon.connect("one"), two = daemon.connect("two");
+  one.request(Join{});
+  two.request(Join{});
+  const auto first = one.send(after_others(10, 2)), second = two.send(after_others(10, 2));
+  EXPECT_EQ(std::get<Advanced>(one.wait(first)).tick, 10);
+  EXPECT_EQ(std::get<Advanced>(two.wait(second)).tick, 10);
+}
+
+TEST(Lockstep, FollowingTheOthersIsForLockstepAlone) {
+  RunningDaemon daemon(scene::ClockKind::kFree);
+  auto client = daemon.connect("client");
+  client.request(Join{});
+  EXPECT_EQ(refusal_of([&] { client.request(after_others(10, 1)); }).code(), ErrorCode::kBadValue);
+}
+
 TEST(Lockstep, AClientThatDiesNeverHangsTheWorld) {
   RunningDaemon daemon(scene::ClockKind::kLockstep);
   auto survivor = daemon.connect("survivor");

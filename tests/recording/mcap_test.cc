@@ -69,13 +69,52 @@ TEST(Mcap, WhatIsWrittenIsRead) {
 
 TEST(Mcap, AChunkEndsWhenItIsFull) {
   std::string file;
-  McapWriter writer([&](Bytes bytes) { file += text_of(bytes); }, "test");
+  McapWriter writer([&](Bytes bytes) { file += text_of(bytes); }, "test", McapWriter::Chunks::kPlain);
   const auto channel = writer.add_channel("/big", writer.add_schema("a", "", {}), "");
   const std::string big(300'000, 'x');
   for (int i = 0; i < 10; ++i) writer.write(channel, 0, 0, bytes_of(big));
   EXPECT_GT(file.size(), 2u << 20) << "nobody asked for a flush";
   writer.close();
   EXPECT_EQ(read(file).texts.size(), 10u);
+}
+
+std::string big_file(McapWriter::Chunks chunks) {
+  std::string file;
+  McapWriter writer([&](Bytes bytes) { file += text_of(bytes); }, "test", chunks);
+  const auto channel = writer.add_channel("/big", writer.add_schema("a", "", {}), "");
+  for (int i = 0; i < 1000; ++i) writer.write(channel, 0, 0, bytes_of("message " + std::to_string(i)));
+  writer.close();
+  return file;
+}
+
+TEST(Mcap, CompressedAndPlainChunksHoldTheSame) {
+  const auto packed = big_file(McapWriter::Chunks::kCompressed), plain = big_file(McapWriter::Chunks::kPlain);
+  EXPECT_EQ(plain.find("zstd"), std::string::npos) << "as files of Visum 0.2 are";
+  EXPECT_NE(packed.find("zstd"), std::string::npos);
+  EXPECT_LT(packed.size(), plain.size() / 2);
+  const auto from_packed = read(packed), from_plain = read(plain);
+  EXPECT_EQ(from_packed.damage, "");
+  EXPECT_EQ(from_plain.damage, "");
+  ASSERT_EQ(from_packed.texts.size(), 1000u);
+  EXPECT_EQ(from_packed.texts, from_plain.texts);
+}
+
+TEST(Mcap, AChunkThatIsPackedInAnotherWayIsRefused) {
+  auto file = big_file(McapWriter::Chunks::kCompressed);
+  file.replace(file.find("zstd"), 4, "lz4!");
+  EXPECT_NE(read(file).damage.find("something else than zstd"), std::string::npos) << read(file).damage;
+}
+
+// The length when unpacked stands 12 bytes before the name's length: a chunk that claims to become huge.
+TEST(Mcap, AChunkThatClaimsAnotherLengthThanItHasIsRefused) {
+  for (const char claim : {'\x01', '\x7f'}) {
+    auto file = big_file(McapWriter::Chunks::kCompressed);
+    const auto length = file.find("zstd") - 4 - 4 - 8;
+    file[length + 3] = claim;  // 16 MiB more, or 2 GiB
+    const auto all = read(file);
+    EXPECT_TRUE(all.texts.empty());
+    EXPECT_NE(all.damage, "");
+  }
 }
 
 TEST(Mcap, WithoutItsEndAFileReadsUpToItsLastChunk) {

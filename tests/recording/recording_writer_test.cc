@@ -27,7 +27,7 @@ TEST(RecordingWriter, AFullDiskEndsTheRecordingAndNothingElse) {
 TEST(Recorder, ADiskThatFillsEndsTheRecordingAndTheTicksGoOn) {
   RecordedWorld world("amtec_arm.yaml");
   {
-    const SmallDisk disk(2 << 20);
+    const SmallDisk disk(1 << 19);
     world.run(6000);
     world.finish();
   }

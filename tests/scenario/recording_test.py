@@ -59,6 +59,7 @@ def check_reader(node: str, reader: str, file: Path, again: dict) -> None:
     assert seen["ticks"] == again["ticks"] == seen["messages"]["/ticks"] == seen["messages"]["/parts/robot"], seen
     assert seen["messages"]["/inputs"] == again["inputs"] and seen["state_hash"] == again["state_hash"], seen
     assert str(MODELS / "two_link" / "two_link.urdf") in seen["attachments"], seen
+    assert "zstd" in seen["compressions"], seen
     print(f"read by MCAP's own library: {seen['chunks']} chunks, {seen['messages']}")
 
 

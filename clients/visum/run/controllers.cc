@@ -160,6 +160,10 @@ void Controllers::note_timeouts() {
   }
 }
 
+bool Controllers::all_joined() const {
+  return std::ranges::all_of(controllers_, [](const Controller& controller) { return controller.joined; });
+}
+
 bool Controllers::any_in_real_time() const {
   return std::ranges::any_of(controllers_, [](const Controller& controller) {
     return controller.let_go && !controller.process->check_exit();

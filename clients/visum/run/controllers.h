@@ -43,6 +43,7 @@ class Controllers {
   // Notes members that were late, for which the server no longer waits. Depending on `on_timeout` they go on
   // without the clock, or their parts are stopped. Throws ExitError(kLost) if the run ends with it.
   void note_timeouts();
+  bool all_joined() const;
   bool any_in_real_time() const;  // whether one that was late still goes on
   // True once all have ended, or have left the clock.
   bool all_done() const;

@@ -36,6 +36,8 @@ std::vector<std::string> command_line(const DaemonOptions& options) {
   for (const auto& folder : options.plugins) argv.insert(argv.end(), {"--plugins", folder});
   if (options.node_timeout_s)
     argv.insert(argv.end(), {"--node-timeout", cli::exact(*options.node_timeout_s)});
+  if (!options.profile.empty()) argv.insert(argv.end(), {"--profile", options.profile});
+  if (!options.profile.empty() && !options.profile_spans) argv.insert(argv.end(), {"--profile-spans", "0"});
   if (options.seed) argv.insert(argv.end(), {"--seed", std::to_string(*options.seed)});
   return argv;
 }

@@ -26,7 +26,9 @@ struct DaemonOptions {
   std::string parameters{};            // of the scene, as --parameters takes them; empty: its defaults
   std::vector<std::string> plugins{};  // folders
   std::optional<double> node_timeout_s{};
-  double speedup = 0.0;  // 0: the scene's, and in lockstep none
+  std::string profile{};       // visumd writes its profile here; empty: nothing is measured
+  bool profile_spans = false;  // with a trace in it
+  double speedup = 0.0;        // 0: the scene's, and in lockstep none
 };
 
 // The folder of the program that runs now.

@@ -11,6 +11,7 @@
 #include "clients/visum/run/bounds.h"
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/exchanges.h"
+#include "clients/visum/run/run_profile.h"
 #include "clients/visum/run/session.h"
 #include "clients/visum/run/timeline.h"
 
@@ -79,6 +80,8 @@ class Run {
         report_(report),
         session_(daemon.port(), wait_loop),
         parts_(parts_needed(scenario)),
+        profile_(options.profile != nullptr ? &options.profile->runner() : nullptr),
+        phases_(profile_),
         controllers_(scenario.controllers, placeholder_values(scenario, daemon), session_, wait_loop,
                      options.on_line) {}
 
@@ -95,7 +98,11 @@ class Run {
  private:
   void prepare();
   void tie_again();
-  void step();
+  void note_members();
+  // Lets one step pass. False: the world stands where it was, because a member came or left.
+  bool step();
+  void send_steps();
+  bool may_go_on(double sim_s) const;
   void pace();
   void act();
   bool is_over();
@@ -108,6 +115,8 @@ class Run {
   Report& report_;
   Session session_;
   const std::set<std::string> parts_;
+  config::Profile* const profile_;  // null: nobody measures
+  const RunnerPhases phases_;
   Controllers controllers_;
   Catalogue catalogue_;
   std::vector<Check> checks_;
@@ -117,6 +126,7 @@ class Run {
   Observation now_;
   protocol::ServerStatus last_;
   std::int64_t step_ticks_ = 1;
+  std::uint32_t members_ = 0;           // of the lockstep
   std::optional<double> settled_at_s_;  // when `until` came true
   Clock::time_point began_ = Clock::now();
   Clock::time_point due_{};  // pace()
@@ -135,8 +145,12 @@ void Run::prepare() {
   if (scenario_.max_sim_s * 1e3 / tick_ms > static_cast<double>(Session::kMostTicks)) {
     throw config::ConfigError({scenario_.file.string(), 0, "max_sim_s"}, "must be at most 900 million ticks");
   }
-  controllers_.start(scenario_.start_wall_s);
+  {
+    const config::ProfileScope measured(profile_, phases_.controllers);
+    controllers_.start(scenario_.start_wall_s);
+  }
   now_ = session_.look(parts_);
+  members_ = static_cast<std::uint32_t>(session_.status().lockstep.size());
 }
 
 // Bodies came or went, so the same names have other indices now.
@@ -151,9 +165,10 @@ void Run::tie_again() {
 void Run::go() {
   prepare();
   began_ = Clock::now();
+  const config::ProfileScope measured(profile_, phases_.checks);
   act();
   while (!is_over()) {
-    step();
+    if (!step()) continue;
     for (Check& check : checks_) check.observe(now_);
     if (options_.on_step) options_.on_step(sim_seconds(now_));
     act();
@@ -161,14 +176,59 @@ void Run::go() {
   note_unfinished();
 }
 
-void Run::step() {
-  if (controllers_.any_in_real_time()) pace();
-  auto step = session_.step(step_ticks_, parts_);
-  now_ = std::move(step.now);
-  if (now_.world.revision != catalogue_.world.revision) tie_again();
-  controllers_.note_timeouts();
+// True if nothing is known by now that would end the run, or be due, at that time.
+bool Run::may_go_on(double sim_s) const {
+  double until_s = std::min(scenario_.max_sim_s, timeline_->next_s());
+  if (settled_at_s_) until_s = std::min(until_s, *settled_at_s_ + scenario_.settle_s);
+  if (!settled_at_s_ && scenario_.until.kind == Until::Kind::kTime)
+    until_s = std::min(until_s, scenario_.until.at_s);
+  return sim_s < until_s - kRounding_s;
+}
+
+// Sends steps ahead where nothing that we see in one can decide whether the next one is made. Then the world
+// does not wait for us: it goes on while we check.
+void Run::send_steps() {
+  const bool lockstep = session_.clock() == "lockstep";
+  const bool to_controllers = scenario_.until.kind == Until::Kind::kControllers && !settled_at_s_;
+  const bool looks = scenario_.until.kind == Until::Kind::kCondition && !settled_at_s_;
+  // The first step comes before anybody can have left.
+  const bool follows = lockstep && to_controllers && now_.world.tick > 0;
+  const bool alone = lockstep && !looks && !options_.keep && !timeline_->has_conditions() &&
+                     !controllers_.any_in_real_time() &&
+                     (!to_controllers || (follows && controllers_.all_joined()));
+  const std::size_t most = alone ? Session::most_steps(parts_) : 1;
+  const std::size_t ahead = session_.steps_ahead();
+  if (ahead > most / 2) return;
+  const auto step_s = static_cast<double>(step_ticks_ * session_.tick_ns()) * 1e-9;
+  std::size_t count = ahead == 0 ? 1 : 0;
+  while (ahead + count < most && may_go_on(sim_seconds(now_) + static_cast<double>(ahead + count) * step_s))
+    ++count;
+  if (count == 0) return;
+  session_.send_steps(count, step_ticks_, parts_, follows ? members_ : 0);
   controllers_.check_ends();
-  if (scenario_.until.kind == Until::Kind::kControllers) controllers_.settle(std::move(step.status));
+}
+
+bool Run::step() {
+  if (controllers_.any_in_real_time()) pace();
+  const config::ProfileScope measured(profile_, phases_.world);
+  send_steps();
+  auto now = session_.take_step();
+  controllers_.note_timeouts();
+  if (!now) {
+    note_members();
+    return false;
+  }
+  now_ = std::move(*now);
+  if (now_.world.revision != catalogue_.world.revision) tie_again();
+  if (scenario_.until.kind == Until::Kind::kControllers && session_.clock() != "lockstep")
+    controllers_.settle(session_.status());
+  return true;
+}
+
+// While the world stands. Notes which controllers have left.
+void Run::note_members() {
+  controllers_.settle(session_.status());
+  members_ = static_cast<std::uint32_t>(session_.status().lockstep.size());
 }
 
 // Waits for what the controllers send for the next tick before it acts; otherwise the order would depend on
@@ -183,6 +243,8 @@ bool Run::is_over() {
   const double now_s = sim_seconds(now_);
   if (!settled_at_s_) {
     const Until& until = scenario_.until;
+    const bool last = now_s >= scenario_.max_sim_s - kRounding_s;
+    if (last && until.kind == Until::Kind::kControllers) note_members();
     const bool reached = until.kind == Until::Kind::kControllers ? controllers_.all_done()
                          : until.kind == Until::Kind::kTime
                              ? now_s >= until.at_s - kRounding_s
@@ -237,7 +299,8 @@ void Run::keep() {
   wait_loop_.lift_limit();
   while (true) {
     pace();
-    session_.step(step_ticks_, {});
+    session_.send_steps(1, step_ticks_, {}, 0);
+    session_.take_step();
   }
 }
 
@@ -342,19 +405,23 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
   WaitLoop wait_loop(scenario.max_wall_s);
   guard(report, nullptr, [&] {
     const cli::TempFolder links;
-    const DaemonOptions daemon_options{options.visumd,
-                                       scenario.scene,
-                                       scenario.clock,
-                                       options.port,
-                                       scenario.engine,
-                                       scenario.seed,
-                                       bus_options(scenario, links),
-                                       scenario.record,
-                                       scenario.record_if_possible,
-                                       scenario.parameters,
-                                       options.plugins,
-                                       options.node_timeout_s,
-                                       scenario.speedup};
+    DaemonOptions daemon_options{options.visumd,
+                                 scenario.scene,
+                                 scenario.clock,
+                                 options.port,
+                                 scenario.engine,
+                                 scenario.seed,
+                                 bus_options(scenario, links),
+                                 scenario.record,
+                                 scenario.record_if_possible,
+                                 scenario.parameters,
+                                 options.plugins,
+                                 options.node_timeout_s};
+    daemon_options.speedup = scenario.speedup;
+    if (options.profile != nullptr) {
+      daemon_options.profile = options.profile->daemon_file().string();
+      daemon_options.profile_spans = options.profile->wants_spans();
+    }
     Daemon daemon(daemon_options, scenario.start_wall_s, wait_loop, [&](const std::string& line) {
       options.on_line("visumd", line);
       if (auto trouble = find_recording_trouble(line, scenario.record); !trouble.empty())

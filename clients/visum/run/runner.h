@@ -13,11 +13,14 @@
 
 namespace visum::run {
 
+class RunProfile;
+
 struct RunOptions {
   std::filesystem::path visumd;            // the daemon's program
   std::uint16_t port = 0;                  // 0: any free one
   std::vector<std::string> plugins{};      // folders that the scene's plug-ins may come from
   std::optional<double> node_timeout_s{};  // how long one of their calls may take; none: visumd's default
+  RunProfile* profile = nullptr;           // measures the run; must outlive it
   bool keep = false;                       // afterwards let the world run in real time until interrupted
   // Called with each line of the daemon and the controllers, and with what the time line says.
   std::function<void(const std::string& who, const std::string& line)> on_line;

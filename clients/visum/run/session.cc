@@ -1,5 +1,7 @@
 #include "clients/visum/run/session.h"
 
+#include <algorithm>
+
 #include "clients/visum/common/exit_code.h"
 #include "protocol/limits.h"
 
@@ -36,7 +38,9 @@ Session::Session(std::uint16_t port, WaitLoop& wait_loop)
 // is a day.
 void Session::join() {
   const protocol::Join patiently{nanoseconds(hours(24)).count()};
-  era_ = connection_.request_as<protocol::Advanced>(patiently).era;
+  const auto joined = connection_.request_as<protocol::Advanced>(patiently);
+  era_ = joined.era;
+  tick_ = joined.tick;
   if (!waiter_) return;
   waiter_->request(patiently);
   waiter_->send(protocol::Advance{kMostTicks + 1});
@@ -59,24 +63,49 @@ Observation Session::look(const std::set<std::string>& parts) {
   return take(ids);
 }
 
-Session::Step Session::step(std::int64_t ticks, const std::set<std::string>& parts) {
-  std::vector<protocol::Request> requests{protocol::Advance{ticks}, protocol::Status{}};
-  for (auto& request : to_look(parts)) requests.push_back(std::move(request));
+// The server keeps at most 64 requests behind one that waits. What is sent ahead also delays the news of what
+// happens outside the world, such as an interrupt.
+std::size_t Session::most_steps(const std::set<std::string>& parts) {
+  constexpr std::size_t kMostRequests = 60, kMostSteps = 16;
+  return std::clamp<std::size_t>(kMostRequests / (2 + parts.size()), 1, kMostSteps);
+}
+
+void Session::send_steps(std::size_t count, std::int64_t ticks, const std::set<std::string>& parts,
+                         std::uint32_t members) {
+  const auto look = to_look(parts);
+  std::vector<protocol::Request> requests;
+  for (std::size_t i = 0; i < count; ++i) {
+    requests.push_back(protocol::Advance{ticks, false, 0, {}, members});
+    requests.insert(requests.end(), look.begin(), look.end());
+  }
   const auto ids = connection_.send_together(requests);
-  await_advance(ids[0]);
-  Step step;
-  step.status = as<protocol::ServerStatus>(connection_.wait(ids[1]));
-  step.now = take(std::span(ids).subspan(2));
-  if (step.now.world.era != era_)
+  const auto each = static_cast<std::ptrdiff_t>(1 + look.size());
+  for (auto id = ids.begin(); id != ids.end(); id += each) steps_.emplace_back(id, id + each);
+}
+
+std::optional<Observation> Session::take_step() {
+  const auto ids = std::move(steps_.front());
+  steps_.pop_front();
+  const auto advanced = await_advance(ids[0]);
+  auto now = take(std::span(ids).subspan(1));
+  if (advanced.era != era_ || now.world.era != era_)
     throw cli::ExitError(cli::kFailed, "the world was reset or restored from outside");
   hear_events();
-  return step;
+  if (std::exchange(tick_, advanced.tick) != advanced.tick) return now;
+  while (!steps_.empty()) {  // they are answered at once, too
+    for (const auto id : steps_.front()) connection_.wait(id);
+    steps_.pop_front();
+  }
+  return std::nullopt;
 }
 
 // Waits in a loop, because events make the socket readable too.
-void Session::await_advance(std::uint64_t id) try {
-  while (!connection_.wait_for(id, std::chrono::milliseconds(0)))
+protocol::Advanced Session::await_advance(std::uint64_t id) try {
+  for (;;) {
+    if (auto reply = connection_.wait_for(id, std::chrono::milliseconds(0)))
+      return as<protocol::Advanced>(std::move(*reply));
     wait_loop_.wait(connection_.native_handle());
+  }
 } catch (const protocol::RequestError& error) {
   if (error.code() == protocol::ErrorCode::kTimeout) throw cli::ExitError(cli::kLost, error.what());
   throw cli::ExitError(cli::kFailed, std::string("the world stopped: ") + error.what());
@@ -101,7 +130,7 @@ protocol::ServerStatus Session::status() {
 
 // Events come before the status that already shows their effect.
 void Session::hear_events() {
-  while (const auto message = connection_.next(std::chrono::milliseconds(0))) {
+  while (const auto message = connection_.next_kept()) {
     const auto* event = std::get_if<protocol::Event>(&*message);
     if (event != nullptr && event->kind == "lockstep_timeout") timeouts_.push_back(event->text);
   }

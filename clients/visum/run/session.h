@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <set>
 #include <span>
@@ -32,14 +33,18 @@ class Session {
   Catalogue catalogue();
   // Reads the present state of the world and of these parts.
   Observation look(const std::set<std::string>& parts);
-  // Lets `ticks` pass, then reads the same, and the server's status at that tick, with a single wait. Throws
-  // ExitError: kLost if a client in the lockstep was late and the run ends with that, kFailed if the world
-  // froze.
-  struct Step {
-    Observation now;
-    protocol::ServerStatus status;
-  };
-  Step step(std::int64_t ticks, const std::set<std::string>& parts);
+  // Asks for `count` steps of `ticks` each, behind those that were asked for before, and for the same of the
+  // world after each. The world goes on by itself from one to the next. `members`: of the lockstep, ours
+  // included; each step then waits until all others let the world go on, and none of the steps is made once
+  // their number has changed. 0: does not look at them.
+  void send_steps(std::size_t count, std::int64_t ticks, const std::set<std::string>& parts,
+                  std::uint32_t members);
+  std::size_t steps_ahead() const { return steps_.size(); }           // sent, and not yet taken
+  static std::size_t most_steps(const std::set<std::string>& parts);  // that may be sent ahead
+  // Waits for the next of these steps. Returns nothing if the number of members has changed: the world stands
+  // where it was, and the steps sent ahead are forgotten. Throws ExitError: kLost if a client in the lockstep
+  // was late and the run ends with that, kFailed if the world froze.
+  std::optional<Observation> take_step();
   protocol::ServerStatus status();
   // The server's messages, since the last call, about members that were late and for which it no longer
   // waits.
@@ -50,7 +55,7 @@ class Session {
   const std::string& clock() const { return connection_.welcome().clock; }
 
  private:
-  void await_advance(std::uint64_t id);
+  protocol::Advanced await_advance(std::uint64_t id);
   Observation take(std::span<const std::uint64_t> ids);
   void hear_events();
 
@@ -58,6 +63,8 @@ class Session {
   protocol::Connection connection_;
   std::optional<protocol::Connection> waiter_;
   std::uint64_t era_ = 0;
+  std::int64_t tick_ = 0;                         // of the last answer
+  std::deque<std::vector<std::uint64_t>> steps_;  // sent ahead: the requests of each
   std::vector<std::string> timeouts_;
 };
 

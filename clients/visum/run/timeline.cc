@@ -1,6 +1,7 @@
 #include "clients/visum/run/timeline.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/format.h"
@@ -93,6 +94,17 @@ std::vector<const TimelineEntry*> Timeline::due(const Observation& now) {
     if (item.done) due.push_back(item.entry);
   }
   return due;
+}
+
+bool Timeline::has_conditions() const {
+  return std::ranges::any_of(items_, [](const Item& item) { return !item.done && item.quantity; });
+}
+
+double Timeline::next_s() const {
+  double next_s = std::numeric_limits<double>::infinity();
+  for (const Item& item : items_)
+    if (!item.done && !item.quantity) next_s = std::min(next_s, item.entry->at_s);
+  return next_s;
 }
 
 std::vector<const TimelineEntry*> Timeline::missed() const {

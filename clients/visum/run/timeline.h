@@ -19,6 +19,10 @@ class Timeline {
   void tie_again(const Catalogue&
                      catalogue);  // finds the bodies of entries still to come anew, after bodies came or went
   std::vector<const TimelineEntry*> due(const Observation& now);
+  // True if an entry that is still to come depends on the world. It may come due at any step.
+  bool has_conditions() const;
+  // The earliest time of the entries that are still to come; infinity: there are none.
+  double next_s() const;
   // Entries that never came due.
   std::vector<const TimelineEntry*> missed() const;
 

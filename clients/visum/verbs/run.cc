@@ -14,6 +14,7 @@
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/progress.h"
 #include "clients/visum/run/reports.h"
+#include "clients/visum/run/run_profile.h"
 #include "clients/visum/run/runner.h"
 #include "clients/visum/run/scenario_reader.h"
 #include "clients/visum/run/spare_recording.h"
@@ -28,7 +29,7 @@ namespace {
 class RunVerb : public Verb {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("SCENARIO", file_, "a scenario's YAML file")->required();
+    app.add_option("SCENARIO", file_, "a scenario's YAML file; needed");
     app.add_option("--junit", junit_, "write a JUnit XML report to this file");
     app.add_flag("--json", json_, "print JSON: a line per check, then the result");
     app.add_option("--engine", engine_, "the engine for all bodies, instead of the scene's");
@@ -73,6 +74,12 @@ class RunVerb : public Verb {
         ->type_name("FOLDER");
     app.add_option("--result", result_, "write the whole result as JSON, with each check's values over time")
         ->type_name("FILE");
+    profile_option_ =
+        app.add_option("--profile", profile_,
+                       "print where the wall time of the run went; with a file, also write a trace that "
+                       "Perfetto opens (ui.perfetto.dev)")
+            ->expected(0, 1)
+            ->type_name("[FILE.json]");
     app.footer(
         "Starts visumd on a free port and the scenario's controllers, lets time run, checks, and ends them "
         "all. "
@@ -89,6 +96,7 @@ class RunVerb : public Verb {
   }
 
   int run() override {
+    settle_words();
     const config::Node root = config::load_file(file_);
     const run::Sweep sweep = sweep_of(root);
     if (only_ > sweep.runs())
@@ -101,17 +109,28 @@ class RunVerb : public Verb {
   }
 
  private:
+  // A word behind --profile is its file, or the scenario if no other word is that.
+  void settle_words() {
+    if (file_.empty()) file_.swap(profile_);
+    if (file_.empty()) throw ExitError(kUsage, "SCENARIO is required: a scenario's YAML file");
+    const auto extension = std::filesystem::path(profile_).extension();
+    if (extension == ".yaml" || extension == ".yml")
+      throw ExitError(kUsage, "--profile " + profile_ + ": that would overwrite a YAML file");
+  }
+
   static run::Sweep sweep_of(const config::Node& root) {
     if (root.kind() != config::Node::Kind::kMap) root.fail("a scenario is a map");
     return run::Sweep(root);
   }
 
   int run_all(const config::Node& root) const {
-    if (!record_.empty() || !try_record_.empty() || !result_.empty() || keep_ || progress_ || port_ != 0)
-      throw ExitError(kUsage,
-                      "--record, --result, --port, --progress and --keep are for one run: choose it with "
-                      "--only, or leave them "
-                      "out; --report records the runs that fail");
+    if (!record_.empty() || !try_record_.empty() || !result_.empty() || keep_ || progress_ || port_ != 0 ||
+        profile_option_->count() > 0)
+      throw ExitError(
+          kUsage,
+          "--record, --result, --port, --progress, --profile and --keep are for one run: choose it with "
+          "--only, or leave them "
+          "out; --report records the runs that fail");
     ManyRunsOptions many{file_, report_, junit_, recordings_folder(), {}, jobs_, json_};
     if (!engine_.empty()) many.words.insert(many.words.end(), {"--engine", engine_});
     if (!clock_.empty()) many.words.insert(many.words.end(), {"--clock", clock_});
@@ -126,6 +145,7 @@ class RunVerb : public Verb {
   int run_one(run::Scenario scenario) {
     check_writable(junit_);
     check_writable(result_);
+    check_writable(profile_);
     record_in_case(scenario);
     catch_interrupts();
     run::Progress progress(progress_, json_ ? stderr : stdout);
@@ -142,9 +162,13 @@ class RunVerb : public Verb {
       tell(report);
       invite(port, catalogue);
     };
+    std::optional<run::RunProfile> profile;
+    if (profile_option_->count() > 0) options.profile = &profile.emplace(profile_);
     const run::Report report = run::run_scenario(scenario, options);
+    const std::string table = profile ? profile->finish() : std::string();
     progress.finish();
     if (!told_) tell(report);
+    std::fputs(table.c_str(), json_ ? stderr : stdout);
     spare_.reset();
     return report.code == kDone && !written_ ? kFailed : report.code;
   }
@@ -225,6 +249,8 @@ class RunVerb : public Verb {
   }
 
   std::string file_, junit_, engine_, clock_, record_, try_record_, recordings_, report_, result_;
+  std::string profile_;  // a file; may be empty
+  CLI::Option* profile_option_ = nullptr;
   std::size_t jobs_ = 1, only_ = 0;
   bool json_ = false, progress_ = false, keep_ = false, told_ = false, written_ = false;
   std::optional<run::SpareRecording> spare_;

@@ -8,12 +8,15 @@ import { open } from "node:fs/promises";
 import { createFileRegistry, fromBinary } from "@bufbuild/protobuf";
 import { FileDescriptorSetSchema } from "@bufbuild/protobuf/wkt";
 import { McapIndexedReader, McapStreamReader } from "@mcap/core";
+import { decompress } from "fzstd";
 
 const path = process.argv[2];
 const file = await open(path);
 
+const decompressHandlers = { zstd: (packed, size) => decompress(packed, new Uint8Array(Number(size))) };
+
 // Front to back, as a tool that follows a file would.
-const seen = { chunks: 0, messages: {}, attachments: {}, kinds: new Set() };
+const seen = { chunks: 0, messages: {}, attachments: {}, kinds: new Set(), compressions: new Set() };
 const channels = new Map();
 const schemas = new Map();
 const registries = new Map();
@@ -29,13 +32,14 @@ function decode(channel, data) {
   return fromBinary(type, data);
 }
 
-const stream = new McapStreamReader({ validateCrcs: true, includeChunks: true });
+const stream = new McapStreamReader({ validateCrcs: true, includeChunks: true, decompressHandlers });
 for await (const bytes of file.createReadStream({ autoClose: false, start: 0 })) {
   stream.append(bytes);
   for (let record; (record = stream.nextRecord()) != undefined; ) {
     seen.kinds.add(record.type);
     if (record.type === "Chunk") {
       seen.chunks++;
+      seen.compressions.add(record.compression);
       assert.notEqual(record.uncompressedCrc, 0, "a chunk without a CRC");
     }
     if (record.type === "Schema") schemas.set(record.id, record);
@@ -56,6 +60,7 @@ assert.ok(stream.done(), "the file has no end");
 
 // By its index, as a viewer does.
 const indexed = await McapIndexedReader.Initialize({
+  decompressHandlers,
   readable: {
     size: async () => BigInt((await file.stat()).size),
     read: async (offset, length) => {
@@ -81,6 +86,7 @@ await file.close();
 
 console.log(JSON.stringify({
   chunks: seen.chunks,
+  compressions: [...seen.compressions],
   messages: seen.messages,
   attachments: seen.attachments,
   scene: header.scene,
