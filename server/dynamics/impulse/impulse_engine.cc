@@ -50,6 +50,8 @@ class ImpulseEngine : public Engine {
           "step back in time, which would gain the energy that an iteration loses)");
   }
 
+  bool may_repeat() const override { return true; }
+
   StepResult step(const StepInput& input, world::WorldState& state) override {
     if (std::string fault = find_input_fault(plant_.model, input, state); !fault.empty())
       return {false, fault};
