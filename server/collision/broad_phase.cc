@@ -41,7 +41,6 @@ const std::vector<IndexPair>& BroadPhase::find(const std::vector<PreparedShape>&
   return pairs_;
 }
 
-// Shapes of one body, of two fixed bodies, and of excluded pairs never collide.
 bool BroadPhase::may_collide(const PreparedShape& a, const PreparedShape& b) const {
   if (a.body == b.body || (a.fixed && b.fixed)) return false;
   const BodyPair pair = std::minmax(a.body, b.body);

@@ -25,8 +25,10 @@ class BroadPhase {
   // not allocate once warm.
   const std::vector<IndexPair>& find(const std::vector<PreparedShape>& shapes);
 
- private:
+  // False for shapes of one body, of two fixed bodies, and of excluded pairs.
   bool may_collide(const PreparedShape& a, const PreparedShape& b) const;
+
+ private:
   // Pairs of shapes with boxes, and pairs with a plane.
   void sweep(const std::vector<PreparedShape>& shapes);
   void meet_planes(const std::vector<PreparedShape>& shapes);

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "server/collision/broad_phase.h"
+#include "server/collision/fcl_stage.h"
+#include "server/collision/manifold.h"
 #include "server/collision/narrow_phase.h"
 #include "server/collision/shapes.h"
 #include "server/collision/sweep.h"
@@ -30,7 +32,9 @@ struct CollisionStage::Impl {
         placed_in(shapes.size(), 0),
         broad(shapes, pairs_that_never_collide(model)),
         travel(shapes, model),
-        sweep(shapes, model) {}
+        sweep(shapes, model) {
+    if (model.collision_stage == world::CollisionKind::kFcl) fcl.emplace(shapes);
+  }
 
   // A pair of shapes that may touch before the near pairs are searched again, and the path (m, of both bodies
   // together) up to which it cannot touch.
@@ -59,6 +63,11 @@ struct CollisionStage::Impl {
     for (const auto& [i, j] : broad.find(shapes)) near.push_back({i, j});
   }
 
+  // The whole stage with FCL. Returns false if there are too many contacts.
+  bool find_by_fcl(const world::WorldState& state, std::vector<Contact>& contacts);
+  // Appends the contacts of a pair. Returns false where they do not fit.
+  static bool add(const PreparedShape& a, const PreparedShape& b, const std::vector<Point>& points,
+                  std::vector<Contact>& contacts);
   // Lists the near pairs whose boxes meet.
   void find_meeting(const world::WorldState& state);
   // Tests such a pair exactly. A mesh in it may take its share of the work.
@@ -73,6 +82,8 @@ struct CollisionStage::Impl {
   NarrowPhase narrow;
   Travel travel;
   Sweep sweep;
+  std::optional<FclStage> fcl;  // only if the scene asks for it
+  std::vector<Point> points_of_fcl;
   std::vector<Near> near;
   // Those of them whose boxes meet now, with the path of their bodies; how many with a mesh are still to
   // test.
@@ -148,10 +159,45 @@ const std::vector<Point>& CollisionStage::Impl::test(const PreparedShape& a, con
   return points;
 }
 
+bool CollisionStage::Impl::add(const PreparedShape& a, const PreparedShape& b,
+                               const std::vector<Point>& points, std::vector<Contact>& contacts) {
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (contacts.size() == kMaxContacts) return false;
+    contacts.push_back(make_contact(a, b, points[k], k));
+  }
+  return true;
+}
+
+// Planes and meshes go through our own narrow phase, and so does a pair on which FCL gives up.
+bool CollisionStage::Impl::find_by_fcl(const world::WorldState& state, std::vector<Contact>& contacts) {
+  for (std::size_t i = 0; i < shapes.size(); ++i) placed(i, state);
+  const std::vector<IndexPair>& pairs = fcl->find_pairs(shapes, broad);
+  work = 0;
+  limited.clear();
+  meshes_meeting = 0;
+  for (const auto& [i, j] : pairs) meshes_meeting += has_mesh(shapes[i], shapes[j]);
+  for (const auto& [i, j] : pairs) {
+    const PreparedShape &a = shapes[i], &b = shapes[j];
+    const bool convex = a.gjk != nullptr && b.gjk != nullptr;
+    const FclStage::Touch touch = convex ? fcl->touch(shapes, i, j) : FclStage::Touch{.gave_up = true};
+    if (touch.gave_up) {
+      if (!add(a, b, test(a, b), contacts)) return false;
+      continue;
+    }
+    if (!touch.direction) continue;
+    points_of_fcl.clear();
+    add_manifold(a.placed, b.placed, *touch.direction, points_of_fcl);
+    reduce(points_of_fcl, 0, kMaxContactsPerPair);
+    if (!add(a, b, points_of_fcl, contacts)) return false;
+  }
+  return true;
+}
+
 bool CollisionStage::find(const world::WorldState& state, std::vector<Contact>& contacts) {
   contacts.clear();
   Impl& of = *impl_;
   ++of.call;
+  if (of.fcl) return of.find_by_fcl(state, contacts);
   of.travel.follow(state);
   if (!of.travel.is_within_margins()) of.find_near(state);
   of.find_meeting(state);
@@ -160,10 +206,7 @@ bool CollisionStage::find(const world::WorldState& state, std::vector<Contact>& 
   for (const auto& [near, path] : of.meeting) {
     const PreparedShape &a = of.shapes[near->first], &b = of.shapes[near->second];
     const std::vector<Point>& points = of.test(a, b);
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      if (contacts.size() == kMaxContacts) return false;
-      contacts.push_back(make_contact(a, b, points[k], k));
-    }
+    if (!Impl::add(a, b, points, contacts)) return false;
     near->apart_until = path + of.narrow.gap() - kSurelyApartM;
   }
   return true;

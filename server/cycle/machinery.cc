@@ -55,6 +55,7 @@ Machinery make_machinery(const scene::Scene& scene, std::span<sensors::Sensor* c
   const auto& model = scene.world;
   Machinery made;
   made.collision = std::make_unique<collision::CollisionStage>(model);
+  made.coupling = std::make_unique<dynamics::Coupling>(model);
   made.senses = std::make_unique<sensing::Senses>(scene, sensors);
   made.ring = std::make_shared<FlightRing>(model.joints.size(), model.bodies.size());
   made.work_texts = std::make_shared<const std::vector<std::string>>(work_texts_of(model));

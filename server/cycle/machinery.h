@@ -10,6 +10,7 @@
 #include "hwparts/sensors/sensor.h"
 #include "server/collision/collision.h"
 #include "server/cycle/flight_ring.h"
+#include "server/dynamics/coupling.h"
 #include "server/dynamics/engine.h"
 #include "server/scene/scene.h"
 #include "server/sensing/senses.h"
@@ -20,6 +21,7 @@ namespace visum::cycle {
 struct Machinery {
   std::vector<std::unique_ptr<dynamics::Engine>> engines;
   std::unique_ptr<collision::CollisionStage> collision;
+  std::unique_ptr<dynamics::Coupling> coupling;
   std::unique_ptr<sensing::Senses> senses;
   std::shared_ptr<FlightRing> ring;
   std::shared_ptr<const std::vector<std::string>> work_texts;  // Simulation::work_texts()

@@ -143,6 +143,7 @@ void Simulation::use(Machinery& machinery) {
   }
   std::swap(engines_, machinery.engines);
   std::swap(collision_, machinery.collision);
+  std::swap(coupling_, machinery.coupling);
   std::swap(senses_, machinery.senses);
   std::swap(ring_, machinery.ring);
   std::swap(work_texts_, machinery.work_texts);
@@ -250,19 +251,14 @@ void Simulation::step() {
   const dynamics::StepInput input{static_cast<double>(scene_->world.tick_ns) * 1e-9, contacts_, drives_,
                                   wrenches_};
   before_ = state_;
-  bool warned = false;
+  auto result = coupling_->step(engines_, input, state_,
+                                [this](std::uint32_t engine) { working_.enter(Stage::kStep, engine); });
+  if (!result.ok) return freeze(std::move(result.fault));
   std::vector<world::BodyId> limited = collision_->limited();
-  bool is_limited = !limited.empty();
-  for (std::uint32_t engine = 0; engine < engines_.size(); ++engine) {
-    working_.enter(Stage::kStep, engine);
-    auto result = engines_[engine]->step(input, state_);
-    if (!result.ok) return freeze(std::move(result.fault));
-    warned = warned || result.warned;
-    is_limited = is_limited || result.limited;
-    limited.insert(limited.end(), result.fell_short.begin(), result.fell_short.end());
-  }
+  const bool is_limited = result.limited || !limited.empty();
+  limited.insert(limited.end(), result.fell_short.begin(), result.fell_short.end());
   if (is_limited) note_limited(limited);
-  if (warned) ++solver_warnings_;
+  if (result.warned) ++solver_warnings_;
   {
     const config::ProfileScope held_back(profile_, config::Profile::kCollision);
     collision_->hold_back(before_, state_);

@@ -35,6 +35,7 @@
 #include "server/cycle/outcome.h"
 #include "server/cycle/phases.h"
 #include "server/cycle/working.h"
+#include "server/dynamics/coupling.h"
 #include "server/dynamics/engine.h"
 #include "server/scene/scene.h"
 #include "server/sensing/senses.h"
@@ -306,6 +307,7 @@ class Simulation {
   std::vector<AgentPart*> agents_;         // those of parts_
   std::vector<std::unique_ptr<dynamics::Engine>> engines_;
   std::unique_ptr<collision::CollisionStage> collision_;
+  std::unique_ptr<dynamics::Coupling> coupling_;
   std::unique_ptr<sensing::Senses> senses_;
   std::vector<collision::Contact> contacts_;
   std::vector<hwparts::JointDrive> drives_;  // by JointId

@@ -57,6 +57,9 @@ class Engine {
   // Moves this engine's bodies (Body::engine is its index) from t_k to t_k+1. Sets JointState::effort of its
   // joints; the caller measures their positions and velocities.
   virtual StepResult step(const StepInput& input, world::WorldState& state) = 0;
+  // True if a tick may be made several times, from the same state with other forces. Contacts with bodies of
+  // other such engines then share loads (coupling.h). Engines of plug-ins are called once per tick.
+  virtual bool may_repeat() const { return false; }
 };
 
 }  // namespace visum::dynamics

@@ -83,8 +83,15 @@ world::Surface read_surface(const std::string& name, const config::Node& node) {
   return surface;
 }
 
+// `collision: fcl` is short for `collision: {stage: fcl}`.
 void read_collision(const config::Node& node, world::WorldModel& world) {
-  node.allow_only({"continuous", "work_limit"});
+  const auto read_stage = [&](const config::Node& name) {
+    world.collision_stage =
+        name.one_of({"visum", "fcl"}) == "fcl" ? world::CollisionKind::kFcl : world::CollisionKind::kVisum;
+  };
+  if (node.kind() == config::Node::Kind::kScalar) return read_stage(node);
+  node.allow_only({"stage", "continuous", "work_limit"});
+  if (const auto stage = node.find("stage")) read_stage(*stage);
   world.continuous_collision = node.boolean_or("continuous", world.continuous_collision);
   if (const auto limit = node.find("work_limit")) world.collision_work_limit = read_work_limit(*limit);
 }

@@ -99,6 +99,10 @@ void save(const WorldState& state, std::vector<std::byte>& bytes) {
     to.put(engine.size());
     to.put(engine.data(), engine.size());
   }
+  // A world of one engine has the bytes that it always had.
+  if (state.engines.size() < 2) return;
+  to.put(state.coupling.size());
+  to.put(state.coupling.data(), state.coupling.size());
 }
 
 std::span<const std::byte> load(std::span<const std::byte> bytes, const WorldModel& model, WorldState& state,
@@ -122,6 +126,7 @@ std::span<const std::byte> load(std::span<const std::byte> bytes, const WorldMod
   from.expect(model.engines.size());
   taken.engines.resize(model.engines.size());
   for (auto& engine : taken.engines) from.take_list(engine);
+  if (taken.engines.size() > 1) from.take_list(taken.coupling);
   // Half of the nanoseconds that 64 bits can count: the restored world needs room to go on.
   const std::int64_t last_tick = std::numeric_limits<std::int64_t>::max() / model.tick_ns / 2;
   if (!from.complete() || taken.tick < 0 || taken.tick > last_tick) {

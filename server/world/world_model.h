@@ -137,11 +137,15 @@ struct EngineSetting {
 
 inline constexpr std::uint64_t kCollisionWorkLimit = 30'000'000;  // unless the scene says otherwise
 
+// Contacts are found by the stage of our own, or FCL's broad and narrow phase (collision/fcl_stage.h).
+enum class CollisionKind { kVisum, kFcl };
+
 struct WorldModel {
   std::string name;
   std::int64_t tick_ns = 1'000'000;
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s²
-  bool continuous_collision = true;          // fast free bodies are kept from passing through others
+  CollisionKind collision_stage = CollisionKind::kVisum;
+  bool continuous_collision = true;  // fast free bodies are kept from passing through others
   std::vector<EngineSetting> engines;
   std::uint64_t collision_work_limit = kCollisionWorkLimit;  // of one tick (server/collision/work.h)
   std::vector<Surface> surfaces;                             // [0] is the default

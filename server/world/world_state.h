@@ -38,6 +38,8 @@ struct WorldState {
   std::vector<std::uint64_t> random;  // the words of the world's one random generator
   // By engine: what it needs to go on beside bodies and joints (seeds, warm starts).
   std::vector<std::vector<std::byte>> engines;
+  // The impulses between bodies of two engines in the last tick (dynamics/coupling.h).
+  std::vector<std::byte> coupling;
 };
 
 // The initial state of a scene. Each joint's initial position moves the whole subtree below the joint.

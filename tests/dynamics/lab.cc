@@ -19,7 +19,8 @@ Lab::Lab(world::WorldModel world_model)
     : model(checked(std::move(world_model))),
       state(initial_state(model)),
       drives(model.joints.size()),
-      stage_(model) {
+      stage_(model),
+      coupling_(model) {
   for (std::size_t i = 0; i < model.engines.size(); ++i)
     engines.push_back(make_engine(model, static_cast<std::int32_t>(i)));
 }
@@ -28,15 +29,8 @@ StepResult Lab::step() {
   stage_.find(state, contacts);
   const StepInput input{tick_s(), contacts, drives, wrenches};
   before_ = state;
-  StepResult all;
-  for (const auto& engine : engines) {
-    const StepResult result = engine->step(input, state);
-    if (!result.ok) return result;
-    all.warned = all.warned || result.warned;
-    all.limited = all.limited || result.limited;
-    all.fell_short.insert(all.fell_short.end(), result.fell_short.begin(), result.fell_short.end());
-    all.work += result.work;
-  }
+  const StepResult all = coupling_.step(engines, input, state);
+  if (!all.ok) return all;
   if (all.warned) ++warned_ticks;
   stage_.hold_back(before_, state);
   ++state.tick;

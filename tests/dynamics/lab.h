@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "server/dynamics/coupling.h"
 #include "server/dynamics/engine.h"
 #include "tests/dynamics/model_builder.h"
 
@@ -44,6 +45,7 @@ class Lab {
 
  private:
   collision::CollisionStage stage_;
+  Coupling coupling_;
   world::WorldState before_;
 };
 

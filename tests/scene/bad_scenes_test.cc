@@ -56,6 +56,8 @@ TEST(BadScene, SettingsAreChecked) {
       {"engine: {kind: ode, cfm: 0}", "2: engine.cfm: must be between 1e-09 and 1e+06, is 0"},
       {"engine: {kind: ode, iterations: 0}",
        "2: engine.iterations: must be a whole number between 1 and 100000, is 0"},
+      {"collision: bullet", "2: collision: must be one of visum, fcl, is 'bullet'"},
+      {"collision: {stage: [fcl]}", "2: collision.stage: must be a text, is a list"},
       {"engine: {kind: impulse, solver: fast}",
        "2: engine.solver: must be one of direct, iterate, is 'fast'"},
       {"engine: {kind: impulse, order: 3}", "2: engine.order: must be 2, 4 or 6, is 3"},

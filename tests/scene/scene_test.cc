@@ -83,6 +83,17 @@ TEST(Scene, SettingsAreRead) {
   EXPECT_EQ(scene.world.gravity, Eigen::Vector3d(1, 2, 3));
 }
 
+TEST(Scene, TheCollisionStageHasAShortAndALongForm) {
+  using enum world::CollisionKind;
+  EXPECT_EQ(load_text("visum: 1").world.collision_stage, kVisum);
+  EXPECT_EQ(load_text("{visum: 1, collision: fcl}").world.collision_stage, kFcl);
+  const Scene scene = load_text("{visum: 1, collision: {stage: fcl, continuous: false, work_limit: 9}}");
+  EXPECT_EQ(scene.world.collision_stage, kFcl);
+  EXPECT_FALSE(scene.world.continuous_collision);
+  EXPECT_EQ(scene.world.collision_work_limit, 9u);
+  EXPECT_EQ(load_text("{visum: 1, collision: {stage: visum}}").world.collision_stage, kVisum);
+}
+
 TEST(Scene, TheEnginesAndTheSurfacesSettingsAreRead) {
   const Scene scene = load_text(
       "{visum: 1, engine: {kind: impulse, solver: iterate, budget: 3, v_max: 0.01, sleep: 0.5}, "

@@ -19,7 +19,7 @@ LOADER = {
     "server/scene/frames.cc read_frame": "$defs/frame",
     "server/scene/settings.cc engine_keys": "$defs/engine_settings",
     "server/scene/settings.cc read_surface": "$defs/surface",
-    "server/scene/settings.cc read_collision": "properties/collision",
+    "server/scene/settings.cc read_collision": "$defs/collision",
     "server/scene/read_looks.cc read_material": "$defs/material",
     "server/scene/read_looks.cc read_light": "$defs/light",
     "server/scene/read_looks.cc read_viewpoint": "$defs/viewpoint",

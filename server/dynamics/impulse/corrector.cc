@@ -92,6 +92,15 @@ void Corrector::invert(Joint& joint, double h) const {
       joint.inverse_K[static_cast<std::size_t>(k)][static_cast<std::size_t>(l)] = inverse(k, l);
 }
 
+double Corrector::largest_gap(std::size_t m) const {
+  double largest = 0.0;
+  for (const Joint& joint : joints_[m]) {
+    const Gap gap = joint_gap(*joint.spec, *joint.pose);
+    largest = larger(largest_of(gap.turn, gap.shift), largest);
+  }
+  return largest;
+}
+
 void Corrector::forget_look_ahead(std::size_t m) {
   const Mechanism& mechanism = plant_.mechanisms[m];
   for (std::size_t i = 0; i < mechanism.size(); ++i)

@@ -33,6 +33,8 @@ class Corrector {
   // Brings the look-ahead of all bodies of the mechanism up to date.
   void look_ahead(std::size_t mechanism, double h);
 
+  // The largest gap of the mechanism's joints at t, when it was prepared.
+  double largest_gap(std::size_t mechanism) const;
   // The joint whose gap was the largest in the last sweep.
   const JointSpec* worst_joint() const { return worst_; }
 

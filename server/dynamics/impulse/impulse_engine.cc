@@ -50,11 +50,14 @@ class ImpulseEngine : public Engine {
           "step back in time, which would gain the energy that an iteration loses)");
   }
 
+  bool may_repeat() const override { return true; }
+
   StepResult step(const StepInput& input, world::WorldState& state) override {
     if (std::string fault = find_input_fault(plant_.model, input, state); !fault.empty())
       return {false, fault};
     prepare(input, state);
     warned_ = false;
+    stepper_.begin_tick();
     plant_.work.start(limit_);
     bool ok = true, limited = false;
     try {
@@ -66,7 +69,11 @@ class ImpulseEngine : public Engine {
       limited = true;
     }
     const std::uint64_t work = plant_.work.taken();
-    if (limited) make_limited(input, state);
+    // With `solver: iterate` the bodies stay together at any price: those that cannot move stay where they
+    // are.
+    const bool stuck = !ok && plant_.setting.solver == "iterate";
+    if (limited || stuck) make_limited(input, state);
+    ok = ok || stuck;
     if (!ok) return {false, broken_text()};
     StepResult result = store(input, state);
     result.limited = limited;
@@ -87,8 +94,11 @@ class ImpulseEngine : public Engine {
     for (Spring& spring : plant_.springs) spring.total = 0.0;
     find_touches(plant_, input.contacts, state);
     plant_.islands.find(plant_);
-    const std::size_t rest = std::min(kept.size(), sleep_.bytes());
-    read_warm_start(std::span(kept).first(kept.size() - rest), input.contacts, plant_);
+    // The memory ends with the guard's part, then that of sleep.
+    const std::size_t guard = stepper_.guard().bytes(), rest = std::min(kept.size(), guard + sleep_.bytes());
+    const auto first = std::span(kept).first(kept.size() - rest);
+    read_warm_start(first, input.contacts, plant_);
+    stepper_.guard().read(std::span(kept).subspan(first.size(), std::min(guard, rest)));
   }
 
   // Makes the tick anew as one limited step, whose work is bounded by itself. It starts from the contacts'
@@ -140,8 +150,9 @@ class ImpulseEngine : public Engine {
       before.put_back(plant_);
     else
       prepare(input, state);
-    if (halvings == kMostHalvings) return false;
     warned_ = true;
+    if (stepper_.take_firmly()) return advance(h, halvings, input, state);
+    if (halvings == kMostHalvings) return false;
     return advance(0.5 * h, halvings + 1, input, state) && advance(0.5 * h, halvings + 1, input, state);
   }
 
@@ -188,8 +199,10 @@ class ImpulseEngine : public Engine {
       contact.torque_on_a_W = touch.total_twist / input.tick_s;
     }
     std::vector<std::byte>& kept = state.engines[index_];
-    kept.resize(warm_start_bytes(plant_) + sleep_.bytes());
+    const std::size_t warm = warm_start_bytes(plant_), guard = stepper_.guard().bytes();
+    kept.resize(warm + guard + sleep_.bytes());
     write_warm_start(plant_, input.contacts, kept);
+    stepper_.guard().write(std::span(kept).subspan(warm, guard));
     sleep_.write(kept);
     std::string offender;
     if (!is_sane(plant_.model, state, &offender)) return {false, offender};

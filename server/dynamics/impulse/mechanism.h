@@ -92,6 +92,11 @@ class Mechanism {
   // for mechanisms without loops.
   void start_predicting(const Bodies& bodies);
   bool predicts() const { return !prediction_.empty(); }
+  // Without predictions: notes what the joints give at t, so that is_too_taut() knows (only without loops).
+  void start_noting(const Bodies& bodies);
+  bool notes() const { return !tautness_.empty(); }
+  // Starts a step of length h, or starts it again.
+  void begin_step(double h);
   Prediction& prediction() { return prediction_; }
   const Prediction& prediction() const { return prediction_; }
   // Foresees the joints' impulses, nothing along free directions. Returns false where too little is known.
@@ -123,6 +128,7 @@ class Mechanism {
     double wanted = 0.0;         // the velocity that is asked for, m/s or rad/s
   };
 
+  void find_tautness(const Bodies& bodies);
   // Finds what a pass and a factor cost.
   void count_units();
   // Finds, for each loop, the first loop that shares a part of the tree with it.
@@ -167,7 +173,8 @@ class Mechanism {
   std::uint64_t pass_units_ = 0, factor_units_ = 0;
   Prediction prediction_;
   std::vector<double> foreseen_axis_;
-  std::vector<double> tautness_;  // by node: square of a swing's frequency over the tension, 1/(kg·m)
+  std::vector<JointImpulse> noted_;  // by node: what the joints give at t, without predictions
+  std::vector<double> tautness_;     // by node: square of a swing's frequency over the tension, 1/(kg·m)
 
   // The state of the bodies that poses and factors belong to.
   bool of_bodies_alone_ = true;  // the poses of all its joints follow from the bodies alone

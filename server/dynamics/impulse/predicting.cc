@@ -38,6 +38,21 @@ double square_of_swing(const BodyConstants& body, const Motion& free, const Vect
 void Mechanism::start_predicting(const Bodies& bodies) {
   if (!loops_.empty()) return;
   prediction_ = Prediction(size());
+  find_tautness(bodies);
+}
+
+void Mechanism::start_noting(const Bodies& bodies) {
+  if (!loops_.empty()) return;
+  noted_.resize(size());
+  find_tautness(bodies);
+}
+
+void Mechanism::begin_step(double h) {
+  prediction_.begin(h);
+  std::ranges::fill(noted_, JointImpulse{});
+}
+
+void Mechanism::find_tautness(const Bodies& bodies) {
   tautness_.assign(size(), 0.0);
   for (std::size_t i = 0; i < size(); ++i) {
     const JointSpec* spec = carrying(i);
@@ -54,7 +69,7 @@ void Mechanism::start_predicting(const Bodies& bodies) {
 // in most steps, and then no single joint can be above it.
 bool Mechanism::is_too_taut(double h) const {
   const double most = 0.5 * kMostSwing * kMostSwing / std::abs(h);
-  const std::span<const JointImpulse> given = prediction_.ahead();
+  const std::span<const JointImpulse> given = predicts() ? prediction_.ahead() : noted_;
   const auto square = [&](const JointImpulse& one, double tautness) {
     return tautness * tautness * one.v.squaredNorm();
   };
@@ -101,7 +116,8 @@ void Mechanism::give_predicted(Bodies& bodies) {
 }
 
 void Mechanism::apply_ahead(Bodies& bodies) {
-  predicts() ? tree_.apply_and_note(bodies, prediction_.ahead()) : apply(bodies);
+  if (!notes()) return apply(bodies);
+  tree_.apply_and_note(bodies, predicts() ? prediction_.ahead() : noted_);
 }
 
 void Mechanism::apply_after(Bodies& bodies) {

@@ -67,6 +67,7 @@ void push_by_springs(Plant& plant, const world::WorldState& state) {
   for (Spring& spring : plant.springs) {
     const double impulse = spring.impulse;
     measure(spring, bodies, state);
+    spring.impulse = impulse;  // the energy guard needs it
     spring.total += 2.0 * impulse;
     if (impulse == 0.0) continue;
     const Pull& pull = spring.pull;

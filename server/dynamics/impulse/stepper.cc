@@ -10,6 +10,7 @@ constexpr int kMostChanges = 12;  // repetitions because laws reached or left th
 constexpr int kTautCutsLeft =
     3;  // with fewer cuts left, tension asks for no more: where contacts wedge joints it has no end
 constexpr double kMostGain = 0.02;  // share of the kinetic energy: rounding gains less than this
+constexpr double kFirmDMax = 1e-6;  // m, rad: largest gap that a firm step leaves
 constexpr int kFreeChanges = 2;     // repetitions before a law that still changes becomes a row
 
 // The default gap of each solver and order, m and rad. For `direct` it fits the error of a step at 1 ms, for
@@ -22,16 +23,15 @@ double default_d_max(const world::EngineSetting& setting, bool in_loops) {
 }
 
 // The setting holds for the whole gap; this is its share along each axis of W.
-double find_d_max(const Plant& plant, bool in_loops) {
-  const double whole =
-      plant.setting.d_max > 0.0 ? plant.setting.d_max : default_d_max(plant.setting, in_loops);
+double find_d_max(const world::EngineSetting& setting, bool in_loops) {
+  const double whole = setting.d_max > 0.0 ? setting.d_max : default_d_max(setting, in_loops);
   return whole / std::numbers::sqrt3;
 }
 
 // Mechanisms with loops have a smaller gap. A spring between two bodies of one mechanism closes a loop, too.
-std::vector<double> find_d_max_by_mechanism(const Plant& plant) {
-  std::vector<double> found(plant.mechanisms.size(), find_d_max(plant, false));
-  const double in_loops = find_d_max(plant, true);
+std::vector<double> find_d_max_by_mechanism(const Plant& plant, const world::EngineSetting& setting) {
+  std::vector<double> found(plant.mechanisms.size(), find_d_max(setting, false));
+  const double in_loops = find_d_max(setting, true);
   for (std::size_t m = 0; m < found.size(); ++m)
     if (plant.mechanisms[m].loop_count() > 0) found[m] = in_loops;
   const auto mechanism_of = [&](int body) {
@@ -42,6 +42,10 @@ std::vector<double> find_d_max_by_mechanism(const Plant& plant) {
     if (m >= 0 && m == mechanism_of(spring.spec.a)) found[static_cast<std::size_t>(m)] = in_loops;
   }
   return found;
+}
+
+Stepper::Bounds bounds_of(const Plant& plant, const world::EngineSetting& setting) {
+  return {find_d_max(setting, false), find_d_max_by_mechanism(plant, setting), kMostPasses};
 }
 
 // Adds a contact's impulses to the tick's totals. A sleeping contact repeats what it gave at t+h, half of a
@@ -65,9 +69,7 @@ void count(Touch& touch) {
 Stepper::Stepper(Plant& plant)
     : plant_(plant),
       bounded_(plant),
-      d_max_(find_d_max(plant, false)),
-      d_max_by_mechanism_(find_d_max_by_mechanism(plant)),
-      most_passes_(kMostPasses),
+      bounds_(bounds_of(plant, plant.setting)),
       saved_rates_(plant.axes.size()),
       saved_v_(plant.bodies.size()),
       saved_w_(plant.bodies.size()) {
@@ -75,7 +77,15 @@ Stepper::Stepper(Plant& plant)
   watched_.reserve(plant.mechanisms.size());
   if (plant.setting.solver != "iterate") return;
   corrector_.emplace(plant);
-  most_passes_ = plant.setting.budget;
+  iterates_ = true;
+  guard_.start(plant.bodies.size());
+  bounds_.most_passes = plant.setting.budget;
+  // A firm step is one of the solver `direct`, with its bounds where the setting's are wider.
+  world::EngineSetting firm = plant.setting;
+  firm.solver = "direct";
+  if (firm.d_max > kFirmDMax) firm.d_max = kFirmDMax;
+  firm_bounds_ = bounds_of(plant, firm);
+  for (Mechanism& mechanism : plant.mechanisms) mechanism.start_noting(plant.bodies);
 }
 
 // A pure torque for an angle; for a distance a force at the joint's point, with its torque about each centre
@@ -108,7 +118,7 @@ void Stepper::push(double h, std::span<const Wrench> wrenches) {
     bodies.w[i] += 0.5 * h * (bodies.inverse_inertia[i] * wrench.torque_nm);
   }
   for (const Axis& axis : plant_.acting_axes())
-    if (axis.feedforward != 0.0 && (corrector_ || axis.node < 0)) push_axis(axis, 0.5 * h * axis.feedforward);
+    if (axis.feedforward != 0.0 && (iterates_ || axis.node < 0)) push_axis(axis, 0.5 * h * axis.feedforward);
 }
 
 // The tree's axes only: axes that close loops are pushed by push().
@@ -146,21 +156,22 @@ void Stepper::factor(double h, const world::WorldState& state) {
     if (plant_.mechanism_asleep[m]) continue;
     plant_.work.take(plant_.mechanisms[m].factor_units());
     const bool changed = plant_.mechanisms[m].place(plant_.bodies, state);
-    if (!corrector_)
+    if (!iterates_)
       plant_.mechanisms[m].factor(plant_.bodies);
-    else if (changed)
+    else if (changed || prepared_h_ != h)
       corrector_->prepare(m, h);
   }
+  prepared_h_ = iterates_ ? h : 0.0;
 }
 
 const JointSpec* Stepper::worst_joint(std::size_t m) const {
-  return corrector_ ? corrector_->worst_joint() : plant_.mechanisms[m].worst_joint();
+  return iterates_ ? corrector_->worst_joint() : plant_.mechanisms[m].worst_joint();
 }
 
 bool Stepper::is_too_taut(double h) const {
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
     const Mechanism& mechanism = plant_.mechanisms[m];
-    if (mechanism.predicts() && !plant_.mechanism_asleep[m] && mechanism.is_too_taut(h)) return true;
+    if (mechanism.notes() && !plant_.mechanism_asleep[m] && mechanism.is_too_taut(h)) return true;
   }
   return false;
 }
@@ -169,14 +180,18 @@ bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::Worl
                    int cuts_left) {
   plant_.work.take(WorkBudget::kPerBody * plant_.bodies.size());
   divisible_ = cuts_left > 0;
+  if (corrector_) guard_.begin(plant_);
+  if (firm_) move_together(h, state);
   // Impulses at t, then the bodies move, then velocities at t+h. Everything after commit() concerns t+h.
   save_velocities();
-  fell_short_ = false;
+  fell_short_ = firm_;
   if (!foresee(h, wrenches, state)) return false;
-  if (cuts_left > kTautCutsLeft && is_too_taut(h)) return false;
+  if (!iterates_ && cuts_left > kTautCutsLeft && is_too_taut(h)) return false;
+  if (iterates_ && !holds_together(h, state)) return false;
   commit(h);
   correct_velocities(h, wrenches, state);
   give_back_energy(h);
+  if (corrector_ && !keep_energy(h, wrenches)) return false;
   count_impulses();
   note_joints();
   carry_touches(plant_, h);
@@ -205,7 +220,7 @@ bool Stepper::foresee(double h, std::span<const Wrench> wrenches, const world::W
     // Everything is undone that an earlier try has given.
     if (i > 0) restore_velocities();
     reset_impulses(plant_);
-    for (Mechanism& mechanism : plant_.mechanisms) mechanism.prediction().begin(h);
+    for (Mechanism& mechanism : plant_.mechanisms) mechanism.begin_step(h);
     // Forces, and the factors at t.
     push(h, wrenches);
     factor(h, state);
@@ -309,9 +324,9 @@ void Stepper::commit(double h) {
 
 void Stepper::match_velocities(std::size_t m, double h, bool first) {
   // The iterative solver sweeps until v_max, or until its budget is spent.
-  if (corrector_) {
+  if (iterates_) {
     const double v_max = plant_.setting.v_max;
-    for (int sweep = 0; sweep < most_passes_; ++sweep) {
+    for (int sweep = 0; sweep < bounds_.most_passes; ++sweep) {
       plant_.work.take(plant_.mechanisms[m].units());
       if (corrector_->sweep_velocities(m, h, v_max, sweep) <= v_max) return;
     }

@@ -19,6 +19,13 @@ class Stepper {
  public:
   explicit Stepper(Plant& plant);
 
+  // How closely and how long the joints of a step are solved.
+  struct Bounds {
+    double d_max = 0.0;                      // m, rad: largest gap along each axis, without loops
+    std::vector<double> d_max_by_mechanism;  // smaller with loops
+    int most_passes = 0;                     // of Newton, or corrections of each joint
+  };
+
   // Moves the plant's bodies by h (s), with forces and drives as they were prepared. Returns false where a
   // joint cannot be closed or where shorter steps are needed. The caller must then restore the plant;
   // broken() names the joint, if there is one. `cuts_left`: how often the step may still be cut in halves.
@@ -33,6 +40,14 @@ class Stepper {
   // The last step used up its passes or its budget before gaps and velocities were within their bounds, or
   // took an answer that only comes near one.
   bool fell_short() const { return fell_short_; }
+  // With `solver: iterate`, a tick begins: its steps are made joint after joint.
+  void begin_tick() { set_firm(false); }
+  // After a step that failed: the tick's further steps solve all joints at once, as the solver `direct` does.
+  // Returns false where they did already.
+  bool take_firmly();
+  // Its part of the world's state: what `solver: iterate` remembers of energies.
+  EnergyGuard& guard() { return guard_; }
+  const EnergyGuard& guard() const { return guard_; }
   // Computes poses, directions and factors at t. step() does it, too.
   void factor(double h, const world::WorldState& state);
 
@@ -56,7 +71,7 @@ class Stepper {
   // Turns these laws into rows. Returns false where there are none.
   bool take_laws_as_rows(std::size_t mechanism);
   // Largest gap that is allowed, along each axis of W: m, rad.
-  double d_max(std::size_t mechanism) const { return d_max_by_mechanism_[mechanism]; }
+  double d_max(std::size_t mechanism) const { return bounds_.d_max_by_mechanism[mechanism]; }
   // True if a link would swing too far in this step under the tension of its joint (predicting.cc).
   bool is_too_taut(double h) const;
   // Solves the collisions at t.
@@ -130,6 +145,14 @@ class Stepper {
   void correct_velocities_limited(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
   // Makes rows of all laws.
   void box_laws();
+  // stepper_iterate.cc: with `solver: iterate`, whether the look-ahead keeps the joints together; whether the
+  // step gained no energy, or what it gained could be taken back.
+  bool holds_together(double h, const world::WorldState& state);
+  bool keep_energy(double h, std::span<const Wrench> wrenches);
+  // Closes the gaps that firm steps find, without motion.
+  void move_together(double h, const world::WorldState& state);
+  double fastest_turn() const;  // rad/s, of all linked bodies
+  void set_firm(bool firm);
   // Tells the predictions what the joints gave in this step.
   void note_joints();
   // Adds the step's impulses to the tick's totals.
@@ -137,17 +160,19 @@ class Stepper {
 
   Plant& plant_;
   Bounded bounded_;
-  std::optional<Corrector> corrector_;      // only with solver: iterate
-  double d_max_;                            // along each axis, without loops
-  std::vector<double> d_max_by_mechanism_;  // smaller with loops
-  int most_passes_;
+  std::optional<Corrector> corrector_;           // only with solver: iterate
+  bool iterates_ = false;                        // joint after joint in this step
+  bool firm_ = false;                            // solver: iterate, but this step solves all joints at once
+  double prepared_h_ = 0.0;                      // s: the step that the corrector was prepared for; 0: none
+  double began_apart_ = 0.0, left_apart_ = 0.0;  // m, rad: largest gap that a step finds, and leaves
+  Bounds bounds_, firm_bounds_;                  // of this step, of the other kind of step
   const JointSpec* broken_ = nullptr;
   std::size_t broken_mechanism_ = 0;
   bool fell_short_ = false, divisible_ = false;
   // Islands with rows on mechanisms where nothing but gravity does work, and their bodies.
   std::vector<Watched> watched_;
   std::vector<std::size_t> bound_bodies_;
-  EnergyGuard guard_;                      // of a limited step
+  EnergyGuard guard_;                      // of a limited step, and of all steps of `solver: iterate`
   std::vector<std::size_t> short_bodies_;  // in it
   // By axis, by body: at the start of the moment that is solved.
   std::vector<double> saved_rates_;

@@ -21,7 +21,7 @@ constexpr double kStandstill = 1e-9;  // m, rad: a smaller gap that no longer sh
 }  // namespace
 
 void Stepper::fly(std::size_t m, double h) {
-  if (corrector_) return corrector_->look_ahead(m, h);
+  if (iterates_) return corrector_->look_ahead(m, h);
   plant_.bodies.look_ahead(plant_.mechanisms[m].blocks(), h, plant_.model.gravity);
 }
 
@@ -49,7 +49,7 @@ void Stepper::take_back(std::size_t m, double h) {
     plant_.bodies.v[body] = unpushed_v_[body];
     plant_.bodies.w[body] = unpushed_w_[body];
   }
-  mechanism.prediction().begin(h);
+  mechanism.begin_step(h);
   for (Axis& axis : plant_.acting_axes_of(m)) axis.law[kAhead] = axis.damped[kAhead] = 0.0;
 }
 
@@ -89,7 +89,7 @@ bool Stepper::close_by_newton(std::size_t m, double h, const world::WorldState& 
   // Near a pose where loops lose their grip, a shorter step may help.
   const bool may_cut = divisible_ && plant_.mechanisms[m].loop_count() > 0;
   double last = 0.0;
-  for (int pass = foreseen ? 1 : 0; pass < most_passes_; ++pass) {
+  for (int pass = foreseen ? 1 : 0; pass < bounds_.most_passes; ++pass) {
     const double gap = close(m, h, state, pass);
     if (gap <= d_max(m)) return true;
     if (!std::isfinite(gap)) return false;
@@ -133,7 +133,7 @@ bool Stepper::break_at(std::size_t m) {
 
 // Starts from the prediction. Without one, or where it leads nowhere, starts from zero.
 bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& state) {
-  if (corrector_) return correct_alone(m, h, state);
+  if (iterates_) return correct_alone(m, h, state);
   if (predict(m, h)) {
     if (close_foreseen(m, h, state)) return true;
     take_back(m, h);
@@ -144,7 +144,7 @@ bool Stepper::close_alone(std::size_t m, double h, const world::WorldState& stat
 // One correction of each joint. Rows that act on the mechanism need to know where it leads.
 double Stepper::correct(std::size_t m, double h, const world::WorldState& state, int sweep) {
   plant_.work.take(plant_.mechanisms[m].units());
-  const double gap = corrector_->sweep_gaps(m, h, d_max_, state, sweep);
+  const double gap = corrector_->sweep_gaps(m, h, bounds_.d_max, state, sweep);
   if (bounded_.binds(m)) {
     fly(m, h);
     plant_.mechanisms[m].ask_gaps(plant_.bodies, state, h);
@@ -156,10 +156,11 @@ double Stepper::correct(std::size_t m, double h, const world::WorldState& state,
 // If the budget is spent, the rest of the gap is left to the next step.
 bool Stepper::correct_alone(std::size_t m, double h, const world::WorldState& state) {
   corrector_->forget_look_ahead(m);
-  double gap = 2.0 * d_max_;
-  for (int sweep = 0; sweep < most_passes_ && gap > d_max_; ++sweep) gap = correct(m, h, state, sweep);
+  double gap = 2.0 * bounds_.d_max;
+  for (int sweep = 0; sweep < bounds_.most_passes && gap > bounds_.d_max; ++sweep)
+    gap = correct(m, h, state, sweep);
   fly(m, h);
-  fell_short_ = fell_short_ || gap > d_max_;
+  fell_short_ = fell_short_ || gap > bounds_.d_max;
   return std::isfinite(gap) || break_at(m);
 }
 
@@ -177,8 +178,8 @@ double Stepper::close_joints(std::size_t island, double h, const world::WorldSta
   closed = true;
   for (const std::size_t m : plant_.islands.mechanisms(island)) {
     if (!bounded_.binds(m)) continue;
-    if (corrector_) corrector_->forget_look_ahead(m);
-    const double gap = corrector_ ? correct(m, h, state, pass) : close(m, h, state, pass);
+    if (iterates_) corrector_->forget_look_ahead(m);
+    const double gap = iterates_ ? correct(m, h, state, pass) : close(m, h, state, pass);
     closed = closed && gap <= d_max(m);
     if (gap <= largest || std::isnan(largest)) continue;
     largest = gap;
@@ -192,7 +193,7 @@ Stepper::Closed Stepper::close_with_rows(std::size_t island, double h, const wor
                                          bool gently) {
   double largest = 0.0, moved = 0.0;
   bool closed = false;
-  for (int pass = 0; pass < most_passes_; ++pass) {
+  for (int pass = 0; pass < bounds_.most_passes; ++pass) {
     // The joints first; the worst one is noted in case nothing closes.
     largest = close_joints(island, h, state, pass, closed);
     if (!std::isfinite(largest)) return Closed::kNo;
@@ -201,11 +202,11 @@ Stepper::Closed Stepper::close_with_rows(std::size_t island, double h, const wor
     look_at_springs(island, h, state);
     moved = gently && pass >= kGentlePasses ? 0.0 : std::abs(h) * bounded_.solve(island);
     if (!std::isfinite(moved)) return Closed::kNo;
-    if (closed && (gently || moved <= d_max_)) return Closed::kYes;
+    if (closed && (gently || moved <= bounds_.d_max)) return Closed::kYes;
   }
   // The passes are used up: what is near enough goes on, unless shorter steps may do better.
   const double most = divisible_ ? 0.0 : kApart;
-  return corrector_ || (moved <= kApart && (closed || largest <= most)) ? Closed::kNearly : Closed::kNo;
+  return iterates_ || (moved <= kApart && (closed || largest <= most)) ? Closed::kNearly : Closed::kNo;
 }
 
 // For mechanisms that share contacts or have bounds of their own. Contacts that wedge joints may have no
@@ -216,7 +217,7 @@ bool Stepper::close_together(std::size_t island, double h, const world::WorldSta
   const std::span<const std::size_t> mechanisms = plant_.islands.mechanisms(island);
   Closed closed = close_with_rows(island, h, state, false);
   if (closed == Closed::kNo && broken_ != nullptr && has_laws_to_box(broken_mechanism_)) return false;
-  if (closed == Closed::kNo && !corrector_) {
+  if (closed == Closed::kNo && !iterates_) {
     for (const std::size_t m : mechanisms)
       if (bounded_.binds(m)) take_back(m, h);
     bounded_.start_gently(island, unpushed_v_, unpushed_w_);
@@ -228,7 +229,7 @@ bool Stepper::close_together(std::size_t island, double h, const world::WorldSta
   // Brings the look-ahead up to date with the last impulses.
   for (const std::size_t m : mechanisms) {
     if (!bounded_.binds(m)) continue;
-    if (corrector_) corrector_->forget_look_ahead(m);
+    if (iterates_) corrector_->forget_look_ahead(m);
     fly(m, h);
   }
   return true;
@@ -236,7 +237,7 @@ bool Stepper::close_together(std::size_t island, double h, const world::WorldSta
 
 bool Stepper::look_ahead(double h, const world::WorldState& state) {
   // Kept for take_back().
-  if (!corrector_) {
+  if (!iterates_) {
     copy(plant_.bodies.v, unpushed_v_);
     copy(plant_.bodies.w, unpushed_w_);
   }

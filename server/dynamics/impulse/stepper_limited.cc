@@ -61,7 +61,7 @@ void Stepper::foresee_limited(double h, std::span<const Wrench> wrenches, const 
     reset_impulses(plant_);
     guard_.release();
     for (Touch& touch : plant_.touches) touch.bounce = 0.0;
-    for (Mechanism& mechanism : plant_.mechanisms) mechanism.prediction().begin(h);
+    for (Mechanism& mechanism : plant_.mechanisms) mechanism.begin_step(h);
     push(h, wrenches);
     factor(h, state);
     measure_springs(plant_, state);
@@ -80,8 +80,8 @@ void Stepper::look_ahead_limited(double h, const world::WorldState& state) {
   for (int turn = 0; turn < kMostTurns; ++turn) {
     each_awake([&](std::size_t m) {
       if (!bounded_.binds(m)) return;
-      if (corrector_) corrector_->forget_look_ahead(m);
-      corrector_ ? correct(m, h, state, turn) : close(m, h, state, turn);
+      if (iterates_) corrector_->forget_look_ahead(m);
+      iterates_ ? correct(m, h, state, turn) : close(m, h, state, turn);
     });
     for (std::size_t i = 0; i < plant_.islands.size(); ++i) look_at_springs(i, h, state);
     solve_each_island();
@@ -89,7 +89,7 @@ void Stepper::look_ahead_limited(double h, const world::WorldState& state) {
   // The joints have the last word.
   each_awake([&](std::size_t m) {
     const bool bound = bounded_.binds(m);
-    const bool closes = corrector_ ? correct_alone(m, h, state) : close_by_newton(m, h, state, bound);
+    const bool closes = iterates_ ? correct_alone(m, h, state) : close_by_newton(m, h, state, bound);
     if (!closes) guard_.hold(static_cast<std::size_t>(plant_.mechanisms[m].body(0)));
   });
   plant_.for_free([&](auto blocks) { plant_.bodies.look_ahead(blocks, h, plant_.model.gravity); });

@@ -69,6 +69,8 @@ class OdeEngine : public Engine {
     mechanism_ = std::make_unique<Mechanism>(model_, engine_index_);
   }
 
+  bool may_repeat() const override { return true; }
+
   StepResult step(const StepInput& input, world::WorldState& state) override {
     if (std::string fault = find_input_fault(model_, input, state); !fault.empty()) return {false, fault};
     const std::uint64_t messages_before = ode_messages();

@@ -328,6 +328,7 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Scene& scene)
       {"lockstep_timeout_s", exact(static_cast<double>(scene.lockstep_timeout_ns) / kNsPerS)},
       {"engine", engine_text(scene, 0)}};
   YamlMap collision;
+  if (scene.world.collision_stage == world::CollisionKind::kFcl) collision.add("stage", "fcl");
   if (!scene.world.continuous_collision) collision.add("continuous", "false");
   if (scene.world.collision_work_limit != world::kCollisionWorkLimit)
     collision.add("work_limit", std::to_string(scene.world.collision_work_limit));

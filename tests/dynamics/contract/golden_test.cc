@@ -11,7 +11,7 @@ namespace {
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x104bf19a5993ab77ull},       {"OdeQuick", 0xcd99abfa3f8f7fe2ull},
     {"Impulse", 0x6a7b8c5681f47aaeull},        {"ImpulseOrder4", 0x3c7745a1405f3515ull},
-    {"ImpulseIterate", 0x7549b0f358e1bcdeull},
+    {"ImpulseIterate", 0x4ccd2ecc1e39262aull},
 };
 
 class Golden : public Contract {};
