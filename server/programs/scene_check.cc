@@ -25,6 +25,16 @@ void print_right(const cycle::Simulation& simulation) {
             << counted(simulation.parts().size(), "part", "parts") << "\n";
 }
 
+// A list of objects with file, line and message.
+std::string list_of(const std::vector<scene::FileRemark>& remarks) {
+  std::string list;
+  for (const auto& [file, remark] : remarks)
+    list += (list.empty() ? "{\"file\":" : ",{\"file\":") + protocol::json_quoted(file) +
+            ",\"line\":" + std::to_string(remark.line) +
+            ",\"message\":" + protocol::json_quoted(remark.text) + "}";
+  return "[" + list + "]";
+}
+
 void print_right_as_json(const cycle::Simulation& simulation) {
   const auto& model = simulation.model();
   std::string losses;
@@ -32,7 +42,9 @@ void print_right_as_json(const cycle::Simulation& simulation) {
     losses += (losses.empty() ? "" : ",") + protocol::json_quoted(loss);
   std::cout << "{\"right\":true,\"scene\":" << protocol::json_quoted(model.name)
             << ",\"bodies\":" << model.bodies.size() << ",\"joints\":" << model.joints.size()
-            << ",\"parts\":" << simulation.parts().size() << ",\"losses\":[" << losses << "]}\n";
+            << ",\"parts\":" << simulation.parts().size() << ",\"losses\":[" << losses
+            << "],\"warnings\":" << list_of(simulation.scene().warnings)
+            << ",\"repairs\":" << list_of(simulation.scene().repairs) << "}\n";
 }
 
 // The members file, line, key and message of an error as JSON, after `before` and without the closing

@@ -245,6 +245,7 @@ void declare(CLI::App& app, Options& options) {
                  "simulated seconds per second of wall time; in lockstep this is the most")
       ->check(CLI::Range(1e-3, 1e3));
   programs::declare_plugins(app, options.plugins);
+  programs::declare_packages(app, options.of_scene.packages);
   programs::declare_node_timeout(app, options.plugins);
   app.add_option("--bus", options.buses,
                  "PART=KIND:WHERE, a field bus to the part's modules; repeatable. KIND:WHERE is pty:PATH, "
@@ -277,6 +278,7 @@ int check(const programs::Command& command) {
   app.add_option("--engine", of_scene.engine, "the engine for all bodies, instead of the scene's");
   app.add_option("--parameters", of_scene.parameters, kParametersHelp)->type_name("YAML");
   programs::declare_plugins(app, plugins);
+  programs::declare_packages(app, of_scene.packages);
   programs::declare_node_timeout(app, plugins);
   app.add_flag("--json", output.json, "print one line of JSON");
   app.footer("Example:\n  " + command.name +

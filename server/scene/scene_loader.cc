@@ -9,6 +9,7 @@
 #include "server/scene/frames.h"
 #include "server/scene/includes.h"
 #include "server/scene/joints.h"
+#include "server/scene/model_errors.h"
 #include "server/scene/models.h"
 #include "server/scene/parts.h"
 #include "server/scene/plugins.h"
@@ -51,9 +52,10 @@ class Complaints {
     if (!kept_) return read();
     try {
       read();
+    } catch (const ModelErrors& errors) {
+      for (const config::ConfigError& error : errors.all()) keep(error, entry);
     } catch (const config::ConfigError& error) {
-      if (!follows(error) && !told(error) && kept_->size() < kMaxErrors) kept_->push_back(error);
-      if (const auto name = entry ? name_of(*entry) : std::nullopt) gone_.push_back("'" + *name);
+      keep(error, entry);
     }
   }
 
@@ -72,6 +74,10 @@ class Complaints {
   }
 
  private:
+  void keep(const config::ConfigError& error, const std::optional<Node>& entry) {
+    if (!follows(error) && !told(error) && kept_->size() < kMaxErrors) kept_->push_back(error);
+    if (const auto name = entry ? name_of(*entry) : std::nullopt) gone_.push_back("'" + *name);
+  }
   // True if the error is about a name ("'arm'", "'arm/link_3'") that is missing because its own entry is
   // wrong.
   bool follows(const config::ConfigError& error) const {
@@ -234,6 +240,7 @@ Scene load_scene(const fs::path& file, const Options& options) {
   Scene scene = empty_scene(file);
   Draft draft(scene);
   draft.plugin_folders = options.plugin_folders;
+  draft.packages = with_environment(options.packages);
   Loader(draft, nullptr).read_file(file, given_parameters(options), nullptr);
   finish(draft, options);
   return scene;
@@ -244,6 +251,7 @@ std::optional<Scene> load_scene(const fs::path& file, const Options& options,
   Scene scene = empty_scene(file);
   Draft draft(scene);
   draft.plugin_folders = options.plugin_folders;
+  draft.packages = with_environment(options.packages);
   try {
     Loader(draft, &errors).read_file(file, given_parameters(options), nullptr);
     if (errors.empty()) finish(draft, options);
