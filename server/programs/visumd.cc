@@ -36,6 +36,7 @@
 #include "server/recording/log_sink.h"
 #include "server/recording/recorder.h"
 #include "server/recording/replay.h"
+#include "server/scene/convert/convert.h"
 #include "server/scene/scene.h"
 
 namespace {
@@ -84,7 +85,7 @@ void set_clock(const Options& options, scene::Scene& scene) {
 }
 
 scene::Scene load(const Options& options) {
-  auto scene = scene::load_scene(options.scene, with_plugins(options.of_scene, options.plugins));
+  auto scene = scene::load_any(options.scene, with_plugins(options.of_scene, options.plugins));
   set_clock(options, scene);
   if (options.seed >= 0) scene.seed = static_cast<std::uint64_t>(options.seed);
   for (const auto& loss : scene.losses) spdlog::warn("{}", loss);
@@ -200,7 +201,9 @@ void declare_world(CLI::App& app, Options& options, std::string_view verb) {
                    "the engine for all bodies from there on, instead of the run's engines");
     return;
   }
-  app.add_option("scene", options.scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
+  app.add_option("scene", options.scene, "the scene: .yaml, or a model: .urdf, .sdf, .x3d, .x3dv or .wrl")
+      ->required()
+      ->type_name("FILE");
   app.add_option("--seed", options.seed, "the seed of the world's random numbers, instead of the scene's")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--engine", options.of_scene.engine, "the engine for all bodies, instead of the scene's");
@@ -274,7 +277,9 @@ int check(const programs::Command& command) {
   scene::Options of_scene;
   programs::OutputOptions output{.verbosity = 1};
   CLI::App app{"Says what is wrong with a scene, where, and what was meant", command.name};
-  app.add_option("scene", scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
+  app.add_option("scene", scene, "the scene: .yaml, or a model: .urdf, .sdf, .x3d, .x3dv or .wrl")
+      ->required()
+      ->type_name("FILE");
   app.add_option("--engine", of_scene.engine, "the engine for all bodies, instead of the scene's");
   app.add_option("--parameters", of_scene.parameters, kParametersHelp)->type_name("YAML");
   programs::declare_plugins(app, plugins);

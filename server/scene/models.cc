@@ -191,6 +191,7 @@ class Placement {
     }
     joint.initial_position = initial_position(from, joint);
     draft_.add_joint(joint, joint_place(from));
+    draft_.drive_limits[joint.name] = {from.maximum_speed, from.maximum_effort};
     placed_.push_back(from.joint.name);
   }
 

@@ -58,9 +58,9 @@ std::string urdf_name(std::string name, const std::string& link) {
 
 // Copies what sdformat read into a RobotModel, and refuses what is not simulated. Lines of errors come from
 // model_xml.cc, because sdformat does not keep them.
-class Reader {
+class RobotReader {
  public:
-  Reader(RobotModel& model, const ModelXml& xml, const Packages& packages)
+  RobotReader(RobotModel& model, const ModelXml& xml, const Packages& packages)
       : model_(model), xml_(xml), packages_(packages), file_(model.file.string()) {}
 
   void read(const sdf::Model& top) {
@@ -314,6 +314,10 @@ class Reader {
     joint.joint.X_PJ = to_pose(pose);
     if (parent == kWorldLink) joint.joint.X_PJ = X_TM * joint.joint.X_PJ;  // in the top model
     read_kind(from, place, joint.joint);
+    if (const sdf::JointAxis* axis = from.Axis()) {
+      if (axis->MaxVelocity() < kUnlimited) joint.maximum_speed = std::max(axis->MaxVelocity(), 0.0);
+      if (axis->Effort() < kUnlimited) joint.maximum_effort = std::max(axis->Effort(), 0.0);
+    }
     model_.joints.push_back(std::move(joint));
   }
 
@@ -420,7 +424,7 @@ RobotModel read_robot_model(const std::filesystem::path& file, const std::string
     sdf::Root root;
     const sdf::Errors errors = root.LoadSdfString(xml.text, quiet_config());
     if (!errors.empty() || root.Model() == nullptr) fail_load(errors, console, file.string());
-    Reader(model, xml, packages).read(*root.Model());
+    RobotReader(model, xml, packages).read(*root.Model());
   } catch (const config::ConfigError&) {
     throw;
   } catch (const std::exception& error) {  // for example a version that is no number

@@ -47,6 +47,7 @@ struct RobotJoint {
   std::string parent;  // "world" for the world
   std::string child;
   int line = 0;
+  double maximum_speed = 0.0, maximum_effort = 0.0;  // 0: the file gives none
 };
 
 // A link that is one body with another one, because a fixed joint connects them.

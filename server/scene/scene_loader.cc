@@ -4,6 +4,7 @@
 
 #include "protocol/config/expand.h"
 #include "server/scene/all_errors.h"
+#include "server/scene/bare_model.h"
 #include "server/scene/bodies.h"
 #include "server/scene/draft.h"
 #include "server/scene/frames.h"
@@ -107,9 +108,22 @@ class Complaints {
   std::vector<std::string> gone_;
 };
 
+std::optional<Node> given_parameters(const Options& options) {
+  if (options.parameters.empty()) return {};
+  const Node given = config::load_text(options.parameters, "--parameters");
+  if (given.kind() != Node::Kind::kMap) given.fail("must be a map, as {mass: 2}");
+  return given;
+}
+
 class Loader {
  public:
   Loader(Draft& draft, std::vector<config::ConfigError>* errors) : draft_(draft), complaints_(errors) {}
+
+  // Reads a scene, or a model without one.
+  void read(const fs::path& file, const Options& options) {
+    if (!is_model_file(file)) return read_file(file, given_parameters(options), nullptr);
+    complaints_.attempt({}, [&] { read_bare_model(draft_, file); });
+  }
 
   // `given`: values for the file's parameters. `asked_by`: the entry that includes the file.
   void read_file(const fs::path& file, const std::optional<Node>& given, const Node* asked_by) {
@@ -180,13 +194,6 @@ class Loader {
   config::ExpansionBudget budget_;
 };
 
-std::optional<Node> given_parameters(const Options& options) {
-  if (options.parameters.empty()) return {};
-  const Node given = config::load_text(options.parameters, "--parameters");
-  if (given.kind() != Node::Kind::kMap) given.fail("must be a map, as {mass: 2}");
-  return given;
-}
-
 void apply(const Options& options, Scene& scene) {
   if (options.engine.empty()) return;
   for (world::EngineSetting& engine : scene.world.engines) engine.name = options.engine;
@@ -241,7 +248,7 @@ Scene load_scene(const fs::path& file, const Options& options) {
   Draft draft(scene);
   draft.plugin_folders = options.plugin_folders;
   draft.packages = with_environment(options.packages);
-  Loader(draft, nullptr).read_file(file, given_parameters(options), nullptr);
+  Loader(draft, nullptr).read(file, options);
   finish(draft, options);
   return scene;
 }
@@ -253,7 +260,7 @@ std::optional<Scene> load_scene(const fs::path& file, const Options& options,
   draft.plugin_folders = options.plugin_folders;
   draft.packages = with_environment(options.packages);
   try {
-    Loader(draft, &errors).read_file(file, given_parameters(options), nullptr);
+    Loader(draft, &errors).read(file, options);
     if (errors.empty()) finish(draft, options);
   } catch (const config::ConfigError& error) {
     errors.push_back(error);
