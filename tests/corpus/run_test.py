@@ -22,7 +22,7 @@ class Corpus(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def run_on(self, *words):
-        return subprocess.run([sys.executable, SOURCE / "tests" / "corpus" / "run", "--bin", BIN, "--wrap", *words],
+        return subprocess.run([sys.executable, SOURCE / "tests" / "corpus" / "run", "--bin", BIN, *words],
                               capture_output=True, text=True, timeout=600)
 
     def test_counts_what_loads_what_is_refused_and_what_runs(self):
@@ -33,6 +33,7 @@ class Corpus(unittest.TestCase):
         (models / "other.sdf").write_text("<element name='x'/>")
         done = self.run_on(str(models), "--json", str(self.folder / "table.json"))
         self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.run_on(str(models), "--wrap").stdout, done.stdout, "a scene around it changes nothing")
         self.assertEqual(done.stdout.splitlines(), [
             "URDF: 1 of 2 files load (50 %)",
             "      1  refused: joints of type '*' are not simulated (revolute, continuous, prismatic, fixed are)",
