@@ -38,6 +38,8 @@ struct JointInfo {
   double lower = 0.0;  // mechanical stops; lower > upper: the joint has none
   double upper = 0.0;
   double initial_position = 0.0;
+  double maximum_speed = 0.0;   // rad/s or m/s; 0: the model gives none
+  double maximum_effort = 0.0;  // N·m or N; 0: the model gives none
 };
 
 struct PartContext {

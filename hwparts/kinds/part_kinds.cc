@@ -5,17 +5,20 @@
 
 #include "hwparts/amtec_arm/amtec_arm.h"
 #include "hwparts/bus_group/bus_group.h"
+#include "hwparts/ideal_joints/ideal_joints.h"
 #include "hwparts/servo_group/servo_group.h"
 #include "protocol/config/unknown_name.h"
 
 namespace visum::hwparts {
 namespace {
 
-constexpr std::array<PartKind, 2> kPartKinds{{
+constexpr std::array<PartKind, 3> kPartKinds{{
     {"amtec_arm", "the 7-DOF PowerCube arm with its two-finger gripper", amtec_arm::make,
      amtec_arm::make_real},
     {"servo_group", "any joints of a robot, each with a drive", servo_group::make,
      bus_group::make_servo_group},
+    {"ideal_joints", "any joints of a robot, each of which goes where it is told", ideal_joints::make,
+     ideal_joints::make_real},
 }};
 
 const PartKind& row_of(const std::string& kind, const PartContext& context) {

@@ -51,6 +51,22 @@ void declare_guards(CLI::App& app, gateway::DaemonOptions& daemon) {
 
 }  // namespace
 
+void declare_packages(CLI::App& app, scene::Packages& packages) {
+  app.add_option_function<std::vector<std::string>>(
+         "--package",
+         [&packages](const std::vector<std::string>& words) {
+           for (const std::string& word : words) {
+             const std::size_t equals = word.find('=');
+             if (equals == 0 || equals == std::string::npos || equals + 1 == word.size())
+               throw CLI::ValidationError("--package", "must be NAME=PATH, is '" + word + "'");
+             packages.given[word.substr(0, equals)] = word.substr(equals + 1);
+           }
+         },
+         "where the package NAME lies that the meshes of models name; repeatable")
+      ->type_name("NAME=PATH")
+      ->allow_extra_args(false);
+}
+
 void declare_node_timeout(CLI::App& app, PluginOptions& plugins) {
   app.add_option("--node-timeout", plugins.node_timeout_s,
                  "seconds that one call of a plug-in may take; a longer call counts as hanging, and the "

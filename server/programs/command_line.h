@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/gateway/daemon.h"
+#include "server/scene/packages.h"
 
 namespace CLI {
 class App;
@@ -30,6 +31,8 @@ struct PluginOptions {
 };
 // Adds --plugins.
 void declare_plugins(CLI::App& app, PluginOptions& plugins);
+// Adds --package NAME=PATH: where the packages lie that models name. Fills `packages` as it reads the words.
+void declare_packages(CLI::App& app, scene::Packages& packages);
 // Adds --node-timeout, for programs that run the plug-ins' code.
 void declare_node_timeout(CLI::App& app, PluginOptions& plugins);
 

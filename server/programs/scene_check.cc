@@ -3,11 +3,13 @@
 #include <spdlog/spdlog.h>
 
 #include <iostream>
+#include <optional>
 
 #include "protocol/json_text.h"
 #include "server/cycle/node_errors.h"
 #include "server/cycle/simulation.h"
 #include "server/scene/all_errors.h"
+#include "server/scene/convert/convert.h"
 
 namespace visum::programs {
 namespace {
@@ -25,6 +27,26 @@ void print_right(const cycle::Simulation& simulation) {
             << counted(simulation.parts().size(), "part", "parts") << "\n";
 }
 
+// A list of objects with file, line and message.
+std::string list_of(const std::vector<scene::FileRemark>& remarks) {
+  std::string list;
+  for (const auto& [file, remark] : remarks)
+    list += (list.empty() ? "{\"file\":" : ",{\"file\":") + protocol::json_quoted(file) +
+            ",\"line\":" + std::to_string(remark.line) +
+            ",\"message\":" + protocol::json_quoted(remark.text) + "}";
+  return "[" + list + "]";
+}
+
+// The joints that parts drive, part by part.
+std::string actuated(const cycle::Simulation& simulation) {
+  std::string list;
+  for (const auto& part : simulation.scene().parts)
+    for (const world::JointId joint : part.joints)
+      list +=
+          (list.empty() ? "" : ",") + protocol::json_quoted(simulation.model().joints[joint.index()].name);
+  return "[" + list + "]";
+}
+
 void print_right_as_json(const cycle::Simulation& simulation) {
   const auto& model = simulation.model();
   std::string losses;
@@ -32,7 +54,10 @@ void print_right_as_json(const cycle::Simulation& simulation) {
     losses += (losses.empty() ? "" : ",") + protocol::json_quoted(loss);
   std::cout << "{\"right\":true,\"scene\":" << protocol::json_quoted(model.name)
             << ",\"bodies\":" << model.bodies.size() << ",\"joints\":" << model.joints.size()
-            << ",\"parts\":" << simulation.parts().size() << ",\"losses\":[" << losses << "]}\n";
+            << ",\"parts\":" << simulation.parts().size() << ",\"losses\":[" << losses
+            << "],\"warnings\":" << list_of(simulation.scene().warnings)
+            << ",\"repairs\":" << list_of(simulation.scene().repairs)
+            << ",\"actuated\":" << actuated(simulation) << "}\n";
 }
 
 // The members file, line, key and message of an error as JSON, after `before` and without the closing
@@ -44,12 +69,24 @@ std::string members_of(const config::ConfigError& error, const std::string& befo
          ",\"message\":" + protocol::json_quoted(error.message());
 }
 
+// As load_any(). A file of X3D or VRML97 tells its first error only.
+std::optional<scene::Scene> loaded(const std::filesystem::path& file, const scene::Options& options,
+                                   std::vector<config::ConfigError>& errors) {
+  if (!scene::is_x3d_file(file)) return scene::load_scene(file, options, errors);
+  try {
+    return scene::load_any(file, options);
+  } catch (const config::ConfigError& error) {
+    errors.push_back(error);
+    return std::nullopt;
+  }
+}
+
 // Returns the scene's errors. If there are none, prints what is in the scene. Three stages follow each other:
 // the file, the plug-ins' nodes, and the world with its engines; errors of one stage hide those of the next.
 std::vector<config::ConfigError> errors_of(const std::filesystem::path& file, const scene::Options& options,
                                            bool json) {
   std::vector<config::ConfigError> errors;
-  const auto scene = scene::load_scene(file, options, errors);
+  const auto scene = loaded(file, options, errors);
   if (!scene) return errors;
   errors = cycle::errors_of_nodes(*scene);
   if (!errors.empty()) return errors;

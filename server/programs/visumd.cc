@@ -38,6 +38,7 @@
 #include "server/recording/log_sink.h"
 #include "server/recording/recorder.h"
 #include "server/recording/replay.h"
+#include "server/scene/convert/convert.h"
 #include "server/scene/scene.h"
 
 namespace {
@@ -88,7 +89,7 @@ void set_clock(const Options& options, scene::Scene& scene) {
 }
 
 scene::Scene load(const Options& options) {
-  auto scene = scene::load_scene(options.scene, with_plugins(options.of_scene, options.plugins));
+  auto scene = scene::load_any(options.scene, with_plugins(options.of_scene, options.plugins));
   set_clock(options, scene);
   if (options.seed >= 0) scene.seed = static_cast<std::uint64_t>(options.seed);
   for (const auto& loss : scene.losses) spdlog::warn("{}", loss);
@@ -208,7 +209,9 @@ void declare_world(CLI::App& app, Options& options, std::string_view verb) {
                    "the engine for all bodies from there on, instead of the run's engines");
     return;
   }
-  app.add_option("scene", options.scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
+  app.add_option("scene", options.scene, "the scene: .yaml, or a model: .urdf, .sdf, .x3d, .x3dv or .wrl")
+      ->required()
+      ->type_name("FILE");
   app.add_option("--seed", options.seed, "the seed of the world's random numbers, instead of the scene's")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--engine", options.of_scene.engine, "the engine for all bodies, instead of the scene's");
@@ -253,6 +256,7 @@ void declare(CLI::App& app, Options& options) {
                  "simulated seconds per second of wall time; in lockstep this is the most")
       ->check(CLI::Range(1e-3, 1e3));
   programs::declare_plugins(app, options.plugins);
+  programs::declare_packages(app, options.of_scene.packages);
   programs::declare_node_timeout(app, options.plugins);
   app.add_option("--bus", options.buses,
                  "PART=KIND:WHERE, a field bus to the part's modules; repeatable. KIND:WHERE is pty:PATH, "
@@ -288,10 +292,13 @@ int check(const programs::Command& command) {
   scene::Options of_scene;
   programs::OutputOptions output{.verbosity = 1};
   CLI::App app{"Says what is wrong with a scene, where, and what was meant", command.name};
-  app.add_option("scene", scene, "the scene, a YAML file")->required()->type_name("SCENE.yaml");
+  app.add_option("scene", scene, "the scene: .yaml, or a model: .urdf, .sdf, .x3d, .x3dv or .wrl")
+      ->required()
+      ->type_name("FILE");
   app.add_option("--engine", of_scene.engine, "the engine for all bodies, instead of the scene's");
   app.add_option("--parameters", of_scene.parameters, kParametersHelp)->type_name("YAML");
   programs::declare_plugins(app, plugins);
+  programs::declare_packages(app, of_scene.packages);
   programs::declare_node_timeout(app, plugins);
   app.add_flag("--json", output.json, "print one line of JSON");
   app.footer("Example:\n  " + command.name +

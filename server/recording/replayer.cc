@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/cycle/apply_input.h"
+#include "server/scene/convert/convert.h"
 #include "server/scene/scene.h"
 #include "server/world/world_state.h"
 
@@ -20,7 +21,7 @@ bool same_bits(double a, double b) {
 std::unique_ptr<cycle::Simulation> make_world(const Header& header, const config::Files& files,
                                               const PluginFolders& plugins, const Adjust& adjust) {
   const config::FilesGiven given(files);
-  auto scene = scene::load_scene(header.scene_file, {header.engine, plugins, header.parameters});
+  auto scene = scene::load_any(header.scene_file, {header.engine, plugins, header.parameters});
   scene.seed = header.seed;
   if (adjust) adjust(scene);
   return std::make_unique<cycle::Simulation>(std::move(scene));

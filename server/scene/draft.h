@@ -32,6 +32,12 @@ class Draft {
   std::map<std::string, world::Pose> frames;  // X_WF by name
   std::map<std::string, std::shared_ptr<const RobotModel>> robots;  // by file: read once, placed often
   std::vector<std::filesystem::path> plugin_folders;                // see plugin::open_library
+  // Limits of joints that belong to drives, by the joint's name in the scene.
+  struct DriveLimit {
+    double speed = 0.0, effort = 0.0;  // 0: none given
+  };
+  std::map<std::string, DriveLimit> drive_limits;
+  Packages packages;                // of the models' meshes
   std::optional<world::Pose> X_WO;  // O: origin of the file that is being read; none: W itself
 
   // Takes a name for a body, joint, model, part or surface (`what`); fails at `place` if it is taken already.

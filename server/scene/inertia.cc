@@ -1,5 +1,6 @@
 #include "server/scene/inertia.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -140,6 +141,12 @@ std::string solid_fault(const world::TriangleMesh& mesh) {
   if (!is_closed(mesh)) return "is not closed (an edge has no neighbour, or faces are turned inside out)";
   if (solid_mesh(mesh).mass_kg < kMinVolume) return "encloses no volume";
   return "";
+}
+
+bool is_of_a_solid(const Matrix3d& inertia, double tolerance) {
+  const Vector3d m =
+      Eigen::SelfAdjointEigenSolver<Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();  // ascending
+  return m[0] > 0.0 && m[0] + m[1] >= m[2] * (1.0 - tolerance);
 }
 
 MassProperties scaled(const MassProperties& part, double factor) {

@@ -15,6 +15,9 @@ struct MassProperties {
   Eigen::Matrix3d inertia_C = Eigen::Matrix3d::Zero();  // kg·m², about com
 };
 
+// True if the principal moments are positive and A + B >= C holds within `tolerance`, a share of C.
+bool is_of_a_solid(const Eigen::Matrix3d& inertia, double tolerance);
+
 // The properties of a solid of density 1 kg/m³, in the shape's frame. `mesh` is for the kinds convex and
 // mesh, and must be closed (see solid_fault). A plane has no volume and gives zeros.
 MassProperties solid_of(const world::Shape& shape, const world::TriangleMesh* mesh);

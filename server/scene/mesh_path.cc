@@ -16,24 +16,17 @@ std::optional<std::string> without_scheme(const std::string& uri, const std::str
   return uri.substr(prefix.size());
 }
 
-// Finds "robot/meshes/arm.stl". A package is a folder of that name; the model may lie in it or beside it.
-std::optional<fs::path> find_in_package(const std::string& name_and_rest, const fs::path& model_file) {
-  fs::path folder = fs::absolute(model_file).lexically_normal().parent_path();
-  while (true) {
-    if (is_file(folder / name_and_rest)) return folder / name_and_rest;
-    if (folder == folder.parent_path()) return std::nullopt;
-    folder = folder.parent_path();
-  }
-}
-
 }  // namespace
 
-fs::path resolve_mesh(const std::string& uri, const fs::path& model_file, const config::Place& wanted_by) {
+fs::path resolve_mesh(const std::string& uri, const fs::path& model_file, const Packages& packages,
+                      const config::Place& wanted_by) {
   auto packaged = without_scheme(uri, "package");
   if (!packaged) packaged = without_scheme(uri, "model");
   if (packaged) {
-    if (const auto found = find_in_package(*packaged, model_file)) return *found;
-    throw config::ConfigError(wanted_by, "mesh '" + uri + "': no such file in the folders above the model");
+    if (const auto found = find_in_package(*packaged, model_file, packages); !found.empty()) return found;
+    throw config::ConfigError(wanted_by, "mesh '" + uri +
+                                             "': no such file in the folders above the model; name its "
+                                             "package's folder with --package NAME=PATH");
   }
   const std::string path = without_scheme(uri, "file").value_or(uri);
   if (path.find("://") != std::string::npos)

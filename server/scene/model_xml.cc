@@ -60,16 +60,20 @@ bool says(const char* word, const char* digit, const XMLElement* element) {
 void note_link_losses(const XMLElement& link, const std::string& name, ModelXml& xml) {
   const XMLElement* inertial = link.FirstChildElement("inertial");
   if (!inertial)
-    xml.losses.push_back("link '" + name +
-                         "' gives no <inertial>: SDF's 1 kg and 1 kg·m² are used if it moves");
+    xml.losses.push_back(
+        {"link '" + name + "' gives no <inertial>: SDF's 1 kg and 1 kg·m² are used if it moves",
+         link.GetLineNum()});
   else if (!inertial->FirstChildElement("inertia"))
-    xml.losses.push_back("link '" + name + "' gives no <inertia>: SDF's 1 kg·m² is used if it moves");
+    xml.losses.push_back({"link '" + name + "' gives no <inertia>: SDF's 1 kg·m² is used if it moves",
+                          inertial->GetLineNum()});
   if (says("false", "0", link.FirstChildElement("gravity")))
-    xml.losses.push_back("link '" + name +
-                         "' feels gravity like all others: a link without gravity is not simulated");
+    xml.losses.push_back(
+        {"link '" + name + "' feels gravity like all others: a link without gravity is not simulated",
+         link.GetLineNum()});
   if (says("true", "1", link.FirstChildElement("kinematic")))
-    xml.losses.push_back("link '" + name +
-                         "' is moved by forces like all others: <kinematic> is not simulated");
+    xml.losses.push_back(
+        {"link '" + name + "' is moved by forces like all others: <kinematic> is not simulated",
+         link.GetLineNum()});
 }
 
 // The model's own pose is ignored, because the scene's `pose` places the model's frame, as that of an
@@ -83,7 +87,9 @@ void note_pose_loss(const XMLElement& model, ModelXml& xml) {
     double number = 0.0;
     moves = moves || (parse_number(word, number) && number != 0.0);
   }
-  if (moves) xml.losses.push_back("the model's own <pose> is not read: the scene's 'pose' places it");
+  if (moves)
+    xml.losses.push_back(
+        {"the model's own <pose> is not read: the scene's 'pose' places it", pose->GetLineNum()});
 }
 
 // Collects names with their lines; links and joints of nested models as "inner::link".

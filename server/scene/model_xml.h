@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "protocol/config/config.h"
+#include "server/scene/remark.h"
+
 namespace visum::scene {
 
 struct ModelXml {
@@ -18,13 +21,20 @@ struct ModelXml {
   std::string text;
   std::vector<std::string> links, joints;  // in the order of the file; in nested SDF models as "inner::link"
   std::map<std::string, int> link_lines, joint_lines;
-  std::set<std::string> massless;  // links to which the file gives no mass
-  std::vector<std::string> losses;
+  std::set<std::string> massless;         // links to which the file gives no mass
+  std::set<std::string> without_inertia;  // links with a mass and no inertia that a solid could have
+  std::map<std::string, double>
+      enlarged;  // links whose mass and inertia sdformat sees this many times larger
+  std::map<std::string, std::string>
+      joint_names;                  // those that sdformat sees under another name, by that name
+  std::set<std::string> addresses;  // of meshes, as the file writes them
+  std::vector<Remark> losses;
+  std::vector<Remark> repairs;
 };
 
 inline constexpr std::size_t kMaxModelBytes = 16u << 20;
 
-// Throws ConfigError with file, line, and the joint's or link's name.
+// Throws ConfigError with file, line, and the joint's or link's name; ModelErrors if there are several.
 ModelXml read_model_xml(const std::string& text, const std::string& file);
 
 }  // namespace visum::scene

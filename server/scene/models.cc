@@ -7,6 +7,8 @@
 #include "protocol/config/read_file.h"
 #include "server/scene/frames.h"
 #include "server/scene/joints.h"
+#include "server/scene/link_mass.h"
+#include "server/scene/model_errors.h"
 #include "server/scene/model_xml.h"
 #include "server/scene/robot_model.h"
 #include "server/scene/values.h"
@@ -23,7 +25,7 @@ RobotModel load_robot(Draft& draft, const Node& file_node) {
   if (known) return *known;
   const config::FileContent content = config::read_file(file, kMaxModelBytes);
   if (!content.fault.empty()) file_node.fail("'" + file.string() + "': " + content.fault);
-  RobotModel robot = read_robot_model(file, content.bytes);
+  RobotModel robot = read_robot_model(file, content.bytes, draft.packages);
   join_links(robot);
   known = std::make_shared<const RobotModel>(robot);
   return robot;
@@ -40,6 +42,7 @@ class Placement {
 
   void place() {
     draft_.claim("model", name_, node_.place());
+    if (!node_.boolean_or("repair", true)) refuse_repairs();
     X_WM_ = read_world_pose(draft_, node_, "pose");
     draft_.scene.models.push_back({name_, node_, X_WM_});
     if (const auto engine = node_.find("engine")) engine_ = draft_.engine(*engine);
@@ -51,13 +54,26 @@ class Placement {
     for (const RobotJoint& joint : robot_.joints) place_joint(joint);
     check_joint_keys();
     read_collision_keys();
-    report(robot_.losses, draft_.scene.losses);
-    report(robot_.notes, draft_.scene.notes);
+    for (const std::string& note : robot_.notes) draft_.scene.notes.push_back(said(note));
+    report(robot_.losses, draft_.scene.warnings);
+    report(robot_.repairs, draft_.scene.repairs);
   }
 
  private:
-  void report(const std::vector<std::string>& sentences, std::vector<std::string>& to) const {
-    for (const std::string& sentence : sentences) to.push_back("model '" + name_ + "': " + sentence);
+  void refuse_repairs() const {
+    std::vector<config::ConfigError> errors;
+    for (const Remark& repair : robot_.repairs)
+      errors.push_back({{robot_.file.string(), repair.line, ""}, repair.text});
+    throw_all(std::move(errors));
+  }
+
+  std::string said(const std::string& sentence) const { return "model '" + name_ + "': " + sentence; }
+
+  void report(const std::vector<Remark>& remarks, std::vector<FileRemark>& to) const {
+    for (const Remark& remark : remarks) {
+      to.push_back({robot_.file.string(), {said(remark.text), remark.line}});
+      draft_.scene.losses.push_back(to.back().remark.text);
+    }
   }
 
   Place link_place(const RobotLink& link) const {
@@ -91,27 +107,43 @@ class Placement {
     if (link.name.empty() || link.name.size() > kMaxNameBytes)
       throw config::ConfigError(link_place(link),
                                 "its name must have 1 to " + std::to_string(kMaxNameBytes) + " bytes");
-    if (!link.on_ground && link.mass.mass_kg <= 0)
-      throw config::ConfigError(link_place(link), "moves but has no mass: give it an <inertial>");
     world::Body body;
     body.name = name_ + "/" + link.name;
     body.model = name_;
     body.fixed = link.on_ground;
     body.engine = engine_;
     body.X_WB = X_WM_ * link.X_ML;
-    if (!body.fixed) {
-      body.mass_kg = link.mass.mass_kg;
-      body.p_BC = link.mass.com;
-      body.inertia_C = link.mass.inertia_C;
-    }
+    std::vector<world::Shape> shapes;
+    for (const RobotShape& shape : link.shapes) shapes.push_back(shape_of(link, shape));
+    if (!body.fixed) set_mass(link, shapes, body);
     const world::BodyId id = draft_.add_body(body, link_place(link));
-    for (const RobotShape& shape : link.shapes) place_shape(id, link, shape);
+    for (world::Shape& shape : shapes) {
+      shape.body = id;
+      draft_.add_shape(shape, link_place(link));
+    }
   }
 
-  void place_shape(world::BodyId body, const RobotLink& link, const RobotShape& from) {
+  void set_mass(const RobotLink& link, const std::vector<world::Shape>& shapes, world::Body& body) {
+    const double density = node_.number_or("density", kDensity, config::kPositive);
+    const auto [mass, repair] = repaired_mass(link.mass, shapes, draft_.scene.world.meshes, density);
+    if (!repair.empty()) {
+      if (!node_.boolean_or("repair", true)) refuse_mass(link);
+      robot_.repairs.push_back({"link '" + link.name + "' " + repair, link.line});
+    }
+    body.mass_kg = mass.mass_kg;
+    body.p_BC = mass.com;
+    body.inertia_C = mass.inertia_C;
+  }
+
+  [[noreturn]] void refuse_mass(const RobotLink& link) const {
+    throw config::ConfigError(link_place(link), link.mass.mass_kg <= 0
+                                                    ? "moves but has no mass: give it an <inertial>"
+                                                    : "moves but has no inertia that a solid could have");
+  }
+
+  world::Shape shape_of(const RobotLink& link, const RobotShape& from) {
     world::Shape shape;
     shape.name = from.name;
-    shape.body = body;
     shape.kind = from.kind;
     shape.size = from.size;
     shape.X_BS = from.X_LS;
@@ -119,7 +151,7 @@ class Placement {
     shape.color = from.color.value_or(shape.color);
     shape.surface = surface_of(from.link);
     if (!from.mesh.empty()) shape.mesh = mesh_of(from, link);
-    draft_.add_shape(shape, link_place(link));
+    return shape;
   }
 
   // The mesh of a shape: from its own file, or a part of a converted Collada file.
@@ -153,11 +185,13 @@ class Placement {
       if (!stands_still(joint.parent))
         throw config::ConfigError(joint_place(from),
                                   "its child is fixed and its parent moves: exchange the two");
-      robot_.losses.push_back("joint '" + from.joint.name + "' is not simulated: both its links are fixed");
+      robot_.losses.push_back(
+          {"joint '" + from.joint.name + "' is not simulated: both its links are fixed", from.line});
       return;
     }
     joint.initial_position = initial_position(from, joint);
     draft_.add_joint(joint, joint_place(from));
+    draft_.drive_limits[joint.name] = {from.maximum_speed, from.maximum_effort};
     placed_.push_back(from.joint.name);
   }
 
@@ -198,6 +232,7 @@ class Placement {
     return !a.self_collides && !b.self_collides && model_of(a.name) == model_of(b.name);
   }
 
+  static constexpr double kDensity = 1000.0;                     // kg/m³, of links without mass: water
   static constexpr std::size_t kMaxLinksWithoutCollision = 500;  // the number of pairs grows with the square
 
   Draft& draft_;
@@ -213,7 +248,7 @@ class Placement {
 
 void read_model(Draft& draft, const Node& node) {
   node.allow_only({"name", "file", "pose", "fixed", "joints", "surface", "surfaces", "self_collision",
-                   "no_collision", "engine"});
+                   "no_collision", "engine", "repair", "density"});
   Placement(draft, node).place();
 }
 

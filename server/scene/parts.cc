@@ -61,13 +61,17 @@ std::vector<JointId> joints_of(const Draft& draft, const Node& entry, const std:
   return {joints.begin(), joints.end()};
 }
 
-hwparts::JointInfo describe(const world::Joint& joint, const std::string& prefix) {
+hwparts::JointInfo describe(const Draft& draft, const world::Joint& joint, const std::string& prefix) {
   hwparts::JointInfo info;
   info.name = joint.name.substr(prefix.size());
   info.prismatic = joint.kind == world::JointKind::kSlider;
   info.lower = joint.limited ? joint.lower : 1.0;  // lower > upper: no stops
   info.upper = joint.limited ? joint.upper : -1.0;
   info.initial_position = joint.initial_position;
+  if (const auto limit = draft.drive_limits.find(joint.name); limit != draft.drive_limits.end()) {
+    info.maximum_speed = limit->second.speed;
+    info.maximum_effort = limit->second.effort;
+  }
   return info;
 }
 
@@ -84,7 +88,7 @@ void plan_part(Draft& draft, const Node& entry, std::map<JointId, std::string>& 
     const world::Joint& joint = world.joints[id.index()];
     const auto [driver, is_free] = drivers.emplace(id, name);
     if (!is_free) entry.fail("joint '" + joint.name + "' is driven by part '" + driver->second + "' already");
-    plan.context.joints.push_back(describe(joint, prefix));
+    plan.context.joints.push_back(describe(draft, joint, prefix));
   }
   draft.scene.parts.push_back(std::move(plan));
 }

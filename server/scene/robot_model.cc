@@ -1,7 +1,6 @@
 #include "server/scene/robot_model.h"
 
 #include <algorithm>
-#include <iostream>
 #include <map>
 #include <sdf/Box.hh>
 #include <sdf/Capsule.hh>
@@ -22,43 +21,19 @@
 #include <sdf/SDFImpl.hh>
 #include <sdf/Sphere.hh>
 #include <sdf/Visual.hh>
-#include <sstream>
 
 #include "protocol/config/config.h"
 #include "protocol/config/unknown_name.h"
+#include "server/scene/console_capture.h"
 #include "server/scene/mesh_path.h"
 #include "server/scene/mesh_readers.h"
+#include "server/scene/model_errors.h"
 #include "server/scene/model_xml.h"
 
 namespace visum::scene {
 namespace {
 
 constexpr double kUnlimited = 1e6;  // SDF and URDF write 1e16 or infinity for "no limit"
-
-// sdformat and its URDF parser print what they dislike. This catches their output for our own message. It
-// redirects the process's streams, which is safe because one thread reads scenes before the first tick.
-class ConsoleCapture {
- public:
-  ConsoleCapture() : cerr_(std::cerr.rdbuf(text_.rdbuf())), cout_(std::cout.rdbuf(text_.rdbuf())) {}
-  ~ConsoleCapture() {
-    std::cerr.rdbuf(cerr_);
-    std::cout.rdbuf(cout_);
-  }
-  ConsoleCapture(const ConsoleCapture&) = delete;
-  ConsoleCapture& operator=(const ConsoleCapture&) = delete;
-
-  // The first line that is about the model.
-  std::string first_line() {
-    for (std::string line; std::getline(text_, line);)
-      if (line.find("log file") == std::string::npos && line.find("HOME") == std::string::npos) return line;
-    return "";
-  }
-
- private:
-  std::stringstream text_;
-  std::streambuf* cerr_;
-  std::streambuf* cout_;
-};
 
 world::Pose to_pose(const ignition::math::Pose3d& pose) {
   const auto& p = pose.Pos();
@@ -83,12 +58,14 @@ std::string urdf_name(std::string name, const std::string& link) {
 
 // Copies what sdformat read into a RobotModel, and refuses what is not simulated. Lines of errors come from
 // model_xml.cc, because sdformat does not keep them.
-class Reader {
+class RobotReader {
  public:
-  Reader(RobotModel& model, const ModelXml& xml) : model_(model), xml_(xml), file_(model.file.string()) {}
+  RobotReader(RobotModel& model, const ModelXml& xml, const Packages& packages)
+      : model_(model), xml_(xml), packages_(packages), file_(model.file.string()) {}
 
   void read(const sdf::Model& top) {
     read_model(top, "", {}, top.Static());
+    throw_all(std::move(errors_));
     sort_as_in_file();
   }
 
@@ -117,7 +94,8 @@ class Reader {
       read_link(link, prefix, X_TM, is_static);
       model_.links.back().self_collides = xml_.urdf || self_collides(link, model);
     }
-    for (std::uint64_t i = 0; i < model.JointCount(); ++i) read_joint(*model.JointByIndex(i), prefix, X_TM);
+    for (std::uint64_t i = 0; i < model.JointCount(); ++i)
+      keep_error(errors_, [&] { read_joint(*model.JointByIndex(i), prefix, X_TM); });
     for (std::uint64_t i = 0; i < model.ModelCount(); ++i) {
       const sdf::Model& inner = *model.ModelByIndex(i);
       ignition::math::Pose3d pose;
@@ -141,13 +119,19 @@ class Reader {
     link.X_ML = X_TM * to_pose(pose);
     link.on_ground = is_static;
     if (xml_.massless.count(link.name) == 0) link.mass = read_mass(from);
+    if (xml_.without_inertia.count(link.name) != 0) link.mass.inertia_C.setZero();
+    if (const auto larger = xml_.enlarged.find(link.name); larger != xml_.enlarged.end())
+      link.mass = scaled(link.mass, 1.0 / larger->second);
     for (std::uint64_t i = 0; i < from.CollisionCount(); ++i) {
       const sdf::Collision& collision = *from.CollisionByIndex(i);
-      add_shape(collision.Name(), *collision.Geom(), collision.SemanticPose(), nullptr, link);
+      keep_error(errors_, [&] {
+        add_shape(collision.Name(), *collision.Geom(), collision.SemanticPose(), nullptr, link);
+      });
     }
     for (std::uint64_t i = 0; i < from.VisualCount(); ++i) {
       const sdf::Visual& visual = *from.VisualByIndex(i);
-      add_shape(visual.Name(), *visual.Geom(), visual.SemanticPose(), &visual, link);
+      keep_error(errors_,
+                 [&] { add_shape(visual.Name(), *visual.Geom(), visual.SemanticPose(), &visual, link); });
     }
     match_visuals(link);
     model_.links.push_back(std::move(link));
@@ -202,8 +186,9 @@ class Reader {
   }
 
   void lose(const RobotShape& shape, const std::string& why) {
-    model_.losses.push_back("visual '" + shape.name + "' of link '" + shape.link + "' is not shown: it " +
-                            why);
+    model_.losses.push_back(
+        {"visual '" + shape.name + "' of link '" + shape.link + "' is not shown: it " + why,
+         line_of(xml_.link_lines, shape.link)});
   }
 
   // Adds one shape for each material of a Collada file. The model's own material replaces them all.
@@ -215,9 +200,10 @@ class Reader {
       if (!whole.color) link.shapes.back().color = mesh.parts[part].color;
       fade(link.shapes.back(), opacity);
     }
-    if (mesh.textured)
-      model_.losses.push_back("visual '" + whole.name + "' of link '" + link.name +
-                              "' is shown without the textures of its mesh");
+    if (mesh.textured && !whole.collides)
+      model_.losses.push_back({"visual '" + whole.name + "' of link '" + link.name +
+                                   "' is shown without the textures of its mesh",
+                               link.line});
   }
 
   // Fills kind, size and mesh. If it cannot, returns the reason.
@@ -262,14 +248,38 @@ class Reader {
 
   std::string read_mesh_geometry(const sdf::Mesh& mesh, const std::string& link, RobotShape& shape) {
     if (!mesh.Submesh().empty()) return "names a submesh, and only whole meshes are read";
-    const bool collada = is_collada(mesh.Uri()) && !shape.collides;
-    if (!collada && !is_mesh_format(mesh.Uri()))
-      return "is the mesh '" + mesh.Uri() + "', and only " +
-             (shape.collides ? ".stl and .obj are read" : ".stl, .obj and .dae are read");
+    const std::string address = as_written(mesh.Uri());
+    const bool collada = is_collada(address);
+    if (!collada && !is_mesh_format(address))
+      return "is the mesh '" + address + "', and only .stl, .obj and .dae are read";
     shape.kind = world::ShapeKind::kMesh;
     shape.scale = to_vector(mesh.Scale());
-    shape.mesh = resolve_mesh(mesh.Uri(), model_.file, link_place(link));
-    return collada ? convert(shape.mesh) : "";
+    try {
+      shape.mesh = resolve_mesh(address, model_.file, packages_, link_place(link));
+    } catch (const config::ConfigError& error) {
+      if (shape.collides) throw;
+      return "is the " + error.message();
+    }
+    return collada ? convert(shape.mesh) : check_seen_mesh(shape, link);
+  }
+
+  // sdformat writes model:// for a URDF's package://.
+  std::string as_written(const std::string& address) const {
+    const std::string given = "package" + address.substr(std::min<std::size_t>(address.size(), 5));
+    return address.starts_with("model://") && xml_.addresses.count(given) != 0 ? given : address;
+  }
+
+  // A mesh that is only seen may be broken. Returns the reason.
+  std::string check_seen_mesh(const RobotShape& shape, const std::string& link) {
+    if (shape.collides) return "";
+    const auto [entry, is_new] = seen_meshes_.try_emplace(shape.mesh);
+    if (!is_new) return entry->second;
+    try {
+      read_mesh(shape.mesh, link_place(link));
+    } catch (const config::ConfigError& error) {
+      entry->second = "is the mesh '" + shape.mesh.string() + "', which " + error.message();
+    }
+    return entry->second;
   }
 
   // Converts each file once. If it cannot, returns the reason.
@@ -286,7 +296,8 @@ class Reader {
 
   void read_joint(const sdf::Joint& from, const std::string& prefix, const world::Pose& X_TM) {
     RobotJoint joint;
-    joint.joint.name = prefix + from.Name();
+    const auto renamed = xml_.joint_names.find(from.Name());
+    joint.joint.name = prefix + (renamed == xml_.joint_names.end() ? from.Name() : renamed->second);
     joint.line = line_of(xml_.joint_lines, joint.joint.name);
     const config::Place place = joint_place(joint.joint.name);
     std::string parent, child;
@@ -303,6 +314,10 @@ class Reader {
     joint.joint.X_PJ = to_pose(pose);
     if (parent == kWorldLink) joint.joint.X_PJ = X_TM * joint.joint.X_PJ;  // in the top model
     read_kind(from, place, joint.joint);
+    if (const sdf::JointAxis* axis = from.Axis()) {
+      if (axis->MaxVelocity() < kUnlimited) joint.maximum_speed = std::max(axis->MaxVelocity(), 0.0);
+      if (axis->Effort() < kUnlimited) joint.maximum_effort = std::max(axis->Effort(), 0.0);
+    }
     model_.joints.push_back(std::move(joint));
   }
 
@@ -347,7 +362,8 @@ class Reader {
     joint.damping = axis.Damping();
     joint.friction = axis.Friction();
     if (axis.SpringStiffness() != 0.0)
-      model_.losses.push_back("joint '" + joint.name + "' has a spring, which is not simulated");
+      model_.losses.push_back(
+          {"joint '" + joint.name + "' has a spring, which is not simulated", place.line});
   }
 
   // sdformat walks the URDF's tree in the order of names, but users count joints in the order of their file.
@@ -368,7 +384,10 @@ class Reader {
 
   RobotModel& model_;
   const ModelXml& xml_;
+  const Packages& packages_;
   std::string file_;
+  std::vector<config::ConfigError> errors_;                     // each about another element
+  std::map<std::filesystem::path, std::string> seen_meshes_;    // with what is wrong with them
   std::map<std::filesystem::path, std::string> not_converted_;  // with the reasons
 };
 
@@ -393,17 +412,19 @@ sdf::ParserConfig quiet_config() {
 
 }  // namespace
 
-RobotModel read_robot_model(const std::filesystem::path& file, const std::string& text) {
+RobotModel read_robot_model(const std::filesystem::path& file, const std::string& text,
+                            const Packages& packages) {
   const ModelXml xml = read_model_xml(text, file.string());
   RobotModel model;
   model.file = file;
   model.losses = xml.losses;
+  model.repairs = xml.repairs;
   ConsoleCapture console;
   try {
     sdf::Root root;
     const sdf::Errors errors = root.LoadSdfString(xml.text, quiet_config());
     if (!errors.empty() || root.Model() == nullptr) fail_load(errors, console, file.string());
-    Reader(model, xml).read(*root.Model());
+    RobotReader(model, xml, packages).read(*root.Model());
   } catch (const config::ConfigError&) {
     throw;
   } catch (const std::exception& error) {  // for example a version that is no number

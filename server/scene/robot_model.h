@@ -12,6 +12,8 @@
 
 #include "server/scene/collada_reader.h"
 #include "server/scene/inertia.h"
+#include "server/scene/packages.h"
+#include "server/scene/remark.h"
 #include "server/world/world_model.h"
 
 namespace visum::scene {
@@ -45,6 +47,7 @@ struct RobotJoint {
   std::string parent;  // "world" for the world
   std::string child;
   int line = 0;
+  double maximum_speed = 0.0, maximum_effort = 0.0;  // 0: the file gives none
 };
 
 // A link that is one body with another one, because a fixed joint connects them.
@@ -60,14 +63,17 @@ struct RobotModel {
   std::vector<RobotJoint> joints;  // in the order of the file; after join_links() none is fixed
   std::vector<JoinedLink> joined;
   std::map<std::filesystem::path, ColladaMesh> converted;  // meshes that are read already, by their file
-  std::vector<std::string> losses;  // things that are not shown or not simulated, one sentence each
-  std::vector<std::string> notes;   // things that are read in another way than the file says, without a loss
+  std::vector<Remark> losses;                              // things that are not shown or not simulated
+  std::vector<Remark> repairs;     // things that the file gives in a way that no solid has
+  std::vector<std::string> notes;  // things that are read in another way than the file says, without a loss
 };
 
 inline constexpr const char* kWorldLink = "world";
 
-// Throws ConfigError at the wrong place of the model's file. Uses no network and prints nothing.
-RobotModel read_robot_model(const std::filesystem::path& file, const std::string& text);
+// Throws ConfigError at the wrong place of the model's file; ModelErrors if there are several. Uses no
+// network and prints nothing.
+RobotModel read_robot_model(const std::filesystem::path& file, const std::string& text,
+                            const Packages& packages = {});
 
 // Joins links over fixed joints: masses, shapes and joints move to the upper link's frame.
 void join_links(RobotModel& model);

@@ -15,6 +15,8 @@
 #include "protocol/plugin/library.h"
 #include "server/scene/clock.h"
 #include "server/scene/looks.h"
+#include "server/scene/packages.h"
+#include "server/scene/remark.h"
 #include "server/world/world_model.h"
 
 namespace visum::scene {
@@ -53,6 +55,12 @@ struct AgentPlan {
   std::vector<std::pair<std::string, std::size_t>> parts;
 };
 
+// A remark about a file that the scene names.
+struct FileRemark {
+  std::string file;
+  Remark remark;
+};
+
 // A checked scene. The caller owns it.
 struct Scene {
   std::string name;
@@ -71,14 +79,17 @@ struct Scene {
   double speed = 1.0;  // realtime: simulated seconds per second of wall time, kLeastSpeed to kMostSpeed
   std::uint64_t seed = 1;
   std::int64_t lockstep_timeout_ns = 10'000'000'000;
-  std::vector<std::string> losses;  // things of a model that are not shown or simulated, one sentence each
-  std::vector<std::string> notes;   // things that are read in another way than the file says, without a loss
+  std::vector<std::string> losses;   // things of a model that are not shown or simulated, one sentence each
+  std::vector<FileRemark> warnings;  // the losses once more, with their places
+  std::vector<FileRemark> repairs;   // what was changed in a model so that it can move; they are losses, too
+  std::vector<std::string> notes;    // things that are read in another way than the file says, without a loss
 };
 
 struct Options {
   std::string engine;  // --engine: replaces every engine of the scene; empty: as the scene says
   std::vector<std::filesystem::path> plugin_folders;  // where plug-ins may come from
   std::string parameters;  // --parameters: values of the file's parameters, a YAML map; empty: its defaults
+  Packages packages;       // of the models' meshes; the environment's are added
 };
 
 // Throws ConfigError at the first thing that is wrong.

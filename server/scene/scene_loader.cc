@@ -4,11 +4,13 @@
 
 #include "protocol/config/expand.h"
 #include "server/scene/all_errors.h"
+#include "server/scene/bare_model.h"
 #include "server/scene/bodies.h"
 #include "server/scene/draft.h"
 #include "server/scene/frames.h"
 #include "server/scene/includes.h"
 #include "server/scene/joints.h"
+#include "server/scene/model_errors.h"
 #include "server/scene/models.h"
 #include "server/scene/parts.h"
 #include "server/scene/plugins.h"
@@ -51,9 +53,10 @@ class Complaints {
     if (!kept_) return read();
     try {
       read();
+    } catch (const ModelErrors& errors) {
+      for (const config::ConfigError& error : errors.all()) keep(error, entry);
     } catch (const config::ConfigError& error) {
-      if (!follows(error) && !told(error) && kept_->size() < kMaxErrors) kept_->push_back(error);
-      if (const auto name = entry ? name_of(*entry) : std::nullopt) gone_.push_back("'" + *name);
+      keep(error, entry);
     }
   }
 
@@ -72,6 +75,10 @@ class Complaints {
   }
 
  private:
+  void keep(const config::ConfigError& error, const std::optional<Node>& entry) {
+    if (!follows(error) && !told(error) && kept_->size() < kMaxErrors) kept_->push_back(error);
+    if (const auto name = entry ? name_of(*entry) : std::nullopt) gone_.push_back("'" + *name);
+  }
   // True if the error is about a name ("'arm'", "'arm/link_3'") that is missing because its own entry is
   // wrong.
   bool follows(const config::ConfigError& error) const {
@@ -101,9 +108,22 @@ class Complaints {
   std::vector<std::string> gone_;
 };
 
+std::optional<Node> given_parameters(const Options& options) {
+  if (options.parameters.empty()) return {};
+  const Node given = config::load_text(options.parameters, "--parameters");
+  if (given.kind() != Node::Kind::kMap) given.fail("must be a map, as {mass: 2}");
+  return given;
+}
+
 class Loader {
  public:
   Loader(Draft& draft, std::vector<config::ConfigError>* errors) : draft_(draft), complaints_(errors) {}
+
+  // Reads a scene, or a model without one.
+  void read(const fs::path& file, const Options& options) {
+    if (!is_model_file(file)) return read_file(file, given_parameters(options), nullptr);
+    complaints_.attempt({}, [&] { read_bare_model(draft_, file); });
+  }
 
   // `given`: values for the file's parameters. `asked_by`: the entry that includes the file.
   void read_file(const fs::path& file, const std::optional<Node>& given, const Node* asked_by) {
@@ -174,13 +194,6 @@ class Loader {
   config::ExpansionBudget budget_;
 };
 
-std::optional<Node> given_parameters(const Options& options) {
-  if (options.parameters.empty()) return {};
-  const Node given = config::load_text(options.parameters, "--parameters");
-  if (given.kind() != Node::Kind::kMap) given.fail("must be a map, as {mass: 2}");
-  return given;
-}
-
 void apply(const Options& options, Scene& scene) {
   if (options.engine.empty()) return;
   for (world::EngineSetting& engine : scene.world.engines) engine.name = options.engine;
@@ -234,7 +247,8 @@ Scene load_scene(const fs::path& file, const Options& options) {
   Scene scene = empty_scene(file);
   Draft draft(scene);
   draft.plugin_folders = options.plugin_folders;
-  Loader(draft, nullptr).read_file(file, given_parameters(options), nullptr);
+  draft.packages = with_environment(options.packages);
+  Loader(draft, nullptr).read(file, options);
   finish(draft, options);
   return scene;
 }
@@ -244,8 +258,9 @@ std::optional<Scene> load_scene(const fs::path& file, const Options& options,
   Scene scene = empty_scene(file);
   Draft draft(scene);
   draft.plugin_folders = options.plugin_folders;
+  draft.packages = with_environment(options.packages);
   try {
-    Loader(draft, &errors).read_file(file, given_parameters(options), nullptr);
+    Loader(draft, &errors).read(file, options);
     if (errors.empty()) finish(draft, options);
   } catch (const config::ConfigError& error) {
     errors.push_back(error);

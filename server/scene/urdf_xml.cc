@@ -4,6 +4,7 @@
 
 #include "protocol/config/config.h"
 #include "protocol/config/unknown_name.h"
+#include "server/scene/model_errors.h"
 #include "server/scene/xml_checks.h"
 
 namespace visum::scene {
@@ -30,8 +31,6 @@ constexpr AttributeRule kAttributes[] = {
     {"inertia", "iyz", true, 1, NumberRule::kAny},
     {"limit", "lower", false, 1, NumberRule::kAny},
     {"limit", "upper", false, 1, NumberRule::kAny},
-    {"limit", "effort", true, 1, NumberRule::kNotNegative},
-    {"limit", "velocity", true, 1, NumberRule::kNotNegative},
     {"dynamics", "damping", false, 1, NumberRule::kNotNegative},
     {"dynamics", "friction", false, 1, NumberRule::kNotNegative},
     {"box", "size", true, 3, NumberRule::kPositive},
@@ -51,16 +50,21 @@ bool is_unread(const XMLElement& element) {
                      [&](const char* n) { return !std::strcmp(n, element.Name()); });
 }
 
-void check_attributes(const XMLElement& element, const std::string& file) {
-  for (const AttributeRule& rule : kAttributes) {
-    if (std::strcmp(rule.element, element.Name()) != 0) continue;
-    const char* text = element.Attribute(rule.attribute);
-    if (text == nullptr && !rule.required) continue;
-    if (text == nullptr) required(element, rule.attribute, file);
-    check_numbers(element, std::string(rule.element) + " " + rule.attribute, text, rule.count, rule.count,
-                  rule.rule, file);
-  }
-  if (!std::strcmp(element.Name(), "mesh")) required(element, "filename", file);
+void check_attribute(const XMLElement& element, const AttributeRule& rule, const std::string& file) {
+  const char* text = element.Attribute(rule.attribute);
+  if (text == nullptr && !rule.required) return;
+  if (text == nullptr) required(element, rule.attribute, file);
+  check_numbers(element, std::string(rule.element) + " " + rule.attribute, text, rule.count, rule.count,
+                rule.rule, file);
+}
+
+void check_attributes(const XMLElement& element, const std::string& file, ModelXml& xml,
+                      std::vector<config::ConfigError>& errors) {
+  for (const AttributeRule& rule : kAttributes)
+    if (!std::strcmp(rule.element, element.Name()))
+      keep_error(errors, [&] { check_attribute(element, rule, file); });
+  if (!std::strcmp(element.Name(), "mesh"))
+    keep_error(errors, [&] { xml.addresses.insert(required(element, "filename", file)); });
 }
 
 double attribute_or(const XMLElement* element, const char* name, double otherwise) {
@@ -126,21 +130,6 @@ void check_tree(const XMLElement& root, const ModelXml& xml, const std::string& 
   }
 }
 
-// sdformat drops links without a mass, with everything that hangs on them. The mass that they get here never
-// reaches the world.
-void give_nominal_mass(XMLElement& link, ModelXml& xml) {
-  XMLElement* inertial = link.FirstChildElement("inertial");
-  const XMLElement* mass = inertial ? inertial->FirstChildElement("mass") : nullptr;
-  if (mass != nullptr && mass->DoubleAttribute("value") > 0.0) return;
-  xml.massless.insert(link.Attribute("name"));
-  if (inertial != nullptr) link.DeleteChild(inertial);
-  inertial = link.InsertNewChildElement("inertial");
-  inertial->InsertNewChildElement("mass")->SetAttribute("value", 1.0);
-  XMLElement* inertia = inertial->InsertNewChildElement("inertia");
-  for (const char* diagonal : {"ixx", "iyy", "izz"}) inertia->SetAttribute(diagonal, 1.0);
-  for (const char* product : {"ixy", "ixz", "iyz"}) inertia->SetAttribute(product, 0.0);
-}
-
 // sdformat divides URDF colours by 0.8 and clips them at 1. Elements that are not read may hold other
 // colours.
 void scale_colors(XMLElement& element) {
@@ -158,12 +147,23 @@ void scale_colors(XMLElement& element) {
   }
 }
 
+// A joint may have the name of a link, but sdformat refuses that.
+void rename_joints(XMLElement& root, ModelXml& xml) {
+  for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
+    const std::string name = joint->Attribute("name");
+    if (xml.link_lines.count(name) == 0) continue;
+    std::string other = name + "_joint";
+    while (xml.link_lines.count(other) != 0 || xml.joint_lines.count(other) != 0) other += "_";
+    xml.joint_names.emplace(other, name);
+    joint->SetAttribute("name", other.c_str());
+  }
+}
+
 void prepare_for_sdformat(XMLElement& root, ModelXml& xml) {
   for (const char* name : kUnread)
     while (XMLElement* unread = root.FirstChildElement(name)) root.DeleteChild(unread);
-  for (auto link = root.FirstChildElement("link"); link; link = link->NextSiblingElement("link"))
-    give_nominal_mass(*link, xml);
   scale_colors(root);
+  rename_joints(root, xml);
   std::vector<std::string> fixed;
   for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint"))
     if (!std::strcmp(joint->Attribute("type"), "fixed")) fixed.emplace_back(joint->Attribute("name"));
@@ -183,16 +183,19 @@ void take_out_world(const XMLElement& root, const std::string& file, ModelXml& x
       fail_at(*joint, file, "link 'world' stands for the world: it cannot hang on a joint");
   for (auto link = root.FirstChildElement("link"); link; link = link->NextSiblingElement("link"))
     if (!std::strcmp(link->Attribute("name"), "world") && !link->NoChildren())
-      xml.losses.push_back("link 'world' stands for the world: what it holds is not read");
+      xml.losses.push_back(
+          {"link 'world' stands for the world: what it holds is not read", link->GetLineNum()});
   xml.links.erase(world);
 }
 
 void note_losses(const XMLElement& root, ModelXml& xml) {
-  xml.losses = unread_elements(root, kUnread);
+  const auto unread = unread_elements(root, kUnread);
+  xml.losses.insert(xml.losses.end(), unread.begin(), unread.end());
   for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint"))
     if (joint->FirstChildElement("mimic"))
-      xml.losses.push_back(std::string("joint '") + joint->Attribute("name") +
-                           "' moves on its own: <mimic> is not simulated");
+      xml.losses.push_back(
+          {std::string("joint '") + joint->Attribute("name") + "' moves on its own: <mimic> is not simulated",
+           joint->FirstChildElement("mimic")->GetLineNum()});
 }
 
 }  // namespace
@@ -200,16 +203,19 @@ void note_losses(const XMLElement& root, ModelXml& xml) {
 void read_urdf(tinyxml2::XMLDocument& document, const std::string& file, ModelXml& xml) {
   XMLElement& root = *document.RootElement();
   required(root, "name", file);
-  const std::size_t elements =
-      walk(root, is_unread, [&](const XMLElement& element) { check_attributes(element, file); });
+  std::vector<config::ConfigError> errors;
   for (auto link = root.FirstChildElement("link"); link; link = link->NextSiblingElement("link"))
-    take_name(*link, file, xml.links, xml.link_lines);
-  if (xml.links.empty()) fail_at(root, file, "has no link");
+    keep_error(errors, [&] { take_name(*link, file, xml.links, xml.link_lines); });
+  if (xml.links.empty() && errors.empty()) fail_at(root, file, "has no link");
+  const std::size_t elements = walk(root, is_unread, [](const XMLElement&) {});
   check_amount(elements, xml, file);
   for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
-    take_name(*joint, file, xml.joints, xml.joint_lines);
-    check_joint_type(*joint, file);
+    keep_error(errors, [&] { take_name(*joint, file, xml.joints, xml.joint_lines); });
+    keep_error(errors, [&] { check_joint_type(*joint, file); });
   }
+  if (errors.empty()) repair_urdf(root, xml);
+  walk(root, is_unread, [&](const XMLElement& element) { check_attributes(element, file, xml, errors); });
+  throw_all(std::move(errors));
   check_tree(root, xml, file);
   take_out_world(root, file, xml);
   note_losses(root, xml);

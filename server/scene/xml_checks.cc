@@ -91,8 +91,9 @@ void check_amount(std::size_t elements, const ModelXml& xml, const std::string& 
   refuse(xml.links.size(), kMaxModelLinks, "links");
 }
 
-std::vector<std::string> unread_elements(const XMLElement& root, const std::vector<const char*>& names) {
+std::vector<Remark> unread_elements(const XMLElement& root, const std::vector<const char*>& names) {
   std::vector<std::size_t> counts(names.size(), 0);
+  std::vector<int> lines(names.size(), 0);
   const auto index = [&](const XMLElement& element) {
     return std::find_if(names.begin(), names.end(),
                         [&](const char* n) { return !std::strcmp(n, element.Name()); }) -
@@ -100,16 +101,16 @@ std::vector<std::string> unread_elements(const XMLElement& root, const std::vect
   };
   const auto is_counted = [&](const XMLElement& element) {
     const auto i = static_cast<std::size_t>(index(element));
-    if (i < counts.size()) ++counts[i];
+    if (i < counts.size() && counts[i]++ == 0) lines[i] = element.GetLineNum();
     return i < counts.size();  // its subtree is skipped, too
   };
   walk(root, is_counted, [](const XMLElement&) {});
-  std::vector<std::string> sentences;
+  std::vector<Remark> sentences;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (counts[i] == 0) continue;
     const std::string element = std::string(" <") + names[i] + "> element";
-    sentences.push_back(std::to_string(counts[i]) + element + (counts[i] == 1 ? " is" : "s are") +
-                        " not read");
+    sentences.push_back(
+        {std::to_string(counts[i]) + element + (counts[i] == 1 ? " is" : "s are") + " not read", lines[i]});
   }
   return sentences;
 }

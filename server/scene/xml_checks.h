@@ -33,13 +33,17 @@ std::size_t walk(const XMLElement& root, const std::function<bool(const XMLEleme
                  const std::function<void(const XMLElement&)>& visit);
 
 // "2 <transmission> elements are not read", for each of `names` that occurs in the file.
-std::vector<std::string> unread_elements(const XMLElement& root, const std::vector<const char*>& names);
+std::vector<Remark> unread_elements(const XMLElement& root, const std::vector<const char*>& names);
 
 // Refuses files that would take sdformat more than a second or two, or more than half a gigabyte. It needs
 // about 50 kB for an element and 1.7 MB for a link.
 inline constexpr std::size_t kMaxModelElements = 8000;
 inline constexpr std::size_t kMaxModelLinks = 250;
 void check_amount(std::size_t elements, const ModelXml& xml, const std::string& file);
+
+// Takes out of a URDF what cannot be used and need not be (faults of looks and of fixed joints), and notes
+// what the links' masses lack. urdf_repair.cc. Each change is a loss or a repair of `xml`.
+void repair_urdf(XMLElement& root, ModelXml& xml);
 
 // Checks each kind of file and fills `xml`. urdf_xml.cc also rewrites the document for sdformat.
 void read_urdf(tinyxml2::XMLDocument& document, const std::string& file, ModelXml& xml);

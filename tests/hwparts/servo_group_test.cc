@@ -284,7 +284,7 @@ TEST(PartKinds, AreListedAndAnUnknownOneNamesThem) {
       EXPECT_THAT(error.what(), HasSubstr("scene:1: kind"));
     }
   };
-  expect_refusal("toaster", "there are: amtec_arm, servo_group");
+  expect_refusal("toaster", "there are: amtec_arm, servo_group, ideal_joints");
   expect_refusal("amtec_arms", "did you mean 'amtec_arm'?");
 }
 

@@ -264,8 +264,9 @@ TEST(BadScene, ModelsAndPartsAreChecked) {
 TEST(BadScene, AMovingLinkWithoutMassIsNamedInTheModelsFile) {
   EXPECT_EQ(test::TempFiles().error_of([] {
     const test::TempFiles files;
-    const auto file = files.write(
-        "s.yaml", "visum: 1\nmodels: [{name: arm, fixed: false, file: '" + kDataFolder + "/robot.urdf'}]");
+    const auto file =
+        files.write("s.yaml", "visum: 1\nmodels: [{name: arm, fixed: false, repair: false, file: '" +
+                                  kDataFolder + "/robot.urdf'}]");
     load_scene(file);
   }),
             kDataFolder + "/robot.urdf:5: link 'base': moves but has no mass: give it an <inertial>");

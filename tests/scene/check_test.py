@@ -54,6 +54,40 @@ class Check(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn(f"{scene.relative_to(SOURCE)} is right: ", done.stdout)
 
+    def test_takes_a_bare_model(self):
+        found = json.loads(check("models/two_link/two_link.urdf", "--json").stdout)
+        self.assertEqual((found["right"], found["bodies"], found["joints"], found["parts"]), (True, 4, 2, 1))
+        self.assertEqual(found["actuated"], ["two_link/shoulder", "two_link/elbow"])
+        self.assertEqual((found["warnings"], found["repairs"]), ([], []))
+
+    def test_tells_warnings_and_repairs_with_file_and_line(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "r.urdf"
+            file.write_text("<robot name='r'>\n<link name='a'><visual><geometry><mesh filename='package://p/gone.stl'/>"
+                            "</geometry></visual></link>\n<link name='b'/><joint name='j' type='continuous'>"
+                            "<parent link='a'/><child link='b'/></joint></robot>")
+            done = check(file, "--json", "--package", f"p={folder}")
+            found = json.loads(done.stdout)
+            self.assertEqual([(one["file"], one["line"]) for one in found["warnings"]], [(str(file), 2)])
+            self.assertIn("package://p/gone.stl", found["warnings"][0]["message"])
+            self.assertEqual([(one["file"], one["line"]) for one in found["repairs"]], [(str(file), 3)])
+            self.assertEqual(done.returncode, 0)
+            (pathlib.Path(folder) / "gone.stl").write_text(
+                "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n")
+            found = json.loads(check(file, "--json", "--package", f"p={folder}").stdout)
+            self.assertEqual(found["warnings"], [])
+            wrong = check(file, "--package", "p")
+            self.assertEqual(wrong.returncode, 2)
+            self.assertIn("must be NAME=PATH, is 'p'", wrong.stderr)
+
+    def test_takes_bare_x3d(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "box.wrl"
+            file.write_text("#VRML V2.0 utf8\nShape { geometry Box { size 1 1 1 } }\n")
+            done = check(file)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("1 body", done.stdout)
+
     def test_counts_what_is_in_a_scene(self):
         line = check("models/scenes/cart.yaml").stdout.splitlines()[-1]
         self.assertEqual(line, "models/scenes/cart.yaml is right: 8 bodies, 6 joints, 1 part")

@@ -162,13 +162,18 @@ TEST_F(ColladaVisuals, WhatCannotBeReadIsALossThatSaysWhy) {
       "<visual name='w'><geometry><mesh filename='broken.dae'/></geometry></visual>");
   EXPECT_TRUE(model.links[0].shapes.empty());
   ASSERT_EQ(model.losses.size(), 2u);
-  EXPECT_THAT(model.losses[1], HasSubstr("visual 'w' of link 'a' is not shown: it is the mesh '"));
-  EXPECT_THAT(model.losses[1], HasSubstr("broken.dae': "));
+  EXPECT_THAT(model.losses[1].text, HasSubstr("visual 'w' of link 'a' is not shown: it is the mesh '"));
+  EXPECT_THAT(model.losses[1].text, HasSubstr("broken.dae': "));
 }
 
-TEST_F(ColladaVisuals, AMissingFileIsAnErrorAsForOtherMeshes) {
-  EXPECT_EQ(files_.error_of(
-                [&] { read("<visual name='v'><geometry><mesh filename='gone.dae'/></geometry></visual>"); }),
+TEST_F(ColladaVisuals, AMissingFileIsALossAndForACollisionAnError) {
+  const std::string geometry = "<geometry><mesh filename='gone.dae'/></geometry>";
+  const RobotModel model = read("<visual name='v'>" + geometry + "</visual>");
+  ASSERT_EQ(model.losses.size(), 1u);
+  EXPECT_EQ(model.losses[0].text,
+            "visual 'v' of link 'a' is not shown: it is the mesh 'gone.dae': no such file ('" +
+                (files_.folder() / "gone.dae").string() + "')");
+  EXPECT_EQ(files_.error_of([&] { read("<collision>" + geometry + "</collision>"); }),
             "m.urdf:1: link 'a': mesh 'gone.dae': no such file ('gone.dae')");
 }
 

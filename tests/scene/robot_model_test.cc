@@ -95,7 +95,7 @@ TEST(Urdf, LossesSayWhatIsNotSimulated) {
               ElementsAre("1 <transmission> element is not read",
                           "joint 'grip' moves on its own: <mimic> is not simulated",
                           "visual 'logo' of link 'zz_upper_arm' is not shown: it is the mesh "
-                          "'model://data/meshes/logo.ply', and only .stl, .obj and .dae are read"));
+                          "'package://data/meshes/logo.ply', and only .stl, .obj and .dae are read"));
   EXPECT_THAT(model.notes,
               ElementsAre("fixed joints join 'tool', 'tcp' into link 'lower_arm': one body of that name"));
 }
@@ -119,9 +119,11 @@ TEST(Urdf, MeshesAreFoundInPackagesAboveTheModel) {
   EXPECT_EQ(link.shapes[0].scale, Eigen::Vector3d(0.1, 0.1, 0.1));
   EXPECT_EQ(link.shapes[0].name, "collision");
   const config::Place place{"m.urdf", 1, ""};
-  EXPECT_EQ(resolve_mesh("meshes/wedge.stl", kData / "robot.urdf", place), kData / "meshes/wedge.stl");
-  EXPECT_EQ(resolve_mesh("file://meshes/wedge.stl", kData / "robot.urdf", place), kData / "meshes/wedge.stl");
-  EXPECT_EQ(resolve_mesh("model://scene/data/wedge.obj", kData / "robot.urdf", place), kData / "wedge.obj");
+  EXPECT_EQ(resolve_mesh("meshes/wedge.stl", kData / "robot.urdf", {}, place), kData / "meshes/wedge.stl");
+  EXPECT_EQ(resolve_mesh("file://meshes/wedge.stl", kData / "robot.urdf", {}, place),
+            kData / "meshes/wedge.stl");
+  EXPECT_EQ(resolve_mesh("model://scene/data/wedge.obj", kData / "robot.urdf", {}, place),
+            kData / "wedge.obj");
 }
 
 TEST(Urdf, SolidsWithTheSameNameAreKept) {

@@ -93,6 +93,20 @@ Scene read_any_scene(const fs::path& file, const Options& options) {
   return scene_of_x3d(read_x3d_classic(text_of(file), file.string()), file);
 }
 
+bool is_x3d_file(const fs::path& file) {
+  const std::string ending = file.extension().string();
+  return ending == ".x3d" || ending == ".x3dv" || ending == ".wrl" || ending == ".vrml";
+}
+
+Scene load_any(const fs::path& file, const Options& options) {
+  if (!is_x3d_file(file)) return load_scene(file, options);
+  Scene scene = read_any_scene(file, options);
+  if (options.engine.empty()) return scene;
+  for (world::EngineSetting& engine : scene.world.engines) engine.name = options.engine;
+  scene.engine_places.clear();
+  return scene;
+}
+
 std::vector<std::string> convert(const fs::path& from, const fs::path& to, const Options& options) {
   const Scene scene = read_any_scene(from, options);
   Output output(to);

@@ -52,9 +52,9 @@ std::string usual_field(const std::string& type, const std::string& parent) {
   return known == usual_fields().end() ? "children" : known->second;
 }
 
-class Reader {
+class XmlReader {
  public:
-  explicit Reader(std::string file) : file_(std::move(file)) {}
+  explicit XmlReader(std::string file) : file_(std::move(file)) {}
 
   X3dNode read(const std::string& text) {
     tinyxml2::XMLDocument document;
@@ -142,7 +142,7 @@ void write_node(tinyxml2::XMLPrinter& printer, const std::string& field, const X
 }  // namespace
 
 X3dNode read_x3d_xml(const std::string& text, const std::string& file) {
-  return Reader(file).read(text);
+  return XmlReader(file).read(text);
 }
 
 std::string write_x3d_xml(const X3dNode& scene) {

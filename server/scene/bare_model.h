@@ -1,0 +1,18 @@
+// A scene around a single model file: a floor below it, and a part for its joints.
+#pragma once
+
+#include <filesystem>
+
+#include "server/scene/draft.h"
+
+namespace visum::scene {
+
+// True for the extensions of models: .urdf, .sdf and .world.
+bool is_model_file(const std::filesystem::path& file);
+
+// Reads the model, which stands fixed at the origin, and puts a floor below its lowest point, but not above
+// the origin. Its joints that can be driven become a part of the kind `ideal_joints`. Model and part have the
+// file's name. Throws ConfigError.
+void read_bare_model(Draft& draft, const std::filesystem::path& file);
+
+}  // namespace visum::scene

@@ -1,0 +1,25 @@
+// Where the packages lie that a model's mesh addresses name.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace visum::scene {
+
+struct Packages {
+  std::map<std::string, std::filesystem::path> given;  // --package NAME=PATH
+  std::vector<std::filesystem::path> folders;          // each holds packages as folders of their name
+};
+
+// Adds the folders that ROS_PACKAGE_PATH, AMENT_PREFIX_PATH, GZ_SIM_RESOURCE_PATH and GAZEBO_MODEL_PATH name.
+Packages with_environment(Packages packages);
+
+// Finds "robot/meshes/arm.stl", where "robot" is a package: by its given path, in the folders above the model
+// (as a folder of that name, or one whose package.xml says so), then in `packages.folders`. Empty if there is
+// no such file.
+std::filesystem::path find_in_package(const std::string& name_and_rest,
+                                      const std::filesystem::path& model_file, const Packages& packages);
+
+}  // namespace visum::scene

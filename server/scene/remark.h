@@ -1,0 +1,16 @@
+// Something about a model's file that its user should know: a loss, or a repair.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace visum::scene {
+
+struct Remark {
+  std::string text;  // one sentence
+  int line = 0;      // in the model's file; 0: unknown
+
+  bool operator==(std::string_view other) const { return text == other; }
+};
+
+}  // namespace visum::scene
