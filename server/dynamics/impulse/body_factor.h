@@ -16,6 +16,8 @@
 #include <span>
 #include <vector>
 
+#include "server/dynamics/impulse/lanes/kernels.h"
+
 namespace visum::dynamics::impulse {
 
 // A body without joints: kg, kg·m².
@@ -29,6 +31,8 @@ struct FreeBody {
 class BodyFactor {
  public:
   using Vector6 = std::array<double, 6>;  // angular, linear
+
+  explicit BodyFactor(const Kernels& by = kernels()) : kernels_(&by) {}
 
   // `symmetric`: all rows push along the directions that they measure. `bodies` must stay valid until
   // factor().
@@ -45,13 +49,12 @@ class BodyFactor {
   using Block = std::array<double, 36>;
   Block& row(std::size_t i, std::size_t j) { return lower_[start_[i] + j - first_[i]]; }
   Block& column(std::size_t i, std::size_t j) { return upper_[start_[i] + j - first_[i]]; }
-  // Subtracts from block (i, j) what the columns before it explain.
-  void eliminate(std::size_t i, std::size_t j);
 
+  const Kernels* kernels_;
   std::span<const FreeBody> bodies_;
   bool symmetric_ = false;
   std::vector<std::size_t> first_, start_;  // by body
-  std::vector<Block> lower_, upper_;        // upper_ is transposed; on the diagonal only lower_ counts
+  std::vector<Block> lower_, upper_;        // upper_ by columns; on the diagonal only lower_ counts
   std::vector<Block> inverse_;              // of the blocks on the diagonal
 };
 

@@ -33,21 +33,14 @@ void EnvelopeLu::add(std::size_t first) {
   upper_.resize(lower_.size(), 0.0);
 }
 
-// l_ij = (a_ij - sum l_ik u_kj) / u_jj,  u_ji = a_ji - sum l_jk u_ki.
 bool EnvelopeLu::factor() {
   inverse_diagonal_.resize(size());
-  for (std::size_t i = 0; i < size(); ++i) {
-    double *const ri = row(i), *const ci = column(i);
-    for (std::size_t j = first_[i]; j < i; ++j) {
-      const std::size_t from = std::max(first_[i], first_[j]);
-      ri[j] = (ri[j] - dot(ri, column(j), from, j)) * inverse_diagonal_[j];
-      ci[j] -= dot(ci, row(j), from, j);
-    }
-    const double pivot = ri[i] - dot(ri, ci, first_[i], i);
-    if (!(pivot > 0.0)) return false;
-    inverse_diagonal_[i] = 1.0 / pivot;
-  }
-  return true;
+  return kernels_->factor_envelope({.first = first_.data(),
+                                    .start = start_.data(),
+                                    .lower = lower_.data(),
+                                    .upper = upper_.data(),
+                                    .inverse_diagonal = inverse_diagonal_.data(),
+                                    .count = size()});
 }
 
 void EnvelopeLu::solve(std::vector<double>& b) const {

@@ -6,17 +6,21 @@
 #include <cstddef>
 #include <vector>
 
+#include "server/dynamics/impulse/lanes/kernels.h"
+
 namespace visum::dynamics::impulse {
 
 // Order of calls: clear(), add() for each row, fill at(), factor(), solve(). Owned by Rows, used on the
 // tick's thread.
 class EnvelopeLu {
  public:
+  explicit EnvelopeLu(const Kernels& by = kernels()) : kernels_(&by) {}
   void clear();  // keeps the memory
   // Adds the next row and column. Their first entries are in column and row `first`; all entries are zero.
   void add(std::size_t first);
   std::size_t size() const { return first_.size(); }
-  std::size_t entries() const { return lower_.size(); }  // below the diagonal and on it; as many above
+  std::size_t first(std::size_t i) const { return first_[i]; }  // as given to add()
+  std::size_t entries() const { return lower_.size(); }         // below the diagonal and on it; as many above
   // Entry of row i, column j; it must be within the pattern.
   double& at(std::size_t i, std::size_t j) { return j <= i ? row(i)[j] : column(j)[i]; }
 
@@ -24,6 +28,7 @@ class EnvelopeLu {
   void solve(std::vector<double>& b) const;  // in place
 
  private:
+  const Kernels* kernels_;
   double* row(std::size_t i) { return lower_.data() + start_[i] - first_[i]; }
   double* column(std::size_t i) { return upper_.data() + start_[i] - first_[i]; }
   const double* row(std::size_t i) const { return lower_.data() + start_[i] - first_[i]; }

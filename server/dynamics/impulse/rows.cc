@@ -10,9 +10,11 @@
 // Rows at rest are not solved: if the starting impulses leave next to nothing missing, they are the answer.
 // Otherwise each proximal point takes a sweep of projected Gauss-Seidel, which finds the rows that are at
 // their bounds, and then solves the others at once (rows_active.cc), or with their bounds by Newton's method
-// (rows_newton.cc). Where that does not end, it goes on with sweeps that nonlinear conjugate gradients speed
-// up: Silcowitz-Hansen, Niebe, Erleben, A nonsmooth nonlinear conjugate gradient method for interactive
-// contact force problems, Visual Computer 26 (2010). A sweep forwards and back counts as one gradient.
+// (rows_newton.cc). Where that does not end for free bodies, the rows are softened a hundredfold: near its
+// centre such a point is easily found. It becomes the next centre, with less softness, until none is left
+// over. As a last way, sweeps follow that nonlinear conjugate gradients speed up: Silcowitz-Hansen, Niebe,
+// Erleben, A nonsmooth nonlinear conjugate gradient method for interactive contact force problems, Visual
+// Computer 26 (2010). A sweep forwards and back counts as one gradient.
 #include "server/dynamics/impulse/rows.h"
 
 #include <algorithm>
@@ -23,12 +25,19 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr double kSoftness = 1e-6;   // share of a row's response to itself
-constexpr double kGive = 1e-5;       // the same, for a contact's normal
+// Share of a row's response to itself: with mechanisms, and of contacts of free bodies alone. Where rows
+// repeat each other the softness alone holds their impulses, and Newton's method cycles if it is small. More
+// softness takes more points: with mechanisms these are dear, and rows repeat each other less.
+constexpr double kSoftness = 1e-6, kFreeSoftness = 1e-4;
+constexpr double kGive = 1e-5;  // the same, for a contact's normal that yields
+// Where a point is not found: the softness grows by one factor, and comes back by the other.
+constexpr double kMostSoftness = 1.0, kSofter = 100.0, kFirmer = 0.1;
+constexpr int kMostSoftenings = 10;  // in one solution
 constexpr double kRestShare = 1e-3;  // share of the allowed miss that counts as rest
 // Proximal points in one solution.
-constexpr int kMostPoints = 4;
-constexpr int kMostRounds = 8;  // rounds of sweeps and a solution at once, for one proximal point
+constexpr int kMostPoints = 4, kMostFreePoints = 10;
+// Rounds of sweeps and a solution at once, for one proximal point.
+constexpr int kMostRounds = 8, kMostFreeRounds = 4;
 // More rows change sides than steps from bound to bound could follow, so sweeps smooth what is left.
 constexpr std::size_t kMostForSteps = 64;  // blocks
 constexpr int kMostSmoothing = 20;
@@ -57,10 +66,14 @@ void invert_tangents(RowBlock& block) {
   block.inverse_tangential = {share * c, -share * b, share * a};
 }
 
-// Moves the proximal point to the present impulses; a yielding normal keeps its `rest`.
-void move_centre(RowBlock& block) {
+// Moves the proximal point to the present impulses. A yielding normal keeps its `rest`; where it is softened
+// `beyond` its own share, the centre of both springs together counts.
+void move_centre(RowBlock& block, double beyond) {
   block.centre = block.lambda;
-  if (block.gives) block.centre[0] = block.rest;
+  if (!block.gives) return;
+  block.centre[0] = beyond == 0.0
+                        ? block.rest
+                        : block.lambda[0] + kGive / (kGive + beyond) * (block.rest - block.lambda[0]);
 }
 
 }  // namespace
@@ -86,11 +99,25 @@ void Rows::prepare() {
       for (std::size_t i = 0; i < block.dim; ++i) block.K[i] += W[i * end.size + i];
       if (block.dim == 3) block.K[3] += W[end.size + 2];
     }
-    // The proximal softness follows from K. Both tangents get the same value.
-    block.softness[0] = (block.gives ? kGive : kSoftness) * block.K[0];
-    if (block.kind == RowBlock::Kind::kBounded) continue;
+  }
+  hold_softly(least_softness());
+}
+
+double Rows::least_softness() const {
+  return responses_.empty() ? kFreeSoftness : kSoftness;
+}
+
+// The proximal softness follows from K. Both tangents get the same value.
+void Rows::hold_softly(double share) {
+  const double beyond = share > least_softness() ? share : 0.0;
+  for (RowBlock& block : blocks_) {
+    if (block.kind == RowBlock::Kind::kBounded) {
+      block.softness[0] = (kSoftness + beyond) * block.K[0];
+      continue;
+    }
+    block.softness[0] = (block.gives ? kGive + beyond : share) * block.K[0];
     block.softness[1] = block.softness[2] =
-        0.5 * kSoftness * (block.K[1] + block.K[2]) + kRigid * block.free_response;
+        0.5 * share * (block.K[1] + block.K[2]) + kRigid * block.free_response;
     invert_tangents(block);
   }
 }
@@ -222,7 +249,7 @@ void Rows::start() {
     for (std::size_t i = 0; i < block.dim; ++i) by[i] = block.lambda[i] - block.applied[i];
     push(block, by);
     block.applied = block.lambda;
-    move_centre(block);
+    move_centre(block, 0.0);
   }
 }
 
@@ -248,21 +275,43 @@ double Rows::solve(int most_sweeps, double least, double share, double rest) {
   // One sweep tells which rows are at their bounds, and how large the changes are.
   const double missed = sweep(true);
   const double enough = std::max(least, share * note_change());
-  // From proximal point to proximal point, until the softness leaves no error. A yielding normal is meant to
-  // stay soft.
-  for (int point = 0; point < kMostPoints; ++point) {
-    if (settle(enough) > enough) {
-      sweep_and_accelerate(most_sweeps, enough);
-      break;
-    }
-    double left = 0.0;
-    for (const RowBlock& block : blocks_)
-      for (std::size_t i = block.gives ? 1 : 0; i < block.dim; ++i)
-        left = std::max(left, block.softness[i] * std::abs(block.lambda[i] - block.centre[i]));
-    if (left <= enough) break;
-    for (RowBlock& block : blocks_) move_centre(block);
-  }
+  if (!follow_points(enough)) sweep_and_accelerate(most_sweeps, enough);
   return missed;
+}
+
+// The error that the softness leaves. A yielding normal is meant to stay soft.
+double Rows::left_by_softness() const {
+  double left = 0.0;
+  for (const RowBlock& block : blocks_)
+    for (std::size_t i = block.gives ? 1 : 0; i < block.dim; ++i)
+      left = std::max(left, block.softness[i] * std::abs(block.lambda[i] - block.centre[i]));
+  return left;
+}
+
+// Returns false where a point was not found.
+bool Rows::follow_points(double enough) {
+  const bool alone = responses_.empty();
+  const double least = least_softness();
+  double share = least;
+  int softenings = 0;
+  for (int point = 0; point < (alone ? kMostFreePoints : kMostPoints);) {
+    const bool found = settle(enough) <= enough;
+    if (!found && !alone) return false;
+    if (!found && ++softenings > kMostSoftenings) {
+      hold_softly(least);
+      for (RowBlock& block : blocks_) move_centre(block, 0.0);
+      return false;
+    }
+    if (found && share == least) {
+      if (left_by_softness() <= enough) return true;
+      ++point;
+    } else {
+      share = found ? std::max(least, kFirmer * share) : std::min(kMostSoftness, kSofter * share);
+      hold_softly(share);
+    }
+    for (RowBlock& block : blocks_) move_centre(block, share > least ? share : 0.0);
+  }
+  return true;
 }
 
 double Rows::sweep_gently(int sweeps) {
@@ -274,17 +323,17 @@ double Rows::sweep_gently(int sweeps) {
 }
 
 // Comes after a sweep, which has found the rows at their bounds. With mechanisms a solution at once is dear,
-// so two more sweeps come before it and after it; what they smooth is not left to the next look-ahead. A
-// second round begins with Newton's method. Returns the largest miss at the end.
+// so two more sweeps come before it and after it; what they smooth is not left to the next look-ahead. Each
+// round begins with Newton's method, with mechanisms from the second on. Returns the largest miss at the end.
 double Rows::settle(double enough) {
   const bool alone = responses_.empty();
   const bool twists = std::ranges::any_of(
       blocks_, [](const RowBlock& block) { return block.kind == RowBlock::Kind::kTwist; });
   double largest = 0.0;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < (alone ? kMostFreeRounds : kMostRounds); ++round) {
     if (round > 0 || !alone)
       if (largest = sweep_often(2, enough); largest <= enough) return largest;
-    if (round > 0 && !twists) {
+    if ((round > 0 || alone) && !twists) {
       if (largest = newton(enough); largest <= enough && alone) return largest;
       if (largest <= enough) continue;
     }

@@ -119,7 +119,8 @@ inline double sliding_step(const RowBlock& block) {
 class Rows {
  public:
   // `work` may be null: then nothing is counted. Otherwise solve() and sweep_gently() may throw WorkSpent.
-  explicit Rows(const Kernels& by = kernels(), WorkBudget* work = nullptr) : kernels_(&by), work_(work) {}
+  explicit Rows(const Kernels& by = kernels(), WorkBudget* work = nullptr)
+      : kernels_(&by), work_(work), factor_(by), body_factor_(by) {}
   void take(RowIsland& island);  // what follows concerns this island, which must stay valid
   // Computes MJ of an end on a free body from its J, and adds the end's share to the block's K.
   // respond_at_point() also computes J, for three rows along the columns of a frame (sign +1) or against them
@@ -176,6 +177,13 @@ class Rows {
   // Sweeps with nonlinear conjugate gradients, until nothing misses more than `enough`. Returns the largest
   // miss.
   double sweep_and_accelerate(int most_sweeps, double enough);
+  // Sets the softness of the proximal points, as a share of the rows' responses; and its least value.
+  void hold_softly(double share);
+  double least_softness() const;
+  double left_by_softness() const;
+  // From proximal point to proximal point, until the softness leaves no error. Returns false where one was
+  // not found.
+  bool follow_points(double enough);
   // Alternates sweeps with solutions at once for one proximal point. Returns the largest miss.
   double settle(double enough);
   double error(const Row& row) const;
@@ -207,12 +215,16 @@ class Rows {
 
   // rows_active.cc: solves all rows within their bounds at once. Returns false if there are too many of them.
   bool solve_active(double enough);
-  // Velocity of row a for a unit impulse on row b, without the friction that it drags along.
-  double response(const Row& a, const Row& b) const;
+  // Velocities of one block's rows for unit impulses on another's.
+  using Responses = std::array<std::array<double, 3>, 3>;
+  void find_responses(const RowBlock& a, const RowBlock& b, Responses& responses) const;
+  // The same for active rows, without the friction that b drags along.
+  static double response(const Responses& of, const Row& a, std::size_t s);
+  static double response(const Responses& of, const Row& a, const Row& b);
   // Velocity of row r of block a for a unit impulse on row s of block b.
   double response(const RowBlock& a, std::size_t r, const RowBlock& b, std::size_t s) const;
   // Velocity of row a for the friction that row b drags along.
-  double dragged(const Row& a, const Row& b) const;
+  static double dragged(const Responses& of, const Row& a, const Row& b);
   // Puts a contact's, and a twist's, rows into the active list.
   void add_contact(std::size_t index);
   void add_twist(std::size_t index);
@@ -221,6 +233,7 @@ class Rows {
   // Factors their system, by bodies or by rows. Returns false where it is too large or has no positive pivot.
   bool factor_active();
   bool factor_rows();
+  void add_responses(std::size_t begin, std::size_t end, std::size_t from, std::size_t to);
   // Solves the factored system: from the misses in missing_ to the changes of impulse.
   void solve_factored();
   // Fills missing_ with the active rows' misses. Returns the largest.
@@ -234,6 +247,7 @@ class Rows {
   // rows_newton.cc: Newton's method for all rows with their bounds. Returns the largest miss; above `enough`
   // it found no answer, and came as near as that.
   double newton(double enough);
+  double newton(double enough, double best);  // from the kept point, which misses by `best`
   // One whole step. Returns false where the system has no factor.
   bool newton_step();
   // Put a block on the side where the projection leads, and its other rows into the active list.

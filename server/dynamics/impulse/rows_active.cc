@@ -71,24 +71,27 @@ double Rows::response(const RowBlock& a, std::size_t r, const RowBlock& b, std::
   return sum;
 }
 
-double Rows::response(const Row& a, const Row& b) const {
-  const RowBlock &at = blocks_[a.block], &by = blocks_[b.block];
-  double sum = 0.0;
-  if (b.row == kAcross) {
-    for (std::size_t i = 0; i < 2; ++i) sum += b.across[i] * response(a, {b.block, i + 1});
-  } else if (a.row == kAcross) {
-    for (std::size_t i = 0; i < 2; ++i) sum += a.across[i] * response(at, i + 1, by, b.row);
-  } else {
-    sum = response(at, a.row, by, b.row);
-  }
-  return sum;
+void Rows::find_responses(const RowBlock& a, const RowBlock& b, Responses& responses) const {
+  for (std::size_t r = 0; r < a.dim; ++r)
+    for (std::size_t s = 0; s < b.dim; ++s) responses[r][s] = response(a, r, b, s);
+}
+
+// The velocity that a unit impulse on row s of b's block causes in row a.
+double Rows::response(const Responses& of, const Row& a, std::size_t s) {
+  if (a.row != kAcross) return of[a.row][s];
+  return a.across[0] * of[1][s] + a.across[1] * of[2][s];
+}
+
+double Rows::response(const Responses& of, const Row& a, const Row& b) {
+  if (b.row != kAcross) return response(of, a, b.row);
+  return b.across[0] * response(of, a, 1) + b.across[1] * response(of, a, 2);
 }
 
 // The velocity that b's friction causes in row a, if b's normal drags friction along.
-double Rows::dragged(const Row& a, const Row& b) const {
+double Rows::dragged(const Responses& of, const Row& a, const Row& b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < 2; ++i)
-    if (b.drag[i] != 0.0) sum += b.drag[i] * response(a, {b.block, i + 1});
+    if (b.drag[i] != 0.0) sum += b.drag[i] * response(of, a, i + 1);
   return sum;
 }
 
@@ -170,15 +173,39 @@ bool Rows::factor_rows() {
     // Its entries, and their elimination.
     const std::size_t width = i - first + 1;
     count_work(width * (kPerResponse + width / WorkBudget::kMultiplications));
-    for (std::size_t j = first; j <= i; ++j) {
-      const Row& other = active_[j];
-      const double both = response(row, other);
-      factor_.at(i, j) = both + dragged(row, other);
-      if (j < i) factor_.at(j, i) = both + dragged(other, row);
+  }
+  for (std::size_t i = 0; i < active_.size();) {
+    const std::size_t end = i + rows_of_block(i).size();
+    for (std::size_t j = factor_.first(i); j < end;) {
+      const std::size_t count = rows_of_block(j).size();
+      add_responses(i, end, j, j + count);
+      j += count;
     }
-    factor_.at(i, i) += softness(row);
+    for (; i < end; ++i) factor_.at(i, i) += softness(active_[i]);
   }
   return factor_.factor();
+}
+
+// The entries of two blocks' active rows, begin..end-1 and from..to-1. What one row's impulse does to another
+// follows from the blocks' responses to each other.
+void Rows::add_responses(std::size_t begin, std::size_t end, std::size_t from, std::size_t to) {
+  const RowBlock &at = blocks_[active_[begin].block], &by = blocks_[active_[from].block];
+  if (!meet(at, by)) return;
+  Responses there, back;
+  find_responses(at, by, there);
+  const bool drags = std::any_of(active_.begin() + static_cast<std::ptrdiff_t>(begin),
+                                 active_.begin() + static_cast<std::ptrdiff_t>(end),
+                                 [](const Row& row) { return row.drag[0] != 0.0 || row.drag[1] != 0.0; });
+  if (drags) find_responses(by, at, back);
+  for (std::size_t i = begin; i < end; ++i) {
+    const Row& row = active_[i];
+    for (std::size_t j = from; j < std::min(to, i + 1); ++j) {
+      const Row& other = active_[j];
+      const double both = response(there, row, other);
+      factor_.at(i, j) = both + dragged(there, row, other);
+      if (j < i) factor_.at(j, i) = both + dragged(back, other, row);
+    }
+  }
 }
 
 double Rows::error(const Row& row) const {

@@ -123,8 +123,17 @@ void Rows::go_half_back() {
 // best point is taken up again, and steps are halved until they come nearer. One step more follows the first
 // that is near enough: it costs little, and leaves next to nothing to drift from tick to tick.
 double Rows::newton(double enough) {
-  double best = largest_miss();
+  const double start = largest_miss();
   keep_point();
+  try {
+    return newton(enough, start);
+  } catch (const WorkSpent&) {
+    put_back_point();  // a limited step starts from there
+    throw;
+  }
+}
+
+double Rows::newton(double enough, double best) {
   int worse = 0;
   for (int pass = 0; pass < kMostNewtonPasses; ++pass) {
     const bool last = best <= enough;

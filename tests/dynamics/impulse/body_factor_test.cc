@@ -6,6 +6,8 @@
 #include <Eigen/Dense>
 #include <random>
 
+#include "server/dynamics/impulse/envelope_lu.h"
+
 namespace visum::dynamics::impulse {
 namespace {
 
@@ -64,8 +66,8 @@ BodyFactor::Vector6 part(const MatrixXd& of, Eigen::Index row, std::size_t body)
   return result;
 }
 
-VectorXd change_by_bodies(const Lines& rows, bool symmetric) {
-  BodyFactor factor;
+VectorXd change_by_bodies(const Lines& rows, bool symmetric, const Kernels& by = kernels()) {
+  BodyFactor factor(by);
   factor.start(rows.bodies, symmetric);
   for (const auto& [a, b] : rows.ends) factor.connect(a, b);
   EXPECT_TRUE(factor.place(100'000));
@@ -105,6 +107,36 @@ TEST(BodyFactor, KnowsFrictionThatIsDraggedAlong) {
   const Lines rows = make_rows(6, 0.05);
   const VectorXd expected = change_by_rows(rows);
   EXPECT_LT((change_by_bodies(rows, false) - expected).norm(), 1e-8 * expected.norm());
+}
+
+TEST(BodyFactor, HasTheSameBitsFromBothKernels) {
+  if (kWideKernels == nullptr || !__builtin_cpu_supports("avx2")) GTEST_SKIP() << "no AVX2 here";
+  for (const bool symmetric : {true, false}) {
+    const Lines rows = make_rows(9, symmetric ? 0.0 : 0.05);
+    EXPECT_EQ(change_by_bodies(rows, symmetric, kBaselineKernels),
+              change_by_bodies(rows, symmetric, *kWideKernels));
+  }
+}
+
+TEST(EnvelopeLu, HasTheSameBitsFromBothKernels) {
+  if (kWideKernels == nullptr || !__builtin_cpu_supports("avx2")) GTEST_SKIP() << "no AVX2 here";
+  constexpr std::size_t kSize = 23;
+  const auto solved = [](const Kernels& by) {
+    std::mt19937 generator(3);
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    EnvelopeLu factor(by);
+    for (std::size_t i = 0; i < kSize; ++i) factor.add(i < 11 ? 0 : i - 11);
+    for (std::size_t i = 0; i < kSize; ++i)
+      for (std::size_t j = factor.first(i); j <= i; ++j) {
+        factor.at(i, j) = uniform(generator);
+        factor.at(j, i) = i == j ? 20.0 : uniform(generator);
+      }
+    std::vector<double> b(kSize, 1.0);
+    EXPECT_TRUE(factor.factor());
+    factor.solve(b);
+    return b;
+  };
+  EXPECT_EQ(solved(kBaselineKernels), solved(*kWideKernels));
 }
 
 TEST(BodyFactor, RefusesMoreEntriesThanItMayHave) {

@@ -6,6 +6,7 @@
 
 #include "server/dynamics/impulse/lanes/kernels.h"
 
+#include "server/dynamics/impulse/lanes/blocks_kernels.h"
 #include "server/dynamics/impulse/lanes/bodies_kernels.h"
 #include "server/dynamics/impulse/lanes/joints_kernels.h"
 #include "server/dynamics/impulse/lanes/lanes.h"
@@ -33,6 +34,9 @@ constexpr Kernels make_kernels(const char* build) {
           .keep_joints = keep_joints,
           .respond_to_rows = respond_to_rows,
           .respond_at_point = respond_at_point,
+          .factor_blocks = factor_blocks,
+          .add_products = add_products,
+          .factor_envelope = factor_envelope,
           .factor_tree = factor_tree,
           .load_tree = load_tree,
           .spread_tree = spread_tree,

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 
+#include "server/dynamics/impulse/lanes/blocks_data.h"
 #include "server/dynamics/impulse/lanes/bodies_data.h"
 #include "server/dynamics/impulse/lanes/joints_data.h"
 #include "server/dynamics/impulse/lanes/tree_data.h"
@@ -47,6 +48,11 @@ struct Kernels {
   void (*respond_at_point)(const double* frame, const double* lever, double sign,
                            const double* inverse_inertia, double inverse_mass, double* J, double* MJ,
                            double* K);
+  // Systems of contacts (body_factor.h, envelope_lu.h): factors, false where there are none; and sums of
+  // products x y^T of rows of six, for a block.
+  bool (*factor_blocks)(BlockMatrix);
+  void (*add_products)(double* block, const double* x, const double* y, std::size_t count);
+  bool (*factor_envelope)(EnvelopeMatrix);
   // Recursions over a tree (tree.h): over all its rows, or over the rows begin..end-1.
   void (*factor_tree)(const TreeRow* rows, TreeFactor* factors, TreePlace place, std::size_t count);
   void (*load_tree)(TreeData tree, std::size_t begin, std::size_t end);

@@ -1,0 +1,170 @@
+// Factors of matrices over rows and bodies (envelope_lu.h, body_factor.h). A block is 6 x 6 numbers by rows;
+// each of its rows is worked on at once, four lanes and two. Every sum keeps one order, so that both builds
+// give the same bits.
+#pragma once
+
+#include "server/dynamics/impulse/lanes/lanes.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+// A row of a block.
+struct Six {
+  Lanes four;
+  Pair two;
+};
+
+VISUM_LANES_INLINE Six load_six(const double* from) {
+  return {load(from), load_pair(from + 4)};
+}
+VISUM_LANES_INLINE void store_six(double* to, Six from) {
+  store(to, from.four);
+  store_pair(to + 4, from.two);
+}
+VISUM_LANES_INLINE Six operator+(Six a, Six b) {
+  return {a.four + b.four, a.two + b.two};
+}
+VISUM_LANES_INLINE Six operator-(Six a, Six b) {
+  return {a.four - b.four, a.two - b.two};
+}
+VISUM_LANES_INLINE Six operator*(double a, Six b) {
+  return {all(a) * b.four, Pair{a, a} * b.two};
+}
+
+// c -= a b
+VISUM_LANES_INLINE void subtract_product(double* c, const double* a, const double* b) {
+  const Six b0 = load_six(b), b1 = load_six(b + 6), b2 = load_six(b + 12), b3 = load_six(b + 18),
+            b4 = load_six(b + 24), b5 = load_six(b + 30);
+  for (int i = 0; i < 36; i += 6) {
+    const double* const x = a + i;
+    store_six(c + i, load_six(c + i) -
+                         (((x[0] * b0 + x[1] * b1) + (x[2] * b2 + x[3] * b3)) + (x[4] * b4 + x[5] * b5)));
+  }
+}
+
+// a := a b
+VISUM_LANES_INLINE void multiply(double* a, const double* b) {
+  for (int i = 0; i < 36; i += 6) {
+    Six sum = a[i] * load_six(b);
+    for (int k = 1; k < 6; ++k) sum = sum + a[i + k] * load_six(b + 6 * k);
+    store_six(a + i, sum);
+  }
+}
+
+// A step of Gauss-Jordan in place, with the pivot on the diagonal.
+VISUM_LANES_INLINE void eliminate(double* a, int k) {
+  const double inverse = 1.0 / a[7 * k];
+  a[7 * k] = 1.0;
+  const Six pivot = inverse * load_six(a + 6 * k);
+  store_six(a + 6 * k, pivot);
+  for (int i = 0; i < 6; ++i) {
+    if (i == k) continue;
+    const double factor = a[6 * i + k];
+    a[6 * i + k] = 0.0;
+    store_six(a + 6 * i, load_six(a + 6 * i) - factor * pivot);
+  }
+}
+
+// Returns false where a pivot is not positive.
+bool invert(double* a) {
+  for (int k = 0; k < 6; ++k) {
+    if (!(a[7 * k] > 0.0)) return false;
+    eliminate(a, k);
+  }
+  return true;
+}
+
+// The same with the largest pivot of each column. Returns false where there is none.
+bool invert_with_pivots(double* a) {
+  int order[6] = {0, 1, 2, 3, 4, 5};
+  for (int k = 0; k < 6; ++k) {
+    int best = k;
+    for (int i = k + 1; i < 6; ++i)
+      if (__builtin_fabs(a[6 * i + k]) > __builtin_fabs(a[6 * best + k])) best = i;
+    if (best != k) {
+      const Six row = load_six(a + 6 * k);
+      store_six(a + 6 * k, load_six(a + 6 * best));
+      store_six(a + 6 * best, row);
+      const int number = order[k];
+      order[k] = order[best];
+      order[best] = number;
+    }
+    if (!(__builtin_fabs(a[7 * k]) > 0.0)) return false;
+    eliminate(a, k);
+  }
+  // Exchanged rows of the matrix are exchanged columns of the inverse.
+  double mixed[36];
+  __builtin_memcpy(mixed, a, sizeof(mixed));
+  for (int k = 0; k < 6; ++k)
+    for (int i = 0; i < 6; ++i) a[6 * i + order[k]] = mixed[6 * i + k];
+  return true;
+}
+
+// c += sum x y^T over `count` rows of six.
+void add_products(double* c, const double* x, const double* y, std::size_t count) {
+  for (int i = 0; i < 6; ++i) {
+    Six sum = x[i] * load_six(y);
+    for (std::size_t r = 1; r < count; ++r) sum = sum + x[6 * r + i] * load_six(y + 6 * r);
+    store_six(c + 6 * i, load_six(c + 6 * i) + sum);
+  }
+}
+
+// L_ij = (A_ij - sum L_ik U_kj) D_j^-1 and U_ji = A_ji - sum L_jk U_ki, block by block (body_factor.h).
+bool factor_blocks(BlockMatrix of) {
+  const auto at = [&](double* blocks, std::size_t i, std::size_t j) {
+    return blocks + 36 * (of.start[i] + j - of.first[i]);
+  };
+  for (std::size_t i = 0; i < of.count; ++i) {
+    for (std::size_t j = of.first[i]; j <= i; ++j) {
+      double *const low = at(of.lower, i, j), *const up = at(of.upper, i, j);
+      for (std::size_t k = of.first[i] > of.first[j] ? of.first[i] : of.first[j]; k < j; ++k) {
+        subtract_product(low, at(of.lower, i, k), at(of.upper, j, k));
+        if (i != j && !of.symmetric) subtract_product(up, at(of.lower, j, k), at(of.upper, i, k));
+      }
+      if (i == j) continue;
+      if (of.symmetric)
+        for (int r = 0; r < 6; ++r)
+          for (int c = 0; c < 6; ++c) up[6 * c + r] = low[6 * r + c];
+      multiply(low, of.inverse + 36 * j);
+    }
+    double* const inverse = of.inverse + 36 * i;
+    __builtin_memcpy(inverse, at(of.lower, i, i), 36 * sizeof(double));
+    if (invert(inverse)) continue;
+    // Friction that is dragged along may make single pivots negative or zero; the block is sound
+    // nevertheless.
+    __builtin_memcpy(inverse, at(of.lower, i, i), 36 * sizeof(double));
+    if (of.symmetric || !invert_with_pivots(inverse)) return false;
+  }
+  return true;
+}
+
+// A dot product of the entries from..to-1, in four sums of fixed order.
+VISUM_LANES_INLINE double dot_of_rows(const double* a, const double* b, std::size_t from, std::size_t to) {
+  Lanes sums = all(0.0);
+  std::size_t k = from;
+  for (; k + 4 <= to; k += 4) sums = sums + load(a + k) * load(b + k);
+  double sum[4];
+  store(sum, sums);
+  for (; k < to; ++k) sum[0] += a[k] * b[k];
+  return (sum[0] + sum[2]) + (sum[1] + sum[3]);
+}
+
+// l_ij = (a_ij - sum l_ik u_kj) / u_jj,  u_ji = a_ji - sum l_jk u_ki (envelope_lu.h).
+bool factor_envelope(EnvelopeMatrix of) {
+  const auto at = [&](double* entries, std::size_t i) { return entries + of.start[i] - of.first[i]; };
+  for (std::size_t i = 0; i < of.count; ++i) {
+    double *const ri = at(of.lower, i), *const ci = at(of.upper, i);
+    for (std::size_t j = of.first[i]; j < i; ++j) {
+      const std::size_t from = of.first[i] > of.first[j] ? of.first[i] : of.first[j];
+      ri[j] = (ri[j] - dot_of_rows(ri, at(of.upper, j), from, j)) * of.inverse_diagonal[j];
+      ci[j] -= dot_of_rows(ci, at(of.lower, j), from, j);
+    }
+    const double pivot = ri[i] - dot_of_rows(ri, ci, of.first[i], i);
+    if (!(pivot > 0.0)) return false;
+    of.inverse_diagonal[i] = 1.0 / pivot;
+  }
+  return true;
+}
+
+}  // namespace
+}  // namespace visum::dynamics::impulse
