@@ -11,7 +11,7 @@ namespace {
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x104bf19a5993ab77ull},       {"OdeQuick", 0xcd99abfa3f8f7fe2ull},
     {"Impulse", 0x19a58fe7faa80fa6ull},        {"ImpulseOrder4", 0x12f18fa16333946bull},
-    {"ImpulseIterate", 0xf623ad35af7eeb57ull},
+    {"ImpulseIterate", 0x237ffd98e7de8dd3ull},
 };
 
 class Golden : public Contract {};
