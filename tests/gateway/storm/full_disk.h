@@ -11,7 +11,7 @@ namespace visum::storm {
 
 class FullDisk {
  public:
-  static constexpr rlim_t kRoomBytes = 160u << 10;
+  static constexpr rlim_t kRoomBytes = 48u << 10;
 
   FullDisk() {
     ::signal(SIGXFSZ, SIG_IGN);
