@@ -11,6 +11,7 @@
 #include "hwparts/sensors/camera.h"
 #include "hwparts/sensors/sensor_kinds.h"
 #include "server/cycle/node_errors.h"
+#include "server/cycle/start_overlaps.h"
 
 namespace visum::cycle {
 namespace {
@@ -88,7 +89,7 @@ std::vector<config::ConfigError> errors_of_nodes(const scene::Scene& scene) {
 }
 
 Simulation::Simulation(scene::Scene scene, const PartMaker& make)
-    : scene_(std::make_shared<const scene::Scene>(std::move(scene))) {
+    : scene_(std::make_shared<const scene::Scene>(leave_out_overlaps(std::move(scene)))) {
   make_parts(make);
   make_sensors();
   make_agents();

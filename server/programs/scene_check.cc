@@ -2,25 +2,53 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <iostream>
 #include <optional>
 
+#include "protocol/config/number_text.h"
 #include "protocol/json_text.h"
 #include "server/cycle/node_errors.h"
 #include "server/cycle/simulation.h"
+#include "server/cycle/start_overlaps.h"
 #include "server/scene/all_errors.h"
 #include "server/scene/convert/convert.h"
 
 namespace visum::programs {
 namespace {
 
+constexpr std::size_t kMaxListed = 10;  // overlaps, without --json
+
 std::string counted(std::size_t number, const char* one, const char* many) {
   return std::to_string(number) + " " + (number == 1 ? one : many);
+}
+
+// A short list, the deepest first.
+void print_overlaps(const world::WorldModel& model) {
+  const auto overlaps = cycle::overlaps_at_start(model);
+  for (std::size_t i = 0; i < std::min(overlaps.size(), kMaxListed); ++i)
+    std::cout << "'" << model.bodies[overlaps[i].a.index()].name << "' and '"
+              << model.bodies[overlaps[i].b.index()].name << "' overlap at the start by "
+              << config::number_text(overlaps[i].depth_m) << " m\n";
+  if (overlaps.size() > kMaxListed)
+    std::cout << "and "
+              << counted(overlaps.size() - kMaxListed, "further pair overlaps", "further pairs overlap")
+              << " at the start\n";
+}
+
+std::string overlap_list(const world::WorldModel& model) {
+  std::string list;
+  for (const auto& [a, b, depth_m] : cycle::overlaps_at_start(model))
+    list += (list.empty() ? "{\"a\":" : ",{\"a\":") + protocol::json_quoted(model.bodies[a.index()].name) +
+            ",\"b\":" + protocol::json_quoted(model.bodies[b.index()].name) +
+            ",\"depth_m\":" + config::number_text(depth_m) + "}";
+  return "[" + list + "]";
 }
 
 void print_right(const cycle::Simulation& simulation) {
   const auto& model = simulation.model();
   for (const auto& loss : simulation.scene().losses) std::cout << loss << "\n";
+  print_overlaps(model);
   std::cout << simulation.scene().file.string()
             << " is right: " << counted(model.bodies.size(), "body", "bodies") << ", "
             << counted(model.joints.size(), "joint", "joints") << ", "
@@ -57,7 +85,7 @@ void print_right_as_json(const cycle::Simulation& simulation) {
             << ",\"parts\":" << simulation.parts().size() << ",\"losses\":[" << losses
             << "],\"warnings\":" << list_of(simulation.scene().warnings)
             << ",\"repairs\":" << list_of(simulation.scene().repairs)
-            << ",\"actuated\":" << actuated(simulation) << "}\n";
+            << ",\"overlaps\":" << overlap_list(model) << ",\"actuated\":" << actuated(simulation) << "}\n";
 }
 
 // The members file, line, key and message of an error as JSON, after `before` and without the closing

@@ -5,6 +5,7 @@
 
 #include "protocol/config/number_text.h"
 #include "server/scene/bodies.h"
+#include "server/scene/mesh_readers.h"
 #include "server/scene/models.h"
 #include "server/scene/values.h"
 #include "server/world/joint_kinds.h"
@@ -55,7 +56,7 @@ double floor_height(const world::WorldModel& model) {
 }  // namespace
 
 bool is_model_file(const fs::path& file) {
-  const std::string extension = file.extension().string();
+  const std::string extension = lower_extension(file);
   return extension == ".urdf" || extension == ".sdf" || extension == ".world";
 }
 
@@ -64,7 +65,8 @@ void read_bare_model(Draft& draft, const fs::path& file) {
   const auto node = [&](const std::string& yaml) {
     return config::load_text(yaml, file.string(), file.parent_path());
   };
-  read_model(draft, node("{name: " + name + ", file: " + in_quotes(file.filename().string()) + "}"));
+  read_model(draft, node("{name: " + name + ", file: " + in_quotes(file.filename().string()) +
+                         ", no_collision: {overlapping: true}}"));
   const world::WorldModel& model = draft.scene.world;
   const bool has_floor = std::any_of(model.shapes.begin(), model.shapes.end(), [](const world::Shape& s) {
     return s.kind == world::ShapeKind::kPlane;

@@ -1,6 +1,7 @@
 #include "server/scene/models.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "protocol/config/number_text.h"
@@ -45,6 +46,7 @@ class Placement {
     if (!node_.boolean_or("repair", true)) refuse_repairs();
     X_WM_ = read_world_pose(draft_, node_, "pose");
     draft_.scene.models.push_back({name_, node_, X_WM_});
+    draft_.scene.models.back().file = robot_.file.string();
     if (const auto engine = node_.find("engine")) engine_ = draft_.engine(*engine);
     ground_roots();
     check_link_keys();
@@ -211,7 +213,7 @@ class Placement {
   }
 
   void read_collision_keys() {
-    if (const auto pairs = node_.find("no_collision")) read_no_collision(draft_, *pairs, name_ + "/");
+    if (const auto pairs = node_.find("no_collision")) read_pairs(*pairs);
     if (node_.boolean_or("self_collision", false)) return;
     const bool none = node_.find("self_collision").has_value();
     if (none && robot_.links.size() > kMaxLinksWithoutCollision)
@@ -221,6 +223,47 @@ class Placement {
       for (std::size_t b = a + 1; b < robot_.links.size(); ++b)
         if (none || stay_apart(robot_.links[a], robot_.links[b]))
           draft_.forbid_collision(body(robot_.links[a].name), body(robot_.links[b].name));
+  }
+
+  // `no_collision` is a list of pairs, or a map with rules.
+  void read_pairs(const Node& node) {
+    if (node.kind() != Node::Kind::kMap) return read_no_collision(draft_, node, name_ + "/");
+    node.allow_only({"pairs", "overlapping", "within_joints"});
+    if (const auto pairs = node.find("pairs")) read_no_collision(draft_, *pairs, name_ + "/");
+    draft_.scene.models.back().overlaps_never_collide = node.boolean_or("overlapping", false);
+    if (const auto joints = node.find("within_joints"))
+      part_neighbours(static_cast<int>(joints->integer(1, kMaxJointsBetween)));
+  }
+
+  // Links with at most `most` joints between them never collide. Direct neighbours never do anyway.
+  void part_neighbours(int most) {
+    std::map<std::string, std::vector<std::string>> neighbours;
+    for (const RobotJoint& joint : robot_.joints) {
+      if (joint.parent == kWorldLink) continue;
+      neighbours[joint.parent].push_back(joint.child);
+      neighbours[joint.child].push_back(joint.parent);
+    }
+    std::size_t pairs = 0;
+    for (const RobotLink& link : robot_.links) {
+      std::set<std::string> reached{link.name};
+      std::vector<std::string> last{link.name};
+      for (int joints = 1; joints <= most; ++joints) {
+        std::vector<std::string> next;
+        for (const std::string& from : last)
+          for (const std::string& to : neighbours[from])
+            if (reached.insert(to).second) next.push_back(to);
+        last = std::move(next);
+        for (const std::string& other : last) {
+          if (other < link.name || joints == 1) continue;  // each pair once
+          draft_.forbid_collision(body(link.name), body(other));
+          ++pairs;
+        }
+      }
+    }
+    if (pairs > 0)
+      robot_.repairs.push_back({"pairs of links with 2 to " + std::to_string(most) +
+                                    " joints between them never collide: " + std::to_string(pairs),
+                                0});
   }
 
   // True if the model's file keeps these links apart. A nested model decides for its own links only.
@@ -234,6 +277,8 @@ class Placement {
 
   static constexpr double kDensity = 1000.0;                     // kg/m³, of links without mass: water
   static constexpr std::size_t kMaxLinksWithoutCollision = 500;  // the number of pairs grows with the square
+
+  static constexpr int kMaxJointsBetween = 16;
 
   Draft& draft_;
   const Node node_;

@@ -26,6 +26,9 @@ struct ModelPlan {
   std::string name;
   config::Node config;
   world::Pose X_WM;
+  std::string file = {};  // URDF or SDF
+  // Pairs of its links that overlap at the start never collide (cycle/start_overlaps.h finds them).
+  bool overlaps_never_collide = false;
 };
 
 // A part of the scene, not yet made: hwparts::make_part(kind, context) makes it.

@@ -1,5 +1,5 @@
-// Changes one input in a recording, with correct CRCs, so that its replay must differ. Chunks are unpacked, and
-// the summary is left out, because it tells where the packed ones stood.
+// Changes one input in a recording, with correct CRCs, so that its replay must differ. Chunks are unpacked,
+// and the summary is left out, because it tells where the packed ones stood.
 import { execFileSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 

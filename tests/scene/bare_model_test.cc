@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "server/scene/all_errors.h"
+#include "server/scene/bare_model.h"
+#include "server/scene/convert/convert.h"
 #include "server/scene/scene.h"
 #include "tests/support/temp_files.h"
 
@@ -49,6 +51,19 @@ TEST(BareModel, StandsOnAFloorBelowItsLowestPoint) {
 TEST(BareModel, WithoutJointsHasNoPart) {
   const test::TempFiles files;
   EXPECT_TRUE(load_scene(files.write("r.urdf", "<robot name='r'><link name='a'/></robot>")).parts.empty());
+}
+
+TEST(BareModel, MayHaveItsExtensionInCapitals) {
+  const test::TempFiles files;
+  EXPECT_EQ(load_scene(files.write("R.URDF", arm(""))).parts.size(), 1u);
+  EXPECT_TRUE(is_model_file("a.SDF"));
+  EXPECT_TRUE(is_x3d_file("a.X3D"));
+  EXPECT_FALSE(is_model_file("a.YAML"));
+}
+
+TEST(BareModel, AsksForOverlapsToBeLeftOut) {
+  const test::TempFiles files;
+  EXPECT_TRUE(load_scene(files.write("r.urdf", arm(""))).models[0].overlaps_never_collide);
 }
 
 TEST(BareModel, TellsAllErrorsOfItsFile) {

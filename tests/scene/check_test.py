@@ -58,7 +58,22 @@ class Check(unittest.TestCase):
         found = json.loads(check("models/two_link/two_link.urdf", "--json").stdout)
         self.assertEqual((found["right"], found["bodies"], found["joints"], found["parts"]), (True, 4, 2, 1))
         self.assertEqual(found["actuated"], ["two_link/shoulder", "two_link/elbow"])
-        self.assertEqual((found["warnings"], found["repairs"]), ([], []))
+        self.assertEqual((found["warnings"], found["repairs"], found["overlaps"]), ([], [], []))
+
+    def test_tells_what_overlaps_at_the_start(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "s.yaml"
+            boxes = "".join(f"- {{name: b{i}, mass: 1, pose: {{xyz: [0, 0, {0.9 * i}]}}, shapes: [{{box: [1, 1, 1]}}]}}\n"
+                            for i in range(13))
+            file.write_text("visum: 1\nbodies:\n" + boxes)
+            found = json.loads(check(file, "--json").stdout)["overlaps"]
+            self.assertEqual(sorted((one["a"], one["b"]) for one in found),
+                             sorted((f"b{i}", f"b{i + 1}") for i in range(12)))
+            for one in found:
+                self.assertAlmostEqual(one["depth_m"], 0.1, 9)
+            done = check(file)
+            self.assertEqual(done.stdout.count("overlap at the start by 0."), 10)
+            self.assertIn("and 2 further pairs overlap at the start", done.stdout)
 
     def test_tells_warnings_and_repairs_with_file_and_line(self):
         with tempfile.TemporaryDirectory() as folder:

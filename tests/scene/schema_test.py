@@ -24,6 +24,7 @@ LOADER = {
     "server/scene/read_looks.cc read_light": "$defs/light",
     "server/scene/read_looks.cc read_viewpoint": "$defs/viewpoint",
     "server/scene/models.cc read_model": "$defs/model",
+    "server/scene/models.cc read_pairs": "$defs/no_collision_rules",
     "server/scene/bodies.cc read_body": "$defs/body",
     "server/scene/bodies.cc read_motion": "$defs/velocity",
     "server/scene/shapes.cc read_shape": "$defs/shape",

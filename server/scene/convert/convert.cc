@@ -10,6 +10,7 @@
 #include "server/scene/convert/yaml_text.h"
 #include "server/scene/draft.h"
 #include "server/scene/joints.h"
+#include "server/scene/mesh_readers.h"
 #include "server/scene/models.h"
 
 namespace visum::scene {
@@ -48,7 +49,7 @@ Scene scene_of_model(const fs::path& file) {
 enum class Format { kYaml, kModel, kX3dXml, kX3dClassic, kVrml97 };
 
 Format format_of(const fs::path& file, const char* known) {
-  const std::string ending = file.extension().string();
+  const std::string ending = lower_extension(file);
   if (ending == ".yaml" || ending == ".yml") return Format::kYaml;
   if (ending == ".urdf" || ending == ".sdf") return Format::kModel;
   if (ending == ".x3d") return Format::kX3dXml;
@@ -59,11 +60,15 @@ Format format_of(const fs::path& file, const char* known) {
 
 std::string written(const Scene& scene, Output& output) {
   const Format format = format_of(output.file(), ".yaml, .sdf, .x3d, .x3dv, .wrl");
+  for (const ModelPlan& model : scene.models)
+    if (format != Format::kYaml && model.overlaps_never_collide)
+      output.lose("links of '" + model.name +
+                  "' that overlap at the start collide: no other format than YAML has 'overlapping'");
   switch (format) {
     case Format::kYaml:
       return to_yaml(scene, output);
     case Format::kModel:
-      if (output.file().extension() == ".urdf")
+      if (lower_extension(output.file()) == ".urdf")
         fail(output.file(), "URDF is read, not written: it holds one robot, not a scene");
       return to_sdf(scene, output);
     case Format::kX3dXml:
@@ -94,7 +99,7 @@ Scene read_any_scene(const fs::path& file, const Options& options) {
 }
 
 bool is_x3d_file(const fs::path& file) {
-  const std::string ending = file.extension().string();
+  const std::string ending = lower_extension(file);
   return ending == ".x3d" || ending == ".x3dv" || ending == ".wrl" || ending == ".vrml";
 }
 
