@@ -5,6 +5,7 @@ import contextlib
 import json
 import os
 import pathlib
+import random
 import signal
 import socket
 import struct
@@ -84,6 +85,21 @@ def attack(daemon, act):
         thread.join()
 
 
+def udp_socket_where_tcp_is_free():
+    """A bound socket. Its port is below those that the system gives to connections, so that no program
+    beside takes the same one for TCP."""
+    for port in random.sample(range(20_000, 32_000), 100):
+        udp = socket.socket(type=socket.SOCK_DGRAM)
+        try:
+            udp.bind(("127.0.0.1", port))
+            with socket.socket() as tcp:
+                tcp.bind(("127.0.0.1", port))
+            return udp
+        except OSError:
+            udp.close()
+    raise AssertionError("none of 100 ports is free")
+
+
 class Stop(unittest.TestCase):
     def test_it_acts_with_every_clock_and_says_so(self):
         for clock in ("realtime", "lockstep", "free"):
@@ -120,8 +136,7 @@ class Stop(unittest.TestCase):
                 self.assertIn("acted at tick", daemon.visum("stop", "--token-file", observer).stdout)
 
     def test_a_taken_port_leaves_the_way_through_a_session(self):
-        with socket.socket(type=socket.SOCK_DGRAM) as udp:
-            udp.bind(("127.0.0.1", 0))
+        with udp_socket_where_tcp_is_free() as udp:
             port = udp.getsockname()[1]
             daemon = Daemon()
             daemon.command[daemon.command.index("--port") + 1] = str(port)
