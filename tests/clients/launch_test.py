@@ -69,6 +69,22 @@ class Launch(unittest.TestCase):
             visum.launch(ARM, program="/nowhere/visumd")
         self.assertIn("/nowhere/visumd", str(caught.exception))
 
+    def test_a_program_that_is_no_visumd_is_told_by_what_it_says(self):
+        with self.assertRaises(visum.Error) as caught:
+            visum.launch("hello", program="/bin/echo")
+        self.assertIn("this is no visumd: it says 'hello --port 0", str(caught.exception))
+
+    def test_a_scene_that_cannot_be_written_is_told(self):
+        before = os.getcwd()
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)
+        try:  # in a folder that is gone, where root cannot write either
+            with self.assertRaises(visum.Error) as caught:
+                visum.launch(build.Scene("drop"))
+        finally:
+            os.chdir(before)
+        self.assertIn("cannot be written into the working directory", str(caught.exception))
+
     def test_a_daemon_that_is_never_ready_is_ended(self):
         with tempfile.TemporaryDirectory() as folder:
             idle = pathlib.Path(folder) / "idle"

@@ -79,11 +79,12 @@ def _file_of(scene: str | Path | Scene) -> Iterator[str]:
         yield os.fspath(scene)
         return
     try:
-        with tempfile.NamedTemporaryFile(prefix=".visum-", suffix=".yaml", dir=".") as file:
-            scene.write(file.name)
-            yield file.name
+        file = tempfile.NamedTemporaryFile(prefix=".visum-", suffix=".yaml", dir=".")
+        scene.write(file.name)
     except OSError as error:
         raise Error(ErrorCode.MISUSE, f"the scene cannot be written into the working directory: {error}") from error
+    with file:
+        yield file.name
 
 
 def _visumd() -> str:
@@ -138,7 +139,11 @@ class _Daemon:
                     code = self._process.wait(_STOP_S)
                     raise Error(ErrorCode.MISUSE, f"visumd ended with code {code} before it was ready{self._last_words()}")
                 line += more
-        return json.loads(line)
+        try:
+            return json.loads(line)
+        except ValueError:
+            words = line[:80].decode(errors="replace").strip()
+            raise Error(ErrorCode.MISUSE, f"this is no visumd: it says '{words}' instead of where it listens") from None
 
     def _last_words(self) -> str:
         log = self.log().strip()[-_LOG_CHARACTERS:]
