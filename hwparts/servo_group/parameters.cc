@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kSupplyVoltage = "Supply Voltage";
 constexpr const char* kFieldBus = "Field Bus";
-constexpr double kHighestSupply_v = 60.0;
+using drive::kHighestSupply_v;
 
 protocol::Parameter supply_parameter(double volts) {
   return {kSupplyVoltage,
