@@ -50,6 +50,10 @@ struct Parameter {
 // it to true.
 inline constexpr const char* kEmergencyStop = "Emergency Stop";
 
+// The parameter that says in words which drives of a part are in fault, why, and what to try: a line each.
+// Empty: none is. Read-only.
+inline constexpr const char* kTripped = "Tripped";
+
 // A block of bytes beside the ports, with a name.
 struct Blackboard {
   std::string name;
