@@ -119,6 +119,12 @@ class Part {
   // most.
   virtual void stand_down() {}
 
+  // For a part with drives: how often one of them has tripped, and which are in fault now, why, with numbers,
+  // and what to try, a line each. `since`: only those that tripped after so many trips. For people and logs;
+  // no state of the part. The text allocates.
+  virtual std::uint64_t trips() const { return 0; }
+  virtual std::string trip_text(std::uint64_t /*since*/ = 0) const { return {}; }
+
   // For a part from a plug-in: why its code has failed, or empty while it works. Null for all others.
   virtual const std::string* node_fault() const { return nullptr; }
 

@@ -10,15 +10,27 @@
 
 namespace visum::protocol {
 
+// The name of a port's value, or of one of its bits (counted from 0).
+struct NumberName {
+  std::int64_t number;
+  std::string name;
+};
+
 // One number of a part. Its index in the vector is part of the contract: writes and saved panels refer to it.
 struct Port {
   std::string name;  // as people write it, "Desired Angle 1"
   std::string unit;  // "rad", "rad/s", "m", "m/s", "A"; empty for counters and bit fields
   double minimum;    // a value outside [minimum, maximum] is refused
   double maximum;
-  double initial;     // controller inputs: the value until the first write
-  std::string group;  // shared by ports that belong together, "Desired Angle"
+  double initial;                       // controller inputs: the value until the first write
+  std::string group;                    // shared by ports that belong together, "Desired Angle"
+  std::vector<NumberName> values = {};  // a port with a list of values: what each means
+  std::vector<NumberName> bits = {};    // a bit field: what each bit means
 };
+
+// The port's value in words: the name of the value, or the names of the bits that are set, "HOME_OK MOTION".
+// A bit without a name is "bit 7". Empty where the port has no names, or none for this value.
+std::string in_words(const Port& port, double value);
 
 using ParameterValue = std::variant<double, std::int64_t, bool, std::string>;
 
@@ -37,6 +49,10 @@ struct Parameter {
 // The parameter that takes the supply from all motors of a part, where the part has one. Every client may set
 // it to true.
 inline constexpr const char* kEmergencyStop = "Emergency Stop";
+
+// The parameter that says in words which drives of a part are in fault, why, and what to try: a line each.
+// Empty: none is. Read-only.
+inline constexpr const char* kTripped = "Tripped";
 
 // A block of bytes beside the ports, with a name.
 struct Blackboard {

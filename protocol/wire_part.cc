@@ -5,6 +5,22 @@
 namespace visum::protocol::wire {
 namespace {
 
+template <typename Field>
+void put(const std::vector<NumberName>& from, Field& to) {
+  for (const NumberName& name : from) {
+    auto& added = *to.Add();
+    added.set_number(name.number);
+    added.set_name(name.name);
+  }
+}
+
+template <typename Field>
+std::vector<NumberName> names_of(const Field& from) {
+  std::vector<NumberName> names;
+  for (const auto& name : from) names.push_back({name.number(), name.name()});
+  return names;
+}
+
 void put(const Port& from, v1::PortDescription& to) {
   to.set_name(from.name);
   to.set_unit(from.unit);
@@ -12,10 +28,13 @@ void put(const Port& from, v1::PortDescription& to) {
   to.set_maximum(from.maximum);
   to.set_initial(from.initial);
   to.set_group(from.group);
+  put(from.values, *to.mutable_values());
+  put(from.bits, *to.mutable_bits());
 }
 
 Port port_of(const v1::PortDescription& from) {
-  return {from.name(), from.unit(), from.minimum(), from.maximum(), from.initial(), from.group()};
+  return {from.name(),    from.unit(),  from.minimum(),          from.maximum(),
+          from.initial(), from.group(), names_of(from.values()), names_of(from.bits())};
 }
 
 void put(const Parameter& from, v1::ParameterDescription& to) {

@@ -47,6 +47,7 @@ constexpr Row kVerbs[] = {
     {"fault", "break something on purpose, or end that", cli::make_fault},
     {"faults", "list what can be broken, and what is broken now", cli::make_faults},
     {"check", "say what is wrong with a scene", cli::make_check},
+    {"drives", "write a drives file for a model", cli::make_drives},
     {"convert", "write a scene in another format", cli::make_convert},
     {"run", "run a scenario and check it", cli::make_run},
     {"record", "run a server and record what happens in its world", cli::make_record},

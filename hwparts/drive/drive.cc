@@ -30,15 +30,30 @@ Drive::Drive(const DriveData& data, double position, bool homed, double tick_s)
 void Drive::act(const Command& command, std::span<const hwparts::JointSample> joints,
                 std::span<hwparts::JointDrive> drives) {
   state_.winding = std::max(state_.winding, broken_.least_winding);
+  const Trip before = figures_of(state_);
   supervise(data_, state_);
   move_brake(data_.brake, state_, tick_s_);
   move_setpoint(command);
+  note_trip(before);
   plan_ = plan_rotor(data_, state_, drive_motor(), brake_holds(), tick_s_);
   const double most_effort = std::min(data_.gear.breaking_effort, broken_.slip_effort);
   for (std::size_t i = 0; i < joints.size(); ++i) {
     drives[i] = couple(data_, plan_, state_.rotor_position, most_effort, joints.size(), joints[i], tick_s_);
   }
   acted_ = true;
+}
+
+void Drive::note_trip(const Trip& before) {
+  const std::uint32_t bits = new_faults(state_.latched, known_);
+  // A fault that comes on top of others joins them. The lag of the first one is gone from the state by now.
+  const std::uint32_t older = has(state_, state_bit::kError) ? trip_.bits & known_ : 0;
+  known_ = state_.latched;
+  if (bits == 0) return;
+  const double lag = (older & state_bit::kTowError) != 0 ? trip_.lag : before.lag;
+  trip_ = before;
+  trip_.bits = bits | older;
+  trip_.lag = lag;
+  ++trips_;
 }
 
 bool Drive::brake_holds() const {
@@ -69,11 +84,13 @@ void Drive::publish(std::span<const hwparts::JointSample> joints, double encoder
 void Drive::restart() {
   state_ = initial_;
   acted_ = false;
+  known_ = state_.latched;
 }
 
 void Drive::load(hwparts::StateReader& from) {
   drive::load(state_, from);
   acted_ = false;
+  known_ = state_.latched;
 }
 
 // Moves the setpoint by one tick: home, as the bus commanded, to the ports' target, or to a stop. While the

@@ -15,6 +15,7 @@
 #include "hwparts/drive/drive_data.h"
 #include "hwparts/drive/drive_state.h"
 #include "hwparts/drive/gear.h"
+#include "hwparts/drive/trip.h"
 #include "hwparts/joint.h"
 
 namespace visum::drive {
@@ -102,6 +103,9 @@ class Drive {
   const Broken& broken() const { return broken_; }
   const DriveData& data() const { return data_; }
   const DriveState& state() const { return state_; }
+  // The last trip, and how many there were since construction. A restart or a restore keeps both.
+  const Trip& trip() const { return trip_; }
+  std::uint64_t trips() const { return trips_; }
 
  private:
   // Each of these gives or makes the setpoint of this tick.
@@ -118,6 +122,8 @@ class Drive {
   // The encoder's reading now, faults and noise included.
   double encoder(double noise) const;
   void show_motion();
+  // Takes down the faults that are new in this tick, with the figures from before it.
+  void note_trip(const Trip& before);
   MotionLimits motion_limits() const;
 
   DriveData data_;
@@ -125,8 +131,11 @@ class Drive {
   DriveState initial_;
   DriveState state_;
   Broken broken_;
-  RotorPlan plan_;      // from act() to publish() of the same tick
-  bool acted_ = false;  // plan_ holds
+  Trip trip_;
+  std::uint64_t trips_ = 0;
+  std::uint32_t known_ = 0;  // the bits that were latched at the end of the last act()
+  RotorPlan plan_;           // from act() to publish() of the same tick
+  bool acted_ = false;       // plan_ holds
 };
 
 }  // namespace visum::drive

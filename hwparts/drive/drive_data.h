@@ -15,6 +15,7 @@
 namespace visum::drive {
 
 inline constexpr std::size_t kMaxJointsPerDrive = 4;
+inline constexpr double kHighestSupply_v = 60.0;  // of the parameter Supply Voltage, and of drives files
 
 struct MotorData {
   double torque_constant = 0.0;     // N·m/A at the motor's shaft; also the back-EMF constant in V·s/rad
@@ -101,7 +102,17 @@ struct DriveData {
   double increment() const;                                                                  // [u]
 };
 
-// Reads and checks one entry of a drives file. `linear`: the drive's joints are sliders. Throws ConfigError.
-DriveData read_drive_data(const config::Node& entry, bool linear);
+// The drive's joint as the model describes it, for what a file with a servo class leaves out. Sums, where the
+// drive moves several joints.
+struct JointBounds {
+  double lower = 1.0;  // lower > upper: no stops
+  double upper = -1.0;
+  double maximum_speed = 0.0;  // [u]/s; 0: the model gives none
+  int number = 1;              // of the drive in its file, from 1
+};
+
+// Reads and checks one entry of a drives file. `linear`: the drive's joints are sliders. Throws ConfigError,
+// which names all keys that are missing.
+DriveData read_drive_data(const config::Node& entry, bool linear, const JointBounds& joint = {});
 
 }  // namespace visum::drive

@@ -12,6 +12,7 @@ void Drive::latch(double target) {
 
 void Drive::reset() {
   drive::reset(data_, state_, state_.commanded);
+  known_ &= state_.latched;
 }
 
 void Drive::halt() {

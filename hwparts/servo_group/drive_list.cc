@@ -51,7 +51,8 @@ void check_start(const Node& entry, const DriveEntry& drive) {
   const auto& limits = drive.data.limits;
   const double start = drive.initial_position;
   if (!limits.limited || (start >= limits.hard_minimum && start <= limits.hard_maximum)) return;
-  entry.get("limits").fail("the drive starts at " + std::to_string(start) + ", outside of its hard limits");
+  entry.find("limits").value_or(entry).fail("the drive starts at " + std::to_string(start) +
+                                            ", outside of its hard limits");
 }
 
 void check_gains(const Node& entry, const drive::DriveData& data, double tick_s) {
@@ -66,10 +67,28 @@ void check_gains(const Node& entry, const drive::DriveData& data, double tick_s)
   }
 }
 
-DriveEntry read_entry(const Node& entry, const PartContext& context, std::vector<std::size_t> joints) {
+// The sums of the joints' bounds. All of them have stops, or the drive has none.
+drive::JointBounds bounds_of(const PartContext& context, const std::vector<std::size_t>& joints,
+                             std::size_t number) {
+  drive::JointBounds bounds{0.0, 0.0, 0.0, static_cast<int>(number)};
+  bool limited = true;
+  for (const std::size_t index : joints) {
+    const JointInfo& joint = context.joints[index];
+    limited = limited && joint.lower <= joint.upper;
+    bounds.lower += joint.lower;
+    bounds.upper += joint.upper;
+    bounds.maximum_speed += joint.maximum_speed;
+  }
+  if (!limited) bounds.lower = 1.0, bounds.upper = -1.0;
+  return bounds;
+}
+
+DriveEntry read_entry(const Node& entry, const PartContext& context, std::vector<std::size_t> joints,
+                      std::size_t number) {
   check_alike(entry.get("joints"), context, joints);
   DriveEntry drive;
-  drive.data = drive::read_drive_data(entry, context.joints[joints.front()].prismatic);
+  drive.data = drive::read_drive_data(entry, context.joints[joints.front()].prismatic,
+                                      bounds_of(context, joints, number));
   for (std::size_t joint : joints) drive.initial_position += context.joints[joint].initial_position;
   drive.joints = std::move(joints);
   check_start(entry, drive);
@@ -109,7 +128,7 @@ DriveList load_drives(const PartContext& context) {
   for (std::size_t i = 0; i < drives.size(); ++i) {
     const Node entry = drives.at(i);
     auto joints = bind_joints(entry.get("joints"), context);
-    if (!joints.empty()) list.drives.push_back(read_entry(entry, context, std::move(joints)));
+    if (!joints.empty()) list.drives.push_back(read_entry(entry, context, std::move(joints), i + 1));
   }
   if (list.drives.size() > kMaxDrives)
     drives.fail("more than " + std::to_string(kMaxDrives) + " drives in one part");

@@ -5,6 +5,7 @@
 
 #include "hwparts/drive/encoder.h"
 #include "hwparts/drive/supervision.h"
+#include "hwparts/servo_group/state_names.h"
 
 namespace visum::servo_group {
 namespace {
@@ -106,8 +107,14 @@ void add_module_outputs(const DriveList& drives, const Start& start, PortLayout&
     const auto& entry = entry_of(drives, channel);
     const auto word =
         drive::state_word(drive::initial_state(entry.data, entry.initial_position, start.homed));
-    channel.state = add(ports, {numbered("Module State", ++number), "", 0.0, 4294967295.0,
-                                static_cast<double>(word), "Module State"});
+    channel.state = add(ports, {numbered("Module State", ++number),
+                                "",
+                                0.0,
+                                4294967295.0,
+                                static_cast<double>(word),
+                                "Module State",
+                                {},
+                                module_state_bits()});
   }
 }
 
@@ -170,8 +177,8 @@ PortLayout make_layout(const std::vector<std::vector<Channel>>& wanted, const Dr
   add_motion_outputs(blocks, drives, layout);
   for (auto& block : blocks) layout.channels.insert(layout.channels.end(), block.begin(), block.end());
   add_module_outputs(drives, start, layout);
-  layout.part_state =
-      add(layout.sensor_outputs, {"Part State", "", 0.0, 7.0, initial_part_state(start), "Part State"});
+  layout.part_state = add(layout.sensor_outputs, {"Part State", "", 0.0, 7.0, initial_part_state(start),
+                                                  "Part State", part_state_names()});
   layout.changed = add(layout.sensor_outputs, counter("Changed"));
   return layout;
 }

@@ -49,7 +49,8 @@ ServoGroup::ServoGroup(const hwparts::PartContext& context, const std::string& k
       identity_(identity_text(kind, drives)) {
   for (const auto& entry : drives.drives) {
     axes_.push_back({drive::Drive(entry.data, entry.initial_position, options.homed, tick_s_),
-                     {joints_.size(), entry.joints.size()}});
+                     {joints_.size(), entry.joints.size()},
+                     context.joints[entry.joints.front()].name});
     joints_.insert(joints_.end(), entry.joints.begin(), entry.joints.end());
   }
   for (std::size_t i = 0; i < axes_.size(); ++i) modules_.bind(i, axes_[i].drive);
@@ -80,9 +81,11 @@ void ServoGroup::act(std::span<const double> inputs, std::span<const hwparts::Jo
   const bool fault = any(bit::kError);
   for (auto& axis : axes_) {
     const bool enabled = state_.enabled && (!fault || axis.drive.state().by_bus);
+    const auto trips = axis.drive.trips();
     axis.drive.act({target(axis, inputs), maximum_speed(layout_, axis.run, inputs), enabled},
                    samples.subspan(axis.run.first, axis.run.count),
                    drives.subspan(axis.run.first, axis.run.count));
+    if (axis.drive.trips() != trips) axis.tripped = ++trips_;
   }
   acted_ = true;
 }
@@ -187,6 +190,29 @@ void ServoGroup::following_errors(std::span<double> errors) const {
 
 bool ServoGroup::any(std::uint32_t bits) const {
   return std::ranges::any_of(axes_, [&](const Axis& axis) { return drive::has(axis.drive.state(), bits); });
+}
+
+std::string ServoGroup::trip_text(std::uint64_t since) const {
+  std::string text;
+  for (const auto& axis : axes_) {
+    const auto& state = axis.drive.state();
+    if (!drive::has(state, bit::kError) || (since > 0 && axis.tripped <= since)) continue;
+    // Restored from a snapshot, the figures of the moment are gone: those of now stand for them.
+    drive::Trip trip = axis.drive.trip();
+    if ((trip.bits & state.latched) == 0) {
+      trip = drive::figures_of(state);
+      trip.bits = state.latched;
+    }
+    const std::string why = drive::trip_text(axis.drive.data(), trip);
+    const bool all_lost =
+        trip.bits == bit::kCommError && text.empty() && axes_.size() > 1 &&
+        std::ranges::all_of(axes_, [](const Axis& one) {
+          return one.drive.trip().bits == bit::kCommError && drive::has(one.drive.state(), bit::kCommError);
+        });
+    if (all_lost) return "all drives: " + why;
+    text += (text.empty() ? "" : "\n") + axis.joint + ": " + why;
+  }
+  return text;
 }
 
 PartState ServoGroup::part_state() const {

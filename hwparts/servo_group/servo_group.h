@@ -56,6 +56,8 @@ class ServoGroup : public hwparts::Part {
   bool has(hwparts::FaultTarget target) const override { return target != hwparts::FaultTarget::kSensor; }
   std::optional<std::string> refuse_fault(const hwparts::Fault& fault) const override;
   void set_faults(std::span<const hwparts::ActiveFault> faults) override;
+  std::uint64_t trips() const override { return trips_; }
+  std::string trip_text(std::uint64_t since = 0) const override;
   powercube::ModuleBus* modules() override { return &modules_; }
   void save(hwparts::StateWriter& to) const override;
   void load(hwparts::StateReader& from) override;
@@ -65,6 +67,8 @@ class ServoGroup : public hwparts::Part {
   struct Axis {
     drive::Drive drive;
     Run run;
+    std::string joint;          // its name; of the first, where it moves several
+    std::uint64_t tripped = 0;  // number of its last trip, among all of the group
   };
   // The changing state apart from drives and modules.
   struct State {
@@ -102,7 +106,8 @@ class ServoGroup : public hwparts::Part {
   State state_;
   GroupFaults faults_;  // those that act now; the simulation keeps their list, so they are no state here
   std::uint64_t seed_;
-  bool acted_ = false;  // between act() and publish()
+  bool acted_ = false;       // between act() and publish()
+  std::uint64_t trips_ = 0;  // since construction; no state
   std::string identity_;
   protocol::PartDescription description_;
 };

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <sstream>
 #include <tuple>
 #include <utility>
 
@@ -16,6 +17,7 @@ TickSide::TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running
       waits_for_changes_(simulation.scene().clock != scene::ClockKind::kRealtime),
       watches_(simulation.parts().size()),
       stops_(simulation.parts().size()),
+      trips_(simulation.parts().size()),
       started_(running_at_once) {
   pacer_.set_speed(simulation.scene().speed, Clock::now());
   inputs_.reserve(Mailbox::kInputs);
@@ -94,6 +96,15 @@ void TickSide::watch_nodes() {
     if (failed && !node.failed)
       spdlog::error("'{}' is in fault: {}", node.part->description().name, *node.part->node_fault());
     node.failed = failed;
+  }
+  const auto& parts = simulation_.parts();
+  for (std::size_t i = 0; i < trips_.size(); ++i) {
+    const auto& part = *parts[i].part;
+    const auto before = std::exchange(trips_[i], part.trips());
+    if (before == trips_[i]) continue;
+    std::istringstream lines(part.trip_text(before));
+    for (std::string line; std::getline(lines, line);)
+      spdlog::warn("'{}' has tripped: {}", part.description().name, line);
   }
 }
 

@@ -165,6 +165,7 @@ class TickSide {
   std::uint64_t dropped_writes_ = 0;
   Clock::time_point runs_since_{};
   std::vector<WatchedNode> nodes_;
+  std::vector<std::uint64_t> trips_;            // by part, as last looked at
   std::unique_ptr<Command> step_command_;       // the running Step; null: none
   std::vector<std::unique_ptr<Command>> done_;  // to be given back
   std::int64_t steps_left_ = 0;

@@ -27,6 +27,7 @@
 #include "server/gateway/daemon.h"
 #include "server/gateway/playback.h"
 #include "server/programs/command_line.h"
+#include "server/programs/drives_file.h"
 #include "server/programs/node_watch.h"
 #include "server/programs/profile_file.h"
 #include "server/programs/program.h"
@@ -232,8 +233,8 @@ std::string footer_of(std::string_view verb, const std::string& name) {
         "Examples:\n  " + name + " run.mcap --at 12.5\n  " + name + " run.mcap --at 12.5 --engine ode\n";
   } else {
     examples =
-        "`visumd check`, `convert`, `record`, `replay`, `rewind` and `export` do the same as the verbs of "
-        "`visum` with these names.\n\n"
+        "`visumd check`, `convert`, `drives`, `record`, `replay`, `rewind` and `export` do the same as the "
+        "verbs of `visum` with these names.\n\n"
         "Examples:\n"
         "  visumd models/scenes/amtec_arm.yaml\n"
         "  visumd models/scenes/amtec_arm.yaml --clock lockstep --port 0 --json\n"
@@ -421,7 +422,7 @@ int export_csv(const programs::Command& command) {
                                [&] { return export_ports(file, options, to); });
 }
 
-const std::vector<std::string> kVerbs{"check", "convert", "export", "record", "replay", "rewind"};
+const std::vector<std::string> kVerbs{"check", "convert", "drives", "export", "record", "replay", "rewind"};
 
 // A verb that is misspelt would be taken for a scene. It is one if no such file is there and words follow it.
 int refuse_misspelt_verb(int argc, std::string_view word) {
@@ -440,6 +441,7 @@ int main(int argc, char** argv) {
                                   command_line::typed_name(argv[0], verb, "visumd " + verb)};
   if (verb == "check") return check(of_verb);
   if (verb == "convert") return convert(of_verb);
+  if (verb == "drives") return programs::write_drives(of_verb);
   if (verb == "replay") return replay(of_verb);
   if (verb == "export") return export_csv(of_verb);
   if (verb == "record" || verb == "rewind") return serve(of_verb, verb);

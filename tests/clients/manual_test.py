@@ -56,11 +56,11 @@ class Manual(unittest.TestCase):
 
 class Help(unittest.TestCase):
     def test_a_verb_that_another_program_does_shows_the_command_that_was_typed(self):
-        for verb in ("check", "convert", "record", "replay", "rewind", "export", "mirror"):
+        for verb in ("check", "convert", "drives", "record", "replay", "rewind", "export", "mirror"):
             text = visum(verb, "--help").stdout
             self.assertIn(f"Usage: visum {verb} ", text)
             self.assertNotIn("visumd " + verb, text)
-        for verb in ("check", "convert", "export"):
+        for verb in ("check", "convert", "drives", "export"):
             self.assertIn(f"Usage: visumd {verb} ", help_of([BIN / "visumd", verb]))
 
     def test_it_fits_80_columns(self):

@@ -88,7 +88,8 @@ class Queries(unittest.TestCase):
 
     def test_parts(self):
         self.assertEqual(self.daemon.json("parts"),
-                         {"parts": [{"name": "arm", "kind": "amtec_arm", "lease_owner": ""}]})
+                         {"parts": [{"name": "arm", "kind": "amtec_arm", "lease_owner": "", "state": "ready",
+                                     "tripped": ""}]})
 
     def test_describe_names_every_port_with_index_unit_and_range(self):
         part = self.daemon.json("describe", "arm")

@@ -2,9 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
+#include "hwparts/drive/servo_classes.h"
 #include "hwparts/servo_group/drive_list.h"
 #include "hwparts/servo_group/part_options.h"
 #include "tests/hwparts/rig.h"
@@ -98,6 +100,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"HomeTooFast", "speed_rad_per_s: 0.2", "speed_rad_per_s: 0.6", "above limits' speed"},
         BadCase{"SupplyReversed", "minimum_voltage_v: 22", "minimum_voltage_v: 25",
                 "above nominal_voltage_v"},
+        BadCase{"SupplyAboveThePorts", "nominal_voltage_v: 24", "nominal_voltage_v: 308", "at most 60"},
         BadCase{"FasterThanTheMotorCan", "speed_rad_per_s: 0.438", "speed_rad_per_s: 1.3", "cannot reach"},
         BadCase{"UnknownModule", "module: 1", "module: 32", "module"},
         BadCase{"ModuleTwice", "module: 2", "module: 1", "two drives have the module id 1"},
@@ -124,6 +127,80 @@ TEST(DriveData, OpenRavesSpeedOfTheWristIsRefusedWithTheReason) {
 TEST(DriveData, GainsTooHighForTheTickAreRefused) {
   EXPECT_EQ(error_of("type: PRL120", "type: PRL120", 0.005), "");
   EXPECT_THAT(error_of("type: PRL120", "type: PRL120", 0.01), HasSubstr("Velocity Gain"));
+}
+
+// A drives file with this one entry, for one hinge.
+drive::DriveData with_class(const std::string& entry, double speed = 2.0) {
+  const test::TempFiles files;
+  files.write("d.yaml", "source: test\ndrives:\n  - " + entry + "\n");
+  hwparts::JointInfo joint{"elbow", false, -1.5, 2.5, 0.25};
+  joint.maximum_speed = speed;
+  const auto config =
+      config::load_text("{name: a, kind: servo_group, drives: d.yaml}", "scene", files.folder());
+  return servo_group::load_drives({"a", config, {joint}, 0.001}).drives.at(0).data;
+}
+
+std::string error_with_class(const std::string& entry) {
+  try {
+    with_class(entry);
+    return "";
+  } catch (const config::ConfigError& error) {
+    return error.what();
+  }
+}
+
+TEST(ServoClass, GivesAllThatAFileLeavesOut) {
+  const auto data = with_class("{joints: [elbow], servo: 250W}");
+  EXPECT_EQ(data.motor.torque_constant, 0.123);
+  EXPECT_EQ(data.motor.nominal_current, 6.8);
+  EXPECT_EQ(data.supply.nominal_voltage, 48);
+  EXPECT_EQ(data.limits.maximum_speed, 2.0) << "the model's";
+  EXPECT_EQ(data.limits.soft_minimum, -1.5);
+  EXPECT_EQ(data.limits.hard_maximum, 2.5);
+  EXPECT_NEAR(data.gear.ratio, 0.8 * 3670 * 2 * M_PI / 60 / 2.0, 1e-9) << "0.8 of the no-load speed";
+  EXPECT_EQ(data.module, 1);
+  EXPECT_FALSE(data.brake.present);
+}
+
+TEST(ServoClass, WhatAFileSaysReplacesIt) {
+  const auto data = with_class(
+      "{joints: [elbow], servo: 60W, module: 7, gear: {ratio: 160}, limits: {speed_rad_per_s: 1}, "
+      "motor: {current_limit_a: 4}}");
+  EXPECT_EQ(data.gear.ratio, 160);
+  EXPECT_EQ(data.module, 7);
+  EXPECT_EQ(data.motor.current_limit, 4);
+  EXPECT_EQ(data.motor.nominal_current, 1.74) << "the rest of the section is the class'";
+  EXPECT_EQ(data.limits.maximum_speed, 1);
+  EXPECT_EQ(data.limits.hard_maximum, 2.5);
+}
+
+TEST(ServoClass, EveryOneOfTheCatalogueIsRight) {
+  for (const auto& name : drive::servo_class_names()) {
+    for (const double speed : {0.0, 0.1, 3.0, 20.0})
+      EXPECT_GT(with_class("{joints: [elbow], servo: " + name + "}", speed).limits.maximum_speed, 0) << name;
+    // The data sheets agree with themselves: nominal torque is nominal current less the no-load current.
+    const auto& servo = *drive::find_servo_class(name);
+    EXPECT_NEAR(servo.torque_constant * (servo.nominal_current - servo.no_load_current), servo.nominal_torque,
+                0.02 * servo.nominal_torque);
+    EXPECT_NEAR((servo.nominal_voltage - servo.resistance * servo.no_load_current) / servo.torque_constant,
+                servo.no_load_speed, 0.02 * servo.no_load_speed);
+  }
+}
+
+TEST(ServoClass, IsRefusedWhereItIsUnknownOrItsJointHasNoStops) {
+  EXPECT_THAT(error_with_class("{joints: [elbow], servo: 200W}"),
+              AllOf(HasSubstr("drives[0].servo"), HasSubstr("servo class '200W'"), HasSubstr("250W")));
+}
+
+TEST(DriveData, AllMissingKeysAreToldAtOnce) {
+  const auto error = error_with_class("{joints: [elbow], motor: {resistance_ohm: 1}}");
+  for (const char* key : {"type", "module", "motor.torque_constant_nm_per_a", "gear.ratio",
+                          "encoder.increments_per_turn", "limits.speed_rad_per_s", "loop.position_gain_per_s",
+                          "home.position_rad", "supply.nominal_voltage_v"})
+    EXPECT_THAT(error, HasSubstr(key));
+  EXPECT_THAT(error, AllOf(HasSubstr("missing: "), HasSubstr("servo: 60W or 250W")));
+  EXPECT_EQ(error.find("resistance_ohm"), std::string::npos);
+  EXPECT_EQ(error.find("stiffness"), std::string::npos) << "has a value of its own";
 }
 
 TEST(DriveList, RefusesFingersThatStartApartAndAStartBeyondAHardLimit) {

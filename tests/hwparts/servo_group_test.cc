@@ -270,6 +270,33 @@ TEST(ServoGroup, MovesASubsetOfTheJoints) {
   EXPECT_NEAR(bench.out("Actual Position 2"), 0.03, 2e-5);
 }
 
+TEST(ServoGroup, SaysItsStatesInWords) {
+  auto bench = arm_bench();
+  const auto& outputs = bench.part->description().sensor_outputs;
+  const auto words = [&](const std::string& port) {
+    const auto found = std::ranges::find(outputs, port, &protocol::Port::name);
+    return found == outputs.end() ? "" : protocol::in_words(*found, bench.out(port));
+  };
+  bench.set_angles(1.5);
+  bench.run(0.1);
+  EXPECT_EQ(words("Part State"), "moving");
+  EXPECT_EQ(words("Module State 1"), "HOME_OK MOTION RAMP_ACC");
+  EXPECT_EQ(words("Actual Angle 1"), "");
+  bench.part->controller_lost();
+  bench.run(1.0);
+  EXPECT_EQ(words("Part State"), "controller lost");
+  EXPECT_EQ(words("Module State 1"), "ERROR HOME_OK COMM_ERROR RAMP_END");
+}
+
+TEST(ServoGroup, SaysABitWithoutANameByItsNumber) {
+  const protocol::Port port{"p", "", 0, 4e9, 0, "p", {}, {{0, "ERROR"}}};
+  EXPECT_EQ(protocol::in_words(port, 9), "ERROR bit 3");
+  EXPECT_EQ(protocol::in_words(port, 0), "");
+  EXPECT_EQ(protocol::in_words(port, 0.5), "");
+  EXPECT_EQ(protocol::in_words(port, -1), "");
+  EXPECT_EQ(protocol::in_words(port, std::nan("")), "");
+}
+
 TEST(PartKinds, AreListedAndAnUnknownOneNamesThem) {
   for (const auto& kind : hwparts::part_kinds()) {
     EXPECT_NE(std::string(kind.name), "");

@@ -193,7 +193,8 @@ TEST(SpeedControl, AWrongSettingIsRefusedByName) {
   EXPECT_THAT(
       error("control: velocity", "control: velocity\n    home: {position_rad: 0, speed_rad_per_s: 1}"),
       HasSubstr("home: means nothing for a drive with 'control: velocity'"));
-  EXPECT_THAT(error("control: velocity", "control: position"), HasSubstr("key 'home' is missing"));
+  EXPECT_THAT(error("control: velocity", "control: position"),
+              HasSubstr("missing: home.position_rad, home.speed_rad_per_s"));
 }
 
 }  // namespace

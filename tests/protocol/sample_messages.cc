@@ -15,9 +15,12 @@ std::vector<std::byte> bytes(std::initializer_list<int> values) {
 
 PartDescription arm() {
   PartDescription part{"arm", "amtec_arm", {}, {}, {}, {}};
-  part.controller_inputs = {{"Desired Angle 1", "rad", -3.5, 3.5, 0.25, "Desired Angle"},
-                            {"Reset", "", 0.0, 4294967295.0, 1.0, "Reset"}};
-  part.sensor_outputs = {{"Actual Angle 1", "rad", -7.0, 7.0, 0.125, "Actual Angle"}};
+  // The first port of each vector has every field, so names of values and of bits, too.
+  part.controller_inputs = {
+      {"Desired Angle 1", "rad", -3.5, 3.5, 0.25, "Desired Angle", {{1, "one"}, {2, "two"}}, {{3, "ready"}}},
+      {"Reset", "", 0.0, 4294967295.0, 1.0, "Reset"}};
+  part.sensor_outputs = {
+      {"Actual Angle 1", "rad", -7.0, 7.0, 0.125, "Actual Angle", {{-1, "left"}}, {{1, "HOME_OK"}}}};
   part.parameters = {{"loss_reaction",
                       "1",
                       "What a lost controller causes",

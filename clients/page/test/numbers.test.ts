@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { formatBytes, formatInRange, formatNs, formatTime, formatValue, inDegrees, niceStep, share } from "../src/ui/numbers";
+import { formatBytes, formatInRange, formatNs, formatOf, formatTime, formatValue, inDegrees, inWords, niceStep, share } from "../src/ui/numbers";
 
 test("values have as many digits as an eye can use", () => {
   assert.deepEqual([0, 1.23456, -12.3456, 123.456, 12345.67].map((value) => formatValue(value, "rad")), ["0.0000", "1.2346", "−12.346", "123.46", "12345.7"]);
@@ -34,4 +34,12 @@ test("a share stays within its limits, and a range of nothing has none", () => {
 
 test("steps of editors are 1, 2 or 5 times a power of ten", () => {
   assert.deepEqual([niceStep(0, 1), niceStep(-1, 1), niceStep(0, 4), niceStep(0, 0)], [0.001, 0.002, 0.005, 1]);
+});
+
+test("a port with names shows words", () => {
+  const state = { minimum: 0, maximum: 4294967295, unit: "", bits: [{ number: 1n, name: "HOME_OK" }, { number: 15n, name: "RAMP_END" }] };
+  assert.equal(formatOf(state, 32770), "HOME_OK RAMP_END");
+  assert.equal(formatOf(state, 0), "0");
+  assert.equal(inWords({ values: [{ number: 1n, name: "moving" }] }, 1), "moving");
+  assert.deepEqual([inWords(state, NaN), inWords(state, 0.5), inWords(state, -1), inWords({}, 3)], ["", "", "", ""]);
 });

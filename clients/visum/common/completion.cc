@@ -68,7 +68,7 @@ constexpr const char* kZshTail = R"(    esac
   fi
   local -a names
   case $words[2] in
-    run|check|convert|record|replay|rewind|export|mirror|exec) _files ;;
+    run|check|drives|convert|record|replay|rewind|export|mirror|exec) _files ;;
     completion) compadd bash zsh fish ;;
     get|set|watch|describe|params|param-set|fault|faults)
       if (( CURRENT == 3 )); then
@@ -125,7 +125,8 @@ std::string Shell::fish() const {
     }
   }
   script +=
-      "complete -c visum -n '__fish_seen_subcommand_from run check convert record replay rewind export "
+      "complete -c visum -n '__fish_seen_subcommand_from run check drives convert record replay rewind "
+      "export "
       "mirror exec' -F\n";
   script += "complete -c visum -n '__fish_seen_subcommand_from completion' -a 'bash zsh fish'\n";
   script +=

@@ -3,6 +3,7 @@
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/json_writer.h"
+#include "clients/visum/common/terminal.h"
 
 namespace visum::cli {
 
@@ -17,8 +18,9 @@ std::string sample_table(const protocol::PartSample& sample, const std::vector<P
   for (const PortRef& port : ports) {
     // A port without a unit may be a bit field such as a state word: a fixed number of digits would cut it.
     const double value = value_of(sample, port);
-    table.row(
-        {port.port->name, port.port->unit.empty() ? readable(value, 9) : fixed(value, 6), port.port->unit});
+    const std::string words = protocol::in_words(*port.port, value);
+    table.row({port.port->name, port.port->unit.empty() ? readable(value, 9) : fixed(value, 6),
+               words.empty() ? port.port->unit : words});
   }
   return table.text();
 }
@@ -28,6 +30,12 @@ std::string sample_json(const protocol::PartSample& sample, const std::vector<Po
   json.begin_object().member("part", sample.part).member("tick", sample.tick);
   json.member("sim_time_ns", sample.sim_time_ns).member("era", sample.era).key("ports").begin_object();
   for (const PortRef& port : ports) json.member(port.port->name, value_of(sample, port));
+  json.end_object();
+  // The same values in words, where their ports have names for them.
+  json.key("words").begin_object();
+  for (const PortRef& port : ports)
+    if (const auto words = protocol::in_words(*port.port, value_of(sample, port)); !words.empty())
+      json.member(port.port->name, words);
   return json.end_object().end_object().text();
 }
 
@@ -36,6 +44,8 @@ std::string sample_line(const protocol::PartSample& sample, const std::vector<Po
   for (const PortRef& port : ports) {
     line += "  " + port.port->name + "=" + readable(value_of(sample, port), 9);
     if (!port.port->unit.empty()) line += " " + port.port->unit;
+    const std::string words = protocol::in_words(*port.port, value_of(sample, port));
+    if (!words.empty()) line += " (" + printable(words) + ")";
   }
   return line;
 }

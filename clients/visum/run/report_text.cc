@@ -124,6 +124,12 @@ std::string limits(const Report& report) {
          "\n";
 }
 
+std::string trips(const Report& report) {
+  std::string text;
+  for (const auto& one : report.tripped) text += "  " + wrapped("tripped: " + cli::printable(one), 2) + "\n";
+  return text;
+}
+
 }  // namespace
 
 std::string swept_text(const Report& report) {
@@ -146,7 +152,8 @@ std::string report_text(const Report& report, const cli::Style& style) {
   const bool fits = report.name.size() + origin.size() + 3 <= kWidth;
   std::string text =
       style.bold(report.name) + (fits ? " (" + origin + ")\n" : "\n  " + wrapped(origin, 2) + "\n");
-  text += check_lines(report, style) + trouble(report, style) + figures(report) + limits(report);
+  text +=
+      check_lines(report, style) + trouble(report, style) + figures(report) + limits(report) + trips(report);
   const bool invalid = report.code == cli::kInvalid;
   text += (report.passed() ? style.green("PASSED") : style.red(invalid ? "INVALID" : "FAILED")) + ": " +
           std::to_string(passed) + " of " + std::to_string(report.checks.size()) + " checks\n";
@@ -163,6 +170,11 @@ std::string report_json(const Report& report) {
   json.key("sim_seconds").number(with_point(report.sim_seconds));
   json.key("wall_seconds").number(with_point(report.wall_seconds));
   if (report.limited_ticks > 0) json.member("limited_ticks", report.limited_ticks);
+  if (!report.tripped.empty()) {
+    json.key("tripped").begin_array();
+    for (const auto& one : report.tripped) json.value(one);
+    json.end_array();
+  }
   return json.member("state_hash", cli::hex(report.state_hash)).end_object().text();
 }
 

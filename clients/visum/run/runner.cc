@@ -272,6 +272,7 @@ void Run::look_back() {
   last_ = session_.status();
   report_.limited_ticks = last_.limited_ticks;
   report_.limited_bodies = last_.limited_bodies;
+  report_.tripped = session_.tripped(catalogue_);
 }
 
 void Run::collect() {

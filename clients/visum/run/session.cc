@@ -1,6 +1,7 @@
 #include "clients/visum/run/session.h"
 
 #include <algorithm>
+#include <sstream>
 
 #include "clients/visum/common/exit_code.h"
 #include "protocol/limits.h"
@@ -56,6 +57,23 @@ Catalogue Session::catalogue() {
         connection_.request_as<protocol::FaultList>(protocol::ListFaults{part.name}).kinds;
   }
   return catalogue;
+}
+
+std::vector<std::string> Session::tripped(const Catalogue& catalogue) {
+  std::vector<std::string> all;
+  for (const auto& [name, part] : catalogue.parts) {
+    if (std::ranges::find(part.parameters, protocol::kTripped, &protocol::Parameter::name) ==
+        part.parameters.end())
+      continue;
+    const auto list = connection_.request_as<protocol::ParameterList>(protocol::GetParameters{name});
+    for (const auto& parameter : list.parameters) {
+      const auto* text = std::get_if<std::string>(&parameter.value);
+      if (parameter.name != protocol::kTripped || !text || text->empty()) continue;
+      std::istringstream lines(*text);
+      for (std::string line; std::getline(lines, line);) all.push_back(name + ": " + line);
+    }
+  }
+  return all;
 }
 
 Observation Session::look(const std::set<std::string>& parts) {

@@ -31,6 +31,8 @@ class Session {
 
   void join();  // holds the world from now on (lockstep)
   Catalogue catalogue();
+  // The drives that are in fault now: "arm: joint_2: following error ...".
+  std::vector<std::string> tripped(const Catalogue& catalogue);
   // Reads the present state of the world and of these parts.
   Observation look(const std::set<std::string>& parts);
   // Asks for `count` steps of `ticks` each, behind those that were asked for before, and for the same of the

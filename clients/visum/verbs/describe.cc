@@ -12,13 +12,23 @@ namespace {
 using protocol::PartDescription;
 using protocol::Port;
 
+void write_names(JsonWriter& json, const char* key, const std::vector<protocol::NumberName>& names) {
+  if (names.empty()) return;
+  json.key(key).begin_object();
+  for (const auto& [number, name] : names) json.member(std::to_string(number).c_str(), name);
+  json.end_object();
+}
+
 void write_ports(JsonWriter& json, const char* key, const std::vector<Port>& ports) {
   json.key(key).begin_array();
   std::size_t index = 0;
   for (const Port& port : ports) {
     json.begin_object().member("index", index++).member("name", port.name).member("group", port.group);
     json.member("unit", port.unit).member("minimum", port.minimum).member("maximum", port.maximum);
-    json.member("initial", port.initial).end_object();
+    json.member("initial", port.initial);
+    write_names(json, "values", port.values);
+    write_names(json, "bits", port.bits);
+    json.end_object();
   }
   json.end_array();
 }
@@ -56,12 +66,28 @@ std::string port_table(const std::vector<Port>& ports, bool inputs) {
   return table.text("  ");
 }
 
+// The names of a port's values or bits, one line for each group of ports.
+std::string names_of_values(const std::vector<Port>& ports) {
+  std::string text, last;
+  for (const Port& port : ports) {
+    if ((port.values.empty() && port.bits.empty()) || port.group == last) continue;
+    last = port.group;
+    std::string line = port.group + (port.values.empty() ? " bits:" : ":");
+    for (const auto& [number, name] : port.values.empty() ? port.bits : port.values)
+      line += " " + std::to_string(number) + " " + name + ",";
+    line.pop_back();
+    text += "  " + printable(line) + "\n";
+  }
+  return text;
+}
+
 std::string text_of(const protocol::PartDescriptionReply& reply) {
   const PartDescription& part = reply.description;
   std::string text = part.name + ": a part of kind " + part.kind + ", ";
   text = printable(text + (reply.lease_owner.empty() ? "free" : "leased by " + reply.lease_owner)) + "\n";
-  text += "\nController Input\n" + port_table(part.controller_inputs, true);
-  text += "\nSensor Output\n" + port_table(part.sensor_outputs, false);
+  text += "\nController Input\n" + port_table(part.controller_inputs, true) +
+          names_of_values(part.controller_inputs);
+  text += "\nSensor Output\n" + port_table(part.sensor_outputs, false) + names_of_values(part.sensor_outputs);
   if (!part.parameters.empty()) text += "\nParameters\n" + parameter_table(part.parameters);
   if (!part.blackboards.empty()) text += "\nBlackboards\n";
   Table boards;

@@ -57,6 +57,10 @@ std::unique_ptr<Verb> make_check() {
   return std::make_unique<ServerVerb>(std::vector<std::string>{"visumd", "check"});
 }
 
+std::unique_ptr<Verb> make_drives() {
+  return std::make_unique<ServerVerb>(std::vector<std::string>{"visumd", "drives"});
+}
+
 std::unique_ptr<Verb> make_record() {
   return std::make_unique<ServerVerb>(std::vector<std::string>{"visumd", "record"});
 }

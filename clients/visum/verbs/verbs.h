@@ -31,6 +31,7 @@ std::unique_ptr<Verb> make_run();
 std::unique_ptr<Verb> make_exec();
 std::unique_ptr<Verb> make_mirror();
 std::unique_ptr<Verb> make_check();
+std::unique_ptr<Verb> make_drives();
 std::unique_ptr<Verb> make_convert();
 std::unique_ptr<Verb> make_record();
 std::unique_ptr<Verb> make_replay();

@@ -22,9 +22,25 @@ export function formatInRange(value: number, minimum: number, maximum: number, u
   return value.toFixed(decimals).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
 }
 
+interface Worded {
+  values?: readonly { number: bigint; name: string }[];
+  bits?: readonly { number: bigint; name: string }[];
+}
+
+// A port's value in words: the name of the value, or of the bits that are set. Empty where the port has none.
+export function inWords(port: Worded, value: number): string {
+  if (!Number.isSafeInteger(value)) return "";
+  const number = BigInt(value);
+  const named = port.values?.find((one) => one.number === number);
+  if (named) return named.name;
+  if (value < 0) return "";
+  return (port.bits ?? []).filter((bit) => (number >> bit.number) & 1n).map((bit) => bit.name).join(" ");
+}
+
 // The text of a port's value.
-export function formatOf(port: { minimum: number; maximum: number; unit: string } | undefined, value: number): string {
-  return port ? formatInRange(value, port.minimum, port.maximum, port.unit) : formatValue(value);
+export function formatOf(port: ({ minimum: number; maximum: number; unit: string } & Worded) | undefined, value: number): string {
+  if (!port) return formatValue(value);
+  return inWords(port, value) || formatInRange(value, port.minimum, port.maximum, port.unit);
 }
 
 export function formatTime(seconds: number): string {
