@@ -378,7 +378,7 @@ TEST(Convert, ReadsNoOtherFilesAndNoCode) {
     return files.error_of([&] { read_any_scene(file, {}); });
   };
   EXPECT_EQ(refusal("a.wrl", "#VRML V2.0 utf8\nInline { url \"/etc/passwd\" }"),
-            "a.wrl:2: Inline is not read: write what it stands for");
+            "a.wrl:2: Inline: '/etc/passwd' is not a file of X3D or VRML97");
   EXPECT_EQ(refusal("a.x3d", "<X3D><Scene>\n<Script url='javascript:x'/></Scene></X3D>"),
             "a.x3d:2: <Script> is not read: write what it stands for");
   EXPECT_EQ(refusal("b.x3d", "<!DOCTYPE x [<!ENTITY a 'aaaa'>]>\n<X3D><Scene/></X3D>"),

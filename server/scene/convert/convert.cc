@@ -2,10 +2,10 @@
 
 #include <functional>
 
-#include "protocol/config/read_file.h"
 #include "server/scene/convert/output.h"
 #include "server/scene/convert/write_sdf.h"
 #include "server/scene/convert/write_yaml.h"
+#include "server/scene/convert/x3d_prototypes.h"
 #include "server/scene/convert/x3d_scene.h"
 #include "server/scene/convert/yaml_text.h"
 #include "server/scene/draft.h"
@@ -21,12 +21,6 @@ namespace fs = std::filesystem;
 // An error about the file as a whole.
 [[noreturn]] void fail(const fs::path& file, const std::string& message) {
   throw config::ConfigError({file.string(), 0, ""}, message);
-}
-
-std::string text_of(const fs::path& file) {
-  auto content = config::read_file(file, kMaxX3dBytes);
-  if (!content.fault.empty()) fail(file, content.fault);
-  return std::move(content.bytes);
 }
 
 // A scene with one model, which stands on the ground.
@@ -81,6 +75,20 @@ std::string written(const Scene& scene, Output& output) {
   return write_x3d_classic(to_x3d(scene, output, !vrml97), vrml97);
 }
 
+// A conversion that cannot be read is no success. SDF is for others, and holds worlds that Visum does not
+// read.
+void check_readable(const fs::path& written, const Options& options) {
+  if (lower_extension(written) == ".sdf") return;
+  try {
+    read_any_scene(written, {.engine = options.engine,
+                             .plugin_folders = options.plugin_folders,
+                             .parameters = {},
+                             .packages = options.packages});
+  } catch (const config::ConfigError& error) {
+    throw config::ConfigError(error.place(), error.message() + " (the file was written, but cannot be read)");
+  }
+}
+
 }  // namespace
 
 Scene read_any_scene(const fs::path& file, const Options& options) {
@@ -90,12 +98,11 @@ Scene read_any_scene(const fs::path& file, const Options& options) {
     case Format::kModel:
       return scene_of_model(file);
     case Format::kX3dXml:
-      return scene_of_x3d(read_x3d_xml(text_of(file), file.string()), file);
     case Format::kX3dClassic:
     case Format::kVrml97:
       break;
   }
-  return scene_of_x3d(read_x3d_classic(text_of(file), file.string()), file);
+  return scene_of_x3d(read_x3d_file(file), file);
 }
 
 bool is_x3d_file(const fs::path& file) {
@@ -117,7 +124,13 @@ std::vector<std::string> convert(const fs::path& from, const fs::path& to, const
   Output output(to);
   const std::string text = written(scene, output);
   output.write(text);
+  check_readable(to, options);
   std::vector<std::string> losses = scene.losses;
+  if (is_x3d_file(from))
+    for (const PartPlan& part : scene.parts)
+      if (part.kind == "ideal_joints")
+        losses.push_back("part '" + part.context.name +
+                         "' has the speed limits of ideal_joints, not the file's");
   losses.insert(losses.end(), output.losses().begin(), output.losses().end());
   return losses;
 }

@@ -18,7 +18,8 @@ Scene load_any(const std::filesystem::path& file, const Options& options);
 bool is_x3d_file(const std::filesystem::path& file);
 
 // Reads `from` and writes `to` (.yaml, .sdf, .x3d, .x3dv or .wrl). Returns what the encoding of `to` cannot
-// hold, one sentence each. Throws ConfigError; `to` is then unchanged.
+// hold, one sentence each. Throws ConfigError; `to` is then unchanged, unless the error is that what was
+// written cannot be read back.
 std::vector<std::string> convert(const std::filesystem::path& from, const std::filesystem::path& to,
                                  const Options& options);
 

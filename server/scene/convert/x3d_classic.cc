@@ -1,4 +1,5 @@
 // X3D's classic encoding, which is VRML97's: DEF NAME Type { field value ... }, # comments, commas as blanks.
+#include <algorithm>
 #include <cctype>
 #include <string_view>
 
@@ -24,7 +25,10 @@ bool is_number_word(const Token& token) {
 // Splits the text into tokens. Comments and commas count as blanks.
 class Tokens {
  public:
-  Tokens(std::string_view text, std::string file) : text_(text), file_(std::move(file)) { next(); }
+  Tokens(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {
+    if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;  // a byte order mark
+    next();
+  }
 
   const Token& now() const { return now_; }
   Token take() {
@@ -101,29 +105,44 @@ std::string in_quotes(const std::string& text) {
   return quoted + "\"";
 }
 
+// True if one of the comments at the top, of which the first should be it, is a header.
+bool has_header(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  while (text.starts_with('#') || text.starts_with('\r') || text.starts_with('\n')) {
+    if (text.starts_with("#X3D V3.") || text.starts_with("#VRML V2.0")) return true;
+    text.remove_prefix(std::min(text.size(), text.find('\n')));
+    while (!text.empty() && (text[0] == '\n' || text[0] == '\r')) text.remove_prefix(1);
+  }
+  return false;
+}
+
 // A recursive-descent parser. Which fields a node may have is not checked here.
 class Reader {
  public:
   Reader(const std::string& text, const std::string& file) : tokens_(text, file) {
-    if (!text.starts_with("#X3D V3.") && !text.starts_with("#VRML V2.0"))
-      tokens_.fail(1, "must begin with '#X3D V3.2 utf8' or '#VRML V2.0 utf8'");
+    if (!has_header(text)) tokens_.fail(1, "must begin with '#X3D V3.2 utf8' or '#VRML V2.0 utf8'");
   }
 
   X3dNode read() {
     X3dNode scene;
     scene.type = "Scene";
     while (tokens_.now().kind != Kind::kEnd)
-      if (!skip_statement()) scene.add("children", node(1));
+      if (!statement(scene, 1)) scene.add("children", node(1));
     return scene;
   }
 
  private:
   using Kind = Token::Kind;
 
-  // Skips statements that are not nodes. Returns false if the next thing is none of them.
-  bool skip_statement() {
+  // Takes statements that are not nodes: skips them, or adds a prototype to `node`. Returns false if
+  // something else comes next.
+  bool statement(X3dNode& node, int depth) {
     const Token& now = tokens_.now();
     if (now.kind != Kind::kWord) return false;
+    if (now.text == "PROTO" || now.text == "EXTERNPROTO") {
+      node.add("children", prototype(depth + 1));
+      return true;
+    }
     int words = 0;
     if (now.text == "PROFILE" || now.text == "COMPONENT" || now.text == "EXPORT") words = 2;
     if (now.text == "META") words = 3;
@@ -132,31 +151,88 @@ class Reader {
     return words > 0;
   }
 
+  // PROTO Name [ interface ] { body }, or EXTERNPROTO Name [ interface ] "url".
+  X3dNode prototype(int depth) {
+    X3dNode made;
+    const Token token = tokens_.take();
+    check_limits(token.line, depth);
+    const bool is_extern = token.text == "EXTERNPROTO";
+    made.type = is_extern ? "ExternProtoDeclare" : "ProtoDeclare";
+    made.line = token.line;
+    made.def = word("a name after " + token.text).text;
+    expect(Kind::kBegin, "the interface of " + made.def + " must begin with [");
+    while (tokens_.now().kind != Kind::kFinish) interface_field(made, depth, !is_extern);
+    tokens_.take();
+    if (is_extern) {
+      X3dNode url;
+      value(url, "url", depth);
+      made.values = std::move(url.values);
+      return made;
+    }
+    expect(Kind::kOpen, "the body of " + made.def + " must begin with {");
+    while (tokens_.now().kind != Kind::kClose) {
+      if (tokens_.now().kind == Kind::kEnd) tokens_.fail(made.line, "PROTO " + made.def + " has no }");
+      X3dNode inner;
+      if (!statement(inner, depth)) inner.add("", node(depth + 1));
+      for (X3dChild& child : inner.children) made.add("body", std::move(child.node));
+    }
+    tokens_.take();
+    return made;
+  }
+
+  // exposedField SFVec3f center 0 0 0. Events, and all fields of EXTERNPROTO, have no default.
+  void interface_field(X3dNode& proto, int depth, bool has_defaults) {
+    const Token access = word("a field of " + proto.def);
+    X3dNode made;
+    made.line = access.line;
+    made.type = word("the type of a field of " + proto.def).text;
+    made.def = word("the name of a field of " + proto.def).text;
+    const bool holds = access.text == "field" || access.text == "exposedField" ||
+                       access.text == "initializeOnly" || access.text == "inputOutput";
+    const bool event = access.text == "eventIn" || access.text == "eventOut" || access.text == "inputOnly" ||
+                       access.text == "outputOnly";
+    if (!holds && !event) tokens_.fail(access.line, "'" + access.text + "' does not begin a field");
+    if (holds && has_defaults) value(made, "value", depth);
+    proto.add("interface", std::move(made));
+  }
+
+  void expect(Kind kind, const std::string& message) {
+    if (tokens_.now().kind != kind) tokens_.fail(tokens_.now().line, message);
+    tokens_.take();
+  }
+
+  void check_limits(int line, int depth) {
+    if (depth > kMaxX3dDepth)
+      tokens_.fail(line, "nodes are nested more than " + std::to_string(kMaxX3dDepth) + " deep");
+    if (++count_ > kMaxX3dNodes)
+      tokens_.fail(line, "has more than " + std::to_string(kMaxX3dNodes) + " nodes");
+  }
+
   X3dNode node(int depth) {
     X3dNode made;
     Token token = word("a node");
     made.line = token.line;
-    if (depth > kMaxX3dDepth)
-      tokens_.fail(token.line, "nodes are nested more than " + std::to_string(kMaxX3dDepth) + " deep");
-    if (++count_ > kMaxX3dNodes)
-      tokens_.fail(token.line, "has more than " + std::to_string(kMaxX3dNodes) + " nodes");
+    check_limits(token.line, depth);
     if (token.text == "USE") {
       made.use = word("a name after USE").text;
       return made;
     }
     if (token.text == "DEF") {
-      made.def = word("a name after DEF").text;
-      token = word("a node after DEF " + made.def);
+      token = word("a name after DEF");
+      // Some programs write "DEF Transform {" for a node without a name.
+      if (tokens_.now().kind != Kind::kOpen) {
+        made.def = token.text;
+        token = word("a node after DEF " + made.def);
+      }
     }
     made.type = token.text;
-    for (const char* code : {"Script", "PROTO", "EXTERNPROTO", "Inline"})
-      if (made.type == code) tokens_.fail(token.line, made.type + " is not read: write what it stands for");
+    if (made.type == "Script") tokens_.fail(token.line, "Script is not read: write what it stands for");
     if (tokens_.now().kind != Kind::kOpen)
       tokens_.fail(tokens_.now().line, "'" + made.type + "' must be followed by {");
     tokens_.take();
     while (tokens_.now().kind != Kind::kClose) {
       if (tokens_.now().kind == Kind::kEnd) tokens_.fail(made.line, made.type + " has no }");
-      if (!skip_statement()) field(made, depth);
+      if (!statement(made, depth)) field(made, depth);
     }
     tokens_.take();
     return made;
@@ -173,22 +249,32 @@ class Reader {
 
   void field(X3dNode& node, int depth) {
     const Token name = word("a field of " + node.type);
+    if (tokens_.now().kind == Kind::kWord && tokens_.now().text == "IS") {
+      tokens_.take();
+      node.is[name.text] = word("a field of the prototype after IS").text;
+      return;
+    }
+    value(node, name.text, depth);
+  }
+
+  void value(X3dNode& node, const std::string& name, int depth) {
     const Token& now = tokens_.now();
     if (now.kind == Kind::kText) {
-      node.values[name.text] = tokens_.take().text;
+      node.values[name] = tokens_.take().text;
     } else if (now.kind == Kind::kBegin) {
-      list(node, name.text, depth);
+      list(node, name, depth);
     } else if (is_number_word(now)) {
-      std::string& value = node.values[name.text];
+      std::string& value = node.values[name];
       while (is_number_word(tokens_.now())) value += (value.empty() ? "" : " ") + tokens_.take().text;
-    } else if (now.kind != Kind::kWord || now.text == "IS") {
-      tokens_.fail(now.line, "'" + name.text + "' of " + node.type + " has no value");
+    } else if (now.kind != Kind::kWord) {
+      tokens_.fail(now.line,
+                   "'" + name + "' of " + (node.def.empty() ? node.type : node.def) + " has no value");
     } else if (now.text == "TRUE" || now.text == "FALSE") {
-      node.values[name.text] = tokens_.take().text == "TRUE" ? "true" : "false";
+      node.values[name] = tokens_.take().text == "TRUE" ? "true" : "false";
     } else if (now.text == "NULL") {
       tokens_.take();
     } else {
-      node.add(name.text, this->node(depth + 1));
+      node.add(name, this->node(depth + 1));
     }
   }
 

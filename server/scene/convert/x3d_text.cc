@@ -57,8 +57,20 @@ Eigen::Quaterniond from_y_to_z() {
 }
 
 void fail_at(const X3dNode& node, const std::string& file, const std::string& message) {
-  const std::string what = node.type + (node.def.empty() ? "" : " '" + node.def + "'");
-  throw config::ConfigError({file, node.line, what}, message);
+  throw config::ConfigError({file_of(node, file), node.line, title_of(node)}, message);
+}
+
+const std::string& file_of(const X3dNode& node, const std::string& file) {
+  return node.file ? *node.file : file;
+}
+
+std::string name_in_file(const X3dNode& node) {
+  return node.def.substr(0, node.def.find(kX3dMark));
+}
+
+std::string title_of(const X3dNode& node) {
+  const std::string name = name_in_file(node);
+  return (node.prototype.empty() ? node.type : node.prototype) + (name.empty() ? "" : " '" + name + "'");
 }
 
 std::vector<double> numbers_of(const X3dNode& node, const std::string& field, std::size_t count,

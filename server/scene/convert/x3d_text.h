@@ -27,6 +27,11 @@ std::vector<double> numbers_of(const X3dNode& node, const std::string& field, st
                                const std::vector<double>& otherwise, const std::string& file);
 bool flag_of(const X3dNode& node, const std::string& field, bool otherwise, const std::string& file);
 
+// The file in which a node stands, its name there, and type and name for messages: "Joint 'elbow'".
+const std::string& file_of(const X3dNode& node, const std::string& file);
+std::string name_in_file(const X3dNode& node);
+std::string title_of(const X3dNode& node);
+
 [[noreturn]] void fail_at(const X3dNode& node, const std::string& file, const std::string& message);
 
 // The error text for a USE without its DEF. Names the nearest of `defs`.

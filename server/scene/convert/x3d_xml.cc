@@ -42,7 +42,9 @@ const std::map<std::string, std::string>& usual_fields() {
   return fields;
 }
 
-std::string usual_field(const std::string& type, const std::string& parent) {
+}  // namespace
+
+std::string usual_x3d_field(const std::string& type, const std::string& parent) {
   if (type == "CollidableShape" || type == "CollidableOffset") {
     if (parent == "RigidBody") return "geometry";
     if (parent == "CollidableOffset") return "collidable";
@@ -51,6 +53,8 @@ std::string usual_field(const std::string& type, const std::string& parent) {
   const auto known = usual_fields().find(type);
   return known == usual_fields().end() ? "children" : known->second;
 }
+
+namespace {
 
 class XmlReader {
  public:
@@ -94,15 +98,77 @@ class XmlReader {
     X3dNode made;
     made.type = element.Name();
     made.line = element.GetLineNum();
-    refuse_code(made);
+    if (made.type == "Script") fail(made.line, "<Script> is not read: write what it stands for");
     for (const auto* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next())
       take(made, attribute->Name(), attribute->Value());
     for (const XMLElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
       if (is_no_node(child->Name())) continue;
-      const char* field = child->Attribute("containerField");
-      made.add(field ? field : usual_field(child->Name(), made.type), node(*child, depth + 1));
+      if (!std::strcmp(child->Name(), "IS")) {
+        connect(*child, made);
+        continue;
+      }
+      made.add(field_of(*child, made.type), node(*child, depth + 1));
     }
+    if (made.type == "ProtoInstance") to_instance(made);
+    if (made.type == "ProtoDeclare" || made.type == "ExternProtoDeclare") to_declaration(made);
     return made;
+  }
+
+  // Empty for an instance that does not say it: the first node of its prototype decides.
+  static std::string field_of(const XMLElement& element, const std::string& parent) {
+    if (const char* field = element.Attribute("containerField")) return field;
+    return std::strcmp(element.Name(), "ProtoInstance") ? usual_x3d_field(element.Name(), parent) : "";
+  }
+
+  // <IS><connect nodeField="center" protoField="middle"/></IS>
+  void connect(const XMLElement& element, X3dNode& node) const {
+    for (const XMLElement* one = element.FirstChildElement("connect"); one;
+         one = one->NextSiblingElement("connect")) {
+      const char *field = one->Attribute("nodeField"), *from = one->Attribute("protoField");
+      if (!field || !from) fail(one->GetLineNum(), "<connect> needs nodeField and protoField");
+      node.is[field] = from;
+    }
+  }
+
+  std::string taken_name(X3dNode& node) const {
+    const auto name = node.values.extract("name");
+    if (name.empty()) fail(node.line, "<" + node.type + "> needs a name");
+    return name.mapped();
+  }
+
+  void to_instance(X3dNode& node) const {
+    node.prototype = taken_name(node);
+    std::vector<X3dChild> values = std::move(node.children);
+    node.children.clear();
+    for (auto& [field, child] : values) {
+      if (child.type != "fieldValue") continue;
+      const std::string name = taken_name(child);
+      if (const auto value = child.values.find("value"); value != child.values.end())
+        node.values[name] = value->second;
+      for (X3dChild& inner : child.children) node.add(name, std::move(inner.node));
+    }
+    node.type = node.prototype;
+  }
+
+  void to_declaration(X3dNode& node) const {
+    node.def = taken_name(node);
+    std::vector<X3dChild> parts = std::move(node.children);
+    node.children.clear();
+    for (auto& [field, part] : parts) {
+      if (part.type == "ProtoBody")
+        for (X3dChild& inner : part.children) node.add("body", std::move(inner.node));
+      if (part.type == "field") node.add("interface", interface_field(std::move(part)));
+      if (part.type == "ProtoInterface")
+        for (X3dChild& inner : part.children)
+          if (inner.node.type == "field") node.add("interface", interface_field(std::move(inner.node)));
+    }
+  }
+
+  X3dNode interface_field(X3dNode field) const {
+    field.def = taken_name(field);
+    if (const auto type = field.values.find("type"); type != field.values.end()) field.type = type->second;
+    for (X3dChild& child : field.children) child.field = "value";
+    return field;
   }
 
   static void take(X3dNode& node, const std::string& name, const char* value) {
@@ -114,12 +180,8 @@ class XmlReader {
       node.values[name] = value;
   }
 
-  void refuse_code(const X3dNode& node) const {
-    for (const char* type : {"Script", "ProtoDeclare", "ProtoInstance", "ExternProtoDeclare", "Inline"})
-      if (node.type == type) fail(node.line, "<" + node.type + "> is not read: write what it stands for");
-  }
   static bool is_no_node(const char* name) {
-    for (const char* other : {"ROUTE", "IMPORT", "EXPORT", "IS", "fieldValue", "field"})
+    for (const char* other : {"ROUTE", "IMPORT", "EXPORT"})
       if (!std::strcmp(name, other)) return true;
     return false;
   }
@@ -133,7 +195,7 @@ void write_node(tinyxml2::XMLPrinter& printer, const std::string& field, const X
   printer.OpenElement(node.type.c_str());
   if (!node.def.empty()) printer.PushAttribute("DEF", node.def.c_str());
   if (!node.use.empty()) printer.PushAttribute("USE", node.use.c_str());
-  if (field != usual_field(node.type, parent)) printer.PushAttribute("containerField", field.c_str());
+  if (field != usual_x3d_field(node.type, parent)) printer.PushAttribute("containerField", field.c_str());
   for (const auto& [name, value] : node.values) printer.PushAttribute(name.c_str(), value.c_str());
   for (const auto& [name, child] : node.children) write_node(printer, name, child, node.type);
   printer.CloseElement();
