@@ -35,7 +35,7 @@ TEST(BadUrdf, EachFaultNamesLineAndElement) {
       {"<robot name='r'>\n<link", "m.urdf:2: not valid XML: an element is cut off or not well written"},
       {"<robot name='r'>\n<link name='a'></robot>",
        "m.urdf:2: not valid XML: an element is not closed, or by another one's name"},
-      {"<html/>", "m.urdf:1: is neither URDF (<robot>) nor SDF (<sdf>): its root is <html>"},
+      {"<html/>", "m.urdf:1: is neither URDF (<robot>) nor SDF (<sdf>) nor MJCF (<mujoco>): its root is <html>"},
       {"<?xml version='1.0'?>\n<!DOCTYPE r [<!ENTITY a 'ha'><!ENTITY b '&a;&a;'>]>\n<robot name='&b;'/>",
        "m.urdf:2: document types and entities (<!...>) are not supported"},
       {"<robot/>", "m.urdf:1: <robot> needs 'name'"},
