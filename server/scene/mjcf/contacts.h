@@ -1,4 +1,5 @@
-// Finds the links of an MJCF file that never collide: contype and conaffinity, <exclude>, <pair>, and neighbours.
+// Finds the links of an MJCF file that never collide: contype and conaffinity, <exclude>, <pair>, and
+// neighbours.
 #pragma once
 
 #include "server/scene/mjcf/bodies.h"

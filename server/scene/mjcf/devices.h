@@ -1,4 +1,5 @@
-// Reads actuators, equality constraints and keyframes of an MJCF file, and notes what is not read. Errors and losses go to `reading`.
+// Reads actuators, equality constraints and keyframes of an MJCF file, and notes what is not read. Errors and
+// losses go to `reading`.
 #pragma once
 
 #include "server/scene/mjcf/bodies.h"

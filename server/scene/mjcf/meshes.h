@@ -9,9 +9,9 @@
 
 namespace visum::scene::mjcf {
 
-// The solid has a density of 1 kg/m³. MuJoCo sums pyramids over all triangles, from the middle of the surface. Unless
-// `exact`, pyramids count positive even if their triangle is seen from behind, so that open meshes and those
-// with faces turned inside out have a mass, too. It is the exact one for convex meshes.
+// The solid has a density of 1 kg/m³. MuJoCo sums pyramids over all triangles, from the middle of the
+// surface. Unless `exact`, pyramids count positive even if their triangle is seen from behind, so that open
+// meshes and those with faces turned inside out have a mass, too. It is the exact one for convex meshes.
 MassProperties solid_of_mesh(const world::TriangleMesh& mesh, bool exact);
 
 // Collisions search all vertices of a hull, so that large ones are thinned out.
