@@ -219,6 +219,11 @@ void note_unread(Reading& reading) {
       for (const Element& child : section.children)
         reading.losses.add("what stands in <" + std::string(tag) + "> is not read", child);
     });
+  each_child(reading.root, "option", [&](const Element& option) {
+    for (const char* medium : {"wind", "density", "viscosity"})
+      if (option.attribute(medium))
+        reading.losses.add(std::string(medium) + " of the medium is not simulated", option);
+  });
   each_child(reading.root, "asset", [&](const Element& section) {
     for (const Element& child : section.children)
       if (child.tag == "texture" || child.tag == "skin" || child.tag == "model")

@@ -20,7 +20,10 @@ class Reader {
     if (bytes_ > kMaxTextBytes) refuse(*name, 0, "has more than 32 MiB with all that it includes");
     if (text.find('\0') != std::string::npos) refuse(*name, 0, "not valid XML: holds a zero byte");
     tinyxml2::XMLDocument document;
-    if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
+    document.Parse(text.data(), text.size());
+    if (document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED)
+      refuse(*name, document.ErrorLineNum(), "XML elements are nested too deeply");
+    if (document.Error())
       refuse(*name, document.ErrorLineNum(),
              std::string("not valid XML: ") + tinyxml2::XMLDocument::ErrorIDToName(document.ErrorID()));
     for (const tinyxml2::XMLNode* node = document.FirstChild(); node; node = node->NextSibling())

@@ -32,6 +32,8 @@ class GeomReader {
     shape_.name = element_.name().empty() ? type_ : element_.name();
     shape_.collides = geom_.types != 0 || geom_.meets != 0;
     X_BS_ = X_BF * read_pose(values_, reading_.settings);
+    if (shape_.collides && values_.text("friction"))
+      reading_.losses.add("friction of geoms is not read, surfaces are the scene's", element_);
     group_ = static_cast<int>(std::clamp(values_.number_or("group", 0.0), -1.0, 1000.0));
     read_color();
     if (const std::string* mesh = values_.text("mesh"); mesh && (type_ == "mesh" || type_ != "sdf"))

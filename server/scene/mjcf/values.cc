@@ -15,10 +15,9 @@ std::string how_many(std::size_t least, std::size_t most) {
   return std::to_string(least) + " to " + std::to_string(most) + " numbers";
 }
 
-}  // namespace
-
-std::vector<double> numbers_of(const Element& element, std::string_view attribute, std::size_t least,
-                               std::size_t most) {
+// Fewer numbers than `least` are a fault only if `all_at_once`.
+std::vector<double> parsed(const Element& element, std::string_view attribute, std::size_t least,
+                           std::size_t most, bool all_at_once) {
   const std::string* text = element.attribute(attribute);
   std::vector<double> all;
   bool good = true;
@@ -28,9 +27,16 @@ std::vector<double> numbers_of(const Element& element, std::string_view attribut
     good = parse_number(word, number) && std::isfinite(number) && all.size() < most;
     all.push_back(number);
   }
-  if (good && all.size() >= least) return all;
+  if (good && (all.size() >= least || !all_at_once)) return all;
   element.fail(std::string(attribute) + " must be " + how_many(least, most) + ", is '" +
                (text ? text->substr(0, 60) : "") + "'");
+}
+
+}  // namespace
+
+std::vector<double> numbers_of(const Element& element, std::string_view attribute, std::size_t least,
+                               std::size_t most) {
+  return parsed(element, attribute, least, most, true);
 }
 
 Values::Values(const Element& own, std::vector<const Element*> defaults) : chain_(std::move(defaults)) {
@@ -67,7 +73,7 @@ std::optional<std::vector<double>> Values::numbers(std::string_view attribute, s
   std::optional<std::vector<double>> merged;
   for (auto element = chain_.rbegin(); element != chain_.rend(); ++element) {
     if (!(*element)->attribute(attribute)) continue;
-    std::vector<double> own = numbers_of(**element, attribute, 0, most);
+    std::vector<double> own = parsed(**element, attribute, least, most, false);
     if (merged && merged->size() > own.size())
       own.insert(own.end(), merged->begin() + static_cast<long>(own.size()), merged->end());
     merged = std::move(own);
