@@ -210,7 +210,8 @@ void declare_world(CLI::App& app, Options& options, std::string_view verb) {
                    "the engine for all bodies from there on, instead of the run's engines");
     return;
   }
-  app.add_option("scene", options.scene, "the scene: .yaml, or a model: .urdf, .sdf, .x3d, .x3dv or .wrl")
+  app.add_option("scene", options.scene,
+                 "the scene: .yaml, or a model: .urdf, .sdf, .mjcf, .xml, .x3d, .x3dv or .wrl")
       ->required()
       ->type_name("FILE");
   app.add_option("--seed", options.seed, "the seed of the world's random numbers, instead of the scene's")
@@ -293,7 +294,8 @@ int check(const programs::Command& command) {
   scene::Options of_scene;
   programs::OutputOptions output{.verbosity = 1};
   CLI::App app{"Says what is wrong with a scene, where, and what was meant", command.name};
-  app.add_option("scene", scene, "the scene: .yaml, or a model: .urdf, .sdf, .x3d, .x3dv or .wrl")
+  app.add_option("scene", scene,
+                 "the scene: .yaml, or a model: .urdf, .sdf, .mjcf, .xml, .x3d, .x3dv or .wrl")
       ->required()
       ->type_name("FILE");
   app.add_option("--engine", of_scene.engine, "the engine for all bodies, instead of the scene's");
@@ -317,7 +319,7 @@ int convert(const programs::Command& command) {
   programs::PluginOptions plugins;
   programs::OutputOptions output{.verbosity = 1};
   CLI::App app{"Writes a scene in another format, and lists what that format cannot hold", command.name};
-  app.add_option("FROM", from, "the scene: .yaml, .urdf, .sdf, .x3d, .x3dv or .wrl")->required();
+  app.add_option("FROM", from, "the scene: .yaml, .urdf, .sdf, .mjcf, .xml, .x3d, .x3dv or .wrl")->required();
   app.add_option("TO", to, "the file to write: .yaml, .sdf, .x3d, .x3dv or .wrl")->required();
   programs::declare_plugins(app, plugins);
   app.add_flag("--json", output.json, "print one line of JSON");

@@ -7,6 +7,7 @@
 #include "server/scene/bodies.h"
 #include "server/scene/mesh_readers.h"
 #include "server/scene/models.h"
+#include "server/scene/robot_model.h"
 #include "server/scene/values.h"
 #include "server/world/joint_kinds.h"
 
@@ -53,11 +54,19 @@ double floor_height(const world::WorldModel& model) {
   return z;
 }
 
+// The joints that the part drives, if the model's file names them; else it drives all.
+std::string driven(const RobotModel& robot) {
+  std::string list;
+  for (const std::string& joint : robot.actuated) list += (list.empty() ? "" : ", ") + in_quotes(joint);
+  return list.empty() ? "" : ", joints: [" + list + "]";
+}
+
 }  // namespace
 
 bool is_model_file(const fs::path& file) {
   const std::string extension = lower_extension(file);
-  return extension == ".urdf" || extension == ".sdf" || extension == ".world";
+  return extension == ".urdf" || extension == ".sdf" || extension == ".world" || extension == ".mjcf" ||
+         extension == ".xml";
 }
 
 void read_bare_model(Draft& draft, const fs::path& file) {
@@ -67,6 +76,8 @@ void read_bare_model(Draft& draft, const fs::path& file) {
   };
   read_model(draft, node("{name: " + name + ", file: " + in_quotes(file.filename().string()) +
                          ", no_collision: {overlapping: true}}"));
+  const RobotModel& robot = *draft.robots.begin()->second;
+  if (robot.gravity) draft.scene.world.gravity = *robot.gravity;
   const world::WorldModel& model = draft.scene.world;
   const bool has_floor = std::any_of(model.shapes.begin(), model.shapes.end(), [](const world::Shape& s) {
     return s.kind == world::ShapeKind::kPlane;
@@ -76,7 +87,8 @@ void read_bare_model(Draft& draft, const fs::path& file) {
                           config::number_text(floor_height(model)) + "]}, shapes: [{plane: true}]}"));
   if (std::any_of(model.joints.begin(), model.joints.end(),
                   [](const world::Joint& joint) { return world::is_drivable(joint.kind); }))
-    draft.part_entries.push_back(node("{name: " + name + ", kind: ideal_joints, model: " + name + "}"));
+    draft.part_entries.push_back(
+        node("{name: " + name + ", kind: ideal_joints, model: " + name + driven(robot) + "}"));
 }
 
 }  // namespace visum::scene

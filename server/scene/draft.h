@@ -38,6 +38,7 @@ class Draft {
   };
   std::map<std::string, DriveLimit> drive_limits;
   Packages packages;                // of the models' meshes
+  std::string engine_kind;          // replaces that of every engine; empty: as the scene says
   std::optional<world::Pose> X_WO;  // O: origin of the file that is being read; none: W itself
 
   // Takes a name for a body, joint, model, part or surface (`what`); fails at `place` if it is taken already.

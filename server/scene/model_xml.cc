@@ -187,8 +187,9 @@ ModelXml read_model_xml(const std::string& text, const std::string& file) {
   else if (tag == "sdf")
     read_sdf(*root, file, xml);
   else
-    throw config::ConfigError({file, root ? root->GetLineNum() : 0, ""},
-                              "is neither URDF (<robot>) nor SDF (<sdf>): its root is <" + tag + ">");
+    throw config::ConfigError(
+        {file, root ? root->GetLineNum() : 0, ""},
+        "is neither URDF (<robot>) nor SDF (<sdf>) nor MJCF (<mujoco>): its root is <" + tag + ">");
   xml.text = written(document);
   return xml;
 }

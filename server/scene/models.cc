@@ -13,6 +13,7 @@
 #include "server/scene/model_xml.h"
 #include "server/scene/robot_model.h"
 #include "server/scene/values.h"
+#include "server/world/joint_kinds.h"
 
 namespace visum::scene {
 namespace {
@@ -65,30 +66,35 @@ class Placement {
   void refuse_repairs() const {
     std::vector<config::ConfigError> errors;
     for (const Remark& repair : robot_.repairs)
-      errors.push_back({{robot_.file.string(), repair.line, ""}, repair.text});
+      errors.push_back({{file_of(repair.file), repair.line, ""}, repair.text});
     throw_all(std::move(errors));
+  }
+
+  // The file of a thing: the model's own, or one that it includes.
+  std::string file_of(const std::string& included) const {
+    return included.empty() ? robot_.file.string() : included;
   }
 
   std::string said(const std::string& sentence) const { return "model '" + name_ + "': " + sentence; }
 
   void report(const std::vector<Remark>& remarks, std::vector<FileRemark>& to) const {
     for (const Remark& remark : remarks) {
-      to.push_back({robot_.file.string(), {said(remark.text), remark.line}});
+      to.push_back({file_of(remark.file), {said(remark.text), remark.line}});
       draft_.scene.losses.push_back(to.back().remark.text);
     }
   }
 
   Place link_place(const RobotLink& link) const {
-    return {robot_.file.string(), link.line, "link '" + link.name + "'"};
+    return {file_of(link.file), link.line, "link '" + link.name + "'"};
   }
   Place joint_place(const RobotJoint& joint) const {
-    return {robot_.file.string(), joint.line, "joint '" + joint.joint.name + "'"};
+    return {file_of(joint.file), joint.line, "joint '" + joint.joint.name + "'"};
   }
   world::BodyId body(const std::string& link) const { return draft_.body(name_ + "/" + link); }
 
   // With `fixed: true`, links that hang on no joint stand still.
   void ground_roots() {
-    if (!node_.boolean_or("fixed", true)) return;
+    if (!node_.boolean_or("fixed", !robot_.says_what_is_fixed)) return;
     std::set<std::string> hanging;
     for (const RobotJoint& joint : robot_.joints) hanging.insert(joint.child);
     for (RobotLink& link : robot_.links)
@@ -191,16 +197,30 @@ class Placement {
           {"joint '" + from.joint.name + "' is not simulated: both its links are fixed", from.line});
       return;
     }
+    if (is_lost_spring(from)) return;
     joint.initial_position = initial_position(from, joint);
     draft_.add_joint(joint, joint_place(from));
     draft_.drive_limits[joint.name] = {from.maximum_speed, from.maximum_effort};
     placed_.push_back(from.joint.name);
   }
 
+  // Not all engines have springs. Kinds of plug-ins say it themselves.
+  bool is_lost_spring(const RobotJoint& from) {
+    if (world::info(from.joint.kind).holds_anything) return false;
+    const auto& scene = draft_.scene;
+    const std::string engine = draft_.engine_kind.empty()
+                                   ? scene.world.engines[static_cast<std::size_t>(engine_)].name
+                                   : draft_.engine_kind;
+    if (engine != "ode") return false;
+    robot_.losses.push_back(
+        {"'" + from.joint.name + "' is not simulated: engine ode has no springs", from.line, from.file});
+    return true;
+  }
+
   double initial_position(const RobotJoint& from, const world::Joint& joint) const {
     const auto joints = node_.find("joints");
     const auto given = joints ? joints->find(from.joint.name) : std::nullopt;
-    if (!given) return nearest_to_zero(joint);
+    if (!given) return joint.limited ? std::clamp(from.initial, joint.lower, joint.upper) : from.initial;
     const double position = given->number(kPlaceable);
     if (joint.limited && (position < joint.lower || position > joint.upper))
       given->fail("must be within the joint's limits " + config::number_text(joint.lower) + " and " +
@@ -214,6 +234,8 @@ class Placement {
 
   void read_collision_keys() {
     if (const auto pairs = node_.find("no_collision")) read_pairs(*pairs);
+    for (const auto& [a, b] : robot_.no_collision)
+      if (body(a) != body(b)) draft_.forbid_collision(body(a), body(b));
     if (node_.boolean_or("self_collision", false)) return;
     const bool none = node_.find("self_collision").has_value();
     if (none && robot_.links.size() > kMaxLinksWithoutCollision)

@@ -113,7 +113,9 @@ void match_visuals(RobotLink& link) {
 }
 
 void join_links(RobotModel& model) {
-  const auto is_fixed = [](const RobotJoint& j) { return j.joint.kind == world::JointKind::kFixed; };
+  const auto is_fixed = [](const RobotJoint& j) {
+    return j.joint.kind == world::JointKind::kFixed && !j.closes_loop;
+  };
   for (auto found = std::find_if(model.joints.begin(), model.joints.end(), is_fixed);
        found != model.joints.end();
        found = std::find_if(model.joints.begin(), model.joints.end(), is_fixed)) {

@@ -414,6 +414,7 @@ sdf::ParserConfig quiet_config() {
 
 RobotModel read_robot_model(const std::filesystem::path& file, const std::string& text,
                             const Packages& packages) {
+  if (is_mjcf(text)) return read_mjcf(file, text, packages);
   const ModelXml xml = read_model_xml(text, file.string());
   RobotModel model;
   model.file = file;

@@ -1,6 +1,6 @@
-// A robot as its URDF or SDF file describes it, in plain values: links with their solids and looks, joints,
-// and a list of what is not simulated. model_xml.cc checks the file and knows its lines; robot_model.cc reads
-// it with sdformat.
+// A robot as its URDF, SDF or MJCF file describes it, in plain values: links with their solids and looks,
+// joints, and a list of what is not simulated. model_xml.cc checks the file and knows its lines;
+// robot_model.cc reads it with sdformat.
 #pragma once
 
 #include <array>
@@ -8,6 +8,8 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "server/scene/collada_reader.h"
@@ -34,6 +36,7 @@ struct RobotShape {
 struct RobotLink {
   std::string name;
   int line = 0;            // in the model's file; 0: unknown
+  std::string file;        // which the model's file includes; empty: the model's file itself
   MassProperties mass;     // in the link's frame; mass 0: the file gives none
   world::Pose X_ML;        // in the model's frame, with all joints at 0
   bool on_ground = false;  // the model itself fixes it to the world
@@ -47,6 +50,9 @@ struct RobotJoint {
   std::string parent;  // "world" for the world
   std::string child;
   int line = 0;
+  std::string file;          // as RobotLink::file
+  bool closes_loop = false;  // fixed ones are kept, too
+  double initial = 0.0;      // position at the start; the nearest one within the limits is taken
   double maximum_speed = 0.0, maximum_effort = 0.0;  // 0: the file gives none
 };
 
@@ -66,6 +72,11 @@ struct RobotModel {
   std::vector<Remark> losses;                              // things that are not shown or not simulated
   std::vector<Remark> repairs;     // things that the file gives in a way that no solid has
   std::vector<std::string> notes;  // things that are read in another way than the file says, without a loss
+  std::vector<std::string> actuated;  // joints with an actuator, by name; empty: the file names none
+  std::vector<std::pair<std::string, std::string>> no_collision;  // links that the file keeps apart
+  // True: links that hang on no joint move unless they are `on_ground`. False: the scene says it.
+  bool says_what_is_fixed = false;
+  std::optional<Eigen::Vector3d> gravity;  // for a scene of this model alone
 };
 
 inline constexpr const char* kWorldLink = "world";
@@ -74,6 +85,11 @@ inline constexpr const char* kWorldLink = "world";
 // network and prints nothing.
 RobotModel read_robot_model(const std::filesystem::path& file, const std::string& text,
                             const Packages& packages = {});
+
+// True if the root element is <mujoco>. read_mjcf() reads such a file, and all that it includes. Both are in
+// mjcf/reader.cc. Throws as read_robot_model(), which calls it.
+bool is_mjcf(std::string_view text);
+RobotModel read_mjcf(const std::filesystem::path& file, const std::string& text, const Packages& packages);
 
 // Joins links over fixed joints: masses, shapes and joints move to the upper link's frame.
 void join_links(RobotModel& model);

@@ -78,7 +78,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"btBulletDynamicsCommon.h", {"tests/bench/peers"}},
     {"dart/", {"tests/bench/peers"}},
     {"kdl/", {"tests/bench/peers"}},
-    {"mujoco/", {"tests/bench/peers"}},
+    {"mujoco/", {"tests/bench/peers", "tests/scene/mjcf_peer_test.cc"}},
     {"Simbody.h", {"tests/bench/peers"}},
     {"sanitizer/", {"tests"}},
     {"visum/visum.h", {"tests/install/outside"}},  // ours, as installed

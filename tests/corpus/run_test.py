@@ -31,6 +31,9 @@ class Corpus(unittest.TestCase):
         (models / "good.urdf").write_text(GOOD)
         (models / "bad.urdf").write_text(GOOD.replace("'continuous'", "'floating'"))
         (models / "other.sdf").write_text("<element name='x'/>")
+        (models / "hanging.xml").write_text(
+            "<mujoco><worldbody><body name='b'><joint name='j'/><geom size='0.1'/></body></worldbody></mujoco>")
+        (models / "other.xml").write_text("<package/>")
         done = self.run_on(str(models), "--json", str(self.folder / "table.json"))
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(self.run_on(str(models), "--wrap").stdout, done.stdout, "a scene around it changes nothing")
@@ -38,9 +41,12 @@ class Corpus(unittest.TestCase):
             "URDF: 1 of 2 files load (50 %)",
             "      1  refused: joints of type '*' are not simulated (revolute, continuous, prismatic, fixed are)",
             "      1  impulse, 2 s: ran",
+            "      1  ode, 2 s: ran",
+            "MJCF: 1 of 1 files load (100 %)",
+            "      1  impulse, 2 s: ran",
             "      1  ode, 2 s: ran"])
         results = json.loads((self.folder / "table.json").read_text())
-        self.assertEqual([len(result["causes"]) for result in results], [1, 0])
+        self.assertEqual([len(result["causes"]) for result in results], [1, 0, 0])
 
     def test_refuses_a_folder_that_does_not_exist(self):
         done = self.run_on(str(self.folder / "none"))

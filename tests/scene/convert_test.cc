@@ -384,7 +384,8 @@ TEST(Convert, ReadsNoOtherFilesAndNoCode) {
   EXPECT_EQ(refusal("b.x3d", "<!DOCTYPE x [<!ENTITY a 'aaaa'>]>\n<X3D><Scene/></X3D>"),
             "b.x3d:1: a document type with declarations is not supported");
   EXPECT_EQ(refusal("a.txt", ""),
-            "a.txt: its extension names its format and must be one of .yaml, .urdf, .sdf, .x3d, .x3dv, .wrl");
+            "a.txt: its extension names its format and must be one of .yaml, .urdf, .sdf, .mjcf, .xml, .x3d, "
+            ".x3dv, .wrl");
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ enum class Format { kYaml, kModel, kX3dXml, kX3dClassic, kVrml97 };
 Format format_of(const fs::path& file, const char* known) {
   const std::string ending = lower_extension(file);
   if (ending == ".yaml" || ending == ".yml") return Format::kYaml;
-  if (ending == ".urdf" || ending == ".sdf") return Format::kModel;
+  if (ending == ".urdf" || ending == ".sdf" || ending == ".mjcf" || ending == ".xml") return Format::kModel;
   if (ending == ".x3d") return Format::kX3dXml;
   if (ending == ".x3dv") return Format::kX3dClassic;
   if (ending == ".wrl" || ending == ".vrml") return Format::kVrml97;
@@ -62,8 +62,8 @@ std::string written(const Scene& scene, Output& output) {
     case Format::kYaml:
       return to_yaml(scene, output);
     case Format::kModel:
-      if (lower_extension(output.file()) == ".urdf")
-        fail(output.file(), "URDF is read, not written: it holds one robot, not a scene");
+      if (lower_extension(output.file()) != ".sdf")
+        fail(output.file(), "URDF and MJCF are read, not written: write .sdf or .yaml");
       return to_sdf(scene, output);
     case Format::kX3dXml:
       return write_x3d_xml(to_x3d(scene, output, true));
@@ -92,7 +92,7 @@ void check_readable(const fs::path& written, const Options& options) {
 }  // namespace
 
 Scene read_any_scene(const fs::path& file, const Options& options) {
-  switch (format_of(file, ".yaml, .urdf, .sdf, .x3d, .x3dv, .wrl")) {
+  switch (format_of(file, ".yaml, .urdf, .sdf, .mjcf, .xml, .x3d, .x3dv, .wrl")) {
     case Format::kYaml:
       return load_scene(file, options);
     case Format::kModel:

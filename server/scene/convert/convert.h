@@ -9,7 +9,7 @@
 
 namespace visum::scene {
 
-// Reads by the file's extension: .yaml, .urdf, .sdf, .x3d, .x3dv or .wrl. Throws ConfigError.
+// Reads by the file's extension: .yaml, .urdf, .sdf, .mjcf, .xml, .x3d, .x3dv or .wrl. Throws ConfigError.
 Scene read_any_scene(const std::filesystem::path& file, const Options& options);
 
 // The scene that a program runs: as load_scene(), and from X3D and VRML97, too. Throws ConfigError.

@@ -1,0 +1,29 @@
+// Triangle meshes as MJCF needs them: their mass as MuJoCo counts it, hulls of few vertices, round bodies
+// made of triangles, and MuJoCo's own mesh format. Pure functions.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "server/scene/inertia.h"
+
+namespace visum::scene::mjcf {
+
+// The solid has a density of 1 kg/m³. MuJoCo sums pyramids over all triangles, from the middle of the
+// surface. Unless `exact`, pyramids count positive even if their triangle is seen from behind, so that open
+// meshes and those with faces turned inside out have a mass, too. It is the exact one for convex meshes.
+MassProperties solid_of_mesh(const world::TriangleMesh& mesh, bool exact);
+
+// Collisions search all vertices of a hull, so that large ones are thinned out.
+inline constexpr std::size_t kMaxHullVertices = 512;
+// The mesh itself if it has no more vertices than that; else those that lie farthest out in 642 directions.
+// Its surface lies inside of the hull by at most 0.4 % of the hull's radius.
+world::TriangleMesh thin_hull(const world::TriangleMesh& mesh);
+
+// A unit ball of 642 vertices.
+world::TriangleMesh ball_mesh();
+
+// The mesh format .msh of old versions of MuJoCo. Throws ConfigError at `place`.
+world::TriangleMesh read_msh(std::string_view bytes, const config::Place& place);
+
+}  // namespace visum::scene::mjcf
