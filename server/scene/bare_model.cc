@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <set>
 
 #include "protocol/config/number_text.h"
 #include "server/scene/bodies.h"
 #include "server/scene/mesh_readers.h"
 #include "server/scene/models.h"
+#include "server/scene/robot_model.h"
 #include "server/scene/values.h"
 #include "server/world/joint_kinds.h"
 
@@ -53,6 +56,75 @@ double floor_height(const world::WorldModel& model) {
   return z;
 }
 
+// Chooses the engine that has all joints and springs of the file.
+void choose_engine(const RobotModel& robot, Draft& draft) {
+  const bool beyond_ode = std::any_of(robot.joints.begin(), robot.joints.end(), [](const RobotJoint& joint) {
+    return joint.joint.kind == world::JointKind::kScrew || joint.stiffness > 0.0;
+  });
+  if (!beyond_ode) return;
+  draft.scene.world.engines[0].name = "impulse";
+  draft.scene.notes.push_back("engine 'impulse' moves it, because it has springs or screws");
+}
+
+// Joints that a part can drive.
+bool has_drivable_joints(const world::WorldModel& model, std::size_t first) {
+  return std::any_of(model.joints.begin() + static_cast<std::ptrdiff_t>(first), model.joints.end(),
+                     [](const world::Joint& joint) { return world::is_drivable(joint.kind); });
+}
+
+// Places one model with a part for its joints. `more` are further keys of its entry.
+void place_with_part(Draft& draft, const fs::path& file, const std::string& name, const std::string& more) {
+  const auto node = [&](const std::string& yaml) {
+    return config::load_text(yaml, file.string(), file.parent_path());
+  };
+  const std::size_t joints = draft.scene.world.joints.size();
+  read_model(draft, node("{name: " + in_quotes(name) + ", file: " + in_quotes(file.filename().string()) +
+                         more + ", no_collision: {overlapping: true}}"));
+  if (has_drivable_joints(draft.scene.world, joints))
+    draft.part_entries.push_back(
+        node("{name: " + in_quotes(name) + ", kind: ideal_joints, model: " + in_quotes(name) + "}"));
+}
+
+// A step that a world's file may set. Others are hints for another engine.
+constexpr double kLongestStepS = 0.01;
+
+void take_settings(const ModelWorld& from, const fs::path& file, Draft& draft) {
+  world::WorldModel& model = draft.scene.world;
+  draft.world_settings = true;
+  if (from.gravity && from.gravity->norm() < 1e6) model.gravity = *from.gravity;
+  if (!from.step_s) return;
+  const double tick_ns = std::round(*from.step_s * 1e9);
+  if (tick_ns >= 1e3 && *from.step_s <= kLongestStepS)
+    model.tick_ns = static_cast<std::int64_t>(tick_ns);
+  else
+    draft.scene.warnings.push_back(
+        {file.string(),
+         {"the step of " + config::number_text(*from.step_s) + " s is not taken: a tick is 1 ms", 0}});
+}
+
+// A name that a scene can have: the model's own, or one made of it.
+std::string placed_name(const std::string& model, std::set<std::string>& taken) {
+  std::string name = name_fault(model).empty() ? model : name_of(model);
+  while (!taken.insert(name).second) name += "_";
+  return name;
+}
+
+// Each model of the world becomes one of the scene. Remarks are about the file as a whole.
+void read_bare_world(Draft& draft, const fs::path& file, const RobotModel& world) {
+  take_settings(*world.world, file, draft);
+  std::set<std::string> taken;
+  for (const std::string& model : models_of_world(world))
+    place_with_part(draft, file, placed_name(model, taken), ", model: " + in_quotes(model));
+  const auto report = [&](const std::vector<Remark>& remarks, std::vector<FileRemark>& to) {
+    for (const Remark& remark : remarks) {
+      to.push_back({remark.file.empty() ? file.string() : remark.file, {remark.text, remark.line}});
+      draft.scene.losses.push_back(remark.text);
+    }
+  };
+  report(world.losses, draft.scene.warnings);
+  report(world.repairs, draft.scene.repairs);
+}
+
 }  // namespace
 
 bool is_model_file(const fs::path& file) {
@@ -65,8 +137,11 @@ void read_bare_model(Draft& draft, const fs::path& file) {
   const auto node = [&](const std::string& yaml) {
     return config::load_text(yaml, file.string(), file.parent_path());
   };
-  read_model(draft, node("{name: " + name + ", file: " + in_quotes(file.filename().string()) +
-                         ", no_collision: {overlapping: true}}"));
+  const RobotModel robot =
+      load_robot_file(draft, node("{file: " + in_quotes(file.filename().string()) + "}").get("file"));
+  choose_engine(robot, draft);
+  if (robot.world) return read_bare_world(draft, file, robot);
+  place_with_part(draft, file, name, "");
   const world::WorldModel& model = draft.scene.world;
   const bool has_floor = std::any_of(model.shapes.begin(), model.shapes.end(), [](const world::Shape& s) {
     return s.kind == world::ShapeKind::kPlane;
@@ -74,9 +149,6 @@ void read_bare_model(Draft& draft, const fs::path& file) {
   if (!has_floor)
     read_body(draft, node("{name: floor, fixed: true, pose: {xyz: [0, 0, " +
                           config::number_text(floor_height(model)) + "]}, shapes: [{plane: true}]}"));
-  if (std::any_of(model.joints.begin(), model.joints.end(),
-                  [](const world::Joint& joint) { return world::is_drivable(joint.kind); }))
-    draft.part_entries.push_back(node("{name: " + name + ", kind: ideal_joints, model: " + name + "}"));
 }
 
 }  // namespace visum::scene
