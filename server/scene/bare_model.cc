@@ -20,7 +20,9 @@ namespace fs = std::filesystem;
 
 // The file's name as a name of the scene.
 std::string name_of(const fs::path& file) {
-  std::string name = file.stem().string().substr(0, kMaxNameBytes);
+  fs::path stem = file.stem();
+  if (lower_extension(file) == ".xacro") stem = stem.stem();  // arm.urdf.xacro
+  std::string name = stem.string().substr(0, kMaxNameBytes);
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_' && c != '-') c = '_';
   return name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) ? "model_" + name : name;
@@ -121,6 +123,14 @@ void read_bare_world(Draft& draft, const fs::path& file, const RobotModel& world
       draft.scene.losses.push_back(remark.text);
     }
   };
+  std::vector<Remark> between;
+  for (const RobotJoint& joint : world.joints)
+    if (joint.joint.name.find("::") == std::string::npos)
+      between.push_back({"joint '" + joint.joint.name +
+                             "' between models is not simulated in a bare file: "
+                             "name the file in a scene",
+                         joint.line, joint.file});
+  report(between, draft.scene.warnings);
   report(world.losses, draft.scene.warnings);
   report(world.repairs, draft.scene.repairs);
 }
@@ -129,7 +139,7 @@ void read_bare_world(Draft& draft, const fs::path& file, const RobotModel& world
 
 bool is_model_file(const fs::path& file) {
   const std::string extension = lower_extension(file);
-  return extension == ".urdf" || extension == ".sdf" || extension == ".world";
+  return extension == ".urdf" || extension == ".sdf" || extension == ".world" || extension == ".xacro";
 }
 
 void read_bare_model(Draft& draft, const fs::path& file) {

@@ -10,10 +10,13 @@
 #include "server/scene/frames.h"
 #include "server/scene/joints.h"
 #include "server/scene/link_mass.h"
+#include "server/scene/mesh_readers.h"
 #include "server/scene/model_errors.h"
 #include "server/scene/model_xml.h"
+#include "server/scene/reader_process.h"
 #include "server/scene/robot_model.h"
 #include "server/scene/values.h"
+#include "server/scene/xacro.h"
 
 namespace visum::scene {
 namespace {
@@ -334,13 +337,42 @@ class Placement {
 
 }  // namespace
 
+namespace {
+
+constexpr ReaderBounds kXacroBounds{std::chrono::seconds(30), kMaxModelBytes, "URDF"};
+
+// The URDF that the user's xacro makes of a file with macros. A recording keeps it in place of the file. A
+// file that is called otherwise (.urdf) may be read without it.
+std::string expanded(const std::filesystem::path& file, const std::string& text,
+                     std::vector<Remark>& losses) {
+  const std::filesystem::path program = find_xacro();
+  if (!program.empty()) {
+    const std::string urdf = expand_xacro(program, file, kXacroBounds);
+    config::note_file(file, urdf);
+    losses.push_back(
+        {"xacro has expanded it: lines are those of what 'xacro " + file.string() + "' prints", 0});
+    return urdf;
+  }
+  const std::string advice =
+      "there is no program 'xacro' in PATH; where there is one, run: " + xacro_command(file);
+  if (lower_extension(file) == ".xacro")
+    throw config::ConfigError({file.string(), 0, ""}, "holds macros of xacro, and " + advice);
+  losses.push_back({"its macros of xacro are not read: " + advice, 0});
+  return text;
+}
+
+}  // namespace
+
 RobotModel load_robot_file(Draft& draft, const Node& file_node) {
   const std::filesystem::path file = read_path(file_node);
   auto& known = draft.robots[file.string()];
   if (known) return *known;
-  const config::FileContent content = config::read_file(file, kMaxModelBytes);
+  config::FileContent content = config::read_file(file, kMaxModelBytes);
   if (!content.fault.empty()) file_node.fail("'" + file.string() + "': " + content.fault);
+  std::vector<Remark> losses;
+  if (needs_xacro(file, content.bytes)) content.bytes = expanded(file, content.bytes, losses);
   RobotModel robot = read_robot_model(file, content.bytes, draft.packages);
+  robot.losses.insert(robot.losses.begin(), losses.begin(), losses.end());
   join_links(robot);
   known = std::make_shared<const RobotModel>(robot);
   return robot;

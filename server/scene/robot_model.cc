@@ -7,6 +7,7 @@
 #include <sdf/Collision.hh>
 #include <sdf/Cylinder.hh>
 #include <sdf/Element.hh>
+#include <sdf/Ellipsoid.hh>
 #include <sdf/Error.hh>
 #include <sdf/Geometry.hh>
 #include <sdf/Joint.hh>
@@ -23,8 +24,10 @@
 #include <sdf/Visual.hh>
 
 #include "protocol/config/config.h"
+#include "protocol/config/number_text.h"
 #include "protocol/config/unknown_name.h"
 #include "server/scene/console_capture.h"
+#include "server/scene/ellipsoid.h"
 #include "server/scene/mesh_path.h"
 #include "server/scene/mesh_readers.h"
 #include "server/scene/model_errors.h"
@@ -250,11 +253,24 @@ class RobotReader {
         shape.X_LS.q = shape.X_LS.q * Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
         return "";
       }
+      case sdf::GeometryType::ELLIPSOID:
+        set_ellipsoid(shape, to_vector(geometry.EllipsoidShape()->Radii()));
+        return "";
       case sdf::GeometryType::MESH:
         return read_mesh_geometry(*geometry.MeshShape(), link, shape);
       default:
-        return "has a form that is not simulated (box, sphere, cylinder, capsule, plane and mesh are)";
+        return "has a form that is not simulated (box, sphere, cylinder, capsule, ellipsoid, plane and mesh "
+               "are)";
     }
+  }
+
+  // The hull of points on it. Its mesh stands among the converted ones, under a name that no file has.
+  void set_ellipsoid(RobotShape& shape, const Eigen::Vector3d& radii) {
+    shape.kind = world::ShapeKind::kConvex;
+    shape.mesh = "ellipsoid";
+    for (const double radius : radii) shape.mesh += " " + config::number_text(radius);
+    ColladaMesh& mesh = model_.converted[shape.mesh];
+    if (mesh.parts.empty()) mesh.parts.push_back({.mesh = ellipsoid_mesh(radii)});
   }
 
   static void set(RobotShape& shape, world::ShapeKind kind, std::array<double, 3> size) {
@@ -361,6 +377,7 @@ class RobotReader {
         joint.kind = world::JointKind::kBall;
         return;
       case sdf::JointType::UNIVERSAL:
+      case sdf::JointType::REVOLUTE2:
         joint.kind = world::JointKind::kUniversal;
         return read_universal(from, place, joint);
       case sdf::JointType::SCREW:
@@ -368,9 +385,7 @@ class RobotReader {
         joint.pitch_m = pitch_of(joint.name, place);
         break;
       default:
-        throw config::ConfigError(place,
-                                  "joints of this type are not simulated (revolute, continuous, prismatic, "
-                                  "fixed, ball, universal and screw are)");
+        throw config::ConfigError(place, "joints of this type are not simulated");
     }
     const sdf::JointAxis* axis = from.Axis();
     if (axis == nullptr) throw config::ConfigError(place, "needs an <axis>");

@@ -64,8 +64,10 @@ class Missed {
       all.push_back({std::to_string(counted.first) + " <" + kMissed[index] + "> element" +
                          (counted.first == 1 ? " is" : "s are") + " not read",
                      counted.second.line, counted.second.file});
+    all.insert(all.end(), gearboxes.begin(), gearboxes.end());
     return all;
   }
+  std::vector<Remark> gearboxes;
 
  private:
   std::map<std::size_t, std::pair<int, XmlPlace>> counts_;
@@ -81,8 +83,21 @@ void take_out_unused_axes(XMLElement& joint) {
   if (type != "universal" && type != "revolute2" && type != "gearbox") take_out("axis2");
 }
 
+// A gearbox couples two joints that are there without it.
+void take_out_gearboxes(XMLElement& model, Missed& missed) {
+  for (XMLElement *joint = model.FirstChildElement("joint"), *next = nullptr; joint; joint = next) {
+    next = joint->NextSiblingElement("joint");
+    const char* type = joint->Attribute("type");
+    if (type == nullptr || std::strcmp(type, "gearbox") != 0) continue;
+    missed.gearboxes.push_back(
+        remark(*joint, "a joint of type gearbox couples nothing here: it is left out"));
+    model.DeleteChild(joint);
+  }
+}
+
 void strip(XMLElement& element, Missed& missed) {
   if (!std::strcmp(element.Name(), "joint")) take_out_unused_axes(element);
+  take_out_gearboxes(element, missed);
   const auto read = read_children().find(element.Name());
   for (XMLElement *child = element.FirstChildElement(), *next = nullptr; child; child = next) {
     next = child->NextSiblingElement();
@@ -129,11 +144,29 @@ std::string shape_named(const XMLElement& element) {
   return std::string(element.Name()) + " '" + (name ? name : "") + "'";
 }
 
+// Some models collide by points: spheres and boxes far smaller than the smallest shape here.
+void enlarge_points(XMLElement& shape, ModelXml& xml) {
+  XMLElement* geometry = shape.FirstChildElement("geometry");
+  XMLElement* form = geometry ? geometry->FirstChildElement() : nullptr;
+  for (const char* tag : {"size", "radius", "length"}) {
+    XMLElement* size = form ? form->FirstChildElement(tag) : nullptr;
+    const auto all = size ? text_numbers(*size) : std::nullopt;
+    const auto is_point = [](double n) { return n > 0.0 && n < kMinSizeM; };
+    if (!all || std::ranges::none_of(*all, is_point)) continue;
+    std::string text;
+    for (const double n : *all) text += config::number_text(is_point(n) ? kMinSizeM : n) + " ";
+    xml.repairs.push_back(remark(*size, "the " + shape_named(shape) + " has the " + tag + " '" +
+                                            text_of(size) + "': a micrometre is the least"));
+    size->SetText(text.c_str());
+  }
+}
+
 void clean_shapes(XMLElement& link, const char* tag, const std::string& file, ModelXml& xml) {
   const bool seen_only = !std::strcmp(tag, "visual");
   Names taken;
   for (XMLElement *shape = link.FirstChildElement(tag), *next = nullptr; shape; shape = next) {
     next = shape->NextSiblingElement(tag);
+    if (!seen_only) enlarge_points(*shape, xml);
     const std::string fault = geometry_fault(*shape, file);
     const bool form_missing = fault == "it has no form" || fault == "it is empty";
     if (form_missing || (!fault.empty() && (seen_only || is_tiny(*shape)))) {

@@ -44,6 +44,50 @@ void modernise(XMLElement& element, double version) {
   }
 }
 
+bool is_frame(const XMLElement& element) {
+  const std::string tag = element.Name();
+  return tag == "link" || tag == "joint" || tag == "frame" || tag == "model";
+}
+
+// A name that SDF 1.9 allows: not "world", and no scope in it.
+std::string allowed_name(std::string name) {
+  for (std::size_t at = name.find("::"); at != std::string::npos; at = name.find("::"))
+    name.replace(at, 2, "__");
+  return name == "world" || (name.size() > 4 && name.starts_with("__") && name.ends_with("__")) ? name + "_1"
+                                                                                                : name;
+}
+
+void replace_name(XMLElement& element, const char* attribute,
+                  const std::map<std::string, std::string>& names) {
+  const char* value = element.Attribute(attribute);
+  const auto renamed = value ? names.find(value) : names.end();
+  if (renamed != names.end()) element.SetAttribute(attribute, renamed->second.c_str());
+}
+
+// Before version 1.8 names could be what later versions reserve. They are renamed here, with their uses.
+void rename_reserved(XMLElement& model, double version, ModelXml& xml) {
+  if (version >= 8) return;
+  std::map<std::string, std::string> renamed;
+  for (auto child = model.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    const std::string name = child->Attribute("name") ? child->Attribute("name") : "";
+    if (!is_frame(*child) || allowed_name(name) == name) continue;
+    renamed[name] = allowed_name(name);
+    xml.losses.push_back(remark(*child, std::string(child->Name()) + " '" + name + "' is called '" +
+                                            renamed[name] + "' here: SDF reserves its name"));
+    child->SetAttribute("name", renamed[name].c_str());
+  }
+  for (auto child = model.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    if (!std::strcmp(child->Name(), "model")) rename_reserved(*child, version, xml);
+    if (renamed.empty()) continue;
+    for (const char* tag : {"parent", "child"})
+      if (XMLElement* end = child->FirstChildElement(tag))
+        if (const auto found = renamed.find(text_of(end)); found != renamed.end())
+          end->SetText(found->second.c_str());
+    replace_name(*child, "attached_to", renamed);
+    if (XMLElement* pose = child->FirstChildElement("pose")) replace_name(*pose, "relative_to", renamed);
+  }
+}
+
 void rename(XMLElement& element, const char* attribute, const char* from, const std::string& to) {
   const char* value = element.Attribute(attribute);
   if (value == nullptr || std::strcmp(value, from) != 0) return;
@@ -100,6 +144,8 @@ XMLElement* SdfExpander::expand() {
   if (XMLElement* world = root.FirstChildElement("world")) return world_as_model(*world);
   if (root.FirstChildElement("include") != nullptr || has_include(root)) {
     modernise(root, version_of(root));
+    for (auto model = root.FirstChildElement("model"); model; model = model->NextSiblingElement("model"))
+      rename_reserved(*model, version_of(root), xml_);
     root.SetAttribute("version", kMixedVersion);
   }
   for (XMLElement *child = root.FirstChildElement("include"), *next = nullptr; child; child = next) {
@@ -125,6 +171,7 @@ XMLElement* SdfExpander::world_as_model(XMLElement& world) {
     if (child != &world) root.DeleteChild(child);
   }
   modernise(world, version_of(root));
+  rename_reserved(world, version_of(root), xml_);
   root.SetAttribute("version", kMixedVersion);
   read_world_settings(world, xml_);
   expand_model(world, file_, 0);
@@ -181,9 +228,14 @@ void SdfExpander::include(XMLElement& include, XMLElement& parent, const std::st
   }
   const Source& source = open(path, include);
   const XMLElement* wanted = source.document->RootElement()->FirstChildElement("model");
-  if (wanted == nullptr) return leave_out(include, parent, "'" + uri + "' holds no <model>");
+  if (wanted == nullptr) {
+    xml_.losses.push_back(remark(include, "<include> is left out: '" + uri + "' holds no <model>"));
+    parent.DeleteChild(&include);
+    return;
+  }
   XMLElement* model = copy(*wanted, source.file);
   modernise(*model, source.version);
+  rename_reserved(*model, source.version, xml_);
   // The place of the original: the element that is left out may be the last one of its kind.
   parent.InsertAfterChild(&include, model);
   if (const std::string name = text_of(include.FirstChildElement("name")); !name.empty())

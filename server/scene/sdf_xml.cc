@@ -31,6 +31,7 @@ constexpr TextRule kTexts[] = {
     {"upper", 1, 1, NumberRule::kMayBeInfinite},
     {"damping", 1, 1, NumberRule::kNotNegative},
     {"radius", 1, 1, NumberRule::kPositive},
+    {"radii", 3, 3, NumberRule::kPositive},
     {"length", 1, 1, NumberRule::kPositive},
     {"size", 2, 3, NumberRule::kPositive},
     {"scale", 3, 3, NumberRule::kNoneZero},
@@ -80,6 +81,17 @@ void read_joint_extras(const XMLElement& joint, const std::string& name, ModelXm
       if (const XMLElement* mimic = axis->FirstChildElement("mimic"))
         xml.losses.push_back(
             remark(*mimic, "joint '" + name + "' moves on its own: <mimic> is not simulated"));
+}
+
+void check_joint_type(const XMLElement& joint, const std::string& file) {
+  const std::string type = joint.Attribute("type") ? joint.Attribute("type") : "";
+  for (const char* known :
+       {"revolute", "continuous", "prismatic", "fixed", "ball", "universal", "revolute2", "screw"})
+    if (type == known) return;
+  fail_at(joint, file,
+          "joints of type '" + type +
+              "' are not simulated (revolute, continuous, prismatic, fixed, ball, universal, revolute2 and "
+              "screw are)");
 }
 
 // The model's own pose is ignored, because the scene's `pose` places the model's frame, as that of an
@@ -146,7 +158,10 @@ void read_sdf(tinyxml2::XMLDocument& document, const std::string& file, SdfExpan
   repair_sdf(*model, file, xml);
   const std::size_t elements = walk(
       root, [](const XMLElement&) { return false; },
-      [&](const XMLElement& element) { check_sdf_text(element, file); });
+      [&](const XMLElement& element) {
+        if (!std::strcmp(element.Name(), "joint")) check_joint_type(element, file);
+        check_sdf_text(element, file);
+      });
   check_amount(elements, xml, file);
 }
 

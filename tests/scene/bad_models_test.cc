@@ -145,21 +145,21 @@ TEST(BadSdf, EachFaultIsNamed) {
             "m.urdf:3: link 'a': pose must be a finite number, is '0 0 nan 0 0 0'");
   EXPECT_EQ(model("<link name='a'><inertial><mass>-1</mass></inertial></link>"),
             "m.urdf:3: link 'a': mass must be greater than 0, is '-1'");
-  EXPECT_EQ(model("<link name='a'/><link name='b'/><joint name='j' "
-                  "type='gearbox'><parent>a</parent><child>b</child></joint>"),
-            "m.urdf:3: joint 'j': joints of this type are not simulated (revolute, continuous, prismatic, "
-            "fixed, ball, universal and screw are)");
+  EXPECT_EQ(
+      model("<link name='a'/><link name='b'/><joint name='j' "
+            "type='telescope'><parent>a</parent><child>b</child></joint>"),
+      "m.urdf:3: joint 'j': joints of type 'telescope' are not simulated (revolute, continuous, prismatic, "
+      "fixed, ball, universal, revolute2 and screw are)");
   EXPECT_EQ(
       model(
           "<link name='a'/><link name='b'/><joint name='j' type='revolute'><parent>a</parent><child>b</child>"
           "<axis><xyz>0 0 0</xyz></axis></joint>"),
       "m.urdf:3: joint 'j': xyz must not be zero");
-  EXPECT_EQ(model("<link name='a'><collision name='c'><geometry><ellipsoid><radii>1 1 "
-                  "1</radii></ellipsoid></geometry>"
-                  "</collision></link>"),
-            "m.urdf:3: link 'a': collision 'c' has a form that is not simulated (box, sphere, cylinder, "
-            "capsule, plane "
-            "and mesh are)");
+  EXPECT_EQ(
+      model("<link name='a'><collision name='c'><geometry><polyline><height>1</height><point>0 0</point>"
+            "<point>1 0</point><point>0 1</point></polyline></geometry></collision></link>"),
+      "m.urdf:3: link 'a': collision 'c' has a form that is not simulated (box, sphere, cylinder, "
+      "capsule, ellipsoid, plane and mesh are)");
   // Errors that sdformat itself finds keep its words, thrown or returned.
   EXPECT_EQ(urdf_error("<sdf version='x'><model name='m'><link name='a'/></model></sdf>"),
             "m.urdf: sdformat cannot read it: stoi");

@@ -165,6 +165,36 @@ TEST_F(SdfModel, RepairsCanBeRefused) {
               HasSubstr("m.sdf:2: link 'b' has moments of inertia"));
 }
 
+TEST_F(SdfModel, AnEllipsoidIsAConvexSolid) {
+  const Scene scene = bare(
+      "<link name='a'/><link name='b'><inertial auto='true'/><collision name='c'><geometry><ellipsoid>"
+      "<radii>0.1 0.2 0.3</radii></ellipsoid></geometry></collision></link>" +
+      kHinge);
+  EXPECT_EQ(scene.world.shapes.at(0).kind, world::ShapeKind::kConvex);
+  const double volume = 4.0 / 3.0 * 3.14159265 * 0.1 * 0.2 * 0.3;
+  EXPECT_NEAR(scene.world.bodies.at(1).mass_kg / (1000 * volume), 1.0, 0.03) << "water, by the mesh's volume";
+}
+
+TEST_F(SdfModel, PointsThatCollideAreEnlarged) {
+  const Scene scene = bare(
+      "<link name='a'><collision name='c'><geometry><sphere><radius>1e-9</radius></sphere></geometry>"
+      "</collision></link>");
+  EXPECT_EQ(scene.world.shapes.at(0).size[0], 1e-6);
+  EXPECT_EQ(scene.repairs.size(), 1u);
+}
+
+TEST_F(SdfModel, AGearboxIsALossAndARevolute2HasTwoAxes) {
+  EXPECT_THAT(
+      bare(two_links(kHinge + "<joint name='g' type='gearbox'><parent>a</parent><child>b</child></joint>"))
+          .losses,
+      Contains(HasSubstr("gearbox")));
+  EXPECT_EQ(
+      bare(two_links(joint("revolute2", "<axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz></axis2>")))
+          .world.joints.at(0)
+          .kind,
+      world::JointKind::kUniversal);
+}
+
 TEST_F(SdfModel, VisualsThatCannotBeShownAreLeftOut) {
   const auto visual = [](const std::string& inside) { return "<visual name='v'>" + inside + "</visual>"; };
   const std::string box = "<geometry><box><size>1 1 1</size></box></geometry>";

@@ -226,6 +226,15 @@ TEST_F(SdfWorld, AxesOfOldIncludedFilesAreInTheModelsFrame) {
   EXPECT_TRUE(axis_of("1.6").isApprox(Eigen::Vector3d::UnitY(), 1e-9));
 }
 
+TEST_F(SdfWorld, NamesThatLaterVersionsReserveAreChanged) {
+  const Scene scene = bare(
+      "<model name='m'><link name='world'/><link name='x::y'/><joint name='j' type='revolute'>"
+      "<parent>world</parent><child>x::y</child><axis><xyz>0 0 1</xyz></axis></joint></model>");
+  EXPECT_THAT(names_of(scene), ElementsAre("m/world_1", "m/x__y"));
+  EXPECT_EQ(scene.world.joints.at(0).parent, scene.world.find_body("m/world_1"));
+  EXPECT_THAT(warnings(scene), testing::Contains(HasSubstr("link 'world' is called 'world_1' here")));
+}
+
 TEST_F(SdfWorld, APartDrivesEachModelWithJoints) {
   const std::string robot =
       "<model name='r'><link name='a'/><link name='b'/><joint name='j' type='revolute'><parent>a</parent>"

@@ -3,15 +3,12 @@
 #include <functional>
 
 #include "protocol/config/read_file.h"
+#include "server/scene/bare_model.h"
 #include "server/scene/convert/output.h"
 #include "server/scene/convert/write_sdf.h"
 #include "server/scene/convert/write_yaml.h"
 #include "server/scene/convert/x3d_scene.h"
-#include "server/scene/convert/yaml_text.h"
-#include "server/scene/draft.h"
-#include "server/scene/joints.h"
 #include "server/scene/mesh_readers.h"
-#include "server/scene/models.h"
 
 namespace visum::scene {
 namespace {
@@ -29,29 +26,12 @@ std::string text_of(const fs::path& file) {
   return std::move(content.bytes);
 }
 
-// A scene with one model, which stands on the ground.
-Scene scene_of_model(const fs::path& file) {
-  YamlMap entry;
-  entry.add_text("name", file.stem().string()).add_text("file", file.filename().string());
-  Scene scene;
-  scene.file = file;
-  scene.name = file.stem().string();
-  scene.world.engines.push_back({"ode"});
-  scene.engine_places.push_back({file.string(), 0, "engine"});
-  scene.world.surfaces.push_back({"default"});
-  Draft draft(scene);
-  read_model(draft, config::load_text(entry.text(), file.string(), file.parent_path()));
-  sort_world(draft, {file.string(), 0, ""});
-  scene.world.name = scene.name;
-  return scene;
-}
-
 enum class Format { kYaml, kModel, kX3dXml, kX3dClassic, kVrml97 };
 
 Format format_of(const fs::path& file, const char* known) {
   const std::string ending = lower_extension(file);
   if (ending == ".yaml" || ending == ".yml") return Format::kYaml;
-  if (ending == ".urdf" || ending == ".sdf") return Format::kModel;
+  if (is_model_file(file)) return Format::kModel;
   if (ending == ".x3d") return Format::kX3dXml;
   if (ending == ".x3dv") return Format::kX3dClassic;
   if (ending == ".wrl" || ending == ".vrml") return Format::kVrml97;
@@ -68,7 +48,7 @@ std::string written(const Scene& scene, Output& output) {
     case Format::kYaml:
       return to_yaml(scene, output);
     case Format::kModel:
-      if (lower_extension(output.file()) == ".urdf")
+      if (lower_extension(output.file()) != ".sdf" && lower_extension(output.file()) != ".world")
         fail(output.file(), "URDF is read, not written: it holds one robot, not a scene");
       return to_sdf(scene, output);
     case Format::kX3dXml:
@@ -86,9 +66,8 @@ std::string written(const Scene& scene, Output& output) {
 Scene read_any_scene(const fs::path& file, const Options& options) {
   switch (format_of(file, ".yaml, .urdf, .sdf, .x3d, .x3dv, .wrl")) {
     case Format::kYaml:
-      return load_scene(file, options);
     case Format::kModel:
-      return scene_of_model(file);
+      return load_scene(file, options);
     case Format::kX3dXml:
       return scene_of_x3d(read_x3d_xml(text_of(file), file.string()), file);
     case Format::kX3dClassic:
