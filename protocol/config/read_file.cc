@@ -58,6 +58,10 @@ FileContent read_file(const std::filesystem::path& path, std::size_t max_bytes) 
   return content;
 }
 
+void note_file(const std::filesystem::path& path, const std::string& bytes) {
+  if (noted) noted->files[key_of(path)] = bytes;
+}
+
 bool is_file(const std::filesystem::path& path) {
   if (given) return given->files.contains(key_of(path));
   std::error_code error;

@@ -23,6 +23,9 @@ bool is_file(const std::filesystem::path& path);
 // Contents by absolute path without "." and "..".
 using Files = std::map<std::string, std::string>;
 
+// Lets FilesNoted keep other bytes for a file than those on the disk: what a program made of it.
+void note_file(const std::filesystem::path& path, const std::string& bytes);
+
 // While the object lives, collects what read_file() reads on this thread.
 class FilesNoted {
  public:

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <functional>
 #include <iostream>
 #include <optional>
 
@@ -109,18 +110,18 @@ std::optional<scene::Scene> loaded(const std::filesystem::path& file, const scen
   }
 }
 
-// Returns the scene's errors. If there are none, prints what is in the scene. Three stages follow each other:
-// the file, the plug-ins' nodes, and the world with its engines; errors of one stage hide those of the next.
+// Returns the scene's errors. If there are none, shows the world that was made. Three stages follow each
+// other: the file, the plug-ins' nodes, and the world with its engines; errors of one stage hide those of the
+// next.
 std::vector<config::ConfigError> errors_of(const std::filesystem::path& file, const scene::Options& options,
-                                           bool json) {
+                                           const std::function<void(const cycle::Simulation&)>& show) {
   std::vector<config::ConfigError> errors;
   const auto scene = loaded(file, options, errors);
   if (!scene) return errors;
   errors = cycle::errors_of_nodes(*scene);
   if (!errors.empty()) return errors;
   try {
-    const cycle::Simulation simulation(*scene);
-    json ? print_right_as_json(simulation) : print_right(simulation);
+    show(cycle::Simulation(*scene));
   } catch (const config::ConfigError& error) {
     errors.push_back(error);
   }
@@ -136,11 +137,18 @@ void print_wrong_as_json(const std::vector<config::ConfigError>& errors) {
 }
 
 void check_scene(const std::filesystem::path& file, const scene::Options& options, bool json) {
-  const auto errors = errors_of(file, options, json);
+  const auto errors = errors_of(file, options, [&](const cycle::Simulation& simulation) {
+    json ? print_right_as_json(simulation) : print_right(simulation);
+  });
   if (errors.empty()) return;
   if (json) print_wrong_as_json(errors);
   for (std::size_t i = 0; i + 1 < errors.size(); ++i) spdlog::error("{}", errors[i].what());
   throw errors.back();
+}
+
+void demand_right(const std::filesystem::path& file, const scene::Options& options) {
+  const auto errors = errors_of(file, options, [](const cycle::Simulation&) {});
+  if (!errors.empty()) throw errors.front();
 }
 
 }  // namespace visum::programs

@@ -13,6 +13,9 @@ namespace visum::programs {
 // them on stdout, as one line.
 void check_scene(const std::filesystem::path& file, const scene::Options& options, bool json);
 
+// The same without printing: throws the first ConfigError.
+void demand_right(const std::filesystem::path& file, const scene::Options& options);
+
 // Prints the errors of a scene on stdout as one line of JSON: the first one's members at the top level, and
 // all in the list `errors`. There must be at least one.
 void print_wrong_as_json(const std::vector<config::ConfigError>& errors);

@@ -21,12 +21,24 @@ void print_as_json(const std::filesystem::path& to, const std::vector<std::strin
   std::cout << "{\"written\":" << protocol::json_quoted(to.string()) << ",\"losses\":[" << list << "]}\n";
 }
 
+// What was written must pass `visum check`.
+void demand_readable(const std::filesystem::path& to, const scene::Options& options) {
+  scene::Options for_it = options;
+  for_it.parameters.clear();
+  try {
+    demand_right(to, for_it);
+  } catch (const config::ConfigError& error) {
+    throw config::ConfigError(error.place(), "is written, but cannot be read again: " + error.message());
+  }
+}
+
 }  // namespace
 
 bool convert_scene(const std::filesystem::path& from, const std::filesystem::path& to,
                    const scene::Options& options, bool json) {
   try {
     const auto losses = scene::convert(from, to, options);
+    demand_readable(to, options);
     json ? print_as_json(to, losses) : print(to, losses);
     return losses.empty();
   } catch (const config::ConfigError& error) {

@@ -317,20 +317,23 @@ int check(const programs::Command& command) {
 int convert(const programs::Command& command) {
   std::string from, to;
   programs::PluginOptions plugins;
+  scene::Options of_scene;
   programs::OutputOptions output{.verbosity = 1};
   CLI::App app{"Writes a scene in another format, and lists what that format cannot hold", command.name};
   app.add_option("FROM", from, "the scene: .yaml, .urdf, .sdf, .mjcf, .xml, .x3d, .x3dv or .wrl")->required();
   app.add_option("TO", to, "the file to write: .yaml, .sdf, .x3d, .x3dv or .wrl")->required();
   programs::declare_plugins(app, plugins);
+  programs::declare_packages(app, of_scene.packages);
   app.add_flag("--json", output.json, "print one line of JSON");
   app.footer(
       "Examples:\n  " + command.name + " models/scenes/hall.yaml hall.x3d\n  " + command.name +
       " hall.x3d hall.yaml\n"
       "Exit codes: 0 everything is written, 1 written without what is listed, 2 bad usage, 3 the scene "
-      "is wrong.");
+      "is wrong, or what was written cannot be read again.");
   return programs::run_command(app, command, "visumd", output, [&] {
-    return programs::convert_scene(from, to, with_plugins({}, plugins), output.json) ? programs::kPassed
-                                                                                     : programs::kFailed;
+    return programs::convert_scene(from, to, with_plugins(of_scene, plugins), output.json)
+               ? programs::kPassed
+               : programs::kFailed;
   });
 }
 

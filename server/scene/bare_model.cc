@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <set>
 
 #include "protocol/config/number_text.h"
 #include "server/scene/bodies.h"
@@ -18,7 +20,9 @@ namespace fs = std::filesystem;
 
 // The file's name as a name of the scene.
 std::string name_of(const fs::path& file) {
-  std::string name = file.stem().string().substr(0, kMaxNameBytes);
+  fs::path stem = file.stem();
+  if (lower_extension(file) == ".xacro") stem = stem.stem();  // arm.urdf.xacro
+  std::string name = stem.string().substr(0, kMaxNameBytes);
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_' && c != '-') c = '_';
   return name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) ? "model_" + name : name;
@@ -61,12 +65,97 @@ std::string driven(const RobotModel& robot) {
   return list.empty() ? "" : ", joints: [" + list + "]";
 }
 
+// Chooses the engine that has all joints and springs of the file.
+void choose_engine(const RobotModel& robot, Draft& draft) {
+  const bool beyond_ode = std::any_of(robot.joints.begin(), robot.joints.end(), [](const RobotJoint& joint) {
+    const bool is_spring = !world::info(joint.joint.kind).holds_anything;
+    return is_spring || joint.stiffness > 0.0 || joint.joint.kind == world::JointKind::kScrew;
+  });
+  if (!beyond_ode) return;
+  draft.scene.world.engines[0].name = "impulse";
+  draft.scene.notes.push_back("engine 'impulse' moves it, because it has springs or screws");
+}
+
+// Joints that a part can drive.
+bool has_drivable_joints(const world::WorldModel& model, std::size_t first) {
+  return std::any_of(model.joints.begin() + static_cast<std::ptrdiff_t>(first), model.joints.end(),
+                     [](const world::Joint& joint) { return world::is_drivable(joint.kind); });
+}
+
+struct BareEntry {
+  std::string name;        // of the model and of its part
+  std::string model_keys;  // further keys of the model's entry: ", model: 'door'"
+  std::string part_keys;   // and of the part's
+};
+
+// Places one model with a part for its joints.
+void place_with_part(Draft& draft, const fs::path& file, const BareEntry& entry) {
+  const auto node = [&](const std::string& yaml) {
+    return config::load_text(yaml, file.string(), file.parent_path());
+  };
+  const std::size_t joints = draft.scene.world.joints.size();
+  const std::string name = in_quotes(entry.name);
+  read_model(draft, node("{name: " + name + ", file: " + in_quotes(file.filename().string()) +
+                         entry.model_keys + ", no_collision: {overlapping: true}}"));
+  if (has_drivable_joints(draft.scene.world, joints))
+    draft.part_entries.push_back(
+        node("{name: " + name + ", kind: ideal_joints, model: " + name + entry.part_keys + "}"));
+}
+
+// A step that a world's file may set. Others are hints for another engine.
+constexpr double kLongestStepS = 0.01;
+
+void take_settings(const ModelWorld& from, const fs::path& file, Draft& draft) {
+  world::WorldModel& model = draft.scene.world;
+  draft.world_settings = true;
+  if (from.gravity && from.gravity->norm() < 1e6) model.gravity = *from.gravity;
+  if (!from.step_s) return;
+  const double tick_ns = std::round(*from.step_s * 1e9);
+  if (tick_ns >= 1e3 && *from.step_s <= kLongestStepS)
+    model.tick_ns = static_cast<std::int64_t>(tick_ns);
+  else
+    draft.scene.warnings.push_back(
+        {file.string(),
+         {"the step of " + config::number_text(*from.step_s) + " s is not taken: a tick is 1 ms", 0}});
+}
+
+// A name that a scene can have: the model's own, or one made of it.
+std::string placed_name(const std::string& model, std::set<std::string>& taken) {
+  std::string name = name_fault(model).empty() ? model : name_of(model);
+  while (!taken.insert(name).second) name += "_";
+  return name;
+}
+
+// Each model of the world becomes one of the scene. Remarks are about the file as a whole.
+void read_bare_world(Draft& draft, const fs::path& file, const RobotModel& world) {
+  take_settings(*world.world, file, draft);
+  std::set<std::string> taken;
+  for (const std::string& model : models_of_world(world))
+    place_with_part(draft, file, {placed_name(model, taken), ", model: " + in_quotes(model), ""});
+  const auto report = [&](const std::vector<Remark>& remarks, std::vector<FileRemark>& to) {
+    for (const Remark& remark : remarks) {
+      to.push_back({remark.file.empty() ? file.string() : remark.file, {remark.text, remark.line}});
+      draft.scene.losses.push_back(remark.text);
+    }
+  };
+  std::vector<Remark> between;
+  for (const RobotJoint& joint : world.joints)
+    if (joint.joint.name.find("::") == std::string::npos)
+      between.push_back({"joint '" + joint.joint.name +
+                             "' between models is not simulated in a bare file: "
+                             "name the file in a scene",
+                         joint.line, joint.file});
+  report(between, draft.scene.warnings);
+  report(world.losses, draft.scene.warnings);
+  report(world.repairs, draft.scene.repairs);
+}
+
 }  // namespace
 
 bool is_model_file(const fs::path& file) {
   const std::string extension = lower_extension(file);
-  return extension == ".urdf" || extension == ".sdf" || extension == ".world" || extension == ".mjcf" ||
-         extension == ".xml";
+  return extension == ".urdf" || extension == ".sdf" || extension == ".world" || extension == ".xacro" ||
+         extension == ".mjcf" || extension == ".xml";
 }
 
 void read_bare_model(Draft& draft, const fs::path& file) {
@@ -74,10 +163,12 @@ void read_bare_model(Draft& draft, const fs::path& file) {
   const auto node = [&](const std::string& yaml) {
     return config::load_text(yaml, file.string(), file.parent_path());
   };
-  read_model(draft, node("{name: " + name + ", file: " + in_quotes(file.filename().string()) +
-                         ", no_collision: {overlapping: true}}"));
-  const RobotModel& robot = *draft.robots.begin()->second;
+  const RobotModel robot =
+      load_robot_file(draft, node("{file: " + in_quotes(file.filename().string()) + "}").get("file"));
+  choose_engine(robot, draft);
+  if (robot.world) return read_bare_world(draft, file, robot);
   if (robot.gravity) draft.scene.world.gravity = *robot.gravity;
+  place_with_part(draft, file, {name, "", driven(robot)});
   const world::WorldModel& model = draft.scene.world;
   const bool has_floor = std::any_of(model.shapes.begin(), model.shapes.end(), [](const world::Shape& s) {
     return s.kind == world::ShapeKind::kPlane;
@@ -85,10 +176,6 @@ void read_bare_model(Draft& draft, const fs::path& file) {
   if (!has_floor)
     read_body(draft, node("{name: floor, fixed: true, pose: {xyz: [0, 0, " +
                           config::number_text(floor_height(model)) + "]}, shapes: [{plane: true}]}"));
-  if (std::any_of(model.joints.begin(), model.joints.end(),
-                  [](const world::Joint& joint) { return world::is_drivable(joint.kind); }))
-    draft.part_entries.push_back(
-        node("{name: " + name + ", kind: ideal_joints, model: " + name + driven(robot) + "}"));
 }
 
 }  // namespace visum::scene

@@ -7,13 +7,16 @@
 
 namespace visum::scene {
 
-// True for the extensions of models: .urdf, .sdf, .world, .mjcf and .xml, in small or capital letters.
+// True for the extensions of models: .urdf, .sdf, .world, .xacro, .mjcf and .xml, in small or capital
+// letters.
 bool is_model_file(const std::filesystem::path& file);
 
-// Reads the model, which stands fixed at the origin unless it is MJCF, and puts a floor below its lowest
-// point, but not above the origin. Its joints that can be driven become a part of the kind `ideal_joints`; of
-// MJCF, those with an actuator, if there are any. Model and part have the file's name. Links that overlap at
-// the start never collide. Throws ConfigError.
+// Reads a model, which stands fixed at the origin unless it is MJCF, and puts a floor below its lowest point,
+// but not above the origin. Its joints that can be driven become a part of the kind `ideal_joints`; of MJCF,
+// those with an actuator, if there are any. Model and part have the file's name. Links that overlap at the
+// start never collide. With springs or screws, engine `impulse` moves it. Throws ConfigError.
+// Of an SDF file with a <world>, each model becomes one of the scene, with its own name, place and part. The
+// world's gravity and step act, and no floor is added.
 void read_bare_model(Draft& draft, const std::filesystem::path& file);
 
 }  // namespace visum::scene

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "protocol/config/number_text.h"
 #include "protocol/config/unknown_name.h"
 #include "server/scene/mesh_readers.h"
 #include "server/world/joint_kinds.h"
@@ -57,6 +58,30 @@ world::SurfaceId Draft::surface(const config::Node& node) const {
     known.push_back(scene.world.surfaces[i].name);
   }
   fail_unknown(node, "surface", known);
+}
+
+world::SurfaceId Draft::surface_like(const world::Surface& values, const config::Place& place) {
+  std::string name = "friction_" + config::number_text(values.friction);
+  if (values.restitution > 0.0) name += "_restitution_" + config::number_text(values.restitution);
+  if (values.rolling_friction > 0.0) name += "_rolling_" + config::number_text(values.rolling_friction);
+  if (values.torsional_friction > 0.0) name += "_torsional_" + config::number_text(values.torsional_friction);
+  const auto same = [&](const world::Surface& other) {
+    return std::tie(other.friction, other.restitution, other.rolling_friction, other.torsional_friction) ==
+           std::tie(values.friction, values.restitution, values.rolling_friction, values.torsional_friction);
+  };
+  auto& surfaces = scene.world.surfaces;
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    if (same(surfaces[i])) return {static_cast<std::int32_t>(i)};
+  if (surfaces.size() == kMaxSurfaces)
+    throw config::ConfigError(place, "there are more than " + std::to_string(kMaxSurfaces) + " surfaces");
+  surfaces.push_back(values);
+  surfaces.back().name = name;
+  return {static_cast<std::int32_t>(surfaces.size() - 1)};
+}
+
+bool Draft::has_springs(std::int32_t engine) const {
+  const std::string& given = scene.world.engines[static_cast<std::size_t>(engine)].name;
+  return (engine_option.empty() ? given : engine_option) == "impulse";
 }
 
 std::int32_t Draft::material(const config::Node& node) const {

@@ -38,7 +38,8 @@ class Draft {
   };
   std::map<std::string, DriveLimit> drive_limits;
   Packages packages;                // of the models' meshes
-  std::string engine_kind;          // replaces that of every engine; empty: as the scene says
+  std::string engine_option;        // Options::engine: replaces that of every engine
+  bool world_settings = false;      // gravity and step are those of a world's file
   std::optional<world::Pose> X_WO;  // O: origin of the file that is being read; none: W itself
 
   // Takes a name for a body, joint, model, part or surface (`what`); fails at `place` if it is taken already.
@@ -46,6 +47,10 @@ class Draft {
 
   // By name in the scene, else fails at `node`, naming the nearest.
   world::SurfaceId surface(const config::Node& node) const;
+  // The surface of these values. Adds it, named after them, if there is none.
+  world::SurfaceId surface_like(const world::Surface& values, const config::Place& place);
+  // True if the engine of this number has springs.
+  bool has_springs(std::int32_t engine) const;
   std::int32_t material(const config::Node& node) const;
   std::int32_t engine(const config::Node& node) const;
   world::Pose frame(const config::Node& node) const;

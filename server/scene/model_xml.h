@@ -3,15 +3,33 @@
 // stays inside these files.
 #pragma once
 
+#include <Eigen/Core>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "protocol/config/config.h"
+#include "server/scene/packages.h"
 #include "server/scene/remark.h"
 
 namespace visum::scene {
+
+// How the surface of a collision behaves, as far as the file says it.
+struct ModelSurface {
+  std::optional<double> friction, restitution, torsional_friction;
+  bool collides = true;
+
+  bool says_anything() const { return friction || restitution || torsional_friction; }
+};
+
+// What a <world> says beside its models.
+struct ModelWorld {
+  std::optional<Eigen::Vector3d> gravity;
+  std::optional<double> step_s;
+  std::vector<std::string> left_out;  // includes that were not found, and why
+};
 
 struct ModelXml {
   bool urdf = false;
@@ -26,8 +44,13 @@ struct ModelXml {
   std::map<std::string, double>
       enlarged;  // links whose mass and inertia sdformat sees this many times larger
   std::map<std::string, std::string>
-      joint_names;                  // those that sdformat sees under another name, by that name
-  std::set<std::string> addresses;  // of meshes, as the file writes them
+      joint_names;                           // those that sdformat sees under another name, by that name
+  std::set<std::string> addresses;           // of meshes, as the file writes them
+  std::map<std::string, std::string> files;  // of links and joints that come from an included file
+  // By link and collision. Of SDF only.
+  std::map<std::pair<std::string, std::string>, ModelSurface> surfaces;
+  std::map<std::string, double> pitches;  // of screw joints, m per turn
+  std::optional<ModelWorld> world;        // the file holds a <world>; its models are nested in the model
   std::vector<Remark> losses;
   std::vector<Remark> repairs;
 };
@@ -35,6 +58,7 @@ struct ModelXml {
 inline constexpr std::size_t kMaxModelBytes = 16u << 20;
 
 // Throws ConfigError with file, line, and the joint's or link's name; ModelErrors if there are several.
-ModelXml read_model_xml(const std::string& text, const std::string& file);
+// `packages` are for what an SDF file includes.
+ModelXml read_model_xml(const std::string& text, const std::string& file, const Packages& packages = {});
 
 }  // namespace visum::scene

@@ -6,13 +6,17 @@
 
 #include "protocol/config/number_text.h"
 #include "protocol/config/read_file.h"
+#include "protocol/config/unknown_name.h"
 #include "server/scene/frames.h"
 #include "server/scene/joints.h"
 #include "server/scene/link_mass.h"
+#include "server/scene/mesh_readers.h"
 #include "server/scene/model_errors.h"
 #include "server/scene/model_xml.h"
+#include "server/scene/reader_process.h"
 #include "server/scene/robot_model.h"
 #include "server/scene/values.h"
+#include "server/scene/xacro.h"
 #include "server/world/joint_kinds.h"
 
 namespace visum::scene {
@@ -21,26 +25,26 @@ namespace {
 using config::Node;
 using config::Place;
 
-RobotModel load_robot(Draft& draft, const Node& file_node) {
-  const std::filesystem::path file = read_path(file_node);
-  auto& known = draft.robots[file.string()];
-  if (known) return *known;
-  const config::FileContent content = config::read_file(file, kMaxModelBytes);
-  if (!content.fault.empty()) file_node.fail("'" + file.string() + "': " + content.fault);
-  RobotModel robot = read_robot_model(file, content.bytes, draft.packages);
-  join_links(robot);
-  known = std::make_shared<const RobotModel>(robot);
-  return robot;
+constexpr const char* kNoSprings = "engine 'ode' has no springs, use 'impulse'";
+
+// `model` chooses one of a file with a <world>.
+RobotModel load_robot(Draft& draft, const Node& entry) {
+  RobotModel robot = load_robot_file(draft, entry.get("file"));
+  const auto wanted = entry.find("model");
+  if (!wanted) return robot;
+  if (!robot.world)
+    wanted->fail("is for files with a <world>; '" + robot.file.string() + "' holds one model");
+  const std::vector<std::string> models = models_of_world(robot);
+  if (std::find(models.begin(), models.end(), wanted->text()) == models.end())
+    wanted->fail(config::unknown_name("model", wanted->text(), models));
+  return one_of_world(robot, wanted->text());
 }
 
 // Places one model in the draft.
 class Placement {
  public:
   Placement(Draft& draft, const Node& node)
-      : draft_(draft),
-        node_(node),
-        name_(read_name(node.get("name"))),
-        robot_(load_robot(draft, node.get("file"))) {}
+      : draft_(draft), node_(node), name_(read_name(node.get("name"))), robot_(load_robot(draft, node)) {}
 
   void place() {
     draft_.claim("model", name_, node_.place());
@@ -58,6 +62,7 @@ class Placement {
     check_joint_keys();
     read_collision_keys();
     for (const std::string& note : robot_.notes) draft_.scene.notes.push_back(said(note));
+    note_world();
     report(robot_.losses, draft_.scene.warnings);
     report(robot_.repairs, draft_.scene.repairs);
   }
@@ -92,9 +97,16 @@ class Placement {
   }
   world::BodyId body(const std::string& link) const { return draft_.body(name_ + "/" + link); }
 
-  // With `fixed: true`, links that hang on no joint stand still.
+  // The scene has a gravity of its own.
+  void note_world() {
+    if (!robot_.world || !robot_.world->gravity || draft_.world_settings) return;
+    if ((*robot_.world->gravity - draft_.scene.world.gravity).norm() > 0.01)
+      robot_.losses.push_back({"the world's <gravity> is not read: the scene's 'gravity' acts", 0});
+  }
+
+  // With `fixed: true`, links that hang on no joint stand still. A world's file says itself what is static.
   void ground_roots() {
-    if (!node_.boolean_or("fixed", !robot_.says_what_is_fixed)) return;
+    if (!node_.boolean_or("fixed", !robot_.world && !robot_.says_what_is_fixed)) return;
     std::set<std::string> hanging;
     for (const RobotJoint& joint : robot_.joints) hanging.insert(joint.child);
     for (RobotLink& link : robot_.links)
@@ -157,7 +169,7 @@ class Placement {
     shape.X_BS = from.X_LS;
     shape.collides = from.collides;
     shape.color = from.color.value_or(shape.color);
-    shape.surface = surface_of(from.link);
+    shape.surface = surface_of(from);
     if (!from.mesh.empty()) shape.mesh = mesh_of(from, link);
     return shape;
   }
@@ -170,11 +182,17 @@ class Placement {
                                  converted->second.parts[from.mesh_part].mesh, from.scale, link_place(link));
   }
 
-  world::SurfaceId surface_of(const std::string& link) const {
+  // The scene's own word comes before the file's.
+  world::SurfaceId surface_of(const RobotShape& shape) const {
     if (const auto surfaces = node_.find("surfaces"))
-      if (const auto surface = surfaces->find(link)) return draft_.surface(*surface);
+      if (const auto surface = surfaces->find(shape.link)) return draft_.surface(*surface);
     if (const auto surface = node_.find("surface")) return draft_.surface(*surface);
-    return {0};
+    if (!shape.surface.says_anything()) return {0};
+    world::Surface own = draft_.scene.world.surfaces.front();
+    own.friction = shape.surface.friction.value_or(own.friction);
+    own.restitution = shape.surface.restitution.value_or(own.restitution);
+    own.torsional_friction = shape.surface.torsional_friction.value_or(own.torsional_friction);
+    return draft_.surface_like(own, node_.place());
   }
 
   bool stands_still(world::BodyId body) const {
@@ -193,28 +211,48 @@ class Placement {
       if (!stands_still(joint.parent))
         throw config::ConfigError(joint_place(from),
                                   "its child is fixed and its parent moves: exchange the two");
-      robot_.losses.push_back(
-          {"joint '" + from.joint.name + "' is not simulated: both its links are fixed", from.line});
+      robot_.losses.push_back({"joint '" + from.joint.name + "' is not simulated: both its links are fixed",
+                               from.line, from.file});
       return;
     }
     if (is_lost_spring(from)) return;
     joint.initial_position = initial_position(from, joint);
     draft_.add_joint(joint, joint_place(from));
+    if (from.stiffness != 0.0) add_spring(from, joint);
     draft_.drive_limits[joint.name] = {from.maximum_speed, from.maximum_effort};
     placed_.push_back(from.joint.name);
   }
 
-  // Not all engines have springs. Kinds of plug-ins say it themselves.
   bool is_lost_spring(const RobotJoint& from) {
-    if (world::info(from.joint.kind).holds_anything) return false;
-    const auto& scene = draft_.scene;
-    const std::string engine = draft_.engine_kind.empty()
-                                   ? scene.world.engines[static_cast<std::size_t>(engine_)].name
-                                   : draft_.engine_kind;
-    if (engine != "ode") return false;
+    if (world::info(from.joint.kind).holds_anything || draft_.has_springs(engine_)) return false;
     robot_.losses.push_back(
-        {"'" + from.joint.name + "' is not simulated: engine ode has no springs", from.line, from.file});
+        {"'" + from.joint.name + "' is not simulated: " + kNoSprings, from.line, from.file});
     return true;
+  }
+
+  // A spring about a hinge becomes a joint of its own beside it.
+  void add_spring(const RobotJoint& from, const world::Joint& beside) {
+    const char* fault = from.stiffness < 0.0                      ? "its stiffness is negative"
+                        : beside.kind != world::JointKind::kHinge ? "only hinges have springs"
+                        : !draft_.has_springs(engine_)            ? kNoSprings
+                                                                  : nullptr;
+    if (fault != nullptr) {
+      robot_.losses.push_back(
+          {"joint '" + from.joint.name + "' has a spring, which is not simulated: " + fault, from.line,
+           from.file});
+      return;
+    }
+    world::Joint spring;
+    spring.name = beside.name + "_spring";
+    spring.kind = world::JointKind::kTorsionSpring;
+    spring.parent = beside.parent;
+    spring.child = beside.child;
+    spring.X_PJ = beside.X_PJ;
+    spring.X_CJ = beside.X_CJ;
+    spring.axis_J = beside.axis_J;
+    spring.stiffness = from.stiffness;
+    spring.rest = from.rest;
+    draft_.add_joint(spring, joint_place(from));
   }
 
   double initial_position(const RobotJoint& from, const world::Joint& joint) const {
@@ -313,9 +351,50 @@ class Placement {
 
 }  // namespace
 
+namespace {
+
+constexpr ReaderBounds kXacroBounds{std::chrono::seconds(30), kMaxModelBytes, "URDF"};
+
+// The URDF that the user's xacro makes of a file with macros. A recording keeps it in place of the file. A
+// file that is called otherwise (.urdf) may be read without it.
+std::string expanded(const std::filesystem::path& file, const std::string& text,
+                     std::vector<Remark>& losses) {
+  const std::filesystem::path program = find_xacro();
+  if (!program.empty()) {
+    const std::string urdf = expand_xacro(program, file, kXacroBounds);
+    config::note_file(file, urdf);
+    losses.push_back(
+        {"xacro has expanded it: lines are those of what 'xacro " + file.string() + "' prints", 0});
+    return urdf;
+  }
+  const std::string advice =
+      "there is no program 'xacro' in PATH; where there is one, run: " + xacro_command(file);
+  if (lower_extension(file) == ".xacro")
+    throw config::ConfigError({file.string(), 0, ""}, "holds macros of xacro, and " + advice);
+  losses.push_back({"its macros of xacro are not read: " + advice, 0});
+  return text;
+}
+
+}  // namespace
+
+RobotModel load_robot_file(Draft& draft, const Node& file_node) {
+  const std::filesystem::path file = read_path(file_node);
+  auto& known = draft.robots[file.string()];
+  if (known) return *known;
+  config::FileContent content = config::read_file(file, kMaxModelBytes);
+  if (!content.fault.empty()) file_node.fail("'" + file.string() + "': " + content.fault);
+  std::vector<Remark> losses;
+  if (needs_xacro(file, content.bytes)) content.bytes = expanded(file, content.bytes, losses);
+  RobotModel robot = read_robot_model(file, content.bytes, draft.packages);
+  robot.losses.insert(robot.losses.begin(), losses.begin(), losses.end());
+  join_links(robot);
+  known = std::make_shared<const RobotModel>(robot);
+  return robot;
+}
+
 void read_model(Draft& draft, const Node& node) {
   node.allow_only({"name", "file", "pose", "fixed", "joints", "surface", "surfaces", "self_collision",
-                   "no_collision", "engine", "repair", "density"});
+                   "no_collision", "engine", "repair", "density", "model"});
   Placement(draft, node).place();
 }
 

@@ -36,25 +36,34 @@ Packages with_environment(Packages packages) {
   add_folders("AMENT_PREFIX_PATH", "share", packages.folders);
   add_folders("GZ_SIM_RESOURCE_PATH", "", packages.folders);
   add_folders("GAZEBO_MODEL_PATH", "", packages.folders);
+  add_folders("SDF_PATH", "", packages.folders);
   return packages;
 }
 
 fs::path find_in_package(const std::string& name_and_rest, const fs::path& model_file,
                          const Packages& packages) {
+  return find_in_package(name_and_rest, model_file, packages,
+                         [](const fs::path& file) { return is_file(file) ? file : fs::path(); });
+}
+
+fs::path find_in_package(const std::string& name_and_rest, const fs::path& model_file,
+                         const Packages& packages, const AcceptPath& accept) {
   const std::size_t slash = name_and_rest.find('/');
   const std::string name = name_and_rest.substr(0, slash);
   const fs::path rest = slash == std::string::npos ? fs::path() : fs::path(name_and_rest.substr(slash + 1));
   if (const auto given = packages.given.find(name); given != packages.given.end())
-    return is_file(given->second / rest) ? given->second / rest : fs::path();
+    return accept(given->second / rest);
   for (fs::path folder = fs::absolute(model_file).lexically_normal().parent_path();;
        folder = folder.parent_path()) {
-    if (is_file(folder / name_and_rest)) return folder / name_and_rest;
-    if (is_package(folder, name) && is_file(folder / rest)) return folder / rest;
+    if (const fs::path found = accept(folder / name_and_rest); !found.empty()) return found;
+    if (is_package(folder, name))
+      if (const fs::path found = accept(folder / rest); !found.empty()) return found;
     if (folder == folder.parent_path()) break;
   }
   for (const fs::path& folder : packages.folders) {
-    if (is_file(folder / name_and_rest)) return folder / name_and_rest;
-    if (folder.filename() == name && is_file(folder / rest)) return folder / rest;
+    if (const fs::path found = accept(folder / name_and_rest); !found.empty()) return found;
+    if (folder.filename() == name)
+      if (const fs::path found = accept(folder / rest); !found.empty()) return found;
   }
   return {};
 }

@@ -12,6 +12,7 @@
 #include <csignal>
 #include <cstring>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -23,7 +24,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMaxWords = 300;  // of the reason that the program gives
+constexpr std::size_t kMaxHeard = 4096;  // bytes of what the program says of itself
+constexpr std::size_t kMaxWords = 300;   // of the reason that it gives
 
 class Descriptor {
  public:
@@ -73,20 +75,23 @@ Pipe make_pipe() {
 // A child process. The destructor kills it and waits for it.
 class Child {
  public:
-  Child(const std::string& program, int in, int out, int err) {
+  // `environment` ends with a null.
+  Child(const std::vector<std::string>& words, char* const* environment, int in, int out, int err) {
     posix_spawn_file_actions_t actions;
     ::posix_spawn_file_actions_init(&actions);
     ::posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO);
     ::posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
     ::posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
     ::posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
-    std::array<char*, 2> arguments{const_cast<char*>(program.c_str()), nullptr};
-    std::array<char*, 1> environment{nullptr};
+    std::vector<char*> arguments;
+    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
     const int error =
-        ::posix_spawn(&pid_, program.c_str(), &actions, nullptr, arguments.data(), environment.data());
+        ::posix_spawn(&pid_, words.front().c_str(), &actions, nullptr, arguments.data(), environment);
     ::posix_spawn_file_actions_destroy(&actions);
     if (error != 0)
-      throw std::runtime_error("its reader, '" + program + "', cannot be started: " + std::strerror(error));
+      throw std::runtime_error("its reader, '" + words.front() +
+                               "', cannot be started: " + std::strerror(error));
   }
   ~Child() {
     if (pid_ <= 0) return;
@@ -141,31 +146,49 @@ Heard listen(int out, int err, Clock::time_point end, const ReaderBounds& bounds
     if (watched[0].revents != 0 && !drain(out, heard.answer)) watched[0].fd = -1;
     if (watched[1].revents != 0 && !drain(err, heard.words)) watched[1].fd = -1;
     if (heard.answer.size() > bounds.answer_bytes)
-      throw std::runtime_error("it has more than " + std::to_string(bounds.answer_bytes >> 20) +
-                               " MiB of triangles");
-    if (heard.words.size() > kMaxWords) heard.words.resize(kMaxWords);
+      throw std::runtime_error("it has more than " + std::to_string(bounds.answer_bytes >> 20) + " MiB of " +
+                               bounds.answer);
+    if (heard.words.size() > kMaxHeard) heard.words.resize(kMaxHeard);
   }
   return heard;
 }
 
-}  // namespace
+// The first line that is no warning.
+std::string reason_in(const std::string& words) {
+  std::istringstream lines(words);
+  std::string reason;
+  for (std::string line; std::getline(lines, line);)
+    if (reason.empty() || (reason.starts_with("warning") && !line.empty())) reason = line;
+  return reason.empty() ? "its reader failed without a reason" : reason.substr(0, kMaxWords);
+}
 
-std::string run_reader(const std::string& program, const std::filesystem::path& file,
-                       const ReaderBounds& bounds) {
+// Runs a program with `in` as its standard input.
+std::string run(const std::vector<std::string>& words, char* const* environment, Descriptor in,
+                const ReaderBounds& bounds) {
   const auto end = Clock::now() + bounds.deadline;
-  Descriptor in = in_memory(config::read_file(file, kMaxMeshBytes));
   Pipe out = make_pipe(), err = make_pipe();
-  Child child(program, in.get(), out.write.get(), err.write.get());
+  Child child(words, environment, in.get(), out.write.get(), err.write.get());
   for (Descriptor* ours : {&in, &out.write, &err.write}) ours->close();
   Heard heard = listen(out.read.get(), err.read.get(), end, bounds);
   const auto status = child.wait_until(end);
   if (!status) fail_late(bounds);
   if (WIFSIGNALED(*status))
     throw std::runtime_error(std::string("its reader crashed (") + ::strsignal(WTERMSIG(*status)) + ")");
-  if (WEXITSTATUS(*status) != 0)
-    throw std::runtime_error(heard.words.empty() ? "its reader failed without a reason"
-                                                 : heard.words.substr(0, heard.words.find('\n')));
+  if (WEXITSTATUS(*status) != 0) throw std::runtime_error(reason_in(heard.words));
   return std::move(heard.answer);
+}
+
+}  // namespace
+
+std::string run_reader(const std::string& program, const std::filesystem::path& file,
+                       const ReaderBounds& bounds) {
+  std::array<char*, 1> no_environment{nullptr};
+  return run({program}, no_environment.data(), in_memory(config::read_file(file, kMaxMeshBytes)), bounds);
+}
+
+std::string run_program(const std::vector<std::string>& words, const ReaderBounds& bounds) {
+  Descriptor nothing(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  return run(words, ::environ, std::move(nothing), bounds);
 }
 
 }  // namespace visum::scene

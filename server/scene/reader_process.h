@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace visum::scene {
 
 struct ReaderBounds {
   std::chrono::milliseconds deadline;  // by the wall clock
   std::size_t answer_bytes;
+  const char* answer = "triangles";  // what the answer consists of, for messages
 };
 
 // Runs `program` with `file` on its standard input and returns its standard output. None of our other files
@@ -18,5 +20,9 @@ struct ReaderBounds {
 // standard error, or says what became of it.
 std::string run_reader(const std::string& program, const std::filesystem::path& file,
                        const ReaderBounds& bounds);
+
+// Runs a program of the user with arguments and our environment, without a shell and without input. The rest
+// is as with run_reader().
+std::string run_program(const std::vector<std::string>& words, const ReaderBounds& bounds);
 
 }  // namespace visum::scene

@@ -127,4 +127,43 @@ void join_links(RobotModel& model) {
   note_joined(model);
 }
 
+std::vector<std::string> models_of_world(const RobotModel& world) {
+  std::vector<std::string> names;
+  for (const RobotLink& link : world.links) {
+    const std::string model = link.name.substr(0, link.name.find("::"));
+    if (std::find(names.begin(), names.end(), model) == names.end()) names.push_back(model);
+  }
+  return names;
+}
+
+RobotModel one_of_world(const RobotModel& world, const std::string& model) {
+  const std::string prefix = model + "::";
+  const auto strip = [&](std::string& name) {
+    const bool inside = name.compare(0, prefix.size(), prefix) == 0;
+    if (inside) name = name.substr(prefix.size());
+    return inside;
+  };
+  RobotModel one;
+  one.file = world.file;
+  one.world = world.world;
+  for (RobotLink link : world.links) {
+    if (!strip(link.name)) continue;
+    for (RobotShape& shape : link.shapes) {
+      strip(shape.link);
+      if (const auto mesh = world.converted.find(shape.mesh); mesh != world.converted.end())
+        one.converted.insert(*mesh);
+    }
+    one.links.push_back(std::move(link));
+  }
+  for (RobotJoint joint : world.joints) {
+    if (!strip(joint.joint.name)) continue;
+    strip(joint.parent);
+    strip(joint.child);
+    one.joints.push_back(std::move(joint));
+  }
+  for (JoinedLink joined : world.joined)
+    if (strip(joined.name) && strip(joined.into)) one.joined.push_back(std::move(joined));
+  return one;
+}
+
 }  // namespace visum::scene

@@ -7,6 +7,7 @@
 #include <sdf/Collision.hh>
 #include <sdf/Cylinder.hh>
 #include <sdf/Element.hh>
+#include <sdf/Ellipsoid.hh>
 #include <sdf/Error.hh>
 #include <sdf/Geometry.hh>
 #include <sdf/Joint.hh>
@@ -23,8 +24,10 @@
 #include <sdf/Visual.hh>
 
 #include "protocol/config/config.h"
+#include "protocol/config/number_text.h"
 #include "protocol/config/unknown_name.h"
 #include "server/scene/console_capture.h"
+#include "server/scene/ellipsoid.h"
 #include "server/scene/mesh_path.h"
 #include "server/scene/mesh_readers.h"
 #include "server/scene/model_errors.h"
@@ -76,10 +79,15 @@ class RobotReader {
   }
 
   config::Place link_place(const std::string& link) const {
-    return {file_, line_of(xml_.link_lines, link), "link '" + link + "'"};
+    return {file_of(link), line_of(xml_.link_lines, link), "link '" + link + "'"};
   }
   config::Place joint_place(const std::string& joint) const {
-    return {file_, line_of(xml_.joint_lines, joint), "joint '" + joint + "'"};
+    return {file_of(joint), line_of(xml_.joint_lines, joint), "joint '" + joint + "'"};
+  }
+  // The file in which a link or joint stands.
+  std::string file_of(const std::string& name) const {
+    const auto other = xml_.files.find(name);
+    return other == xml_.files.end() ? file_ : other->second;
   }
 
   void refuse(const sdf::Errors& errors, const config::Place& place) const {
@@ -114,6 +122,7 @@ class RobotReader {
     RobotLink link;
     link.name = prefix + from.Name();
     link.line = line_of(xml_.link_lines, link.name);
+    if (file_of(link.name) != file_) link.file = file_of(link.name);
     ignition::math::Pose3d pose;
     refuse(from.SemanticPose().Resolve(pose, "__model__"), link_place(link.name));
     link.X_ML = X_TM * to_pose(pose);
@@ -164,6 +173,11 @@ class RobotReader {
     shape.name = xml_.urdf ? urdf_name(name, link.name) : name;
     shape.link = link.name;
     shape.collides = visual == nullptr;
+    if (const auto surface = xml_.surfaces.find({link.name, name});
+        shape.collides && surface != xml_.surfaces.end()) {
+      shape.surface = surface->second;
+      if (!shape.surface.collides) return;
+    }
     ignition::math::Pose3d pose;
     refuse(where.Resolve(pose, link.name.substr(link.name.rfind(':') + 1)), link_place(link.name));
     shape.X_LS = to_pose(pose);
@@ -185,10 +199,15 @@ class RobotReader {
     }
   }
 
+  std::string other_file(const std::string& name) const {
+    const std::string file = file_of(name);
+    return file == file_ ? "" : file;
+  }
+
   void lose(const RobotShape& shape, const std::string& why) {
     model_.losses.push_back(
         {"visual '" + shape.name + "' of link '" + shape.link + "' is not shown: it " + why,
-         line_of(xml_.link_lines, shape.link)});
+         line_of(xml_.link_lines, shape.link), other_file(shape.link)});
   }
 
   // Adds one shape for each material of a Collada file. The model's own material replaces them all.
@@ -203,7 +222,7 @@ class RobotReader {
     if (mesh.textured && !whole.collides)
       model_.losses.push_back({"visual '" + whole.name + "' of link '" + link.name +
                                    "' is shown without the textures of its mesh",
-                               link.line});
+                               link.line, link.file});
   }
 
   // Fills kind, size and mesh. If it cannot, returns the reason.
@@ -234,11 +253,24 @@ class RobotReader {
         shape.X_LS.q = shape.X_LS.q * Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
         return "";
       }
+      case sdf::GeometryType::ELLIPSOID:
+        set_ellipsoid(shape, to_vector(geometry.EllipsoidShape()->Radii()));
+        return "";
       case sdf::GeometryType::MESH:
         return read_mesh_geometry(*geometry.MeshShape(), link, shape);
       default:
-        return "has a form that is not simulated (box, sphere, cylinder, capsule, plane and mesh are)";
+        return "has a form that is not simulated (box, sphere, cylinder, capsule, ellipsoid, plane and mesh "
+               "are)";
     }
+  }
+
+  // The hull of points on it. Its mesh stands among the converted ones, under a name that no file has.
+  void set_ellipsoid(RobotShape& shape, const Eigen::Vector3d& radii) {
+    shape.kind = world::ShapeKind::kConvex;
+    shape.mesh = "ellipsoid";
+    for (const double radius : radii) shape.mesh += " " + config::number_text(radius);
+    ColladaMesh& mesh = model_.converted[shape.mesh];
+    if (mesh.parts.empty()) mesh.parts.push_back({.mesh = ellipsoid_mesh(radii)});
   }
 
   static void set(RobotShape& shape, world::ShapeKind kind, std::array<double, 3> size) {
@@ -255,7 +287,7 @@ class RobotReader {
     shape.kind = world::ShapeKind::kMesh;
     shape.scale = to_vector(mesh.Scale());
     try {
-      shape.mesh = resolve_mesh(address, model_.file, packages_, link_place(link));
+      shape.mesh = resolve_mesh(address, file_of(link), packages_, link_place(link));
     } catch (const config::ConfigError& error) {
       if (shape.collides) throw;
       return "is the " + error.message();
@@ -299,6 +331,7 @@ class RobotReader {
     const auto renamed = xml_.joint_names.find(from.Name());
     joint.joint.name = prefix + (renamed == xml_.joint_names.end() ? from.Name() : renamed->second);
     joint.line = line_of(xml_.joint_lines, joint.joint.name);
+    if (file_of(joint.joint.name) != file_) joint.file = file_of(joint.joint.name);
     const config::Place place = joint_place(joint.joint.name);
     std::string parent, child;
     refuse(from.ResolveParentLink(parent), place);
@@ -317,6 +350,8 @@ class RobotReader {
     if (const sdf::JointAxis* axis = from.Axis()) {
       if (axis->MaxVelocity() < kUnlimited) joint.maximum_speed = std::max(axis->MaxVelocity(), 0.0);
       if (axis->Effort() < kUnlimited) joint.maximum_effort = std::max(axis->Effort(), 0.0);
+      joint.stiffness = axis->SpringStiffness();
+      joint.rest = axis->SpringReference();
     }
     model_.joints.push_back(std::move(joint));
   }
@@ -338,9 +373,19 @@ class RobotReader {
       case sdf::JointType::PRISMATIC:
         joint.kind = world::JointKind::kSlider;
         break;
+      case sdf::JointType::BALL:
+        joint.kind = world::JointKind::kBall;
+        return;
+      case sdf::JointType::UNIVERSAL:
+      case sdf::JointType::REVOLUTE2:
+        joint.kind = world::JointKind::kUniversal;
+        return read_universal(from, place, joint);
+      case sdf::JointType::SCREW:
+        joint.kind = world::JointKind::kScrew;
+        joint.pitch_m = pitch_of(joint.name, place);
+        break;
       default:
-        throw config::ConfigError(
-            place, "joints of this type are not simulated (revolute, continuous, prismatic and fixed are)");
+        throw config::ConfigError(place, "joints of this type are not simulated");
     }
     const sdf::JointAxis* axis = from.Axis();
     if (axis == nullptr) throw config::ConfigError(place, "needs an <axis>");
@@ -361,9 +406,32 @@ class RobotReader {
     if (joint.lower > joint.upper) throw config::ConfigError(place, "the lower limit is above the upper one");
     joint.damping = axis.Damping();
     joint.friction = axis.Friction();
-    if (axis.SpringStiffness() != 0.0)
-      model_.losses.push_back(
-          {"joint '" + joint.name + "' has a spring, which is not simulated", place.line});
+  }
+
+  double pitch_of(const std::string& joint, const config::Place& place) const {
+    const auto pitch = xml_.pitches.find(joint);
+    if (pitch == xml_.pitches.end()) throw config::ConfigError(place, "needs a <screw_thread_pitch>");
+    return pitch->second;
+  }
+
+  // The first axis belongs to the parent, the second one to the child. The engines want a right angle.
+  void read_universal(const sdf::Joint& from, const config::Place& place, world::Joint& joint) {
+    ignition::math::Vector3d xyz, xyz2;
+    if (from.Axis(0) == nullptr || from.Axis(1) == nullptr)
+      throw config::ConfigError(place, "needs an <axis> and an <axis2>");
+    refuse(from.Axis(0)->ResolveXyz(xyz), place);
+    refuse(from.Axis(1)->ResolveXyz(xyz2), place);
+    joint.axis_J = to_vector(xyz).normalized();
+    joint.axis2_J = to_vector(xyz2).normalized();
+    for (unsigned int i = 0; i < 2; ++i)
+      if (from.Axis(i)->Lower() > -kUnlimited || from.Axis(i)->Upper() < kUnlimited ||
+          from.Axis(i)->Damping() > 0 || from.Axis(i)->Friction() > 0) {
+        model_.losses.push_back({"joint '" + joint.name +
+                                     "' turns freely: limits, damping and friction of "
+                                     "a universal joint are not simulated",
+                                 place.line, other_file(joint.name)});
+        break;
+      }
   }
 
   // sdformat walks the URDF's tree in the order of names, but users count joints in the order of their file.
@@ -415,11 +483,18 @@ sdf::ParserConfig quiet_config() {
 RobotModel read_robot_model(const std::filesystem::path& file, const std::string& text,
                             const Packages& packages) {
   if (is_mjcf(text)) return read_mjcf(file, text, packages);
-  const ModelXml xml = read_model_xml(text, file.string());
+  const ModelXml xml = read_model_xml(text, file.string(), packages);
   RobotModel model;
   model.file = file;
   model.losses = xml.losses;
   model.repairs = xml.repairs;
+  model.world = xml.world;
+  if (xml.world && xml.links.empty()) {
+    if (!xml.world->left_out.empty())
+      throw config::ConfigError({file.string(), 0, ""},
+                                "has no model that can be read. <include> " + xml.world->left_out.front());
+    return model;
+  }
   ConsoleCapture console;
   try {
     sdf::Root root;

@@ -14,6 +14,7 @@
 
 #include "server/scene/collada_reader.h"
 #include "server/scene/inertia.h"
+#include "server/scene/model_xml.h"
 #include "server/scene/packages.h"
 #include "server/scene/remark.h"
 #include "server/world/world_model.h"
@@ -31,12 +32,13 @@ struct RobotShape {
   world::Pose X_LS;
   bool collides = true;
   std::optional<std::array<double, 4>> color;
+  ModelSurface surface = {};  // as far as the file says it
 };
 
 struct RobotLink {
   std::string name;
-  int line = 0;            // in the model's file; 0: unknown
-  std::string file;        // which the model's file includes; empty: the model's file itself
+  int line = 0;            // in `file`; 0: unknown
+  std::string file = {};   // which the model's file includes; empty: the model's file itself
   MassProperties mass;     // in the link's frame; mass 0: the file gives none
   world::Pose X_ML;        // in the model's frame, with all joints at 0
   bool on_ground = false;  // the model itself fixes it to the world
@@ -50,10 +52,11 @@ struct RobotJoint {
   std::string parent;  // "world" for the world
   std::string child;
   int line = 0;
-  std::string file;          // as RobotLink::file
+  std::string file = {};     // as RobotLink::file
   bool closes_loop = false;  // fixed ones are kept, too
   double initial = 0.0;      // position at the start; the nearest one within the limits is taken
   double maximum_speed = 0.0, maximum_effort = 0.0;  // 0: the file gives none
+  double stiffness = 0.0, rest = 0.0;                // of a spring about or along its axis; 0: there is none
 };
 
 // A link that is one body with another one, because a fixed joint connects them.
@@ -77,6 +80,7 @@ struct RobotModel {
   // True: links that hang on no joint move unless they are `on_ground`. False: the scene says it.
   bool says_what_is_fixed = false;
   std::optional<Eigen::Vector3d> gravity;  // for a scene of this model alone
+  std::optional<ModelWorld> world;  // the file holds a <world>; links and joints are named "model::link"
 };
 
 inline constexpr const char* kWorldLink = "world";
@@ -93,6 +97,11 @@ RobotModel read_mjcf(const std::filesystem::path& file, const std::string& text,
 
 // Joins links over fixed joints: masses, shapes and joints move to the upper link's frame.
 void join_links(RobotModel& model);
+
+// The names of the models of a world's file, in its order.
+std::vector<std::string> models_of_world(const RobotModel& world);
+// One of them, with names as in its own file. Remarks stay with the world. Call it after join_links().
+RobotModel one_of_world(const RobotModel& world, const std::string& model);
 
 // Merges looks with solids. A visual shape of the same form and place as a colliding one gives it its colour
 // and is removed. On links with visuals, colliding shapes without one are not drawn (alpha 0). Visual planes

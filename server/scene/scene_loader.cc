@@ -248,7 +248,7 @@ Scene load_scene(const fs::path& file, const Options& options) {
   Draft draft(scene);
   draft.plugin_folders = options.plugin_folders;
   draft.packages = with_environment(options.packages);
-  draft.engine_kind = options.engine;
+  draft.engine_option = options.engine;
   Loader(draft, nullptr).read(file, options);
   finish(draft, options);
   return scene;
@@ -260,7 +260,7 @@ std::optional<Scene> load_scene(const fs::path& file, const Options& options,
   Draft draft(scene);
   draft.plugin_folders = options.plugin_folders;
   draft.packages = with_environment(options.packages);
-  draft.engine_kind = options.engine;
+  draft.engine_option = options.engine;
   try {
     Loader(draft, &errors).read(file, options);
     if (errors.empty()) finish(draft, options);

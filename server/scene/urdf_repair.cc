@@ -1,5 +1,4 @@
 // Repairs of a URDF before it is checked: see repair_urdf() in xml_checks.h.
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,18 +7,15 @@
 
 #include "protocol/config/number_text.h"
 #include "server/scene/inertia.h"
+#include "server/scene/inertia_repair.h"
 #include "server/scene/text_cursor.h"
 #include "server/scene/xml_checks.h"
 
 namespace visum::scene {
 namespace {
 
-constexpr double kMinSizeM = 1e-6;     // as world::find_fault wants it
 constexpr double kLeastMassKg = 1e-5;  // sdformat drops a link of less, with all that hangs on it
 constexpr double kEnlarged = 1e6;
-// Moments count as those of a solid within this share. sdformat allows a few last digits only.
-constexpr double kMomentTolerance = 1e-15;
-constexpr double kMomentMargin = 1e-9;
 
 // The numbers of an attribute; nothing if one of them is no finite number.
 std::optional<std::vector<double>> numbers(const XMLElement& element, const char* attribute) {
@@ -104,8 +100,6 @@ void take_out_bad_colors(XMLElement& element, ModelXml& xml) {
   }
 }
 
-constexpr std::array<const char*, 6> kMoments = {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
-
 std::optional<Eigen::Matrix3d> read_inertia(const XMLElement* inertia) {
   std::array<double, 6> m{};
   for (std::size_t i = 0; i < m.size(); ++i) {
@@ -123,18 +117,6 @@ void write_inertia(XMLElement& inertia, const Eigen::Matrix3d& matrix) {
                                 matrix(0, 1), matrix(0, 2), matrix(1, 2)};
   for (std::size_t i = 0; i < m.size(); ++i)
     inertia.SetAttribute(kMoments[i], config::number_text(m[i]).c_str());
-}
-
-// The least change that makes positive moments those of a solid: it raises the two smaller ones alike until
-// A + B = C. Nothing if one is not positive.
-std::optional<Eigen::Matrix3d> as_solid(const Eigen::Matrix3d& inertia) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
-  Eigen::Vector3d m = solver.eigenvalues();  // ascending
-  if (!(m[0] > 1e-9 * m[2])) return std::nullopt;
-  const double lack = m[2] * (1.0 + kMomentMargin) - m[0] - m[1];
-  m[0] += lack / 2;
-  m[1] += lack / 2;
-  return solver.eigenvectors() * m.asDiagonal() * solver.eigenvectors().transpose();
 }
 
 void write_nominal(XMLElement& inertial, double mass) {

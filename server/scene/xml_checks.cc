@@ -40,8 +40,23 @@ std::string how_many(std::size_t least, std::size_t most) {
 
 }  // namespace
 
+XmlPlace place_of(const XMLElement& element) {
+  // Elements that were copied or made have no line; their user data, or that of one around them, has it.
+  for (const tinyxml2::XMLNode* node = &element; node != nullptr; node = node->Parent()) {
+    if (const auto* place = static_cast<const XmlPlace*>(node->GetUserData())) return *place;
+    if (node->GetLineNum() > 0 && node->ToElement() != nullptr) return {"", node->GetLineNum()};
+  }
+  return {};
+}
+
+Remark remark(const XMLElement& element, const std::string& text) {
+  const XmlPlace place = place_of(element);
+  return {text, place.line, place.file};
+}
+
 void fail_at(const XMLElement& element, const std::string& file, const std::string& message) {
-  throw config::ConfigError({file, element.GetLineNum(), owner(element)}, message);
+  const XmlPlace place = place_of(element);
+  throw config::ConfigError({place.file.empty() ? file : place.file, place.line, owner(element)}, message);
 }
 
 std::string required(const XMLElement& element, const char* attribute, const std::string& file) {

@@ -13,6 +13,19 @@ namespace visum::scene {
 
 using tinyxml2::XMLElement;
 
+class SdfExpander;
+
+// Where an element stands. `file` is empty in the model's own file.
+struct XmlPlace {
+  std::string file;
+  int line = 0;
+};
+XmlPlace place_of(const XMLElement& element);
+Remark remark(const XMLElement& element, const std::string& text);
+
+// Parses a file without document types. Throws ConfigError.
+void parse_xml(tinyxml2::XMLDocument& document, const std::string& text, const std::string& file);
+
 // Throws ConfigError at the element and names the link or joint around it.
 [[noreturn]] void fail_at(const XMLElement& element, const std::string& file, const std::string& message);
 
@@ -47,6 +60,9 @@ void repair_urdf(XMLElement& root, ModelXml& xml);
 
 // Checks each kind of file and fills `xml`. urdf_xml.cc also rewrites the document for sdformat.
 void read_urdf(tinyxml2::XMLDocument& document, const std::string& file, ModelXml& xml);
-void read_sdf(const XMLElement& root, const std::string& file, ModelXml& xml);
+void read_sdf(tinyxml2::XMLDocument& document, const std::string& file, SdfExpander& expander, ModelXml& xml);
+
+// Checks the text of an element that holds numbers in SDF. Throws ConfigError.
+void check_sdf_text(const XMLElement& element, const std::string& file);
 
 }  // namespace visum::scene

@@ -134,30 +134,33 @@ TEST(BadSdf, EachFaultIsNamed) {
     return sdf("<model name='m'>\n" + inside + "</model>");
   };
   EXPECT_EQ(sdf(""), "m.urdf:1: has no <model>");
-  EXPECT_EQ(sdf("<world name='w'/>"),
-            "m.urdf:2: holds a <world>: only a file with one <model> can be placed");
   EXPECT_EQ(sdf("<model name='a'/>\n<model name='b'/>"), "m.urdf:3: has more than one <model>");
   EXPECT_EQ(model("<include><uri>model://x</uri></include>"),
-            "m.urdf:3: <include> is not read, place models in the scene");
+            "m.urdf:3: <include> 'model://x': no such model beside the file or in the folders above it; name "
+            "its folder with --package NAME=PATH or in GZ_SIM_RESOURCE_PATH");
+  EXPECT_EQ(model("<include><uri>https://fuel.gazebosim.org/1.0/a</uri></include>"),
+            "m.urdf:3: <include> 'https://fuel.gazebosim.org/1.0/a': nothing is fetched from a network; "
+            "download the model, and name its folder in the <uri>");
+  EXPECT_EQ(model("<include/>"), "m.urdf:3: <include> needs a <uri>");
   EXPECT_EQ(model("<link name='a'><pose>0 0 nan 0 0 0</pose></link>"),
             "m.urdf:3: link 'a': pose must be a finite number, is '0 0 nan 0 0 0'");
   EXPECT_EQ(model("<link name='a'><inertial><mass>-1</mass></inertial></link>"),
             "m.urdf:3: link 'a': mass must be greater than 0, is '-1'");
-  EXPECT_EQ(model("<link name='a'/><link name='b'/><joint name='j' "
-                  "type='ball'><parent>a</parent><child>b</child></joint>"),
-            "m.urdf:3: joint 'j': joints of this type are not simulated (revolute, continuous, prismatic and "
-            "fixed are)");
+  EXPECT_EQ(
+      model("<link name='a'/><link name='b'/><joint name='j' "
+            "type='telescope'><parent>a</parent><child>b</child></joint>"),
+      "m.urdf:3: joint 'j': joints of type 'telescope' are not simulated (revolute, continuous, prismatic, "
+      "fixed, ball, universal, revolute2 and screw are)");
   EXPECT_EQ(
       model(
           "<link name='a'/><link name='b'/><joint name='j' type='revolute'><parent>a</parent><child>b</child>"
           "<axis><xyz>0 0 0</xyz></axis></joint>"),
       "m.urdf:3: joint 'j': xyz must not be zero");
-  EXPECT_EQ(model("<link name='a'><collision name='c'><geometry><ellipsoid><radii>1 1 "
-                  "1</radii></ellipsoid></geometry>"
-                  "</collision></link>"),
-            "m.urdf:3: link 'a': collision 'c' has a form that is not simulated (box, sphere, cylinder, "
-            "capsule, plane "
-            "and mesh are)");
+  EXPECT_EQ(
+      model("<link name='a'><collision name='c'><geometry><polyline><height>1</height><point>0 0</point>"
+            "<point>1 0</point><point>0 1</point></polyline></geometry></collision></link>"),
+      "m.urdf:3: link 'a': collision 'c' has a form that is not simulated (box, sphere, cylinder, "
+      "capsule, ellipsoid, plane and mesh are)");
   // Errors that sdformat itself finds keep its words, thrown or returned.
   EXPECT_EQ(urdf_error("<sdf version='x'><model name='m'><link name='a'/></model></sdf>"),
             "m.urdf: sdformat cannot read it: stoi");

@@ -38,6 +38,27 @@ class Convert(unittest.TestCase):
         first, again = ((self.to / name).read_text().splitlines()[1:] for name in ("arm.yaml", "again.yaml"))
         self.assertEqual([line.replace("arm.yaml_files", "again.yaml_files") for line in first], again)
 
+    def test_reads_a_bare_model_as_check_does_and_finds_its_packages(self):
+        part = self.to / "elsewhere" / "part"
+        part.mkdir(parents=True)
+        (part / "box.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+        robot = self.to / "robot.urdf"
+        robot.write_text("<robot name='r'><link name='a'><collision><geometry>"
+                         "<mesh filename='package://part/box.obj'/></geometry></collision></link></robot>")
+        self.assertEqual(convert(robot, self.to / "robot.yaml").returncode, 3)
+        done = convert(robot, self.to / "robot.yaml", "--package", f"part={part}")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn('name: "floor"', (self.to / "robot.yaml").read_text())
+
+    def test_what_it_writes_can_be_checked(self):
+        for scene in ("cart", "crawler", "amtec_arm"):
+            with self.subTest(scene):
+                self.assertEqual(convert(f"models/scenes/{scene}.yaml", self.to / "out.sdf").returncode, 1)
+                done = subprocess.run([BIN / "visum", "check", self.to / "out.sdf", "--json"], capture_output=True,
+                                      text=True, timeout=600)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertTrue(json.loads(done.stdout)["actuated"])
+
     def test_wrong_usage_is_no_wrong_scene(self):
         self.assertEqual(convert("a.yaml").returncode, 2)
         self.assertEqual(convert("models/scenes/cart.yaml", self.to / "cart.doc").returncode, 3)

@@ -248,7 +248,7 @@ TEST(Mjcf, SpringsActWhereTheEngineHasThem) {
   EXPECT_THAT(impulse.losses, IsEmpty());
   const Scene ode = load_scene(file, {.engine = "ode"});
   EXPECT_EQ(ode.world.joints.size(), 1u);
-  EXPECT_THAT(ode.losses, ElementsAre(HasSubstr("engine ode has no springs")));
+  EXPECT_THAT(ode.losses, ElementsAre(HasSubstr("engine 'ode' has no springs")));
 }
 
 TEST(Mjcf, LooksThatNobodyTouchesMayBeMissing) {

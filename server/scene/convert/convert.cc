@@ -2,16 +2,13 @@
 
 #include <functional>
 
+#include "server/scene/bare_model.h"
 #include "server/scene/convert/output.h"
 #include "server/scene/convert/write_sdf.h"
 #include "server/scene/convert/write_yaml.h"
 #include "server/scene/convert/x3d_prototypes.h"
 #include "server/scene/convert/x3d_scene.h"
-#include "server/scene/convert/yaml_text.h"
-#include "server/scene/draft.h"
-#include "server/scene/joints.h"
 #include "server/scene/mesh_readers.h"
-#include "server/scene/models.h"
 
 namespace visum::scene {
 namespace {
@@ -23,29 +20,12 @@ namespace fs = std::filesystem;
   throw config::ConfigError({file.string(), 0, ""}, message);
 }
 
-// A scene with one model, which stands on the ground.
-Scene scene_of_model(const fs::path& file) {
-  YamlMap entry;
-  entry.add_text("name", file.stem().string()).add_text("file", file.filename().string());
-  Scene scene;
-  scene.file = file;
-  scene.name = file.stem().string();
-  scene.world.engines.push_back({"ode"});
-  scene.engine_places.push_back({file.string(), 0, "engine"});
-  scene.world.surfaces.push_back({"default"});
-  Draft draft(scene);
-  read_model(draft, config::load_text(entry.text(), file.string(), file.parent_path()));
-  sort_world(draft, {file.string(), 0, ""});
-  scene.world.name = scene.name;
-  return scene;
-}
-
 enum class Format { kYaml, kModel, kX3dXml, kX3dClassic, kVrml97 };
 
 Format format_of(const fs::path& file, const char* known) {
   const std::string ending = lower_extension(file);
   if (ending == ".yaml" || ending == ".yml") return Format::kYaml;
-  if (ending == ".urdf" || ending == ".sdf" || ending == ".mjcf" || ending == ".xml") return Format::kModel;
+  if (is_model_file(file)) return Format::kModel;
   if (ending == ".x3d") return Format::kX3dXml;
   if (ending == ".x3dv") return Format::kX3dClassic;
   if (ending == ".wrl" || ending == ".vrml") return Format::kVrml97;
@@ -62,7 +42,7 @@ std::string written(const Scene& scene, Output& output) {
     case Format::kYaml:
       return to_yaml(scene, output);
     case Format::kModel:
-      if (lower_extension(output.file()) != ".sdf")
+      if (lower_extension(output.file()) != ".sdf" && lower_extension(output.file()) != ".world")
         fail(output.file(), "URDF and MJCF are read, not written: write .sdf or .yaml");
       return to_sdf(scene, output);
     case Format::kX3dXml:
@@ -75,28 +55,13 @@ std::string written(const Scene& scene, Output& output) {
   return write_x3d_classic(to_x3d(scene, output, !vrml97), vrml97);
 }
 
-// A conversion that cannot be read is no success. SDF is for others, and holds worlds that Visum does not
-// read.
-void check_readable(const fs::path& written, const Options& options) {
-  if (lower_extension(written) == ".sdf") return;
-  try {
-    read_any_scene(written, {.engine = options.engine,
-                             .plugin_folders = options.plugin_folders,
-                             .parameters = {},
-                             .packages = options.packages});
-  } catch (const config::ConfigError& error) {
-    throw config::ConfigError(error.place(), error.message() + " (the file was written, but cannot be read)");
-  }
-}
-
 }  // namespace
 
 Scene read_any_scene(const fs::path& file, const Options& options) {
-  switch (format_of(file, ".yaml, .urdf, .sdf, .mjcf, .xml, .x3d, .x3dv, .wrl")) {
+  switch (format_of(file, ".yaml, .urdf, .sdf, .world, .xacro, .mjcf, .xml, .x3d, .x3dv, .wrl")) {
     case Format::kYaml:
-      return load_scene(file, options);
     case Format::kModel:
-      return scene_of_model(file);
+      return load_scene(file, options);
     case Format::kX3dXml:
     case Format::kX3dClassic:
     case Format::kVrml97:
@@ -124,7 +89,6 @@ std::vector<std::string> convert(const fs::path& from, const fs::path& to, const
   Output output(to);
   const std::string text = written(scene, output);
   output.write(text);
-  check_readable(to, options);
   std::vector<std::string> losses = scene.losses;
   if (is_x3d_file(from))
     for (const PartPlan& part : scene.parts)

@@ -9,7 +9,7 @@
 
 namespace visum::scene {
 
-// Reads by the file's extension: .yaml, .urdf, .sdf, .mjcf, .xml, .x3d, .x3dv or .wrl. Throws ConfigError.
+// Reads by the file's extension: .yaml, those of models, .x3d, .x3dv or .wrl. Throws ConfigError.
 Scene read_any_scene(const std::filesystem::path& file, const Options& options);
 
 // The scene that a program runs: as load_scene(), and from X3D and VRML97, too. Throws ConfigError.
@@ -18,8 +18,7 @@ Scene load_any(const std::filesystem::path& file, const Options& options);
 bool is_x3d_file(const std::filesystem::path& file);
 
 // Reads `from` and writes `to` (.yaml, .sdf, .x3d, .x3dv or .wrl). Returns what the encoding of `to` cannot
-// hold, one sentence each. Throws ConfigError; `to` is then unchanged, unless the error is that what was
-// written cannot be read back.
+// hold, one sentence each. Throws ConfigError; `to` is then unchanged.
 std::vector<std::string> convert(const std::filesystem::path& from, const std::filesystem::path& to,
                                  const Options& options);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "server/scene/convert/pairs.h"
 #include "server/world/joint_kinds.h"
@@ -46,9 +47,16 @@ const char* sdf_type(const world::Joint& joint) {
   }
 }
 
+// A name that SDF allows: without scopes, and not "world".
 std::string flat(std::string name) {
+  for (std::size_t at = name.find("::"); at != std::string::npos; at = name.find("::"))
+    name.replace(at, 2, ".");
   std::ranges::replace(name, '/', '.');
-  return name;
+  return name == "world" ? "world_" : name;
+}
+
+bool same_place(const world::Pose& a, const world::Pose& b) {
+  return (a.p - b.p).norm() < 1e-12 && a.q.angularDistance(b.q) < 1e-12;
 }
 
 // Writes a scene as the elements of one SDF document, in their order. Poses are in the world.
@@ -99,7 +107,7 @@ class SdfWriter {
     close();
   }
 
-  // Groups bodies that joints connect, under the first of them.
+  // Groups bodies that joints connect or that belong to one model, under the first of them.
   std::map<std::size_t, std::vector<std::size_t>> groups() const {
     std::vector<std::size_t> leader(world_.bodies.size());
     for (std::size_t i = 0; i < leader.size(); ++i) leader[i] = i;
@@ -112,14 +120,38 @@ class SdfWriter {
       const std::size_t a = find(joint.parent.index()), b = find(joint.child.index());
       leader[std::max(a, b)] = std::min(a, b);
     }
+    std::map<std::string, std::size_t> first_of;
+    for (std::size_t i = 0; i < leader.size(); ++i) {
+      const std::string& model = world_.bodies[i].model;
+      if (model.empty()) continue;
+      const std::size_t a = find(first_of.emplace(model, i).first->second), b = find(i);
+      leader[std::max(a, b)] = std::min(a, b);
+    }
     std::map<std::size_t, std::vector<std::size_t>> groups;
     for (std::size_t i = 0; i < leader.size(); ++i) groups[find(i)].push_back(i);
     return groups;
   }
 
-  // A model of the bodies `members`, named after the first of them, with the joints that carry them.
+  // The name of a body or joint within its SDF model: "link_1" for "arm/link_1", if all of it is the arm.
+  std::string inner_name(const std::string& name) const {
+    const std::string prefix = scope_ + "/";
+    return flat(!scope_.empty() && name.starts_with(prefix) ? name.substr(prefix.size()) : name);
+  }
+  std::string link_name(const world::Body& body) const { return inner_name(body.name); }
+
+  std::string unique_model(const std::string& wanted) {
+    std::string name = wanted;
+    for (int i = 2; !models_.insert(name).second; ++i) name = wanted + "_" + std::to_string(i);
+    return name;
+  }
+
+  // A model of the bodies `members`, with the joints that carry them. It has the name of the scene's model
+  // that they all belong to, else that of its first body.
   void model(std::size_t first, const std::vector<std::size_t>& members) {
-    open("model", "name", flat(world_.bodies[first].name).c_str());
+    scope_ = world_.bodies[first].model;
+    if (!std::ranges::all_of(members, [&](std::size_t i) { return world_.bodies[i].model == scope_; }))
+      scope_.clear();
+    open("model", "name", unique_model(flat(scope_.empty() ? world_.bodies[first].name : scope_)).c_str());
     const bool fixed = std::ranges::all_of(members, [&](std::size_t i) { return world_.bodies[i].fixed; });
     if (fixed) element("static", "true");
     if (members.size() > 1) self_collide(members);
@@ -148,16 +180,16 @@ class SdfWriter {
   // Fixes a link that stands still among others that move.
   void hold(const world::Body& body) {
     open("joint");
-    out_.PushAttribute("name", (flat(body.name) + "_stands").c_str());
+    out_.PushAttribute("name", (link_name(body) + "_stands").c_str());
     out_.PushAttribute("type", "fixed");
     element("parent", std::string("world"));
-    element("child", flat(body.name));
+    element("child", link_name(body));
     close();
   }
 
   void link(world::BodyId id) {
     const world::Body& body = world_.bodies[id.index()];
-    open("link", "name", flat(body.name).c_str());
+    open("link", "name", link_name(body).c_str());
     element("pose", pose_text(body.X_WB));
     if (!body.fixed) inertial(body);
     std::size_t number = 0;
@@ -252,18 +284,35 @@ class SdfWriter {
       output_.lose("rolling and torsional friction of surface '" + surface.name + "' are not written to SDF");
   }
 
+  // The spring beside a hinge, which SDF writes as a part of it.
+  const world::Joint* spring_of(const world::Joint& hinge) const {
+    if (hinge.kind != JointKind::kHinge) return nullptr;
+    const auto found = std::ranges::find_if(world_.joints, [&](const world::Joint& other) {
+      return other.kind == JointKind::kTorsionSpring && other.parent == hinge.parent &&
+             other.child == hinge.child && other.damping == 0.0 &&
+             (other.axis_J - hinge.axis_J).norm() < 1e-12 && same_place(other.X_PJ, hinge.X_PJ);
+    });
+    return found == world_.joints.end() ? nullptr : &*found;
+  }
+
+  bool is_written_as_spring(const world::Joint& spring) const {
+    return std::ranges::any_of(world_.joints,
+                               [&](const world::Joint& hinge) { return spring_of(hinge) == &spring; });
+  }
+
   void add_joint(const world::Joint& joint) {
     const char* type = sdf_type(joint);
+    if (!type && is_written_as_spring(joint)) return;
     if (!type) {
       output_.lose("SDF has no joint of type " + std::string(world::info(joint.kind).name) + ": '" +
                    joint.name + "' is left out");
       return;
     }
     open("joint");
-    out_.PushAttribute("name", flat(joint.name).c_str());
+    out_.PushAttribute("name", inner_name(joint.name).c_str());
     out_.PushAttribute("type", type);
-    element("parent", joint.parent.valid() ? flat(world_.bodies[joint.parent.index()].name) : "world");
-    element("child", flat(world_.bodies[joint.child.index()].name));
+    element("parent", joint.parent.valid() ? link_name(world_.bodies[joint.parent.index()]) : "world");
+    element("child", link_name(world_.bodies[joint.child.index()]));
     element("pose", pose_text(joint.X_CJ));
     if (joint.kind == JointKind::kScrew) element("screw_thread_pitch", joint.pitch_m);
     const bool turns = joint.kind == JointKind::kUniversal || world::is_drivable(joint.kind);
@@ -288,6 +337,10 @@ class SdfWriter {
     open("dynamics");
     element("damping", joint.damping);
     element("friction", joint.friction);
+    if (const world::Joint* spring = spring_of(joint)) {
+      element("spring_stiffness", spring->stiffness);
+      element("spring_reference", spring->rest);
+    }
     close();
     close();
   }
@@ -347,6 +400,8 @@ class SdfWriter {
   std::vector<std::pair<world::BodyId, world::BodyId>> untold_;  // pairs that the SDF file cannot keep apart
   tinyxml2::XMLPrinter out_;
   std::size_t lights_ = 0;
+  std::string scope_;             // the scene's model that all of the SDF model belongs to; empty: several
+  std::set<std::string> models_;  // names of SDF models
 };
 
 }  // namespace
