@@ -175,6 +175,10 @@ VISUM_EXPORT pid_t wait4(pid_t pid, int* status, int options, rusage* usage) noe
   return await_child("wait4", pid, [&] { return VISUM_REAL(wait4)(pid, status, options, usage); });
 }
 
+VISUM_EXPORT pid_t wait3(int* status, int options, rusage* usage) noexcept {
+  return wait4(-1, status, options, usage);
+}
+
 VISUM_EXPORT int waitid(idtype_t type, id_t id, siginfo_t* info, int options) {
   if (!active() || (options & WNOHANG)) return VISUM_REAL(waitid)(type, id, info, options);
   return await_child("waitid", type == P_PID ? static_cast<pid_t>(id) : -1,

@@ -19,7 +19,7 @@ SHIM = pathlib.Path(__file__).with_name("shim")
 os.environ["ASAN_OPTIONS"] = "detect_leaks=0"
 
 KINDS = ["usleep", "absolute", "poll", "select", "condition", "semaphore", "mutex", "timerfd", "alarm", "receive", "spin",
-         "yield", "fork", "command", "join", "thread", "future", "future_until", "promise", "acquire"]
+         "yield", "fork", "command", "join", "thread", "future", "future_until", "promise", "acquire", "kernel"]
 
 
 def run(*command, scene=ARM, buses=("--bus", "arm=pty"), grade=("--lockstep",), options=(), timeout=DEADLINE_S, expect=0, env=None):

@@ -139,9 +139,11 @@ bool Scheduler::is_to_wake_parent(const Slot& ended, const ThreadState& state) {
     if (slot.state == State::kFree || &slot == &ended) continue;
     // Only its first thread has ended: the parent is woken by the end of the last.
     if (slot.pid == pid && !threads_.state(pid, slot.tid).gone()) return false;
+    if (slot.pid != state.parent) continue;
+    const auto& watched = watched_[number(slot)];
     const bool waits = slot.state == State::kBlocked && (slot.flags & shim::kAwaitsChild) != 0;
-    const auto child = slot.key.load();
-    awaited |= waits && slot.pid == state.parent && (child == 0 || child == static_cast<std::uint64_t>(pid));
+    const bool is_it = slot.key == 0 || slot.key == static_cast<std::uint64_t>(pid);
+    awaited |= (waits && is_it) || (watched.unknown && watched.awaits_child);
   }
   return awaited;
 }

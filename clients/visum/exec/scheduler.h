@@ -48,7 +48,8 @@ class Scheduler {
     Clock::time_point still_since = Clock::now();
     std::uint64_t reserved = 0;  // kStarting: the slot's ticket, when it was seen first
     Clock::time_point starting_since = Clock::now();
-    bool unknown = false;  // it waits in a call that the shim does not know
+    bool unknown = false;       // it waits in a call that the shim does not know
+    bool awaits_child = false;  // where unknown: for the end of a child
     bool told = false;
     std::optional<Clock::time_point> ended;  // it has ended, and the parent that waits for it still sleeps
   };

@@ -64,8 +64,8 @@ void Scheduler::look_after(Slot& slot) {
   complain(slot);
 }
 
-// The thread sleeps without having announced it. It may wait for input for long. Any other sleep may be over
-// in a moment: a full pipe, a page that is read from disk.
+// The thread sleeps without having announced it. It may wait for input or for a child for long. Any other
+// sleep may be over in a moment: a full pipe, a page that is read from disk.
 void Scheduler::look_at_wait(const Slot& slot, Watched& watched) {
   const auto wait = Threads::wait_of(slot.pid, slot.tid);
   // It may have parked since it was looked at. Only the scheduler lets it run again.
@@ -73,8 +73,11 @@ void Scheduler::look_at_wait(const Slot& slot, Watched& watched) {
   if (wait == KernelWait::kHostTime)
     note_out_of_step(text_of(slot) +
                      " waits by the host's time: in a system call that the shim does not see");
-  const bool in_earnest = wait == KernelWait::kInput || Clock::now() - watched.still_since > kPassing;
-  if (watched.still >= kStill && in_earnest) watched.unknown = true;
+  const bool in_earnest = wait == KernelWait::kInput || wait == KernelWait::kChild ||
+                          Clock::now() - watched.still_since > kPassing;
+  if (watched.still < kStill || !in_earnest) return;
+  watched.unknown = true;
+  watched.awaits_child = wait == KernelWait::kChild;
 }
 
 // A slot was reserved for a process that never took it: a static program, or one that ended at once.

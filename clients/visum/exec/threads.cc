@@ -109,8 +109,6 @@ bool is_for_input(const KernelCall& call) {
     case SYS_recvmsg:
     case SYS_accept:
     case SYS_accept4:
-    case SYS_wait4:
-    case SYS_waitid:
       return true;
     default:
       return false;
@@ -156,6 +154,7 @@ KernelWait Threads::wait_of(pid_t process, pid_t thread) {
   const bool timed = is_timed_everywhere(*call) ||
                      (is_timed_by_argument(*call) && !is_in_c_library(folder + "/maps", call->at));
   if (timed) return KernelWait::kHostTime;
+  if (call->number == SYS_wait4 || call->number == SYS_waitid) return KernelWait::kChild;
   return is_for_input(*call) ? KernelWait::kInput : KernelWait::kOther;
 }
 

@@ -18,7 +18,8 @@ struct ThreadState {
 };
 
 enum class KernelWait {
-  kInput,     // until there is something to read, or a child has ended; without a time-out
+  kInput,     // until there is something to read; without a time-out
+  kChild,     // until a child has ended
   kHostTime,  // until a time of the host's, or with a time-out by it
   kOther,
 };
