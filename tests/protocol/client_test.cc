@@ -193,7 +193,7 @@ TEST_F(Client, WithoutAnAnswerARequestTimesOutAndTheNextStillWorks) {
 }
 
 TEST_F(Client, WaitsForTheWorldWithoutALimit) {
-  Connection connection = connect(milliseconds(1000));  // its limit holds for the greeting, on a busy host, too
+  Connection connection = connect(milliseconds(1000));  // the greeting has this limit, too
   const auto advance = connection.send(Advance{1});
   EXPECT_FALSE(connection.next(milliseconds(1200)));
   connection.send(Leave{});
