@@ -83,7 +83,7 @@ void read_joint_extras(const XMLElement& joint, const std::string& name, ModelXm
             remark(*mimic, "joint '" + name + "' moves on its own: <mimic> is not simulated"));
 }
 
-void check_joint_type(const XMLElement& joint, const std::string& file) {
+void check_sdf_joint_type(const XMLElement& joint, const std::string& file) {
   const std::string type = joint.Attribute("type") ? joint.Attribute("type") : "";
   for (const char* known :
        {"revolute", "continuous", "prismatic", "fixed", "ball", "universal", "revolute2", "screw"})
@@ -159,7 +159,7 @@ void read_sdf(tinyxml2::XMLDocument& document, const std::string& file, SdfExpan
   const std::size_t elements = walk(
       root, [](const XMLElement&) { return false; },
       [&](const XMLElement& element) {
-        if (!std::strcmp(element.Name(), "joint")) check_joint_type(element, file);
+        if (!std::strcmp(element.Name(), "joint")) check_sdf_joint_type(element, file);
         check_sdf_text(element, file);
       });
   check_amount(elements, xml, file);
