@@ -21,7 +21,7 @@ void print_as_json(const std::filesystem::path& to, const std::vector<std::strin
   std::cout << "{\"written\":" << protocol::json_quoted(to.string()) << ",\"losses\":[" << list << "]}\n";
 }
 
-// What was written must pass `visum check`.
+// The file that was written must pass `visum check`.
 void demand_readable(const std::filesystem::path& to, const scene::Options& options) {
   scene::Options for_it = options;
   for_it.parameters.clear();

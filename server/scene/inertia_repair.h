@@ -1,4 +1,4 @@
-// What the repairs of URDF and SDF files share: the order of moments, and inertias made physical.
+// Shared by the repairs of URDF and SDF files: the order of moments, and inertias made physical.
 #pragma once
 
 #include <Eigen/Core>

@@ -24,7 +24,7 @@ struct ModelSurface {
   bool says_anything() const { return friction || restitution || torsional_friction; }
 };
 
-// What a <world> says beside its models.
+// The settings of a <world>, beside its models.
 struct ModelWorld {
   std::optional<Eigen::Vector3d> gravity;
   std::optional<double> step_s;

@@ -15,7 +15,7 @@ namespace {
 
 using Names = std::set<std::string>;
 
-// What is read of each element. Elements that are not listed here are kept with all that they hold.
+// The children that are read of each element. Elements that are not listed are kept with all that they hold.
 const std::map<std::string, Names>& read_children() {
   static const std::map<std::string, Names> known = {
       {"model", {"static", "self_collide", "pose", "frame", "link", "joint", "model"}},

@@ -286,7 +286,7 @@ void SdfExpander::merge(XMLElement& model, XMLElement& into) {
   into.DeleteChild(&model);
 }
 
-// Of a world the rest is useful; of a robot it is another robot.
+// The rest of a world is useful without it; the rest of a robot is another robot.
 void SdfExpander::leave_out(XMLElement& include, XMLElement& parent, const std::string& why) {
   const std::string uri = text_of(include.FirstChildElement("uri"));
   if (in_world_ && name_of_builtin(uri) == "ground_plane") {

@@ -1,4 +1,5 @@
-// What an <include> of an SDF file names, and small readers of SDF's elements. Inner header, as xml_checks.h.
+// Finds the file that an <include> of an SDF file names; small readers of SDF's elements. Inner header, as
+// xml_checks.h.
 #pragma once
 
 #include <filesystem>

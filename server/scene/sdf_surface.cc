@@ -49,7 +49,7 @@ void read_torsional(const XMLElement& torsional, ModelSurface& to, ModelXml& xml
   const auto coefficient = number_below(torsional, {"coefficient"});
   const auto radius = number_below(torsional, {"patch_radius"});
   if (!coefficient) return;
-  // Of a round patch with Hertz's pressure: torque = 3 pi / 16 * coefficient * radius * normal force.
+  // A round patch with Hertz's pressure has torque = 3 pi / 16 * coefficient * radius * normal force.
   if (radius)
     to.torsional_friction =
         std::clamp(3.0 * std::numbers::pi / 16.0 * *coefficient * *radius, 0.0, kMostFriction);

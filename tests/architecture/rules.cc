@@ -100,8 +100,8 @@ const std::vector<std::string> kTopLevel = {
     "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "clients", "docker",
     "hwparts",      "models",         "protocol",          "server",  "tests"};
 const std::vector<std::string> kTopLevelHidden = {
-    ".ci",  ".clang-format",  ".clang-tidy", ".dockerignore", ".editorconfig",
-    ".git", ".gitattributes", ".github",     ".gitignore"};
+    ".ci",           ".clang-format", ".clang-tidy",    ".devcontainer", ".dockerignore",
+    ".editorconfig", ".git",          ".gitattributes", ".github",       ".gitignore"};
 const std::vector<std::string> kUntracked = {
     "build", ".cache", "compile_commands.json", "CMakeUserPresets.json", ".pytest_cache", ".vscode", ".idea"};
 

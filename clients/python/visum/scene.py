@@ -139,15 +139,15 @@ class Scene:
     def frame(self, name: str, pose: Entry, *, repeat: Repeat | None = None) -> None:
         self._add("frames", {"name": name, "pose": pose, "repeat": repeat})
 
-    def model(self, name: str, file: str | Path, *, pose: Entry | None = None, fixed: bool | None = None,
-              joints: Mapping[str, float] | None = None, surface: str | None = None,
+    def model(self, name: str, file: str | Path, *, model: str | None = None, pose: Entry | None = None,
+              fixed: bool | None = None, joints: Mapping[str, float] | None = None, surface: str | None = None,
               surfaces: Mapping[str, str] | None = None, self_collision: bool | None = None,
               no_collision: Iterable[Sequence[str]] | Mapping[str, Any] | None = None, density: float | None = None,
               repair: bool | None = None, engine: str | None = None, repeat: Repeat | None = None) -> None:
-        self._add("models", {"name": name, "file": file, "pose": pose, "fixed": fixed, "joints": joints,
-                             "surface": surface, "surfaces": surfaces, "self_collision": self_collision,
-                             "no_collision": no_collision, "density": density, "repair": repair, "engine": engine,
-                             "repeat": repeat})
+        self._add("models", {"name": name, "file": file, "model": model, "pose": pose, "fixed": fixed,
+                             "joints": joints, "surface": surface, "surfaces": surfaces,
+                             "self_collision": self_collision, "no_collision": no_collision, "density": density,
+                             "repair": repair, "engine": engine, "repeat": repeat})
 
     def body(self, name: str, *, fixed: bool | None = None, pose: Entry | None = None, mass: float | None = None,
              density: float | None = None, inertia: Vector | None = None, com: Vector | None = None,
