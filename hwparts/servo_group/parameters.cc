@@ -43,13 +43,14 @@ std::vector<protocol::Parameter> ServoGroup::parameters() const {
       flag_parameter(kEmergencyStop, "pressed: takes the supply from all motors", state_.emergency_stop));
   all.push_back(flag_parameter(kFieldBus, "false: the modules' bus is cut, and they hear and answer nothing",
                                modules_.connected()));
+  for (std::size_t i = 0; i < axes_.size(); ++i) append_parameters(axes_[i].drive, i + 1, tick_s_, all);
+  // Last, as it is younger than the recorded sessions of version 1 of the protocol.
   protocol::Parameter tripped;
   tripped.name = kTripped;
   tripped.help = "the drives in fault: why, with numbers, and what to try; empty: none";
   tripped.value = trip_text();
   tripped.read_only = true;
   all.push_back(tripped);
-  for (std::size_t i = 0; i < axes_.size(); ++i) append_parameters(axes_[i].drive, i + 1, tick_s_, all);
   return all;
 }
 

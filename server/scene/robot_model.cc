@@ -28,10 +28,9 @@
 #include "protocol/config/unknown_name.h"
 #include "server/scene/console_capture.h"
 #include "server/scene/ellipsoid.h"
-#include "server/scene/mesh_path.h"
-#include "server/scene/mesh_readers.h"
 #include "server/scene/model_errors.h"
 #include "server/scene/model_xml.h"
+#include "server/scene/shape_intake.h"
 
 namespace visum::scene {
 namespace {
@@ -64,7 +63,7 @@ std::string urdf_name(std::string name, const std::string& link) {
 class RobotReader {
  public:
   RobotReader(RobotModel& model, const ModelXml& xml, const Packages& packages)
-      : model_(model), xml_(xml), packages_(packages), file_(model.file.string()) {}
+      : model_(model), xml_(xml), shapes_(model, packages), file_(model.file.string()) {}
 
   void read(const sdf::Model& top) {
     read_model(top, "", {}, top.Static());
@@ -160,12 +159,6 @@ class RobotReader {
     return std::clamp(1.0 - static_cast<double>(visual.Transparency()), 0.0, 1.0);
   }
 
-  static void fade(RobotShape& shape, double opacity) {
-    if (opacity == 1.0) return;
-    if (!shape.color) shape.color = world::Shape{}.color;
-    (*shape.color)[3] *= opacity;
-  }
-
   // `visual` is null for a colliding shape.
   void add_shape(const std::string& name, const sdf::Geometry& geometry, const sdf::SemanticPose& where,
                  const sdf::Visual* visual, RobotLink& link) {
@@ -186,17 +179,8 @@ class RobotReader {
       const auto& c = visual->Material()->Diffuse();
       shape.color = {c.R(), c.G(), c.B(), c.A()};
     }
-    const std::string loss = read_geometry(geometry, link.name, shape);
-    if (loss.empty() && is_collada(shape.mesh)) {
-      add_parts(shape, opacity, link);
-    } else if (loss.empty()) {
-      fade(shape, opacity);
-      link.shapes.push_back(std::move(shape));
-    } else if (shape.collides) {
-      throw config::ConfigError(link_place(link.name), "collision '" + shape.name + "' " + loss);
-    } else {
-      lose(shape, loss);
-    }
+    const std::string fault = read_geometry(geometry, link, shape);
+    shapes_.add(std::move(shape), fault, opacity, link);
   }
 
   std::string other_file(const std::string& name) const {
@@ -204,29 +188,8 @@ class RobotReader {
     return file == file_ ? "" : file;
   }
 
-  void lose(const RobotShape& shape, const std::string& why) {
-    model_.losses.push_back(
-        {"visual '" + shape.name + "' of link '" + shape.link + "' is not shown: it " + why,
-         line_of(xml_.link_lines, shape.link), other_file(shape.link)});
-  }
-
-  // Adds one shape for each material of a Collada file. The model's own material replaces them all.
-  void add_parts(const RobotShape& whole, double opacity, RobotLink& link) {
-    const ColladaMesh& mesh = model_.converted.at(whole.mesh);
-    for (std::size_t part = 0; part < mesh.parts.size(); ++part) {
-      link.shapes.push_back(whole);
-      link.shapes.back().mesh_part = part;
-      if (!whole.color) link.shapes.back().color = mesh.parts[part].color;
-      fade(link.shapes.back(), opacity);
-    }
-    if (mesh.textured && !whole.collides)
-      model_.losses.push_back({"visual '" + whole.name + "' of link '" + link.name +
-                                   "' is shown without the textures of its mesh",
-                               link.line, link.file});
-  }
-
   // Fills kind, size and mesh. If it cannot, returns the reason.
-  std::string read_geometry(const sdf::Geometry& geometry, const std::string& link, RobotShape& shape) {
+  std::string read_geometry(const sdf::Geometry& geometry, const RobotLink& link, RobotShape& shape) {
     using world::ShapeKind;
     switch (geometry.Type()) {
       case sdf::GeometryType::BOX: {
@@ -278,52 +241,10 @@ class RobotReader {
     shape.size = size;
   }
 
-  std::string read_mesh_geometry(const sdf::Mesh& mesh, const std::string& link, RobotShape& shape) {
+  std::string read_mesh_geometry(const sdf::Mesh& mesh, const RobotLink& link, RobotShape& shape) {
     if (!mesh.Submesh().empty()) return "names a submesh, and only whole meshes are read";
-    const std::string address = as_written(mesh.Uri());
-    const bool collada = is_collada(address);
-    if (!collada && !is_mesh_format(address))
-      return "is the mesh '" + address + "', and only .stl, .obj and .dae are read";
-    shape.kind = world::ShapeKind::kMesh;
     shape.scale = to_vector(mesh.Scale());
-    try {
-      shape.mesh = resolve_mesh(address, file_of(link), packages_, link_place(link));
-    } catch (const config::ConfigError& error) {
-      if (shape.collides) throw;
-      return "is the " + error.message();
-    }
-    return collada ? convert(shape.mesh) : check_seen_mesh(shape, link);
-  }
-
-  // sdformat writes model:// for a URDF's package://.
-  std::string as_written(const std::string& address) const {
-    const std::string given = "package" + address.substr(std::min<std::size_t>(address.size(), 5));
-    return address.starts_with("model://") && xml_.addresses.count(given) != 0 ? given : address;
-  }
-
-  // A mesh that is only seen may be broken. Returns the reason.
-  std::string check_seen_mesh(const RobotShape& shape, const std::string& link) {
-    if (shape.collides) return "";
-    const auto [entry, is_new] = seen_meshes_.try_emplace(shape.mesh);
-    if (!is_new) return entry->second;
-    try {
-      read_mesh(shape.mesh, link_place(link));
-    } catch (const config::ConfigError& error) {
-      entry->second = "is the mesh '" + shape.mesh.string() + "', which " + error.message();
-    }
-    return entry->second;
-  }
-
-  // Converts each file once. If it cannot, returns the reason.
-  std::string convert(const std::filesystem::path& file) {
-    if (const auto failed = not_converted_.find(file); failed != not_converted_.end()) return failed->second;
-    if (model_.converted.count(file) != 0) return "";
-    try {
-      model_.converted.emplace(file, read_collada(file));
-      return "";
-    } catch (const std::runtime_error& error) {
-      return not_converted_[file] = "is the mesh '" + file.string() + "': " + error.what();
-    }
+    return shapes_.find_mesh(mesh.Uri(), link, shape);
   }
 
   void read_joint(const sdf::Joint& from, const std::string& prefix, const world::Pose& X_TM) {
@@ -452,11 +373,9 @@ class RobotReader {
 
   RobotModel& model_;
   const ModelXml& xml_;
-  const Packages& packages_;
+  ShapeIntake shapes_;
   std::string file_;
-  std::vector<config::ConfigError> errors_;                     // each about another element
-  std::map<std::filesystem::path, std::string> seen_meshes_;    // with what is wrong with them
-  std::map<std::filesystem::path, std::string> not_converted_;  // with the reasons
+  std::vector<config::ConfigError> errors_;  // each about another element
 };
 
 // Unknown and deprecated elements are no errors; they go to sdformat's log.

@@ -43,7 +43,7 @@ pageTest("browse: everything of a part is found, read and set", async (page, cla
     const editors = page.locator(".parameter");
     await editors.first().waitFor();
     const kinds = await editors.evaluateAll((rows) => [...new Set(rows.map((row) => row.querySelector("select, input").type))].sort());
-    assert.deepEqual(kinds, ["checkbox", "number", "select-one"]);
+    assert.deepEqual(kinds, ["checkbox", "number", "select-one", "text"]);
     const choice = editors.locator("select").first();
     await choice.selectOption("hold");
     await until(page, () => document.querySelector(".parameter select").value === "hold");

@@ -32,11 +32,16 @@ std::string sample_json(const protocol::PartSample& sample, const std::vector<Po
   for (const PortRef& port : ports) json.member(port.port->name, value_of(sample, port));
   json.end_object();
   // The same values in words, where their ports have names for them.
-  json.key("words").begin_object();
-  for (const PortRef& port : ports)
-    if (const auto words = protocol::in_words(*port.port, value_of(sample, port)); !words.empty())
-      json.member(port.port->name, words);
-  return json.end_object().end_object().text();
+  bool has_words = false;
+  for (const PortRef& port : ports) {
+    const std::string words = protocol::in_words(*port.port, value_of(sample, port));
+    if (words.empty()) continue;
+    if (!has_words) json.key("words").begin_object();
+    has_words = true;
+    json.member(port.port->name, words);
+  }
+  if (has_words) json.end_object();
+  return json.end_object().text();
 }
 
 std::string sample_line(const protocol::PartSample& sample, const std::vector<PortRef>& ports) {
