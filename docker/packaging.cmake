@@ -61,6 +61,7 @@ install(FILES server/scene/scene.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR
 install(DIRECTORY clients/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/clients PATTERN CMakeLists.txt EXCLUDE)
 install(FILES clients/cpp/visum.h DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/clients/cpp)
 install(FILES protocol/plugin/plugin.h DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/protocol/plugin)
+install(FILES protocol/config/trig.h protocol/config/trig.cc DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/protocol/config)
 
 # Installs the completion for each shell, as the program itself writes it.
 function(visum_completion shell folder file)

@@ -95,6 +95,15 @@ class Worlds(Scenario):
         # The drive that the stuck encoder tripped says so at the end, with its numbers.
         self.assertRegex(results[0]["tripped"][0], r"^arm: joint_1: following error [\d.]+ rad exceeds [\d.]+ rad; ")
 
+    def test_the_values_of_ports_with_names_are_shown_in_words(self):
+        text = """
+            until: {at_s: 0.2}
+            timeline: [{at_s: 0.1, parameter: {part: arm, name: Supply Voltage, value: 5}}]
+            checks: [{that: {port: {part: arm, name: Part State}, below: 2}}]
+        """
+        _, done = self.run_it(text, expect=1)
+        self.assertIn('"words":"fault"', done.stdout)
+
     def test_a_check_that_fails_is_1_and_shows_what_was_measured(self):
         result, done = self.run_it("""
             until: {at_s: 0.05}

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "clients/visum/common/format.h"
+#include "clients/visum/common/terminal.h"
 #include "clients/visum/run/bounds.h"
 
 namespace visum::run {
@@ -22,6 +23,13 @@ std::string window_text(const Window& window) {
 }
 
 }  // namespace
+
+std::string value_text(const CheckResult& check, int digits) {
+  std::string text = cli::rounded(*check.value, digits);
+  if (!check.unit.empty()) text += " " + check.unit;
+  if (!check.words.empty()) text += " (" + check.words + ")";
+  return text;
+}
 
 Check::Check(const CheckSpec& spec, const Catalogue& catalogue)
     : spec_(spec), quantity_(tie(spec.that.quantity, catalogue)) {}
@@ -69,6 +77,7 @@ CheckResult Check::result() const {
   result.passed = held_;
   result.value = value_;
   result.at_s = at_s_;
+  if (value_) result.words = cli::printable(protocol::in_words(quantity_.port, *value_));
   result.limits = limits(spec_.that.bounds);
   result.course = course_.points();
   if (held_) return result;
@@ -76,9 +85,7 @@ CheckResult Check::result() const {
   if (!value_) {
     result.failure += "but the run had no step in that time";
   } else {
-    result.failure += "is " + cli::rounded(*value_, 6) +
-                      (quantity_.unit.empty() ? "" : " " + quantity_.unit) + " at " + cli::fixed(at_s_, 3) +
-                      " s";
+    result.failure += "is " + value_text(result, 6) + " at " + cli::fixed(at_s_, 3) + " s";
   }
   return result;
 }

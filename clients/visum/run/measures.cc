@@ -130,6 +130,7 @@ void tie_port(const Catalogue& catalogue, Quantity& quantity) {
   quantity.indices = {found.index};
   quantity.output = found.output;
   quantity.unit = found.port->unit;
+  quantity.port = *found.port;
   quantity.text = spec.part + ": " + spec.port;
   if (spec.mask) quantity.text += " & " + std::to_string(*spec.mask);
 }

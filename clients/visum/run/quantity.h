@@ -33,6 +33,7 @@ struct Quantity {
   const QuantitySpec* spec = nullptr;
   std::vector<std::size_t> indices;  // bodies, joints or a port, as its kind has it
   bool output = false;               // port: sensor output or controller input
+  protocol::Port port;               // port: with the names of its values or bits
   Coverage coverage;                 // so far
   double (*measure)(Quantity& self, const Observation& now) = nullptr;
 };

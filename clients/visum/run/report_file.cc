@@ -26,6 +26,7 @@ void write_check(JsonWriter& json, const CheckResult& check) {
   json.member("bound", check.bound).member("unit", check.unit).member("passed", check.passed).key("value");
   check.value ? json.value(*check.value) : json.null();
   json.member("measured", check.value.has_value()).member("at_s", check.at_s);
+  if (!check.words.empty()) json.member("words", check.words);
   json.member("failure", check.failure).key("limits").begin_array();
   for (const double limit : check.limits) json.value(limit);
   json.end_array().new_line().key("course").begin_array();
@@ -74,6 +75,7 @@ CheckResult read_check(const Node& node) {
   check.passed = node.get("passed").boolean();
   if (node.get("measured").boolean()) check.value = read_number(node.get("value"));
   check.at_s = node.get("at_s").number();
+  if (const auto words = node.find("words")) check.words = words->text();
   check.failure = node.get("failure").text();
   const Node limits = node.get("limits"), course = node.get("course");
   for (std::size_t i = 0; i < limits.size(); ++i) check.limits.push_back(read_number(limits.at(i)));

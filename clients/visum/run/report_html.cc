@@ -89,8 +89,7 @@ std::string table_of(const std::vector<const Report*>& reports) {
 
 std::string measured_value(const CheckResult& check) {
   if (!check.value) return "never looked at";
-  return cli::rounded(*check.value, 6) + (check.unit.empty() ? "" : " " + check.unit) + " at " +
-         cli::fixed(check.at_s, 3) + " s";
+  return value_text(check, 6) + " at " + cli::fixed(check.at_s, 3) + " s";
 }
 
 std::string checks_of(const Report& report) {

@@ -100,7 +100,8 @@ class Suite {
     std::string content = check.passed ? std::string() : not_reached ? skipped() : failure(check.failure);
     if (check.value) {
       content += "      <system-out>" +
-                 cli::markup(check.text + " " + cli::exact(*check.value) + " " + check.unit + " at " +
+                 cli::markup(check.text + " " + cli::exact(*check.value) + " " + check.unit +
+                             (check.words.empty() ? "" : "(" + check.words + ")") + " at " +
                              cli::fixed(check.at_s, 3) + " s") +
                  "</system-out>\n";
     }

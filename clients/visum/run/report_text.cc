@@ -15,8 +15,8 @@ constexpr std::size_t kIndent = 10;  // where text stands below "  passed  "
 
 std::string measured(const CheckResult& check) {
   if (!check.value) return "never looked at, must be " + check.bound;
-  return check.text + " " + cli::rounded(*check.value, 5) + (check.unit.empty() ? "" : " " + check.unit) +
-         " at " + cli::fixed(check.at_s, 3) + " s, must be " + check.bound;
+  return check.text + " " + value_text(check, 5) + " at " + cli::fixed(check.at_s, 3) + " s, must be " +
+         check.bound;
 }
 
 std::string verdict(const Report& report, const CheckResult& check, const cli::Style& style) {
@@ -185,6 +185,7 @@ std::string checks_json(const Report& report) {
     json.begin_object().member("check", check.name).member("passed", check.passed).key("value");
     check.value ? json.value(*check.value) : json.null();
     json.member("unit", check.unit).member("bound", check.bound).member("at_s", check.at_s);
+    if (!check.words.empty()) json.member("words", check.words);
     lines += json.end_object().text() + "\n";
   }
   return lines;

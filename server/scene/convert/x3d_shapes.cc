@@ -126,7 +126,7 @@ std::vector<const X3dNode*> X3dShapes::shown(const X3dNode& node) const {
   std::vector<const X3dNode*> children;
   for (const auto& [field, child] : node.children)
     if (field == "children" || field == "level" || field == "choice") children.push_back(&child);
-  if (node.type == "LOD" && children.size() > 1) children.resize(1);
+  if (node.type == "LOD" && children.size() > 1) return {children.front()};
   if (node.type != "Switch") return children;
   const double chosen = numbers_of(node, "whichChoice", 1, {-1.0}, file_)[0];
   if (!(chosen >= 0.0 && chosen < static_cast<double>(children.size()))) return {};
