@@ -244,7 +244,13 @@ class RobotReader {
   std::string read_mesh_geometry(const sdf::Mesh& mesh, const RobotLink& link, RobotShape& shape) {
     if (!mesh.Submesh().empty()) return "names a submesh, and only whole meshes are read";
     shape.scale = to_vector(mesh.Scale());
-    return shapes_.find_mesh(mesh.Uri(), link, shape);
+    return shapes_.find_mesh(as_written(mesh.Uri()), link, shape);
+  }
+
+  // sdformat writes model:// for a URDF's package://.
+  std::string as_written(const std::string& address) const {
+    const std::string given = "package" + address.substr(std::min<std::size_t>(address.size(), 5));
+    return address.starts_with("model://") && xml_.addresses.count(given) != 0 ? given : address;
   }
 
   void read_joint(const sdf::Joint& from, const std::string& prefix, const world::Pose& X_TM) {

@@ -95,8 +95,8 @@ int walk(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app(
-      "Lets a robot with four legs trot straight ahead, and stop. Its legs are one hardware part of ideal\n"
-      "joints in mode impedance; an IMU on its trunk is another one.");
+      "Lets a robot with four legs trot straight ahead, and stop. Its legs are one\n"
+      "hardware part of ideal joints in mode impedance; an IMU on its trunk is another.");
   app.name("visum-quadruped");
   app.set_version_flag("--version", "visum-quadruped 0.2.0");
   app.add_option("--connect", options.connect, "server, HOST:PORT")->capture_default_str();
@@ -111,7 +111,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.footer(
       "Example:\n  visum-quadruped --connect 127.0.0.1:1500 --distance 2 --speed 0.4\n\n"
-      "Exit codes: 0 done, 1 failed or fallen, 2 bad usage, 4 connection lost, 130 interrupted.");
+      "Exit codes: 0 done, 1 failed or fallen, 2 bad usage, 4 connection lost,\n"
+      "130 interrupted.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -19,10 +19,10 @@ struct CheckResult {
   std::optional<double>
       value;  // at the end, the worst, or the best one, depending on the window; empty: no step fell in it
   double at_s = 0.0;                  // when it was measured
-  std::string words{};                // the value of a port in words, "HOME_OK MOTION"; empty: it has none
   std::string failure;                // empty if passed
   std::vector<double> limits{};       // values between which it holds, for plots
   std::vector<CoursePoint> course{};  // its values over time
+  std::string words{};                // the value of a port in words, "HOME_OK MOTION"; empty: it has none
 };
 
 // "0.25 m", or for a port with names "5 (fault)". Only where there is a value.

@@ -101,7 +101,7 @@ class Suite {
     if (check.value) {
       content += "      <system-out>" +
                  cli::markup(check.text + " " + cli::exact(*check.value) + " " + check.unit +
-                             (check.words.empty() ? "" : "(" + check.words + ")") + " at " +
+                             (check.words.empty() ? "" : " (" + check.words + ")") + " at " +
                              cli::fixed(check.at_s, 3) + " s") +
                  "</system-out>\n";
     }
