@@ -1,7 +1,6 @@
 #include "server/scene/model_xml.h"
 
 #include "protocol/config/config.h"
-#include "server/scene/sdf_expand.h"
 #include "server/scene/xml_checks.h"
 
 namespace visum::scene {
@@ -13,12 +12,6 @@ void refuse_document_types(const tinyxml2::XMLDocument& document, const std::str
     if (node->ToUnknown())
       throw config::ConfigError({file, node->GetLineNum(), ""},
                                 "document types and entities (<!...>) are not supported");
-}
-
-std::string written(const tinyxml2::XMLDocument& document) {
-  tinyxml2::XMLPrinter printer;
-  document.Print(&printer);
-  return printer.CStr();
 }
 
 std::string in_words(tinyxml2::XMLError error) {
@@ -53,26 +46,6 @@ void parse(tinyxml2::XMLDocument& document, const std::string& text, const std::
 void parse_xml(tinyxml2::XMLDocument& document, const std::string& text, const std::string& file) {
   parse(document, text, file);
   refuse_document_types(document, file);
-}
-
-ModelXml read_model_xml(const std::string& text, const std::string& file, const Packages& packages) {
-  tinyxml2::XMLDocument document;
-  parse_xml(document, text, file);
-  const XMLElement* root = document.RootElement();
-  const std::string tag = root ? root->Name() : "";
-  ModelXml xml;
-  SdfExpander expander(document, file, packages, xml);
-  xml.urdf = tag == "robot";
-  if (xml.urdf)
-    read_urdf(document, file, xml);
-  else if (tag == "sdf")
-    read_sdf(document, file, expander, xml);
-  else
-    throw config::ConfigError(
-        {file, root ? root->GetLineNum() : 0, ""},
-        "is neither URDF (<robot>) nor SDF (<sdf>) nor MJCF (<mujoco>): its root is <" + tag + ">");
-  xml.text = written(document);
-  return xml;
 }
 
 }  // namespace visum::scene

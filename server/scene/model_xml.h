@@ -1,6 +1,5 @@
-// Checks the XML of a model file before sdformat interprets it: it is well-formed, has no document types
-// (entities), all numbers are finite and in range, all names exist, and the joints form a tree. tinyxml2
-// stays inside these files.
+// The findings of the checks of a model's XML, before it is read: it is well-formed, has no document types
+// (entities), all numbers are finite and in range, all names exist, and the joints form a tree.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,20 +31,11 @@ struct ModelWorld {
 };
 
 struct ModelXml {
-  bool urdf = false;
-  // The text for sdformat. A URDF is changed so that sdformat drops and joins nothing: fixed joints are
-  // marked to be kept, links without a mass get one (see `massless`), and colours are scaled to undo
-  // sdformat's own scaling.
-  std::string text;
+  std::string text;                        // for sdformat; of SDF only
   std::vector<std::string> links, joints;  // in the order of the file; in nested SDF models as "inner::link"
   std::map<std::string, int> link_lines, joint_lines;
-  std::set<std::string> massless;         // links to which the file gives no mass
-  std::set<std::string> without_inertia;  // links with a mass and no inertia that a solid could have
-  std::map<std::string, double>
-      enlarged;  // links whose mass and inertia sdformat sees this many times larger
-  std::map<std::string, std::string>
-      joint_names;                           // those that sdformat sees under another name, by that name
-  std::set<std::string> addresses;           // of meshes, as the file writes them
+  std::set<std::string> massless;            // links to which the file gives no mass
+  std::set<std::string> without_inertia;     // links with a mass and no inertia that a solid could have
   std::map<std::string, std::string> files;  // of links and joints that come from an included file
   // By link and collision. Of SDF only.
   std::map<std::pair<std::string, std::string>, ModelSurface> surfaces;
@@ -56,9 +46,5 @@ struct ModelXml {
 };
 
 inline constexpr std::size_t kMaxModelBytes = 16u << 20;
-
-// Throws ConfigError with file, line, and the joint's or link's name; ModelErrors if there are several.
-// `packages` are for what an SDF file includes.
-ModelXml read_model_xml(const std::string& text, const std::string& file, const Packages& packages = {});
 
 }  // namespace visum::scene

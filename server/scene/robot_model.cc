@@ -31,6 +31,8 @@
 #include "server/scene/model_errors.h"
 #include "server/scene/model_xml.h"
 #include "server/scene/shape_intake.h"
+#include "server/scene/urdf_robot.h"
+#include "server/scene/xml_checks.h"
 
 namespace visum::scene {
 namespace {
@@ -45,17 +47,6 @@ world::Pose to_pose(const ignition::math::Pose3d& pose) {
 
 Eigen::Vector3d to_vector(const ignition::math::Vector3d& v) {
   return {v.X(), v.Y(), v.Z()};
-}
-
-// The name of a shape in the URDF, recovered from sdformat's name: "pad" from
-// "finger_fixed_joint_lump__pad_collision_2". A shape without a name becomes "collision_2".
-std::string urdf_name(std::string name, const std::string& link) {
-  const std::string lump = link + "_fixed_joint_lump__";
-  if (name.compare(0, lump.size(), lump) != 0)
-    return name.compare(0, link.size() + 1, link + "_") == 0 ? name.substr(link.size() + 1) : name;
-  name = name.substr(lump.size());
-  const std::size_t end = std::max(name.rfind("_collision") + 1, name.rfind("_visual") + 1);  // 0: neither
-  return end > 1 ? name.substr(0, end - 1) : name;
 }
 
 // Copies what sdformat read into a RobotModel, and refuses what is not simulated. Lines of errors come from
@@ -99,7 +90,7 @@ class RobotReader {
     for (std::uint64_t i = 0; i < model.LinkCount(); ++i) {
       const sdf::Link& link = *model.LinkByIndex(i);
       read_link(link, prefix, X_TM, is_static);
-      model_.links.back().self_collides = xml_.urdf || self_collides(link, model);
+      model_.links.back().self_collides = self_collides(link, model);
     }
     for (std::uint64_t i = 0; i < model.JointCount(); ++i)
       keep_error(errors_, [&] { read_joint(*model.JointByIndex(i), prefix, X_TM); });
@@ -128,8 +119,6 @@ class RobotReader {
     link.on_ground = is_static;
     if (xml_.massless.count(link.name) == 0) link.mass = read_mass(from);
     if (xml_.without_inertia.count(link.name) != 0) link.mass.inertia_C.setZero();
-    if (const auto larger = xml_.enlarged.find(link.name); larger != xml_.enlarged.end())
-      link.mass = scaled(link.mass, 1.0 / larger->second);
     for (std::uint64_t i = 0; i < from.CollisionCount(); ++i) {
       const sdf::Collision& collision = *from.CollisionByIndex(i);
       keep_error(errors_, [&] {
@@ -163,7 +152,7 @@ class RobotReader {
   void add_shape(const std::string& name, const sdf::Geometry& geometry, const sdf::SemanticPose& where,
                  const sdf::Visual* visual, RobotLink& link) {
     RobotShape shape;
-    shape.name = xml_.urdf ? urdf_name(name, link.name) : name;
+    shape.name = name;
     shape.link = link.name;
     shape.collides = visual == nullptr;
     if (const auto surface = xml_.surfaces.find({link.name, name});
@@ -244,19 +233,12 @@ class RobotReader {
   std::string read_mesh_geometry(const sdf::Mesh& mesh, const RobotLink& link, RobotShape& shape) {
     if (!mesh.Submesh().empty()) return "names a submesh, and only whole meshes are read";
     shape.scale = to_vector(mesh.Scale());
-    return shapes_.find_mesh(as_written(mesh.Uri()), link, shape);
-  }
-
-  // sdformat writes model:// for a URDF's package://.
-  std::string as_written(const std::string& address) const {
-    const std::string given = "package" + address.substr(std::min<std::size_t>(address.size(), 5));
-    return address.starts_with("model://") && xml_.addresses.count(given) != 0 ? given : address;
+    return shapes_.find_mesh(mesh.Uri(), link, shape);
   }
 
   void read_joint(const sdf::Joint& from, const std::string& prefix, const world::Pose& X_TM) {
     RobotJoint joint;
-    const auto renamed = xml_.joint_names.find(from.Name());
-    joint.joint.name = prefix + (renamed == xml_.joint_names.end() ? from.Name() : renamed->second);
+    joint.joint.name = prefix + from.Name();
     joint.line = line_of(xml_.joint_lines, joint.joint.name);
     if (file_of(joint.joint.name) != file_) joint.file = file_of(joint.joint.name);
     const config::Place place = joint_place(joint.joint.name);
@@ -361,7 +343,7 @@ class RobotReader {
       }
   }
 
-  // sdformat walks the URDF's tree in the order of names, but users count joints in the order of their file.
+  // Users count joints in the order of their file.
   void sort_as_in_file() {
     const auto rank = [](const std::vector<std::string>& names) {
       std::map<std::string, std::size_t> ranks;
@@ -403,12 +385,9 @@ sdf::ParserConfig quiet_config() {
   throw config::ConfigError({file, line, ""}, message);
 }
 
-}  // namespace
-
-RobotModel read_robot_model(const std::filesystem::path& file, const std::string& text,
-                            const Packages& packages) {
-  if (is_mjcf(text)) return read_mjcf(file, text, packages);
-  const ModelXml xml = read_model_xml(text, file.string(), packages);
+RobotModel read_sdf_robot(tinyxml2::XMLDocument& document, const std::filesystem::path& file,
+                          const Packages& packages) {
+  const ModelXml xml = read_sdf(document, file.string(), packages);
   RobotModel model;
   model.file = file;
   model.losses = xml.losses;
@@ -437,6 +416,22 @@ RobotModel read_robot_model(const std::filesystem::path& file, const std::string
                                                           " of " + std::to_string(xml.links.size()) +
                                                           " links");
   return model;
+}
+
+}  // namespace
+
+RobotModel read_robot_model(const std::filesystem::path& file, const std::string& text,
+                            const Packages& packages) {
+  if (is_mjcf(text)) return read_mjcf(file, text, packages);
+  tinyxml2::XMLDocument document;
+  parse_xml(document, text, file.string());
+  const XMLElement* root = document.RootElement();
+  const std::string tag = root ? root->Name() : "";
+  if (tag == "robot") return read_urdf_robot(document, file, packages);
+  if (tag == "sdf") return read_sdf_robot(document, file, packages);
+  throw config::ConfigError(
+      {file.string(), root ? root->GetLineNum() : 0, ""},
+      "is neither URDF (<robot>) nor SDF (<sdf>) nor MJCF (<mujoco>): its root is <" + tag + ">");
 }
 
 }  // namespace visum::scene

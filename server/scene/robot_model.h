@@ -1,6 +1,6 @@
 // A robot as its URDF, SDF or MJCF file describes it, in plain values: links with their solids and looks,
-// joints, and a list of what is not simulated. model_xml.cc checks the file and knows its lines;
-// robot_model.cc reads it with sdformat.
+// joints, and a list of what is not simulated. urdf_robot.cc reads URDF, mjcf/ reads MJCF, and robot_model.cc
+// reads SDF with sdformat.
 #pragma once
 
 #include <array>

@@ -132,6 +132,12 @@ void take_names(const XMLElement& model, const std::string& prefix, bool is_stat
   }
 }
 
+std::string written(const tinyxml2::XMLDocument& document) {
+  tinyxml2::XMLPrinter printer;
+  document.Print(&printer);
+  return printer.CStr();
+}
+
 }  // namespace
 
 void check_sdf_text(const XMLElement& element, const std::string& file) {
@@ -140,10 +146,11 @@ void check_sdf_text(const XMLElement& element, const std::string& file) {
       check_numbers(element, rule.element, element.GetText(), rule.least, rule.most, rule.rule, file);
 }
 
-void read_sdf(tinyxml2::XMLDocument& document, const std::string& file, SdfExpander& expander,
-              ModelXml& xml) {
+ModelXml read_sdf(tinyxml2::XMLDocument& document, const std::string& file, const Packages& packages) {
+  ModelXml xml;
+  SdfExpander expander(document, file, packages, xml);
   XMLElement* model = expander.expand();
-  if (model == nullptr) return;  // a world without models
+  if (model == nullptr) return xml;  // a world without models
   XMLElement& root = *document.RootElement();
   for (XMLElement *child = root.FirstChildElement(), *next = nullptr; child; child = next) {
     next = child->NextSiblingElement();
@@ -163,6 +170,8 @@ void read_sdf(tinyxml2::XMLDocument& document, const std::string& file, SdfExpan
         check_sdf_text(element, file);
       });
   check_amount(elements, xml, file);
+  xml.text = written(document);
+  return xml;
 }
 
 }  // namespace visum::scene

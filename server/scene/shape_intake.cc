@@ -38,15 +38,20 @@ void ShapeIntake::add(RobotShape shape, const std::string& fault, double opacity
   if (!fault.empty() && shape.collides)
     throw config::ConfigError(place_of(link), "collision '" + shape.name + "' " + fault);
   if (!fault.empty()) {
-    model_.losses.push_back(
-        {"visual '" + shape.name + "' of link '" + shape.link + "' is not shown: it " + fault, link.line,
-         link.file});
+    leave_out(shape, fault, link);
   } else if (is_collada(shape.mesh)) {
     add_parts(shape, opacity, link);
   } else {
     fade(shape, opacity);
     link.shapes.push_back(std::move(shape));
   }
+}
+
+void ShapeIntake::leave_out(const RobotShape& shape, const std::string& fault, const RobotLink& link) {
+  const std::string what = shape.collides ? "collision '" : "visual '";
+  const std::string fate = shape.collides ? "' collides with nothing: it " : "' is not shown: it ";
+  model_.losses.push_back(
+      {what + shape.name + "' of link '" + shape.link + fate + fault, link.line, link.file});
 }
 
 void ShapeIntake::add_parts(const RobotShape& whole, double opacity, RobotLink& link) {

@@ -20,8 +20,11 @@ class ShapeIntake {
   std::string find_mesh(const std::string& address, const RobotLink& link, RobotShape& shape);
 
   // Adds the shape to `link`: one for each material of a Collada file, which the shape's own colour replaces.
-  // `fault` says why it cannot be had: a visual is lost then. Throws ConfigError for one that collides.
+  // `fault` says why it cannot be had: a visual is left out then. Throws ConfigError for one that collides.
   void add(RobotShape shape, const std::string& fault, double opacity, RobotLink& link);
+
+  // Reports the shape as a loss.
+  void leave_out(const RobotShape& shape, const std::string& fault, const RobotLink& link);
 
  private:
   config::Place place_of(const RobotLink& link) const;

@@ -14,8 +14,7 @@
 namespace visum::scene {
 namespace {
 
-constexpr double kLeastMassKg = 1e-5;  // sdformat drops a link of less, with all that hangs on it
-constexpr double kEnlarged = 1e6;
+constexpr double kLeastMassKg = 1e-9;  // a link of less has none: its shapes say what it weighs
 
 // The numbers of an attribute; nothing if one of them is no finite number.
 std::optional<std::vector<double>> numbers(const XMLElement& element, const char* attribute) {
@@ -119,22 +118,7 @@ void write_inertia(XMLElement& inertia, const Eigen::Matrix3d& matrix) {
     inertia.SetAttribute(kMoments[i], config::number_text(m[i]).c_str());
 }
 
-void write_nominal(XMLElement& inertial, double mass) {
-  for (const char* tag : {"mass", "inertia"})
-    while (XMLElement* old = inertial.FirstChildElement(tag)) inertial.DeleteChild(old);
-  inertial.InsertNewChildElement("mass")->SetAttribute("value", config::number_text(mass).c_str());
-  write_inertia(*inertial.InsertNewChildElement("inertia"), Eigen::Matrix3d::Identity());
-}
-
-// sdformat drops links without a mass, with everything that hangs on them. The mass that they get here never
-// reaches the world.
-void give_nominal_mass(XMLElement& link, ModelXml& xml) {
-  xml.massless.insert(link.Attribute("name"));
-  if (XMLElement* inertial = link.FirstChildElement("inertial")) link.DeleteChild(inertial);
-  write_nominal(*link.InsertNewChildElement("inertial"), 1.0);
-}
-
-void repair_inertia(XMLElement& link, XMLElement& inertial, double mass, ModelXml& xml) {
+void repair_inertia(XMLElement& link, XMLElement& inertial, ModelXml& xml) {
   XMLElement* element = inertial.FirstChildElement("inertia");
   const int line = element ? element->GetLineNum() : inertial.GetLineNum();
   const auto given = read_inertia(element);
@@ -146,8 +130,7 @@ void repair_inertia(XMLElement& link, XMLElement& inertial, double mass, ModelXm
          line});
     return;
   }
-  xml.without_inertia.insert(link.Attribute("name"));
-  write_nominal(inertial, mass);
+  if (element) inertial.DeleteChild(element);
   xml.repairs.push_back(
       {named(link) + (given ? " has moments of inertia that are not positive" : " gives no full <inertia>") +
            ": its shapes say how its mass is spread",
@@ -165,22 +148,14 @@ bool is_readable(const XMLElement& inertial) {
   return mass == nullptr || number(mass, "value").value_or(-1.0) >= 0.0;
 }
 
-void enlarge(XMLElement& link, XMLElement& inertial, double mass, ModelXml& xml) {
-  XMLElement* inertia = inertial.FirstChildElement("inertia");
-  const auto given = read_inertia(inertia);
-  if (!given) return;
-  xml.enlarged.emplace(link.Attribute("name"), kEnlarged);
-  inertial.FirstChildElement("mass")->SetAttribute("value", config::number_text(mass * kEnlarged).c_str());
-  write_inertia(*inertia, *given * kEnlarged);
-}
-
 void repair_mass(XMLElement& link, ModelXml& xml) {
   XMLElement* inertial = link.FirstChildElement("inertial");
   if (inertial != nullptr && !is_readable(*inertial)) return;
   const double mass = inertial ? number(inertial->FirstChildElement("mass"), "value").value_or(0.0) : 0.0;
-  if (mass <= 1e-9) return give_nominal_mass(link, xml);
-  repair_inertia(link, *inertial, mass, xml);
-  if (mass < kLeastMassKg) enlarge(link, *inertial, mass, xml);
+  if (mass > kLeastMassKg)
+    repair_inertia(link, *inertial, xml);
+  else if (inertial != nullptr)
+    link.DeleteChild(inertial);
 }
 
 // A fixed joint uses its links and its origin only.
@@ -189,8 +164,8 @@ void strip_fixed_joint(XMLElement& joint) {
     while (XMLElement* unused = joint.FirstChildElement(tag)) joint.DeleteChild(unused);
 }
 
-// Efforts and speeds are not read, but sdformat wants numbers there.
-void fill_limit(XMLElement& joint, ModelXml& xml) {
+// Efforts and speeds that are no numbers count as none.
+void clear_limit(XMLElement& joint, ModelXml& xml) {
   XMLElement* limit = joint.FirstChildElement("limit");
   if (limit == nullptr) return;
   for (const char* key : {"effort", "velocity"}) {
@@ -198,7 +173,7 @@ void fill_limit(XMLElement& joint, ModelXml& xml) {
     if (const char* given = limit->Attribute(key))
       xml.losses.push_back({named(joint) + " has the " + key + " limit '" + given + "', which is not used",
                             limit->GetLineNum()});
-    limit->SetAttribute(key, 0.0);
+    limit->DeleteAttribute(key);
   }
 }
 
@@ -216,7 +191,7 @@ void repair_urdf(XMLElement& root, ModelXml& xml) {
     if (!std::strcmp(joint->Attribute("type"), "fixed"))
       strip_fixed_joint(*joint);
     else
-      fill_limit(*joint, xml);
+      clear_limit(*joint, xml);
   }
 }
 

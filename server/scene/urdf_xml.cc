@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 #include <cstring>
 
 #include "protocol/config/config.h"
@@ -37,6 +36,8 @@ constexpr AttributeRule kAttributes[] = {
     {"sphere", "radius", true, 1, NumberRule::kPositive},
     {"cylinder", "radius", true, 1, NumberRule::kPositive},
     {"cylinder", "length", true, 1, NumberRule::kPositive},
+    {"capsule", "radius", true, 1, NumberRule::kPositive},
+    {"capsule", "length", true, 1, NumberRule::kPositive},
     {"mesh", "scale", false, 3, NumberRule::kNoneZero},
     {"color", "rgba", true, 4, NumberRule::kNotNegative},
 };
@@ -58,13 +59,12 @@ void check_attribute(const XMLElement& element, const AttributeRule& rule, const
                 rule.rule, file);
 }
 
-void check_attributes(const XMLElement& element, const std::string& file, ModelXml& xml,
+void check_attributes(const XMLElement& element, const std::string& file,
                       std::vector<config::ConfigError>& errors) {
   for (const AttributeRule& rule : kAttributes)
     if (!std::strcmp(rule.element, element.Name()))
       keep_error(errors, [&] { check_attribute(element, rule, file); });
-  if (!std::strcmp(element.Name(), "mesh"))
-    keep_error(errors, [&] { xml.addresses.insert(required(element, "filename", file)); });
+  if (!std::strcmp(element.Name(), "mesh")) keep_error(errors, [&] { required(element, "filename", file); });
 }
 
 double attribute_or(const XMLElement* element, const char* name, double otherwise) {
@@ -130,51 +130,7 @@ void check_tree(const XMLElement& root, const ModelXml& xml, const std::string& 
   }
 }
 
-// sdformat divides URDF colours by 0.8 and clips them at 1. Elements that are not read may hold other
-// colours.
-void scale_colors(XMLElement& element) {
-  for (XMLElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
-    if (is_unread(*child)) continue;
-    scale_colors(*child);
-    const char* given = child->Attribute("rgba");
-    if (std::strcmp(child->Name(), "color") != 0 || given == nullptr) continue;
-    float rgba[4] = {0, 0, 0, 1};
-    std::sscanf(given, "%f %f %f %f", &rgba[0], &rgba[1], &rgba[2], &rgba[3]);
-    char text[80];
-    std::snprintf(text, sizeof text, "%.9g %.9g %.9g %.9g", 0.8 * rgba[0], 0.8 * rgba[1], 0.8 * rgba[2],
-                  static_cast<double>(rgba[3]));
-    child->SetAttribute("rgba", text);
-  }
-}
-
-// A joint may have the name of a link, but sdformat refuses that.
-void rename_joints(XMLElement& root, ModelXml& xml) {
-  for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
-    const std::string name = joint->Attribute("name");
-    if (xml.link_lines.count(name) == 0) continue;
-    std::string other = name + "_joint";
-    while (xml.link_lines.count(other) != 0 || xml.joint_lines.count(other) != 0) other += "_";
-    xml.joint_names.emplace(other, name);
-    joint->SetAttribute("name", other.c_str());
-  }
-}
-
-void prepare_for_sdformat(XMLElement& root, ModelXml& xml) {
-  for (const char* name : kUnread)
-    while (XMLElement* unread = root.FirstChildElement(name)) root.DeleteChild(unread);
-  scale_colors(root);
-  rename_joints(root, xml);
-  std::vector<std::string> fixed;
-  for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint"))
-    if (!std::strcmp(joint->Attribute("type"), "fixed")) fixed.emplace_back(joint->Attribute("name"));
-  for (const std::string& name : fixed) {
-    XMLElement* gazebo = root.InsertNewChildElement("gazebo");
-    gazebo->SetAttribute("reference", name.c_str());
-    gazebo->InsertNewChildElement("preserveFixedJoint")->SetText("true");
-  }
-}
-
-// A root link called "world" is the world itself. sdformat reads it so and leaves it out.
+// A root link called "world" is the world itself.
 void take_out_world(const XMLElement& root, const std::string& file, ModelXml& xml) {
   const auto world = std::find(xml.links.begin(), xml.links.end(), "world");
   if (world == xml.links.end()) return;
@@ -200,7 +156,8 @@ void note_losses(const XMLElement& root, ModelXml& xml) {
 
 }  // namespace
 
-void read_urdf(tinyxml2::XMLDocument& document, const std::string& file, ModelXml& xml) {
+ModelXml check_urdf(tinyxml2::XMLDocument& document, const std::string& file) {
+  ModelXml xml;
   XMLElement& root = *document.RootElement();
   required(root, "name", file);
   std::vector<config::ConfigError> errors;
@@ -214,12 +171,12 @@ void read_urdf(tinyxml2::XMLDocument& document, const std::string& file, ModelXm
     keep_error(errors, [&] { check_joint_type(*joint, file); });
   }
   if (errors.empty()) repair_urdf(root, xml);
-  walk(root, is_unread, [&](const XMLElement& element) { check_attributes(element, file, xml, errors); });
+  walk(root, is_unread, [&](const XMLElement& element) { check_attributes(element, file, errors); });
   throw_all(std::move(errors));
   check_tree(root, xml, file);
   take_out_world(root, file, xml);
   note_losses(root, xml);
-  prepare_for_sdformat(root, xml);
+  return xml;
 }
 
 }  // namespace visum::scene

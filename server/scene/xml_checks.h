@@ -8,12 +8,11 @@
 #include <vector>
 
 #include "server/scene/model_xml.h"
+#include "server/scene/packages.h"
 
 namespace visum::scene {
 
 using tinyxml2::XMLElement;
-
-class SdfExpander;
 
 // Where an element stands. `file` is empty in the model's own file.
 struct XmlPlace {
@@ -58,9 +57,11 @@ void check_amount(std::size_t elements, const ModelXml& xml, const std::string& 
 // what the links' masses lack. urdf_repair.cc. Each change is a loss or a repair of `xml`.
 void repair_urdf(XMLElement& root, ModelXml& xml);
 
-// Checks each kind of file and fills `xml`. urdf_xml.cc also rewrites the document for sdformat.
-void read_urdf(tinyxml2::XMLDocument& document, const std::string& file, ModelXml& xml);
-void read_sdf(tinyxml2::XMLDocument& document, const std::string& file, SdfExpander& expander, ModelXml& xml);
+// Repairs a URDF and checks all that read_urdf_robot() relies on: names, numbers, and the tree.
+ModelXml check_urdf(tinyxml2::XMLDocument& document, const std::string& file);
+
+// Checks an SDF file and makes of it what sdformat reads.
+ModelXml read_sdf(tinyxml2::XMLDocument& document, const std::string& file, const Packages& packages);
 
 // Checks the text of an element that holds numbers in SDF. Throws ConfigError.
 void check_sdf_text(const XMLElement& element, const std::string& file);

@@ -80,6 +80,11 @@ class Conformance(unittest.TestCase):
         self.assertTrue(list(differences(then, pb.ServerMessage(reply_to=3, lease=pb.LeaseGrant(part="robot", epoch=2)))))
         self.assertTrue(list(differences(then, pb.ServerMessage(reply_to=4, lease=pb.LeaseGrant(part="robot", epoch=1)))))
         self.assertTrue(list(differences(then, pb.ServerMessage(reply_to=3, ok=pb.Ok()))))
+        placed = pb.ServerMessage(world_description=pb.WorldDescription(joints=[pb.JointDescription(pose=[0.3])]))
+        rounded = pb.ServerMessage(world_description=pb.WorldDescription(joints=[pb.JointDescription(pose=[0.1 + 0.2])]))
+        moved = pb.ServerMessage(world_description=pb.WorldDescription(joints=[pb.JointDescription(pose=[0.3001])]))
+        self.assertEqual(list(differences(placed, rounded)), [])
+        self.assertTrue(list(differences(placed, moved)))
 
 
 if __name__ == "__main__":
