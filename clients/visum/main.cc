@@ -50,6 +50,8 @@ constexpr Row kVerbs[] = {
     {"drives", "write a drives file for a model", cli::make_drives},
     {"convert", "write a scene in another format", cli::make_convert},
     {"run", "run a scenario and check it", cli::make_run},
+    {"campaign", "make all runs of a sweep and judge them together", cli::make_campaign},
+    {"report", "put the results of a campaign's shards together", cli::make_report},
     {"record", "run a server and record what happens in its world", cli::make_record},
     {"replay", "repeat a recorded run and compare every tick", cli::make_replay},
     {"rewind", "run a server from a moment of a recording on", cli::make_rewind},

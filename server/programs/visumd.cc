@@ -34,6 +34,7 @@
 #include "server/programs/replay_report.h"
 #include "server/programs/scene_check.h"
 #include "server/programs/scene_convert.h"
+#include "server/programs/used_files.h"
 #include "server/recording/export_csv.h"
 #include "server/recording/flight_recorder.h"
 #include "server/recording/log_sink.h"
@@ -72,6 +73,7 @@ struct Options {
   std::string try_record;             // as `record`, but may fail
   std::string dump = state_folder();  // folder for the ticks before a freeze; or "off"
   std::string rewound;                // a recording to continue, instead of a scene
+  std::string used_files;             // a file for the list of what the scene was read from; empty: none
   std::string profile;                // a file; empty: nothing is measured
   std::size_t profile_spans = 1'000'000;
   double at_s = std::numeric_limits<double>::infinity();  // from which simulated time of it
@@ -152,6 +154,7 @@ int run(Options options) {
   options.of_daemon.stuck_node = [&watch] { return watch.stuck(); };
   auto [world, origin] = make_world(options);
   auto& simulation = *world;
+  if (!options.used_files.empty()) programs::write_used_files(origin.files, options.used_files);
   simulation.set_profile(options.of_daemon.profile);
   std::optional<recording::LogSink> log;
   std::optional<recording::FlightRecorder> flight;
@@ -196,6 +199,8 @@ void declare_world(CLI::App& app, Options& options, std::string_view verb) {
         ->type_name("FILE.mcap")
         ->excludes(record);
   }
+  app.add_option("--used-files", options.used_files, "list what the scene was read from: XXH64 and path")
+      ->type_name("FILE");
   app.add_option("--dump", options.dump,
                  "folder for the last thousand ticks, written if the world freezes and --record is not "
                  "given; or off. "

@@ -76,6 +76,7 @@ CheckResult Check::result() const {
   result.name = spec_.name.empty() ? result.text + " " + result.bound : spec_.name;
   result.passed = held_;
   result.value = value_;
+  if (value_) result.margin = margin_;
   result.at_s = at_s_;
   if (value_) result.words = cli::printable(protocol::in_words(quantity_.port, *value_));
   result.limits = limits(spec_.that.bounds);

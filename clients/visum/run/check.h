@@ -23,6 +23,9 @@ struct CheckResult {
   std::vector<double> limits{};       // values between which it holds, for plots
   std::vector<CoursePoint> course{};  // its values over time
   std::string words{};                // the value of a port in words, "HOME_OK MOTION"; empty: it has none
+  // How far `value` is inside its bounds, in its unit; negative where it is outside. The robustness of signal
+  // temporal logic, so far as a check's window goes. Empty where `value` is.
+  std::optional<double> margin{};
 };
 
 // "0.25 m", or for a port with names "5 (fault)". Only where there is a value.

@@ -1,5 +1,6 @@
 #include "clients/visum/run/child_process.h"
 
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -26,6 +27,8 @@ ChildProcess::ChildProcess(std::string name, const std::vector<std::string>& arg
     : name_(std::move(name)) {
   const Spawned spawned = spawn(argv);
   pid_ = spawned.pid;
+  // By number: the header of glibc 2.36 does not declare pidfd_open() for C++.
+  exit_fd_ = static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0));
   out_ = {spawned.out_fd, {}, std::move(on_out)};
   err_ = {spawned.err_fd, {}, std::move(on_err)};
 }
@@ -35,6 +38,7 @@ ChildProcess::~ChildProcess() {
   while (!check_exit()) wait_exit(std::chrono::seconds(1));
   close_pipe(out_);
   close_pipe(err_);
+  if (exit_fd_ >= 0) ::close(exit_fd_);
 }
 
 void ChildProcess::add_to(std::vector<pollfd>& set) const {
@@ -102,8 +106,8 @@ const std::optional<ExitStatus>& ChildProcess::check_exit() {
   return exit_;
 }
 
-// A child that ends closes its pipes, which ends the poll at once. A child that only closed its pipes ends no
-// poll, so each poll takes at most 5 ms.
+// Where there is no exit_fd_, a child that only closed its pipes ends no poll, so each poll takes at most 5
+// ms.
 bool ChildProcess::wait_exit(std::chrono::milliseconds patience) {
   const auto give_up = Clock::now() + patience;
   while (!check_exit()) {
@@ -111,6 +115,7 @@ bool ChildProcess::wait_exit(std::chrono::milliseconds patience) {
     if (left.count() <= 0) return false;
     std::vector<pollfd> set;
     add_to(set);
+    if (exit_fd_ >= 0) set.push_back({exit_fd_, POLLIN, 0});
     ::poll(set.data(), set.size(), static_cast<int>(std::min(left, std::chrono::milliseconds(5)).count()));
     drain();
   }

@@ -33,6 +33,7 @@ class ChildProcess {
 
   const std::string& name() const { return name_; }
   void add_to(std::vector<pollfd>& set) const;    // adds its open pipes, to poll for input
+  int exit_fd() const { return exit_fd_; }        // can be read once the program has ended; -1: there is none
   void drain();                                   // passes on the lines that are there, without waiting
   const std::optional<ExitStatus>& check_exit();  // without waiting
   bool wait_exit(std::chrono::milliseconds patience);
@@ -56,6 +57,7 @@ class ChildProcess {
 
   std::string name_;
   pid_t pid_ = -1;
+  int exit_fd_ = -1;
   Pipe out_, err_;
   std::deque<std::string> last_lines_;
   std::optional<ExitStatus> exit_;

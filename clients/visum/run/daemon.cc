@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <fstream>
 #include <system_error>
 
 #include "clients/visum/common/exit_code.h"
@@ -38,6 +39,7 @@ std::vector<std::string> command_line(const DaemonOptions& options) {
     argv.insert(argv.end(), {"--node-timeout", cli::exact(*options.node_timeout_s)});
   if (!options.profile.empty()) argv.insert(argv.end(), {"--profile", options.profile});
   if (!options.profile.empty() && !options.profile_spans) argv.insert(argv.end(), {"--profile-spans", "0"});
+  if (!options.used_files.empty()) argv.insert(argv.end(), {"--used-files", options.used_files});
   if (options.seed) argv.insert(argv.end(), {"--seed", std::to_string(*options.seed)});
   return argv;
 }
@@ -89,6 +91,15 @@ std::filesystem::path find_server(const std::string& program) {
 
 std::filesystem::path find_visumd() {
   return find_server("visumd");
+}
+
+std::vector<std::pair<std::string, std::string>> read_used_files(const std::string& file) {
+  std::vector<std::pair<std::string, std::string>> files;
+  std::ifstream lines(file);
+  for (std::string line; std::getline(lines, line);)
+    if (const auto blank = line.find(' '); blank != line.npos)
+      files.emplace_back(line.substr(blank + 1), line.substr(0, blank));
+  return files;
 }
 
 Daemon::Daemon(const DaemonOptions& options, double patience_s, WaitLoop& wait_loop,

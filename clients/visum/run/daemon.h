@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "clients/visum/run/child_process.h"
@@ -28,6 +29,7 @@ struct DaemonOptions {
   std::optional<double> node_timeout_s{};
   std::string profile{};       // visumd writes its profile here; empty: nothing is measured
   bool profile_spans = false;  // with a trace in it
+  std::string used_files{};    // visumd writes here what it read; empty: nowhere
   double speedup = 0.0;        // 0: the scene's, and in lockstep none
 };
 
@@ -36,6 +38,8 @@ std::filesystem::path own_folder();
 // The path of a server program: beside our own, else as PATH finds it.
 std::filesystem::path find_server(const std::string& program);
 std::filesystem::path find_visumd();
+// Reads DaemonOptions::used_files: paths and the XXH64 of their contents.
+std::vector<std::pair<std::string, std::string>> read_used_files(const std::string& file);
 
 class Daemon {
  public:

@@ -38,26 +38,35 @@ struct Job {
   std::unique_ptr<ChildProcess> process;
 };
 
+Report report_of(const ManyOptions& options, std::size_t run) {
+  Report report;
+  report.name = report.file = options.file.string();
+  report.run = run;
+  report.words = options.words;
+  return report;
+}
+
 class Crew {
  public:
-  explicit Crew(const ManyOptions& options) : options_(options), reports_(options.runs) {}
+  explicit Crew(const ManyOptions& options) : options_(options) {}
 
-  std::vector<Report> work() {
+  std::optional<Stopped> work() {
     try {
-      while (begun_ < options_.runs || !jobs_.empty()) {
-        while (begun_ < options_.runs && jobs_.size() < options_.jobs) start(++begun_);
-        wait_loop_.wait(-1, kRound);
+      while (next_ != 0 || !jobs_.empty()) {
+        while (next_ != 0 && jobs_.size() < options_.jobs) start();
+        wait_loop_.wait_for_ends(kRound);
         std::erase_if(jobs_, [this](Job& job) { return take_end(job); });
       }
     } catch (const cli::ExitError& error) {
+      if (!stopped_ && next_ != 0) stopped_ = Stopped{next_, error.code(), error.what()};
       end_all();
-      leave_out_from(begun_ + 1, error.code(), error.what());
     }
-    return std::move(reports_);
+    return stopped_;
   }
 
  private:
-  void start(std::size_t run) {
+  void start() {
+    const std::size_t run = next_;
     Job job;
     job.run = run;
     job.result = results_.path() / (std::to_string(run) + ".json");
@@ -71,10 +80,13 @@ class Crew {
       job.process = std::make_unique<ChildProcess>("run " + std::to_string(run), words,
                                                    ChildProcess::OnLine{}, ChildProcess::OnLine{});
     } catch (const std::runtime_error& error) {
-      return leave_out_from(run, cli::kFailed, error.what());
+      stopped_ = Stopped{run, cli::kFailed, error.what()};
+      next_ = 0;
+      return;
     }
     wait_loop_.watch(*job.process);
     jobs_.push_back(std::move(job));
+    next_ = options_.next();
   }
 
   std::unique_ptr<SpareRecording> make_recording(std::size_t run) const {
@@ -91,7 +103,7 @@ class Crew {
     const auto& exit = job.process->check_exit();
     if (!exit) return false;
     wait_loop_.forget(*job.process);
-    Report& report = reports_[job.run - 1];
+    Report report;
     try {
       report = read_report(job.result);
     } catch (const config::ConfigError&) {
@@ -105,26 +117,9 @@ class Crew {
     return true;
   }
 
-  Report report_of(std::size_t run) const {
-    Report report;
-    report.name = report.file = options_.file.string();
-    report.run = run;
-    report.words = options_.words;
-    return report;
-  }
-
-  // Reports all runs from this one on as not started; none of them begins.
-  void leave_out_from(std::size_t run, cli::ExitCode code, const std::string& why) {
-    for (begun_ = options_.runs; run <= options_.runs; ++run) {
-      Report& report = reports_[run - 1] = report_of(run);
-      report.code = code;
-      report.error = "not started: " + why;
-    }
-  }
-
   // The report of a run whose process ended without writing one: it holds the last lines of its output.
   Report lost_report(const Job& job, const ExitStatus& exit) const {
-    Report report = report_of(job.run);
+    Report report = report_of(options_, job.run);
     const bool told = !exit.by_signal && exit.number != cli::kDone;
     report.code = cli::interrupted() ? cli::kInterrupted
                   : told             ? static_cast<cli::ExitCode>(exit.number)
@@ -144,17 +139,34 @@ class Crew {
   }
 
   const ManyOptions& options_;
-  std::vector<Report> reports_;
   const cli::TempFolder results_;
   WaitLoop wait_loop_{kNoLimit_s};
-  std::size_t begun_ = 0;  // or left out
+  std::size_t next_ = options_.next();  // 0: none is left
+  std::optional<Stopped> stopped_;
   std::vector<Job> jobs_;
 };
 
 }  // namespace
 
-std::vector<Report> run_many(const ManyOptions& options) {
+std::optional<Stopped> run_each(const ManyOptions& options) {
   return Crew(options).work();
+}
+
+std::vector<Report> run_many(const ManyOptions& options) {
+  std::vector<Report> reports(options.runs);
+  ManyOptions each = options;
+  each.next = [begun = std::size_t{0}, all = options.runs]() mutable { return begun < all ? ++begun : 0; };
+  each.on_done = [&](const Report& report) {
+    reports[report.run - 1] = report;
+    if (options.on_done) options.on_done(report);
+  };
+  const auto stopped = run_each(each);
+  for (std::size_t run = stopped ? stopped->run : options.runs + 1; run <= options.runs; ++run) {
+    Report& report = reports[run - 1] = report_of(options, run);
+    report.code = stopped->code;
+    report.error = "not started: " + stopped->why;
+  }
+  return reports;
 }
 
 cli::ExitCode code_of(const std::vector<Report>& reports) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,18 +14,29 @@
 namespace visum::run {
 
 struct ManyOptions {
-  std::filesystem::path program;  // visum
-  std::filesystem::path file;     // the scenario
-  std::size_t runs = 1;
+  std::filesystem::path program;       // visum
+  std::filesystem::path file;          // the scenario
+  std::size_t runs = 1;                // of the whole sweep
   std::size_t jobs = 1;                // at a time
   std::vector<std::string> words;      // further options for each run
   std::filesystem::path recordings{};  // a folder for recordings of runs that fail; empty: none
+  std::function<std::size_t()> next;   // the run to begin next; 0: none is left. Of run_each() only
   std::function<void(const Report&)> on_done;
 };
 
-// Returns a report for each run, in order. An interrupt ends all runs. If a process cannot be started, the
-// others run to their end. Runs that did not begin then have a report with the error "not started"; on_done
-// is not called for them.
+// Why no further runs began.
+struct Stopped {
+  std::size_t run = 0;  // the first that did not
+  cli::ExitCode code = cli::kFailed;
+  std::string why;
+};
+
+// Begins run after run, as `next` says. An interrupt ends all runs. If a process cannot be started, the
+// others run to their end. Calls on_done for each run that began, in the order in which they end.
+std::optional<Stopped> run_each(const ManyOptions& options);
+
+// Returns a report for each run, in order. Those that did not begin say "not started"; on_done is not called
+// for them.
 std::vector<Report> run_many(const ManyOptions& options);
 
 // The exit code for all: 0 if all passed. Else the first of these that any run has: interrupted, wrong

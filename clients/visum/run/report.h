@@ -30,7 +30,8 @@ struct Report {
   std::uint64_t state_hash = 0;
   std::uint64_t limited_ticks = 0;  // ticks whose work met a limit, and bodies that fell short in the last
   std::vector<std::string> limited_bodies;
-  std::vector<std::string> tripped;  // drives in fault at the end, and why
+  std::vector<std::pair<std::string, std::string>> files;  // that the scene was read from, with their XXH64
+  std::vector<std::string> tripped;                        // drives in fault at the end, and why
 
   bool passed() const { return code == cli::kDone; }
 };

@@ -25,6 +25,8 @@ void write_check(JsonWriter& json, const CheckResult& check) {
   json.new_line().begin_object().member("check", check.name).member("text", check.text);
   json.member("bound", check.bound).member("unit", check.unit).member("passed", check.passed).key("value");
   check.value ? json.value(*check.value) : json.null();
+  json.key("margin");
+  check.margin ? json.value(*check.margin) : json.null();
   json.member("measured", check.value.has_value()).member("at_s", check.at_s);
   if (!check.words.empty()) json.member("words", check.words);
   json.member("failure", check.failure).key("limits").begin_array();
@@ -75,6 +77,8 @@ CheckResult read_check(const Node& node) {
   check.passed = node.get("passed").boolean();
   if (node.get("measured").boolean()) check.value = read_number(node.get("value"));
   check.at_s = node.get("at_s").number();
+  if (check.value && node.get("margin").kind() == Node::Kind::kScalar)
+    check.margin = node.get("margin").number();
   if (const auto words = node.find("words")) check.words = words->text();
   check.failure = node.get("failure").text();
   const Node limits = node.get("limits"), course = node.get("course");
@@ -106,7 +110,10 @@ std::string report_as_json(const Report& report) {
   for (const auto& controller : report.controllers) write_controller(json, controller);
   json.end_array().new_line().member("ticks", report.ticks).member("sim_seconds", report.sim_seconds);
   json.member("wall_seconds", report.wall_seconds).member("state_hash", cli::hex(report.state_hash));
-  return json.end_object().text() + "\n";
+  json.key("files").begin_array();
+  for (const auto& [file, hash] : report.files)
+    json.new_line().begin_array().value(file).value(hash).end_array();
+  return json.end_array().end_object().text() + "\n";
 }
 
 Report read_report(const std::filesystem::path& file) {
@@ -137,6 +144,9 @@ Report read_report(const std::filesystem::path& file) {
   report.sim_seconds = root.get("sim_seconds").number();
   report.wall_seconds = root.get("wall_seconds").number();
   report.state_hash = read_hash(root.get("state_hash"));
+  const Node files = root.get("files");
+  for (std::size_t i = 0; i < files.size(); ++i)
+    report.files.emplace_back(files.at(i).at(0).text(), files.at(i).at(1).text());
   return report;
 }
 

@@ -35,17 +35,18 @@ struct Kind {
   const char* name;
   const char* text;
 };
-constexpr std::array<Kind, 11> kKinds{{{"controllers", "visumd waits for the next message of a controller"},
-                                       {"runner", "visumd waits for visum run"},
-                                       {"cycle wait", "visumd waits, and nobody holds the world"},
-                                       {"gateway", "reading, answering and sending messages"},
-                                       {"agents", "the scene's own controllers"},
-                                       {"drives", "ramps, limits and motors before the step"},
-                                       {"parts", "sensors, and the parts' outputs after the step"},
-                                       {"collision", "contacts, and fast bodies held back"},
-                                       {"physics", "the engines' step"},
-                                       {"recording", "what is kept of each tick"},
-                                       {"hash", "the state's hash"}}};
+constexpr std::array<Kind, 11> kPhaseKinds{
+    {{"controllers", "visumd waits for the next message of a controller"},
+     {"runner", "visumd waits for visum run"},
+     {"cycle wait", "visumd waits, and nobody holds the world"},
+     {"gateway", "reading, answering and sending messages"},
+     {"agents", "the scene's own controllers"},
+     {"drives", "ramps, limits and motors before the step"},
+     {"parts", "sensors, and the parts' outputs after the step"},
+     {"collision", "contacts, and fast bodies held back"},
+     {"physics", "the engines' step"},
+     {"recording", "what is kept of each tick"},
+     {"hash", "the state's hash"}}};
 
 std::string row_of(const std::string& phase) {
   if (phase == kWaitsFor.data() + std::string(Session::kName) ||
@@ -71,7 +72,7 @@ std::vector<Row> rows_of(const config::Node& of_daemon, std::int64_t began_ns, s
     if (phase.get("name").text() == "load") rows[0].ns = phase.get("ns").integer();
   rows[0].ns += of_daemon.get("began_ns").integer() - began_ns;
   rows[1].ns = first - began_ns - rows[0].ns;
-  for (const auto& kind : kKinds) rows.push_back({kind.name, 0, true, kind.text});
+  for (const auto& kind : kPhaseKinds) rows.push_back({kind.name, 0, true, kind.text});
   for (const auto& phase : items(of_daemon.get("run"))) {
     const auto name = row_of(phase.get("name").text());
     const auto found = std::ranges::find(rows, name, &Row::name);

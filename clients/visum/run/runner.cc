@@ -419,6 +419,7 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
                                  options.plugins,
                                  options.node_timeout_s};
     daemon_options.speedup = scenario.speedup;
+    if (options.notes_files) daemon_options.used_files = (links.path() / "files").string();
     if (options.profile != nullptr) {
       daemon_options.profile = options.profile->daemon_file().string();
       daemon_options.profile_spans = options.profile->wants_spans();
@@ -428,6 +429,7 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
       if (auto trouble = find_recording_trouble(line, scenario.record); !trouble.empty())
         report.recording_trouble = std::move(trouble);
     });
+    if (options.notes_files) report.files = read_used_files(daemon_options.used_files);
     // With --keep the user wants to look at the world, from the beginning.
     if (options.keep && daemon.page_port() != 0)
       options.on_line("visumd", "the page: http://127.0.0.1:" + std::to_string(daemon.page_port()) + "/");

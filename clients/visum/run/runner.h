@@ -21,6 +21,7 @@ struct RunOptions {
   std::vector<std::string> plugins{};      // folders that the scene's plug-ins may come from
   std::optional<double> node_timeout_s{};  // how long one of their calls may take; none: visumd's default
   RunProfile* profile = nullptr;           // measures the run; must outlive it
+  bool notes_files = false;                // fills Report::files
   bool keep = false;                       // afterwards let the world run in real time until interrupted
   // Called with each line of the daemon and the controllers, and with what the time line says.
   std::function<void(const std::string& who, const std::string& line)> on_line;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "clients/visum/run/decide.h"
 #include "clients/visum/run/placeholders.h"
 #include "clients/visum/run/scenario_parts.h"
 #include "clients/visum/run/session.h"
@@ -185,8 +186,9 @@ Scenario read_scenario(const Node& file, std::size_t run) {
                    "clock",          "engine",    "seed",        "record",       "speedup",
                    "max_overruns",   "max_sim_s", "max_wall_s",  "start_wall_s", "settle_s",
                    "check_every_ms", "until",     "buses",       "controllers",  "timeline",
-                   "checks",         "sweep"});
+                   "checks",         "sweep",     "sampling",    "decide"});
   const Sweep sweep(file);
+  read_decide(file);
   config::ExpansionBudget budget;
   const Node root = config::expanded(file, sweep.variables(run), budget);
   Scenario scenario;

@@ -1,5 +1,6 @@
 #include "clients/visum/run/sweep.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "clients/visum/common/format.h"
@@ -12,68 +13,93 @@ using config::Node;
 
 const std::string kTooMany = "gives more than " + std::to_string(Sweep::kMaxRuns) + " runs";
 
-// Rounds to 12 digits, so that 0.1 * 3 is 0.3: people read it, and equal values must make equal runs.
-Node number_node(double number, const Node& like) {
-  return config::load_text(cli::rounded(number, 12), like.place().file, like.folder());
+Node number_node(const std::string& digits, const Node& like) {
+  return config::load_text(digits, like.place().file, like.folder());
 }
 
-std::vector<Node> read_range(const Node& node) {
+}  // namespace
+
+Sweep::Range Sweep::read_range(const Node& node) {
   node.allow_only({"from", "to", "step", "count"});
   const double from = node.get("from").number(), to = node.get("to").number();
   const auto step = node.find("step"), count = node.find("count");
   if (to < from) node.fail("'to' must not be less than 'from'");
   if (step && count) node.fail("needs 'step' or 'count', not both");
   if (count && from == to) count->fail("makes many of one value; a list may say it more than once");
-  const double width = count ? (to - from) / static_cast<double>(count->integer(2, Sweep::kMaxRuns) - 1)
+  const double width = count ? (to - from) / static_cast<double>(count->integer(2, kMaxRuns) - 1)
                              : node.number_or("step", 1.0, config::kPositive);
   const double steps = (to - from) / width;
-  if (!(steps < static_cast<double>(Sweep::kMaxRuns))) node.fail(kTooMany);
-  std::vector<Node> values;
-  for (std::int64_t i = 0, last = std::llround(std::floor(steps + 1e-9)); i <= last; ++i)
-    values.push_back(number_node(from + static_cast<double>(i) * width, node));
-  return values;
+  if (!(steps < static_cast<double>(kMaxRuns))) node.fail(kTooMany);
+  return {from, width, static_cast<std::size_t>(std::llround(std::floor(steps + 1e-9))) + 1};
 }
 
-std::vector<Node> read_values(const Node& node) {
-  if (node.kind() == Node::Kind::kMap) return read_range(node);
+Sweep::Axis Sweep::read_axis(const std::string& name, const Node& node) {
+  if (const auto fault = config::variable_name_fault(name); !fault.empty())
+    node.fail("'" + name + "' " + fault);
+  if (node.kind() == Node::Kind::kMap) {
+    if (auto distribution = Distribution::read(node)) return {name, node, std::move(*distribution)};
+    return {name, node, read_range(node)};
+  }
   if (node.kind() != Node::Kind::kList || node.size() == 0)
     node.fail("must be a list of values, or {from: 1, to: 10}");
-  if (node.size() > Sweep::kMaxRuns) node.fail(kTooMany);
-  std::vector<Node> values;
+  if (node.size() > kMaxListed)
+    node.fail("lists more than " + std::to_string(kMaxListed) + " values; a range may have more");
+  List values;
   for (std::size_t i = 0; i < node.size(); ++i) values.push_back(node.at(i));
-  return values;
+  return {name, node, std::move(values)};
 }
 
-}  // namespace
-
-Sweep::Sweep(const Node& root) {
+Sweep::Sweep(const Node& root) : sampling_(Sampling::read(root)) {
   const auto written = root.find("sweep");
+  if (!written && sampling_) root.get("sampling").fail("needs a 'sweep' that names what is sampled");
   if (!written) return;
   config::ExpansionBudget budget;
   const Node sweep = config::expanded(*written, {}, budget);
   if (sweep.kind() != Node::Kind::kMap || sweep.keys().empty())
     sweep.fail("must be a map of names to values: {seed: {from: 1, to: 10}, payload: [1, 2]}");
   if (sweep.keys().size() > kMaxAxes) sweep.fail("more than " + std::to_string(kMaxAxes) + " names");
+  double runs = 1.0;
   for (const std::string& name : sweep.keys()) {
-    const Node values = sweep.get(name);
-    if (const auto fault = config::variable_name_fault(name); !fault.empty())
-      values.fail("'" + name + "' " + fault);
-    axes_.push_back({name, read_values(values)});
-    if (runs() > kMaxRuns) sweep.fail(kTooMany);
+    axes_.push_back(read_axis(name, sweep.get(name)));
+    if (sampling_) continue;
+    if (std::holds_alternative<Distribution>(axes_.back().values))
+      axes_.back().node.fail("is a distribution, which needs 'sampling': {method: random, runs: 100}");
+    runs *= static_cast<double>(count(axes_.back()));
+    if (runs > static_cast<double>(kMaxRuns)) sweep.fail(kTooMany);
   }
 }
 
+std::size_t Sweep::count(const Axis& axis) {
+  if (const auto* list = std::get_if<List>(&axis.values)) return list->size();
+  return std::get<Range>(axis.values).count;
+}
+
+Node Sweep::value_at(const Axis& axis, std::size_t index) {
+  if (const auto* list = std::get_if<List>(&axis.values)) return (*list)[index];
+  // Rounded to 12 digits, so that 0.1 * 3 is 0.3: people read it, and equal values must make equal runs.
+  const Range& range = std::get<Range>(axis.values);
+  return number_node(cli::rounded(range.from + static_cast<double>(index) * range.width, 12), axis.node);
+}
+
 std::size_t Sweep::runs() const {
+  if (sampling_) return sampling_->runs();
   std::size_t runs = 1;
-  for (const Axis& axis : axes_) runs *= axis.values.size();
+  for (const Axis& axis : axes_) runs *= count(axis);
   return runs;
 }
 
 Node Sweep::value(std::size_t axis, std::size_t run) const {
+  const Axis& of = axes_[axis];
+  if (sampling_) {
+    const double share = sampling_->share(axis, run);
+    if (const auto* distribution = std::get_if<Distribution>(&of.values))
+      return number_node(distribution->value(share), of.node);
+    const auto index = static_cast<std::size_t>(share * static_cast<double>(count(of)));
+    return value_at(of, std::min(index, count(of) - 1));
+  }
   std::size_t faster = 1;
-  for (std::size_t i = axis + 1; i < axes_.size(); ++i) faster *= axes_[i].values.size();
-  const auto& values = axes_[axis].values;
-  return values[(run - 1) / faster % values.size()];
+  for (std::size_t i = axis + 1; i < axes_.size(); ++i) faster *= count(axes_[i]);
+  return value_at(of, (run - 1) / faster % count(of));
 }
 
 config::Variables Sweep::variables(std::size_t run) const {

@@ -10,14 +10,28 @@ namespace visum::run {
 
 using std::chrono::milliseconds;
 
+void WaitLoop::check_limits() const {
+  if (cli::interrupted()) throw cli::ExitError(cli::kInterrupted, "interrupted");
+  if (Clock::now() >= give_up_)
+    throw cli::ExitError(cli::kTimedOut, "not done after " + cli::exact(wall_s_) + " s of wall time");
+}
+
+void WaitLoop::wait_for_ends(milliseconds patience) {
+  check_limits();
+  set_.clear();
+  for (const ChildProcess* child : children_) {
+    child->add_to(set_);
+    if (child->exit_fd() >= 0) set_.push_back({child->exit_fd(), POLLIN, 0});
+  }
+  ::poll(set_.data(), set_.size(), static_cast<int>(patience.count()));
+  for (ChildProcess* child : children_) child->drain();
+}
+
 bool WaitLoop::wait(int fd, milliseconds patience) {
   const auto end = Clock::now() + patience;
   for (;;) {
-    if (cli::interrupted()) throw cli::ExitError(cli::kInterrupted, "interrupted");
+    check_limits();
     const auto now = Clock::now();
-    if (now >= give_up_) {
-      throw cli::ExitError(cli::kTimedOut, "not done after " + cli::exact(wall_s_) + " s of wall time");
-    }
     set_.clear();
     if (fd >= 0) set_.push_back({fd, POLLIN, 0});
     for (const ChildProcess* child : children_) child->add_to(set_);

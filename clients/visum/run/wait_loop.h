@@ -20,6 +20,8 @@ class WaitLoop {
   // Waits until `fd` can be read (true) or `patience` is over (false). With fd -1 only children count. Throws
   // ExitError (interrupted, timed out).
   bool wait(int fd, std::chrono::milliseconds patience);
+  // Waits until a child has ended or has said something. check_exit() must then be asked of all.
+  void wait_for_ends(std::chrono::milliseconds patience);
   // Waits without a limit until `fd` can be read.
   void wait(int fd);
 
@@ -28,6 +30,8 @@ class WaitLoop {
   static Clock::duration to_duration(double s) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
   }
+
+  void check_limits() const;
 
   double wall_s_;
   Clock::time_point give_up_;

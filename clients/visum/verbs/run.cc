@@ -6,6 +6,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "clients/visum/campaign/shard.h"
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/interrupt.h"
@@ -19,6 +20,7 @@
 #include "clients/visum/run/scenario_reader.h"
 #include "clients/visum/run/spare_recording.h"
 #include "clients/visum/run/sweep.h"
+#include "clients/visum/verbs/campaign_runs.h"
 #include "clients/visum/verbs/run_many.h"
 #include "clients/visum/verbs/verbs.h"
 #include "protocol/command_line/one_of.h"
@@ -69,6 +71,12 @@ class RunVerb : public Verb {
         ->check(CLI::Range(0, 1000));
     app.add_option("--only", only_, "do only this run of a sweep, counted from 1")
         ->check(CLI::PositiveNumber);
+    shard_option_ =
+        app.add_option("--shard", shard_,
+                       "do only share I of N of a campaign's runs, for --report; without a value, "
+                       "I/N is that of the cluster's task: see CAMPAIGNS.md")
+            ->expected(0, 1)
+            ->type_name("[I/N]");
     app.add_option("--report", report_,
                    "write report.html, junit.xml and a recording of each run that fails to this folder")
         ->type_name("FOLDER");
@@ -98,6 +106,7 @@ class RunVerb : public Verb {
   int run() override {
     settle_words();
     const config::Node root = config::load_file(file_);
+    if (shard_option_->count() > 0) return run_shard(root);
     const run::Sweep sweep = sweep_of(root);
     if (only_ > sweep.runs())
       throw ExitError(kUsage, "--only: the scenario has " + std::to_string(sweep.runs()) +
@@ -123,7 +132,8 @@ class RunVerb : public Verb {
     return run::Sweep(root);
   }
 
-  int run_all(const config::Node& root) const {
+  // Refuses options that are for one run; returns those that each of many runs gets.
+  std::vector<std::string> words_of_each() const {
     if (!record_.empty() || !try_record_.empty() || !result_.empty() || keep_ || progress_ || port_ != 0 ||
         profile_option_->count() > 0)
       throw ExitError(
@@ -131,15 +141,30 @@ class RunVerb : public Verb {
           "--record, --result, --port, --progress, --profile and --keep are for one run: choose it with "
           "--only, or leave them "
           "out; --report records the runs that fail");
-    ManyRunsOptions many{file_, report_, junit_, recordings_folder(), {}, jobs_, json_};
-    if (!engine_.empty()) many.words.insert(many.words.end(), {"--engine", engine_});
-    if (!clock_.empty()) many.words.insert(many.words.end(), {"--clock", clock_});
-    if (seed_) many.words.insert(many.words.end(), {"--seed", std::to_string(*seed_)});
-    if (timeout_s_ > 0.0) many.words.insert(many.words.end(), {"--timeout", exact(timeout_s_)});
-    if (speedup_ > 0.0) many.words.insert(many.words.end(), {"--speedup", exact(speedup_)});
-    for (const auto& folder : plugins_) many.words.insert(many.words.end(), {"--plugins", folder});
-    if (node_timeout_s_) many.words.insert(many.words.end(), {"--node-timeout", exact(*node_timeout_s_)});
-    return run_many(many, root);
+    std::vector<std::string> words;
+    if (!engine_.empty()) words.insert(words.end(), {"--engine", engine_});
+    if (!clock_.empty()) words.insert(words.end(), {"--clock", clock_});
+    if (seed_) words.insert(words.end(), {"--seed", std::to_string(*seed_)});
+    if (timeout_s_ > 0.0) words.insert(words.end(), {"--timeout", exact(timeout_s_)});
+    if (speedup_ > 0.0) words.insert(words.end(), {"--speedup", exact(speedup_)});
+    for (const auto& folder : plugins_) words.insert(words.end(), {"--plugins", folder});
+    if (node_timeout_s_) words.insert(words.end(), {"--node-timeout", exact(*node_timeout_s_)});
+    return words;
+  }
+
+  int run_all(const config::Node& root) const {
+    return run_many({file_, report_, junit_, recordings_folder(), words_of_each(), jobs_, json_}, root);
+  }
+
+  int run_shard(const config::Node& root) const {
+    if (report_.empty()) throw ExitError(kUsage, "--shard needs --report FOLDER, for the results");
+    if (only_ != 0 || !junit_.empty()) throw ExitError(kUsage, "--only and --junit are not for --shard");
+    if (root.kind() != config::Node::Kind::kMap) root.fail("a scenario is a map");
+    const auto shard = shard_.empty()
+                           ? campaign::shard_from([](const char* name) { return std::getenv(name); })
+                           : campaign::shard_of(shard_);
+    return run_campaign({file_, report_, words_of_each(), shard, jobs_, json_, false, recordings_ != "off"},
+                        root);
   }
 
   int run_one(run::Scenario scenario) {
@@ -153,6 +178,7 @@ class RunVerb : public Verb {
     options.visumd = run::find_visumd();
     options.port = port_;
     options.keep = keep_;
+    options.notes_files = !result_.empty();
     options.plugins = plugins_;
     options.node_timeout_s = node_timeout_s_;
     options.on_line = [&](const std::string& who, const std::string& line) { progress.line(who, line); };
@@ -250,7 +276,8 @@ class RunVerb : public Verb {
 
   std::string file_, junit_, engine_, clock_, record_, try_record_, recordings_, report_, result_;
   std::string profile_;  // a file; may be empty
-  CLI::Option* profile_option_ = nullptr;
+  std::string shard_;
+  CLI::Option *profile_option_ = nullptr, *shard_option_ = nullptr;
   std::size_t jobs_ = 1, only_ = 0;
   bool json_ = false, progress_ = false, keep_ = false, told_ = false, written_ = false;
   std::optional<run::SpareRecording> spare_;

@@ -21,6 +21,8 @@
 namespace visum::cli {
 namespace {
 
+constexpr std::size_t kMostRuns = 10'000;  // reports of all of them are held
+
 // Reads all runs before the first begins, so that a mistake in any of them shows at once. Returns whether the
 // scenario itself names files for its recordings.
 bool check_runs(const config::Node& root, std::size_t runs) {
@@ -55,6 +57,9 @@ void check_writable(const std::string& file) {
 
 int run_many(const ManyRunsOptions& wanted, const config::Node& root) {
   const std::size_t runs = run::Sweep(root).runs();
+  if (runs > kMostRuns)
+    root.get(root.find("sampling") ? "sampling" : "sweep")
+        .fail("gives more than " + std::to_string(kMostRuns) + " runs; `visum campaign` takes more");
   const bool recorded = check_runs(root, runs);
   make_folder(wanted.report);
   check_writable(wanted.junit);

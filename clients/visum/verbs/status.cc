@@ -11,7 +11,7 @@ namespace {
 using protocol::ServerStatus;
 using protocol::Welcome;
 
-double milliseconds(std::int64_t ns) {
+double as_ms(std::int64_t ns) {
   return static_cast<double>(ns) * 1e-6;
 }
 
@@ -85,8 +85,7 @@ std::string waiting_text(const ServerStatus& status) {
   for (const auto& member : status.lockstep) {
     text += "  " + printable(member.client) + ": " + grade_text(member.grade) +
             ", lets the world run up to tick " + std::to_string(member.granted_tick);
-    if (member.waiting_ns > 0)
-      text += ", WAITED FOR since " + fixed(milliseconds(member.waiting_ns), 1) + " ms";
+    if (member.waiting_ns > 0) text += ", WAITED FOR since " + fixed(as_ms(member.waiting_ns), 1) + " ms";
     if (!member.note.empty()) text += "; it " + printable(member.note);
     text += "\n";
   }
@@ -105,12 +104,11 @@ std::string text_of(const Welcome& welcome, const ServerStatus& status) {
   table.row({"clock", status.clock + (status.clock == "realtime" ? " x " + rounded(status.speed, 4) : "") +
                           ", reached " + rounded(status.real_time_factor, 4)});
   table.row({"time", seconds(status.sim_time_ns) + ", tick " + std::to_string(status.tick) + " of " +
-                         rounded(milliseconds(welcome.tick_ns), 6) + " ms, era " +
-                         std::to_string(status.era)});
+                         rounded(as_ms(welcome.tick_ns), 6) + " ms, era " + std::to_string(status.era)});
   table.row({"overruns", std::to_string(status.overruns) + ", lateness p50 " +
-                             fixed(milliseconds(status.lateness_p50_ns), 3) + " ms, p99.9 " +
-                             fixed(milliseconds(status.lateness_p999_ns), 3) + " ms, max " +
-                             fixed(milliseconds(status.lateness_max_ns), 3) + " ms"});
+                             fixed(as_ms(status.lateness_p50_ns), 3) + " ms, p99.9 " +
+                             fixed(as_ms(status.lateness_p999_ns), 3) + " ms, max " +
+                             fixed(as_ms(status.lateness_max_ns), 3) + " ms"});
   if (status.bus_drops > 0)
     table.row(
         {"buses", std::to_string(status.bus_drops) + " frames were dropped that no client read in time"});

@@ -1,0 +1,27 @@
+// The work that `visum campaign` and `visum run --shard` share: makes the runs, shows progress, writes
+// reports.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "clients/visum/campaign/shard.h"
+#include "clients/visum/common/exit_code.h"
+#include "protocol/config/config.h"
+
+namespace visum::cli {
+
+struct CampaignWords {
+  std::string file;                // the scenario
+  std::string folder;              // for results and reports
+  std::vector<std::string> words;  // options that each run gets too
+  campaign::Shard shard;
+  std::size_t jobs = 1;  // runs at a time; 0: as many as there are processors
+  bool json = false, fresh = false, records = true;
+};
+
+// `root`: the content of the file. Returns the exit code. Throws ExitError and config::ConfigError.
+int run_campaign(const CampaignWords& wanted, const config::Node& root);
+
+}  // namespace visum::cli
