@@ -53,6 +53,12 @@ WRONG = [
     {"checks": [{"that": {"port": {"part": "arm", "name": "Part State", "mask": 0}, "below": 1}}]},
     {"checks": [{"that": {"speed": {"body": "box"}, "below": 1}, "when": "sometimes"}]},
     {"checks": [{"that": {"speed": {"body": "box"}, "below": 1}, "when": {"by_s": 1, "to_s": 2}}]},
+    {"sampling": {"method": "sobol", "runs": 3}}, {"sweep": {"a": [1]}, "sampling": {"method": "dice", "runs": 3}},
+    {"sweep": {"a": [1]}, "sampling": {"method": "sobol", "runs": 0}}, {"sweep": {"a": [1]}, "sampling": {"method": "sobol"}},
+    {"sweep": {"a": {"uniform": [1]}}, "sampling": {"method": "sobol", "runs": 3}},
+    {"sweep": {"a": {"normal": [0, 1], "betwen": [0, 1]}}, "sampling": {"method": "sobol", "runs": 3}},
+    {"decide": {"at_least": 0.9}}, {"decide": {"at_least": 1, "reject_below": 0.5}},
+    {"decide": {"at_least": 0.9, "reject_below": 0.5, "false_accept": 0.6}},
 ]
 
 # Right for the program and for the schema: a text may look like a number or a truth value, as in YAML.
@@ -61,6 +67,8 @@ RIGHT = [
     {"controllers": [{"name": 1, "command": ["sleep", 9], "joins": False, "exchanges": False}],
      "timeline": [{"at_s": 0, "say": 5}, {"at_s": 0, "kill": 1}]},
     {"controllers": [{"name": "a", "command": ["sleep", 0], "shim": True, "wait_s": 10, "exchanges": False}]},
+    {"sweep": {"a": {"normal": [0, 1], "between": [-1, 2]}, "b": {"integers": [1, 5]}, "c": {"log_uniform": [1, 10]}, "d": [1]},
+     "sampling": {"method": "latin_hypercube", "runs": 3, "seed": 7}, "decide": {"at_least": 0.9, "reject_below": 0.5}},
 ]
 
 

@@ -96,9 +96,10 @@ TEST(Sweep, SaysWhatIsWrongAndWhere) {
             "s.yaml:5: sweep.a: 'to' must not be less than 'from'");
   EXPECT_EQ(error_of("sweep: {a: {from: 1, to: 2, step: 0}}\n"),
             "s.yaml:5: sweep.a.step: must be greater than 0, is 0");
-  EXPECT_EQ(error_of("sweep: {a: {from: 1, to: 1e9}}\n"), "s.yaml:5: sweep.a: gives more than 10000 runs");
-  EXPECT_EQ(error_of("sweep: {a: {from: 1, to: 101}, b: {from: 1, to: 100}}\n"),
-            "s.yaml:5: sweep: gives more than 10000 runs");
+  EXPECT_EQ(error_of("sweep: {a: {from: 1, to: 1e10}}\n"),
+            "s.yaml:5: sweep.a: gives more than 1000000000 runs");
+  EXPECT_EQ(error_of("sweep: {a: {from: 1, to: 100001}, b: {from: 1, to: 10000}}\n"),
+            "s.yaml:5: sweep: gives more than 1000000000 runs");
   EXPECT_EQ(error_of("sweep: {pi: [1]}\n"), "s.yaml:5: sweep.pi: 'pi' is the name of a function or number");
   EXPECT_EQ(error_of("sweep: {seed: [1, x]}\nseed: ${seed}\n", 2),
             "s.yaml:6: seed: must be a whole number, is 'x'");

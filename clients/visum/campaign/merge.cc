@@ -39,9 +39,10 @@ class NewFolder {
 
 }  // namespace
 
-Merged merge(const std::vector<std::filesystem::path>& shards, const std::filesystem::path& out) try {
+Merged merge(const std::vector<std::filesystem::path>& shards, const std::filesystem::path& out,
+             bool replaces) try {
   std::error_code none;
-  if (std::filesystem::exists(out / Results::kFile, none))
+  if (!replaces && std::filesystem::exists(out / Results::kFile, none))
     throw cli::ExitError(cli::kUsage, out.string() + ": holds results already; name another folder");
   const NewFolder folder(out);
   Merged merged;

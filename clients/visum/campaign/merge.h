@@ -19,7 +19,8 @@ struct Merged {
 
 // Writes the results of all shards to the folder `out`, with reports. Where something is missing, doubled or
 // foreign, nothing is written. Throws cli::ExitError where a folder holds no results, or `out` holds other
-// ones.
-Merged merge(const std::vector<std::filesystem::path>& shards, const std::filesystem::path& out);
+// ones and `replaces` is false.
+Merged merge(const std::vector<std::filesystem::path>& shards, const std::filesystem::path& out,
+             bool replaces = false);
 
 }  // namespace visum::campaign

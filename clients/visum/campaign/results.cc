@@ -81,7 +81,7 @@ Results::Results(const std::filesystem::path& folder, const Identity& identity, 
     : database_(made(folder), Database::Use::kWrite) {
   make_tables();
   read_head();
-  if (identity_.sweep.empty() || !(identity_ == identity)) {
+  if (identity_.sweep.empty() || !(identity_ == identity) || !(shard_ == shard)) {
     // Numbers grow downwards, below all that are there.
     Statement least(database_, "SELECT MIN(0, COALESCE(MIN(run), 0)) FROM runs");
     least.step();

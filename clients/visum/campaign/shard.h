@@ -13,6 +13,7 @@ struct Shard {
   std::size_t index = 1;  // from 1
   std::size_t count = 1;
 
+  bool operator==(const Shard&) const = default;
   std::size_t first() const { return index; }  // run
   bool holds(std::size_t run) const { return (run - 1) % count + 1 == index; }
   std::size_t runs(std::size_t all) const { return index > all ? 0 : (all - index) / count + 1; }

@@ -62,7 +62,7 @@ class Work {
                           options_.words};
     if (options_.records) many.recordings = options_.folder;
     many.next = [this] { return next(); };
-    many.on_done = [this](const run::Report& report) { take(report); };
+    many.on_done = [this](std::size_t run, const run::Report& report) { take(run, report); };
     WorkDone done;
     done.stopped = run::run_each(many);
     if (trouble_) std::rethrow_exception(trouble_);
@@ -119,31 +119,29 @@ class Work {
   // A run whose scenario is wrong, with the values that it got.
   void refuse(std::size_t run, const config::ConfigError& error) {
     run::Report report;
-    report.run = run;
-    report.swept = sweep_.described(run);
     report.code = cli::kBadConfig;
     report.error = error.what();
-    take(report);
+    take(run, report);
   }
 
   // Never throws: other runs may go on just now.
-  void take(const run::Report& report) {
+  void take(std::size_t run, const run::Report& report) {
     if (report.code == cli::kInterrupted || trouble_) return;
     try {
       Row row;
-      row.run = report.run;
-      row.parameters = as_json(report.swept.empty() ? sweep_.described(report.run) : report.swept);
+      row.run = run;
+      row.parameters = as_json(sweep_.described(run));
       row.code = report.code;
       row.error = trouble_of(report);
       row.state_hash = report.state_hash;
       row.ticks = report.ticks;
       row.sim_seconds = report.sim_seconds;
-      row.key = std::exchange(keys_of_[report.run], {});
+      row.key = std::exchange(keys_of_[run], {});
       row.reusable = report.clock == "lockstep" &&
                      (report.code == cli::kDone || report.code == cli::kFailed) && !report.files.empty();
       if (!report.recording.empty())
         row.recording = std::filesystem::path(report.recording).filename().string();
-      keys_of_.erase(report.run);
+      keys_of_.erase(run);
       results_.add(row, report, host_);
       count(row.run, row.outcome());
     } catch (...) {

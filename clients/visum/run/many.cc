@@ -113,17 +113,18 @@ class Crew {
     std::filesystem::remove(job.result, ignored);
     if (job.recording) report.recording = report.passed() ? std::string() : job.recording->keep().string();
     report.words = options_.words;
-    if (options_.on_done) options_.on_done(report);
+    if (options_.on_done) options_.on_done(job.run, report);
     return true;
   }
 
   // The report of a run whose process ended without writing one: it holds the last lines of its output.
   Report lost_report(const Job& job, const ExitStatus& exit) const {
     Report report = report_of(options_, job.run);
+    // Somebody killed it, or it ended well without a report: that says nothing about the run.
     const bool told = !exit.by_signal && exit.number != cli::kDone;
     report.code = cli::interrupted() ? cli::kInterrupted
                   : told             ? static_cast<cli::ExitCode>(exit.number)
-                                     : cli::kFailed;
+                                     : cli::kInvalid;
     report.error = "the run's process " + exit.text();
     for (const auto& line : job.process->last_lines()) report.error += "\n" + line;
     return report;
@@ -156,9 +157,9 @@ std::vector<Report> run_many(const ManyOptions& options) {
   std::vector<Report> reports(options.runs);
   ManyOptions each = options;
   each.next = [begun = std::size_t{0}, all = options.runs]() mutable { return begun < all ? ++begun : 0; };
-  each.on_done = [&](const Report& report) {
-    reports[report.run - 1] = report;
-    if (options.on_done) options.on_done(report);
+  each.on_done = [&](std::size_t run, const Report& report) {
+    reports[run - 1] = report;
+    if (options.on_done) options.on_done(run, report);
   };
   const auto stopped = run_each(each);
   for (std::size_t run = stopped ? stopped->run : options.runs + 1; run <= options.runs; ++run) {

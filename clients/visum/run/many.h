@@ -21,7 +21,7 @@ struct ManyOptions {
   std::vector<std::string> words;      // further options for each run
   std::filesystem::path recordings{};  // a folder for recordings of runs that fail; empty: none
   std::function<std::size_t()> next;   // the run to begin next; 0: none is left. Of run_each() only
-  std::function<void(const Report&)> on_done;
+  std::function<void(std::size_t run, const Report&)> on_done;
 };
 
 // Why no further runs began.

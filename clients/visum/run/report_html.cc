@@ -6,6 +6,7 @@
 
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/markup.h"
+#include "clients/visum/common/shell_word.h"
 #include "clients/visum/common/terminal.h"
 #include "clients/visum/run/plot.h"
 
@@ -13,6 +14,7 @@ namespace visum::run {
 namespace {
 
 using cli::markup;
+using cli::shell_word;
 
 constexpr const char* kStyle = R"(
 :root{color-scheme:light dark;--line:#8886;--good:#1a7f37;--bad:#cf222e;--course:#0969da}
@@ -120,17 +122,6 @@ std::string troubles_of(const Report& report) {
     if (!lines.empty()) text += "<pre>" + lines + "</pre>\n";
   }
   return text;
-}
-
-// A word as a shell takes it.
-std::string shell_word(const std::string& word) {
-  const bool plain = word.find_first_not_of(
-                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                         "_-./=,+:@") == std::string::npos;
-  if (plain && !word.empty()) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
 }
 
 std::string again(const Report& report) {

@@ -45,10 +45,12 @@ std::uint64_t shuffled(std::uint64_t index, std::uint64_t count, std::uint64_t k
   return index;
 }
 
-// Coordinate `axis` of point `index` of Sobol's sequence, as 32 bits.
+// Coordinate `axis` of point `index` of Sobol's sequence, as 32 bits. Point 0 is the origin, which Boost
+// leaves out.
 std::uint32_t sobol(std::size_t axis, std::uint64_t index) {
+  if (index == 0) return 0;
   boost::random::sobol_engine<std::uint32_t, 32> sequence(axis + 1);
-  sequence.seed(static_cast<std::uint32_t>(index));
+  sequence.seed(static_cast<std::uint32_t>(index - 1));
   std::uint32_t bits = 0;
   for (std::size_t i = 0; i <= axis; ++i) bits = sequence();
   return bits;

@@ -7,11 +7,13 @@
 #include <cstdio>
 #include <thread>
 
+#include "clients/visum/campaign/merge.h"
 #include "clients/visum/campaign/results.h"
 #include "clients/visum/campaign/summary.h"
 #include "clients/visum/campaign/work.h"
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/interrupt.h"
+#include "clients/visum/run/sweep.h"
 
 namespace visum::cli {
 namespace {
@@ -83,6 +85,25 @@ int run_campaign(const CampaignWords& wanted, const config::Node& root) {
   if (!done.stopped) return summary.code();
   std::fprintf(stderr, "visum: ended before run %zu: %s\n", done.stopped->run, done.stopped->why.c_str());
   return done.stopped->code;
+}
+
+int run_campaign_elsewhere(const std::string& on, campaign::RemoteOptions options, const config::Node& root,
+                           bool json) {
+  options.runs = run::Sweep(root).runs();
+  if (options.shards > options.runs) options.shards = options.runs;
+  campaign::check_scenarios(root, {});
+  catch_interrupts();
+  options.on_news = [](const std::string& news) { std::fprintf(stderr, "%s\n", news.c_str()); };
+  on == "slurm" ? campaign::run_by_slurm(options) : campaign::run_by_shell(options);
+  const auto folders = campaign::shard_folders(options);
+  auto merged = campaign::merge(folders, options.folder, true);
+  for (const auto& foreign : merged.foreign) std::fprintf(stderr, "visum: %s\n", foreign.c_str());
+  for (const auto& folder : folders)
+    merged.summary.reused +=
+        static_cast<std::size_t>(config::load_file(folder / "summary.json").get("reused").integer(0));
+  std::fputs(campaign::summary_text(merged.summary).c_str(), json ? stderr : stdout);
+  if (json) std::printf("%s\n", campaign::summary_json(merged.summary).c_str());
+  return merged.good() ? merged.summary.code() : kInvalid;
 }
 
 }  // namespace visum::cli

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "clients/visum/campaign/remote.h"
 #include "clients/visum/campaign/shard.h"
 #include "clients/visum/common/exit_code.h"
 #include "protocol/config/config.h"
@@ -23,5 +24,9 @@ struct CampaignWords {
 
 // `root`: the content of the file. Returns the exit code. Throws ExitError and config::ConfigError.
 int run_campaign(const CampaignWords& wanted, const config::Node& root);
+
+// Has the shards made elsewhere, and merges them. `on`: "shell" or "slurm". Returns the exit code.
+int run_campaign_elsewhere(const std::string& on, campaign::RemoteOptions options, const config::Node& root,
+                           bool json);
 
 }  // namespace visum::cli

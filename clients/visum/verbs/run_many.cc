@@ -70,7 +70,7 @@ int run_many(const ManyRunsOptions& wanted, const config::Node& root) {
                            wanted.words};
   if (!recorded) options.recordings = wanted.recordings;
   make_folder(options.recordings.string());
-  options.on_done = [&](const run::Report& report) {
+  options.on_done = [&](std::size_t, const run::Report& report) {
     std::fputs(run::run_line(report, style).c_str(), people);
     if (wanted.json) std::printf("%s\n", run::run_json(report).c_str());
     std::fflush(nullptr);
