@@ -35,7 +35,7 @@ std::string command_of(const RemoteOptions& options) {
   return text;
 }
 
-// Whether all runs of a shard are there.
+// Returns true if all runs of a shard are there.
 bool is_complete(const RemoteOptions& options, std::size_t shard) {
   std::error_code none;
   const auto folder = folder_of(options, shard);

@@ -1,4 +1,4 @@
-// What the results of a campaign say: figures, statistics, and the forms in which they are shown. The same
+// Figures and statistics of a campaign's results, and the forms in which they are shown. The same
 // results give the same summary, wherever they were made.
 #pragma once
 
