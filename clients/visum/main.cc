@@ -52,6 +52,7 @@ constexpr Row kVerbs[] = {
     {"run", "run a scenario and check it", cli::make_run},
     {"campaign", "make all runs of a sweep and judge them together", cli::make_campaign},
     {"report", "put the results of a campaign's shards together", cli::make_report},
+    {"compare", "compare two recordings, or two campaigns", cli::make_compare},
     {"record", "run a server and record what happens in its world", cli::make_record},
     {"replay", "repeat a recorded run and compare every tick", cli::make_replay},
     {"rewind", "run a server from a moment of a recording on", cli::make_rewind},

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "server/recording/recording_file.h"
+#include "protocol/recording/recording_file.h"
 
 namespace visum::recording {
 namespace {

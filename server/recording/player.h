@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "server/recording/port_reader.h"
-#include "server/recording/recording_file.h"
+#include "protocol/recording/recording_file.h"
 #include "server/recording/replayer.h"
 
 namespace visum::recording {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/recording/recording_file.h"
+#include "protocol/recording/recording_file.h"
 
 namespace visum::recording {
 

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "server/recording/recording_file.h"
+#include "protocol/recording/recording_file.h"
 #include "server/recording/replay.h"
 
 namespace visum::recording {

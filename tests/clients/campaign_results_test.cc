@@ -10,6 +10,7 @@
 #include "clients/visum/campaign/summary.h"
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/temp_folder.h"
+#include "clients/visum/compare/campaigns.h"
 
 namespace visum::campaign {
 namespace {
@@ -224,6 +225,15 @@ TEST(Merge, AFileThatDiffersBetweenShardsIsForeign) {
   }
   EXPECT_THAT(merge({folder.path() / "1", folder.path() / "2"}, folder.path() / "out").foreign,
               ElementsAre(HasSubstr("scene.yaml: not the same for all runs")));
+}
+
+// By hand: 2 * 0.5^6, and 2 * (1 + 8) / 256.
+TEST(McNemar, IsTheBinomialsTwoTails) {
+  EXPECT_NEAR(compare::mcnemar(0, 6), 0.03125, 1e-12);
+  EXPECT_NEAR(compare::mcnemar(7, 1), 0.0703125, 1e-12);
+  EXPECT_EQ(compare::mcnemar(3, 3), 1.0);
+  EXPECT_EQ(compare::mcnemar(0, 0), 1.0);
+  EXPECT_LT(compare::mcnemar(100'000, 110'000), 1e-100);
 }
 
 }  // namespace

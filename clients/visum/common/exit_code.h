@@ -12,6 +12,7 @@ enum ExitCode : int {
   kUsage = 2,          // wrong options, unknown names, values that no port takes
   kBadConfig = 3,      // the scene or scenario is wrong
   kLost = 4,           // the connection or a controller was lost, or timed out in lockstep
+  kDiffers = 5,        // two recordings or campaigns are not the same
   kInvalid = 6,        // the run's claim could not be established: host too slow, program not in step, ...
   kTimedOut = 124,     // the wall time that was allowed is over
   kExecFailed = 125,   // `visum exec` itself failed

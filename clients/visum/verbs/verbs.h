@@ -30,6 +30,7 @@ std::unique_ptr<Verb> make_faults();
 std::unique_ptr<Verb> make_run();
 std::unique_ptr<Verb> make_campaign();
 std::unique_ptr<Verb> make_report();
+std::unique_ptr<Verb> make_compare();
 std::unique_ptr<Verb> make_exec();
 std::unique_ptr<Verb> make_mirror();
 std::unique_ptr<Verb> make_check();

@@ -1,0 +1,43 @@
+// Compares the results of two campaigns of equal runs: two controllers, two versions of Visum, two engines.
+// Any one thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace visum::compare {
+
+// A check, or the verdict of a whole run, over the runs that both have with equal values.
+struct CheckComparison {
+  std::string check, unit;
+  std::uint64_t both = 0, only_a = 0, only_b = 0, neither = 0;  // runs that pass it
+  // How likely such different counts are if both are equally good: McNemar's test, exact, two-sided.
+  double p = 1.0;
+  // Of the value, B less A, paired: the mean, and 95 % of where the mean of all runs lies. Nothing below 2
+  // runs.
+  std::optional<double> mean, low, high;
+  double max_abs = 0.0;
+  std::uint64_t max_run = 0;  // which has that; 0: no value differs
+};
+
+struct CampaignComparison {
+  bool equal = true;                               // the same runs, with the same codes and states
+  std::uint64_t runs = 0, only_a = 0, only_b = 0;  // paired; of one only
+  std::uint64_t invalid = 0;                       // in one of the two, and so left out of the statistics
+  std::vector<std::uint64_t> different;            // runs with another code or state; at most 1000
+  std::uint64_t different_count = 0;
+  CheckComparison verdict;  // named "passed"
+  std::vector<CheckComparison> checks;
+};
+
+// `a`, `b`: folders of `visum campaign` or `visum report merge`. Throws cli::ExitError where one holds no
+// results.
+CampaignComparison compare_campaigns(const std::filesystem::path& a, const std::filesystem::path& b);
+
+// The probability of at most min(a, b) or at least max(a, b) heads among a + b throws of a fair coin.
+double mcnemar(std::uint64_t a, std::uint64_t b);
+
+}  // namespace visum::compare
