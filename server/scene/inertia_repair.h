@@ -9,7 +9,7 @@
 namespace visum::scene {
 
 inline constexpr double kMinSizeM = 1e-6;  // of a shape, as world::find_fault wants it
-// Moments count as those of a solid within this share. sdformat allows a few last digits only.
+// Moments count as those of a solid within this share.
 inline constexpr double kMomentTolerance = 1e-15;
 
 // The moments as both formats name them, and their places in the matrix.

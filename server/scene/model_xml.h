@@ -31,7 +31,6 @@ struct ModelWorld {
 };
 
 struct ModelXml {
-  std::string text;                        // for sdformat; of SDF only
   std::vector<std::string> links, joints;  // in the order of the file; in nested SDF models as "inner::link"
   std::map<std::string, int> link_lines, joint_lines;
   std::set<std::string> massless;            // links to which the file gives no mass

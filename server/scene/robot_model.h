@@ -1,6 +1,5 @@
 // A robot as its URDF, SDF or MJCF file describes it, in plain values: links with their solids and looks,
-// joints, and a list of what is not simulated. urdf_robot.cc reads URDF, mjcf/ reads MJCF, and robot_model.cc
-// reads SDF with sdformat.
+// joints, and a list of what is not simulated. urdf_robot.cc reads URDF, sdf_robot.cc SDF, and mjcf/ MJCF.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // A scene: the description of a world, read from a YAML file, with the models (URDF, SDF) and meshes that it
 // names. Everything is checked here, before the first tick. An error throws ConfigError with file, line and
-// key. server/scene/README.md describes the format. sdformat stays inside robot_model.cc.
+// key. server/scene/README.md describes the format.
 #pragma once
 
 #include <cstdint>

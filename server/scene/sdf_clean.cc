@@ -179,7 +179,7 @@ void clean_shapes(XMLElement& link, const char* tag, const std::string& file, Mo
     const std::string name = shape->Attribute("name") ? shape->Attribute("name") : tag;
     std::string unique = name;
     for (int i = 1; !taken.insert(unique).second; ++i) unique = name + "_" + std::to_string(i);
-    shape->SetAttribute("name", unique.c_str());  // sdformat refuses two of one name
+    shape->SetAttribute("name", unique.c_str());  // by which its surface is found
   }
 }
 

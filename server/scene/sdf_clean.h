@@ -5,8 +5,8 @@
 
 namespace visum::scene {
 
-// Takes out everything that no reader needs, so that sdformat does not refuse it, and says which of it a user
-// would miss. Joints lose what their type does not use.
+// Takes out everything that no reader needs, and says which of it a user would miss. Joints lose what their
+// type does not use.
 void take_out_unread(XMLElement& model, ModelXml& xml);
 
 // Takes out visuals that cannot be shown and solids of no size, and repairs masses and inertias, as

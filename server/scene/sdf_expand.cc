@@ -14,8 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMaxDepth = 16;
-constexpr std::size_t kMaxCopied = 100'000;   // elements of all included files
-constexpr const char* kMixedVersion = "1.9";  // of the document, once files of several versions are in it
+constexpr std::size_t kMaxCopied = 100'000;  // elements of all included files
 constexpr const char* kWorldModel = "visum_world";
 
 double version_of(const XMLElement& sdf) {
@@ -123,7 +122,7 @@ bool has_links(const XMLElement& model) {
   return false;
 }
 
-// sdformat refuses models without links, but a world may hold some, as a plug-in's home.
+// A world may hold models without links, as a plug-in's home.
 void take_out_empty_models(XMLElement& parent, ModelXml& xml) {
   for (XMLElement *model = parent.FirstChildElement("model"), *next = nullptr; model; model = next) {
     next = model->NextSiblingElement("model");
@@ -141,13 +140,13 @@ void take_out_empty_models(XMLElement& parent, ModelXml& xml) {
 
 XMLElement* SdfExpander::expand() {
   XMLElement& root = *document_.RootElement();
+  const std::string version = root.Attribute("version") ? root.Attribute("version") : "";
+  if (!version.starts_with("1."))
+    fail_at(root, file_, "the version must be one of SDF 1, such as 1.9, is '" + version + "'");
   if (XMLElement* world = root.FirstChildElement("world")) return world_as_model(*world);
-  if (root.FirstChildElement("include") != nullptr || has_include(root)) {
-    modernise(root, version_of(root));
-    for (auto model = root.FirstChildElement("model"); model; model = model->NextSiblingElement("model"))
-      rename_reserved(*model, version_of(root), xml_);
-    root.SetAttribute("version", kMixedVersion);
-  }
+  modernise(root, version_of(root));
+  for (auto model = root.FirstChildElement("model"); model; model = model->NextSiblingElement("model"))
+    rename_reserved(*model, version_of(root), xml_);
   for (XMLElement *child = root.FirstChildElement("include"), *next = nullptr; child; child = next) {
     next = child->NextSiblingElement("include");
     include(*child, root, file_, 0);
@@ -157,6 +156,8 @@ XMLElement* SdfExpander::expand() {
   if (const auto* second = model->NextSiblingElement("model"))
     fail_at(*second, file_, "has more than one <model>");
   expand_model(*model, file_, 0);
+  take_out_empty_models(*model, xml_);
+  if (!has_links(*model)) fail_at(*model, file_, "has no <link>");
   return model;
 }
 
@@ -172,7 +173,6 @@ XMLElement* SdfExpander::world_as_model(XMLElement& world) {
   }
   modernise(world, version_of(root));
   rename_reserved(world, version_of(root), xml_);
-  root.SetAttribute("version", kMixedVersion);
   read_world_settings(world, xml_);
   expand_model(world, file_, 0);
   for (const char* tag : {"model", "frame"})
@@ -187,7 +187,7 @@ XMLElement* SdfExpander::world_as_model(XMLElement& world) {
   return world.FirstChildElement("model") != nullptr ? &world : nullptr;
 }
 
-// Worlds of old versions may hold two models of one name. sdformat refuses that.
+// Worlds of old versions may hold two models of one name.
 void SdfExpander::make_names_unique(XMLElement& world) {
   std::set<std::string> taken;
   for (auto model = world.FirstChildElement("model"); model; model = model->NextSiblingElement("model")) {

@@ -51,4 +51,18 @@ class SdfExpander {
   std::size_t copied_ = 0;  // elements
 };
 
+// An SDF file that was checked and made one model; the document keeps it. sdf_xml.cc.
+class SdfDocument {
+ public:
+  // Throws ConfigError. The document must outlive this object.
+  SdfDocument(tinyxml2::XMLDocument& document, const std::string& file, const Packages& packages);
+  const ModelXml& xml() const { return xml_; }
+  const XMLElement* model() const { return model_; }  // null if the file holds a <world> without models
+
+ private:
+  ModelXml xml_;
+  SdfExpander expander_;
+  XMLElement* model_;
+};
+
 }  // namespace visum::scene

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 using config::is_file;
 
 constexpr std::size_t kMaxManifestBytes = 1u << 20;
-constexpr double kNewest = 9;  // the newest version that sdformat 12 knows: 1.9
+constexpr double kNewest = 9;  // 1.9: the newest version whose rules are known here
 
 // The file that model.config names for the newest version that can be read.
 fs::path sdf_of_manifest(const fs::path& folder) {

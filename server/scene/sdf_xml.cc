@@ -1,4 +1,4 @@
-// Checks an SDF file: see read_sdf() in xml_checks.h.
+// Checks an SDF file: see SdfDocument in sdf_expand.h.
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -16,7 +16,7 @@ struct TextRule {
   std::size_t least, most;
   NumberRule rule;
 };
-// SDF elements whose text is numbers, wherever they stand. sdformat finds other errors.
+// SDF elements whose text is numbers, wherever they stand.
 constexpr TextRule kTexts[] = {
     {"pose", 0, 7, NumberRule::kAny},
     {"mass", 1, 1, NumberRule::kPositive},
@@ -64,7 +64,7 @@ void note_link_losses(const XMLElement& link, const std::string& name, bool is_s
         remark(link, "link '" + name + "' is moved by forces like all others: <kinematic> is not simulated"));
 }
 
-// Reads what sdformat 12 does not know, or knows in another unit.
+// Reads the pitch of a screw, which has had two units, and notes couplings.
 void read_joint_extras(const XMLElement& joint, const std::string& name, ModelXml& xml) {
   const auto number = [&](const char* tag) {
     const XMLElement* element = joint.FirstChildElement(tag);
@@ -132,12 +132,6 @@ void take_names(const XMLElement& model, const std::string& prefix, bool is_stat
   }
 }
 
-std::string written(const tinyxml2::XMLDocument& document) {
-  tinyxml2::XMLPrinter printer;
-  document.Print(&printer);
-  return printer.CStr();
-}
-
 }  // namespace
 
 void check_sdf_text(const XMLElement& element, const std::string& file) {
@@ -146,32 +140,21 @@ void check_sdf_text(const XMLElement& element, const std::string& file) {
       check_numbers(element, rule.element, element.GetText(), rule.least, rule.most, rule.rule, file);
 }
 
-ModelXml read_sdf(tinyxml2::XMLDocument& document, const std::string& file, const Packages& packages) {
-  ModelXml xml;
-  SdfExpander expander(document, file, packages, xml);
-  XMLElement* model = expander.expand();
-  if (model == nullptr) return xml;  // a world without models
-  XMLElement& root = *document.RootElement();
-  for (XMLElement *child = root.FirstChildElement(), *next = nullptr; child; child = next) {
-    next = child->NextSiblingElement();
-    if (child != model) root.DeleteChild(child);
-  }
-  if (sdf_version(root.Attribute("version") ? root.Attribute("version") : "") > 9)
-    root.SetAttribute("version", "1.9");  // the newest that sdformat knows; what is read is the same
-  if (!xml.world) note_pose_loss(*model, xml);
-  if (XMLElement* pose = model->FirstChildElement("pose")) pose->DeleteAttribute("relative_to");
-  take_names(*model, "", false, xml);
-  take_out_unread(*model, xml);
-  repair_sdf(*model, file, xml);
+SdfDocument::SdfDocument(tinyxml2::XMLDocument& document, const std::string& file, const Packages& packages)
+    : expander_(document, file, packages, xml_), model_(expander_.expand()) {
+  if (model_ == nullptr) return;  // a world without models
+  if (!xml_.world) note_pose_loss(*model_, xml_);
+  if (XMLElement* pose = model_->FirstChildElement("pose")) pose->DeleteAttribute("relative_to");
+  take_names(*model_, "", false, xml_);
+  take_out_unread(*model_, xml_);
+  repair_sdf(*model_, file, xml_);
   const std::size_t elements = walk(
-      root, [](const XMLElement&) { return false; },
+      *model_, [](const XMLElement&) { return false; },
       [&](const XMLElement& element) {
         if (!std::strcmp(element.Name(), "joint")) check_sdf_joint_type(element, file);
         check_sdf_text(element, file);
       });
-  check_amount(elements, xml, file);
-  xml.text = written(document);
-  return xml;
+  check_amount(elements, xml_, file);
 }
 
 }  // namespace visum::scene

@@ -47,8 +47,7 @@ std::size_t walk(const XMLElement& root, const std::function<bool(const XMLEleme
 // "2 <transmission> elements are not read", for each of `names` that occurs in the file.
 std::vector<Remark> unread_elements(const XMLElement& root, const std::vector<const char*>& names);
 
-// Refuses files that would take sdformat more than a second or two, or more than half a gigabyte. It needs
-// about 50 kB for an element and 1.7 MB for a link.
+// Bounds for a model's file, so that none can take all memory.
 inline constexpr std::size_t kMaxModelElements = 8000;
 inline constexpr std::size_t kMaxModelLinks = 250;
 void check_amount(std::size_t elements, const ModelXml& xml, const std::string& file);
@@ -59,9 +58,6 @@ void repair_urdf(XMLElement& root, ModelXml& xml);
 
 // Repairs a URDF and checks all that read_urdf_robot() relies on: names, numbers, and the tree.
 ModelXml check_urdf(tinyxml2::XMLDocument& document, const std::string& file);
-
-// Checks an SDF file and makes of it what sdformat reads.
-ModelXml read_sdf(tinyxml2::XMLDocument& document, const std::string& file, const Packages& packages);
 
 // Checks the text of an element that holds numbers in SDF. Throws ConfigError.
 void check_sdf_text(const XMLElement& element, const std::string& file);

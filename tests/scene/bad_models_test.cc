@@ -161,10 +161,9 @@ TEST(BadSdf, EachFaultIsNamed) {
             "<point>1 0</point><point>0 1</point></polyline></geometry></collision></link>"),
       "m.urdf:3: link 'a': collision 'c' has a form that is not simulated (box, sphere, cylinder, "
       "capsule, ellipsoid, plane and mesh are)");
-  // Errors that sdformat itself finds keep its words, thrown or returned.
   EXPECT_EQ(urdf_error("<sdf version='x'><model name='m'><link name='a'/></model></sdf>"),
-            "m.urdf: sdformat cannot read it: stoi");
-  EXPECT_EQ(sdf("<model name='m'/>"), "m.urdf: A model must have at least one link.");
+            "m.urdf:1: the version must be one of SDF 1, such as 1.9, is 'x'");
+  EXPECT_EQ(sdf("<model name='m'/>"), "m.urdf:2: has no <link>");
 }
 
 }  // namespace

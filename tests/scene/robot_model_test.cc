@@ -151,8 +151,7 @@ TEST(Urdf, ARootCalledWorldIsTheWorld) {
   EXPECT_EQ(model.links[0].X_ML.p, Eigen::Vector3d(0, 0, 1));
 }
 
-// Against the definition R = Rz Ry Rx. sdformat passes angles on as text, which costs digits if the pitch is
-// close to a right angle.
+// Against the definition R = Rz Ry Rx.
 TEST(Urdf, AnglesAreReadAsTheStandardSays) {
   for (const double pitch : {0.3, 1.5707963267948966, -1.5707963267948966}) {
     const RobotModel model = read_robot_model(
