@@ -44,8 +44,8 @@ CONFIGURATION = """
     SlurmctldLogFile={folder}/slurmctld.log
     SlurmdLogFile={folder}/slurmd.%n.log
     SchedulerParameters=sched_interval=1,bf_interval=1,batch_sched_delay=0,sched_min_interval=0
-    NodeName=n1 NodeHostname={host} NodeAddr=127.0.0.1 Port={ports[1]} CPUs=2 State=UNKNOWN
-    NodeName=n2 NodeHostname={host} NodeAddr=127.0.0.1 Port={ports[2]} CPUs=2 State=UNKNOWN
+    NodeName=n1 NodeHostname={host} NodeAddr=127.0.0.1 Port={ports[1]} CPUs=1 State=UNKNOWN
+    NodeName=n2 NodeHostname={host} NodeAddr=127.0.0.1 Port={ports[2]} CPUs=1 State=UNKNOWN
     PartitionName=all Nodes=n1,n2 Default=YES MaxTime=INFINITE State=UP
 """
 
