@@ -65,6 +65,7 @@ struct Options {
   std::string clock;
   double speedup = 0.0;
   std::int64_t seed = -1;
+  int threads = 1;
   programs::OutputOptions output;
   std::vector<std::string> buses;
   programs::PluginOptions plugins;
@@ -86,14 +87,15 @@ scene::Options with_plugins(scene::Options options, const programs::PluginOption
   return options;
 }
 
-void set_clock(const Options& options, scene::Scene& scene) {
+void set_pace(const Options& options, scene::Scene& scene) {
   if (!options.clock.empty()) scene.clock = scene::clock_of(options.clock);
   if (options.speedup > 0.0) scene.speed = options.speedup;
+  for (world::EngineSetting& engine : scene.world.engines) engine.threads = options.threads;
 }
 
 scene::Scene load(const Options& options) {
   auto scene = scene::load_any(options.scene, with_plugins(options.of_scene, options.plugins));
-  set_clock(options, scene);
+  set_pace(options, scene);
   if (options.seed >= 0) scene.seed = static_cast<std::uint64_t>(options.seed);
   for (const auto& loss : scene.losses) spdlog::warn("{}", loss);
   for (const auto& note : scene.notes) spdlog::debug("{}", note);
@@ -110,7 +112,7 @@ recording::Rewound make_world(const Options& options) {
             "--record " + file +
             " is the recording to continue, and would be overwritten: name another file");
     return recording::rewind(
-        options.rewound, options.at_s, [&](scene::Scene& scene) { set_clock(options, scene); },
+        options.rewound, options.at_s, [&](scene::Scene& scene) { set_pace(options, scene); },
         plugin::plugin_folders(options.plugins.folders), options.of_scene.engine);
   }
   config::FilesNoted noted;
@@ -262,6 +264,9 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--speedup", options.speedup,
                  "simulated seconds per second of wall time; in lockstep this is the most")
       ->check(CLI::Range(1e-3, 1e3));
+  app.add_option("--threads", options.threads, "of the engine `impulse`; any number gives the same bits")
+      ->check(CLI::Range(1, world::kMostThreads))
+      ->capture_default_str();
   programs::declare_plugins(app, options.plugins);
   programs::declare_packages(app, options.of_scene.packages);
   programs::declare_node_timeout(app, options.plugins);

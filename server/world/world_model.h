@@ -133,8 +133,10 @@ struct EngineSetting {
   // Work that one tick may take. impulse: in row updates (server/dynamics/impulse/work_budget.h). ode: rows
   // that the direct solver may have; beyond, the tick is made by QuickStep. 0: the engine's own limit.
   std::uint64_t work_limit = 0;
+  int threads = 1;  // impulse: that solve islands side by side; the state does not depend on it
 };
 
+inline constexpr int kMostThreads = 64;                           // of one engine
 inline constexpr std::uint64_t kCollisionWorkLimit = 30'000'000;  // unless the scene says otherwise
 
 // Contacts are found by the stage of our own, or FCL's broad and narrow phase (collision/fcl_stage.h).

@@ -1,7 +1,8 @@
 // Many bodies that touch: Scene/<what>/<n>/<engine>, the mean time of a tick of 1 ms over a fixed run from
 // the same start, so that all engines are measured in the same events. Counters at the run's end: depth_m,
 // the deepest overlap, as our collision stage sees it; speed_m_per_s, of the fastest body; warned, the ticks
-// that ended with a solver warning (ours only).
+// that ended with a solver warning (ours only). Threads/piles/<n>/<threads>: the same of `impulse` alone, in
+// wall time.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include "server/collision/collision.h"
 #include "server/world/joint_kinds.h"
 #include "tests/bench/stepper_kinds.h"
+#include "tests/dynamics/lab.h"
 #include "tests/dynamics/physics/contact_models.h"
 #include "tests/dynamics/physics/engine_rows.h"
 #include "tests/dynamics/physics/legged_models.h"
@@ -94,6 +96,14 @@ void run(benchmark::State& state, const SceneCase& what, const StepperKind& kind
   }
 }
 
+// Wall time counts: the processor's time of other threads is not seen.
+void run_with_threads(benchmark::State& state, int count, int threads) {
+  world::EngineSetting setting = physics::engine_row("impulse").setting;
+  setting.threads = threads;
+  dynamics::testing::Lab lab(physics::piles(setting, kTick, count, 10));
+  for (auto _ : state) lab.step();
+}
+
 const bool kRegistered = [] {
   static const std::vector<SceneCase> cases = scene_cases();
   for (const SceneCase& what : cases)
@@ -103,6 +113,15 @@ const bool kRegistered = [] {
                                      [&](benchmark::State& state) { run(state, what, kind); })
             ->Unit(benchmark::kMicrosecond)
             ->Iterations(what.ticks);
+  // Equal piles with one and with more threads, of the engine `impulse`.
+  for (const int count : {1, 2, 4, 8})
+    for (const int threads : {1, 2})
+      benchmark::RegisterBenchmark(
+          ("Threads/piles/" + std::to_string(count) + "/" + std::to_string(threads)).c_str(),
+          [=](benchmark::State& state) { run_with_threads(state, count, threads); })
+          ->Unit(benchmark::kMicrosecond)
+          ->UseRealTime()
+          ->Iterations(600);
   return true;
 }();
 

@@ -31,6 +31,7 @@ std::vector<std::string> command_line(const DaemonOptions& options) {
   if (options.engine) argv.insert(argv.end(), {"--engine", *options.engine});
   for (const auto& bus : options.buses) argv.insert(argv.end(), {"--bus", bus});
   if (options.speedup > 0.0) argv.insert(argv.end(), {"--speedup", cli::exact(options.speedup)});
+  if (options.threads > 1) argv.insert(argv.end(), {"--threads", std::to_string(options.threads)});
   if (!options.record.empty())
     argv.insert(argv.end(), {options.record_if_possible ? "--try-record" : "--record", options.record});
   if (!options.parameters.empty()) argv.insert(argv.end(), {"--parameters", options.parameters});

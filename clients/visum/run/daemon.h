@@ -30,6 +30,7 @@ struct DaemonOptions {
   std::string profile{};       // visumd writes its profile here; empty: nothing is measured
   bool profile_spans = false;  // with a trace in it
   std::string used_files{};    // visumd writes here what it read; empty: nowhere
+  int threads = 1;             // of the engine
   double speedup = 0.0;        // 0: the scene's, and in lockstep none
 };
 

@@ -420,6 +420,7 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
                                  options.node_timeout_s};
     daemon_options.speedup = scenario.speedup;
     if (options.notes_files) daemon_options.used_files = (links.path() / "files").string();
+    daemon_options.threads = options.threads;
     if (options.profile != nullptr) {
       daemon_options.profile = options.profile->daemon_file().string();
       daemon_options.profile_spans = options.profile->wants_spans();

@@ -49,6 +49,11 @@ class RunVerb : public Verb {
                    "the world runs as "
                    "fast as it can")
         ->check(number_within(1e-3, 1e3));
+    app.add_option("--threads", threads_,
+                   "threads on which the engine `impulse` solves what does not touch side by side; any "
+                   "number gives the same bits")
+        ->check(CLI::Range(1, 64))
+        ->capture_default_str();
     auto* record =
         app.add_option("--record", record_,
                        "record every input, every port and the state's hash of every tick, as an MCAP file");
@@ -146,6 +151,7 @@ class RunVerb : public Verb {
     if (!clock_.empty()) words.insert(words.end(), {"--clock", clock_});
     if (seed_) words.insert(words.end(), {"--seed", std::to_string(*seed_)});
     if (timeout_s_ > 0.0) words.insert(words.end(), {"--timeout", exact(timeout_s_)});
+    if (threads_ > 1) words.insert(words.end(), {"--threads", std::to_string(threads_)});
     if (speedup_ > 0.0) words.insert(words.end(), {"--speedup", exact(speedup_)});
     for (const auto& folder : plugins_) words.insert(words.end(), {"--plugins", folder});
     if (node_timeout_s_) words.insert(words.end(), {"--node-timeout", exact(*node_timeout_s_)});
@@ -190,6 +196,7 @@ class RunVerb : public Verb {
     };
     std::optional<run::RunProfile> profile;
     if (profile_option_->count() > 0) options.profile = &profile.emplace(profile_);
+    options.threads = threads_;
     const run::Report report = run::run_scenario(scenario, options);
     const std::string table = profile ? profile->finish() : std::string();
     progress.finish();
@@ -285,6 +292,7 @@ class RunVerb : public Verb {
   std::optional<double> node_timeout_s_;
   std::optional<std::int64_t> seed_;
   std::uint16_t port_ = 0;
+  int threads_ = 1;
   double timeout_s_ = 0.0, speedup_ = 0.0;
 };
 

@@ -224,10 +224,10 @@ void Bounded::aim_stop(RowBlock& block, const Axis& axis, std::size_t side) cons
 }
 
 // The law of springs is in springs.cc.
-void Bounded::aim_spring(RowBlock& block, const Spring& spring) const {
+void Bounded::aim_spring(RowBlock& block, const Spring& spring, const Rows& by) const {
   const world::Joint& joint = *spring.spec.model;
   const double grip = 0.5 * h_ * joint.stiffness + joint.damping;
-  const double bias = spring.mean_rate - rows_.velocity(block, 0);
+  const double bias = spring.mean_rate - by.velocity(block, 0);
   block.compliance = 2.0 / (h_ * grip);
   block.target[0] = -joint.stiffness * (spring.length - joint.rest) / grip - bias;
   block.low = -kInfinite;
@@ -256,7 +256,7 @@ void Bounded::aim(Part& part) {
         aim_stop(block, plant_.axes[owner.index], owner.side);
         break;
       case Of::kSpring:
-        aim_spring(block, plant_.springs[owner.index]);
+        aim_spring(block, plant_.springs[owner.index], *part.by);
         break;
     }
   }
@@ -290,10 +290,10 @@ double Bounded::solve_rows(Part& part) {
   const double share = moment_ == kHit ? 0.0 : kShare;
   double missed = 0.0;
   try {
-    missed = part.gently || apart_ ? rows_.sweep_gently(kGentleSweeps)
-                                   : rows_.solve(kMostSweeps, kEnough, share, rest(part));
+    missed = part.gently || apart_ ? part.by->sweep_gently(kGentleSweeps)
+                                   : part.by->solve(kMostSweeps, kEnough, share, rest(part));
   } catch (const WorkSpent&) {
-    report();  // the best that was reached
+    if (!plant_.work.is_shared()) report();  // the best that was reached
     throw;
   }
   if (moment_ == kAhead) part.rests = part.rests && part.rows.rests;
@@ -312,8 +312,8 @@ void Bounded::start_gently(std::size_t island, std::span<const Vector3d> v, std:
     plant_.bodies.w[i] = w[i];
   }
   for (RowBlock& block : part.rows.blocks) block.lambda = block.applied = {};
-  rows_.take(part.rows);
-  rows_.soften(kGentleSoftness);
+  part.by->take(part.rows);
+  part.by->soften(kGentleSoftness);
 }
 
 double Bounded::solve(Part& part) {
@@ -322,9 +322,11 @@ double Bounded::solve(Part& part) {
   return solve_rows(part);
 }
 
-double Bounded::solve(std::size_t island) {
-  rows_.take(parts_[island].rows);
-  return solve(parts_[island]);
+double Bounded::solve(std::size_t island, std::size_t worker) {
+  Part& part = parts_[island];
+  part.by = worker == 0 ? &rows_ : &more_rows_[worker - 1];
+  part.by->take(part.rows);
+  return solve(part);
 }
 
 void Bounded::find_short(double enough, std::vector<std::size_t>& found) {
@@ -343,6 +345,7 @@ void Bounded::find_short(double enough, std::vector<std::size_t>& found) {
 // energy.
 void Bounded::bounce(std::size_t island) {
   Part& part = parts_[island];
+  part.by = &rows_;
   rows_.take(part.rows);
   const bool poisson = plant_.setting.impact == "poisson";
   load_velocities(part);

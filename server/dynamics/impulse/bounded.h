@@ -32,7 +32,8 @@ class Bounded {
 
   // Solves an island with its bodies' present velocities, and changes them. Returns the largest miss before:
   // by how much the velocities were not as the rows ask, m/s or rad/s.
-  double solve(std::size_t island);
+  // Several threads may solve islands at a time, each with a `worker` of its own (island_pool.h).
+  double solve(std::size_t island, std::size_t worker = 0);
   // Undoes all that solve() has done: impulses go to zero, and bodies without joints get the velocities `v`
   // and `w`. From now on, until the end of the step, the island's rows are softened and solved by a few
   // sweeps only.
@@ -77,6 +78,7 @@ class Bounded {
     std::size_t first_free = 0, free_count = 0;    // in slotted_ and bodies_
     std::size_t velocity_count = 0, response_count = 0;
     RowIsland rows;
+    Rows* by = nullptr;   // solves them
     bool gently = false;  // solves by a few softened sweeps
     bool rests = false;   // the look-ahead found nothing to solve
   };
@@ -130,7 +132,7 @@ class Bounded {
   void aim_law(RowBlock& block, const Axis& axis) const;
   void aim_damping(RowBlock& block, const Axis& axis) const;
   void aim_stop(RowBlock& block, const Axis& axis, std::size_t side) const;
-  void aim_spring(RowBlock& block, const Spring& spring) const;
+  void aim_spring(RowBlock& block, const Spring& spring, const Rows& by) const;
   // Loads velocities, solves the rows, stores velocities. Returns the largest miss before.
   double solve(Part& part);
   double solve_rows(Part& part);
@@ -157,7 +159,8 @@ class Bounded {
   double velocity(std::size_t mechanism, const MechanismRow& row) const;
 
   Plant& plant_;
-  Rows rows_;
+  Rows rows_;                       // of the tick's thread
+  std::vector<Rows> more_rows_;     // of the other workers
   std::vector<Part> parts_;         // by island
   std::vector<RowBlock> blocks_;    // of one island after the other; so are the next three
   std::vector<double> velocities_;  // of its bodies without joints, then of its mechanisms' rows

@@ -26,7 +26,9 @@ Bounded::Bounded(Plant& plant)
     : plant_(plant),
       rows_(kernels(), &plant.work),
       of_mechanism_(plant.mechanisms.size()),
-      slot_(plant.bodies.size(), kNone) {}
+      slot_(plant.bodies.size(), kNone) {
+  for (std::size_t i = 1; i < plant.pool.threads(); ++i) more_rows_.emplace_back(kernels(), &plant.work);
+}
 
 // Forgets the rows of the last moment.
 void Bounded::reset(Moment moment, double h) {
@@ -336,6 +338,7 @@ void Bounded::finish() {
     if (part.response_count > 0) connect_responses(part, &responses_[responses]);
     velocities += part.velocity_count;
     responses += part.response_count;
+    part.by = &rows_;
     rows_.take(part.rows);
     rows_.prepare();
   }

@@ -55,16 +55,13 @@ class ImpulseEngine : public Engine {
   StepResult step(const StepInput& input, world::WorldState& state) override {
     if (std::string fault = find_input_fault(plant_.model, input, state); !fault.empty())
       return {false, fault};
-    prepare(input, state);
-    warned_ = false;
-    stepper_.begin_tick();
-    plant_.work.start(limit_);
     bool ok = true, limited = false;
     try {
-      // Orders above 2 need the factors to decide on the stages.
-      if (plant_.setting.order > 2) stepper_.factor(input.tick_s, state);
-      for (const double share : stages(plant_, input.tick_s))
-        ok = ok && advance(share * input.tick_s, 0, input, state);
+      try {
+        ok = make(false, input, state);
+      } catch (const NeedsOneThread&) {
+        ok = make(true, input, state);
+      }
     } catch (const WorkSpent&) {
       limited = true;
     }
@@ -83,6 +80,20 @@ class ImpulseEngine : public Engine {
   }
 
  private:
+  // Makes the tick, within the limit of work. Returns false where a step cannot be made.
+  bool make(bool one_thread, const StepInput& input, const world::WorldState& state) {
+    prepare(input, state);
+    warned_ = false;
+    stepper_.begin_tick(one_thread);
+    plant_.work.start(limit_);
+    // Orders above 2 need the factors to decide on the stages.
+    if (plant_.setting.order > 2) stepper_.factor(input.tick_s, state);
+    bool ok = true;
+    for (const double share : stages(plant_, input.tick_s))
+      ok = ok && advance(share * input.tick_s, 0, input, state);
+    return ok;
+  }
+
   // Loads everything that a tick starts from: bodies, sleep, drives, contacts, warm start.
   void prepare(const StepInput& input, const world::WorldState& state) {
     has_moved_ = false;

@@ -13,6 +13,7 @@ Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
       bodies(world_model, engine_index),
       mechanisms(find_mechanisms(world_model, bodies)),
       places(bodies.size()),
+      pool(setting.solver == "iterate" ? 1 : setting.threads),
       asleep(bodies.size(), 0),
       mechanism_asleep(mechanisms.size(), 0),
       mechanism_bound(mechanisms.size(), 0) {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "server/dynamics/engine.h"
+#include "server/dynamics/impulse/island_pool.h"
 #include "server/dynamics/impulse/islands.h"
 #include "server/dynamics/impulse/mechanism.h"
 #include "server/dynamics/impulse/work_budget.h"
@@ -151,8 +152,9 @@ struct Plant {
   bool all_idle = false;  // every axis was idle in the last tick
   std::vector<Spring> springs;
   std::vector<Touch> touches;
-  Islands islands;                             // of this tick
-  WorkBudget work;                             // of this tick
+  Islands islands;  // of this tick
+  WorkBudget work;  // of this tick
+  IslandPool pool;
   std::vector<char> asleep, mechanism_asleep;  // by body, by mechanism (sleep.h)
   std::vector<char> mechanism_bound;           // by mechanism: rows act on it at this moment (bounded.h)
 

@@ -356,8 +356,10 @@ void Stepper::begin_after(const world::WorldState& state) {
 }
 
 void Stepper::solve_each_island() {
-  for (std::size_t i = 0; i < plant_.islands.size(); ++i)
-    if (bounded_.has_rows(i)) bounded_.solve(i);
+  for_islands([this](std::size_t worker, std::size_t i) {
+    bounded_.solve(i, worker);
+    return true;
+  });
 }
 
 void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, const world::WorldState& state) {

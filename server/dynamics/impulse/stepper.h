@@ -3,6 +3,7 @@
 // time-reversible, without drift.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <optional>
 
@@ -41,7 +42,11 @@ class Stepper {
   // took an answer that only comes near one.
   bool fell_short() const { return fell_short_; }
   // With `solver: iterate`, a tick begins: its steps are made joint after joint.
-  void begin_tick() { set_firm(false); }
+  // `one_thread`: the other threads of the pool take no part.
+  void begin_tick(bool one_thread) {
+    one_thread_ = one_thread;
+    set_firm(false);
+  }
   // After a step that failed: the tick's further steps solve all joints at once, as the solver `direct` does.
   // Returns false where they did already.
   bool take_firmly();
@@ -102,17 +107,33 @@ class Stepper {
   bool close_alone(std::size_t mechanism, double h, const world::WorldState& state);
   // The same with the iterative solver.
   bool correct_alone(std::size_t mechanism, double h, const world::WorldState& state);
+  // An island notes here how closing it went, since others may be closed at the same time.
+  struct Fate {
+    const JointSpec* broken = nullptr;  // the joint with the largest gap
+    std::size_t mechanism = 0;          // its own
+    bool fell_short = false;
+    bool tried = false;
+    std::size_t worker = 0;  // that closes it
+  };
+  // Takes over what an island's closing has noted.
+  void note(const Fate& fate);
+  // Calls work(worker, island), which returns whether all is well, for each island with rows: side by side if
+  // that is allowed, otherwise in order up to the first that is not. Returns whether all were.
+  template <typename Work>
+  bool for_islands(Work work);
   // Closes all mechanisms of an island on which rows act, together with the rows.
-  bool close_together(std::size_t island, double h, const world::WorldState& state);
+  bool close_together(std::size_t island, double h, const world::WorldState& state, Fate& fate);
   // Looks ahead with the island's bodies without joints, and measures its springs there.
   void look_at_springs(std::size_t island, double h, const world::WorldState& state);
   // How far closing with rows has come: within the bounds, near enough to go on, or neither.
   enum class Closed { kYes, kNearly, kNo };
   // Alternates passes over joints and rows. `gently`: a few passes only, and what the rows then miss is left.
-  Closed close_with_rows(std::size_t island, double h, const world::WorldState& state, bool gently);
+  Closed close_with_rows(std::size_t island, double h, const world::WorldState& state, bool gently,
+                         Fate& fate);
   // One pass over the joints of an island's mechanisms with rows. Returns the largest gap, and notes whose it
   // is; `closed`: all are within their bounds.
-  double close_joints(std::size_t island, double h, const world::WorldState& state, int pass, bool& closed);
+  double close_joints(std::size_t island, double h, const world::WorldState& state, int pass, bool& closed,
+                      Fate& fate);
   // Notes the energy before the look-ahead, of islands with rows where nothing but gravity does work.
   void note_energy(std::span<const Wrench> wrenches);
   bool is_worked_on(std::size_t island, std::span<const Wrench> wrenches) const;
@@ -169,6 +190,8 @@ class Stepper {
   const JointSpec* broken_ = nullptr;
   std::size_t broken_mechanism_ = 0;
   bool fell_short_ = false, divisible_ = false;
+  bool one_thread_ = false;  // in this tick
+  std::vector<Fate> fates_;  // by island
   // Islands with rows on mechanisms where nothing but gravity does work, and their bodies.
   std::vector<Watched> watched_;
   std::vector<std::size_t> bound_bodies_;
@@ -179,5 +202,28 @@ class Stepper {
   std::vector<Vector3d> saved_v_, saved_w_;
   std::vector<Vector3d> unpushed_v_, unpushed_w_;  // before what is foreseen of the joints was given
 };
+
+template <typename Work>
+bool Stepper::for_islands(Work work) {
+  const std::size_t count = plant_.islands.size();
+  if (one_thread_ || iterates_ || count < 2 || plant_.pool.threads() == 1) {
+    for (std::size_t i = 0; i < count; ++i)
+      if (bounded_.has_rows(i) && !work(0, i)) return false;
+    return true;
+  }
+  std::atomic<bool> well = true;
+  auto guarded = [&](std::size_t worker, std::size_t i) {
+    try {
+      if (bounded_.has_rows(i) && !work(worker, i)) well.store(false, std::memory_order_relaxed);
+    } catch (const WorkSpent&) {
+      well.store(false, std::memory_order_relaxed);
+    }
+  };
+  plant_.work.share(true);
+  plant_.pool.run(count, guarded);
+  plant_.work.share(false);
+  if (!well.load(std::memory_order_relaxed)) throw NeedsOneThread{};
+  return true;
+}
 
 }  // namespace visum::dynamics::impulse

@@ -173,7 +173,7 @@ void Stepper::look_at_springs(std::size_t island, double h, const world::WorldSt
 }
 
 double Stepper::close_joints(std::size_t island, double h, const world::WorldState& state, int pass,
-                             bool& closed) {
+                             bool& closed, Fate& fate) {
   double largest = 0.0;
   closed = true;
   for (const std::size_t m : plant_.islands.mechanisms(island)) {
@@ -183,24 +183,25 @@ double Stepper::close_joints(std::size_t island, double h, const world::WorldSta
     closed = closed && gap <= d_max(m);
     if (gap <= largest || std::isnan(largest)) continue;
     largest = gap;
-    break_at(m);
+    fate.broken = worst_joint(m);
+    fate.mechanism = m;
   }
   return largest;
 }
 
 // Alternates Newton's passes over the joints of an island's mechanisms with rows, and solutions of the rows.
 Stepper::Closed Stepper::close_with_rows(std::size_t island, double h, const world::WorldState& state,
-                                         bool gently) {
+                                         bool gently, Fate& fate) {
   double largest = 0.0, moved = 0.0;
   bool closed = false;
   for (int pass = 0; pass < bounds_.most_passes; ++pass) {
     // The joints first; the worst one is noted in case nothing closes.
-    largest = close_joints(island, h, state, pass, closed);
+    largest = close_joints(island, h, state, pass, closed, fate);
     if (!std::isfinite(largest)) return Closed::kNo;
     // Then springs and rows, with the bodies where the joints have brought them. `moved`: m or rad by which
     // the rows moved them.
     look_at_springs(island, h, state);
-    moved = gently && pass >= kGentlePasses ? 0.0 : std::abs(h) * bounded_.solve(island);
+    moved = gently && pass >= kGentlePasses ? 0.0 : std::abs(h) * bounded_.solve(island, fate.worker);
     if (!std::isfinite(moved)) return Closed::kNo;
     if (closed && (gently || moved <= bounds_.d_max)) return Closed::kYes;
   }
@@ -212,20 +213,19 @@ Stepper::Closed Stepper::close_with_rows(std::size_t island, double h, const wor
 // For mechanisms that share contacts or have bounds of their own. Contacts that wedge joints may have no
 // answer, or only impulses that push against each other without limit. The second try then takes what comes
 // near an answer.
-bool Stepper::close_together(std::size_t island, double h, const world::WorldState& state) {
-  broken_ = nullptr;
+bool Stepper::close_together(std::size_t island, double h, const world::WorldState& state, Fate& fate) {
   const std::span<const std::size_t> mechanisms = plant_.islands.mechanisms(island);
-  Closed closed = close_with_rows(island, h, state, false);
-  if (closed == Closed::kNo && broken_ != nullptr && has_laws_to_box(broken_mechanism_)) return false;
+  Closed closed = close_with_rows(island, h, state, false, fate);
+  if (closed == Closed::kNo && fate.broken != nullptr && has_laws_to_box(fate.mechanism)) return false;
   if (closed == Closed::kNo && !iterates_) {
     for (const std::size_t m : mechanisms)
       if (bounded_.binds(m)) take_back(m, h);
     bounded_.start_gently(island, unpushed_v_, unpushed_w_);
-    closed = close_with_rows(island, h, state, true);
-    fell_short_ = true;
+    closed = close_with_rows(island, h, state, true, fate);
+    fate.fell_short = true;
   }
   if (closed == Closed::kNo) return false;
-  fell_short_ = fell_short_ || closed == Closed::kNearly;
+  fate.fell_short = fate.fell_short || closed == Closed::kNearly;
   // Brings the look-ahead up to date with the last impulses.
   for (const std::size_t m : mechanisms) {
     if (!bounded_.binds(m)) continue;
@@ -233,6 +233,12 @@ bool Stepper::close_together(std::size_t island, double h, const world::WorldSta
     fly(m, h);
   }
   return true;
+}
+
+void Stepper::note(const Fate& fate) {
+  broken_ = fate.broken;
+  broken_mechanism_ = fate.mechanism;
+  fell_short_ = fell_short_ || fate.fell_short;
 }
 
 bool Stepper::look_ahead(double h, const world::WorldState& state) {
@@ -245,8 +251,14 @@ bool Stepper::look_ahead(double h, const world::WorldState& state) {
   // flies.
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
     if (!plant_.mechanism_asleep[m] && !bounded_.binds(m) && !close_alone(m, h, state)) return false;
-  for (std::size_t island = 0; island < plant_.islands.size(); ++island)
-    if (bounded_.has_rows(island) && !close_together(island, h, state)) return false;
+  fates_.assign(plant_.islands.size(), {});
+  const bool closed = for_islands([&](std::size_t worker, std::size_t island) {
+    fates_[island] = {.tried = true, .worker = worker};
+    return close_together(island, h, state, fates_[island]);
+  });
+  for (std::size_t island = 0; island < fates_.size(); ++island)
+    if (fates_[island].tried) note(fates_[island]);
+  if (!closed) return false;
   plant_.for_free([&](auto blocks) { plant_.bodies.look_ahead(blocks, h, plant_.model.gravity); });
   return true;
 }
