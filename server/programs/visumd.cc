@@ -28,6 +28,7 @@
 #include "server/gateway/playback.h"
 #include "server/programs/command_line.h"
 #include "server/programs/drives_file.h"
+#include "server/programs/logbook.h"
 #include "server/programs/node_watch.h"
 #include "server/programs/profile_file.h"
 #include "server/programs/program.h"
@@ -120,35 +121,6 @@ recording::Rewound make_world(const Options& options) {
   return {std::move(world), {std::move(noted.files), options.of_scene.engine, options.of_scene.parameters}};
 }
 
-// Records all that happens in the world, and shows the recorder's messages in the log. Make the daemon first:
-// a program that cannot have its port must not empty an older recording.
-class Logbook {
- public:
-  Logbook(cycle::Simulation& simulation, const recording::Origin& origin, const Options& options,
-          recording::LogSink& log)
-      : log_(log), needed_(!options.record.empty()) {
-    try {
-      recorder_.emplace(simulation, origin, needed_ ? options.record : options.try_record);
-      log_.follow(&*recorder_);
-    } catch (const std::exception& error) {
-      if (needed_) throw;
-      spdlog::warn("{}", error.what());
-    }
-  }
-  ~Logbook() { log_.follow(nullptr); }
-
-  // Completes the file. Returns false where it lacks something that --record promised.
-  bool close() {
-    log_.follow(nullptr);
-    return !recorder_ || recorder_->close() || !needed_;
-  }
-
- private:
-  std::optional<recording::Recorder> recorder_;
-  recording::LogSink& log_;
-  const bool needed_;
-};
-
 int run(Options options) {
   std::optional<config::Profile> profile;
   if (!options.profile.empty()) options.of_daemon.profile = &profile.emplace(options.profile_spans);
@@ -171,8 +143,8 @@ int run(Options options) {
   std::function<void(const std::string&)> abandon;  // set once all is there that it needs
   options.of_daemon.abandoned = [&abandon](const std::string& what) { abandon(what); };
   gateway::Daemon daemon(simulation, options.of_daemon);
-  std::optional<Logbook> logbook;
-  if (log) logbook.emplace(simulation, origin, options, *log);
+  std::optional<programs::Logbook> logbook;
+  if (log) logbook.emplace(simulation, origin, options.record, options.try_record, *log);
   abandon = [&](const std::string& what) {
     spdlog::error("ended after tick {}; the tick after it was abandoned, as it did not end: {}",
                   simulation.working().border(), what);

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "server/recording/port_reader.h"
 #include "protocol/recording/recording_file.h"
+#include "server/recording/port_reader.h"
 #include "server/recording/replayer.h"
 
 namespace visum::recording {

@@ -16,8 +16,8 @@ struct CheckComparison {
   std::uint64_t both = 0, only_a = 0, only_b = 0, neither = 0;  // runs that pass it
   // How likely such different counts are if both are equally good: McNemar's test, exact, two-sided.
   double p = 1.0;
-  // Of the value, B less A, paired: the mean, and 95 % of where the mean of all runs lies. Nothing below 2
-  // runs.
+  // The value's difference, B less A, paired: its mean, and between which figures the mean of all possible
+  // runs lies with 95 %. Nothing below 2 runs.
   std::optional<double> mean, low, high;
   double max_abs = 0.0;
   std::uint64_t max_run = 0;  // which has that; 0: no value differs
