@@ -13,7 +13,7 @@ import visum  # noqa: E402
 
 VISUMD = (BIN / "visumd").read_bytes()
 SANITIZED = b"__asan_init" in VISUMD or b"__tsan_init" in VISUMD  # reserves terabytes of addresses
-LIMITS_MIB = (110, 130, 150, 170, 200, 250, 300)
+LIMITS_MIB = (95, 130, 150, 170, 200, 250, 300)
 BALL = "{{name: ball_{}, mass: 0.1, pose: {{xyz: [1.5, 1.5, 0.5]}}, shapes: [{{sphere: 0.05}}]}}"
 # Too many shapes: it is refused after it was read.
 MANY_VALUES = "{name: big, mass: 1, shapes: [" + "{sphere: 0.1},\n" * 19_000 + "]}"
