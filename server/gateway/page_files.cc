@@ -3,10 +3,11 @@
 #include <xxhash.h>
 
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
+
+#include "protocol/config/read_file.h"
 
 namespace visum::gateway {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxFiles = 256;
-constexpr std::uintmax_t kMaxFileBytes = 32u << 20;
+constexpr std::size_t kMaxFileBytes = 32u << 20;
 constexpr std::string_view kCompressed = ".gz";
 constexpr std::string_view kHashedFolder = "/assets/";  // vite.config: names there hold a hash of the content
 
@@ -30,10 +31,9 @@ std::string content_type_of(const std::string& path) {
 }
 
 std::string read_bytes(const fs::path& file) {
-  if (fs::file_size(file) > kMaxFileBytes) throw std::runtime_error(file.string() + ": too large for a page");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw std::runtime_error(file.string() + ": cannot be read");
-  return {std::istreambuf_iterator<char>(in), {}};
+  auto content = config::read_file(file, kMaxFileBytes);
+  if (!content.fault.empty()) throw std::runtime_error(file.string() + ": " + content.fault);
+  return std::move(content.bytes);
 }
 
 std::string etag_of(const std::string& bytes) {

@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <functional>
 
+#include "clients/visum/campaign/influence.h"
 #include "clients/visum/campaign/merge.h"
 #include "clients/visum/campaign/results.h"
 #include "clients/visum/campaign/summary.h"
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/temp_folder.h"
 #include "clients/visum/compare/campaigns.h"
+#include "clients/visum/run/sampling.h"
 
 namespace visum::campaign {
 namespace {
@@ -191,6 +193,43 @@ TEST(Summary, EndsWhereItIsDecided) {
   EXPECT_EQ(summary.runs, 6u);
   EXPECT_EQ(summary.failed, 0u);
   EXPECT_EQ(summary.code(), cli::kDone);
+}
+
+// margin = 2a + b + c: of two uniform numbers and one of two values (variance 1/4). The variances are 4/12,
+// 1/12 and 1/4, so the shares are 1/2, 1/8 and 3/8; d does nothing.
+TEST(Influence, IsTheShareOfTheVariance) {
+  const cli::TempFolder folder;
+  constexpr std::size_t kRuns = 4096;
+  Results results(folder.path(), identity("s", kRuns), {});
+  const auto sobol = run::Sampling::read(
+      config::load_text("sampling: {method: sobol, runs: " + std::to_string(kRuns) + "}", "s.yaml"));
+  for (std::size_t k = 1; k <= kRuns; ++k) {
+    const double a = sobol->share(0, k), b = sobol->share(1, k);
+    const bool c = sobol->share(2, k) < 0.5;
+    Row row;
+    row.run = k;
+    row.parameters = "{\"a\":\"" + std::to_string(a) + "\",\"b\":\"" + std::to_string(b) + "\",\"c\":\"" +
+                     (c ? "yes" : "no") + "\",\"d\":\"" + std::to_string(sobol->share(3, k)) + "\"}";
+    run::Report report;
+    report.checks.push_back({"m", "of", "below 3 m", "m", true, 0.0, 1.0, ""});
+    report.checks.back().margin = 2.0 * a + b + (c ? 1.0 : 0.0);
+    results.add(row, report, "host");
+  }
+  const auto influences = InfluenceOfParameters(results, kRuns).on("m");
+  ASSERT_EQ(influences.size(), 4u);
+  const double expected[] = {0.5, 0.375, 0.125, 0.0};
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(influences[i].share, expected[i], 0.01) << influences[i].parameter;
+  EXPECT_EQ(influences[1].parameter, "c");
+}
+
+TEST(Influence, IsNotGuessedFromAFewRuns) {
+  const cli::TempFolder folder;
+  Results results(folder.path(), identity(), {});
+  for (std::size_t run = 1; run <= 6; ++run) add(results, run);
+  EXPECT_THAT(InfluenceOfParameters(results, 6).on("c"), IsEmpty());
+  EXPECT_EQ(share_between({1, 1, 1, 1, 1, 1, 1, 1}, {0, 0, 0, 0, 1, 1, 1, 1}, 2), 0.0);
+  EXPECT_EQ(share_between({1, 1, 1, 1, 2, 2, 2, 2}, {0, 0, 0, 0, 1, 1, 1, 1}, 2), 1.0);
 }
 
 TEST(Merge, RefusesWhatIsMissingDoubledOrForeign) {

@@ -55,7 +55,9 @@ TEST_F(DaemonStart, PassesSceneClockEngineAndSeedOn) {
   with.seed = 7;
   const auto error = error_of(with);
   EXPECT_THAT(error.what(),
-              HasSubstr("scene.yaml --json -v 1 --clock lockstep --port 0 --engine ode --seed 7"));
+              HasSubstr("scene.yaml --json -v 1 --clock lockstep --port 0 --http off --engine ode --seed 7"));
+  with.serves_page = true;
+  EXPECT_THAT(error_of(with).what(), HasSubstr("--port 0 --engine ode --seed 7"));
 }
 
 TEST_F(DaemonStart, PassesOnWhatIsWrongWithTheScene) {

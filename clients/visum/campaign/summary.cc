@@ -62,6 +62,7 @@ std::optional<double> quantile(Results& results, const std::string& check, std::
 
 std::vector<CheckFigures> figures_of(Results& results, std::size_t last) {
   std::vector<CheckFigures> checks;
+  const InfluenceOfParameters influence(results, last);
   Statement names(
       results.database(),
       "SELECT name, MIN(unit), MIN(bound), COUNT(DISTINCT bound), COUNT(*), SUM(passed), COUNT(value) "
@@ -89,6 +90,7 @@ std::vector<CheckFigures> figures_of(Results& results, std::size_t last) {
       one.worst_run = worst.size(0);
       one.margin = worst.real(1);
     }
+    one.influences = influence.on(one.name);
     checks.push_back(std::move(one));
   }
   return checks;

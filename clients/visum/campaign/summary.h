@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "clients/visum/campaign/influence.h"
 #include "clients/visum/campaign/results.h"
 #include "clients/visum/campaign/statistics.h"
 #include "clients/visum/common/exit_code.h"
@@ -20,8 +21,9 @@ struct CheckFigures {
   std::string name, unit, bound;
   std::size_t runs = 0, passed = 0;
   std::optional<double> least, low, median, high, most;  // values: the ends, 5 %, 50 % and 95 %
-  std::optional<double> margin;  // the least: nearest to failing, or furthest from passing
-  std::size_t worst_run = 0;     // which has that
+  std::optional<double> margin;       // the least: nearest to failing, or furthest from passing
+  std::size_t worst_run = 0;          // which has that
+  std::vector<Influence> influences;  // of the parameters on the margin
 };
 
 struct Summary {

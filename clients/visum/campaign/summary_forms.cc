@@ -128,6 +128,26 @@ std::string checks_table(const Summary& summary) {
   return table + "</tbody></table>\n";
 }
 
+// "speed 81 %, friction 15 %"
+std::string influences_text(const CheckFigures& check) {
+  std::string text;
+  for (const auto& one : check.influences)
+    text += (text.empty() ? "" : ", ") + one.parameter + " " + cli::rounded(100.0 * one.share, 2) + " %";
+  return text;
+}
+
+std::string influences_table(const Summary& summary) {
+  std::string rows;
+  for (const auto& check : summary.checks)
+    if (!check.influences.empty())
+      rows += "<tr>" + cell(check.name) + cell(influences_text(check)) + "</tr>\n";
+  if (rows.empty()) return {};
+  return "<h2>Which parameters matter</h2>\n<p>The share of the variance of a check's margin that goes with "
+         "one "
+         "parameter alone.</p>\n<table><thead><tr><th>check</th><th>parameters</th></tr></thead><tbody>\n" +
+         rows + "</tbody></table>\n";
+}
+
 std::string failures_table(const Summary& summary, const std::string& file) {
   const std::size_t bad = summary.failed + summary.invalid;
   if (bad == 0) return {};
@@ -171,7 +191,9 @@ std::string summary_json(const Summary& summary) {
     write_number(json, "high", check.high);
     write_number(json, "most", check.most);
     write_number(json, "margin", check.margin);
-    json.member("worst_run", check.worst_run).end_object();
+    json.member("worst_run", check.worst_run).key("influence").begin_object();
+    for (const auto& one : check.influences) json.member(one.parameter, one.share);
+    json.end_object().end_object();
   }
   return json.end_array().end_object().text();
 }
@@ -192,6 +214,9 @@ std::string summary_text(const Summary& summary) {
                  number(check.low), number(check.median), number(check.high), number(check.margin),
                  check.worst_run == 0 ? "-" : std::to_string(check.worst_run)});
     text += table.text();
+    for (const auto& check : summary.checks)
+      if (!check.influences.empty())
+        text += "the margin of '" + check.name + "' goes with " + influences_text(check) + "\n";
   }
   return text + "hash " + cli::hex(summary.hash) + "\n";
 }
@@ -211,7 +236,7 @@ std::string summary_html(const Summary& summary, const Identity& identity, const
           of_runs(summary.failed, "failed") + ", " + of_runs(summary.invalid, "are invalid") + ".</p>\n";
   for (const auto& trouble : troubles(summary)) page += "<p class=\"bad\">" + markup(trouble) + "</p>\n";
   return page + "<p>Hash <code>" + cli::hex(summary.hash) + "</code></p>\n" + checks_table(summary) +
-         failures_table(summary, identity.file) + "</body></html>\n";
+         influences_table(summary) + failures_table(summary, identity.file) + "</body></html>\n";
 }
 
 void write_csv(Results& results, std::size_t last, const std::filesystem::path& file) {

@@ -28,6 +28,7 @@ std::vector<std::string> command_line(const DaemonOptions& options) {
                                 options.clock,
                                 "--port",
                                 std::to_string(options.port)};
+  if (!options.serves_page) argv.insert(argv.end(), {"--http", "off"});
   if (options.engine) argv.insert(argv.end(), {"--engine", *options.engine});
   for (const auto& bus : options.buses) argv.insert(argv.end(), {"--bus", bus});
   if (options.speedup > 0.0) argv.insert(argv.end(), {"--speedup", cli::exact(options.speedup)});

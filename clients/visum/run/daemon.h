@@ -31,6 +31,7 @@ struct DaemonOptions {
   bool profile_spans = false;  // with a trace in it
   std::string used_files{};    // visumd writes here what it read; empty: nowhere
   int threads = 1;             // of the engine
+  bool serves_page = false;    // and metrics, over HTTP
   double speedup = 0.0;        // 0: the scene's, and in lockstep none
 };
 

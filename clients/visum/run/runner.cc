@@ -419,6 +419,8 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
                                  options.plugins,
                                  options.node_timeout_s};
     daemon_options.speedup = scenario.speedup;
+    // Nobody could find the page of a run that does not say where it is.
+    daemon_options.serves_page = options.keep || options.port != 0;
     if (options.notes_files) daemon_options.used_files = (links.path() / "files").string();
     daemon_options.threads = options.threads;
     if (options.profile != nullptr) {
