@@ -123,6 +123,8 @@ bool decode(Bytes from, Header& to) {
         w.seed(),   w.tick_ns(),    {},        {},         w.parameters()};
   take(w.build(), to.build);
   for (const auto& file : w.files()) to.files.push_back({file.name(), file.size(), file.crc()});
+  for (const auto& package : w.packages()) to.packages.emplace_back(package.name(), package.folder());
+  to.package_folders.assign(w.package_folders().begin(), w.package_folders().end());
   return true;
 }
 

@@ -117,6 +117,12 @@ void encode(const Header& from, std::vector<std::byte>& to) {
     w.set_seed(from.seed);
     w.set_tick_ns(from.tick_ns);
     w.set_parameters(from.parameters);
+    for (const auto& [name, folder] : from.packages) {
+      auto& entry = *w.add_packages();
+      entry.set_name(name);
+      entry.set_folder(folder);
+    }
+    for (const auto& folder : from.package_folders) w.add_package_folders(folder);
     put(from.build, *w.mutable_build());
     for (const auto& file : from.files) {
       auto& entry = *w.add_files();

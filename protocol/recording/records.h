@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "protocol/messages.h"
@@ -46,6 +47,8 @@ struct Header {
   Build build;
   std::vector<FileEntry> files;
   std::string parameters;  // of the scene's file, as a YAML map; empty: its defaults
+  std::vector<std::pair<std::string, std::string>> packages;  // name and folder, as --package gave them
+  std::vector<std::string> package_folders;                   // of the environment
 };
 inline constexpr std::uint64_t kNoHash = 0;  // the hash was not computed in this tick
 struct Tick {

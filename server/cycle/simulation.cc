@@ -10,6 +10,7 @@
 #include "hwparts/powercube/module_bus.h"
 #include "hwparts/sensors/camera.h"
 #include "hwparts/sensors/sensor_kinds.h"
+#include "server/cycle/follow.h"
 #include "server/cycle/node_errors.h"
 #include "server/cycle/start_overlaps.h"
 
@@ -232,6 +233,9 @@ void Simulation::act() {
     bound.part->act(bound.controller_inputs, bound.samples, bound.drives);
     for (std::size_t i = 0; i < bound.joints.size(); ++i) drives_[bound.joints[i].index()] = bound.drives[i];
   }
+  const double tick_s = static_cast<double>(scene_->world.tick_ns) * 1e-9;
+  for (const auto& follower : scene_->followers)
+    drives_[follower.joint.index()] = follow(follower, state_, tick_s);
 }
 
 void Simulation::collide() {

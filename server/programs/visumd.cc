@@ -118,7 +118,9 @@ recording::Rewound make_world(const Options& options) {
   }
   config::FilesNoted noted;
   auto world = std::make_unique<cycle::Simulation>(load(options));
-  return {std::move(world), {std::move(noted.files), options.of_scene.engine, options.of_scene.parameters}};
+  return {std::move(world),
+          {std::move(noted.files), options.of_scene.engine, options.of_scene.parameters, false,
+           scene::with_environment(options.of_scene.packages)}};
 }
 
 int run(Options options) {

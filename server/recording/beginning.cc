@@ -24,6 +24,8 @@ Header header_of(const scene::Scene& scene, const Origin& origin) {
   header.seed = scene.seed;
   header.tick_ns = scene.world.tick_ns;
   header.build = this_build(scene);
+  for (const auto& [name, folder] : origin.packages.given) header.packages.emplace_back(name, key_of(folder));
+  for (const auto& folder : origin.packages.folders) header.package_folders.push_back(key_of(folder));
   for (const auto& [name, content] : origin.files)
     header.files.push_back({name, content.size(), crc32(bytes_of(content))});
   return header;

@@ -18,6 +18,7 @@ struct Origin {
   std::string engine;        // used in place of the scene's engine; empty: the scene's own
   std::string parameters{};  // given to the scene's file, as in scene::Options
   bool has_past = false;  // the world has left the scene's initial state: a recording begins with its state
+  scene::Packages packages{};  // with those of the environment
 };
 
 // The channels' numbers in the file.

@@ -16,12 +16,21 @@ bool same_bits(double a, double b) {
   return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
+// The places where the models' packages lay when the world was recorded: its files have names below them.
+scene::Packages packages_of(const Header& header) {
+  scene::Packages packages;
+  for (const auto& [name, folder] : header.packages) packages.given[name] = folder;
+  packages.folders.assign(header.package_folders.begin(), header.package_folders.end());
+  return packages;
+}
+
 }  // namespace
 
 std::unique_ptr<cycle::Simulation> make_world(const Header& header, const config::Files& files,
                                               const PluginFolders& plugins, const Adjust& adjust) {
   const config::FilesGiven given(files);
-  auto scene = scene::load_any(header.scene_file, {header.engine, plugins, header.parameters});
+  auto scene =
+      scene::load_any(header.scene_file, {header.engine, plugins, header.parameters, packages_of(header)});
   scene.seed = header.seed;
   if (adjust) adjust(scene);
   return std::make_unique<cycle::Simulation>(std::move(scene));
@@ -55,7 +64,7 @@ RecordingFile::Item Replayer::next() {
 
 Rewound Replayer::take_world() {
   const auto& header = result_.header;
-  return {std::move(kept_), {std::move(files_), header.engine, header.parameters, true}};
+  return {std::move(kept_), {std::move(files_), header.engine, header.parameters, true, packages_of(header)}};
 }
 
 bool Replayer::run(std::uint64_t ticks) {

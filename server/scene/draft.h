@@ -37,10 +37,15 @@ class Draft {
     double speed = 0.0, effort = 0.0;  // 0: none given
   };
   std::map<std::string, DriveLimit> drive_limits;
-  Packages packages;                // of the models' meshes
-  std::string engine_option;        // Options::engine: replaces that of every engine
-  bool world_settings = false;      // gravity and step are those of a world's file
-  std::optional<world::Pose> X_WO;  // O: origin of the file that is being read; none: W itself
+  struct Follower {
+    std::string leader;  // the joint that it follows, by its name in the scene
+    double multiplier = 1.0, offset = 0.0;
+  };
+  std::map<std::string, Follower> followers;  // by the joint's name in the scene
+  Packages packages;                          // of the models' meshes
+  std::string engine_option;                  // Options::engine: replaces that of every engine
+  bool world_settings = false;                // gravity and step are those of a world's file
+  std::optional<world::Pose> X_WO;            // O: origin of the file that is being read; none: W itself
 
   // Takes a name for a body, joint, model, part or surface (`what`); fails at `place` if it is taken already.
   void claim(const std::string& what, const std::string& name, const config::Place& place);

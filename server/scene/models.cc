@@ -11,6 +11,7 @@
 #include "server/scene/joints.h"
 #include "server/scene/link_mass.h"
 #include "server/scene/mesh_readers.h"
+#include "server/scene/mimic.h"
 #include "server/scene/model_errors.h"
 #include "server/scene/model_xml.h"
 #include "server/scene/reader_process.h"
@@ -55,10 +56,12 @@ class Placement {
     if (const auto engine = node_.find("engine")) engine_ = draft_.engine(*engine);
     ground_roots();
     check_link_keys();
+    follow_joints(robot_);
     for (const RobotLink& link : robot_.links) place_link(link);
     for (const JoinedLink& joined : robot_.joined)
       draft_.add_link_name(name_ + "/" + joined.name, {body(joined.into), joined.X_IL});
     for (const RobotJoint& joint : robot_.joints) place_joint(joint);
+    note_followers();
     check_joint_keys();
     read_collision_keys();
     for (const std::string& note : robot_.notes) draft_.scene.notes.push_back(said(note));
@@ -216,11 +219,25 @@ class Placement {
       return;
     }
     if (is_lost_spring(from)) return;
-    joint.initial_position = initial_position(from, joint);
+    joint.initial_position = initial_position(from);
     draft_.add_joint(joint, joint_place(from));
     if (from.stiffness != 0.0) add_spring(from, joint);
     draft_.drive_limits[joint.name] = {from.maximum_speed, from.maximum_effort};
     placed_.push_back(from.joint.name);
+  }
+
+  void note_followers() {
+    for (const RobotJoint& joint : robot_.joints) {
+      if (!joint.mimic || !is_placed(joint.joint.name) || !is_placed(joint.mimic->leader)) continue;
+      draft_.followers[name_ + "/" + joint.joint.name] = {name_ + "/" + joint.mimic->leader,
+                                                          joint.mimic->multiplier, joint.mimic->offset};
+      robot_.notes.push_back("joint '" + joint.joint.name + "' follows '" + joint.mimic->leader +
+                             "' by a servo; the load on it does not reach that joint");
+    }
+  }
+
+  bool is_placed(const std::string& joint) const {
+    return std::find(placed_.begin(), placed_.end(), joint) != placed_.end();
   }
 
   bool is_lost_spring(const RobotJoint& from) {
@@ -255,10 +272,18 @@ class Placement {
     draft_.add_joint(spring, joint_place(from));
   }
 
-  double initial_position(const RobotJoint& from, const world::Joint& joint) const {
+  // Joints follow others in no circle: follow_joints() has seen to it.
+  double initial_position(const RobotJoint& from) const {
+    const world::Joint& joint = from.joint;
     const auto joints = node_.find("joints");
     const auto given = joints ? joints->find(from.joint.name) : std::nullopt;
-    if (!given) return joint.limited ? std::clamp(from.initial, joint.lower, joint.upper) : from.initial;
+    if (!given) {
+      const double initial =
+          from.mimic ? from.mimic->multiplier * initial_position(*find_joint(robot_, from.mimic->leader)) +
+                           from.mimic->offset
+                     : from.initial;
+      return joint.limited ? std::clamp(initial, joint.lower, joint.upper) : initial;
+    }
     const double position = given->number(kPlaceable);
     if (joint.limited && (position < joint.lower || position > joint.upper))
       given->fail("must be within the joint's limits " + config::number_text(joint.lower) + " and " +

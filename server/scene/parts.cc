@@ -48,7 +48,8 @@ std::string model_prefix(const Draft& draft, const Node& entry) {
   return model->text() + "/";
 }
 
-// The joints of an entry, in the order of the world, which is the model's order.
+// The joints of an entry, in the order of the world, which is the model's order. Joints that follow others
+// are among them only if the entry names them.
 std::vector<JointId> joints_of(const Draft& draft, const Node& entry, const std::string& prefix) {
   const JointsByName offered = offered_joints(draft, prefix);
   std::set<JointId> joints;
@@ -56,7 +57,8 @@ std::vector<JointId> joints_of(const Draft& draft, const Node& entry, const std:
     for (std::size_t i = 0; i < list->size(); ++i)
       if (!joints.insert(pick(offered, list->at(i))).second) list->at(i).fail("is named twice");
   } else if (!prefix.empty()) {
-    for (const auto& [name, id] : offered) joints.insert(id);
+    for (const auto& [name, id] : offered)
+      if (!draft.followers.contains(prefix + name)) joints.insert(id);
   }
   return {joints.begin(), joints.end()};
 }
@@ -93,11 +95,29 @@ void plan_part(Draft& draft, const Node& entry, std::map<JointId, std::string>& 
   draft.scene.parts.push_back(std::move(plan));
 }
 
+// Joints follow unless a part drives them.
+void plan_followers(Draft& draft, const std::map<JointId, std::string>& drivers) {
+  const world::WorldModel& world = draft.scene.world;
+  for (const auto& [name, follower] : draft.followers) {
+    const JointId id = world.find_joint(name);
+    const auto driver = drivers.find(id);
+    if (driver != drivers.end()) {
+      draft.scene.notes.push_back("joint '" + name + "' does not follow '" + follower.leader + "': part '" +
+                                  driver->second + "' drives it");
+      continue;
+    }
+    const Draft::DriveLimit limit = draft.drive_limits[name];
+    draft.scene.followers.push_back({id, world.find_joint(follower.leader), follower.multiplier,
+                                     follower.offset, limit.speed, limit.effort});
+  }
+}
+
 }  // namespace
 
 void plan_parts(Draft& draft) {
   std::map<JointId, std::string> drivers;
   for (const Node& entry : draft.part_entries) plan_part(draft, entry, drivers);
+  plan_followers(draft, drivers);
 }
 
 }  // namespace visum::scene

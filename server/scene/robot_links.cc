@@ -159,6 +159,7 @@ RobotModel one_of_world(const RobotModel& world, const std::string& model) {
     if (!strip(joint.joint.name)) continue;
     strip(joint.parent);
     strip(joint.child);
+    if (joint.mimic) strip(joint.mimic->leader);
     one.joints.push_back(std::move(joint));
   }
   for (JoinedLink joined : world.joined)

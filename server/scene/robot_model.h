@@ -46,6 +46,13 @@ struct RobotLink {
   std::vector<RobotShape> shapes;
 };
 
+// A joint moves as another one does: its position is multiplier * q + offset.
+struct Mimic {
+  std::string leader;  // the other joint, by its name in the file
+  double multiplier = 1.0, offset = 0.0;
+  int line = 0;
+};
+
 struct RobotJoint {
   world::Joint joint;  // named as in the file; the ids of parent and child are not set
   std::string parent;  // "world" for the world
@@ -56,6 +63,7 @@ struct RobotJoint {
   double initial = 0.0;      // position at the start; the nearest one within the limits is taken
   double maximum_speed = 0.0, maximum_effort = 0.0;  // 0: the file gives none
   double stiffness = 0.0, rest = 0.0;                // of a spring about or along its axis; 0: there is none
+  std::optional<Mimic> mimic = {};
 };
 
 // A link that is one body with another one, because a fixed joint connects them.

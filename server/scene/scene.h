@@ -38,6 +38,14 @@ struct PartPlan {
   std::vector<world::JointId> joints;  // the joints of `context`, by their ids in the world
 };
 
+// A joint that follows another one of its model (a URDF's <mimic>): it goes to multiplier * q + offset, where
+// q is the other joint's position. cycle/follow.h says how.
+struct FollowerPlan {
+  world::JointId joint, leader;
+  double multiplier = 1.0, offset = 0.0;
+  double maximum_speed = 0.0, maximum_effort = 0.0;  // 0: the model gives none
+};
+
 // A sensor of the scene, not yet made: its place, and its entry for those who make it.
 struct SensorPlan {
   std::string name;
@@ -74,6 +82,7 @@ struct Scene {
   std::map<std::size_t, config::Node> plugged_engines;  // entries of engines that plug-ins bring, by number
   std::vector<ModelPlan> models;
   std::vector<PartPlan> parts;
+  std::vector<FollowerPlan> followers;  // without those that a part drives
   std::vector<SensorPlan> sensors;
   std::vector<plugin::Library> plugins;  // their kinds are looked up before the built-in ones
   std::vector<AgentPlan> agents;

@@ -22,7 +22,7 @@ std::string attribute(const XMLElement& element, const char* name) {
   return value ? value : "";
 }
 
-bool is_frame(const XMLElement& element) {
+bool is_frame_element(const XMLElement& element) {
   return is(element, "link") || is(element, "joint") || is(element, "frame") || is(element, "model");
 }
 
@@ -71,7 +71,7 @@ world::Pose raw_pose(const XMLElement& element, const std::string& file) {
 
 SdfFrames::SdfFrames(const XMLElement& model, const std::string& file) : model_(model), file_(file) {
   for (auto child = model.FirstChildElement(); child; child = child->NextSiblingElement()) {
-    if (!is_frame(*child)) continue;
+    if (!is_frame_element(*child)) continue;
     const std::string name = attribute(*child, "name");
     if (name.empty()) fail_at(*child, file_, std::string("a <") + child->Name() + "> needs a name");
     auto& taken = is(*child, "joint") ? joints_ : frames_;

@@ -168,6 +168,9 @@ class UrdfReader {
                        : type == "prismatic" ? world::JointKind::kSlider
                                              : world::JointKind::kHinge;
     if (type == "fixed") return;
+    if (const XMLElement* mimic = element.FirstChildElement("mimic"))
+      joint.mimic = Mimic{text_or(*mimic, "joint", ""), number_or(mimic, "multiplier", 1.0),
+                          number_or(mimic, "offset", 0.0), mimic->GetLineNum()};
     const Eigen::Vector3d axis =
         vector_or(element.FirstChildElement("axis"), "xyz", Eigen::Vector3d::UnitX());
     joint.joint.axis_J = axis.stableNormalized();

@@ -30,6 +30,8 @@ constexpr AttributeRule kAttributes[] = {
     {"inertia", "iyz", true, 1, NumberRule::kAny},
     {"limit", "lower", false, 1, NumberRule::kAny},
     {"limit", "upper", false, 1, NumberRule::kAny},
+    {"mimic", "multiplier", false, 1, NumberRule::kAny},
+    {"mimic", "offset", false, 1, NumberRule::kAny},
     {"dynamics", "damping", false, 1, NumberRule::kNotNegative},
     {"dynamics", "friction", false, 1, NumberRule::kNotNegative},
     {"box", "size", true, 3, NumberRule::kPositive},
@@ -147,11 +149,6 @@ void take_out_world(const XMLElement& root, const std::string& file, ModelXml& x
 void note_losses(const XMLElement& root, ModelXml& xml) {
   const auto unread = unread_elements(root, kUnread);
   xml.losses.insert(xml.losses.end(), unread.begin(), unread.end());
-  for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint"))
-    if (joint->FirstChildElement("mimic"))
-      xml.losses.push_back(
-          {std::string("joint '") + joint->Attribute("name") + "' moves on its own: <mimic> is not simulated",
-           joint->FirstChildElement("mimic")->GetLineNum()});
 }
 
 }  // namespace

@@ -6,7 +6,9 @@
 #include <sstream>
 
 #include "hwparts/powercube/module_bus.h"
+#include "protocol/recording/recording_file.h"
 #include "server/recording/export_csv.h"
+#include "server/recording/replayer.h"
 #include "tests/recording/forge.h"
 #include "tests/recording/recorded_world.h"
 
@@ -47,6 +49,42 @@ TEST(Replay, GoesThroughTheSameBits) {
   EXPECT_EQ(result.inputs, 9u);
   EXPECT_EQ(result.last_hash, hash);
   EXPECT_EQ(result.header.scene, "two_link");
+}
+
+// The mesh lies outside of the folders above the model, so that only --package finds it.
+TEST(Replay, FindsTheMeshesOfPackagesThatAnOptionNamed) {
+  const test::TempFiles package, files;
+  std::string stl = "solid s\n";
+  for (const char* face :
+       {"0 0 0 0 1 0 1 0 0", "0 0 0 1 0 0 0 0 1", "0 0 0 0 0 1 0 1 0", "1 0 0 0 1 0 0 0 1"}) {
+    std::istringstream numbers(face);
+    stl += "facet normal 0 0 0\nouter loop\n";
+    for (std::string x, y, z; numbers >> x >> y >> z;) stl += "vertex " + x + " " + y + " " + z + "\n";
+    stl += "endloop\nendfacet\n";
+  }
+  package.write("m.stl", stl + "endsolid s\n");
+  files.write(
+      "r.urdf",
+      "<robot name='r'><link name='base'/><link name='arm'><inertial><mass value='1'/><inertia ixx='1' "
+      "iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial><collision><geometry><mesh "
+      "filename='package://pack/m.stl'/></geometry></collision></link><joint name='j' "
+      "type='continuous'><parent link='base'/><child link='arm'/><axis xyz='0 1 0'/></joint></robot>");
+  const auto file = files.write("s.yaml", "visum: 1\nmodels: [{name: r, file: r.urdf}]");
+  scene::Options options;
+  options.packages.given["pack"] = package.folder();
+  const auto recorded = files.folder() / "run.mcap";
+  {
+    config::FilesNoted noted;
+    cycle::Simulation simulation(scene::load_scene(file, options));
+    Recorder recorder(simulation, Origin{noted.files, "", "", false, options.packages}, recorded);
+    for (int i = 0; i < 20; ++i) simulation.tick();
+  }
+  EXPECT_TRUE(replay(recorded).equal);
+  RecordingFile recording(recorded);
+  Header without = recording.header();
+  ASSERT_EQ(without.packages.size(), 1u);
+  without.packages.clear();
+  EXPECT_THROW(make_world(without, recording.take_files(), {}, {}), config::ConfigError);
 }
 
 hwparts::ActiveFault broken(const char* kind, const hwparts::NamedNumbers& numbers, std::int64_t until = 0) {

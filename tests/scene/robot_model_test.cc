@@ -93,7 +93,6 @@ TEST(Urdf, LossesSayWhatIsNotSimulated) {
   const RobotModel model = joined("robot.urdf");
   EXPECT_THAT(model.losses,
               ElementsAre("1 <transmission> element is not read",
-                          "joint 'grip' moves on its own: <mimic> is not simulated",
                           "visual 'logo' of link 'zz_upper_arm' is not shown: it is the mesh "
                           "'package://data/meshes/logo.ply', and only .stl, .obj and .dae are read"));
   EXPECT_THAT(model.notes,

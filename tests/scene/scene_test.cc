@@ -305,13 +305,16 @@ TEST(Scene, PartsKnowTheirJoints) {
   EXPECT_EQ(part.context.name, "arm");
   EXPECT_EQ(part.context.tick_s, 1e-3);
   EXPECT_EQ(part.context.config.place().key, "parts[0]");
-  ASSERT_EQ(part.context.joints.size(), 3u);
+  ASSERT_EQ(part.context.joints.size(), 2u) << "'grip' follows 'elbow', so the part has no port for it";
   EXPECT_EQ(part.context.joints[0].name, "shoulder");
   EXPECT_EQ(part.context.joints[0].initial_position, 0.5);
   EXPECT_EQ(part.context.joints[0].lower, -1.5);
   EXPECT_GT(part.context.joints[1].lower, part.context.joints[1].upper) << "elbow: no stops";
-  EXPECT_TRUE(part.context.joints[2].prismatic);
-  EXPECT_EQ(scene.world.joints[part.joints[2].index()].name, "arm/grip");
+  EXPECT_EQ(scene.world.joints[part.joints[1].index()].name, "arm/elbow");
+  ASSERT_EQ(scene.followers.size(), 1u);
+  EXPECT_EQ(scene.world.joints[scene.followers[0].joint.index()].name, "arm/grip");
+  EXPECT_EQ(scene.followers[0].leader, part.joints[1]);
+  EXPECT_EQ(scene.followers[0].maximum_effort, 10.0);
 }
 
 TEST(Scene, PartsMayPickJointsAndNameThemInFull) {
@@ -320,6 +323,8 @@ TEST(Scene, PartsMayPickJointsAndNameThemInFull) {
       load_text("visum: 1\n" + robot + "parts: [{name: p, kind: k, model: arm, joints: [grip, shoulder]}]");
   ASSERT_EQ(scene.parts[0].context.joints.size(), 2u);
   EXPECT_EQ(scene.parts[0].context.joints[0].name, "shoulder") << "in the model's order";
+  EXPECT_TRUE(scene.parts[0].context.joints[1].prismatic);
+  EXPECT_EQ(scene.world.joints[scene.parts[0].joints[1].index()].name, "arm/grip");
   scene = load_text("visum: 1\n" + robot +
                     "parts: [{name: p, kind: k, joints: [arm/elbow]}, {name: q, kind: k}]");
   EXPECT_EQ(scene.parts[0].context.joints[0].name, "arm/elbow");

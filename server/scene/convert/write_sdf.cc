@@ -382,6 +382,9 @@ class SdfWriter {
 
   void tell_losses() {
     tell_pairs();
+    for (const auto& follower : scene_.followers)
+      output_.lose("joint '" + scene_.world.joints[follower.joint.index()].name +
+                   "' is written without the joint that it follows");
     for (const auto& part : scene_.parts)
       output_.lose("SDF has no hardware parts: '" + part.context.name + "' is left out");
     for (const auto& sensor : scene_.sensors)

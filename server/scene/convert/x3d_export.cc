@@ -334,6 +334,9 @@ class Exporter {
     for (const auto& model : scene_.models)
       output_.lose("X3D has no models: the links and joints of '" + model.name +
                    "' are bodies and joints of their own, '" + model.name + ".' before their names");
+    for (const auto& follower : scene_.followers)
+      output_.lose("joint '" + scene_.world.joints[follower.joint.index()].name +
+                   "' is written without the joint that it follows");
     for (const auto& part : scene_.parts)
       if (!physics_) output_.lose("VRML97 has no hardware parts: '" + part.context.name + "' is left out");
     for (const auto& sensor : scene_.sensors)

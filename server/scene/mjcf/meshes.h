@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "protocol/config/config.h"
 #include "server/scene/inertia.h"
 
 namespace visum::scene::mjcf {
