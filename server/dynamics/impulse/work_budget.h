@@ -38,10 +38,7 @@ class WorkBudget {
   bool is_shared() const { return shared_; }
   // Asked before each piece of work, for all of it. Throws WorkSpent where that is more than is left.
   void take(std::uint64_t units) {
-    if (shared_) {
-      if (units > left_.fetch_sub(units, std::memory_order_relaxed)) throw WorkSpent{};
-      return;
-    }
+    if (shared_) return take_shared(units);
     const std::uint64_t left = left_.load(std::memory_order_relaxed);
     if (units > left) throw WorkSpent{};
     left_.store(left - units, std::memory_order_relaxed);
@@ -49,6 +46,14 @@ class WorkBudget {
   std::uint64_t taken() const { return limit_ - left_.load(std::memory_order_relaxed); }  // since start()
 
  private:
+  // Never goes below zero, so that the limit also holds for threads that still solve when one has met it.
+  void take_shared(std::uint64_t units) {
+    std::uint64_t left = left_.load(std::memory_order_relaxed);
+    do {
+      if (units > left) throw WorkSpent{};
+    } while (!left_.compare_exchange_weak(left, left - units, std::memory_order_relaxed));
+  }
+
   std::uint64_t limit_ = UINT64_MAX;
   std::atomic<std::uint64_t> left_ = UINT64_MAX;
   bool shared_ = false;
