@@ -32,6 +32,11 @@ def cpu_model():
     return os.uname().machine
 
 
+def machine_name():
+    """The machine's name in the names of files of results."""
+    return re.sub(r"[^a-z0-9]+", "-", f"{cpu_model()} {os.cpu_count()}".lower()).strip("-")
+
+
 def compiler(build):
     for path in build.glob("CMakeFiles/*/CMakeCXXCompiler.cmake"):
         facts = dict(re.findall(r'set\((\w+) "([^"]*)"\)', path.read_text(encoding="utf-8")))
@@ -113,7 +118,7 @@ def main():
     parser.add_argument("--compiler-from", type=Path, required=True, metavar="BUILD")
     options = parser.parse_args()
     results = collect(options.scratch, options.compiler_from)
-    machine = re.sub(r"[^a-z0-9]+", "-", f'{results["machine"]["cpu"]} {results["machine"]["cores"]}'.lower()).strip("-")
+    machine = machine_name()
     options.out.mkdir(parents=True, exist_ok=True)
     path = options.out / f"{machine}.json"
     path.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")

@@ -1,7 +1,9 @@
 """The Python package: its modules do not import each other in a circle, and a wrong name is answered with a near one."""
 import ast
+import subprocess
 import sys
 import unittest
+from unittest import mock
 
 from programs import BIN, SOURCE, Daemon
 
@@ -38,7 +40,76 @@ def circle_in(graph):
     return next((circle for name in graph if (circle := visit(name, []))), [])
 
 
+class CountingSocket:
+    """A connection's socket, with the number of times that something was sent on it."""
+
+    def __init__(self, socket):
+        self._socket = socket
+        self.sent = 0
+
+    def sendall(self, data):
+        self.sent += 1
+        return self._socket.sendall(data)
+
+    def __getattr__(self, name):
+        return getattr(self._socket, name)
+
+
+class Exchanges(unittest.TestCase):
+    """Each message that leaves alone wakes the server once more."""
+
+    def test_a_period_of_a_member_leaves_as_one(self):
+        with Daemon("--clock", "lockstep") as daemon, visum.Client(daemon.connect) as client:
+            arm = client.part("arm")
+            desired, actual = arm.inputs("Desired Angle"), arm.outputs("Actual Angle")
+            with arm.lease():
+                client.join()
+                counted = client.connection._socket = CountingSocket(client.connection._socket)
+                for period in range(1, 41):
+                    desired[0], desired[2] = 0.002 * period, 0.002 * period
+                    arm.write()
+                    client.advance_ms(10)
+                    self.assertEqual(counted.sent, period)
+                self.assertAlmostEqual(actual[0], 0.08, delta=0.03)
+                client.leave()
+
+    def test_what_was_kept_leaves_before_anything_is_waited_for(self):
+        with Daemon("--clock", "lockstep") as daemon, visum.Client(daemon.connect) as client:
+            arm = client.part("arm")
+            desired = arm.inputs("Desired Angle")
+            with arm.lease():
+                client.join()
+                counted = client.connection._socket = CountingSocket(client.connection._socket)
+                desired[0] = 0.1
+                arm.write()
+                self.assertEqual(counted.sent, 0)
+                client.settle_writes()
+                self.assertEqual(counted.sent, 1)
+                arm.write()
+                client.events()
+                self.assertEqual(counted.sent, 2)
+                arm.write()
+                client.leave()
+                self.assertEqual(counted.sent, 4)
+
+    def test_without_a_lockstep_a_write_leaves_at_once(self):
+        with Daemon("--clock", "free") as daemon, visum.Client(daemon.connect) as client:
+            arm = client.part("arm")
+            with arm.lease():
+                client.join()
+                arm.inputs("Desired Angle")[0] = 0.1
+                with mock.patch.object(client.connection, "flush", wraps=client.connection.flush) as flush:
+                    arm.write()
+                flush.assert_called_once()
+
+
 class PythonLibrary(unittest.TestCase):
+    def test_only_tls_loads_the_library_for_it(self):
+        script = "import sys, visum; print(sorted({'ssl', 'subprocess', 'json'} & sys.modules.keys()), visum.launch.__name__)"
+        done = subprocess.run([sys.executable, "-c", script], cwd=BIN.parent / "python", capture_output=True, text=True,
+                              timeout=60, check=True)
+        self.assertEqual(done.stdout, "[] launch\n")
+
     def test_a_circle_of_imports_is_found(self):
         self.assertEqual(circle_in({"a": ["b"], "b": ["c", "d"], "c": [], "d": ["b"]}), ["b", "d", "b"])
         self.assertEqual(circle_in({"a": ["b"], "b": ["c"]}), [])

@@ -19,14 +19,27 @@ The verbs are those of the C++ library (clients/cpp/visum.h). Units are SI and r
 server's last reset. Calls block, and a Client and its Parts belong to one thread. Every failure raises visum.Error.
 """
 
+from typing import TYPE_CHECKING
+
 from visum.client import Client, ServerInfo
 from visum.errors import Error, ErrorCode
-from visum.launching import LaunchedClient, launch
 from visum.part import Part
 from visum.ports import Inputs, Outputs, Port
 from visum.program import exit_code_of
 from visum.world import Body, Contact, Joint, World, WorldView
 
+if TYPE_CHECKING:
+    from visum.launching import LaunchedClient, launch
+
 __all__ = ["Body", "Client", "Contact", "Error", "ErrorCode", "Inputs", "Joint", "LaunchedClient", "Outputs", "Part",
            "Port", "ServerInfo", "World", "WorldView", "exit_code_of", "launch"]
 __version__ = "0.2.0"
+
+
+def __getattr__(name: str) -> object:
+    """Loads what starts a server where it is asked for: a controller needs none, and would wait for the import."""
+    if name not in ("LaunchedClient", "launch"):
+        raise AttributeError(f"module 'visum' has no attribute '{name}'")
+    from visum import launching
+
+    return getattr(launching, name)

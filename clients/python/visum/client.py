@@ -58,6 +58,7 @@ class Client:
         self._parts: list[Part] = []
         self._pending_writes: deque[tuple[int, pb.Write]] = deque()
         self._ahead_ns = 0  # how far the ticks that were asked for are ahead of the sum of the periods
+        self._holds_world = False  # the clock is lockstep, and this client has joined
         self._advance: list[int] = []  # the numbers of an advance under way and of the reads behind it
         self._world: World | None = None
         self._world_revision = -1
@@ -89,7 +90,9 @@ class Client:
         """Sends without waiting. settle_writes() reads the answers."""
         if len(self._pending_writes) >= _MAX_PENDING_WRITES:
             self.settle_writes()
-        self._pending_writes.append((self.connection.send(write=write), write))
+        # No tick comes before this member's next advance, which takes the write along.
+        send = self.connection.send_along if self._holds_world else self.connection.send
+        self._pending_writes.append((send(write=write), write))
 
     def settle(self) -> Error | None:
         """Waits for the answers to all writes under way, and returns the first refusal."""
@@ -114,8 +117,10 @@ class Client:
         of wall time (0: the server's default). Under the other clocks advance() only waits for the world."""
         self._set_time(self.connection.request(join=pb.Join(timeout_ns=round(timeout_s * 1e9))).advanced)
         self._ahead_ns = 0
+        self._holds_world = self.server.clock == "lockstep"
 
     def leave(self) -> None:
+        self._holds_world = False  # even if the request fails: the server may have dropped this member already
         try:
             self.settle_writes()
         finally:  # also if an earlier write was refused; settle_writes() raises that refusal
@@ -137,8 +142,10 @@ class Client:
         ticks = max(0, math.ceil(missing_ns / self.server.tick_ns))
         self._ahead_ns = ticks * self.server.tick_ns - missing_ns
         if ticks > 0:
-            self._advance = [self.connection.send(advance=pb.Advance(ticks=ticks))]
-            self._advance += [self.connection.send(read=pb.Read(part=part.name)) for part in self._parts]
+            # Everything leaves together, so that the server is woken once.
+            self._advance = [self.connection.send_along(advance=pb.Advance(ticks=ticks))]
+            self._advance += [self.connection.send_along(read=pb.Read(part=part.name)) for part in self._parts]
+            self.connection.flush()
 
     def finish_advance(self) -> None:
         """The second half of advance_ns(): waits, and brings the samples up to date."""
@@ -149,6 +156,7 @@ class Client:
         refusal = self.settle()
         advanced, *samples = [self.connection.take(number) for number in numbers]
         if stood_still := refusal_of(advanced):
+            self._holds_world = False  # the server may have dropped this member: it drops members that come too late
             raise refusal or stood_still  # the next advance raises stood_still again
         self._set_time(advanced.advanced)
         for part, sample in zip(self._parts, samples):

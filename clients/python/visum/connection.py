@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import socket
-import ssl
 import struct
 import time
 from collections import deque
@@ -47,6 +47,8 @@ class TlsFiles(NamedTuple):
 
 def _secure(plain: socket.socket, address: str, files: TlsFiles) -> socket.socket:
     """Begins TLS 1.3 on a connection, with certificates on both sides."""
+    import ssl  # here, because it takes a tenth of the time to import this package
+
     try:
         if not all(files):
             raise Error(ErrorCode.MISUSE, "TLS needs three files: tls_ca, tls_cert and tls_key")
@@ -102,6 +104,8 @@ class Connection:
 
     def __init__(self, address: str, hello: pb.Hello, patience_s: float, tls: TlsFiles = TlsFiles()) -> None:
         self._next_id = 1
+        self._secure = any(tls)
+        self._unsent = bytearray()
         self._received = bytearray()
         self._replies: dict[int, pb.ServerMessage] = {}
         self.events: deque[pb.Event] = deque(maxlen=MAX_EVENTS)
@@ -115,6 +119,7 @@ class Connection:
             except Error as error:
                 # A server that is flooded closes connections without a word; a later one may get its turn.
                 self._received.clear()
+                self._unsent.clear()
                 if error.code != ErrorCode.CONNECTION or time.monotonic() + RETRY_PAUSE_S > end:
                     raise
             time.sleep(RETRY_PAUSE_S)
@@ -124,7 +129,7 @@ class Connection:
         self._socket = _connect(address, patience_s)
         try:
             _set_options(self._socket)
-            if any(tls):
+            if self._secure:
                 self._socket = _secure(self._socket, address, tls)
             return self.request(hello=hello).welcome
         except BaseException:
@@ -133,6 +138,9 @@ class Connection:
 
     def close(self) -> None:
         """Ends the session. Leases that were not released count as lost."""
+        if self._unsent and not self.closed:
+            with contextlib.suppress(Error):  # the connection is gone, and the requests with it
+                self.flush()
         self._socket.close()
 
     @property
@@ -141,17 +149,30 @@ class Connection:
 
     def send(self, **request: object) -> int:
         """Sends one request, named as in ClientMessage, and returns the number for take() or wait()."""
+        number = self.send_along(**request)
+        self.flush()
+        return number
+
+    def send_along(self, **request: object) -> int:
+        """As send(), but the request leaves together with the next one that send() sends, or at the next wait."""
         number = self._next_id
         self._next_id += 1
         payload = pb.ClientMessage(id=number, **request).SerializeToString()
+        self._unsent += _LENGTH.pack(len(payload)) + payload
+        return number
+
+    def flush(self) -> None:
+        """Sends what send_along() has kept. After a failure nothing is sent again, because some of it may have left."""
+        leaving, self._unsent = self._unsent, bytearray()
         try:
-            self._socket.sendall(_LENGTH.pack(len(payload)) + payload)
+            self._socket.sendall(leaving)
         except OSError as error:
             raise Error(ErrorCode.CONNECTION, f"the connection is gone: {error}") from error
-        return number
 
     def take(self, number: int) -> pb.ServerMessage:
         """Waits for the reply to a request. It may be a refusal."""
+        if self._unsent:
+            self.flush()
         while number not in self._replies:
             self._sort(self._receive())
         return self._replies.pop(number)
@@ -168,6 +189,8 @@ class Connection:
 
     def poll(self) -> None:
         """Reads what has arrived, without waiting."""
+        if self._unsent:
+            self.flush()
         self._socket.setblocking(False)
         try:
             while True:
@@ -208,15 +231,24 @@ class Connection:
         while len(self._received) < size:
             try:
                 chunk = self._socket.recv(65536)
-            except (BlockingIOError, ssl.SSLWantReadError) as wait:
-                raise BlockingIOError from wait
-            except ssl.SSLError as error:  # the server did not accept our certificate
-                raise Error(ErrorCode.UNAUTHENTICATED, f"TLS: {error}") from error
+            except BlockingIOError:
+                raise
             except OSError as error:
-                raise Error(ErrorCode.CONNECTION, f"the connection is gone: {error}") from error
+                raise self._trouble(error) from error
             if not chunk:
                 raise Error(ErrorCode.CONNECTION, "the server closed the connection")
             self._received += chunk
+
+    def _trouble(self, error: OSError) -> Exception:
+        """What an error of recv() means: BlockingIOError where TLS needs more bytes, else the connection's end."""
+        if self._secure:
+            import ssl
+
+            if isinstance(error, ssl.SSLWantReadError):
+                return BlockingIOError()
+            if isinstance(error, ssl.SSLError):  # the server did not accept our certificate
+                return Error(ErrorCode.UNAUTHENTICATED, f"TLS: {error}")
+        return Error(ErrorCode.CONNECTION, f"the connection is gone: {error}")
 
 
 def refusal_of(reply: pb.ServerMessage) -> Error | None:

@@ -7,6 +7,28 @@
 #include "clients/visum/common/terminal.h"
 
 namespace visum::exec {
+namespace {
+
+// `next` gives the next of the server's messages, if there is one.
+template <typename Next>
+std::optional<std::string> find_reason(protocol::Connection& connection, Next next) {
+  std::optional<std::string> why;
+  while (const auto message = next()) {
+    const auto* event = std::get_if<protocol::Event>(&*message);
+    if (event && event->kind == "lockstep_timeout") why = event->text;
+  }
+  if (!why) return why;
+  // The event may have named another member; a member may send a note.
+  try {
+    connection.request(protocol::Note{});
+    return std::nullopt;
+  } catch (const protocol::RequestError& error) {
+    if (error.code() != protocol::ErrorCode::kWrongState) throw;
+    return why;
+  }
+}
+
+}  // namespace
 
 protocol::Advanced join(protocol::Connection& connection, const protocol::Join& request) try {
   if (connection.welcome().clock != "lockstep")
@@ -25,20 +47,11 @@ void leave(protocol::Connection& connection) try {
 }
 
 std::optional<std::string> why_thrown_out(protocol::Connection& connection) {
-  std::optional<std::string> why;
-  while (const auto message = connection.next(std::chrono::milliseconds(0))) {
-    const auto* event = std::get_if<protocol::Event>(&*message);
-    if (event && event->kind == "lockstep_timeout") why = event->text;
-  }
-  if (!why) return why;
-  // The event may have named another member; a member may send a note.
-  try {
-    connection.request(protocol::Note{});
-    return std::nullopt;
-  } catch (const protocol::RequestError& error) {
-    if (error.code() != protocol::ErrorCode::kWrongState) throw;
-    return why;
-  }
+  return find_reason(connection, [&] { return connection.next(std::chrono::milliseconds(0)); });
+}
+
+std::optional<std::string> why_thrown_out_by_now(protocol::Connection& connection) {
+  return find_reason(connection, [&] { return connection.next_kept(); });
 }
 
 void say_dropped(const std::string& why) {

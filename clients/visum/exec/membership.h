@@ -15,6 +15,8 @@ protocol::Advanced join(protocol::Connection& connection, const protocol::Join& 
 void leave(protocol::Connection& connection);
 // Reads the server's events. Returns the reason where we were late and are no longer a member.
 std::optional<std::string> why_thrown_out(protocol::Connection& connection);
+// As above, by the events that came with earlier answers. Asks the kernel nothing.
+std::optional<std::string> why_thrown_out_by_now(protocol::Connection& connection);
 // Says on stderr that the program goes on in real time from now on.
 void say_dropped(const std::string& why);
 

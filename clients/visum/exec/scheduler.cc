@@ -18,8 +18,9 @@ using shim::Slot;
 using shim::State;
 
 // A thread that runs is looked after at first soon, as it may wait in a call that the shim does not know, and
-// then at intervals that double.
-constexpr std::int64_t kFirstWatch_ns = 100'000, kWatch_ns = 10'000'000;
+// then at intervals that double. A look interrupts a program that computes, so the first one comes later
+// where it has only found threads that ran.
+constexpr std::int64_t kFirstWatch_ns = 100'000, kLatestFirstWatch_ns = 2'000'000, kWatch_ns = 10'000'000;
 constexpr std::int64_t kSoon_ns = 50'000;  // a thread is about to end or to wake up
 constexpr std::int64_t kMostTicks = 1000;  // at once; then look for threads that woke up by themselves
 
@@ -42,7 +43,8 @@ Scheduler::Scheduler(TimeChannel& channel, WorldLink& world, pid_t program, std:
       world_(world),
       program_(program),
       period_ticks_(period_ticks),
-      give_up_(give_up) {}
+      give_up_(give_up),
+      first_watch_ns_(kFirstWatch_ns) {}
 
 // The rules: one thread at a time; a thread that is due before one that may look again; then the buses; then
 // time.
@@ -65,14 +67,15 @@ int Scheduler::run() {
 
 void Scheduler::await_quiet() {
   quiet_since_ = Clock::now();
-  auto watch_ns = kFirstWatch_ns;
+  auto watch_ns = first_watch_ns_;
   for (check_end(); !ended_; check_end()) {
     quiet_bell_ = memory_.bell.load();
     bool soon = false;
     if (is_quiet(soon)) return;
     if (shim::futex_wait(memory_.bell, quiet_bell_, soon ? kSoon_ns : watch_ns) != ETIMEDOUT || soon)
       continue;
-    watch();
+    const bool any_slept = watch();
+    first_watch_ns_ = any_slept ? kFirstWatch_ns : std::min(2 * first_watch_ns_, kLatestFirstWatch_ns);
     watch_ns = std::min(2 * watch_ns, kWatch_ns);
   }
 }
@@ -118,16 +121,17 @@ bool Scheduler::is_busy(Slot& slot) {
 }
 
 // True if a thread that says it waits really sleeps. A thread that was woken in the kernel, or sent a signal,
-// shows at once as running. The thread that had the last turn may still be on its way to sleep.
+// shows at once as running. The thread that had the last turn may still be on its way to sleep, so its own
+// word counts: nobody else has run who could have woken it.
 bool Scheduler::is_still(Slot& slot) {
   const auto declared = slot.state.load();
   auto& watched = watched_[number(slot)];
   if (declared != State::kBlocked && declared != State::kParked && !watched.unknown) return true;
+  if (declared == State::kParked && &slot == last_turn_ && !watched.unknown) return true;
   const auto state = threads_.state(slot.pid, slot.tid);
   if (state.gone()) return free_if_gone(slot), false;
   if (watched.unknown && state.ticks != watched.ticks) watched.unknown = false;
-  const bool on_its_way = declared == State::kParked && &slot == last_turn_ && state.letter == 'R';
-  return state.sleeps() || on_its_way;
+  return state.sleeps();
 }
 
 // The kernel shows that a process has ended before it wakes up the parent that waits for it.

@@ -61,7 +61,8 @@ class Scheduler {
   bool is_still(shim::Slot& slot);
   void free_if_gone(shim::Slot& slot);
   bool is_to_wake_parent(const shim::Slot& slot, const ThreadState& state);
-  void watch();
+  // Looks after the threads that run. True: one of them slept.
+  bool watch();
   bool has_run_long(const shim::Slot& slot);
   void look_after(shim::Slot& slot);
   void look_at_wait(const shim::Slot& slot, Watched& watched);
@@ -99,6 +100,7 @@ class Scheduler {
   Clock::time_point ended_at_;
   std::uint32_t quiet_bell_ = 0;  // the bell, when all waited
   shim::Slot* last_turn_ = nullptr;
+  std::int64_t first_watch_ns_;       // after so long we look after the thread that has the turn
   shim::Slot* rechecking_ = nullptr;  // the thread whose turn is only for looking again
   Clock::time_point quiet_since_ = Clock::now();
   Clock::time_point noted_ = Clock::now();

@@ -31,16 +31,18 @@ std::string text_of(const Slot& slot) {
 
 }  // namespace
 
-void Scheduler::watch() {
+bool Scheduler::watch() {
   world_.look();
-  bool impatient = false;
+  bool impatient = false, any_slept = false;
   for (auto& slot : channel_.slots()) {
     if (slot.state != State::kRunning && slot.state != State::kStarting) continue;
     look_after(slot);
     impatient |= has_run_long(slot);
+    any_slept |= watched_[number(slot)].still > 0;
   }
   // Better two threads at once than one that waits for ever for something that only the other can do.
   if (auto* ready = impatient ? next_ready() : nullptr) give_turn(*ready, false);
+  return any_slept;
 }
 
 bool Scheduler::has_run_long(const Slot& slot) {

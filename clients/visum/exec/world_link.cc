@@ -24,7 +24,8 @@ WorldLink::WorldLink(protocol::Connection connection, const protocol::Join& join
 }
 
 bool WorldLink::advance(std::int64_t ticks, std::vector<protocol::Stream>& streams) try {
-  look();
+  // An event that has not been read yet shows in the answer: a member that was thrown out gets an error.
+  if (!free_since_) take_reason(why_thrown_out_by_now(connection_));
   if (free_since_) return pass_freely(ticks), true;
   const auto id = connection_.send(protocol::Advance{ticks, true, bus_said_, streams});
   auto reply = connection_.wait_for(id, kLook);
@@ -47,8 +48,10 @@ bool WorldLink::advance(std::int64_t ticks, std::vector<protocol::Stream>& strea
 }
 
 void WorldLink::look() {
-  if (free_since_) return;
-  const auto why = why_thrown_out(connection_);
+  if (!free_since_) take_reason(why_thrown_out(connection_));
+}
+
+void WorldLink::take_reason(const std::optional<std::string>& why) {
   if (!why) return;
   if (on_timeout_ != protocol::OnTimeout::kFree) throw cli::ExitError(cli::kLost, *why);
   say_dropped(*why);

@@ -42,6 +42,8 @@ class WorldLink {
  private:
   using Clock = std::chrono::steady_clock;
 
+  // Goes on in real time if there is a reason to, or throws.
+  void take_reason(const std::optional<std::string>& why);
   void follow(const protocol::Advanced& advanced);
   void pass_freely(std::int64_t ticks);
 
