@@ -1,7 +1,5 @@
 #include "clients/visum/run/session.h"
 
-#include <sys/socket.h>
-
 #include <algorithm>
 #include <sstream>
 
@@ -25,31 +23,6 @@ std::vector<protocol::Request> to_look(const std::set<std::string>& parts) {
   for (const auto& part : parts) requests.push_back(protocol::Read{part});
   return requests;
 }
-
-// The server's answers hold these numbers, in 8 bytes each.
-std::size_t least_bytes(const Observation& now) {
-  const auto& world = now.world;
-  std::size_t numbers = world.poses.size() + world.velocities.size() + world.joint_positions.size() +
-                        world.joint_velocities.size() + world.joint_efforts.size();
-  for (const auto& [name, part] : now.parts)
-    numbers += part.controller_inputs.size() + part.sensor_outputs.size();
-  return 8 * numbers;
-}
-
-// Until so many bytes have come, the kernel wakes nobody who waits for the socket, unless it has ended.
-class LowWater {
- public:
-  LowWater(int socket, std::size_t bytes) : socket_(socket) { set(static_cast<int>(bytes)); }
-  ~LowWater() { set(1); }
-  LowWater(const LowWater&) = delete;
-  LowWater& operator=(const LowWater&) = delete;
-
- private:
-  // Where the kernel refuses it, we are woken more often.
-  void set(int bytes) const { ::setsockopt(socket_, SOL_SOCKET, SO_RCVLOWAT, &bytes, sizeof bytes); }
-
-  int socket_;
-};
 
 protocol::Hello hello(const char* name) {
   return {protocol::kProtocolVersion, protocol::kProtocolVersion, name, protocol::Role::kAdmin, {}};
@@ -149,21 +122,11 @@ protocol::Advanced Session::await_advance(std::uint64_t id) try {
   for (;;) {
     if (auto reply = connection_.wait_for(id, std::chrono::milliseconds(0)))
       return as<protocol::Advanced>(std::move(*reply));
-    await_bytes();
+    wait_loop_.wait(connection_.native_handle());
   }
 } catch (const protocol::RequestError& error) {
   if (error.code() == protocol::ErrorCode::kTimeout) throw cli::ExitError(cli::kLost, error.what());
   throw cli::ExitError(cli::kFailed, std::string("the world stopped: ") + error.what());
-}
-
-void Session::await_bytes() {
-  constexpr std::size_t kFewSteps = 2, kMostBytes = 32768;
-  constexpr std::chrono::milliseconds kLatest{10};  // for what is shorter, such as a refusal
-  const int socket = connection_.native_handle();
-  const std::size_t half = steps_.size() / 2;  // of those behind the one that we wait for
-  if (half < kFewSteps) return wait_loop_.wait(socket);
-  const LowWater low_water(socket, std::clamp<std::size_t>(half * step_bytes_, 1, kMostBytes));
-  wait_loop_.wait(socket, kLatest);
 }
 
 // The answers to to_look().
@@ -174,7 +137,6 @@ Observation Session::take(std::span<const std::uint64_t> ids) {
     auto sample = as<protocol::PartSample>(connection_.wait(id));
     now.parts[sample.part] = std::move(sample);
   }
-  step_bytes_ = least_bytes(now);
   return now;
 }
 

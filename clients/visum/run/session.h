@@ -58,9 +58,6 @@ class Session {
 
  private:
   protocol::Advanced await_advance(std::uint64_t id);
-  // Waits for bytes of the server. While it goes on with many steps that were sent ahead, nothing that one of
-  // them answers is urgent: then this wakes us for several steps at once.
-  void await_bytes();
   Observation take(std::span<const std::uint64_t> ids);
   void hear_events();
 
@@ -70,7 +67,6 @@ class Session {
   std::uint64_t era_ = 0;
   std::int64_t tick_ = 0;                         // of the last answer
   std::deque<std::vector<std::uint64_t>> steps_;  // sent ahead: the requests of each
-  std::size_t step_bytes_ = 0;                    // that a step's answers have at least
   std::vector<std::string> timeouts_;
 };
 
