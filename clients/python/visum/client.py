@@ -120,7 +120,8 @@ class Client:
         self._holds_world = self.server.clock == "lockstep"
 
     def leave(self) -> None:
-        self._holds_world = False  # even if the request fails: the server may have dropped this member already
+        # Even if the request fails: the server may have dropped this member already.
+        self._holds_world = False
         try:
             self.settle_writes()
         finally:  # also if an earlier write was refused; settle_writes() raises that refusal
@@ -156,7 +157,8 @@ class Client:
         refusal = self.settle()
         advanced, *samples = [self.connection.take(number) for number in numbers]
         if stood_still := refusal_of(advanced):
-            self._holds_world = False  # the server may have dropped this member: it drops members that come too late
+            # The server may have dropped this member: it drops members that come too late.
+            self._holds_world = False
             raise refusal or stood_still  # the next advance raises stood_still again
         self._set_time(advanced.advanced)
         for part, sample in zip(self._parts, samples):

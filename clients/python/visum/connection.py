@@ -240,7 +240,7 @@ class Connection:
             self._received += chunk
 
     def _trouble(self, error: OSError) -> Exception:
-        """What an error of recv() means: BlockingIOError where TLS needs more bytes, else the connection's end."""
+        """Translates an error of recv(): BlockingIOError where TLS needs more bytes, else the connection's end."""
         if self._secure:
             import ssl
 
