@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import ctypes
 import json
 import multiprocessing
 import os
@@ -102,6 +103,12 @@ def await_that(holds: Callable[[], bool], claim: str, patience_s: float = PATIEN
         expect(time.monotonic() - began < patience_s, f"not within {patience_s:.0f} s: {claim}")
         time.sleep(0.02)
     return time.monotonic() - began
+
+
+def counter() -> ctypes.c_longlong:
+    """A number that one process writes and others read. It has no lock: a process that is killed while it holds
+    one would leave it locked for ever."""
+    return multiprocessing.Value("q", lock=False)
 
 
 @contextmanager
