@@ -58,7 +58,7 @@ class Exchanges(Scenario):
 
     def test_what_belongs_to_whom(self):
         talks = self.raw("talks", self.TALKS.format("talks"))
-        # What came under another name is the only controller's. Among several it may be anyone's.
+        # An exchange under another name is the only controller's. Among several it may be anyone's.
         other = self.raw("other", self.TALKS.format("a-name-of-its-own"))
         self.assertIsNone(self.judged(other))
         self.assertIn("client 'a-name-of-its-own' did, and no controller has that name", self.judged(talks, other))

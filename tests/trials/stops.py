@@ -36,11 +36,12 @@ from programs import PATIENCE_S, SOURCE, Daemon, connect, counter, expect, proce
 
 WARM_S = 1.0  # of the attack before the first stop
 LOW_MEMORY = 150 << 20  # bytes of addresses, as ulimit -v counts them
-LARGE_TEXT = "{name: big, mass: 1, color: [" + "1, " * 2_500_000  # 7.5 MB: refused unread
-MANY_SHAPES = "{name: big, mass: 1, shapes: [" + "{sphere: 0.1},\n" * 19_000 + "]}"  # read before it is refused
+# 7.5 MB, which are refused unread; and one that is read before it is refused.
+LARGE_TEXT = "{name: big, mass: 1, color: [" + "1, " * 2_500_000
+MANY_SHAPES = "{name: big, mass: 1, shapes: [" + "{sphere: 0.1},\n" * 19_000 + "]}"
 
 
-# Attacks: each goes on until it is killed -----------------------------------------------------------------
+# Attacks: each goes on until it is killed ---------------------------------------------------------------
 
 
 def again_and_again(act: Callable[[], None]) -> None:
@@ -138,7 +139,7 @@ def read_nothing(port: int) -> None:
 
 
 class Attack(NamedTuple):
-    """What is run against the daemon, and how the daemon is started."""
+    """A load on the daemon, and how the daemon is started for it."""
 
     burden: Callable[..., None]
     more: tuple[object, ...] = ()  # arguments after the port
@@ -163,7 +164,7 @@ ATTACKS = {
 ATTACKERS = 2
 
 
-# The victim -----------------------------------------------------------------------------------------------
+# The victim ---------------------------------------------------------------------------------------------
 
 
 def move(address: str, steps: ctypes.c_longlong) -> None:
