@@ -9,7 +9,7 @@
 
 namespace visum::shim {
 
-inline constexpr std::uint32_t kMagic = 0x56535433;         // of this layout
+inline constexpr std::uint32_t kMagic = 0x56535434;         // of this layout
 inline constexpr const char* kVariable = "VISUM_LOCKSTEP";  // the file's path, in the environment
 inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
@@ -84,6 +84,7 @@ struct Shared {
   std::atomic<std::uint32_t> used;               // slots in use lie below
   std::atomic<std::uint32_t> program_announced;  // the command itself has loaded the shim
   std::atomic<std::int32_t> stranger_of;         // a process whose child never loaded it; 0: none
+  std::atomic<std::int32_t> host_timer_of;       // a process with a timer of the host's; 0: none
   Alarm alarms[kMostProcesses];
   Stream streams[kMostStreams];
   Slot slots[kMostThreads];

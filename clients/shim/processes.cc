@@ -1,15 +1,17 @@
 // Starts and ends of threads and processes. A new one waits for its turn before its first instruction.
+#include "clients/shim/processes.h"
+
 #include <errno.h>
 #include <pthread.h>
 #include <signal.h>
 #include <spawn.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "clients/shim/real.h"
-#include "clients/shim/timers.h"
 #include "clients/shim/turns.h"
 
 using namespace visum::shim;
@@ -46,21 +48,8 @@ void* run_thread(void* given) {
   return start.routine(start.argument);
 }
 
-// fork() with a slot reserved for the child, so that the world waits for the child from its first moment.
 pid_t fork_in_turn() {
-  auto* slot = keep_slot(0, ::getpid());
-  if (!slot) {
-    errno = EAGAIN;
-    return -1;
-  }
-  const pid_t child = VISUM_REAL(fork)();
-  if (child == 0) {
-    forget_all_timers();
-    take_slot(*slot);
-  } else if (child < 0) {
-    drop_slot(*slot);
-  }
-  return child;
+  return fork_by([] { return VISUM_REAL(fork)(); });
 }
 
 // Wraps a call that starts a process by itself. The process takes the reserved slot when it starts.
@@ -74,6 +63,18 @@ int starting(Call call, const pid_t* child) {
   else if (slot->state == State::kStarting && child)
     slot->pid = *child;
   return result;
+}
+
+struct CloneStart {
+  int (*function)(void*);
+  void* argument;
+  Slot* slot;
+};
+
+int run_clone(void* given) {
+  const CloneStart start = *static_cast<CloneStart*>(given);
+  begin_child(*start.slot);
+  return start.function(start.argument);
 }
 
 // A wait for a child, named as for waitpid(). A `pid` that is not positive means any child.
@@ -115,6 +116,31 @@ VISUM_EXPORT pid_t fork() noexcept {
 // The same as fork(): the child gets its own copy of the memory, and the parent does not wait.
 VISUM_EXPORT pid_t vfork() noexcept {
   return active() ? fork_in_turn() : VISUM_REAL(fork)();
+}
+
+// Like fork(), unless the child shares our memory for longer than until its exec(): such a one is not
+// followed.
+VISUM_EXPORT int clone(int (*function)(void*), void* stack, int flags, void* argument, ...) noexcept {
+  va_list list;
+  va_start(list, argument);
+  auto* parent_tid = va_arg(list, pid_t*);
+  auto* tls = va_arg(list, void*);
+  auto* child_tid = va_arg(list, pid_t*);
+  va_end(list);
+  const auto call = [&](int (*body)(void*), int with, void* given) {
+    return VISUM_REAL(clone)(body, stack, with, given, parent_tid, tls, child_tid);
+  };
+  if (!active()) return call(function, flags, argument);
+  if (!is_like_fork(flags)) return spawn_by([&] { return call(function, flags, argument); });
+  auto* slot = keep_slot(0, ::getpid());
+  if (!slot) {
+    errno = EAGAIN;
+    return -1;
+  }
+  CloneStart start{function, argument, slot};
+  const int child = call(run_clone, static_cast<int>(as_fork(flags)), &start);
+  if (child < 0) drop_slot(*slot);
+  return child;
 }
 
 VISUM_EXPORT int posix_spawn(pid_t* child, const char* path, const posix_spawn_file_actions_t* actions,

@@ -1,19 +1,24 @@
 // Calls of the kernel made by syscall(): libstdc++ waits for futures, semaphores and atomics this way, and
-// some programs sleep or read a clock by it.
+// some programs sleep, read a clock or start a process by it.
 #include <errno.h>
 #include <linux/futex.h>
+#include <linux/sched.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <string.h>
 #include <sys/epoll.h>
+#include <sys/ioctl.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
 #include <atomic>
 
 #include "clients/shim/clocks.h"
+#include "clients/shim/processes.h"
 #include "clients/shim/real.h"
 #include "clients/shim/turns.h"
 
@@ -69,8 +74,57 @@ long as_the_kernel(int error) {
   return error == 0 ? 0 : refuse(error);
 }
 
-// Clocks, sleeps and waits for descriptors are those of the C library's functions, which this library has
-// replaced.
+// clone(2), without a stack of the child's own: like fork().
+long clone(const Call& call) {
+  const bool is_fork = is_like_fork(call.words[0]) && call.words[1] == 0;
+  if (!is_fork) return spawn_by([&] { return carry_out(call); });
+  Call fork = call;
+  fork.words[0] = as_fork(call.words[0]);
+  return fork_by([&] { return carry_out(fork); });
+}
+
+// clone3(2): the same.
+long clone3(const Call& call) {
+  clone_args given{};
+  const auto size = static_cast<std::size_t>(call.words[1]);
+  if (size <= sizeof given) ::memcpy(&given, pointer<const void>(call.words[0]), size);
+  const auto flags = static_cast<long>(given.flags);
+  if (size > sizeof given || !is_like_fork(flags) || given.stack != 0)
+    return spawn_by([&] { return carry_out(call); });
+  given.flags = static_cast<std::uint64_t>(as_fork(flags));
+  return fork_by([&] { return carry_out({call.number, {reinterpret_cast<long>(&given), call.words[1]}}); });
+}
+
+// Processes are started, replaced, awaited and ended as by the C library's functions.
+long process_in_step(const Call& call) {
+  const auto& word = call.words;
+  switch (call.number) {
+    case SYS_fork:
+    case SYS_vfork:
+      return ::fork();
+    case SYS_clone:
+      return clone(call);
+    case SYS_clone3:
+      return clone3(call);
+    case SYS_execve:
+      return ::execve(pointer<const char>(word[0]), pointer<char* const>(word[1]),
+                      pointer<char* const>(word[2]));
+    case SYS_execveat:
+      return ::execveat(static_cast<int>(word[0]), pointer<const char>(word[1]),
+                        pointer<char* const>(word[2]), pointer<char* const>(word[3]),
+                        static_cast<int>(word[4]));
+    case SYS_wait4:
+      return ::wait4(static_cast<pid_t>(word[0]), pointer<int>(word[1]), static_cast<int>(word[2]),
+                     pointer<rusage>(word[3]));
+    case SYS_exit_group:
+      ::_exit(static_cast<int>(word[0]));
+    default:
+      return carry_out(call);
+  }
+}
+
+// Clocks, sleeps, and reads and waits of descriptors are those of the C library's functions, which this
+// library has replaced.
 long in_step(const Call& call) {
   const auto& word = call.words;
   switch (call.number) {
@@ -106,8 +160,17 @@ long in_step(const Call& call) {
     case SYS_select:
       return ::select(static_cast<int>(word[0]), pointer<fd_set>(word[1]), pointer<fd_set>(word[2]),
                       pointer<fd_set>(word[3]), pointer<timeval>(word[4]));
+    case SYS_time:
+      return ::time(pointer<time_t>(word[0]));
+    case SYS_read:
+      return ::read(static_cast<int>(word[0]), pointer<void>(word[1]), static_cast<std::size_t>(word[2]));
+    case SYS_write:
+      return ::write(static_cast<int>(word[0]), pointer<const void>(word[1]),
+                     static_cast<std::size_t>(word[2]));
+    case SYS_ioctl:
+      return ::ioctl(static_cast<int>(word[0]), static_cast<unsigned long>(word[1]), word[2]);
     default:
-      return carry_out(call);
+      return process_in_step(call);
   }
 }
 

@@ -125,6 +125,14 @@ void forget_all_timers() {
 
 using namespace visum::shim;
 
+// These timers stay the host's. The run is not in step with a program that makes one, unless it measures
+// processor time.
+VISUM_EXPORT int timer_create(clockid_t clock, sigevent* event, timer_t* timer) noexcept {
+  std::int64_t base = 0;
+  if (active() && base_of(clock, base)) shared()->host_timer_of = ::getpid();
+  return VISUM_REAL(timer_create)(clock, event, timer);
+}
+
 VISUM_EXPORT int timerfd_create(clockid_t clock, int flags) noexcept {
   std::int64_t base = 0;
   if (!active() || !base_of(clock, base)) return VISUM_REAL(timerfd_create)(clock, flags);

@@ -58,8 +58,10 @@ class Exchanges(Scenario):
 
     def test_what_belongs_to_whom(self):
         talks = self.raw("talks", self.TALKS.format("talks"))
-        # A name that no controller has may be anyone's: nobody is known to have exchanged nothing.
-        self.assertIsNone(self.judged(self.raw("other", self.TALKS.format("a-name-of-its-own"))))
+        # An exchange under another name is the only controller's. Among several it may be anyone's.
+        other = self.raw("other", self.TALKS.format("a-name-of-its-own"))
+        self.assertIsNone(self.judged(other))
+        self.assertIn("client 'a-name-of-its-own' did, and no controller has that name", self.judged(talks, other))
         behind = "{name: behind, joins: false, through: talks, command: ['true']}"
         self.assertIsNone(self.judged(talks, behind))
         self.assertIsNone(self.judged(talks, "{name: log, joins: false, exchanges: false, command: ['true']}"))

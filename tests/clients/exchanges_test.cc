@@ -35,9 +35,20 @@ TEST(Exchanges, OfTheRunnerAreNoControllers) {
   EXPECT_NE(find_silent_controller({controller("a")}, status({{"scenario", 100}})), "");
 }
 
-TEST(Exchanges, OfAnUnknownNameMayBeAnyones) {
+TEST(Exchanges, OfAnUnknownNameAreThoseOfTheOnlyController) {
   EXPECT_EQ(find_silent_controller({controller("a")}, status({{"somebody", 1}})), "");
   EXPECT_EQ(find_silent_controller({controller("a")}, status({}, {{"arm", 1}})), "");
+}
+
+TEST(Exchanges, OfAnUnknownNameShowNothingOfOneAmongSeveral) {
+  const std::vector controllers{controller("a"), controller("b")};
+  const auto why = find_silent_controller(controllers, status({{"a.py", 1}, {"somebody", 1}}));
+  EXPECT_NE(why.find("'b' exchanged nothing with a part as client 'b.py'; client 'somebody' did"),
+            std::string::npos)
+      << why;
+  EXPECT_NE(find_silent_controller(controllers, status({{"a.py", 1}}, {{"arm", 1}})).find("the bus of 'arm'"),
+            std::string::npos);
+  EXPECT_EQ(find_silent_controller(controllers, status({{"a.py", 1}, {"b.py", 1}, {"somebody", 1}})), "");
 }
 
 TEST(Exchanges, OfABusAreThoseOfTheControllersThatNameIt) {

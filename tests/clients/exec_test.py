@@ -136,6 +136,11 @@ class WrongUse(unittest.TestCase):
         self.assertIn("/dev itself", self.refused("--tty", "/tmp/ttyS0=arm"))
         self.assertIn("--tty", self.refused())
 
+    def test_a_part_that_is_not_there_is_told_by_this_commands_options(self):
+        for options in (("--bus", "leg=pty"), ("--tty", "ttyVisum=leg"), ("--can", "esd=leg")):
+            text = visum("exec", "--scene", ARM, *options, "--", "true", expect=2).stderr
+            self.assertEqual(text, "visum: --bus, --tty or --can: there is no part 'leg'; there is only 'arm'\n")
+
     def test_a_server_of_its_own_is_no_other_server(self):
         self.assertIn("--connect", self.refused("--scene", ARM, "--connect", self.daemon.connect))
         visum("exec", "--scene", ARM, "--lockstep", "--", "true", env={"VISUM_CONNECT": self.daemon.connect})

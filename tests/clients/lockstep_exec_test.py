@@ -228,6 +228,17 @@ class Verdict(unittest.TestCase):
             with self.subTest(command=command):
                 self.assertRegex(self.invalid(*command), "has not loaded the time shim|waits by the host's time")
 
+    def test_a_child_of_a_system_call_is_followed(self):
+        program, static = BIN / "visum-test-raw-sleep", BIN / "visum-test-static"
+        for how in ("clone", "clone3", "fork"):
+            with self.subTest(how=how):
+                text, figures, _ = run(program, how, program)
+                self.assertEqual((text, figures["valid"], figures["ticks"]), ("done", True, 200))
+                self.assertRegex(self.invalid(program, how, static), "has not loaded the time shim|waits by the host's time")
+
+    def test_one_with_a_timer_of_the_hosts(self):
+        self.assertIn("has a timer of timer_create()", self.invalid(BIN / "visum-test-raw-sleep", "timer"))
+
     def test_one_that_sleeps_past_the_library(self):
         self.assertIn("waits by the host's time", self.invalid(BIN / "visum-test-raw-sleep", "raw"))
 

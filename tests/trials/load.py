@@ -17,6 +17,7 @@ does not allow it.
 from __future__ import annotations
 
 import argparse
+import ctypes
 import multiprocessing
 import os
 import resource
@@ -31,7 +32,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import programs
-from programs import SOURCE, Daemon, NotHere, await_that, expect, processes
+from programs import SOURCE, Daemon, NotHere, await_that, counter, expect, processes
 
 STOPPED_KIB = 256  # of memory for each reader that stands still
 FLOOD_MIB = 64  # of memory for all of a flood
@@ -80,7 +81,7 @@ def priority(options: argparse.Namespace, _: Path) -> str:
 # Readers that stand still ---------------------------------------------------------------------------------
 
 
-def observe(address: str, count: int, every_n_ticks: int, received: "multiprocessing.Array[int]", lost: "multiprocessing.Value[int]", back: "multiprocessing.Value[int]") -> None:
+def observe(address: str, count: int, every_n_ticks: int, received: "ctypes.Array[ctypes.c_longlong]", lost: ctypes.c_longlong, back: ctypes.c_longlong) -> None:
     """Runs `count` subscribers. One that is cut off comes back. Counts the bytes that each got."""
     import visum
     from visum.connection import pb
@@ -120,7 +121,7 @@ def stopped(options: argparse.Namespace, _: Path) -> str:
 
     each = options.observers // GROUPS
     with Daemon(options.bin, "--clock", "realtime", "--run") as daemon:
-        counts = [(multiprocessing.Array("q", each), multiprocessing.Value("q"), multiprocessing.Value("q")) for _ in range(GROUPS)]
+        counts = [(multiprocessing.Array("q", each, lock=False), counter(), counter()) for _ in range(GROUPS)]
         # The last group wants every tick, so that its buffers are full soon.
         burdens = [(observe, (daemon.address, each, 1 if group == GROUPS - 1 else 10, *counts[group])) for group in range(GROUPS)]
         with visum.Client(daemon.address, name="checker", role="observer") as checker, processes(*burdens) as groups:
@@ -148,7 +149,7 @@ def stopped(options: argparse.Namespace, _: Path) -> str:
 # Floods ---------------------------------------------------------------------------------------------------
 
 
-def connect_and_close(port: int, count: "multiprocessing.Value[int]") -> None:
+def connect_and_close(port: int, count: ctypes.c_longlong) -> None:
     while True:
         with socket.socket() as stranger:
             stranger.setblocking(False)
@@ -157,7 +158,7 @@ def connect_and_close(port: int, count: "multiprocessing.Value[int]") -> None:
         count.value += 1
 
 
-def open_and_stay(port: int, most: int, count: "multiprocessing.Value[int]") -> None:
+def open_and_stay(port: int, most: int, count: ctypes.c_longlong) -> None:
     there = []
     for _ in range(most):
         stranger = socket.socket()
@@ -173,7 +174,7 @@ def flood(options: argparse.Namespace, _: Path) -> str:
 
     silent = min(MOST_IDLE, resource.getrlimit(resource.RLIMIT_NOFILE)[0] - SPARE_DESCRIPTORS)
     with Daemon(options.bin, "--clock", "realtime", "--run") as daemon:
-        counts = [multiprocessing.Value("q") for _ in range(3)]
+        counts = [counter() for _ in range(3)]
         with visum.Client(daemon.address, name="good") as good:
             base, before, peak = daemon.descriptors(), daemon.resident_kib(), 0
             arm = good.part("arm")

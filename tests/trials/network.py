@@ -20,6 +20,7 @@ Exit code 0: all held; 1: one did not; 77: all were skipped.
 from __future__ import annotations
 
 import argparse
+import ctypes
 import math
 import multiprocessing
 import random
@@ -31,7 +32,7 @@ from pathlib import Path
 
 import programs
 from one_hash import Answers, answer_of, control
-from programs import PATIENCE_S, SOURCE, Daemon, await_that, expect, processes, replay
+from programs import PATIENCE_S, SOURCE, Daemon, await_that, counter, expect, processes, replay
 from wire import HERE, Weather, Wire, inside
 
 TOKEN = "0123456789abcdef0123456789abcdef"
@@ -56,7 +57,7 @@ def daemon_at(options: argparse.Namespace, wire: Wire, folder: Path, clock: str,
 # The wire is cut ------------------------------------------------------------------------------------------
 
 
-def wave(wire: Wire, port: int, token: Path, steps: "multiprocessing.Value[int]", told: "multiprocessing.Value[int]") -> None:
+def wave(wire: Wire, port: int, token: Path, steps: ctypes.c_longlong, told: ctypes.c_longlong) -> None:
     """Moves the arm to and fro until it learns that the daemon is out of reach."""
     import visum
 
@@ -79,7 +80,7 @@ def cut(options: argparse.Namespace, folder: Path) -> str:
     import visum
 
     with Wire() as wire, daemon_at(options, wire, folder, "realtime") as daemon:
-        steps, told = multiprocessing.Value("q"), multiprocessing.Value("q")
+        steps, told = counter(), counter()
         with inside(wire.far):
             other = visum.Client(daemon.address, name="other", token_file=folder / "token")
         arm = other.part("arm")
@@ -137,7 +138,7 @@ class Steering:
     """The results of a controller that ran in a process of its own."""
 
     def __init__(self) -> None:
-        self.sent, self.sessions = multiprocessing.Value("q"), multiprocessing.Value("q")
+        self.sent, self.sessions = counter(), counter()
         self.enough = multiprocessing.Event()
         self.done = multiprocessing.Event()  # all was answered, and the lease given back
 

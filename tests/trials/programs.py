@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import ctypes
 import json
 import multiprocessing
 import os
@@ -43,12 +44,13 @@ def use_client_of(programs: Path) -> None:
 
 
 class Daemon:
-    """A visumd for the length of a `with`. `before`: a command that starts it (chrt, ip netns exec, ...)."""
+    """A visumd for the length of a `with`. `before`: a command that starts it (chrt, ip netns exec, ...). `patient`: a busy
+    machine is no reason to stop a part."""
 
-    def __init__(self, programs: Path, *options: object, scene: Path = ARM, before: tuple[object, ...] = (), log: Path | None = None):
-        # A busy machine is no reason to stop a part here.
-        patient = ("--session-silence-ms", 0, "--command-age-ms", 0)
-        self.words = [*before, programs / "visumd", scene, "--port", 0, "--json", "-v", 0, *patient, *options]
+    def __init__(self, programs: Path, *options: object, scene: Path = ARM, before: tuple[object, ...] = (), log: Path | None = None,
+                 verbosity: int = 0, patient: bool = True):
+        patience = ("--session-silence-ms", 0, "--command-age-ms", 0) if patient else ()
+        self.words = [*before, programs / "visumd", scene, "--port", 0, "--json", "-v", verbosity, *patience, *options]
         self.log = log
 
     def __enter__(self) -> Daemon:
@@ -102,6 +104,12 @@ def await_that(holds: Callable[[], bool], claim: str, patience_s: float = PATIEN
         expect(time.monotonic() - began < patience_s, f"not within {patience_s:.0f} s: {claim}")
         time.sleep(0.02)
     return time.monotonic() - began
+
+
+def counter() -> ctypes.c_longlong:
+    """A number that one process writes and others read. It has no lock: a process that is killed while it holds
+    one would leave it locked for ever."""
+    return multiprocessing.Value("q", lock=False)
 
 
 @contextmanager

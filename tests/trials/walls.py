@@ -152,6 +152,8 @@ def no_more_memory(options: argparse.Namespace, folder: Path) -> str:
                 expect("memory" in str(error), f"it is refused for want of memory: {error}")
                 refused += 1
         expect(refused == 20, f"{bodies} bodies are too much")
+        tick = admin.status().tick
+        await_that(lambda: admin.status().tick > tick, "the ticks go on while there is no memory")
         resource.prlimit(daemon.pid, resource.RLIMIT_AS, all_of_it)  # or a new client may be refused, too
         goes_on(daemon)
         admin.add_body(body(bodies))

@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import NamedTuple
 
-from programs import NotHere, processes
+from programs import NotHere, counter, processes
 
 HERE, THERE = "10.91.0.1", "10.91.0.2"  # the daemon's end, and the controller's
 CLONE_NEWNET = 0x40000000  # sched.h
@@ -49,8 +49,8 @@ class Counts(NamedTuple):
         return f"{self.carried} packets, {self.lost} lost, {self.doubled} doubled, {self.overtaken} overtaken by later ones"
 
 
-def relay(ends: tuple[int, int], weather: Weather, seed: int, cut: "multiprocessing.Value[bool]",
-          counts: "multiprocessing.Array[int]") -> None:
+def relay(ends: tuple[int, int], weather: Weather, seed: int, cut: ctypes.c_longlong,
+          counts: "ctypes.Array[ctypes.c_longlong]") -> None:
     """Carries packets between the two devices until it is killed."""
     dice = random.Random(seed)
     under_way: list[tuple[float, int, int, bytes]] = []  # when they are due, their number, where to
@@ -126,8 +126,8 @@ class Wire:
     def __init__(self, weather: Weather = Weather(), seed: int = 1) -> None:
         self.weather, self.seed = weather, seed
         self.near, self.far = (f"visum-{side}-{os.getpid()}" for side in ("near", "far"))
-        self._cut = multiprocessing.Value("b", 0)
-        self._counts = multiprocessing.Array("q", len(Counts._fields))
+        self._cut = counter()
+        self._counts = multiprocessing.Array("q", len(Counts._fields), lock=False)
 
     def __enter__(self) -> Wire:
         with ExitStack() as stack:

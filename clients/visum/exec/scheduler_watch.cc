@@ -132,6 +132,9 @@ void Scheduler::await_announcements() {
   if (const auto parent = memory_.stranger_of.load(); parent != 0)
     note_out_of_step("a command that process " + std::to_string(parent) +
                      " ran by system() has not loaded the time shim");
+  if (const auto owner = memory_.host_timer_of.load(); owner != 0)
+    note_out_of_step("process " + std::to_string(owner) +
+                     " has a timer of timer_create(), which goes by the host's time");
   if (memory_.program_announced == 0) note_out_of_step("the program itself has not loaded the time shim");
 }
 

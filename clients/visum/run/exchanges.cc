@@ -30,9 +30,20 @@ bool has_one_of(const std::vector<Exchange>& exchanges, const std::set<std::stri
                              [&](const Exchange& one) { return one.count > 0 && names.contains(one.name); });
 }
 
-bool has_others(const std::vector<Exchange>& exchanges, const std::set<std::string>& names) {
-  return std::ranges::any_of(exchanges,
-                             [&](const Exchange& one) { return one.count > 0 && !names.contains(one.name); });
+// "client 'somebody', the bus of 'arm'": exchanged something, and no controller has that name.
+std::string names_of_nobody(const protocol::ServerStatus& status, const Names& known) {
+  std::string text;
+  const auto add = [&](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  for (const Exchange& one : status.exchanges)
+    if (one.count > 0 && !known.clients.contains(one.name)) add("client '" + one.name + "'");
+  for (const Exchange& one : status.bus_exchanges)
+    if (one.count > 0 && !known.buses.contains(one.name)) add("the bus of '" + one.name + "'");
+  return text;
+}
+
+// A bridge is a controller, too, so it is looked at by itself.
+bool must_exchange(const ControllerSpec& controller) {
+  return controller.exchanges && controller.through.empty();
 }
 
 }  // namespace
@@ -45,14 +56,17 @@ std::string find_silent_controller(const std::vector<ControllerSpec>& controller
     all.clients.insert(names.clients.begin(), names.clients.end());
     all.buses.insert(names.buses.begin(), names.buses.end());
   }
-  if (has_others(status.exchanges, all.clients) || has_others(status.bus_exchanges, all.buses)) return {};
+  const std::string others = names_of_nobody(status, all);
+  if (controllers.size() == 1 && !others.empty()) return {};
   for (const ControllerSpec& controller : controllers) {
-    // A bridge is a controller, too, so it is looked at by itself.
-    if (!controller.exchanges || !controller.through.empty()) continue;
     const Names names = names_of(controller);
-    if (!has_one_of(status.exchanges, names.clients) && !has_one_of(status.bus_exchanges, names.buses))
-      return "controller '" + controller.name +
-             "' exchanged nothing with a part; for a program that is not to, say 'exchanges: false'";
+    if (!must_exchange(controller) || has_one_of(status.exchanges, names.clients) ||
+        has_one_of(status.bus_exchanges, names.buses))
+      continue;
+    const std::string silent = "controller '" + controller.name + "' exchanged nothing with a part";
+    if (others.empty()) return silent + "; for a program that is not to, say 'exchanges: false'";
+    return silent + " as client '" + controller.client + "'; " + others +
+           " did, and no controller has that name: say 'client: NAME', or name {bus.PART} in 'command'";
   }
   return {};
 }

@@ -10,12 +10,12 @@
 
 namespace visum::run {
 
-// Returns why the run is invalid: a controller is known to have exchanged nothing, by the server's status at
-// the end. Empty: there is none.
+// Returns why the run is invalid: it is not known of a controller that it has exchanged something, by the
+// server's status at the end. Empty: it is known of all.
 //
 // A controller's own are the sessions under its client's name, those that its gate names, and the buses that
-// its command names. What came under a name that no controller has, or over a bus that none names, may be
-// anyone's: then nobody is known to have exchanged nothing.
+// its command names. What came under a name that no controller has, or over a bus that none names, is the
+// controller's if there is only one; among several it may be anyone's, and shows nothing.
 std::string find_silent_controller(const std::vector<ControllerSpec>& controllers,
                                    const protocol::ServerStatus& status);
 

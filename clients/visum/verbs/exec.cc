@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/format.h"
@@ -103,7 +105,7 @@ class ExecVerb : public Verb {
     std::optional<run::Daemon> daemon;
     if (!scene_.empty()) {
       links.emplace();
-      daemon.emplace(daemon_options(*links), kStart_s, wait_loop, [](const std::string&) {});
+      start(daemon, daemon_options(*links), wait_loop);
       link_.connect = "127.0.0.1:" + std::to_string(daemon->port());
       fill_in_places(*daemon);
     }
@@ -189,6 +191,18 @@ class ExecVerb : public Verb {
     for (const auto& text : ttys_) parsed_ttys_.push_back(exec::parse_tty(text));
     for (const auto& text : cans_) parsed_cans_.push_back(exec::parse_can(text));
     for (const auto& text : buses_) parsed_buses_.push_back(exec::parse_bus(text));
+  }
+
+  // visumd names a bus that it cannot have by the address that we gave it, of which the user knows nothing.
+  static void start(std::optional<run::Daemon>& daemon, const run::DaemonOptions& options,
+                    run::WaitLoop& wait_loop) try {
+    daemon.emplace(options, kStart_s, wait_loop, [](const std::string&) {});
+  } catch (const ExitError& error) {
+    constexpr std::string_view kRefusal = "' is no bus: ";
+    const std::string_view said = error.what();
+    const auto at = said.find(kRefusal);
+    if (at == said.npos) throw;
+    throw ExitError(error.code(), "--bus, --tty or --can: " + std::string(said.substr(at + kRefusal.size())));
   }
 
   run::DaemonOptions daemon_options(const TempFolder& links) const {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <cstdio>
 #include <exception>
@@ -103,6 +104,7 @@ class StopVerb : public Verb {
     // The role of the token does not matter: every client may stop parts.
     const auto token = read_token(link_, protocol::Role::kObserver);
     const auto [host, port] = server_of(link_);
+    begun_ = Clock::now();
     Order order(host, port, part_, token);
     const auto first = order.await(State::kAnswered, kAlone);
     const bool needs_session = first.state == State::kRefused && first.refusal == StopRefusal::kSession;
@@ -187,6 +189,7 @@ class StopVerb : public Verb {
       json.begin_object().member("part", part_).member("way", way).member("latched", true);
       json.member("acted", acted);
       if (tick) json.member("tick", *tick);
+      json.member("took_ms", std::chrono::duration<double, std::milli>(Clock::now() - begun_).count());
       json.end_object();
       std::printf("%s\n", json.text().c_str());
       return;
@@ -200,8 +203,10 @@ class StopVerb : public Verb {
           "it acts at the end of the tick that the server is in, which takes long; nothing moves meanwhile");
   }
 
+  using Clock = std::chrono::steady_clock;
   LinkOptions link_;
   std::string part_;
+  Clock::time_point begun_;
 };
 
 }  // namespace
