@@ -34,7 +34,7 @@ std::string in_quotes(const std::string& text) {
   return quoted + "'";
 }
 
-// The lowest z of a shape in the world. Of round shapes it may be a little too low.
+// The lowest z of a shape in the world.
 double lowest(const world::WorldModel& model, const world::Shape& shape) {
   const world::Pose X_WS = model.bodies[shape.body.index()].X_WB * shape.X_BS;
   if (shape.mesh.valid()) {
@@ -43,19 +43,29 @@ double lowest(const world::WorldModel& model, const world::Shape& shape) {
       z = std::min(z, (X_WS * vertex).z());
     return z;
   }
-  Eigen::Vector3d half = Eigen::Vector3d::Zero();
-  if (shape.kind == world::ShapeKind::kBox)
-    half = Eigen::Vector3d(shape.size[0], shape.size[1], shape.size[2]) / 2;
-  else if (shape.kind != world::ShapeKind::kPlane)
-    half = {shape.size[0], shape.size[0], std::max(shape.size[0], shape.size[1] / 2 + shape.size[0])};
-  return X_WS.p.z() - (X_WS.q.toRotationMatrix().row(2).cwiseAbs() * half).value();
+  const Eigen::Vector3d up = X_WS.q.conjugate() * Eigen::Vector3d::UnitZ();  // in the shape's frame
+  const double radius = shape.size[0], half_length = shape.size[1] / 2;
+  switch (shape.kind) {
+    case world::ShapeKind::kBox:
+      return X_WS.p.z() - up.cwiseAbs().dot(Eigen::Vector3d(shape.size[0], shape.size[1], shape.size[2])) / 2;
+    case world::ShapeKind::kSphere:
+      return X_WS.p.z() - radius;
+    case world::ShapeKind::kCapsule:
+      return X_WS.p.z() - radius - half_length * std::abs(up.z());
+    case world::ShapeKind::kCylinder:
+      return X_WS.p.z() - radius * up.head<2>().norm() - half_length * std::abs(up.z());
+    default:
+      return X_WS.p.z();
+  }
 }
+
+constexpr double kNanometres = 1e9;  // in a metre
 
 double floor_height(const world::WorldModel& model) {
   double z = 0.0;
   for (const world::Shape& shape : model.shapes)
     if (shape.collides) z = std::min(z, lowest(model, shape));
-  return z;
+  return std::round(z * kNanometres) / kNanometres;
 }
 
 // The joints that the part drives, if the model's file names them; else it drives all.

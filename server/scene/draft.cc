@@ -4,6 +4,7 @@
 
 #include "protocol/config/number_text.h"
 #include "protocol/config/unknown_name.h"
+#include "server/scene/hulls.h"
 #include "server/scene/mesh_readers.h"
 #include "server/world/joint_kinds.h"
 
@@ -161,6 +162,15 @@ world::MeshId Draft::converted_mesh(const std::string& name, const world::Triang
                                     const Eigen::Vector3d& scale, const config::Place& wanted_by) {
   const auto [entry, is_new] = meshes_.try_emplace({name, scale[0], scale[1], scale[2]});
   if (is_new) entry->second = add_mesh(mesh, scale, wanted_by);
+  return entry->second;
+}
+
+world::MeshId Draft::hull_of(world::MeshId id, const config::Place& wanted_by) {
+  const world::TriangleMesh& mesh = scene.world.meshes[id.index()];
+  if (is_flat(mesh)) return {};
+  if (mesh.vertices.size() <= kMaxHullVertices) return id;
+  const auto [entry, is_new] = meshes_.try_emplace({"hull of mesh " + std::to_string(id.index()), 1, 1, 1});
+  if (is_new) entry->second = add_mesh(thin_hull(mesh), Eigen::Vector3d::Ones(), wanted_by);
   return entry->second;
 }
 

@@ -77,6 +77,8 @@ class Draft {
   // The same for a part of a file that was converted: `mesh`, once per name and scale.
   world::MeshId converted_mesh(const std::string& name, const world::TriangleMesh& mesh,
                                const Eigen::Vector3d& scale, const config::Place& wanted_by);
+  // The hull of a mesh of this scene, thinned out where it has many vertices. Invalid for a flat mesh.
+  world::MeshId hull_of(world::MeshId mesh, const config::Place& wanted_by);
 
  private:
   std::map<std::string, config::Place> names_;  // "body 'box'" -> where

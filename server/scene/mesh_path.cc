@@ -31,7 +31,13 @@ fs::path resolve_mesh(const std::string& uri, const fs::path& model_file, const 
   const std::string path = without_scheme(uri, "file").value_or(uri);
   if (path.find("://") != std::string::npos)
     throw config::ConfigError(wanted_by, "mesh '" + uri + "': addresses are not followed, name a file");
-  const fs::path file = (model_file.parent_path() / path).lexically_normal();
+  fs::path file = (model_file.parent_path() / path).lexically_normal();
+  // "/meshes/arm.stl" may mean the folder of the model.
+  if (fs::path(path).is_absolute() && !is_file(file))
+    if (const fs::path beside =
+            (model_file.parent_path() / fs::path(path).relative_path()).lexically_normal();
+        is_file(beside))
+      file = beside;
   if (!is_file(file))
     throw config::ConfigError(wanted_by, "mesh '" + uri + "': no such file ('" + file.string() + "')");
   return file;

@@ -7,6 +7,7 @@
 #include "protocol/config/number_text.h"
 #include "protocol/config/read_file.h"
 #include "protocol/config/unknown_name.h"
+#include "server/scene/collision_hulls.h"
 #include "server/scene/frames.h"
 #include "server/scene/joints.h"
 #include "server/scene/link_mass.h"
@@ -57,7 +58,9 @@ class Placement {
     ground_roots();
     check_link_keys();
     follow_joints(robot_);
+    read_collision_meshes();
     for (const RobotLink& link : robot_.links) place_link(link);
+    note_hulls();
     for (const JoinedLink& joined : robot_.joined)
       draft_.add_link_name(name_ + "/" + joined.name, {body(joined.into), joined.X_IL});
     for (const RobotJoint& joint : robot_.joints) place_joint(joint);
@@ -116,6 +119,18 @@ class Placement {
       if (hanging.count(link.name) == 0) link.on_ground = true;
   }
 
+  void read_collision_meshes() {
+    const auto node = node_.find("collision_meshes");
+    by_hulls_ = node ? node->one_of({"hulls", "triangles"}) == "hulls" : robot_.collides_by_hulls;
+  }
+
+  void note_hulls() {
+    if (hulls_ > 0)
+      robot_.repairs.push_back({"meshes of moving links collide as their convex hulls: " +
+                                    std::to_string(hulls_) + " ('collision_meshes: triangles' keeps them)",
+                                0});
+  }
+
   // The keys of `surfaces:` must be links of the file, including links that were joined into others.
   void check_link_keys() const {
     const auto surfaces = node_.find("surfaces");
@@ -139,6 +154,7 @@ class Placement {
     std::vector<world::Shape> shapes;
     for (const RobotShape& shape : link.shapes) shapes.push_back(shape_of(link, shape));
     if (!body.fixed) set_mass(link, shapes, body);
+    if (!body.fixed && by_hulls_) hulls_ += take_hulls(draft_, shapes, link_place(link));
     const world::BodyId id = draft_.add_body(body, link_place(link));
     for (world::Shape& shape : shapes) {
       shape.body = id;
@@ -371,6 +387,8 @@ class Placement {
   RobotModel robot_;
   world::Pose X_WM_;
   std::int32_t engine_ = 0;
+  bool by_hulls_ = false;
+  std::size_t hulls_ = 0;            // meshes that were replaced
   std::vector<std::string> placed_;  // names of joints
 };
 
@@ -419,7 +437,7 @@ RobotModel load_robot_file(Draft& draft, const Node& file_node) {
 
 void read_model(Draft& draft, const Node& node) {
   node.allow_only({"name", "file", "pose", "fixed", "joints", "surface", "surfaces", "self_collision",
-                   "no_collision", "engine", "repair", "density", "model"});
+                   "no_collision", "engine", "repair", "density", "model", "collision_meshes"});
   Placement(draft, node).place();
 }
 

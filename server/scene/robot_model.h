@@ -86,6 +86,8 @@ struct RobotModel {
   std::vector<std::pair<std::string, std::string>> no_collision;  // links that the file keeps apart
   // True: links that hang on no joint move unless they are `on_ground`. False: the scene says it.
   bool says_what_is_fixed = false;
+  // Meshes of moving links collide as their hulls, unless the scene says otherwise.
+  bool collides_by_hulls = false;
   std::optional<Eigen::Vector3d> gravity;  // for a scene of this model alone
   std::optional<ModelWorld> world;  // the file holds a <world>; links and joints are named "model::link"
 };

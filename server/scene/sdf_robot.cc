@@ -1,10 +1,12 @@
 #include "server/scene/sdf_robot.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <type_traits>
 
 #include "protocol/config/number_text.h"
@@ -148,7 +150,10 @@ class SdfReader {
       if (const XMLElement* material = element.FirstChildElement("material"))
         shape.color = color_of(*material);
     }
-    const std::string fault = read_geometry(*element.FirstChildElement("geometry"), link, shape);
+    const XMLElement& form = *element.FirstChildElement("geometry")->FirstChildElement();
+    if (const std::string fault = not_simulated(form); !fault.empty())
+      return shapes_.leave_out(shape, fault, link);
+    const std::string fault = read_geometry(form, link, shape);
     shapes_.add(std::move(shape), fault, opacity, link);
   }
 
@@ -161,10 +166,20 @@ class SdfReader {
     return rgba;
   }
 
+  // Says why a form is left out, even where it collides; empty: it is read.
+  static std::string not_simulated(const XMLElement& form) {
+    static constexpr std::array<std::string_view, 7> kForms{"box",       "sphere", "cylinder", "capsule",
+                                                            "ellipsoid", "plane",  "mesh"};
+    if (std::ranges::find(kForms, std::string_view(form.Name())) == kForms.end())
+      return "has the form <" + std::string(form.Name()) +
+             ">, which is not simulated (box, sphere, cylinder, capsule, ellipsoid, plane and mesh are)";
+    if (form.FirstChildElement("submesh")) return "names a submesh, and only whole meshes are read";
+    return "";
+  }
+
   // Fills kind, size and mesh. If it cannot, returns the reason.
-  std::string read_geometry(const XMLElement& geometry, const RobotLink& link, RobotShape& shape) {
+  std::string read_geometry(const XMLElement& form, const RobotLink& link, RobotShape& shape) {
     using world::ShapeKind;
-    const XMLElement& form = *geometry.FirstChildElement();
     const std::string tag = form.Name();
     if (tag == "mesh") return read_mesh(form, link, shape);
     if (tag == "plane") {
@@ -186,9 +201,6 @@ class SdfReader {
       set_ellipsoid(shape, size_of(form, "radii", Eigen::Vector3d(1.0, 1.0, 1.0), shape));
       return "";
     }
-    if (tag != "sphere" && tag != "cylinder" && tag != "capsule")
-      return "has a form that is not simulated (box, sphere, cylinder, capsule, ellipsoid, plane and mesh "
-             "are)";
     shape.kind = tag == "sphere"     ? ShapeKind::kSphere
                  : tag == "cylinder" ? ShapeKind::kCylinder
                                      : ShapeKind::kCapsule;
@@ -220,7 +232,6 @@ class SdfReader {
   }
 
   std::string read_mesh(const XMLElement& mesh, const RobotLink& link, RobotShape& shape) {
-    if (mesh.FirstChildElement("submesh")) return "names a submesh, and only whole meshes are read";
     const std::string uri = text_of(mesh.FirstChildElement("uri"));
     if (uri.empty()) return "is a <mesh> without a <uri>";
     shape.scale = vector_of(&mesh, "scale").value_or(Eigen::Vector3d::Ones());
@@ -236,7 +247,11 @@ class SdfReader {
     joint.file = other_file(joint.joint.name);
     const std::string parent = end_of(from, "parent", frames), child = end_of(from, "child", frames);
     if (child == kWorldLink) fail_at(from, file_, "the child of a joint cannot be the world");
-    if (parent == child) fail_at(from, file_, "parent and child are one link");
+    if (parent == child) {
+      model_.losses.push_back(remark(
+          from, "joint '" + joint.joint.name + "' is not simulated: its parent and child are one link"));
+      return;
+    }
     joint.parent = parent == kWorldLink ? parent : prefix + parent;
     joint.child = prefix + child;
     const world::Pose X_MJ = frames.pose_of_joint(from);
@@ -282,9 +297,11 @@ class SdfReader {
       joint.pitch_m = pitch->second;
     }
     const XMLElement* axis = from.FirstChildElement("axis");
-    if (axis == nullptr) throw config::ConfigError(place, "needs an <axis>");
-    joint.axis_J = axis_of(*axis, frames, X_MJ);
-    const XMLElement* limit = axis->FirstChildElement("limit");
+    if (axis == nullptr)
+      model_.losses.push_back(
+          remark(from, "joint '" + joint.name + "' gives no <axis>: it moves along z of its frame"));
+    joint.axis_J = axis != nullptr ? axis_of(*axis, frames, X_MJ) : Eigen::Vector3d::UnitZ();
+    const XMLElement* limit = axis != nullptr ? axis->FirstChildElement("limit") : nullptr;
     const double lower = number_or(limit, "lower", -1e16), upper = number_or(limit, "upper", 1e16);
     joint.limited = type != "continuous" && (lower > -kUnlimited || upper < kUnlimited);
     if (joint.limited) {
@@ -292,7 +309,7 @@ class SdfReader {
       joint.upper = std::min(upper, kUnlimited);
     }
     if (joint.lower > joint.upper) throw config::ConfigError(place, "the lower limit is above the upper one");
-    const XMLElement* dynamics = axis->FirstChildElement("dynamics");
+    const XMLElement* dynamics = axis != nullptr ? axis->FirstChildElement("dynamics") : nullptr;
     joint.damping = number_or(dynamics, "damping", 0.0);
     joint.friction = number_or(dynamics, "friction", 0.0);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <set>
 #include <string_view>
 
 #include "server/scene/inertia_repair.h"
@@ -17,7 +18,8 @@ namespace {
 
 using Color = std::array<double, 4>;
 
-constexpr double kUnlimited = 1e6;  // files write 1e16 or infinity for "no limit"
+constexpr const char* kFloating = "floating";  // a type of joints
+constexpr double kUnlimited = 1e6;             // files write 1e16 or infinity for "no limit"
 
 // The numbers of an attribute that check_urdf() has checked; the default where there is none.
 template <typename Numbers>
@@ -64,6 +66,7 @@ class UrdfReader {
       read_joint(*joint);
     throw_all(std::move(errors_));
     place_links();
+    release_floating();
   }
 
  private:
@@ -159,7 +162,18 @@ class UrdfReader {
     joint.child = text_or(*element.FirstChildElement("child"), "link", "");
     joint.joint.X_PJ = origin_of(element);
     read_kind(element, joint);
+    if (text_or(element, "type", "") == kFloating) floating_.insert(joint.joint.name);
     model_.joints.push_back(std::move(joint));
+  }
+
+  // A link on a floating joint is free. Where there is one, the root stands still by the file itself.
+  void release_floating() {
+    if (floating_.empty()) return;
+    model_.says_what_is_fixed = true;
+    for (RobotLink& link : model_.links)
+      link.on_ground =
+          std::ranges::none_of(model_.joints, [&](const auto& joint) { return joint.child == link.name; });
+    std::erase_if(model_.joints, [&](const auto& joint) { return floating_.count(joint.joint.name) != 0; });
   }
 
   static void read_kind(const XMLElement& element, RobotJoint& joint) {
@@ -167,7 +181,7 @@ class UrdfReader {
     joint.joint.kind = type == "fixed"       ? world::JointKind::kFixed
                        : type == "prismatic" ? world::JointKind::kSlider
                                              : world::JointKind::kHinge;
-    if (type == "fixed") return;
+    if (type == "fixed" || type == kFloating) return;
     if (const XMLElement* mimic = element.FirstChildElement("mimic"))
       joint.mimic = Mimic{text_or(*mimic, "joint", ""), number_or(mimic, "multiplier", 1.0),
                           number_or(mimic, "offset", 0.0), mimic->GetLineNum()};
@@ -177,12 +191,15 @@ class UrdfReader {
     const XMLElement* dynamics = element.FirstChildElement("dynamics");
     joint.joint.damping = number_or(dynamics, "damping", 0.0);
     joint.joint.friction = number_or(dynamics, "friction", 0.0);
+    joint.stiffness = number_or(dynamics, "spring_stiffness", 0.0);
+    joint.rest = number_or(dynamics, "spring_reference", 0.0);
     const XMLElement* limit = element.FirstChildElement("limit");
     const double speed = number_or(limit, "velocity", 0.0), effort = number_or(limit, "effort", 0.0);
     if (speed < kUnlimited) joint.maximum_speed = speed;
     if (effort < kUnlimited) joint.maximum_effort = effort;
     const double lower = number_or(limit, "lower", 0.0), upper = number_or(limit, "upper", 0.0);
-    joint.joint.limited = type != "continuous" && (lower > -kUnlimited || upper < kUnlimited);
+    joint.joint.limited =
+        type != "continuous" && lower <= upper && (lower > -kUnlimited || upper < kUnlimited);
     if (!joint.joint.limited) return;
     joint.joint.lower = std::max(lower, -kUnlimited);
     joint.joint.upper = std::min(upper, kUnlimited);
@@ -212,6 +229,7 @@ class UrdfReader {
   RobotModel& model_;
   ShapeIntake shapes_;
   std::map<std::string, Color> colors_;  // by the material's name
+  std::set<std::string> floating_;       // joints
   std::vector<config::ConfigError> errors_;
 };
 
@@ -222,6 +240,7 @@ RobotModel read_urdf_robot(tinyxml2::XMLDocument& document, const std::filesyste
   const ModelXml xml = check_urdf(document, file.string());
   RobotModel model;
   model.file = file;
+  model.collides_by_hulls = true;
   model.losses = xml.losses;
   model.repairs = xml.repairs;
   UrdfReader(model, packages).read(*document.RootElement());

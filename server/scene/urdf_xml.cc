@@ -34,6 +34,8 @@ constexpr AttributeRule kAttributes[] = {
     {"mimic", "offset", false, 1, NumberRule::kAny},
     {"dynamics", "damping", false, 1, NumberRule::kNotNegative},
     {"dynamics", "friction", false, 1, NumberRule::kNotNegative},
+    {"dynamics", "spring_stiffness", false, 1, NumberRule::kNotNegative},
+    {"dynamics", "spring_reference", false, 1, NumberRule::kAny},
     {"box", "size", true, 3, NumberRule::kPositive},
     {"sphere", "radius", true, 1, NumberRule::kPositive},
     {"cylinder", "radius", true, 1, NumberRule::kPositive},
@@ -45,8 +47,8 @@ constexpr AttributeRule kAttributes[] = {
 };
 
 // These elements are not read; their subtrees may hold anything.
-const std::vector<const char*> kUnread = {"gazebo", "transmission",      "ros2_control",
-                                          "sensor", "safety_controller", "calibration"};
+const std::vector<const char*> kUnread = {
+    "gazebo", "transmission", "ros2_control", "sensor", "safety_controller", "calibration", "contact"};
 
 bool is_unread(const XMLElement& element) {
   return std::any_of(kUnread.begin(), kUnread.end(),
@@ -75,15 +77,14 @@ double attribute_or(const XMLElement* element, const char* name, double otherwis
 
 void check_joint_type(const XMLElement& joint, const std::string& file) {
   const std::string type = required(joint, "type", file);
-  const std::vector<std::string> known = {"revolute", "continuous", "prismatic", "fixed"};
+  const std::vector<std::string> known = {"revolute", "continuous", "prismatic", "fixed", "floating"};
   if (std::find(known.begin(), known.end(), type) == known.end())
     fail_at(joint, file,
-            "joints of type '" + type + "' are not simulated (revolute, continuous, prismatic, fixed are)");
+            "joints of type '" + type +
+                "' are not simulated (revolute, continuous, prismatic, fixed, floating are)");
   if (type != "revolute" && type != "prismatic") return;
   const XMLElement* limit = joint.FirstChildElement("limit");
   if (limit == nullptr) fail_at(joint, file, "a " + type + " joint needs a <limit>");
-  if (attribute_or(limit, "lower", 0) > attribute_or(limit, "upper", 0))
-    fail_at(*limit, file, "the lower limit is above the upper one");
 }
 
 std::string end_of(const XMLElement& joint, const char* tag, const ModelXml& xml, const std::string& file) {
@@ -149,6 +150,15 @@ void take_out_world(const XMLElement& root, const std::string& file, ModelXml& x
 void note_losses(const XMLElement& root, ModelXml& xml) {
   const auto unread = unread_elements(root, kUnread);
   xml.losses.insert(xml.losses.end(), unread.begin(), unread.end());
+  for (auto joint = root.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
+    const std::string type = joint->Attribute("type");
+    const XMLElement* limit = joint->FirstChildElement("limit");
+    if ((type == "revolute" || type == "prismatic") &&
+        attribute_or(limit, "lower", 0) > attribute_or(limit, "upper", 0))
+      xml.losses.push_back({"joint '" + std::string(joint->Attribute("name")) +
+                                "' moves without limits: its lower limit is above the upper one",
+                            limit->GetLineNum()});
+  }
 }
 
 }  // namespace

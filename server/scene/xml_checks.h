@@ -48,8 +48,8 @@ std::size_t walk(const XMLElement& root, const std::function<bool(const XMLEleme
 std::vector<Remark> unread_elements(const XMLElement& root, const std::vector<const char*>& names);
 
 // Bounds for a model's file, so that none can take all memory.
-inline constexpr std::size_t kMaxModelElements = 8000;
-inline constexpr std::size_t kMaxModelLinks = 250;
+inline constexpr std::size_t kMaxModelElements = 50000;
+inline constexpr std::size_t kMaxModelLinks = 1000;
 void check_amount(std::size_t elements, const ModelXml& xml, const std::string& file);
 
 // Takes out of a URDF what cannot be used and need not be (faults of looks and of fixed joints), and notes

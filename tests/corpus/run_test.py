@@ -29,7 +29,7 @@ class Corpus(unittest.TestCase):
         models = self.folder / "models"
         models.mkdir()
         (models / "good.urdf").write_text(GOOD)
-        (models / "bad.urdf").write_text(GOOD.replace("'continuous'", "'floating'"))
+        (models / "bad.urdf").write_text(GOOD.replace("'continuous'", "'planar'"))
         (models / "other.sdf").write_text("<element name='x'/>")
         (models / "hanging.xml").write_text(
             "<mujoco><worldbody><body name='b'><joint name='j'/><geom size='0.1'/></body></worldbody></mujoco>")
@@ -39,7 +39,8 @@ class Corpus(unittest.TestCase):
         self.assertEqual(self.run_on(str(models), "--wrap").stdout, done.stdout, "a scene around it changes nothing")
         self.assertEqual(done.stdout.splitlines(), [
             "URDF: 1 of 2 files load (50 %)",
-            "      1  refused: joints of type '*' are not simulated (revolute, continuous, prismatic, fixed are)",
+            "      1  refused: joints of type '*' are not simulated (revolute, continuous, prismatic, fixed, "
+            "floating are)",
             "      1  impulse, 2 s: ran",
             "      1  ode, 2 s: ran",
             "MJCF: 1 of 1 files load (100 %)",

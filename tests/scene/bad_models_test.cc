@@ -76,8 +76,6 @@ TEST(BadUrdf, EachFaultNamesLineAndElement) {
              ""),
        "m.urdf:2: link 'a': mesh scale must not be zero, is '1 1 0'"},
       {robot("", "revolute", kAxis), "m.urdf:4: joint 'j': a revolute joint needs a <limit>"},
-      {robot("", "revolute", kAxis + "<limit lower='1' upper='-1' effort='1' velocity='1'/>"),
-       "m.urdf:5: joint 'j': the lower limit is above the upper one"},
       {robot("", "prismatic", kAxis + "<limit lower='0' upper='inf' effort='1' velocity='1'/>"),
        "m.urdf:5: joint 'j': limit upper must be a finite number, is 'inf'"},
       {robot("", "continuous", "<axis xyz='0 0 0'/>"), "m.urdf:5: joint 'j': axis xyz must not be zero"},
@@ -85,9 +83,9 @@ TEST(BadUrdf, EachFaultNamesLineAndElement) {
        "m.urdf:5: joint 'j': axis xyz must be a finite number, is '0 nan 0'"},
       {robot("", "continuous", kAxis + "<dynamics damping='-1'/>"),
        "m.urdf:5: joint 'j': dynamics damping must be at least 0, is '-1'"},
-      {robot("", "floating", ""),
-       "m.urdf:4: joint 'j': joints of type 'floating' are not simulated (revolute, continuous, prismatic, "
-       "fixed are)"},
+      {robot("", "planar", ""),
+       "m.urdf:4: joint 'j': joints of type 'planar' are not simulated (revolute, continuous, prismatic, "
+       "fixed, floating are)"},
       {"<robot name='r'><link name='hand'/><joint name='j' type='fixed'><parent link='hnad'/><child "
        "link='hand'/></joint></robot>",
        "m.urdf:1: joint 'j': parent names link 'hnad', which does not exist; did you mean 'hand'?"},
@@ -115,15 +113,15 @@ TEST(BadUrdf, DeepNestingAndEntitiesAreRefusedAtOnce) {
 
 TEST(BadUrdf, LinksAndElementsAreCounted) {
   std::string many = "<robot name='r'><link name='a'/>";
-  for (int i = 0; i < 250; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     const std::string name = "l" + std::to_string(i);
     many += "<link name='" + name + "'/><joint name='" + name +
             "' type='fixed'><parent link='a'/><child link='" + name + "'/></joint>";
   }
-  EXPECT_EQ(urdf_error(many + "</robot>"), "m.urdf: has 251 links, at most 250 are read");
+  EXPECT_EQ(urdf_error(many + "</robot>"), "m.urdf: has 1001 links, at most 1000 are read");
   std::string large = "<robot name='r'><link name='a'>";
-  for (int i = 0; i < 8000; ++i) large += "<visual/>";
-  EXPECT_EQ(urdf_error(large + "</link></robot>"), "m.urdf: has 8001 XML elements, at most 8000 are read");
+  for (int i = 0; i < 50'000; ++i) large += "<visual/>";
+  EXPECT_EQ(urdf_error(large + "</link></robot>"), "m.urdf: has 50001 XML elements, at most 50000 are read");
 }
 
 TEST(BadSdf, EachFaultIsNamed) {
@@ -156,11 +154,6 @@ TEST(BadSdf, EachFaultIsNamed) {
           "<link name='a'/><link name='b'/><joint name='j' type='revolute'><parent>a</parent><child>b</child>"
           "<axis><xyz>0 0 0</xyz></axis></joint>"),
       "m.urdf:3: joint 'j': xyz must not be zero");
-  EXPECT_EQ(
-      model("<link name='a'><collision name='c'><geometry><polyline><height>1</height><point>0 0</point>"
-            "<point>1 0</point><point>0 1</point></polyline></geometry></collision></link>"),
-      "m.urdf:3: link 'a': collision 'c' has a form that is not simulated (box, sphere, cylinder, "
-      "capsule, ellipsoid, plane and mesh are)");
   EXPECT_EQ(urdf_error("<sdf version='x'><model name='m'><link name='a'/></model></sdf>"),
             "m.urdf:1: the version must be one of SDF 1, such as 1.9, is 'x'");
   EXPECT_EQ(sdf("<model name='m'/>"), "m.urdf:2: has no <link>");

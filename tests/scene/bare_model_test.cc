@@ -46,6 +46,9 @@ TEST(BareModel, StandsOnAFloorBelowItsLowestPoint) {
   EXPECT_DOUBLE_EQ(floor_of("<sphere radius='0.3'/>", "0 0 0"), -0.2);
   EXPECT_DOUBLE_EQ(floor_of("<box size='0.1 0.1 0.1'/>", "0 0 0"), 0.0) << "never above the origin";
   EXPECT_NEAR(floor_of("<box size='1 1 2'/>", "1.5707963267948966 0 0"), -0.4, 1e-12);
+  EXPECT_DOUBLE_EQ(floor_of("<cylinder radius='0.3' length='0.4'/>", "0 0 0"), -0.1);
+  EXPECT_NEAR(floor_of("<cylinder radius='0.3' length='0.4'/>", "1.5707963267948966 0 0"), -0.2, 1e-12);
+  EXPECT_NEAR(floor_of("<capsule radius='0.1' length='0.4'/>", "0 0 0"), -0.2, 1e-12);
 }
 
 TEST(BareModel, WithoutJointsHasNoPart) {

@@ -96,6 +96,79 @@ TEST_F(LenientUrdf, ATinyMassKeepsItsFigures) {
   EXPECT_NEAR(arm_of(scene).inertia_C(0, 0), 1e-9, 1e-18);
 }
 
+const std::string kTetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+
+std::string mesh_of(const std::string& tag, const std::string& file) {
+  return "<" + tag + "><geometry><mesh filename='" + file + "'/></geometry></" + tag + ">";
+}
+
+TEST_F(LenientUrdf, MeshesOfMovingLinksCollideAsHulls) {
+  files_.write("t.obj", kTetrahedron);
+  std::string urdf = arm(inertial("1", kBall) + mesh_of("visual", "t.obj") + mesh_of("collision", "t.obj"));
+  urdf.replace(urdf.find(kMassless), kMassless.size(),
+               "<link name='base'>" + mesh_of("collision", "t.obj") + "</link>");
+  const Scene scene = load(urdf);
+  ASSERT_EQ(scene.world.shapes.size(), 3u);
+  EXPECT_EQ(scene.world.shapes[0].kind, world::ShapeKind::kMesh) << "the base stands still";
+  EXPECT_EQ(scene.world.shapes[1].kind, world::ShapeKind::kConvex);
+  EXPECT_TRUE(scene.world.shapes[1].collides);
+  EXPECT_EQ(scene.world.shapes[1].color[3], 0.0);
+  EXPECT_EQ(scene.world.shapes[2].kind, world::ShapeKind::kMesh) << "it looks as before";
+  EXPECT_FALSE(scene.world.shapes[2].collides);
+  EXPECT_GT(scene.world.shapes[2].color[3], 0.0);
+  ASSERT_EQ(scene.repairs.size(), 1u);
+  EXPECT_EQ(scene.repairs[0].remark.text,
+            "model 'm': meshes of moving links collide as their convex hulls: 1 ('collision_meshes: "
+            "triangles' keeps them)");
+}
+
+TEST_F(LenientUrdf, TrianglesCollideWhereTheSceneWantsThem) {
+  files_.write("t.obj", kTetrahedron);
+  files_.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n");
+  const auto kind = [&](const std::string& file, const std::string& keys) {
+    return load(arm(inertial("1", kBall) + mesh_of("collision", file)), keys).world.shapes.front().kind;
+  };
+  EXPECT_EQ(kind("t.obj", ""), world::ShapeKind::kConvex);
+  EXPECT_EQ(kind("t.obj", ", collision_meshes: triangles"), world::ShapeKind::kMesh);
+  EXPECT_EQ(kind("flat.obj", ", collision_meshes: hulls"), world::ShapeKind::kMesh) << "no volume";
+  EXPECT_THAT(files_.error_of([&] { kind("t.obj", ", collision_meshes: hull"); }),
+              HasSubstr("did you mean 'hulls'?"));
+}
+
+TEST_F(LenientUrdf, ALinkOnAFloatingJointIsFree) {
+  const std::string arm_joint =
+      "<link name='tip'/><joint name='f' type='fixed'><parent link='arm'/><child link='tip'/></joint>";
+  std::string urdf = arm(inertial("1", kBall), arm_joint);
+  urdf.replace(urdf.find("continuous"), 10, "floating");
+  const Scene scene = load(urdf);
+  EXPECT_TRUE(scene.world.joints.empty());
+  EXPECT_TRUE(scene.world.bodies[0].fixed) << "the base";
+  EXPECT_FALSE(arm_of(scene).fixed);
+  EXPECT_TRUE(arm_of(load(urdf, ", fixed: true")).fixed) << "the scene's own word";
+}
+
+TEST_F(LenientUrdf, LimitsTheWrongWayRoundAreNone) {
+  std::string urdf = arm(inertial("1", kBall));
+  urdf.replace(urdf.find("continuous"), 10, "revolute");
+  urdf.replace(urdf.find("</joint>"), 0, "<limit lower='1' upper='-1' effort='1' velocity='1'/>");
+  const Scene scene = load(urdf);
+  EXPECT_FALSE(scene.world.joints.front().limited);
+  EXPECT_THAT(scene.losses, ElementsAre("model 'm': joint 'turn' moves without limits: its lower limit is "
+                                        "above the upper one"));
+}
+
+TEST_F(LenientUrdf, SpringsOfJointsAct) {
+  std::string urdf = arm(inertial("1", kBall));
+  urdf.replace(urdf.find("</joint>"), 0, "<dynamics spring_stiffness='30' spring_reference='0.1'/>");
+  files_.write("m.urdf", urdf);
+  const Scene scene =
+      load_scene(files_.write("s.yaml", "visum: 1\nengine: impulse\nmodels: [{name: m, file: m.urdf}]"));
+  ASSERT_EQ(scene.world.joints.size(), 2u);
+  EXPECT_EQ(scene.world.joints[1].kind, world::JointKind::kTorsionSpring);
+  EXPECT_EQ(scene.world.joints[1].stiffness, 30.0);
+  EXPECT_EQ(scene.world.joints[1].rest, 0.1);
+}
+
 TEST_F(LenientUrdf, ShapesWithoutSizeAreLeftOut) {
   const Scene scene =
       load(arm(inertial("1", kBall) + "<visual><geometry><box size='1 0 1'/></geometry></visual>\n"

@@ -175,9 +175,22 @@ TEST(SdfFrames, SaysWhatIsWrongAndWhere) {
       HasSubstr("'b'"));
   EXPECT_THAT(error_of("<link name='a'/><joint name='j' type='fixed'><parent>a</parent></joint>"),
               HasSubstr("needs a <child>"));
-  EXPECT_THAT(
-      error_of("<link name='a'/><joint name='j' type='fixed'><parent>a</parent><child>a</child></joint>"),
-      HasSubstr("parent and child are one link"));
+}
+
+TEST(SdfFrames, JointsThatMeanNothingAreLost) {
+  const RobotModel robot =
+      model("<link name='a'/><joint name='j' type='fixed'><parent>a</parent><child>a</child></joint>");
+  EXPECT_TRUE(robot.joints.empty());
+  EXPECT_THAT(robot.losses.back().text, HasSubstr("its parent and child are one link"));
+}
+
+TEST(SdfFrames, AJointWithoutAxisMovesAlongZ) {
+  const RobotModel robot = model(
+      "<link name='a'/><link name='b'/><joint name='j' "
+      "type='revolute'><parent>a</parent><child>b</child></joint>");
+  ASSERT_EQ(robot.joints.size(), 1u);
+  EXPECT_EQ(robot.joints[0].joint.axis_J, Eigen::Vector3d::UnitZ());
+  EXPECT_THAT(robot.losses.back().text, HasSubstr("joint 'j' gives no <axis>"));
 }
 
 TEST(SdfFrames, SizesThatAreMissingAreTheFormats) {

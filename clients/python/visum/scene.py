@@ -143,11 +143,13 @@ class Scene:
               fixed: bool | None = None, joints: Mapping[str, float] | None = None, surface: str | None = None,
               surfaces: Mapping[str, str] | None = None, self_collision: bool | None = None,
               no_collision: Iterable[Sequence[str]] | Mapping[str, Any] | None = None, density: float | None = None,
-              repair: bool | None = None, engine: str | None = None, repeat: Repeat | None = None) -> None:
+              repair: bool | None = None, collision_meshes: str | None = None, engine: str | None = None,
+              repeat: Repeat | None = None) -> None:
         self._add("models", {"name": name, "file": file, "model": model, "pose": pose, "fixed": fixed,
                              "joints": joints, "surface": surface, "surfaces": surfaces,
                              "self_collision": self_collision, "no_collision": no_collision, "density": density,
-                             "repair": repair, "engine": engine, "repeat": repeat})
+                             "repair": repair, "collision_meshes": collision_meshes, "engine": engine,
+                             "repeat": repeat})
 
     def body(self, name: str, *, fixed: bool | None = None, pose: Entry | None = None, mass: float | None = None,
              density: float | None = None, inertia: Vector | None = None, com: Vector | None = None,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/scene/hulls.h"
 #include "server/scene/mjcf/meshes.h"
 
 namespace visum::scene::mjcf {
@@ -208,15 +209,6 @@ class GeomReader {
     shape_.collides = false;
     shape_.kind = ShapeKind::kMesh;
     add_mesh(name, mesh, Vector3d::Ones());
-  }
-
-  static bool is_flat(const world::TriangleMesh& mesh) {
-    Vector3d mean = Vector3d::Zero();
-    for (const Vector3d& vertex : mesh.vertices) mean += vertex / static_cast<double>(mesh.vertices.size());
-    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-    for (const Vector3d& vertex : mesh.vertices) spread += (vertex - mean) * (vertex - mean).transpose();
-    const Vector3d lengths = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues();
-    return mesh.vertices.size() < 4 || lengths[0] <= 1e-8 * lengths[2];
   }
 
   // A simple form of the mesh's moments of inertia replaces it, as in MuJoCo.

@@ -3,7 +3,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <map>
 
 #include "server/scene/mesh_readers.h"
 
@@ -14,7 +13,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kLeastVolume = 1e-15;  // m³
-constexpr int kBallSplits = 3;
 
 std::array<Vector3d, 3> corners(const world::TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t) {
   return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
@@ -36,23 +34,6 @@ Vector3d middle_of_surface(const world::TriangleMesh& mesh) {
 double six_volumes(const std::array<Vector3d, 3>& t, bool exact) {
   const double volume = t[0].dot(t[1].cross(t[2]));
   return exact ? volume : std::abs(volume);
-}
-
-// Replaces each triangle by four, with new vertices on the unit sphere.
-void split(world::TriangleMesh& ball) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
-  const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-    const auto [entry, is_new] = middles.try_emplace({std::min(a, b), std::max(a, b)},
-                                                     static_cast<std::uint32_t>(ball.vertices.size()));
-    if (is_new) ball.vertices.push_back((ball.vertices[a] + ball.vertices[b]).normalized());
-    return entry->second;
-  };
-  std::vector<std::array<std::uint32_t, 3>> finer;
-  for (const auto& [a, b, c] : ball.triangles) {
-    const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-    finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
-  }
-  ball.triangles = std::move(finer);
 }
 
 }  // namespace
@@ -87,43 +68,6 @@ MassProperties solid_of_mesh(const world::TriangleMesh& mesh, bool exact) {
     second = -second;
   }
   return {about_com, com, second.trace() * Matrix3d::Identity() - second};
-}
-
-world::TriangleMesh ball_mesh() {
-  world::TriangleMesh ball;
-  ball.name = "ball";
-  for (int axis = 0; axis < 3; ++axis)
-    for (const double sign : {1.0, -1.0}) ball.vertices.push_back(sign * Vector3d::Unit(axis));
-  ball.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
-  for (int i = 0; i < kBallSplits; ++i) split(ball);
-  return ball;
-}
-
-world::TriangleMesh thin_hull(const world::TriangleMesh& mesh) {
-  if (mesh.vertices.size() <= kMaxHullVertices) return mesh;
-  static const world::TriangleMesh directions = ball_mesh();
-  world::TriangleMesh thin;
-  thin.name = mesh.name + " (hull)";
-  std::map<std::size_t, std::uint32_t> kept;
-  std::vector<std::uint32_t> farthest;
-  for (const Vector3d& direction : directions.vertices) {
-    std::size_t best = 0;
-    double most = -1e300;
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-      const double here = direction.dot(mesh.vertices[i]);
-      if (here > most) {
-        most = here;
-        best = i;
-      }
-    }
-    const auto [entry, is_new] = kept.try_emplace(best, static_cast<std::uint32_t>(thin.vertices.size()));
-    if (is_new) thin.vertices.push_back(mesh.vertices[best]);
-    farthest.push_back(entry->second);
-  }
-  for (const auto& [a, b, c] : directions.triangles)
-    if (farthest[a] != farthest[b] && farthest[b] != farthest[c] && farthest[c] != farthest[a])
-      thin.triangles.push_back({farthest[a], farthest[b], farthest[c]});
-  return thin;
 }
 
 world::TriangleMesh read_msh(std::string_view bytes, const config::Place& place) {

@@ -1,5 +1,5 @@
-// Triangle meshes as MJCF needs them: their mass as MuJoCo counts it, hulls of few vertices, round bodies
-// made of triangles, and MuJoCo's own mesh format. Pure functions.
+// Triangle meshes as MJCF needs them: their mass as MuJoCo counts it, and MuJoCo's own mesh format. Pure
+// functions.
 #pragma once
 
 #include <string>
@@ -14,15 +14,6 @@ namespace visum::scene::mjcf {
 // surface. Unless `exact`, pyramids count positive even if their triangle is seen from behind, so that open
 // meshes and those with faces turned inside out have a mass, too. It is the exact one for convex meshes.
 MassProperties solid_of_mesh(const world::TriangleMesh& mesh, bool exact);
-
-// Collisions search all vertices of a hull, so that large ones are thinned out.
-inline constexpr std::size_t kMaxHullVertices = 512;
-// The mesh itself if it has no more vertices than that; else those that lie farthest out in 642 directions.
-// Its surface lies inside of the hull by at most 0.4 % of the hull's radius.
-world::TriangleMesh thin_hull(const world::TriangleMesh& mesh);
-
-// A unit ball of 642 vertices.
-world::TriangleMesh ball_mesh();
 
 // The mesh format .msh of old versions of MuJoCo. Throws ConfigError at `place`.
 world::TriangleMesh read_msh(std::string_view bytes, const config::Place& place);
