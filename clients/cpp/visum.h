@@ -207,6 +207,8 @@ class Part {
   std::unique_ptr<detail::PartState> state_;
 };
 
+class Chain;  // kinematics.h
+
 // A session with a server.
 class Client {
  public:
@@ -219,6 +221,11 @@ class Client {
   const ServerInfo& server() const;
   std::vector<std::string> part_names();
   Part part(const std::string& name);
+
+  // The chain of driven joints that carries a body of the world, "arm/link_7": for forward and inverse
+  // kinematics (kinematics.h). Joints on the way that no part drives stay where they are now. Throws
+  // kUnknownName where there is no such body, and kMisuse where no driven joint carries it.
+  Chain chain(const std::string& body);
 
   // Joins the clock. Under `lockstep` the world waits from now on for each advance of this client, at most
   // `timeout` of wall time (0: the server's default). Under `realtime` and `free` the world goes on by

@@ -6,7 +6,12 @@
 namespace visum::recording {
 
 PortReader::PortReader(const std::filesystem::path& file, std::vector<StatePoint> points)
-    : file_(file), beginning_(file_.place()), points_(std::move(points)) {}
+    : file_(file), beginning_(file_.place()), points_(std::move(points)) {
+  // All channels stand at the beginning, each before its part's description (beginning.cc). Messages further
+  // on mean nothing to a reader that has not met their channels.
+  while (std::holds_alternative<const protocol::PartDescription*>(file_.next())) {
+  }
+}
 
 std::vector<double> PortReader::read(const std::string& part, std::uint64_t to, std::uint64_t count) {
   const auto from = to - std::min(to, count);

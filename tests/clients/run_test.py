@@ -418,8 +418,16 @@ class Ends(Scenario):
         self.assertIn("visumd was ended by signal 9 (Killed)", out)
         self.assert_nothing_left()
 
+    # As on a slow machine, whose runs are invalid.
+    def test_keep_goes_on_after_an_invalid_run_too(self):
+        silent = "controllers: [{name: c, joins: false, command: [echo, hello]}]\n"
+        self.keep_and_watch("until: {at_s: 0.05}\n" + silent, 6, "INVALID")
+
     def test_keep_goes_on_until_it_is_interrupted(self):
-        file = self.write("until: {at_s: 0.05}\nchecks: [{that: {tilt: {body: box}, below: 1}}]\n")
+        self.keep_and_watch("until: {at_s: 0.05}\nchecks: [{that: {tilt: {body: box}, below: 1}}]\n", 0, "PASSED: 1 of 1 checks")
+
+    def keep_and_watch(self, text, code, verdict):
+        file = self.write(text)
         process = subprocess.Popen([BIN / "visum", "run", file, "--keep"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                    text=True)
         connect = None
@@ -433,8 +441,8 @@ class Ends(Scenario):
         self.assertEqual(ticks, sorted(set(ticks)), "time goes on")
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=DEADLINE_S)
-        self.assertEqual(process.returncode, 0, err)
-        self.assertIn("PASSED: 1 of 1 checks", out)
+        self.assertEqual(process.returncode, code, err)
+        self.assertIn(verdict, out)
         self.assert_nothing_left()
 
     def test_a_fixed_port(self):

@@ -1,5 +1,7 @@
 // Runs every test of this folder, one after the other in one browser.
 import "./page.test.mjs";
+import "./safe.test.mjs";
+import "./tool.test.mjs";
 import "./look.test.mjs";
 import "./overlays.test.mjs";
 import "./sensors.test.mjs";

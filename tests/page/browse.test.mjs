@@ -8,7 +8,7 @@ pageTest("browse: everything of a part is found, read and set", async (page, cla
   const shown = () => page.locator(".port:visible").evaluateAll((rows) => rows.map((row) => row.dataset.port));
   const summary = (name) => page.locator("summary", { hasText: name });
   await claim("search shows what has all words, and opens where it is", async () => {
-    const search = page.getByRole("searchbox", { name: "Search ports" });
+    const search = page.getByRole("searchbox", { name: "Search ports and parameters" });
     await search.fill("speed 3");
     assert.deepEqual(await shown(), ["Maximum Speed 3", "Actual Speed 3"]);
     await search.fill("no such thing");

@@ -36,6 +36,17 @@ export function pageTest(name, run, { daemon: words = [], serve = () => Daemon.s
   });
 }
 
+// An option of a page: the browser draws no 3D. What is not about the view is tested so, because software
+// draws slowly.
+export const flat = {
+  before: () => {
+    const get = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+      return kind.startsWith("webgl") ? null : get.call(this, kind, ...more);
+    };
+  },
+};
+
 async function claim(t, words, body) {
   try {
     await body();

@@ -92,6 +92,8 @@ for (const colorScheme of ["light", "dark"])
   pageTest(`has nothing that an accessibility checker finds, ${colorScheme}`, async (page) => {
     await page.evaluate(() => visum.acquire("arm"));
     await page.getByRole("button", { name: "Plot Actual Angle 1" }).click();
+    for (const summary of await page.locator("summary", { hasText: /^(Parameters|Blackboards|Cycle)/ }).all()) await summary.click();
+    await page.locator(".parameter").first().waitFor();
     await assertAccessible(page);
     await page.evaluate(() => visum.release("arm"));
     await assertAccessible(page);
@@ -103,12 +105,11 @@ async function assertAccessible(page) {
   assert.deepEqual(violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ target }) => target).join(" ")}`), []);
 }
 
-for (const [width, height] of [[1280, 720], [768, 1024], [1024, 768]])
+for (const [width, height] of [[1280, 720], [768, 1024], [1024, 768], [390, 844], [640, 360]])
   pageTest(`fits a screen of ${width} by ${height}`, async (page) => {
-    if (width < 1000) await button(page, "Panel").click(); // one pane at a time: this closes the parts
-    await button(page, "Plots").click();
-    await page.getByRole("combobox", { name: "Selected body" }).selectOption("box");
-    await until(page, () => !document.querySelector(".pane.plots").hidden && document.querySelector(".view canvas").clientWidth > 300);
+    await button(page, "Plots").click(); // on a small screen this closes the others
+    if (height > 700) await page.getByRole("combobox", { name: "Selected body" }).selectOption("box");
+    await until(page, () => !document.querySelector(".pane.plots").hidden && document.querySelector(".view canvas").clientWidth > 200);
     const outside = await page.evaluate(() => [...document.querySelectorAll("button, select, input, output, .meter, canvas")]
       .filter((element) => element.checkVisibility() && !element.closest(".tree-body, .panel-scroll, .popover-body"))
       .filter((element) => {
@@ -181,9 +182,13 @@ browserTest("another scene leaves nothing of the one before", async () => {
     await page.locator("summary", { hasText: "Blackboards" }).click();
     await until(page, () => document.querySelector(".blackboard pre"));
     await mine.stop();
-    mine = await Daemon.start(join(source, "models/scenes/cart.yaml"), "--port", String(port), "--http", String(http));
     await page.getByText("No longer held: Desired Angle 1 (the lease of 'arm' is lost)").waitFor();
+    assert.equal(await page.locator(".part .holder").first().isVisible(), false, "nobody holds a lease of a server that is gone");
+    assert.ok(await button(page, "Joint 1 more").isDisabled());
+    mine = await Daemon.start(join(source, "models/scenes/cart.yaml"), "--port", String(port), "--http", String(http));
     await live(page);
+    await page.getByRole("group", { name: "Widgets" }).getByText("cart", { exact: false }).first().waitFor();
+    assert.equal(await page.locator(".missing").count(), 0, "nor a panel of its parts");
     const from = await page.evaluate(() => visum.simTime());
     // Twice what lets blackboards be read again
     await until(page, (time) => visum.simTime() > time + 2.5, from);

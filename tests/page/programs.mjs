@@ -86,10 +86,13 @@ export const launch = () =>
   });
 
 // Opens a page of `daemon` and waits until it shows live data. `page.faults` collects what no page may do:
-// errors on the console, exceptions, requests to other hosts.
-export async function openPage(browser, daemon, options = {}) {
+// errors on the console, exceptions, requests to other hosts. `before` runs in the page before its own
+// scripts.
+export async function openPage(browser, daemon, { before, firstVisit = false, ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, ...options });
   const page = await context.newPage();
+  if (before) await page.addInitScript(before);
+  if (!firstVisit) await page.addInitScript(() => localStorage.setItem("visum.hint", "1")); // src/bar/help.ts
   page.setDefaultTimeout(kLiveMs);
   page.faults = [];
   page.on("console", (message) => ["error", "warning"].includes(message.type()) && page.faults.push(message.text()));

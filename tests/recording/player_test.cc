@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "server/recording/port_reader.h"
 #include "server/recording/replay.h"
 #include "tests/recording/forge.h"
 #include "tests/recording/recorded_world.h"
@@ -242,6 +243,24 @@ TEST(Player, AStateThatIsNoneIsPassedOver) {
     player.seek(10);
     expect_moment(player, life.moments[10]);
   }
+}
+
+// A state lies between the file's beginning, where its channels are described, and the first ticks that are
+// asked for.
+TEST(PortReader, ReadsTicksThatLieBehindAStateFirst) {
+  Life life;
+  life.run(1500);
+  const auto file = life.finish();
+  const Player player(file, {});
+  ASSERT_FALSE(player.points().empty());
+  ASSERT_LT(player.points().front().position, 1200u);
+  PortReader ports(file, player.points());
+  const auto rows = ports.read("robot", 1500, 300);
+  const auto& part = player.world().parts()[0];
+  const auto width = 1 + part.controller_inputs.size() + part.sensor_outputs.size();
+  ASSERT_EQ(rows.size(), 300 * width);
+  const auto& last = life.moments[1500].outputs;
+  EXPECT_TRUE(std::equal(last.begin(), last.end(), rows.end() - static_cast<std::ptrdiff_t>(last.size())));
 }
 
 }  // namespace

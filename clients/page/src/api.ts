@@ -2,8 +2,7 @@
 import { Vector3 } from "three";
 import type { Parts } from "./model/parts";
 import type { World } from "./model/world";
-import type { Ghost } from "./view3d/ghost";
-import type { Viewer } from "./view3d/viewer";
+import type { SceneView } from "./view3d/scene_view";
 
 export interface PortInfo {
   part: string;
@@ -32,7 +31,7 @@ export interface VisumApi {
   simTime(): number; // s
 }
 
-export function makeApi(parts: Parts, world: World, viewer: Viewer, ghost: Ghost): VisumApi {
+export function makeApi(parts: Parts, world: World, view: SceneView | null): VisumApi {
   const port = (part: string, name: string) => {
     const found = parts.port(part, name);
     if (!found) throw new Error(`part '${part}' has no port '${name}'`);
@@ -42,6 +41,10 @@ export function makeApi(parts: Parts, world: World, viewer: Viewer, ghost: Ghost
     const found = parts.find(name);
     if (!found) throw new Error(`there is no part '${name}'`);
     return found;
+  };
+  const shown = () => {
+    if (!view) throw new Error("this browser draws no 3D");
+    return view;
   };
   return {
     ports: () => parts.list.value.flatMap((part) => part.ports.map((entry) => {
@@ -54,16 +57,18 @@ export function makeApi(parts: Parts, world: World, viewer: Viewer, ghost: Ghost
     release: (part) => partOf(part).release(),
     bodies: () => world.description.value?.bodies.map(({ name }) => name) ?? [],
     project: (body, point = [0, 0, 0]) => {
+      const { viewer } = shown();
       const group = viewer.bodies.groups[world.bodyIndex(body)];
       if (!group) throw new Error(`there is no body '${body}'`);
       return viewer.toPixels(group.localToWorld(new Vector3(...point)));
     },
     projectGhost: (body, point = [0, 0, 0]) => {
+      const { viewer, ghost } = shown();
       const matrix = ghost.matrixOf(world.bodyIndex(body));
       return matrix && viewer.toPixels(new Vector3(...point).applyMatrix4(matrix));
     },
     camera: () => {
-      const { camera, controls } = viewer.view;
+      const { camera, controls } = shown().viewer.view;
       return { position: camera.position.toArray(), target: controls.target.toArray(), fov: camera.fov };
     },
     simTime: () => Number(world.sample?.simTimeNs ?? 0n) / 1e9,

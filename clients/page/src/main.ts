@@ -7,9 +7,16 @@ import "../styles/timeline.css";
 import "../styles/tree.css";
 import "../styles/view.css";
 import "../styles/panel.css";
+import "../styles/tool.css";
 import "../styles/plots.css";
 import { makeApi } from "./api";
 import { connectionBadge, lostBanner, realityBadge } from "./bar/connection";
+import { frozenBanner } from "./bar/frozen";
+import { firstSteps, showKeys } from "./bar/help";
+import { listenForKeys } from "./bar/keys";
+import { kTold, resetWorld } from "./bar/reset";
+import { StopButton } from "./bar/stop";
+import { PartStrip } from "./bar/strip";
 import { TimeControls } from "./bar/time_controls";
 import { timeline } from "./bar/timeline";
 import { Link } from "./link/link";
@@ -19,17 +26,17 @@ import { Recording } from "./model/recording";
 import { World } from "./model/world";
 import { PanelPane } from "./panels/pane";
 import { PlotPane } from "./plots/pane";
+import { Gizmo } from "./tool/gizmo";
+import { Mover } from "./tool/mover";
+import { ToolPane } from "./tool/pane";
+import { CameraTiles } from "./tree/camera_tiles";
 import { profileView } from "./tree/profile";
 import { Tree } from "./tree/tree";
 import { h, setText } from "./ui/dom";
 import { Layout } from "./ui/layout";
-import { reportError } from "./ui/toasts";
-import { Ghost } from "./view3d/ghost";
-import { Overlays } from "./view3d/overlays";
-import { Selection } from "./view3d/selection";
-import { SensorOverlay } from "./view3d/sensors";
-import { viewToolbar } from "./view3d/toolbar";
-import { Viewer } from "./view3d/viewer";
+import { tabs } from "./ui/tabs";
+import { report, reportError } from "./ui/toasts";
+import { makeSceneView } from "./view3d/scene_view";
 
 const url = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/session`;
 const link = new Link(url, `page ${crypto.getRandomValues(new Uint16Array(1))[0]!.toString(16).padStart(4, "0")}`);
@@ -40,10 +47,16 @@ const recording = new Recording(link, parts);
 
 const layout = new Layout();
 document.getElementById("app")!.replaceWith(layout.root);
-const viewer = new Viewer(layout.view, world);
-const time = new TimeControls(link, clock, recording);
+const view = makeSceneView(layout.view, link, world, parts, clock);
+const reset = () => void resetWorld(link, clock, parts).catch(reportError);
+const time = new TimeControls(link, clock, recording, reset);
 const plots = new PlotPane(layout.panes.plots, parts);
-new PanelPane(layout.panes.panel, parts, world);
+const panelPlace = h("section", { class: "tab-body" });
+const panel = new PanelPane(panelPlace, parts, world);
+panel.isEmpty.watch((empty) => layout.offer("panel", !empty));
+const tool = new ToolPane(link, world, parts, new Mover());
+layout.panes.panel.append(tabs("Panel or tool", [{ name: "Panel", content: panelPlace }, { name: "Tool", content: tool.element }]), panelPlace, tool.element);
+if (view) new Gizmo(view.viewer, world, tool);
 const tree = new Tree(link, parts, {
   plot(ports) {
     layout.reveal("plots");
@@ -51,20 +64,14 @@ const tree = new Tree(link, parts, {
   },
 }, profileView(link, clock));
 const scene = h("span", { class: "scene" });
-layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element, layout.toggles, connectionBadge(link, parts), timeline(recording));
+const strip = new PartStrip(link, parts);
+const stop = new StopButton(link, clock, strip);
+layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element, layout.toggles, connectionBadge(link, parts, clock), stop.element, strip.element, timeline(recording));
 layout.panes.parts.append(tree.element);
-const ghost = new Ghost(viewer, world, parts);
-const overlays = new Overlays(viewer, world, new SensorOverlay(viewer, world, parts), ghost, layout.view);
-const selection = new Selection(viewer, world, parts, link, clock, layout.view);
-const notShown = h("p", { class: "not-shown", hidden: true });
-layout.view.append(viewToolbar(viewer, world, overlays, selection, layout.view), notShown, ghost.sign, lostBanner(link));
-world.description.watch((description) => {
-  const losses = description?.losses ?? [];
-  notShown.hidden = losses.length === 0;
-  notShown.title = losses.join("\n");
-  setText(notShown, `Not shown or simulated: ${losses.length === 1 ? losses[0] : `${losses.length} things of the models`}`);
-});
-window.visum = makeApi(parts, world, viewer, ghost);
+const hint = firstSteps();
+if (hint) layout.view.append(hint);
+layout.view.append(lostBanner(link), frozenBanner(link, clock, reset), new CameraTiles(parts).element);
+window.visum = makeApi(parts, world, view);
 
 // The page is live when it is connected, has drawn data of this connection, and knows whether time runs.
 let fresh = false;
@@ -77,9 +84,12 @@ world.sampled.on((sample) => {
   fresh = true;
   time.showTime(Number(sample.simTimeNs) / 1e9);
 });
-viewer.drawn.on(() => {
+if (view) view.viewer.drawn.on(markLive);
+else clock.status.watch(markLive);
+
+function markLive(): void {
   if (fresh && link.welcome && clock.status.value) document.documentElement.dataset["visum"] = "live";
-});
+}
 
 async function begin(): Promise<void> {
   setText(scene, link.welcome?.scene ?? "");
@@ -88,7 +98,7 @@ async function begin(): Promise<void> {
   await recording.begin(parts.steering);
   await world.begin();
   await clock.refresh();
-  viewer.redraw();
+  view?.viewer.redraw();
 }
 
 let stood = false; // whether time stood at the last status
@@ -104,18 +114,11 @@ clock.status.watch((status) => {
   parts.adaptTo(status.realTimeFactor).catch(reportError);
 });
 
-const dark = matchMedia("(prefers-color-scheme: dark)");
-const paint = () => viewer.setBackground(getComputedStyle(document.documentElement).getPropertyValue("--sky").trim());
-dark.addEventListener("change", paint);
-paint();
-
-document.addEventListener("keydown", (event) => {
-  const target = event.target as HTMLElement;
-  const typing = target.closest("input, select, textarea, button, summary, [contenteditable]");
-  if (event.key === " " && !typing) {
-    event.preventDefault();
-    if (!event.repeat) time.toggleRun();
-  }
+// Others reset the world, too.
+link.told.on((body) => {
+  if (body.case !== "event" || body.value.kind !== "era" || link.recorded.value) return;
+  report(kTold);
 });
 
+listenForKeys({ toggleRun: () => time.toggleRun(), stop: () => stop.press(), help: showKeys });
 link.open();

@@ -19,6 +19,7 @@ const kPorts = 60;
 const port = (name: string) => ({ name, unit: "", minimum: -1, maximum: 1, group: "" });
 const kDescription = {
   name: "arm",
+  parameters: [],
   controllerInputs: ["X", "Y", "Z"].map(port),
   sensorOutputs: Array.from({ length: kPorts }, (_, i) => port(`Out ${i}`)),
 } as unknown as PartDescription;

@@ -15,7 +15,7 @@ test("a number that cannot be sent is not, and the field shows again what is in 
   ];
   const { asked, link } = server(() => ({ parameters }));
   Object.assign(link, { recorded: { value: false } });
-  const view = parametersView(link, { name: "arm", description: { parameters } } as unknown as Part)!;
+  const view = parametersView(link, { name: "arm", description: { parameters } } as unknown as Part)!.element;
   Object.assign(view, { open: true });
   happens(view, "toggle");
   await settled();

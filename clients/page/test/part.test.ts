@@ -8,6 +8,7 @@ import { refusal, server, settled } from "./server";
 const kInputs = ["Angle", "Finger 1", "Finger 2", "Speed"];
 const kDescription = {
   name: "arm",
+  parameters: [],
   controllerInputs: kInputs.map((name) => ({ name })),
   sensorOutputs: kInputs.map((name) => ({ name: `Actual ${name}` })),
 } as unknown as PartDescription;
@@ -97,7 +98,7 @@ test("holds end with the lease, which is told where it was lost, and not where i
 
 // A part of 60 ports, and what it shows of them at a time in s: 100 times the port's place, and the time.
 function wide() {
-  const description = { name: "arm", controllerInputs: [], sensorOutputs: Array.from({ length: 60 }, (_, i) => ({ name: `Out ${i}` })) };
+  const description = { name: "arm", parameters: [], controllerInputs: [], sensorOutputs: Array.from({ length: 60 }, (_, i) => ({ name: `Out ${i}` })) };
   const part = new Part(server().link, description as unknown as PartDescription);
   const goes = (seconds: number) => part.take({ ...sampleOf(), sensorOutputs: part.ports.map(({ index }) => 100 * index + seconds), simTimeNs: BigInt(Math.round(1e9 * seconds)) } as PartSample);
   const seen = (i: number) => part.recordings()!.all([part.channel(part.ports[i]!)]).values[0];

@@ -14,7 +14,7 @@ async function twoOfThreeLeased(refused = "", code = ErrorCode.ERROR_BUSY) {
     return {};
   });
   const parts = new Parts(link);
-  parts.list.value = ["arm", "cart", "eye"].map((name) => new Part(link, { name, controllerInputs: [], sensorOutputs: [] } as unknown as PartDescription));
+  parts.list.value = ["arm", "cart", "eye"].map((name) => new Part(link, { name, parameters: [], controllerInputs: [], sensorOutputs: [] } as unknown as PartDescription));
   for (const name of ["arm", "cart"]) await parts.find(name)!.acquire();
   const released = () => asked.flatMap((request) => (request.case === "releaseLease" ? [request.value.part] : []));
   return { parts, released };

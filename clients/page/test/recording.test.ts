@@ -17,7 +17,7 @@ async function plotted() {
   const { link } = server((request) => (request.case === "readBlackboard" ? { data: new TextEncoder().encode(JSON.stringify(kReport)) } : {}));
   Object.assign(link, { recorded: { value: false }, headers: {} });
   const parts = new Parts(link);
-  const part = new Part(link, { name: "arm", controllerInputs: [{ name: "X" }], sensorOutputs: [] } as unknown as PartDescription);
+  const part = new Part(link, { name: "arm", parameters: [], controllerInputs: [{ name: "X" }], sensorOutputs: [] } as unknown as PartDescription);
   parts.list.value = [part];
   const recording = new Recording(link, parts);
   await recording.begin("recording");

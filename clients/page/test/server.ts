@@ -1,7 +1,7 @@
 // A server behind a Link, for the tests of the model: what was asked of it, and what it answers.
 import type { Link } from "../src/link/link";
 import { RequestError, type Body, type ErrorCode, type RequestInit } from "../src/link/messages";
-import { Emitter } from "../src/common/signal";
+import { Emitter, Signal } from "../src/common/signal";
 
 // `answer` of a request's body; what it throws is the refusal.
 export function server(answer: (request: RequestInit) => unknown = () => ({})) {
@@ -10,6 +10,7 @@ export function server(answer: (request: RequestInit) => unknown = () => ({})) {
   const link = {
     name: "page",
     welcome: { tickNs: 1_000_000n },
+    state: new Signal({ kind: "open" }),
     told,
     request: async (request: RequestInit) => {
       asked.push(request);

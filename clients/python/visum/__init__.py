@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 
 from visum.client import Client, ServerInfo
 from visum.errors import Error, ErrorCode
+from visum.kinematics import Chain, ChainJoint, InverseSolution, Pose
 from visum.part import Part
 from visum.ports import Inputs, Outputs, Port
 from visum.program import exit_code_of
@@ -31,8 +32,8 @@ from visum.world import Body, Contact, Joint, World, WorldView
 if TYPE_CHECKING:
     from visum.launching import LaunchedClient, launch
 
-__all__ = ["Body", "Client", "Contact", "Error", "ErrorCode", "Inputs", "Joint", "LaunchedClient", "Outputs", "Part",
-           "Port", "ServerInfo", "World", "WorldView", "exit_code_of", "launch"]
+__all__ = ["Body", "Chain", "ChainJoint", "Client", "Contact", "Error", "ErrorCode", "Inputs", "InverseSolution", "Joint",
+           "LaunchedClient", "Outputs", "Part", "Port", "Pose", "ServerInfo", "World", "WorldView", "exit_code_of", "launch"]
 __version__ = "0.2.0"
 
 

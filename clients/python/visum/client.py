@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from visum.connection import VERSION, Connection, TlsFiles, pb, refusal_of
 from visum.errors import Error, ErrorCode, nearest_hint, unknown_name
+from visum.kinematics import Chain, chain_of
 from visum.part import Part
 from visum.token_file import read_token_file
 from visum.world import World, WorldView
@@ -196,6 +197,10 @@ class Client:
             self.world()
         assert self._world is not None
         return WorldView(self._world, sample)
+
+    def chain(self, body: str) -> Chain:
+        """The chain of driven joints that carries a body of the world, for forward and inverse kinematics."""
+        return chain_of(self.world().description, self.read_world().sample, body)
 
     def events(self) -> list[pb.Event]:
         """The events since the last call: lease_lost, lockstep_timeout, era, frozen, ..."""

@@ -369,7 +369,8 @@ void run_with(Daemon& daemon, const Scenario& scenario, const RunOptions& option
       std::ranges::all_of(report.controllers, [](const auto& c) { return c.failure.empty(); });
   if (invalid.empty() && all_well && at_the_end.code == cli::kDone) invalid = run->silent_controller();
   if (!invalid.empty()) invalidate(report, invalid);
-  if (report.code == cli::kDone || report.code == cli::kFailed) {
+  constexpr cli::ExitCode kWithAWorld[] = {cli::kDone, cli::kFailed, cli::kInvalid, cli::kLost};
+  if (std::ranges::find(kWithAWorld, report.code) != std::end(kWithAWorld)) {
     Report afterwards;  // how the time after the scenario ends does not matter to its result
     guard(afterwards, &daemon, [&] { run->keep(); });
   }

@@ -1,13 +1,14 @@
 // The state of the connection to visumd, the role of this page, and what to do if the connection is lost.
 import type { Link, LinkState } from "../link/link";
 import { Role } from "../link/messages";
+import type { Clock } from "../model/clock";
 import type { Parts } from "../model/parts";
 import { h, setText } from "../ui/dom";
 import { reportError } from "../ui/toasts";
 
 const kRoles: [Role, string][] = [[Role.OBSERVER, "Observer"], [Role.CONTROLLER, "Controller"], [Role.ADMIN, "Admin"]];
 
-export function connectionBadge(link: Link, parts: Parts): HTMLElement {
+export function connectionBadge(link: Link, parts: Parts, clock: Clock): HTMLElement {
   const text = h("span", {}, "Connecting");
   const role = h("select", { "aria-label": "Role", class: "role", title: "The role of this page: what it may do" },
     ...kRoles.map(([value, name]) => h("option", { value }, name)));
@@ -24,23 +25,33 @@ export function connectionBadge(link: Link, parts: Parts): HTMLElement {
     }
   };
   role.addEventListener("change", () => void change(Number(role.value)));
-  const element = h("div", { class: "connection" }, h("span", { class: "dot" }), text, role);
+  const others = h("span", { class: "others" });
+  const element = h("div", { class: "connection" }, h("span", { class: "dot" }), text, others, role);
+  const show = () => {
+    const frozen = clock.status.value?.frozen ?? false;
+    element.dataset["frozen"] = String(frozen);
+    setText(text, words(link.state.value, link.recorded.value, frozen));
+    setText(others, whoIsHere(clock.status.value?.sessions ?? 1));
+    others.title = parts.list.value.filter(({ holder }) => holder.value !== "").map(({ name, holder }) => `'${holder.value}' commands ${name}`).join("; ");
+  };
+  clock.status.watch(show);
   link.state.watch((state) => {
     element.dataset["state"] = state.kind;
-    setText(text, words(state, link.recorded.value));
+    show();
+    role.disabled = state.kind !== "open";
     if (state.kind !== "open") return;
     role.value = String(state.welcome.role);
     element.title = `Session ${state.welcome.session} of ${state.welcome.server || "visumd"}, as '${link.name}'`;
   });
   link.recorded.watch((recorded) => {
     element.dataset["recorded"] = String(recorded);
-    setText(text, words(link.state.value, recorded));
+    show();
   });
   return element;
 }
 
-function words(state: LinkState, recorded: boolean): string {
-  if (state.kind === "open") return recorded ? "Recorded" : "Live";
+function words(state: LinkState, recorded: boolean, frozen: boolean): string {
+  if (state.kind === "open") return recorded ? "Recorded" : frozen ? "Frozen" : "Live";
   if (state.kind === "token") return "Token needed";
   return state.kind === "lost" ? "Reconnecting" : "Connecting";
 }
@@ -91,4 +102,9 @@ export function lostBanner(link: Link): HTMLElement {
   link.state.watch(show);
   setInterval(show, 1000);
   return element;
+}
+
+// Pure.
+export function whoIsHere(sessions: number): string {
+  return sessions < 2 ? "" : sessions === 2 ? "and 1 other" : `and ${sessions - 1} others`;
 }

@@ -18,14 +18,14 @@ export class TimeControls {
   private readonly tick = iconButton(icons.step, "Single tick", () => this.step(1));
   private readonly count = h("input", { type: "number", class: "ticks", min: 1, max: 1_000_000, value: "100", "aria-label": "Number of ticks" });
   private readonly many = h("button", { type: "button", class: "small", onclick: () => this.step(this.count.valueAsNumber) }, "ticks");
-  private readonly reset = iconButton(icons.reset, "Reset the world", () => this.clock.reset().catch(reportError));
+  private readonly reset = iconButton(icons.reset, "Reset the world", () => this.resetWorld());
   private readonly speed = h("select", { "aria-label": "Speed" });
   private readonly time = h("output", { class: "sim-time", "aria-label": "Simulated time" });
   private readonly factor = meter("RTF", "Real-time factor: simulated per wall time over the last second");
   private readonly overruns = meter("Overruns", "Ticks that began more than a tick late");
   private readonly lateness = meter("Late p99.9", "How late ticks begin: of a thousand, one is later");
 
-  constructor(private readonly link: Link, private readonly clock: Clock, private readonly recording: Recording) {
+  constructor(private readonly link: Link, private readonly clock: Clock, private readonly recording: Recording, private readonly resetWorld: () => void) {
     // Until it is known whether time runs
     this.run = iconButton(icons.play, "Run", () => this.toggle(), { class: "icon primary", disabled: true });
     this.runIcon = this.run.querySelector("path")!;
@@ -36,6 +36,8 @@ export class TimeControls {
       this.run, this.tick, h("span", { class: "many" }, this.count, this.many), this.speed, this.reset, this.time,
       h("div", { class: "meters" }, this.factor.element, this.overruns.element, this.lateness.element),
     );
+    // With the server gone, nothing here can be done
+    link.state.watch(({ kind }) => kind !== "open" && this.disable());
     for (const changed of [clock.status, clock.stepping]) changed.watch(() => clock.status.value && this.show(clock.status.value));
   }
 
@@ -44,7 +46,12 @@ export class TimeControls {
     setText(this.time, formatTime(seconds));
   }
 
+  private disable(): void {
+    for (const control of [this.run, this.tick, this.many, this.count, this.reset, this.speed]) control.disabled = true;
+  }
+
   private show(status: ServerStatus): void {
+    if (!this.link.welcome) return this.disable();
     const admin = this.link.welcome?.role === Role.ADMIN;
     const stands = (status.paused && !this.clock.stepping.value) || status.frozen;
     this.runIcon.setAttribute("d", stands ? icons.play : icons.pause);

@@ -26,6 +26,7 @@ export class Clock {
   pause = () => this.insteadOfStep({ case: "pause", value: {} });
   resume = () => this.insteadOfStep({ case: "resume", value: {} });
   reset = () => this.insteadOfStep({ case: "reset", value: {} });
+  restore = (snapshot: bigint) => this.insteadOfStep({ case: "restoreSnapshot", value: { snapshot } });
   setSpeed = (factor: number) => this.act({ case: "setSpeed", value: { factor } });
 
   // Steps in pieces, because every request of this session waits behind a Step. Pause, Run, Reset or another

@@ -3,6 +3,7 @@ import type { Link } from "../link/link";
 import { ErrorCode, LostError, RequestError, type BlackboardData, type PartDescription, type PartSample, type PortDescription } from "../link/messages";
 import { History } from "./history";
 import { neighbours } from "./neighbours";
+import { softLimits, type Limits } from "./soft_limits";
 import { Emitter, Signal } from "../common/signal";
 
 export type Side = "input" | "output";
@@ -34,6 +35,7 @@ export class Part {
   conflated = 0;
   readonly held = new Map<number, number>(); // inputs that the page holds at a value
   readonly gaveUp = new Emitter<string>(); // a text: the ports that the page had to stop holding, and why
+  private readonly soft: Map<string, Limits>;
   private keeping = false; // a write of held values is under way
   private history: History | null = null;
   private readonly written = new Map<number, Written>(); // by input
@@ -45,6 +47,7 @@ export class Part {
   private era = -1n;
 
   constructor(private readonly link: Link, readonly description: PartDescription) {
+    this.soft = softLimits(description);
     for (const [side, list] of [["input", description.controllerInputs], ["output", description.sensorOutputs]] as const)
       list.forEach((port, index) => this.ports.push({ part: this, side, index, description: port }));
   }
@@ -60,6 +63,11 @@ export class Part {
   value(port: Port): number {
     const vector = port.side === "input" ? this.sample?.controllerInputs : this.sample?.sensorOutputs;
     return vector?.[port.index] ?? NaN;
+  }
+
+  // The range of values that do not lead into a fault, as far as the part tells it. A port takes more.
+  limits(port: Port): Limits {
+    return (port.side === "input" ? this.soft.get(port.description.name) : undefined) ?? port.description;
   }
 
   // The value from which relative controls count. While the world is paused, or between two samples, the last

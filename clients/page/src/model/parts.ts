@@ -22,6 +22,12 @@ export class Parts {
       if (body.case === "event") this.onEvent(body.value);
     });
     poll(() => this.refreshHolders(), kRefreshMs);
+    // The server ends a lease with its session, and nobody commands through a link that is gone.
+    link.state.watch(({ kind }) => kind !== "open" && this.forgetLeases());
+  }
+
+  private forgetLeases(): void {
+    for (const part of this.list.value) if (part.leased.value) part.leaseLost();
   }
 
   // Call it after each hello. Reads everything anew. A part that is the same as before stays the same object,
@@ -43,6 +49,10 @@ export class Parts {
     }
     this.list.value = list;
     await this.subscribe();
+  }
+
+  get mayCommand(): boolean {
+    return this.link.mayCommand;
   }
 
   find(name: string): Part | undefined {

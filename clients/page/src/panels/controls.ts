@@ -1,34 +1,43 @@
 // Widgets that write values: slider with jog buttons, number, push button, radio buttons, bit selector.
 import { h, setText } from "../ui/dom";
-import { formatOf, niceStep, share } from "../ui/numbers";
+import { formatEnd, formatOf, niceStep, share } from "../ui/numbers";
 import { commandedOf, limits, valueOf, writeAll, type Context, type Widget } from "./widget";
 
 const kTouchedMs = 600; // for this long after a touch, the value in force does not move a control
 
+// Shows the limits, the value that is commanded (the thumb), and the actual value (the triangle), both as
+// numbers, too.
 export function slider(context: Context): Widget {
   const { data, ports, actual } = context;
   const { minimum, maximum } = limits(context);
+  const description = ports[0]?.description;
+  const text = (value: number) => formatOf(description && { ...description, minimum, maximum }, value);
   const input = h("input", { type: "range", min: minimum, max: maximum, step: "any", "aria-label": data.label });
   const marker = h("span", { class: "actual", hidden: !actual });
-  const shown = h("output", { class: "slider-value" });
+  const wanted = h("output", { class: "slider-value", title: "Commanded" });
+  const is = h("output", { class: "slider-actual", title: "Actual", hidden: !actual });
   let touched = 0;
   const set = (value: number) => {
     touched = performance.now();
-    input.value = String(value);
-    writeAll(ports, Math.min(maximum, Math.max(minimum, value)));
+    const within = Math.min(maximum, Math.max(minimum, value));
+    input.value = String(within);
+    writeAll(ports, within);
   };
   input.addEventListener("input", () => set(Number(input.value)));
   const jog = (sign: number) =>
     h("button", { type: "button", class: "small jog", "aria-label": `${data.label} ${sign < 0 ? "less" : "more"}`,
       onclick: () => set(commandedOf(ports[0]) + sign * (data.jog ?? 0)) }, sign < 0 ? "−" : "+");
   const buttons = data.jog ? [jog(-1), jog(1)] : [];
+  const ends = h("span", { class: "slider-ends" }, h("span", {}, formatEnd(minimum)), h("span", {}, `${formatEnd(maximum)} ${description?.unit ?? ""}`));
   return {
-    body: h("div", { class: "w-slider" }, buttons[0], h("span", { class: "track" }, input, marker), buttons[1], shown),
+    body: h("div", { class: "w-slider" }, buttons[0], h("span", { class: "track" }, input, marker, ends), buttons[1], h("span", { class: "slider-values" }, wanted, is)),
     update() {
       const value = valueOf(ports[0]);
       if (performance.now() - touched > kTouchedMs && !Number.isNaN(value) && Number(input.value) !== value) input.value = String(value);
-      setText(shown, formatOf((actual ?? ports[0])?.description, actual ? valueOf(actual) : value));
-      if (actual) marker.style.left = `${(100 * share(valueOf(actual), minimum, maximum)).toFixed(2)}%`;
+      setText(wanted, text(value));
+      if (!actual) return;
+      setText(is, text(valueOf(actual)));
+      marker.style.setProperty("--at", share(valueOf(actual), minimum, maximum).toFixed(4));
     },
     setEnabled: (on) => [input, ...buttons].forEach((control) => (control.disabled = !on)),
   };

@@ -1,6 +1,7 @@
 // Widgets that show values: LED, LCD, bar, gauge, label.
 import { h, setText } from "../ui/dom";
-import { formatOf, formatValue, share } from "../ui/numbers";
+import { formatOf, formatValue, inWords, share } from "../ui/numbers";
+import { toneOf } from "../ui/tone";
 import { bitOf } from "./controls";
 import { limits, valueOf, type Context, type Widget } from "./widget";
 
@@ -22,9 +23,15 @@ export function led({ data, ports }: Context): Widget {
 export function lcd({ ports }: Context): Widget {
   const digits = h("span", { class: "lcd-digits" });
   const unit = ports[0]?.description.unit ?? "";
+  const body = h("div", { class: "w-lcd" }, digits, h("span", { class: "unit" }, unit));
   return {
-    body: h("div", { class: "w-lcd" }, digits, h("span", { class: "unit" }, unit)),
-    update: () => setText(digits, formatOf(ports[0]?.description, valueOf(ports[0]))),
+    body,
+    update() {
+      const value = valueOf(ports[0]);
+      setText(digits, formatOf(ports[0]?.description, value));
+      body.title = digits.textContent ?? "";
+      body.dataset["tone"] = ports[0] ? toneOf(inWords(ports[0].description, value)) : "plain";
+    },
   };
 }
 

@@ -1,4 +1,5 @@
 // The pane of panels: choosing one, taking control, editing, saving, loading, sharing.
+import { Signal } from "../common/signal";
 import type { Parts } from "../model/parts";
 import type { World } from "../model/world";
 import { h, iconButton, setText } from "../ui/dom";
@@ -6,6 +7,7 @@ import { download, pickText } from "../ui/files";
 import { icons } from "../ui/icons";
 import { report, reportError } from "../ui/toasts";
 import { emptyPanel, formatPanel, kWidgetTypes, parsePanel, type PanelData, type WidgetType } from "./file";
+import { generatedPanel } from "./generate";
 import { kKinds } from "./kinds";
 import { PanelView } from "./panel_view";
 import { settingsForm } from "./settings";
@@ -13,12 +15,15 @@ import { fromHash, toHash } from "./share";
 
 export class PanelPane {
   readonly view: PanelView;
+  readonly isEmpty = new Signal<boolean>(true); // there is nothing to show, and no panel to choose
   private readonly choice = h("select", { "aria-label": "Panel", class: "panel-choice" });
   private readonly take = h("button", { type: "button", class: "primary take", hidden: true }, "Take control");
   private readonly edit: HTMLButtonElement;
   private readonly tools: HTMLElement;
   private readonly settings = h("div", { class: "panel-settings", hidden: true });
   private panels: PanelData[] = [emptyPanel("Empty panel")];
+  private own: PanelData[] = []; // loaded, made or shared by the user; the others are the scene's
+  private scene = ""; // what the scene's panels were made of
 
   constructor(pane: HTMLElement, private readonly parts: Parts, world: World) {
     this.view = new PanelView(this.panels[0]!, parts);
@@ -33,27 +38,40 @@ export class PanelPane {
     this.take.addEventListener("click", () => void this.takeControl());
     this.view.onSelect = (data) => this.settings.replaceChildren(...(data ? [settingsForm(data, parts, () => this.view.changed())] : []));
     setInterval(() => this.showTake(), 250);
-    world.description.watch((description) => description && this.offer(description.panels.map(({ text }) => text)));
+    world.description.watch((description) => description && this.offer(description.scene, description.panels.map(({ text }) => text)));
     void this.openShared();
   }
 
-  // The panels that the scene brings. The first one is shown.
-  private offer(texts: string[]): void {
-    const known = new Set(this.panels.map((panel) => panel.name));
-    for (const text of texts) {
-      try {
-        const panel = parsePanel(text);
-        if (!known.has(panel.name)) this.open(panel, this.panels.length === 1);
-      } catch (error) {
-        reportError(error);
-      }
-    }
+  // The panels of this scene take the place of those of another one. The first one is shown, unless the user
+  // has one open. A scene without panels gets one of all parts.
+  private offer(scene: string, texts: string[]): void {
+    const key = JSON.stringify([scene, texts, this.parts.list.value.map(({ name, ports }) => [name, ports.length])]);
+    if (key === this.scene) return;
+    this.scene = key;
+    const brought = texts.flatMap((text) => parsed(text) ?? []);
+    const generated = generatedPanel(this.parts.list.value.map(({ description }) => description));
+    if (generated.widgets.length > 0) brought.push(generated);
+    this.panels = [emptyPanel("Empty panel"), ...brought, ...this.own];
+    this.list();
+    if (!this.own.includes(this.view.panel)) this.show(brought[0] ?? this.panels[0]!);
+    this.isEmpty.value = this.panels.every(({ widgets }) => widgets.length === 0);
   }
 
-  private open(panel: PanelData, show = true): void {
+  private open(panel: PanelData): void {
+    this.own.push(panel);
     this.panels.push(panel);
+    this.list();
+    this.show(panel);
+    this.isEmpty.value = false;
+  }
+
+  private show(panel: PanelData): void {
+    this.view.show(panel);
+    this.choice.value = String(this.panels.indexOf(panel));
+  }
+
+  private list(): void {
     this.choice.replaceChildren(...this.panels.map(({ name }, i) => h("option", { value: i }, name)));
-    if (show) this.view.show(panel);
     this.choice.value = String(this.panels.indexOf(this.view.panel));
   }
 
@@ -66,7 +84,7 @@ export class PanelPane {
   private makeTools(): HTMLElement {
     const kind = h("select", { "aria-label": "Kind of widget" }, ...kWidgetTypes.map((type) => h("option", { value: type }, kKinds[type].title)));
     const name = h("input", { type: "text", "aria-label": "Name of the panel", placeholder: "Name" });
-    name.addEventListener("change", () => (this.view.panel.name = name.value || "Panel"));
+    name.addEventListener("change", () => ((this.view.panel.name = name.value || "Panel"), this.list()));
     const add = h("button", { type: "button", onclick: () => this.view.onSelect(this.view.add(kind.value as WidgetType, [])) }, "Add");
     return h("div", { class: "panel-tools", hidden: true }, name, kind, add,
       h("p", {}, "Drag ports from the tree to here. Widgets move by pointer or arrow keys, change size with Shift."));
@@ -75,7 +93,7 @@ export class PanelPane {
   private showTake(): void {
     const parts = [...this.view.partsToLease()];
     this.take.hidden = parts.length === 0;
-    this.take.disabled = this.parts.steering !== null; // a recording cannot be controlled
+    this.take.disabled = !this.parts.mayCommand; // by this role, in a recording, or with the server gone
     setText(this.take, `Take control of ${parts.join(", ")}`);
   }
 
@@ -106,5 +124,15 @@ export class PanelPane {
     } catch (error) {
       reportError(error);
     }
+  }
+}
+
+// A panel of the scene that cannot be read is told, and left out.
+function parsed(text: string): PanelData | null {
+  try {
+    return parsePanel(text);
+  } catch (error) {
+    reportError(error);
+    return null;
   }
 }

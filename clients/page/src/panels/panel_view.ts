@@ -102,7 +102,7 @@ export class PanelView {
     const missing = data.ports.length > context.ports.length;
     const element = h(
       "div",
-      { class: `widget ${data.type}`, role: "group", "aria-label": data.label || kKinds[data.type].title },
+      { class: "widget", role: "group", "aria-label": data.label || kKinds[data.type].title },
       data.type === "button" || data.type === "label" ? null : h("div", { class: "widget-label" }, data.label),
       missing && this.parts.list.value.length > 0 ? h("div", { class: "missing" }, "no such port here") : widget.body,
       h("span", { class: "size-handle", "aria-hidden": "true" }),

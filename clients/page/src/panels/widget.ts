@@ -33,8 +33,8 @@ export function commandedOf(port: Port | undefined): number {
 }
 
 export function limits({ data, ports }: Context): { minimum: number; maximum: number } {
-  const description = ports[0]?.description;
-  return { minimum: data.minimum ?? description?.minimum ?? 0, maximum: data.maximum ?? description?.maximum ?? 1 };
+  const own = ports[0]?.part.limits(ports[0]);
+  return { minimum: data.minimum ?? own?.minimum ?? 0, maximum: data.maximum ?? own?.maximum ?? 1 };
 }
 
 // Writes the same value to all ports of a widget.

@@ -12,6 +12,7 @@ import { fit, leastSpan } from "../ui/range";
 import { reportError } from "../ui/toasts";
 import { toCsv } from "./csv";
 import { align, type Aligned } from "./merge";
+import { gapsOf, shadeGaps } from "./gaps";
 import { drawPhase } from "./phase";
 
 const kWindows = [5, 10, 30, 60, 120, 300];
@@ -23,6 +24,7 @@ export class Plot {
   private readonly place = h("div", { class: "plot-place" });
   private readonly phaseCanvas = h("canvas", { class: "phase", hidden: true, role: "img", "aria-label": "Phase plot" });
   private readonly seconds = h("select", { "aria-label": "Length of the time axis" }, ...kWindows.map((s) => h("option", { value: s, selected: s === 10 }, s < 60 ? `${s} s` : `${s / 60} min`)));
+  private readonly gapNote = h("p", { class: "gap-note", hidden: true }, "Shaded: this page was too busy to take the samples. A recording has them all.");
   private readonly phase: HTMLButtonElement;
   private readonly stops = new Map<Port, () => void>(); // they end the recording
   private plot: uPlot | null = null;
@@ -35,7 +37,7 @@ export class Plot {
         iconButton(icons.download, "Export as CSV", () => this.exportCsv()),
         iconButton(icons.image, "Export as PNG", () => this.exportPng()),
         iconButton(icons.close, "Close the plot", onClose)),
-      this.place, this.phaseCanvas);
+      this.place, this.phaseCanvas, this.gapNote);
     new ResizeObserver(() => this.resize()).observe(this.place);
     this.add(ports);
   }
@@ -68,6 +70,7 @@ export class Plot {
     const to = this.zoom?.to ?? now;
     const data = this.window(from, to);
     if (!this.phaseCanvas.hidden) return drawPhase(this.phaseCanvas, this.traced(), data);
+    this.gapNote.hidden = gapsOf(data[0], data.slice(1) as (number | null | undefined)[][]).length === 0;
     this.plot?.setData(data as uPlot.AlignedData, false);
     this.plot?.setScale("x", { min: from, max: to });
   }
@@ -103,6 +106,7 @@ export class Plot {
   private rebuild(): void {
     this.plot?.destroy();
     this.plot = this.ports.length > 0 ? new uPlot(this.options(), [[]], this.place) : null;
+    this.resize(); // the legend's height is known only now
     this.phase.disabled = this.ports.length < 2;
     this.onChange();
   }
@@ -118,9 +122,10 @@ export class Plot {
       scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit || "1", { range: (_: uPlot, low: number | null, high: number | null) => this.valueRange(unit, low, high) }])) },
       axes: [{ ...axis, size: 26 }, ...units.slice(0, 2).map((unit, i) => ({ ...axis, scale: unit || "1", side: (i === 0 ? 3 : 1) as uPlot.Axis.Side, size: 52, label: unit, labelSize: 14, labelFont: "11px sans-serif", grid: { ...axis.grid, show: i === 0 } }))],
       series: [{ label: "t", value: (_, value) => (value === null ? "–" : `${value.toFixed(3)} s`) },
-        ...ports.map((port, i) => ({ label: port.description.name, scale: port.description.unit || "1", stroke: traceColor(i), dash: traceDash(i), width: 1.5, spanGaps: false, points: { show: false },
+        ...ports.map((port, i) => ({ label: port.description.name, scale: port.description.unit || "1", stroke: traceColor(i), dash: traceDash(i), width: 1.5, spanGaps: true, points: { show: false },
           value: (_: uPlot, value: number | null | undefined) => (value === null || value === undefined ? "–" : `${formatOf(port.description, value)} ${port.description.unit}`) }))],
       hooks: {
+        drawClear: [shadeGaps],
         setSelect: [(plot) => this.zoomTo(plot)],
         ready: [(plot) => plot.over.addEventListener("dblclick", () => (this.zoom = null))],
       },

@@ -20,7 +20,7 @@ export function blackboardsView(link: Link, part: Part): { element: HTMLElement;
     "details",
     { class: "side" },
     h("summary", {}, h("span", {}, "Blackboards"), h("span", { class: "count" }, String(boards.length))),
-    ...views.map(({ board, body }) => h("div", {}, h("h4", {}, `${board.name} · ${board.contentType}`), body)),
+    ...views.map(({ board, body }) => h("div", {}, h("h3", {}, `${board.name} · ${board.contentType}`), body)),
   );
   const refresh = async () => {
     if (!element.open || document.hidden || !link.welcome) return;

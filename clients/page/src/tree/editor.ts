@@ -2,7 +2,7 @@
 // number for all others.
 import type { Port } from "../model/part";
 import { h } from "../ui/dom";
-import { niceStep } from "../ui/numbers";
+import { formatEnd, niceStep } from "../ui/numbers";
 import { reportError } from "../ui/toasts";
 
 export interface Editor {
@@ -48,9 +48,11 @@ function counterEditor(port: Port): Editor {
 }
 
 function numberEditor(port: Port): Editor {
-  const { name, unit, minimum, maximum } = port.description;
+  const { name, unit } = port.description;
+  const { minimum, maximum } = port.part.limits(port);
   const step = niceStep(minimum, maximum);
-  const slider = h("input", { type: "range", min: minimum, max: maximum, step: "any", "aria-label": `${name}, slider` });
+  const range = `${formatEnd(minimum)} to ${formatEnd(maximum)} ${unit}`;
+  const slider = h("input", { type: "range", min: minimum, max: maximum, step: "any", "aria-label": `${name}, slider`, title: range });
   const number = h("input", { type: "number", min: minimum, max: maximum, step, "aria-label": `${name} in ${unit || "units"}` });
   let touched = 0;
   const touch = () => (touched = performance.now());

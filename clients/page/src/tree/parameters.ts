@@ -7,14 +7,22 @@ import { reportError } from "../ui/toasts";
 
 type Value = ParameterValue["value"];
 
-export function parametersView(link: Link, part: Part): HTMLElement | null {
+export interface ParametersView {
+  element: HTMLElement;
+  filter(words: string[]): boolean; // shows those that match all words, and returns whether any does
+}
+
+export function parametersView(link: Link, part: Part): ParametersView | null {
   const count = part.description.parameters.length;
   if (count === 0) return null;
   const body = h("div", { class: "parameters" });
   const details = h("details", { class: "side" }, h("summary", {}, h("span", {}, "Parameters"), h("span", { class: "count" }, String(count))), body);
+  let words: string[] = [];
+  let openBefore: boolean | null = null; // during a search: whether the list was open before it
+  const matches = ({ name, help, unit }: ParameterDescription) => words.every((word) => `${part.name} ${name} ${help} ${unit}`.toLowerCase().includes(word));
   const refresh = async () => {
     const { parameters } = await link.request({ case: "getParameters", value: { part: part.name } }, "parameters");
-    body.replaceChildren(...parameters.map((parameter) => row({ ...parameter, readOnly: parameter.readOnly || link.recorded.value }, set)));
+    body.replaceChildren(...parameters.filter(matches).map((parameter) => row({ ...parameter, readOnly: parameter.readOnly || link.recorded.value }, set)));
   };
   const set = (name: string, value: Value) =>
     link.request({ case: "setParameter", value: { part: part.name, name, value: { value: value as never } } }, "ok")
@@ -22,7 +30,18 @@ export function parametersView(link: Link, part: Part): HTMLElement | null {
       .then(refresh)
       .catch(reportError);
   details.addEventListener("toggle", () => details.open && refresh().catch(reportError));
-  return details;
+  const filter = (wanted: string[]) => {
+    words = wanted;
+    const found = part.description.parameters.some(matches);
+    details.hidden = !found;
+    if (words.length > 0) openBefore ??= details.open;
+    const open = words.length > 0 ? found : (openBefore ?? details.open);
+    if (words.length === 0) openBefore = null;
+    if (open && details.open) refresh().catch(reportError); // else its toggle event does
+    details.open = open;
+    return found && words.length > 0;
+  };
+  return { element: details, filter };
 }
 
 function row(parameter: ParameterDescription, set: (name: string, value: Value) => void): HTMLElement {

@@ -4,14 +4,16 @@ import { Role } from "../link/messages";
 import type { Part, Port, Side } from "../model/part";
 import { h, setText } from "../ui/dom";
 import { startPortDrag } from "../ui/drag";
+import { ask } from "../ui/ask";
 import { report, reportError } from "../ui/toasts";
 import { blackboardsView } from "./blackboards";
-import { parametersView } from "./parameters";
+import { parametersView, type ParametersView } from "./parameters";
 import { PortRow, type RowActions } from "./row";
 
 export class PartView {
   readonly element: HTMLElement;
   readonly rows: PortRow[] = [];
+  private readonly parameters: ParametersView | null;
   private readonly groups: { element: HTMLDetailsElement; rows: PortRow[] }[] = [];
   private before: boolean[] | null = null; // during a search: which groups were open before it
   private readonly holder = h("span", { class: "holder" });
@@ -21,13 +23,14 @@ export class PartView {
   constructor(private readonly link: Link, readonly part: Part, private readonly actions: RowActions) {
     this.lease.addEventListener("click", () => void this.toggleLease());
     const blackboards = blackboardsView(link, part);
+    this.parameters = parametersView(link, part);
     this.element = h(
       "section",
       { class: "part", "aria-label": `Part ${part.name}` },
       h("header", {}, h("h2", {}, part.name), h("span", { class: "kind" }, part.description.kind), this.holder, this.lease),
       this.side("input", "Controller Input"),
       this.side("output", "Sensor Output"),
-      parametersView(link, part),
+      this.parameters?.element,
       blackboards?.element,
     );
     if (blackboards) this.stops.push(blackboards.stop);
@@ -40,9 +43,10 @@ export class PartView {
     for (const stop of this.stops) stop();
   }
 
-  // Shows the ports that match all words, and opens their groups. Without a word, everything is as it was
-  // before the search.
-  filter(words: string[]): void {
+  // Shows the ports and parameters that match all words, and opens their groups. Without a word, everything
+  // is as it was before the search. Returns whether anything matches.
+  filter(words: string[]): boolean {
+    const parameters = this.parameters?.filter(words) ?? false;
     if (words.length > 0) this.before ??= this.groups.map(({ element }) => element.open);
     for (const row of this.rows) row.element.hidden = !row.matches(words);
     for (const { element, rows } of this.groups) {
@@ -50,9 +54,12 @@ export class PartView {
       element.hidden = !any;
       if (words.length > 0) element.open = any;
     }
-    if (words.length > 0 || !this.before) return;
+    const found = parameters || this.rows.some((row) => !row.element.hidden);
+    this.element.hidden = words.length > 0 && !found;
+    if (words.length > 0 || !this.before) return found;
     this.groups.forEach(({ element }, i) => (element.open = this.before![i]!));
     this.before = null;
+    return found;
   }
 
   private side(side: Side, title: string): HTMLElement {
@@ -87,6 +94,9 @@ export class PartView {
 
   private showLease(): void {
     const { leased, holder } = this.part;
+    const connected = this.link.welcome !== null;
+    // Nobody commands a sensor
+    this.lease.hidden = this.holder.hidden = this.part.description.controllerInputs.length === 0 || !connected;
     setText(this.holder, leased.value ? "yours" : holder.value === "" ? "free" : holder.value);
     this.holder.dataset["state"] = leased.value ? "mine" : holder.value === "" ? "free" : "taken";
     this.holder.title = leased.value ? "This page holds the lease" : holder.value === "" ? "The lease is free" : `'${holder.value}' holds the lease`;
@@ -94,8 +104,8 @@ export class PartView {
     setText(this.lease, leased.value ? "Release" : take ? "Take over" : "Take control");
     this.lease.disabled = !this.link.mayCommand;
     this.lease.title = this.link.recorded.value ? "A recording: what happened cannot be changed" : "";
-    this.holder.hidden = this.link.recorded.value;
-    for (const row of this.rows) row.setEditable(leased.value);
+    if (this.link.recorded.value) this.holder.hidden = true;
+    for (const row of this.rows) row.setEditable(leased.value && connected);
   }
 
   private async toggleLease(): Promise<void> {
@@ -107,7 +117,7 @@ export class PartView {
       // Taking over stops the part and takes the lease from its holder. That must not happen by a slip of the
       // hand.
       const isAdmin = this.link.welcome?.role === Role.ADMIN;
-      if (!isAdmin || confirm(`Take '${name}' from '${holder.value}'? The part stops on a ramp and latches a fault.`))
+      if (!isAdmin || (await ask(`Take '${name}' from '${holder.value}'? The part stops on a ramp and latches a fault.`, "Take it")))
         await this.part.acquire(isAdmin);
     } catch (error) {
       reportError(error);

@@ -3,7 +3,8 @@
 import type { Port } from "../model/part";
 import { h, iconButton, setText } from "../ui/dom";
 import { icons } from "../ui/icons";
-import { formatOf, formatValue, inDegrees, share } from "../ui/numbers";
+import { formatOf, formatValue, inDegrees, inWords, share } from "../ui/numbers";
+import { toneOf } from "../ui/tone";
 import { startPortDrag } from "../ui/drag";
 import { leastSpan } from "../ui/range";
 import { report } from "../ui/toasts";
@@ -71,8 +72,10 @@ export class PortRow {
     if (Object.is(value, this.last)) return;
     this.last = value;
     const { unit, minimum, maximum } = this.port.description;
+    const words = inWords(this.port.description, value);
     setText(this.value, formatOf(this.port.description, value));
-    this.value.title = inDegrees(value, unit);
+    this.value.dataset["tone"] = toneOf(words);
+    this.value.title = words || inDegrees(value, unit);
     this.bar.style.transform = `scaleX(${share(value, minimum, maximum).toFixed(4)})`;
     this.editor?.show(value);
   }

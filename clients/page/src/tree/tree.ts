@@ -10,9 +10,9 @@ const kRefreshMs = 100;
 
 export class Tree {
   readonly element: HTMLElement;
-  private readonly search = h("input", { type: "search", placeholder: "Search ports", "aria-label": "Search ports" });
+  private readonly search = h("input", { type: "search", placeholder: "Search ports and parameters", "aria-label": "Search ports and parameters" });
   private readonly body = h("div", {});
-  private readonly empty = h("p", { class: "empty", hidden: true }, "No port matches.");
+  private readonly empty = h("p", { class: "empty", hidden: true }, "No port and no parameter matches.");
   private views: PartView[] = [];
   private readonly rows = new Map<Element, PortRow>();
   private readonly observer = new IntersectionObserver((entries) => {
@@ -43,8 +43,8 @@ export class Tree {
 
   private filter(): void {
     const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
-    for (const view of this.views) view.filter(words);
-    this.empty.hidden = this.views.length === 0 || this.views.some((view) => view.rows.some((row) => !row.element.hidden));
+    const found = this.views.map((view) => view.filter(words));
+    this.empty.hidden = found.length === 0 || found.includes(true);
   }
 
   private refresh(): void {

@@ -1,15 +1,19 @@
 // The places of the page: bar, parts on the left, view in the middle, panel on the right, plots below. Each
-// of the three around the view can be closed, and the browser remembers which are open.
+// of the three around the view can be closed, and the browser remembers which are open. On a small screen one
+// of them at a time shares the screen with the view.
 import { h } from "./dom";
 
 export type PaneName = "parts" | "panel" | "plots";
 const kTitles: Record<PaneName, string> = { parts: "Parts", panel: "Panel", plots: "Plots" };
+// Two hundred ports lie between the bar and the view for those who walk by keys.
+const kSkips: [string, string][] = [["Skip to the world", "world"], ["Skip to the panel", "panel"]];
+const kOrder: PaneName[] = ["panel", "parts", "plots"]; // on a small screen the first that was open stays
 const kStored = "visum.panes";
-const kNarrow = "(max-width: 999px)"; // one pane at a time covers the view then
+const kNarrow = "(max-width: 999px)"; // one pane at a time stands below or beside the view then
 
 export class Layout {
   readonly bar = h("header", { class: "bar" });
-  readonly view = h("main", { class: "view", "aria-label": "World" });
+  readonly view = h("main", { class: "view", id: "world", tabindex: -1, "aria-label": "World" });
   readonly panes: Record<PaneName, HTMLElement>;
   readonly root: HTMLElement;
   readonly toggles: HTMLElement;
@@ -17,20 +21,29 @@ export class Layout {
   private readonly buttons: Record<PaneName, HTMLButtonElement>;
 
   constructor() {
-    const pane = (name: PaneName) => h("aside", { class: `pane ${name}`, "aria-label": kTitles[name] });
+    const pane = (name: PaneName) => h("aside", { class: `pane ${name}`, id: name, tabindex: -1, "aria-label": kTitles[name] });
     this.panes = { parts: pane("parts"), panel: pane("panel"), plots: pane("plots") };
     const button = (name: PaneName) => h("button", { type: "button", class: "toggle", onclick: () => this.toggle(name) }, kTitles[name]);
     this.buttons = { parts: button("parts"), panel: button("panel"), plots: button("plots") };
     this.toggles = h("div", { class: "toggles", role: "group", "aria-label": "Panes" }, ...Object.values(this.buttons));
-    this.root = h("div", { class: "layout" }, this.bar, this.panes.parts, this.view, this.panes.panel, this.panes.plots);
+    const skip = ([name, id]: [string, string]) => h("a", { class: "skip", href: `#${id}` }, name);
+    this.root = h("div", { class: "layout" },
+      h("nav", { class: "skips", "aria-label": "Skip" }, ...kSkips.map(skip)), this.bar, this.panes.parts, this.view, this.panes.panel, this.panes.plots);
     this.open = this.remembered();
     const narrow = matchMedia(kNarrow);
     const fit = () => {
-      if (narrow.matches && this.open.parts) this.open.panel = false;
+      if (narrow.matches) this.keepOnly(kOrder.find((name) => this.open[name]));
       this.show();
     };
     narrow.addEventListener("change", fit);
     fit();
+  }
+
+  // A pane without content takes no room, and has no button.
+  offer(name: PaneName, on: boolean): void {
+    if (on === !this.buttons[name].hidden) return;
+    this.buttons[name].hidden = !on;
+    this.show();
   }
 
   reveal(name: PaneName): void {
@@ -39,16 +52,21 @@ export class Layout {
 
   private toggle(name: PaneName): void {
     this.open[name] = !this.open[name];
-    if (this.open[name] && matchMedia(kNarrow).matches && name !== "plots") this.open[name === "parts" ? "panel" : "parts"] = false;
+    if (this.open[name] && matchMedia(kNarrow).matches) this.keepOnly(name);
     localStorage.setItem(kStored, JSON.stringify(this.open));
     this.show();
   }
 
+  private keepOnly(name: PaneName | undefined): void {
+    for (const other of kOrder) this.open[other] = other === name;
+  }
+
   private show(): void {
     for (const name of Object.keys(this.panes) as PaneName[]) {
-      this.panes[name].hidden = !this.open[name];
-      this.root.dataset[name] = this.open[name] ? "open" : "closed";
-      this.buttons[name].setAttribute("aria-pressed", String(this.open[name]));
+      const open = this.open[name] && !this.buttons[name].hidden;
+      this.panes[name].hidden = !open;
+      this.root.dataset[name] = open ? "open" : "closed";
+      this.buttons[name].setAttribute("aria-pressed", String(open));
     }
   }
 

@@ -22,6 +22,11 @@ export function formatInRange(value: number, minimum: number, maximum: number, u
   return value.toFixed(decimals).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
 }
 
+// An end of a range, as short as can be: 3.093, −9.4, 0.07.
+export function formatEnd(value: number): string {
+  return String(Number(value.toPrecision(4))).replace("-", "−");
+}
+
 interface Worded {
   values?: readonly { number: bigint; name: string }[];
   bits?: readonly { number: bigint; name: string }[];

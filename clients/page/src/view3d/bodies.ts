@@ -129,7 +129,7 @@ function shapeObject(shape: ShapeDescription, data: MeshData | null, materials: 
 
 // Lines a metre apart give a floor its scale.
 function grid(): GridHelper {
-  const lines = new GridHelper(20, 20, 0x8a939c, 0xb9c0c7);
+  const lines = new GridHelper(20, 20, 0x56616b, 0x7f8a94);
   lines.rotation.x = Math.PI / 2;
   lines.position.z = 0.0008;
   lines.material.transparent = true;

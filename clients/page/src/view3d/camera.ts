@@ -1,10 +1,13 @@
 // The camera: orbit, pan and zoom by mouse, touch and keys; follow a body; look from a viewpoint.
-import { PerspectiveCamera, Vector3 } from "three";
+import { PerspectiveCamera, Sphere, Vector3 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { distanceToSee } from "./framing";
 
 const kOrbitStep = Math.PI / 36;
 const kZoomStep = 1.1;
 const kPanShare = 0.04; // of the distance
+const kHomeFov = 40; // degrees
+const kHomeDirection = new Vector3(0.62, -0.68, 0.42).normalize();
 
 export interface Viewpoint {
   name: string;
@@ -14,9 +17,10 @@ export interface Viewpoint {
 }
 
 export class ViewCamera {
-  readonly camera = new PerspectiveCamera(40, 1, 0.01, 200);
+  readonly camera = new PerspectiveCamera(kHomeFov, 1, 0.01, 200);
   readonly controls: OrbitControls;
-  private home: Viewpoint = { name: "Home", position: [1.7, -1.9, 1.3], target: [0.3, 0, 0.35], fov: 40 };
+  private subject = new Sphere(new Vector3(0.3, 0, 0.35), 1); // what Home shows
+  private isHome = true; // nobody has moved the camera since
   private followed: Vector3 | null = null;
 
   constructor(canvas: HTMLElement, onChange: () => void) {
@@ -26,18 +30,25 @@ export class ViewCamera {
     this.controls.minDistance = 0.05;
     this.controls.maxDistance = 80;
     this.controls.addEventListener("change", onChange);
+    this.controls.addEventListener("start", () => (this.isHome = false));
     canvas.addEventListener("keydown", (event) => this.onKey(event));
-    this.look(this.home);
+    canvas.addEventListener("wheel", () => (this.isHome = false));
+    this.goHome();
   }
 
-  setHome(viewpoint: Viewpoint): void {
-    this.home = viewpoint;
+  // `subject`: all that Home shows, in the world's frame.
+  setHome(subject: Sphere): void {
+    this.subject = subject;
   }
   goHome(): void {
-    this.look(this.home);
+    const { center, radius } = this.subject;
+    const position = center.clone().addScaledVector(kHomeDirection, distanceToSee(radius, kHomeFov, this.camera.aspect));
+    this.look({ name: "Home", position: position.toArray(), target: center.toArray(), fov: kHomeFov });
+    this.isHome = true;
   }
 
   look(viewpoint: Viewpoint): void {
+    this.isHome = false;
     this.camera.position.set(...viewpoint.position);
     this.controls.target.set(...viewpoint.target);
     this.camera.fov = viewpoint.fov;
@@ -48,10 +59,12 @@ export class ViewCamera {
   resize(aspect: number): void {
     this.camera.aspect = aspect;
     this.camera.updateProjectionMatrix();
+    if (this.isHome) this.goHome(); // all of it still fits
   }
 
   // Moves along with a point from call to call; null: stands still.
   follow(point: Vector3 | null): void {
+    if (point) this.isHome = false;
     if (point && this.followed) {
       const step = point.clone().sub(this.followed);
       if (step.lengthSq() > 0) {
@@ -67,6 +80,7 @@ export class ViewCamera {
     const act = this.actionFor(event);
     if (!act) return;
     event.preventDefault();
+    if (event.key !== "Home") this.isHome = false;
     act();
     this.controls.update();
   }

@@ -32,8 +32,8 @@ function popover(icon: string, name: string, content: HTMLElement): HTMLElement 
   summary.append(iconButton(icon, name, () => undefined).firstChild!);
   const details = h("details", { class: "popover" }, summary, h("div", { class: "popover-body" }, h("h2", {}, name), content));
   document.addEventListener("pointerdown", (event) => details.contains(event.target as Node) || (details.open = false));
-  details.addEventListener("keydown", (event) => {
-    if (event.key !== "Escape") return;
+  document.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape" || !details.open) return;
     details.open = false;
     summary.focus();
   });

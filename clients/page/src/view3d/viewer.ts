@@ -11,6 +11,8 @@ import { Resolution } from "./resolution";
 import { drawStereo, picturesOf, type Picture, type StereoSettings } from "./stereo";
 
 const kMostPixelRatio = 2;
+const kExposure = 1.05;
+const kDarkExposure = 0.42;
 // m, rad, or of a quaternion: a body held by its drives trembles less, and needs no new picture
 export const kInvisible = 1e-5;
 
@@ -41,7 +43,6 @@ export class Viewer {
     this.renderer.shadowMap.type = PCFSoftShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
     this.renderer.toneMapping = ACESFilmicToneMapping;
-    this.renderer.toneMappingExposure = 1.05;
     this.canvas = this.renderer.domElement;
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
@@ -65,8 +66,10 @@ export class Viewer {
     this.dirty = true;
   }
 
-  setBackground(color: string): void {
-    this.scene.background = new Color(color);
+  // `dark`: for a page in dark colours, whose view would glare otherwise.
+  setLook(sky: string, dark: boolean): void {
+    this.scene.background = new Color(sky);
+    this.renderer.toneMappingExposure = dark ? kDarkExposure : kExposure;
     this.redraw();
   }
 
@@ -159,10 +162,7 @@ export class Viewer {
     this.unlit = false;
     const sphere = this.extent();
     this.lights.build(this.built?.lights ?? [], Math.max(0.5, sphere.radius + sphere.center.length()));
-    // Further away if the view is narrow
-    const arm = new Vector3(0.62, -0.68, 0.42).normalize().multiplyScalar((2.35 * sphere.radius) / Math.min(1, this.view.camera.aspect));
-    const position = sphere.center.clone().add(arm);
-    this.view.setHome({ name: "Home", position: position.toArray(), target: sphere.center.toArray(), fov: 40 });
+    this.view.setHome(sphere);
     const scene = this.built?.scene ?? "";
     if (this.framed !== scene) this.view.goHome();
     this.framed = scene;
@@ -173,6 +173,12 @@ export class Viewer {
     this.bodies.shapes.flat().forEach(({ mesh, shape }) => {
       if (shape.kind !== "plane" && mesh.visible) box.expandByObject(mesh);
     });
+    for (const { body, pose } of this.built?.sensors ?? []) {
+      const [x = 0, y = 0, z = 0] = pose;
+      const carrier = this.bodies.groups.find(({ name }) => name === body);
+      const at = new Vector3(x, y, z);
+      box.expandByPoint(carrier ? carrier.localToWorld(at) : at);
+    }
     return box.isEmpty() ? new Sphere(new Vector3(), 1) : box.getBoundingSphere(new Sphere());
   }
 

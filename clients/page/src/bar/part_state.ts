@@ -1,0 +1,99 @@
+// The state of a part in words: from its port "Part State", and, where it is in fault, from its parameters,
+// which say why. Parts without such a port have no words.
+import type { Link } from "../link/link";
+import type { ParameterDescription } from "../link/messages";
+import { inWords } from "../ui/numbers";
+import { toneOf, type Tone } from "../ui/tone";
+import type { Part, Port } from "../model/part";
+import { poll } from "../model/poll";
+import { Signal } from "../common/signal";
+
+export const kEmergencyStop = "Emergency Stop";
+const kTripped = "Tripped"; // protocol/part_description.h
+const kPeriodMs = 700;
+
+export interface PartState {
+  words: string;
+  tone: Tone;
+  reason: string; // empty: none is known, or none is needed
+  stopped: boolean; // its emergency stop is pressed
+}
+
+// The input that ends a state, and the words for it.
+const kWayOut: Record<string, { text: string; port: string }> = {
+  "not homed": { text: "press Home", port: "Home" },
+  halted: { text: "press Reset", port: "Reset" },
+  "controller lost": { text: "press Reset", port: "Reset" },
+  fault: { text: "press Reset", port: "Reset" },
+  disabled: { text: "set Execution Enable", port: "Execution Enable" },
+};
+
+export class PartWatch {
+  readonly state = new Signal<PartState>({ words: "", tone: "plain", reason: "", stopped: false });
+  private readonly port: Port | undefined;
+  private tripped = "";
+  private stopped = false;
+  private readonly stops: (() => void)[];
+
+  constructor(private readonly link: Link, readonly part: Part) {
+    this.port = part.ports.find(({ side, description }) => side === "output" && description.name === "Part State" && description.values.length > 0);
+    const ask = poll(() => this.ask(), kPeriodMs);
+    this.stops = [ask, part.sampled.on(() => this.show())];
+  }
+
+  dispose(): void {
+    for (const stop of this.stops) stop();
+  }
+
+  get hasStop(): boolean {
+    return this.part.description.parameters.some(({ name }) => name === kEmergencyStop);
+  }
+
+  // The input that ends the present state; undefined: there is none.
+  get wayOut(): Port | undefined {
+    const { words } = this.state.value;
+    return this.part.port(kWayOut[words]?.port ?? "");
+  }
+
+  async press(on: boolean): Promise<void> {
+    const value = { value: { case: "flag", value: on } } as const;
+    await this.link.request({ case: "setParameter", value: { part: this.part.name, name: kEmergencyStop, value } }, "ok");
+    this.stopped = on;
+    this.show();
+  }
+
+  // Parameters say more than ports do, but cost more. They are asked for only while something is wrong.
+  private async ask(): Promise<void> {
+    const wrong = this.state.value.tone === "bad" || this.state.value.stopped;
+    if (!wrong || document.hidden || !this.link.welcome) return;
+    const answer = await this.link.request({ case: "getParameters", value: { part: this.part.name } }, "parameters").catch(() => null);
+    if (!answer) return;
+    this.tripped = textOf(answer.parameters, kTripped);
+    this.stopped = answer.parameters.some(({ name, value }) => name === kEmergencyStop && value?.value.value === true);
+    this.show();
+  }
+
+  private show(): void {
+    const value = this.port ? this.part.value(this.port) : NaN;
+    const words = this.port ? inWords(this.port.description, value) : "";
+    const tone = toneOf(words);
+    if (tone !== "bad" && !this.stopped) this.tripped = "";
+    const next = this.stopped
+      ? { words: "stopped", tone: "bad" as const, reason: "the emergency stop is pressed", stopped: true }
+      : { words, tone, reason: reasonOf(words, this.tripped), stopped: false };
+    const now = this.state.value;
+    if (next.words !== now.words || next.reason !== now.reason || next.stopped !== now.stopped) this.state.value = next;
+  }
+}
+
+// Pure.
+export function reasonOf(words: string, tripped: string): string {
+  const way = kWayOut[words]?.text ?? "";
+  const why = tripped.split("\n").filter(Boolean).join("; ");
+  return why === "" ? way : why;
+}
+
+function textOf(parameters: readonly ParameterDescription[], wanted: string): string {
+  const value = parameters.find(({ name }) => name === wanted)?.value?.value;
+  return value?.case === "text" ? value.value : "";
+}

@@ -1,0 +1,104 @@
+// The tool: it is jogged, typed, dragged and taught, and goes where the world's own poses say that it is.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { body, button, flat, pageTest, settled, until } from "./harness.mjs";
+import { bin, source } from "./programs.mjs";
+
+const kHand = "arm/link_7";
+const field = (page, axis) => page.getByRole("spinbutton", { name: new RegExp(`^${axis} of the tool`) });
+const place = (page) => page.evaluate(() => ["x", "y", "z"].map((axis) => Number(document.querySelector(`[aria-label^="${axis} of the tool"]`).value)));
+// Waits until the tool is at a place, within a millimetre.
+const arrives = (page, wanted) => until(page, (goal) => ["x", "y", "z"].every((axis, i) => Math.abs(Number(document.querySelector(`[aria-label^="${axis} of the tool"]`).value) - goal[i]) < 1e-3), wanted);
+
+async function openTool(page) {
+  await page.getByRole("tab", { name: "Tool" }).click();
+  await page.getByRole("tabpanel", { name: "Tool" }).getByRole("button", { name: "Take control of arm" }).click();
+  await until(page, () => !document.querySelector('[aria-label="Tool z more"]').disabled && document.querySelector('[aria-label^="z of the tool"]').value !== "");
+}
+
+pageTest("the tool is jogged along axes, to typed coordinates, and stops at the end of its reach", async (page, claim) => {
+  await openTool(page);
+  const start = await place(page);
+  await claim("the hand is the tool, before the fingers", async () => {
+    assert.equal(await page.getByRole("combobox", { name: "Body that is moved" }).inputValue(), kHand);
+  });
+  await claim("a step along an axis of the world moves nothing else", async () => {
+    await page.getByRole("combobox", { name: "Step" }).selectOption("50 mm · 15°");
+    await button(page, "Tool z more").click();
+    await arrives(page, [start[0], start[1], start[2] + 0.05]);
+  });
+  await claim("typed coordinates are reached", async () => {
+    await field(page, "y").fill(String(start[1] + 0.08));
+    await field(page, "y").press("Enter");
+    await arrives(page, [start[0], start[1] + 0.08, start[2] + 0.05]);
+    await field(page, "y").blur();
+  });
+  await claim("out of reach it stops, and says so", async () => {
+    await field(page, "x").fill("3");
+    await field(page, "x").press("Enter");
+    await page.getByText(/The tool stops: (that is out of reach|a joint)/).waitFor();
+    await field(page, "x").blur();
+  });
+}, flat);
+
+pageTest("the tool is dragged by its handles in the view", async (page) => {
+  await openTool(page);
+  await settled(page, kHand);
+  const from = await body(page, kHand);
+  const before = await place(page);
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  await page.mouse.move(from.x - 40, from.y - 30, { steps: 5 });
+  await until(page, (was) => ["x", "y", "z"].some((axis, i) => Math.abs(Number(document.querySelector(`[aria-label^="${axis} of the tool"]`).value) - was[i]) > 0.02), before);
+  await page.mouse.up();
+  assert.notEqual(await page.locator(".chip").getAttribute("data-tone"), "bad");
+});
+
+pageTest("poses are taught, kept, played, and exported as programs that run", async (page, claim, daemon) => {
+  await openTool(page);
+  await button(page, "Save pose").click();
+  const start = await place(page);
+  await page.getByRole("combobox", { name: "Step" }).selectOption("50 mm · 15°");
+  await button(page, "Tool z more").click();
+  await arrives(page, [start[0], start[1], start[2] + 0.05]);
+  await button(page, "Save pose").click();
+  await claim("they are kept, and played in their order", async () => {
+    await page.reload(); // and so its session is lost, which stops the arm
+    await openTool(page);
+    await page.getByRole("status", { name: "State of arm" }).getByRole("button", { name: "Reset" }).click();
+    await until(page, () => document.querySelector(".chip").textContent.includes("ready"));
+    await button(page, "Pose 1 later").click();
+    await button(page, "Play").click();
+    await arrives(page, start);
+    await button(page, "Play").waitFor();
+  });
+  const folder = mkdtempSync(join(tmpdir(), "visum-taught-"));
+  const exported = async (name) => {
+    const [saved] = await Promise.all([page.waitForEvent("download"), button(page, name).click()]);
+    await saved.saveAs(join(folder, saved.suggestedFilename()));
+    return join(folder, saved.suggestedFilename());
+  };
+  try {
+    await claim("the controller in Python goes there", async () => {
+      const file = await exported("Python");
+      await page.evaluate(async () => {
+        await visum.write("arm", "Desired Angle 1", 0.2);
+        await visum.release("arm");
+      });
+      const environment = { ...process.env, PYTHONPATH: join(bin, "../python") };
+      execFileSync("/usr/bin/python3", [file, `127.0.0.1:${daemon.port}`], { env: environment, timeout: 120_000 });
+      await arrives(page, start);
+    });
+    await claim("the scenario passes", async () => {
+      const file = await exported("Scenario");
+      const text = readFileSync(file, "utf8").replace(/^scene: .*$/m, `scene: ${join(source, "models/scenes/amtec_arm.yaml")}`);
+      writeFileSync(file, text);
+      execFileSync(join(bin, "visum"), ["run", file], { timeout: 240_000 });
+    });
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
+}, flat);
