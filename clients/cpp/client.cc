@@ -100,8 +100,8 @@ Part Client::part(const std::string& name) {
   part->input_ports = to_ports(reply.description.controller_inputs);
   part->output_ports = to_ports(reply.description.sensor_outputs);
   for (const protocol::Blackboard& board : reply.description.blackboards) {
-    part->blackboards.push_back({board.name, board.content_type, board.element_size, board.elements,
-                                 board.capacity, board.writable});
+    part->blackboards.push_back(
+        {board.name, board.content_type, board.element_size, board.elements, board.capacity, board.writable});
   }
   part->forget_writes();
   part->apply(state_->request_as<protocol::PartSample>(protocol::Read{name}, name));

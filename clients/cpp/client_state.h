@@ -59,9 +59,9 @@ struct ClientState {
 
   std::int64_t tick = 0, time_ns = 0;
   std::uint64_t era = 0;
-  bool holds_world = false;   // the clock is lockstep, and this client has joined
+  bool holds_world = false;              // the clock is lockstep, and this client has joined
   std::vector<std::uint64_t> advancing;  // the requests of the advance that is under way; empty: none is
-  std::int64_t ahead_ns = 0;  // how far the ticks asked for are ahead of the sum of the periods
+  std::int64_t ahead_ns = 0;             // how far the ticks asked for are ahead of the sum of the periods
 
   static constexpr std::size_t kMaxPending = 32;  // writes in flight before one is waited for
 

@@ -61,7 +61,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto bytes = std::as_bytes(std::span(data, size));
   serve(bytes);
   // Once more behind a good greeting, which a fuzzer rarely finds.
-  const std::string greeting = write_greeting({"here", -1, 0, "peer", Structure::kNone, connection::kExpress});
+  const std::string greeting =
+      write_greeting({"here", -1, 0, "peer", Structure::kNone, connection::kExpress});
   std::vector<std::byte> greeted(bytes.begin(), bytes.end());
   const auto head = std::as_bytes(std::span(greeting));
   greeted.insert(greeted.begin(), head.begin(), head.end());

@@ -127,7 +127,7 @@ def main() -> int:
         if not (folder / "Probe.class").exists():
             build(options.sources, folder)
         with Daemon(options.bin, "--run") as daemon, Bridge(options.bin, daemon) as bridge:
-            java = ["java", "-cp", class_path(folder)]
+            java = ["java", "--add-opens", "java.management/sun.management=ALL-UNNAMED", "-cp", class_path(folder)]
             address = f"localhost:{bridge.ready['port']}"
             if options.show:
                 return subprocess.run([*java, MAINS[options.show], f"--connect={address}", *options.words], cwd=folder, check=False).returncode

@@ -20,8 +20,7 @@ Cycle::Cycle(Plant& plant, std::int64_t period_ns, const std::vector<std::string
   }
   for (const std::string& gate : gates) {
     if (std::find(names.begin(), names.end(), gate) == names.end()) {
-      throw cli::ExitError(cli::kUsage,
-                           "--gate: " + config::unknown_name("controller input", gate, names));
+      throw cli::ExitError(cli::kUsage, "--gate: " + config::unknown_name("controller input", gate, names));
     }
     gates_[gate] = false;
   }

@@ -1,6 +1,6 @@
 // A bridge in lockstep (grade L1): the world stands until the messages that the user has named have arrived,
-// or until somebody asks for a step. It then runs for one period. All messages of a cycle act together, at its
-// end and in an order that does not depend on when they came. On the bridge's one thread.
+// or until somebody asks for a step. It then runs for one period. All messages of a cycle act together, at
+// its end and in an order that does not depend on when they came. On the bridge's one thread.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ class Cycle {
   static constexpr std::int64_t kMostSteps = 1'000'000;
 
   struct Message {
-    std::string client;                // who sent it
-    std::string name;                  // the port that it writes
+    std::string client;  // who sent it
+    std::string name;    // the port that it writes
     std::function<void()> act;
   };
 
@@ -33,8 +33,8 @@ class Cycle {
   // Asks for more cycles, whether their messages arrive or not. Returns why not; empty: they will come.
   std::string ask_for_steps(std::int64_t count);
 
-  // Ends the cycle if it is complete, and finds out whether the world has run as far as it was asked to. Never
-  // waits for longer than a millisecond. Returns true if the values of the parts are new.
+  // Ends the cycle if it is complete, and finds out whether the world has run as far as it was asked to.
+  // Never waits for longer than a millisecond. Returns true if the values of the parts are new.
   bool work();
   bool is_running() const { return running_; }  // the world has not run the last period to its end yet
 

@@ -66,9 +66,10 @@ std::uint16_t port_of(int handle) {
 
 std::string text_of(const sockaddr_storage& storage) {
   std::array<char, 64> text{};
-  const void* bytes = storage.ss_family == AF_INET6
-                          ? static_cast<const void*>(&reinterpret_cast<const sockaddr_in6&>(storage).sin6_addr)
-                          : static_cast<const void*>(&reinterpret_cast<const sockaddr_in&>(storage).sin_addr);
+  const void* bytes =
+      storage.ss_family == AF_INET6
+          ? static_cast<const void*>(&reinterpret_cast<const sockaddr_in6&>(storage).sin6_addr)
+          : static_cast<const void*>(&reinterpret_cast<const sockaddr_in&>(storage).sin_addr);
   ::inet_ntop(storage.ss_family, bytes, text.data(), text.size());
   return text.data();
 }

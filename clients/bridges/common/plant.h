@@ -29,8 +29,8 @@ class Plant {
 
   // Commands. Each returns the reason of the refusal, or an empty text once the server has accepted it.
   //
-  // The lease is taken for the one command and released in good order, so that the value holds and the part is
-  // free for a controller. While another client holds the lease, the command is refused with its name.
+  // The lease is taken for the one command and released in good order, so that the value holds and the part
+  // is free for a controller. While another client holds the lease, the command is refused with its name.
   std::string set_input(std::size_t part, std::size_t port, double value);
   std::string set_parameter(std::size_t part, const std::string& name, const ParameterValue& value);
   std::string write_blackboard(std::size_t part, const std::string& name, std::span<const std::byte> data);

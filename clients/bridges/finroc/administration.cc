@@ -45,12 +45,18 @@ std::optional<std::string> call_administration(Board& board, const std::string& 
   switch (method) {
     case kGetAnnotation:
     case kGetCreateModuleActions:
-    case kGetModuleLibraries: return a_buffer({});
-    case kGetParameterInfo: return a_buffer(std::string(1, '\0'));
-    case kIsExecuting: return Writer().put(kExecutionNotControlled).text();
-    case kSetPortValue: return a_text(set_port_value(board, peer, arguments));
-    case kNetworkConnect: return a_text("edges are made by the controllers, not here");
-    default: return std::nullopt;
+    case kGetModuleLibraries:
+      return a_buffer({});
+    case kGetParameterInfo:
+      return a_buffer(std::string(1, '\0'));
+    case kIsExecuting:
+      return Writer().put(kExecutionNotControlled).text();
+    case kSetPortValue:
+      return a_text(set_port_value(board, peer, arguments));
+    case kNetworkConnect:
+      return a_text("edges are made by the controllers, not here");
+    default:
+      return std::nullopt;
   }
 }
 

@@ -10,7 +10,8 @@
 
 namespace visum::finroc {
 
-// Carries out a call of a peer. Returns the bytes of its result; nothing for a call that the bridge does not serve.
+// Carries out a call of a peer. Returns the bytes of its result; nothing for a call that the bridge does not
+// serve.
 std::optional<std::string> call_administration(Board& board, const std::string& peer, std::uint8_t method,
                                                Reader& arguments);
 

@@ -40,9 +40,8 @@ ElementId Board::add_interface(ElementId parent, const std::string& name, std::u
 
 ElementId Board::add_port(ElementId parent, const std::string& name, const Type& type, Access access,
                           const Value& initial, std::uint8_t unit) {
-  const std::uint32_t direction = access == Access::kRead
-                                      ? flag::kEmitsData | flag::kOutput | flag::kReadOnly
-                                      : flag::kAcceptsData | flag::kPushes;
+  const std::uint32_t direction = access == Access::kRead ? flag::kEmitsData | flag::kOutput | flag::kReadOnly
+                                                          : flag::kAcceptsData | flag::kPushes;
   return add({.name = name,
               .parent = parent,
               .flags = flag::kPort | flag::kShared | direction,

@@ -17,8 +17,7 @@ class Reader {
   explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
   template <typename T>
-    requires std::is_arithmetic_v<T>
-  T take() {
+  requires std::is_arithmetic_v<T> T take() {
     T value{};
     const auto bytes = take_bytes(sizeof(T));
     if (!failed_) std::memcpy(&value, bytes.data(), sizeof(T));
@@ -43,8 +42,7 @@ class Reader {
 class Writer {
  public:
   template <typename T>
-    requires std::is_arithmetic_v<T>
-  Writer& put(T value) {
+  requires std::is_arithmetic_v<T> Writer& put(T value) {
     char bytes[sizeof(T)];
     std::memcpy(bytes, &value, sizeof(T));
     text_.append(bytes, sizeof(T));

@@ -19,10 +19,10 @@ inline constexpr std::uint32_t kPrimary = 1, kExpress = 2, kBulk = 4, kJava = 8,
 }
 
 struct Greeting {
-  std::string host;                // of the UUID
-  std::int32_t process = 0;        // of the UUID: a server's port, or minus a client's process id
-  std::uint8_t peer_type = 1;      // 0 client, 1 server, 2 both
-  std::string name;                // shown to users
+  std::string host;            // of the UUID
+  std::int32_t process = 0;    // of the UUID: a server's port, or minus a client's process id
+  std::uint8_t peer_type = 1;  // 0 client, 1 server, 2 both
+  std::string name;            // shown to users
   Structure wants = Structure::kNone;
   std::uint32_t flags = 0;
 };

@@ -31,10 +31,14 @@ int serve(const bridge::Options& options) {
   finroc::Board board;
   finroc::Mapping mapping(plant, board, cycle ? &*cycle : nullptr);
   bridge::Door door(options.listen, options.port, kUsualPort);
-  const finroc::Greeting own{"visum-" + std::to_string(door.port()), door.port(), 1,
-                             "Visum: " + plant.client().server().scene, finroc::Structure::kNone, 0};
-  bridge::PeerLoop loop(
-      door, [&](const std::string&) { return std::make_unique<finroc::Session>(board, own); });
+  const finroc::Greeting own{"visum-" + std::to_string(door.port()),
+                             door.port(),
+                             1,
+                             "Visum: " + plant.client().server().scene,
+                             finroc::Structure::kNone,
+                             0};
+  bridge::PeerLoop loop(door,
+                        [&](const std::string&) { return std::make_unique<finroc::Session>(board, own); });
   cli::catch_interrupts();
   bridge::print_ready(options, "finroc", door.port(), plant.names());
   auto refresh_at = bridge::Clock::now();
@@ -70,7 +74,8 @@ int act(int argc, char** argv) {
       "Finroc is the public successor of MCA2: finstruct is what became of mcabrowser, fingui of mcagui. "
       "Connect them to the port that the ready line names.\n\n"
       "Example:\n  visumd models/scenes/amtec_arm.yaml &\n  visum bridge finroc\n\n"
-      "Exit codes: 1 the server refused, 2 bad usage or the port is taken, 4 the connection to the server was "
+      "Exit codes: 1 the server refused, 2 bad usage or the port is taken, 4 the connection to the server "
+      "was "
       "lost, 130 interrupted.");
   if (const auto code = command_line::parse(app, argc, argv)) return *code;
   try {

@@ -107,14 +107,12 @@ void Mapping::add_ports(ElementId module, std::size_t part, Source source) {
   const bool inputs = source == Source::kInput;
   const auto& ports = inputs ? described.input_ports() : described.output_ports();
   if (ports.empty()) return;
-  const ElementId interface =
-      inputs ? board_.add_interface(module, "Controller Input", flag::kControllerData)
-             : board_.add_interface(module, "Sensor Output", flag::kSensorData);
+  const ElementId interface = inputs ? board_.add_interface(module, "Controller Input", flag::kControllerData)
+                                     : board_.add_interface(module, "Sensor Output", flag::kSensorData);
   for (const PortInfo& port : ports) {
-    const double value =
-        inputs ? described.input(port.index).value() : described.output(port.index).value();
-    const ElementId id = board_.add_port(interface, port.name, number(),
-                                         inputs ? Access::kWrite : Access::kRead, value, unit_code(port.unit));
+    const double value = inputs ? described.input(port.index).value() : described.output(port.index).value();
+    const ElementId id = board_.add_port(
+        interface, port.name, number(), inputs ? Access::kWrite : Access::kRead, value, unit_code(port.unit));
     links_[id] = {source, part, port.index, port.name};
   }
 }
@@ -126,9 +124,9 @@ void Mapping::add_parameters(ElementId module, std::size_t part) {
   const ElementId interface = board_.add_interface(module, "Parameters", 0);
   for (const ParameterInfo& parameter : parameters) {
     const Type type = type_of(described.name(), parameter);
-    const ElementId id = board_.add_port(interface, parameter.name, type,
-                                         parameter.read_only ? Access::kRead : Access::kWrite,
-                                         to_board(type, parameter.value), unit_code(parameter.unit));
+    const ElementId id =
+        board_.add_port(interface, parameter.name, type, parameter.read_only ? Access::kRead : Access::kWrite,
+                        to_board(type, parameter.value), unit_code(parameter.unit));
     links_[id] = {Source::kParameter, part, 0, parameter.name};
   }
 }
@@ -241,14 +239,17 @@ std::string Mapping::note(ElementId id, const std::string& refusal) {
 
 std::string Mapping::write_to_plant(const Element& element, const Link& link, const Value& value) {
   switch (link.source) {
-    case Source::kInput: return plant_.set_input(link.part, link.index, as_double(value));
-    case Source::kParameter: return plant_.set_parameter(link.part, link.name, to_server(element, value));
+    case Source::kInput:
+      return plant_.set_input(link.part, link.index, as_double(value));
+    case Source::kParameter:
+      return plant_.set_parameter(link.part, link.name, to_server(element, value));
     case Source::kBoardNew: {
       const std::string& content = std::get<std::string>(value);
       return plant_.write_blackboard(link.part, link.name, std::as_bytes(std::span(content)));
     }
     case Source::kOutput:
-    case Source::kBoardText: break;
+    case Source::kBoardText:
+      break;
   }
   return "it is an output";
 }

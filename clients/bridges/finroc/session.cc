@@ -117,12 +117,18 @@ void Session::take_batch(Reader batch) {
 bool Session::take_message(Reader& batch) {
   const auto code = batch.take<std::uint8_t>();
   switch (code) {
-    case kSubscribe: subscribe(batch); break;
+    case kSubscribe:
+      subscribe(batch);
+      break;
     case kUnsubscribe:
       subscriptions_.erase(static_cast<ElementId>(batch.take<std::uint32_t>() >> kStampBits));
       break;
-    case kPull: take_pull(batch); break;
-    case kDeleted: batch.take<std::int32_t>(); break;
+    case kPull:
+      take_pull(batch);
+      break;
+    case kDeleted:
+      batch.take<std::int32_t>();
+      break;
     case kPullAnswer:
     case kCall:
     case kTypeUpdate:
@@ -139,19 +145,29 @@ bool Session::take_message(Reader& batch) {
       take_sized(code, Reader(body.first(body.size() - 1)));
       return true;
     }
-    default: return false;
+    default:
+      return false;
   }
   return batch.take<std::uint8_t>() == kEndMark && !batch.failed();
 }
 
 void Session::take_sized(std::uint8_t code, Reader body) {
   switch (code) {
-    case kCall: take_call(body); break;
-    case kTypeUpdate: types_heard_.take(body); break;
+    case kCall:
+      take_call(body);
+      break;
+    case kTypeUpdate:
+      types_heard_.take(body);
+      break;
     case kValue:
-    case kSmallValue: take_written_value(body, true); break;
-    case kSmallValueWithoutTime: take_written_value(body, false); break;
-    default: break;  // of no use to us
+    case kSmallValue:
+      take_written_value(body, true);
+      break;
+    case kSmallValueWithoutTime:
+      take_written_value(body, false);
+      break;
+    default:
+      break;  // of no use to us
   }
 }
 

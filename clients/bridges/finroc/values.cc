@@ -33,11 +33,21 @@ std::optional<Value> take_number(Reader& in) {
   const int code = (first - (with_unit ? 1 : 0)) / 2;
   Value value = static_cast<std::int64_t>(code);
   switch (code) {
-    case kInt64: value = in.take<std::int64_t>(); break;
-    case kInt32: value = static_cast<std::int64_t>(in.take<std::int32_t>()); break;
-    case kInt16: value = static_cast<std::int64_t>(in.take<std::int16_t>()); break;
-    case kDouble: value = in.take<double>(); break;
-    case kFloat: value = static_cast<double>(in.take<float>()); break;
+    case kInt64:
+      value = in.take<std::int64_t>();
+      break;
+    case kInt32:
+      value = static_cast<std::int64_t>(in.take<std::int32_t>());
+      break;
+    case kInt16:
+      value = static_cast<std::int64_t>(in.take<std::int16_t>());
+      break;
+    case kDouble:
+      value = in.take<double>();
+      break;
+    case kFloat:
+      value = static_cast<double>(in.take<float>());
+      break;
     default:
       if (code < kLeastSmall || code > kMostSmall) in.fail();
   }
@@ -56,8 +66,10 @@ std::optional<Value> take_choice(Reader& in, const Type& type) {
 
 std::optional<Value> take_binary(Reader& in, const Type& type) {
   switch (type.kind) {
-    case Kind::kNumber: return take_number(in);
-    case Kind::kChoice: return take_choice(in, type);
+    case Kind::kNumber:
+      return take_number(in);
+    case Kind::kChoice:
+      return take_choice(in, type);
     case Kind::kBool: {
       const bool flag = in.take_bool();
       if (in.failed()) return std::nullopt;
@@ -68,7 +80,8 @@ std::optional<Value> take_binary(Reader& in, const Type& type) {
       if (in.failed()) return std::nullopt;
       return text;
     }
-    case Kind::kAdministration: break;
+    case Kind::kAdministration:
+      break;
   }
   in.fail();
   return std::nullopt;
@@ -105,9 +118,15 @@ void put_value(Writer& out, const Type& type, const Value& value, std::uint8_t u
     return;
   }
   switch (type.kind) {
-    case Kind::kNumber: put_number(out, value, unit); break;
-    case Kind::kBool: out.put_bool(std::get<bool>(value)); break;
-    case Kind::kText: out.put_string(std::get<std::string>(value)); break;
+    case Kind::kNumber:
+      put_number(out, value, unit);
+      break;
+    case Kind::kBool:
+      out.put_bool(std::get<bool>(value));
+      break;
+    case Kind::kText:
+      out.put_string(std::get<std::string>(value));
+      break;
     case Kind::kChoice: {
       const auto index = std::get<std::int64_t>(value);
       if (type.choices.size() <= 256) {
@@ -117,7 +136,8 @@ void put_value(Writer& out, const Type& type, const Value& value, std::uint8_t u
       }
       break;
     }
-    case Kind::kAdministration: break;
+    case Kind::kAdministration:
+      break;
   }
 }
 
@@ -144,8 +164,10 @@ std::string in_text(const Type& type, const Value& value) {
 
 std::optional<Value> from_text(const Type& type, const std::string& text) {
   switch (type.kind) {
-    case Kind::kNumber: return number_from(text);
-    case Kind::kText: return text;
+    case Kind::kNumber:
+      return number_from(text);
+    case Kind::kText:
+      return text;
     case Kind::kBool:
       if (text == "true" || text == "1") return true;
       if (text == "false" || text == "0") return false;
@@ -155,7 +177,8 @@ std::optional<Value> from_text(const Type& type, const std::string& text) {
       if (found == type.choices.end()) return std::nullopt;
       return static_cast<std::int64_t>(found - type.choices.begin());
     }
-    case Kind::kAdministration: break;
+    case Kind::kAdministration:
+      break;
   }
   return std::nullopt;
 }

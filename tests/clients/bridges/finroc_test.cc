@@ -53,10 +53,10 @@ TEST(FinrocNumber, IsReadInEachOfItsForms) {
   using namespace std::string_literals;
   EXPECT_EQ(read_back(kNumberType, "\x86\0\0\0\0\0\0\xe0\x3f"s), Value(0.5));
   EXPECT_EQ(read_back(kNumberType, "\x87\0\0\0\0\0\0\xe0\x3f\x17"s), Value(0.5));
-  EXPECT_EQ(read_back(kNumberType, "\x88\0\0\0\x3f"s), Value(0.5));                      // float
-  EXPECT_EQ(read_back(kNumberType, "\x84\xff\xff"s), Value(std::int64_t{-1}));           // 16 bits
-  EXPECT_EQ(read_back(kNumberType, "\x82\x10\0\0\0"s), Value(std::int64_t{16}));         // 32 bits
-  EXPECT_EQ(read_back(kNumberType, "\x0a"s), Value(std::int64_t{5}));                    // the code itself
+  EXPECT_EQ(read_back(kNumberType, "\x88\0\0\0\x3f"s), Value(0.5));               // float
+  EXPECT_EQ(read_back(kNumberType, "\x84\xff\xff"s), Value(std::int64_t{-1}));    // 16 bits
+  EXPECT_EQ(read_back(kNumberType, "\x82\x10\0\0\0"s), Value(std::int64_t{16}));  // 32 bits
+  EXPECT_EQ(read_back(kNumberType, "\x0a"s), Value(std::int64_t{5}));             // the code itself
   EXPECT_EQ(read_back(kNumberType, "\xf6"s), Value(std::int64_t{-5}));
   EXPECT_EQ(read_back(kNumberType, "\x86\0\0"s), std::nullopt);
   EXPECT_EQ(read_back(kNumberType, "\x8a"s), std::nullopt);  // -59 is no code
@@ -83,10 +83,29 @@ TEST(FinrocTypes, AreDescribedOnceForEachPeer) {
   types.put(second, kNumberType);
   types.put(choice, kChoiceType);
   // descriptions follow; usual interval 40 ms; number 0, no interval, class 1, name, traits 3; end; number 0
-  EXPECT_EQ(hex(first.text()), "feff" "2800" "0000" "ffff" "01" "4e756d62657200" "03" "ffff" "0000");
+  EXPECT_EQ(hex(first.text()),
+            "feff"
+            "2800"
+            "0000"
+            "ffff"
+            "01"
+            "4e756d62657200"
+            "03"
+            "ffff"
+            "0000");
   EXPECT_EQ(hex(second.text()), "0000");
   EXPECT_EQ(hex(choice.text()),
-            "feff" "0100" "ffff" "01" "436f6c6f757200" "0b" "0200" "72656400" "677265656e00" "ffff" "0100");
+            "feff"
+            "0100"
+            "ffff"
+            "01"
+            "436f6c6f757200"
+            "0b"
+            "0200"
+            "72656400"
+            "677265656e00"
+            "ffff"
+            "0100");
   TypesHeard heard;
   const std::string said = first.text() + second.text() + choice.text();
   Reader in(bytes_of(said));
@@ -107,14 +126,35 @@ TEST(FinrocRecord, SaysWhatFinstructDraws) {
   Writer of_group, of_port;
   put_record(of_group, board, group, Structure::kFinstruct, types);
   // handle 4096, one link "g" below the root, flags ready and published, one tag
-  EXPECT_EQ(hex(of_group.text()), "00100000" "01" "6700" "00" "00000000" "00008001" "01" "01000000" "01"
-                                  "67726f757000");
+  EXPECT_EQ(hex(of_group.text()),
+            "00100000"
+            "01"
+            "6700"
+            "00"
+            "00000000"
+            "00008001"
+            "01"
+            "01000000"
+            "01"
+            "67726f757000");
   types.put(of_port, kNumberType);
   of_port = Writer();
   put_record(of_port, board, port, Structure::kFinstruct, types);
   // strategy 1, no interval; one edge, not made by finstruct; no tags
-  EXPECT_EQ(hex(of_port.text()), "00200000" "81" "7000" "00" "00100000" "0000" "01228041" "0100" "ffff"
-                                 "01" "00300000" "00" "00");
+  EXPECT_EQ(hex(of_port.text()),
+            "00200000"
+            "81"
+            "7000"
+            "00"
+            "00100000"
+            "0000"
+            "01228041"
+            "0100"
+            "ffff"
+            "01"
+            "00300000"
+            "00"
+            "00");
 }
 
 TEST(FinrocBoard, ForgetsAnElementWithAllBelowIt) {
@@ -197,7 +237,9 @@ TEST_F(FinrocSession, TakesItsBytesInAnyPieces) {
       greeting(connection::kExpress, Structure::kNone) + batch(value(port_, 1, 0.5)) + batch("", 3);
   for (const char byte : all) hear(std::string(1, byte));
   EXPECT_THAT(writes_, ElementsAre(std::pair(port_, 0.5)));
-  EXPECT_THAT(hex(say()), testing::EndsWith("04000000" "ffff" "0300"));  // acknowledges batch 3
+  EXPECT_THAT(hex(say()), testing::EndsWith("04000000"
+                                            "ffff"
+                                            "0300"));  // acknowledges batch 3
 }
 
 TEST_F(FinrocSession, SendsTheStructureOnThePrimaryConnectionOnly) {
@@ -219,12 +261,16 @@ TEST_F(FinrocSession, SendsASubscribedValueAtOnceAndThenOnChange) {
   begin();
   hear(batch(subscribe(port_, 77, 40)));
   const std::string first = hex(say());
-  EXPECT_THAT(first, HasSubstr("4d000000" "00" "02"));  // the peer's own handle, binary, initial
+  EXPECT_THAT(first, HasSubstr("4d000000"
+                               "00"
+                               "02"));  // the peer's own handle, binary, initial
   EXPECT_THAT(say(), IsEmpty());
   board_.set(port_, 0.5, 1);
   EXPECT_THAT(say(), IsEmpty());  // not faster than the interval
   now_ += std::chrono::milliseconds(40);
-  EXPECT_THAT(hex(say()), HasSubstr("4d000000" "00" "01"));
+  EXPECT_THAT(hex(say()), HasSubstr("4d000000"
+                                    "00"
+                                    "01"));
 }
 
 TEST_F(FinrocSession, UnsubscribedPortsAreSilent) {
@@ -267,7 +313,9 @@ TEST_F(FinrocSession, TellsOfElementsThatComeAndGo) {
   const auto module = board_.add_module(kRoot, "newcomer");
   EXPECT_THAT(say(), HasSubstr("newcomer"));
   board_.remove(module);
-  EXPECT_THAT(hex(say()), testing::EndsWith("08" "00400000" "cd"));
+  EXPECT_THAT(hex(say()), testing::EndsWith("08"
+                                            "00400000"
+                                            "cd"));
 }
 
 TEST_F(FinrocSession, ServesCallsAndRefusesThoseThatItDoesNotKnow) {
@@ -285,17 +333,32 @@ TEST_F(FinrocSession, ServesCallsAndRefusesThoseThatItDoesNotKnow) {
     return hex(say());
   };
   const std::string id = "2a00000000000000";
-  EXPECT_THAT(call(9, ""), HasSubstr("09" + id + "00" "01" "00" "cd"));
-  EXPECT_THAT(call(1, "xyz"), HasSubstr("01" + id + "00" "07" "cd"));
+  EXPECT_THAT(call(9, ""), HasSubstr("09" + id +
+                                     "00"
+                                     "01"
+                                     "00"
+                                     "cd"));
+  EXPECT_THAT(call(1, "xyz"), HasSubstr("01" + id +
+                                        "00"
+                                        "07"
+                                        "cd"));
   // setPortValue with an empty answer, which means that it was accepted
   Writer buffer, arguments;
   buffer.put(std::uint8_t{0}).put_bytes(written(kNumberType, 0.75));
   arguments.put(handle_of(port_)).put(static_cast<std::int64_t>(buffer.text().size()));
   arguments.put_bytes(buffer.text());
-  EXPECT_THAT(call(15, arguments.text()), HasSubstr("0f" + id + "00" "01" "00" "cd"));
+  EXPECT_THAT(call(15, arguments.text()), HasSubstr("0f" + id +
+                                                    "00"
+                                                    "01"
+                                                    "00"
+                                                    "cd"));
   EXPECT_THAT(writes_, ElementsAre(std::pair(port_, 0.75)));
   refusal_ = "no";
-  EXPECT_THAT(call(15, arguments.text()), HasSubstr("0f" + id + "00" "01" "6e6f00" "cd"));
+  EXPECT_THAT(call(15, arguments.text()), HasSubstr("0f" + id +
+                                                    "00"
+                                                    "01"
+                                                    "6e6f00"
+                                                    "cd"));
 }
 
 TEST_F(FinrocSession, SkipsTheRestOfABatchThatItDoesNotUnderstand) {

@@ -122,11 +122,10 @@ public class Probe {
       for (long end = System.currentTimeMillis() + PATIENCE_MS; number(time) == last && System.currentTimeMillis() < end; ) Thread.sleep(0, 100000);
       last = number(time);
       time.getTimestamp(stamp);
-      java.time.Instant now = java.time.Instant.now();
-      ages[i] = now.getEpochSecond() * 1000000000L + now.getNano() - stamp.getInNs();
+      ages[i] = System.currentTimeMillis() - stamp.getInMs();
     }
     java.util.Arrays.sort(ages);
-    System.out.printf("       age of a value in the client: median %.1f ms, p90 %.1f ms, most %.1f ms%n", ages[50] / 1e6, ages[90] / 1e6, ages[99] / 1e6);
+    System.out.printf("       age of a value in the client: median %d ms, p90 %d ms, most %d ms%n", ages[50], ages[90], ages[99]);
   }
 
   public static void main(String[] words) throws Exception {
