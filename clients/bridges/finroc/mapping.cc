@@ -227,14 +227,14 @@ std::string Mapping::ask_for_steps(const Value& counter) {
   return refusal;
 }
 
-// Makes a refusal visible to tools that get no answer. Returns it with the port's path before it.
+// Makes a refusal visible to tools that get no answer. Returns it as it is.
 std::string Mapping::note(ElementId id, const std::string& refusal) {
   if (refusal.empty()) return {};
   const std::string text = board_.path(id) + ": " + refusal;
   spdlog::warn("refused: {}", text);
   board_.set(last_refusal_, text, wall_time_ns());
   board_.set(refusals_, ++refused_, wall_time_ns());
-  return text;
+  return refusal;
 }
 
 std::string Mapping::write_to_plant(const Element& element, const Link& link, const Value& value) {

@@ -56,9 +56,9 @@ class BridgeVerb : public Verb {
     app.prefix_command();
     app.add_flag("--list", list_, "list the bridges, and which of them were built");
     app.add_flag("--json", json_, "with --list: print JSON instead of text");
-    app.usage("Usage: visum bridge NAME [OPTIONS]\n       visum bridge --list [--json]");
     app.footer(
-        "A bridge shows the server's parts to programs that speak another protocol. `visum bridge NAME "
+        "`visum bridge NAME [OPTIONS]` starts the bridge NAME. A bridge shows the server's parts to programs "
+        "that speak another protocol. `visum bridge NAME "
         "--help` shows its options.\n\nExamples:\n"
         "  visum bridge --list\n  visum bridge finroc --connect 127.0.0.1:1500");
   }
