@@ -1,5 +1,8 @@
 // visum-bridge-finroc: shows a server's parts to Finroc's tools, finstruct and fingui. `visum bridge finroc`
 // starts it.
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -24,6 +27,7 @@ constexpr std::uint16_t kUsualPort = 4444;
 constexpr std::chrono::milliseconds kWhileFollowed{10}, kIdle{500};
 
 int serve(const bridge::Options& options) {
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("finroc"));  // standard output is for the ready line
   bridge::check_address(options, "Finroc");
   bridge::Plant plant(options.connect, options.client("finroc"));
   std::optional<bridge::Cycle> cycle;

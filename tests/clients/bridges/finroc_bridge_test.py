@@ -109,6 +109,9 @@ class Values(unittest.TestCase):
             peer.write(desired, finroc.number(1e6))  # as fingui writes: nobody answers
             peer.wait_for(last, lambda text: "1e+06 is not in" in text)
             self.assertLess(peer.wait_for(desired, lambda _: True), 10)
+            bridge.end()
+            self.assertEqual(bridge.process.stdout.read(), "")  # it holds the ready line alone
+            self.assertIn("1e+06 is not in", bridge.process.stderr.read())
 
     def test_another_client_holds_the_lease(self):
         with Daemon() as daemon, Bridge(daemon, "--port", 0) as bridge, finroc.Peer(bridge.port) as peer:
@@ -136,6 +139,52 @@ with visum.Client(sys.argv[1], name="the controller") as client:
             self.assertEqual(peer.apply(stop, b"\1"), "")
             peer.wait_for(stop, lambda value: value is True)
             self.assertIn("true", daemon.visum("params", "arm").stdout)
+
+
+class Lockstep(unittest.TestCase):
+    """The world waits for the peers' messages (grade L1)."""
+
+    def run_once(self, swap):
+        """Two peers write the same port in 20 cycles, in this or the other order. Returns the state's hash."""
+        gates = ("--gate", "arm/Desired Angle 1", "--gate", "arm/Desired Angle 2")
+        with Daemon("--clock", "lockstep") as daemon, Bridge(daemon, "--port", 0, "--lockstep", *gates) as bridge:
+            with finroc.Peer(bridge.port, name="anna") as anna, finroc.Peer(bridge.port, name="bert") as bert:
+                time, first = anna.find("Sensor Output/Simulated Time"), "Input/Desired Angle 1"
+                anna.subscribe(time)
+                anna.wait_for(time, lambda now: now == 0)
+                for cycle in range(1, 21):
+                    writes = [(anna, first, 0.01 * cycle), (bert, first, 0.02 * cycle)]
+                    for peer, port, angle in reversed(writes) if swap else writes:
+                        peer.write(peer.find(port), finroc.number(angle))
+                        peer.settle()
+                    self.assertLess(anna.seen[time.handle], 0.01 * cycle - 0.005)  # a gate is missing
+                    bert.write(bert.find("Input/Desired Angle 2"), finroc.number(-0.4 + 0.001 * cycle))
+                    anna.wait_for(time, lambda now: now > 0.01 * cycle - 0.005)
+                self.assertAlmostEqual(anna.seen[time.handle], 0.2)  # 20 periods of 10 ms
+                return daemon.json("status")["state_hash"]
+
+    def test_one_hash_in_ten_runs(self):
+        self.assertEqual(len({self.run_once(swap=run % 2 == 1) for run in range(10)}), 1)
+
+    def test_steps_are_asked_for_by_a_counter(self):
+        with Daemon("--clock", "lockstep") as daemon:
+            with Bridge(daemon, "--port", 0, "--lockstep", "--period", 5) as bridge, finroc.Peer(bridge.port) as peer:
+                step, time = peer.find("Bridge/Controller Input/Step"), peer.find("Sensor Output/Simulated Time")
+                peer.subscribe(time)
+                peer.write(peer.find("Input/Desired Angle 1"), finroc.number(0.1))  # waits for the step
+                self.assertEqual(peer.wait_for(time, lambda _: True), 0)
+                self.assertEqual(peer.apply(step, finroc.number(3)), "")
+                peer.wait_for(time, lambda now: abs(now - 0.015) < 1e-9)
+                self.assertIn("at least 1", peer.apply(step, finroc.number(2)))
+                self.assertIn("0.1", daemon.visum("get", "arm", "Desired Angle 1").stdout)
+
+    def test_says_what_is_wrong(self):
+        with Daemon("--clock", "lockstep") as daemon:
+            wrong = visum("bridge", "finroc", "--connect", daemon.connect, "--lockstep", "--gate", "arm/Angle", expect=2)
+            self.assertIn("'arm/Angle'", wrong.stderr)
+        with Daemon() as daemon:
+            wrong = visum("bridge", "finroc", "--connect", daemon.connect, "--lockstep", expect=1)
+            self.assertIn("--clock lockstep", wrong.stderr)
 
 
 class Robustness(unittest.TestCase):

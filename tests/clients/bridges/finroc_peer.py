@@ -94,9 +94,9 @@ def take_value(data, kind, choices):
 
 
 class Connection:
-    def __init__(self, port, flags, wants):
+    def __init__(self, port, flags, wants, name):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=GRACE_S)
-        body = b"peer\0" + struct.pack("<i", -1) + b"\0" + b"a peer\0" + struct.pack("<BI", wants, flags)
+        body = b"peer\0" + struct.pack("<i", -1) + b"\0" + name.encode() + b"\0" + struct.pack("<BI", wants, flags)
         body += b"\0\x7f\0\0\1" + MARK
         self.socket.sendall(GREETING + struct.pack("<HI", 1, len(body)) + body)
         self.types = Types()
@@ -147,9 +147,9 @@ class Connection:
 class Peer:
     """Two connections, as Finroc's tools have them."""
 
-    def __init__(self, port):
-        self.structure = Connection(port, PRIMARY | BULK, FINSTRUCT)
-        self.values = Connection(port, EXPRESS, 0)
+    def __init__(self, port, name="a peer"):
+        self.structure = Connection(port, PRIMARY | BULK, FINSTRUCT, name)
+        self.values = Connection(port, EXPRESS, 0, name)
         self.by_handle = {element.handle: element for element in self.structure.elements}
         self.by_path = {self.path(element): element for element in self.structure.elements}
         self.seen, self.described, self.call_id = {}, False, 0
@@ -176,8 +176,9 @@ class Peer:
             struct.pack("<BihBhiB", 0, e.handle, 1, 0, interval_ms, e.handle + 7, 0) + MARK for e in elements))
 
     def take_values(self):
-        """Takes one batch in: the newest value of each port goes to `seen`, by handle."""
-        for code, data in self.values.next_batch()[0]:
+        """Takes one batch in: the newest value of each port goes to `seen`, by handle. True if it acknowledges one."""
+        messages, acknowledged = self.values.next_batch()
+        for code, data in messages:
             if code != 10:
                 continue
             handle, encoding = data.take("iB")
@@ -188,6 +189,7 @@ class Peer:
                 change, when = data.take("Bq")
                 self.seen[element.handle] = take_value(data, element.type, self.structure.types.choices)
                 more = data.take("B")
+        return acknowledged >= 0
 
     def wait_for(self, element, good):
         """Takes batches in until good(value) of a subscribed port."""
@@ -201,6 +203,12 @@ class Peer:
     def write(self, element, value, change=CHANGED):
         body = struct.pack("<iBBq", element.handle, 0, change, 0) + value + b"\0" + MARK
         self.values.batch(struct.pack("<BI", 10, len(body)) + body)
+
+    def settle(self):
+        """Returns once the bridge has taken in all that was written."""
+        self.values.batch(b"", acknowledge=1)
+        while not self.take_values():
+            pass
 
     def call(self, method, arguments):
         """Calls the administration interface. Returns the status and the result."""
