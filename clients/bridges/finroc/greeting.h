@@ -11,7 +11,7 @@ namespace visum::finroc {
 
 inline constexpr std::uint8_t kEndMark = 0xCD;  // ends the greeting and each message
 
-// Which elements a peer wants to be told of.
+// The elements that a peer wants to be told of.
 enum class Structure : std::uint8_t { kNone = 0, kSharedPorts = 1, kWhole = 2, kFinstruct = 3 };
 
 namespace connection {

@@ -93,7 +93,7 @@ class Values(unittest.TestCase):
         with Daemon() as daemon, Bridge(daemon, "--port", 0) as bridge, finroc.Peer(bridge.port) as peer:
             desired = peer.find("Input/Desired Angle 1")
             peer.write(desired, finroc.number(1.0), change=finroc.INITIAL)
-            self.assertEqual(peer.apply(peer.find("Input/Maximum Speed 1"), finroc.number(0.25)), "")  # behind it
+            self.assertEqual(peer.apply(peer.find("Input/Maximum Speed 1"), finroc.number(0.25)), "")
             peer.subscribe(desired, peer.find("Input/Maximum Speed 1"))
             peer.wait_for(peer.find("Input/Maximum Speed 1"), lambda speed: speed == 0.25)
             self.assertNotEqual(peer.wait_for(desired, lambda _: True), 1.0)
