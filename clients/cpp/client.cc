@@ -99,6 +99,10 @@ Part Client::part(const std::string& name) {
   part->kind = reply.description.kind;
   part->input_ports = to_ports(reply.description.controller_inputs);
   part->output_ports = to_ports(reply.description.sensor_outputs);
+  for (const protocol::Blackboard& board : reply.description.blackboards) {
+    part->blackboards.push_back(
+        {board.name, board.content_type, board.element_size, board.elements, board.capacity, board.writable});
+  }
   part->forget_writes();
   part->apply(state_->request_as<protocol::PartSample>(protocol::Read{name}, name));
   state_->parts.push_back(part.get());
@@ -119,13 +123,35 @@ void Client::leave() {
   state_->throw_refusals();
 }
 
-void Client::advance_ns(std::int64_t period_ns) {
+namespace {
+
+// The ticks from now to the first one at or after the end of the period.
+std::int64_t ticks_of(detail::ClientState& state, std::int64_t period_ns) {
   if (period_ns <= 0) throw Error(ErrorCode::kMisuse, "a period must be longer than 0 ns");
-  const std::int64_t tick_ns = state_->server.tick_ns;
-  const std::int64_t missing_ns = period_ns - state_->ahead_ns;
+  const std::int64_t tick_ns = state.server.tick_ns;
+  const std::int64_t missing_ns = period_ns - state.ahead_ns;
   const std::int64_t ticks = missing_ns > 0 ? (missing_ns + tick_ns - 1) / tick_ns : 0;
-  state_->ahead_ns = ticks * tick_ns - missing_ns;
-  if (ticks > 0) state_->advance(ticks);
+  state.ahead_ns = ticks * tick_ns - missing_ns;
+  return ticks;
+}
+
+}  // namespace
+
+void Client::advance_ns(std::int64_t period_ns) {
+  if (const std::int64_t ticks = ticks_of(*state_, period_ns); ticks > 0) state_->advance(ticks);
+}
+
+void Client::begin_advance_ns(std::int64_t period_ns) {
+  std::int64_t ticks = ticks_of(*state_, period_ns);
+  if (ticks == 0) {  // the last period was longer by more than this one: advanced() needs a tick to wait for
+    ticks = 1;
+    state_->ahead_ns += state_->server.tick_ns;
+  }
+  state_->begin_advance(ticks);
+}
+
+bool Client::advanced(std::chrono::milliseconds patience) {
+  return state_->advanced(patience);
 }
 
 void Client::advance_ms(double period_ms) {

@@ -116,27 +116,49 @@ void ClientState::set_time(std::int64_t new_tick, std::int64_t new_time_ns, std:
 }
 
 // Everything leaves together, so that a period costs one wait: the answers to the writes are there when
-// Advanced comes. All answers are read before anything is thrown, so that none is left over for the next
-// period.
-void ClientState::advance(std::int64_t ticks) {
+// Advanced comes.
+void ClientState::begin_advance(std::int64_t ticks) {
+  if (!advancing.empty()) throw Error(ErrorCode::kMisuse, "an advance is under way already");
   std::vector<protocol::Request> requests{protocol::Advance{ticks}};
   for (const PartState* part : parts) requests.push_back(protocol::Read{part->name});
-  std::vector<std::uint64_t> ids;
   try {
-    ids = link().send_together(requests);
+    advancing = link().send_together(requests);
   } catch (const protocol::ConnectionError& error) {
     throw Error(ErrorCode::kConnection, error.what());
   }
-  const protocol::Reply advanced = wait(ids.front());
+}
+
+void ClientState::advance(std::int64_t ticks) {
+  begin_advance(ticks);
+  finish_advance(wait(advancing.front()));
+}
+
+bool ClientState::advanced(std::chrono::milliseconds patience) {
+  if (advancing.empty()) throw Error(ErrorCode::kMisuse, "no advance is under way");
+  std::optional<protocol::Reply> reply;
+  try {
+    reply = link().wait_for(advancing.front(), patience);
+  } catch (const protocol::RequestError& refusal) {
+    reply = protocol::Error{refusal.code(), refusal.what(), refusal.owner()};
+  } catch (const protocol::ConnectionError& error) {
+    throw Error(ErrorCode::kConnection, error.what());
+  }
+  if (reply) finish_advance(*reply);
+  return reply.has_value();
+}
+
+// All answers are read before anything is thrown, so that none is left over for the next period.
+void ClientState::finish_advance(const protocol::Reply& reply) {
+  const auto ids = std::exchange(advancing, {});
   const std::optional<Error> refusal = settle();
   std::vector<protocol::Reply> samples;
   for (std::size_t i = 1; i < ids.size(); ++i) samples.push_back(wait(ids[i]));
 
-  if (const auto* error = std::get_if<protocol::Error>(&advanced)) {
+  if (const auto* error = std::get_if<protocol::Error>(&reply)) {
     holds_world = false;  // the server may have dropped this member: it drops members that come too late
     throw explain(*error);
   }
-  const auto now = as<protocol::Advanced>(advanced);
+  const auto now = as<protocol::Advanced>(reply);
   set_time(now.tick, now.sim_time_ns, now.era);
   for (std::size_t i = 0; i < parts.size(); ++i) take_sample(*parts[i], std::move(samples[i]));
   if (refusal) throw *refusal;

@@ -22,6 +22,7 @@ struct PartState {
   ClientState* client = nullptr;  // null once the client is gone
   std::string name, kind;
   std::vector<PortInfo> input_ports, output_ports;
+  std::vector<BlackboardInfo> blackboards;
 
   std::vector<double> inputs;  // as staged, else as in force
   std::vector<bool> set, staged,
@@ -58,8 +59,9 @@ struct ClientState {
 
   std::int64_t tick = 0, time_ns = 0;
   std::uint64_t era = 0;
-  bool holds_world = false;   // the clock is lockstep, and this client has joined
-  std::int64_t ahead_ns = 0;  // how far the ticks asked for are ahead of the sum of the periods
+  bool holds_world = false;              // the clock is lockstep, and this client has joined
+  std::vector<std::uint64_t> advancing;  // the requests of the advance that is under way; empty: none is
+  std::int64_t ahead_ns = 0;             // how far the ticks asked for are ahead of the sum of the periods
 
   static constexpr std::size_t kMaxPending = 32;  // writes in flight before one is waited for
 
@@ -67,6 +69,8 @@ struct ClientState {
   // Sends a write, and does not wait for its answer.
   void post(const PartState& part, protocol::Write write);
   void advance(std::int64_t ticks);
+  void begin_advance(std::int64_t ticks);
+  bool advanced(std::chrono::milliseconds patience);  // false: the world is not there yet
   void set_time(std::int64_t tick, std::int64_t time_ns, std::uint64_t era);
   // Waits for the answers to all writes in flight. Returns the first refusal.
   std::optional<Error> settle();
@@ -86,6 +90,7 @@ struct ClientState {
   }
 
  private:
+  void finish_advance(const protocol::Reply& reply);
   void take_sample(PartState& part, protocol::Reply reply);
   // The Error for a refused advance: the lockstep's time-out if that is the reason.
   Error explain(const protocol::Error& refusal);

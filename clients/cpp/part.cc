@@ -182,11 +182,20 @@ std::int64_t Part::sample_time_ns() const {
   return state_->time_ns;
 }
 
-ParameterValue Part::parameter(const std::string& name) const {
+std::vector<ParameterInfo> Part::parameters() const {
   const auto list = state_->connected().request_as<protocol::ParameterList>(
-      protocol::GetParameters{state_->name}, state_->name, name);
-  std::vector<std::string> names;
+      protocol::GetParameters{state_->name}, state_->name);
+  std::vector<ParameterInfo> infos;
   for (const protocol::Parameter& parameter : list.parameters) {
+    infos.push_back({parameter.name, parameter.unit, parameter.help, parameter.value, parameter.minimum,
+                     parameter.maximum, parameter.choices, parameter.read_only});
+  }
+  return infos;
+}
+
+ParameterValue Part::parameter(const std::string& name) const {
+  std::vector<std::string> names;
+  for (const ParameterInfo& parameter : parameters()) {
     if (parameter.name == name) return parameter.value;
     names.push_back(parameter.name);
   }
@@ -197,6 +206,10 @@ ParameterValue Part::parameter(const std::string& name) const {
 
 void Part::set_parameter(const std::string& name, const ParameterValue& value) {
   state_->connected().request(protocol::SetParameter{state_->name, name, value}, state_->name, name);
+}
+
+const std::vector<BlackboardInfo>& Part::blackboards() const {
+  return state_->blackboards;
 }
 
 std::vector<std::byte> Part::read_blackboard(const std::string& name) const {

@@ -33,6 +33,10 @@ double Inputs::value(std::size_t i) const {
   return part_->inputs[info(i).index];
 }
 
+void Inputs::check(std::size_t i, double value) const {
+  check_value(*part_, info(i), value);
+}
+
 void Inputs::set(double value) {
   set(std::span<const double>(&value, 1));
 }

@@ -104,6 +104,24 @@ struct PortInfo {
 
 using ParameterValue = std::variant<double, std::int64_t, bool, std::string>;
 
+struct ParameterInfo {
+  std::string name, unit, help;
+  ParameterValue value;  // its alternative is the parameter's type
+  double minimum = 0.0;  // for numbers and integers
+  double maximum = 0.0;
+  std::vector<std::string> choices;  // for texts; empty: any text
+  bool read_only = false;
+};
+
+struct BlackboardInfo {
+  std::string name;
+  std::string content_type;  // "text/plain", "image/x-rgb24", ...
+  std::uint64_t element_size = 1;
+  std::uint64_t elements = 0;
+  std::uint64_t capacity = 0;  // bytes
+  bool writable = false;
+};
+
 namespace detail {
 struct ClientState;
 struct PartState;
@@ -116,6 +134,9 @@ class Inputs {
   const PortInfo& info(std::size_t i = 0) const;
   double value(std::size_t i = 0) const;  // as set under this lease, else as in the newest sample
   double operator[](std::size_t i) const { return value(i); }
+
+  // Throws kBadValue where set() would, and stages nothing.
+  void check(std::size_t i, double value) const;
 
   // Stages values for Part::write(). A value that is not finite, or is out of range, throws kBadValue and
   // stages nothing.
@@ -195,8 +216,11 @@ class Part {
   std::int64_t sample_tick() const;
   std::int64_t sample_time_ns() const;
 
+  // Parameters with their values of now: one round trip.
+  std::vector<ParameterInfo> parameters() const;
   ParameterValue parameter(const std::string& name) const;
   void set_parameter(const std::string& name, const ParameterValue& value);
+  const std::vector<BlackboardInfo>& blackboards() const;
   std::vector<std::byte> read_blackboard(const std::string& name) const;
   void write_blackboard(const std::string& name, std::span<const std::byte> data, std::uint64_t offset = 0);
 
@@ -239,6 +263,12 @@ class Client {
   void advance_ns(std::int64_t period_ns);
   void advance_ms(double period_ms);
   void advance_ticks(std::int64_t ticks);
+
+  // The same in two halves, for a program that has other things to do meanwhile. advanced() waits for up to
+  // `patience` and returns true once the world is there; it throws what advance_ns() would. Between the two
+  // no other call of this client or of its Parts is allowed but writes.
+  void begin_advance_ns(std::int64_t period_ns);
+  bool advanced(std::chrono::milliseconds patience);
 
   // As of the last join, advance or read.
   std::int64_t time_ns() const;

@@ -85,7 +85,9 @@ const CLI::App* asked_for_page(const CLI::App& app, int argc, const char* const*
   if (is_asked(1)) return &app;
   if (!is_asked(2)) return nullptr;
   for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
-    if (verb->get_name() == argv[1] && !verb->get_prefix_command()) return verb;
+    // A verb that hands all its words on has no help of its own, and the page is that of the other program.
+    if (verb->get_name() == argv[1] && (!verb->get_prefix_command() || verb->get_help_ptr() != nullptr))
+      return verb;
   return nullptr;
 }
 

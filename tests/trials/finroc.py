@@ -1,0 +1,145 @@
+#!/usr/bin/python3
+"""Finroc's own tools in front of a bridge: builds them from their public sources and says what passed.
+
+    tests/trials/finroc.py SOURCES [--bin build/release/bin] [--keep FOLDER] [--show finstruct|fingui]
+
+SOURCES holds a checkout of each repository of github.com/finrocmirror that is named below, in a folder of its name; a branch
+is a dialect (17.03, or the older master). Nothing of them is part of Visum. Debian's openjdk-17-jdk, libxstream-java,
+libxpp3-java, libsvgsalamander-java and libitext5-java are needed.
+
+Runs Finroc's client libraries against `visum bridge finroc` and a daemon with the arm. --show starts a window of the tool
+instead, connected to them, and waits until it is closed. Exit code 0: all passed, 1: something failed, 77: not possible here.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from programs import SKIPPED, Daemon, Failed, NotHere, expect
+
+HERE = Path(__file__).resolve().parent
+REPOSITORIES = {  # and the package that each one is
+    "finroc_core-java": "org/finroc/core",
+    "finroc_plugins_tcp-java": "org/finroc/plugins/tcp",
+    "finroc_plugins_data_types-java": "org/finroc/plugins/data_types",
+    "finroc_plugins_blackboard-java": "org/finroc/plugins/blackboard",
+    "finroc_tools_finstruct-java": "org/finroc/tools/finstruct",
+    "finroc_tools_gui-java": "org/finroc/tools/gui",
+    "rrlib_finroc_core_utils-java": "org/rrlib/finroc_core_utils",
+    "rrlib_serialization-java": "org/rrlib/serialization",
+    "rrlib_logging-java": "org/rrlib/logging",
+    "rrlib_xml-java": "org/rrlib/xml",
+}
+PLUGINS = {  # jars that Finroc looks for by name, with the class that it starts
+    "finroc_plugins_tcp": ("org/finroc/plugins/tcp", "org.finroc.plugins.tcp.internal.TCP"),
+    "finroc_plugins_data_types": ("org/finroc/plugins/data_types", "org.finroc.plugins.data_types.DataTypePlugin"),
+    "finroc_plugins_blackboard": ("org/finroc/plugins/blackboard", "org.finroc.plugins.blackboard.BlackboardPlugin"),
+}
+BLACKBOARD = {"BlackboardBuffer.java", "BlackboardPlugin.java"}  # all that its make.xml names
+LIBRARIES = [Path("/usr/share/java") / jar for jar in ("xstream.jar", "xpp3.jar", "svgSalamander.jar", "itext5.jar")]
+MAINS = {"finstruct": "org.finroc.tools.finstruct.Finstruct", "fingui": "org.finroc.tools.gui.FinrocGUI"}
+# A dialog for fonts that no distribution ships. Nothing here opens it.
+FONT_CHOOSER = """package com.connectina.swing.fontchooser;
+public class JFontChooser {
+  public static java.awt.Font showDialog(java.awt.Window owner, java.awt.Font font) { return font; }
+}
+"""
+
+
+def run(*words: object, cwd: Path | None = None) -> None:
+    done = subprocess.run(list(map(str, words)), cwd=cwd, capture_output=True, text=True)
+    expect(done.returncode == 0, f"{words[0]} failed:\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}")
+
+
+def lay_out(sources: Path, folder: Path) -> list[Path]:
+    """Puts the checkouts where Java expects packages. Returns the files to compile."""
+    for name, package in REPOSITORIES.items():
+        if not (sources / name).is_dir():
+            raise NotHere(f"{sources} has no {name}")
+        shutil.copytree(sources / name, folder / package, ignore=shutil.ignore_patterns(".git", ".hg"))
+    stub = folder / "com/connectina/swing/fontchooser/JFontChooser.java"
+    stub.parent.mkdir(parents=True)
+    stub.write_text(FONT_CHOOSER)
+    files = [path for path in folder.rglob("*.java") if "org/finroc/core/test" not in str(path)]
+    return [path for path in files if "plugins/blackboard" not in str(path) or path.name in BLACKBOARD]
+
+
+def build(sources: Path, folder: Path) -> None:
+    """Compiles everything into jars as Finroc's own build names them."""
+    if shutil.which("javac") is None or not all(library.exists() for library in LIBRARIES):
+        raise NotHere("openjdk-17-jdk or a Java library of Debian is missing")
+    code, classes = folder / "code", folder / "classes"
+    classes.mkdir(parents=True)
+    files = lay_out(sources, code)
+    path = ":".join(map(str, LIBRARIES))
+    (folder / "files").write_text("\n".join(map(str, files)))
+    run("javac", "-encoding", "ISO-8859-1", "-nowarn", "-proc:none", "-d", classes, "-cp", path, f"@{folder / 'files'}")
+    for resource in code.rglob("*"):
+        if resource.suffix in (".png", ".svg", ".txt"):
+            target = classes / resource.relative_to(code)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(resource, target)
+    for jar, (package, start) in PLUGINS.items():
+        (folder / "manifest").write_text(f"Plugin-Class: {start}\n")
+        run("jar", "cfm", folder / f"{jar}.jar", folder / "manifest", "-C", classes, package)
+        shutil.rmtree(classes / package)
+    run("jar", "cf", folder / "finroc.jar", "-C", classes, ".")
+    run("javac", "-nowarn", "-d", folder, "-cp", class_path(folder), HERE / "finroc/Probe.java")
+
+
+def class_path(folder: Path) -> str:
+    return ":".join(map(str, [folder, *sorted(folder.glob("*.jar")), *LIBRARIES]))
+
+
+class Bridge:
+    def __init__(self, programs: Path, daemon: Daemon):
+        connect = f"127.0.0.1:{daemon.ready['port']}"
+        self.words = [programs / "visum", "bridge", "finroc", "--connect", connect, "--port", 0, "--json"]
+
+    def __enter__(self) -> Bridge:
+        self.process = subprocess.Popen(list(map(str, self.words)), stdout=subprocess.PIPE, text=True)
+        assert self.process.stdout
+        self.ready = json.loads(self.process.stdout.readline())
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.process.terminate()
+        self.process.wait()
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("sources", type=Path)
+    parser.add_argument("--bin", type=Path, default=HERE.parents[1] / "build/release/bin")
+    parser.add_argument("--keep", type=Path, help="build here, and do not build again what is there")
+    parser.add_argument("--show", choices=MAINS)
+    parser.add_argument("words", nargs="*", help="more words for the tool of --show, as a panel's file")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = options.keep or Path(temporary) / "finroc"
+        if not (folder / "Probe.class").exists():
+            build(options.sources, folder)
+        with Daemon(options.bin, "--run") as daemon, Bridge(options.bin, daemon) as bridge:
+            java = ["java", "--add-opens", "java.management/sun.management=ALL-UNNAMED", "-cp", class_path(folder)]
+            address = f"localhost:{bridge.ready['port']}"
+            if options.show:
+                return subprocess.run([*java, MAINS[options.show], f"--connect={address}", *options.words], cwd=folder, check=False).returncode
+            return subprocess.run([*java, "Probe", address, "arm"], cwd=folder, check=False, timeout=600, env={**os.environ, "DISPLAY": ""}).returncode
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except NotHere as reason:
+        print(f"not possible here: {reason}")
+        sys.exit(SKIPPED)
+    except Failed as failure:
+        print(failure)
+        sys.exit(1)
