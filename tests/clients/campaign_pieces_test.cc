@@ -190,7 +190,7 @@ TEST(Sampling, TheLastOfManyRunsIsFoundAtOnce) {
       map_of("sweep: {a: {uniform: [0, 1]}, b: [x, y], c: {from: 1, to: 3}}\nsampling: {method: "
              "latin_hypercube, runs: 1000000000}"));
   EXPECT_EQ(sweep.runs(), 1'000'000'000u);
-  EXPECT_EQ(sweep.described(1'000'000'000).size(), 3u);
+  EXPECT_EQ(sweep.point(1'000'000'000).described.size(), 3u);
 }
 
 TEST(Sampling, SaysWhatIsWrong) {

@@ -158,6 +158,73 @@ class Campaign(unittest.TestCase):
         self.assertGreater(rest["reused"], 0)
         self.assertEqual(rest["hash"], whole["hash"])
 
+    def test_a_full_disk_is_no_verdict_and_loses_no_run(self):
+        file = self.write(SAMPLED.replace("runs: 24", "runs: 40"))
+        whole = self.campaign(file, "--no-recordings", expect=1, report=self.folder / "whole")
+        self.report.mkdir()
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=160k", "tmpfs", self.report], capture_output=True, text=True)
+        if mounted.returncode != 0:
+            self.skipTest(f"no mount: {mounted.stderr.strip()}")
+        try:
+            full = visum("campaign", file, "--report", self.report, "--no-recordings", "--jobs", 2, expect=6)
+            self.assertIn("the disk is full", full.stderr)
+            subprocess.run(["mount", "-o", "remount,size=8m", self.report], check=True)
+            rest = self.campaign(file, "--no-recordings", expect=1)
+        finally:
+            subprocess.run(["umount", self.report], check=True)
+        self.assertGreater(rest["reused"], 5)
+        self.assertEqual(rest["hash"], whole["hash"])
+
+    def test_results_that_are_no_results(self):
+        file = self.write(SLIDE)
+        self.campaign(file, expect=1)
+        good = (self.report / "results.sqlite").read_bytes()
+        for damaged, said in ((good[:100], "holds no results that can be read"), (b"half" * 1000, "holds no results that can be read"),
+                              (good[:4096] + b"x" * (len(good) - 4096), "holds no results that can be read")):
+            (self.report / "results.sqlite").write_bytes(damaged)
+            self.assertIn(said, visum("campaign", file, "--report", self.report, expect=6).stderr)
+            self.assertEqual((self.report / "results.sqlite").read_bytes(), damaged, "what is there is left to its owner")
+        (self.report / "results.sqlite").write_bytes(good)
+        with sqlite3.connect(self.report / "results.sqlite") as results:
+            results.execute("UPDATE head SET version = 2")
+        results.close()
+        self.assertIn("results of version 2", visum("campaign", file, "--report", self.report, expect=2).stderr)
+
+    def test_shards_of_another_build_are_foreign(self):
+        file = self.write(SLIDE)
+        for index in (1, 2):
+            visum("run", file, "--shard", f"{index}/2", "--report", self.folder / f"shard_{index}", expect=1 if index == 2 else 0)
+        with sqlite3.connect(self.folder / "shard_2" / "results.sqlite") as results:
+            results.execute("UPDATE head SET build = '0.1.0 0123456789abcdef'")
+        results.close()
+        refused = visum("report", "merge", self.folder / "shard_1", self.folder / "shard_2", "-o", self.folder / "merged", "--json", expect=1)
+        told = json.loads(refused.stdout)
+        self.assertEqual(told["missing"], [2, 4])
+        self.assertIn("another build (0.1.0 0123456789abcdef, not", told["foreign"][0])
+        self.assertFalse((self.folder / "merged").exists())
+
+    def test_recordings_of_all(self):
+        file = self.write(SLIDE)
+        self.campaign(file, "--all-recordings", expect=1)
+        self.assertEqual(sorted(recording.name for recording in self.report.glob("*.mcap")), [f"run_{run}.mcap" for run in (1, 2, 3, 4)])
+        self.assertEqual(self.campaign(file, "--all-recordings", expect=1)["reused"], 4)
+
+    def test_a_page_shows_how_far_it_is(self):
+        file = self.write(SAMPLED.replace("runs: 24", "runs: 100000"))
+        words = [BIN / "visum", "campaign", file, "--report", self.report, "--jobs", "1", "--no-recordings"]
+        running = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        until = time.monotonic() + DEADLINE_S
+        page = ""
+        while "runs/s, about" not in page and running.poll() is None and time.monotonic() < until:
+            time.sleep(0.01)
+            page = (self.report / "report.html").read_text() if (self.report / "report.html").exists() else ""
+        running.send_signal(signal.SIGINT)
+        running.wait()
+        self.assertIn("of 100000 runs", page)
+        self.assertIn("http-equiv=\"refresh\"", page)
+        self.assertNotIn("refresh", (self.report / "report.html").read_text(), "the report of what was made")
+        self.assertFalse((self.report / "progress.json").exists())
+
     def test_two_in_one_folder(self):
         slow = """
             sweep: {again: [1, 2]}
@@ -167,11 +234,9 @@ class Campaign(unittest.TestCase):
         words = [BIN / "visum", "campaign", file, "--report", self.report, "--jobs", "1"]
         first = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         until = time.monotonic() + DEADLINE_S
-        while not (self.report / "results.sqlite-wal").exists() and time.monotonic() < until:
+        while not (set(processes_with("--only")) & set(processes_with(str(file)))) and time.monotonic() < until:
             time.sleep(0.01)
-        while not processes_with("--only") and time.monotonic() < until:
-            time.sleep(0.01)
-        second = visum("campaign", file, "--report", self.report, expect=1)
+        second = visum("campaign", file, "--report", self.report, expect=6)
         self.assertIn("another run writes to it now", second.stderr)
         first.send_signal(signal.SIGINT)
         self.assertIn("interrupted", first.communicate(timeout=DEADLINE_S)[1])

@@ -57,6 +57,10 @@ WRONG = [
     {"sweep": {"a": [1]}, "sampling": {"method": "sobol", "runs": 0}}, {"sweep": {"a": [1]}, "sampling": {"method": "sobol"}},
     {"sweep": {"a": {"uniform": [1]}}, "sampling": {"method": "sobol", "runs": 3}},
     {"sweep": {"a": {"normal": [0, 1], "betwen": [0, 1]}}, "sampling": {"method": "sobol", "runs": 3}},
+    {"sweep": {"a": [1]}, "search": {"runs": 5}}, {"search": {"runs": 5}},
+    {"sweep": {"a": [1]}, "checks": [{"that": {"time": {}, "above": 1}}], "search": {"runs": 0}},
+    {"sweep": {"a": [1]}, "checks": [{"that": {"time": {}, "above": 1}}], "search": {"runs": 5, "population": 3}},
+    {"sweep": {"a": [1]}, "checks": [{"that": {"time": {}, "above": 1}}], "search": {"runs": 5, "until": "found"}},
     {"decide": {"at_least": 0.9}}, {"decide": {"at_least": 1, "reject_below": 0.5}},
     {"decide": {"at_least": 0.9, "reject_below": 0.5, "false_accept": 0.6}},
 ]

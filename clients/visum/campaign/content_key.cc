@@ -9,7 +9,6 @@
 #include "clients/visum/common/format.h"
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/placeholders.h"
-#include "clients/visum/run/sweep.h"
 #include "protocol/config/expand.h"
 #include "protocol/config/flow.h"
 #include "protocol/config/read_file.h"
@@ -67,13 +66,11 @@ ContentKeys::ContentKeys(const config::Node& root, std::vector<std::string> word
         return text;
       }()) {}
 
-std::string ContentKeys::key(const run::Scenario& scenario, std::size_t run) {
-  const run::Sweep sweep(root_);
-  const config::Variables variables = sweep.variables(run);
+std::string ContentKeys::key(const run::Scenario& scenario, const config::Variables& variables) {
   config::ExpansionBudget budget;
   std::string text = common_;
   for (const auto& name : root_.keys())
-    if (name != "sweep" && name != "sampling" && name != "decide")
+    if (name != "sweep" && name != "sampling" && name != "decide" && name != "search")
       text += '\0' + name + '\0' + config::flow(config::expanded(root_.get(name), variables, budget));
   const auto values = places(scenario);
   for (const auto& controller : scenario.controllers) {

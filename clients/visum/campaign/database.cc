@@ -116,7 +116,7 @@ void Database::fail() const {
   if (code == SQLITE_BUSY || code == SQLITE_LOCKED) reason = "another run writes to it now";
   if (code == SQLITE_FULL) reason = "the disk is full; what was written before is kept";
   if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT) reason += "; it holds no results that can be read";
-  throw cli::ExitError(cli::kFailed, file_ + ": " + reason);
+  throw cli::ExitError(cli::kInvalid, file_ + ": " + reason);
 }
 
 }  // namespace visum::campaign

@@ -1,5 +1,6 @@
 #include "clients/visum/campaign/merge.h"
 
+#include <limits>
 #include <memory>
 #include <system_error>
 
@@ -37,6 +38,16 @@ class NewFolder {
   std::filesystem::path path_;
 };
 
+// The runs of a search stand in no shard. They are kept where they are of the same campaign.
+void keep_search(const std::filesystem::path& out, Results& all) {
+  std::error_code none;
+  if (!std::filesystem::exists(out / Results::kFile, none)) return;
+  Results before(out);
+  const std::size_t runs = all.identity().runs;
+  if (before.identity() == all.identity())
+    all.take_over(before, {}, runs + 1, static_cast<std::size_t>(std::numeric_limits<std::int64_t>::max()));
+}
+
 }  // namespace
 
 Merged merge(const std::vector<std::filesystem::path>& shards, const std::filesystem::path& out,
@@ -56,9 +67,10 @@ Merged merge(const std::vector<std::filesystem::path>& shards, const std::filesy
       continue;
     }
     const auto from = std::filesystem::absolute(shard).lexically_relative(std::filesystem::absolute(out));
-    for (const std::size_t run : all->take_over(one, from))
+    for (const std::size_t run : all->take_over(one, from, 1, one.identity().runs))
       if (merged.doubled.size() < Results::kMostListed) merged.doubled.push_back(run);
   }
+  if (replaces) keep_search(out, *all);
   merged.summary = summarize(*all);
   for (const auto& file : merged.summary.changed)
     merged.foreign.push_back(file + ": not the same for all runs");
@@ -69,7 +81,7 @@ Merged merge(const std::vector<std::filesystem::path>& shards, const std::filesy
   if (merged.good()) folder.keep(out);
   return merged;
 } catch (const std::filesystem::filesystem_error& error) {
-  throw cli::ExitError(cli::kFailed, error.what());
+  throw cli::ExitError(cli::kInvalid, error.what());
 }
 
 }  // namespace visum::campaign

@@ -1,6 +1,7 @@
 #include "clients/visum/campaign/remote.h"
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <memory>
 #include <system_error>
@@ -21,6 +22,7 @@ using cli::shell_word;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kRound{500};
+constexpr std::chrono::seconds kLook{2};  // how often the shards' progress is read
 constexpr milliseconds kFarewell{20'000};
 
 std::filesystem::path folder_of(const RemoteOptions& options, std::size_t shard) {
@@ -77,6 +79,22 @@ std::string filled(std::string text, const std::string& name, const std::string&
   return text;
 }
 
+// Tells when it is time for on_round.
+class Rounds {
+ public:
+  explicit Rounds(const RemoteOptions& options) : options_(options) {}
+  void pass() {
+    if (!options_.on_round || Clock::now() < next_) return;
+    options_.on_round();
+    next_ = Clock::now() + kLook;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const RemoteOptions& options_;
+  Clock::time_point next_ = Clock::now() + kLook;
+};
+
 [[noreturn]] void give_up(const RemoteOptions& options, const std::vector<std::size_t>& shards,
                           const std::string& why) {
   throw cli::ExitError(cli::kInvalid, "shards " + list_of(shards) + " of " + std::to_string(options.shards) +
@@ -95,6 +113,7 @@ class Shell {
     while (!waiting_.empty() || !jobs_.empty()) {
       while (!waiting_.empty() && jobs_.size() < options_.at_once) start();
       wait_loop_.wait_for_ends(kRound);
+      rounds_.pass();
       for (std::size_t i = jobs_.size(); i-- > 0;)
         if (has_ended(jobs_[i])) jobs_.erase(jobs_.begin() + static_cast<std::ptrdiff_t>(i));
     }
@@ -147,6 +166,7 @@ class Shell {
 
   const RemoteOptions& options_;
   run::WaitLoop wait_loop_;
+  Rounds rounds_{options_};
   std::vector<Job> waiting_, jobs_;
 };
 
@@ -180,6 +200,7 @@ void run_by_shell(const RemoteOptions& options) {
 void run_by_slurm(const RemoteOptions& options) {
   const auto script = write_script(options);
   run::WaitLoop wait_loop(options.timeout_s);
+  Rounds rounds(options);
   std::string trouble;
   for (std::size_t tried = 0; tried < options.tries; ++tried) {
     const auto shards = incomplete(options);
@@ -200,14 +221,17 @@ void run_by_slurm(const RemoteOptions& options) {
                              {});
     wait_loop.watch(sbatch);
     try {
-      while (!sbatch.check_exit()) wait_loop.wait_for_ends(kRound);
+      while (!sbatch.check_exit()) {
+        wait_loop.wait_for_ends(kRound);
+        rounds.pass();
+      }
     } catch (...) {
       if (!job.empty()) run::ChildProcess("scancel", {"scancel", job}, {}, {}).wait_exit(kFarewell);
       throw;
     }
     wait_loop.forget(sbatch);
     trouble = "\nsbatch " + sbatch.check_exit()->text() + last_lines(sbatch);
-    if (job.empty()) throw cli::ExitError(cli::kFailed, "Slurm took no job: " + trouble.substr(1));
+    if (job.empty()) throw cli::ExitError(cli::kInvalid, "Slurm took no job: " + trouble.substr(1));
     options.on_news("Slurm's job " + job + " has ended; " + std::to_string(shards.size()) +
                     " shards were in it");
   }

@@ -23,7 +23,8 @@ struct RemoteOptions {
   std::string command{};
   std::size_t at_once = 1;
   std::vector<std::string> sbatch{};  // further options for Slurm's sbatch
-  std::function<void(const std::string&)> on_news;
+  std::function<void(const std::string&)> on_news{};
+  std::function<void()> on_round{};  // called every other second or so while shards are made
 };
 
 std::vector<std::filesystem::path> shard_folders(const RemoteOptions& options);

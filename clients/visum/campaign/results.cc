@@ -229,7 +229,8 @@ std::vector<std::pair<std::string, std::string>> Results::files(std::int64_t set
   return files;
 }
 
-std::vector<std::size_t> Results::take_over(Results& other, const std::filesystem::path& folder) {
+std::vector<std::size_t> Results::take_over(Results& other, const std::filesystem::path& folder,
+                                            std::size_t first, std::size_t last) {
   std::vector<std::size_t> doubled;
   database_.run("BEGIN");
   Statement offset(database_, "SELECT COALESCE(MAX(part), 0) FROM files");
@@ -237,7 +238,7 @@ std::vector<std::size_t> Results::take_over(Results& other, const std::filesyste
   const std::int64_t sets = offset.integer(0);
   offset.reset();
   Statement has(database_, "SELECT 1 FROM runs WHERE run = ?");
-  other.for_each(other.identity_.runs, [&](const Row& row) {
+  other.for_each(first, last, [&](const Row& row) {
     if (has.reset().bind(row.run).step()) {
       if (doubled.size() < kMostListed) doubled.push_back(row.run);
       return;
@@ -255,7 +256,8 @@ std::vector<std::size_t> Results::take_over(Results& other, const std::filesyste
   has.reset();
   Statement checks(
       other.database_,
-      "SELECT run, number, name, passed, value, unit, bound, at_s, margin FROM checks WHERE run > 0");
+      "SELECT run, number, name, passed, value, unit, bound, at_s, margin FROM checks WHERE run BETWEEN ? AND ?");
+  checks.bind(first).bind(last);
   Statement add(database_, "INSERT OR IGNORE INTO checks VALUES(?,?,?,?,?,?,?,?,?)");
   while (checks.step()) {
     add.bind(checks.integer(0)).bind(checks.integer(1)).bind(checks.text(2)).bind(checks.integer(3));
@@ -266,7 +268,8 @@ std::vector<std::size_t> Results::take_over(Results& other, const std::filesyste
         .bind(checks.real(8));
     add.run();
   }
-  Statement times(other.database_, "SELECT run, wall_seconds, host FROM times WHERE run > 0");
+  Statement times(other.database_, "SELECT run, wall_seconds, host FROM times WHERE run BETWEEN ? AND ?");
+  times.bind(first).bind(last);
   while (times.step()) add_time_->bind(times.integer(0)).bind(times.real(1)).bind(times.text(2)).run();
   Statement files(other.database_, "SELECT part, path, hash FROM files");
   Statement add_file(database_, "INSERT INTO files VALUES(?,?,?)");
@@ -275,10 +278,10 @@ std::vector<std::size_t> Results::take_over(Results& other, const std::filesyste
   return doubled;
 }
 
-void Results::for_each(std::size_t last, const std::function<void(const Row&)>& call) {
+void Results::for_each(std::size_t first, std::size_t last, const std::function<void(const Row&)>& call) {
   Statement all(database_,
-                std::string("SELECT ") + kColumns + " FROM runs WHERE run > 0 AND run <= ? ORDER BY run");
-  all.bind(last);
+                std::string("SELECT ") + kColumns + " FROM runs WHERE run >= ? AND run <= ? ORDER BY run");
+  all.bind(first).bind(last);
   while (all.step()) call(row_of(all));
 }
 

@@ -74,10 +74,13 @@ class Results {
   // Gives the earlier run the number that it has in this campaign.
   void adopt(const Row& earlier, std::size_t run, const std::string& parameters);
   std::vector<std::pair<std::string, std::string>> files(std::int64_t set);
-  // Takes over run after run of `other`. Returns the numbers that both have, at most `kMostListed`.
-  std::vector<std::size_t> take_over(Results& other, const std::filesystem::path& folder);
-  // Calls in the order of runs, up to number `last`.
-  void for_each(std::size_t last, const std::function<void(const Row&)>& call);
+  // Takes over run after run of `other`, from number `first` to `last`. `folder`: what leads to its recordings.
+  // Returns the numbers that both have, at most `kMostListed`.
+  std::vector<std::size_t> take_over(Results& other, const std::filesystem::path& folder, std::size_t first,
+                                     std::size_t last);
+  // Calls in the order of runs, from number `first` (1) to `last`.
+  void for_each(std::size_t first, std::size_t last, const std::function<void(const Row&)>& call);
+  void for_each(std::size_t last, const std::function<void(const Row&)>& call) { for_each(1, last, call); }
   // Runs of equal content in lockstep with different state hashes: the numbers of such, at most kMostListed.
   std::vector<std::size_t> nondeterministic(std::size_t last);
   Database& database() { return database_; }

@@ -1,40 +1,13 @@
 #include "clients/visum/campaign/summary.h"
 
-#include <xxhash.h>
-
 #include <algorithm>
+
+#include "clients/visum/campaign/run_hash.h"
 
 namespace visum::campaign {
 namespace {
 
 constexpr std::size_t kMostChecks = 100;
-
-class RunHash {
- public:
-  RunHash() : state_(XXH64_createState()) { XXH64_reset(state_, 0); }
-  ~RunHash() { XXH64_freeState(state_); }
-  RunHash(const RunHash&) = delete;
-  RunHash& operator=(const RunHash&) = delete;
-
-  void take(const Row& row) {
-    take_number(row.run);
-    XXH64_update(state_, row.parameters.c_str(), row.parameters.size() + 1);
-    take_number(static_cast<std::uint64_t>(row.code));
-    take_number(row.state_hash);
-  }
-  std::uint64_t value() const { return XXH64_digest(state_); }
-
- private:
-  void take_number(std::uint64_t number) {
-    unsigned char bytes[8];
-    for (auto& byte : bytes) {
-      byte = static_cast<unsigned char>(number & 0xff);
-      number >>= 8;
-    }
-    XXH64_update(state_, bytes, sizeof bytes);
-  }
-  XXH64_state_t* state_;
-};
 
 SequentialTest::Outcome outcome_of(const Row& row, const std::vector<std::size_t>& nondeterministic) {
   const bool doubted = std::ranges::binary_search(nondeterministic, row.run);
@@ -113,8 +86,8 @@ cli::ExitCode Summary::code() const {
     if (decision == Decision::kUndecided) return cli::kInvalid;
     return decision == Decision::kAccepted ? cli::kDone : cli::kFailed;
   }
-  if (failed > 0) return cli::kFailed;
-  return invalid > 0 || !complete() || !changed.empty() ? cli::kInvalid : cli::kDone;
+  if (failed > 0 || (search && search->broken > 0)) return cli::kFailed;
+  return invalid > 0 || (search && search->invalid > 0) || !complete() || !changed.empty() ? cli::kInvalid : cli::kDone;
 }
 
 Summary summarize(Results& results) {

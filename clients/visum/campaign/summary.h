@@ -10,8 +10,10 @@
 
 #include "clients/visum/campaign/influence.h"
 #include "clients/visum/campaign/results.h"
+#include "clients/visum/campaign/search.h"
 #include "clients/visum/campaign/statistics.h"
 #include "clients/visum/common/exit_code.h"
+#include "clients/visum/common/json_writer.h"
 #include "clients/visum/run/decide.h"
 
 namespace visum::campaign {
@@ -42,11 +44,12 @@ struct Summary {
   std::vector<std::string> changed;  // files that were not the same for all runs
   std::vector<CheckFigures> checks;
   std::vector<Row> failures;  // the first kShownFailures that failed or are invalid
+  std::optional<SearchDone> search;  // of what breaks a check; it does not count in the figures above
 
   static constexpr std::size_t kShownFailures = 200;
   bool complete() const { return missing.empty(); }
-  // 0 accepted, 1 rejected, 6 undecided. Without `decide`: 1 if a run failed, else 6 if one is invalid or
-  // missing.
+  // 0 accepted, 1 rejected, 6 undecided. Without `decide`: 1 if a run failed, also one of the search, else 6
+  // if one is invalid or missing.
   cli::ExitCode code() const;
 };
 
@@ -57,9 +60,13 @@ Summary summarize(Results& results);
 std::string summary_json(const Summary& summary);
 std::string summary_text(const Summary& summary);
 std::string summary_html(const Summary& summary, const Identity& identity, const std::string& of);
+// "search": {...}, for summary_json().
+void write_search(cli::JsonWriter& json, const SearchDone& search);
+std::string search_text(const SearchDone& search);
+std::string search_html(const SearchDone& search);
 // One line for each run and check, with a column for each name of the sweep.
 void write_csv(Results& results, std::size_t last, const std::filesystem::path& file);
-// summary.json, report.html and results.csv.
+// summary.json, report.html and results.csv. Throws cli::ExitError where they cannot be written.
 void write_reports(Results& results, const Summary& summary, const std::filesystem::path& folder);
 
 }  // namespace visum::campaign

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <stdexcept>
 
 #include "clients/visum/campaign/summary.h"
 #include "clients/visum/common/format.h"
@@ -195,7 +196,9 @@ std::string summary_json(const Summary& summary) {
     for (const auto& one : check.influences) json.member(one.parameter, one.share);
     json.end_object().end_object();
   }
-  return json.end_array().end_object().text();
+  json.end_array();
+  if (summary.search) write_search(json, *summary.search);
+  return json.end_object().text();
 }
 
 std::string summary_text(const Summary& summary) {
@@ -218,6 +221,7 @@ std::string summary_text(const Summary& summary) {
       if (!check.influences.empty())
         text += "the margin of '" + check.name + "' goes with " + influences_text(check) + "\n";
   }
+  if (summary.search) text += search_text(*summary.search);
   return text + "hash " + cli::hex(summary.hash) + "\n";
 }
 
@@ -236,7 +240,8 @@ std::string summary_html(const Summary& summary, const Identity& identity, const
           of_runs(summary.failed, "failed") + ", " + of_runs(summary.invalid, "are invalid") + ".</p>\n";
   for (const auto& trouble : troubles(summary)) page += "<p class=\"bad\">" + markup(trouble) + "</p>\n";
   return page + "<p>Hash <code>" + cli::hex(summary.hash) + "</code></p>\n" + checks_table(summary) +
-         influences_table(summary) + failures_table(summary, identity.file) + "</body></html>\n";
+         influences_table(summary) + (summary.search ? search_html(*summary.search) : "") +
+         failures_table(summary, identity.file) + "</body></html>\n";
 }
 
 void write_csv(Results& results, std::size_t last, const std::filesystem::path& file) {
@@ -270,17 +275,21 @@ void write_csv(Results& results, std::size_t last, const std::filesystem::path& 
     if (!any) out << head << ",,,,,\n";
   });
   out.close();
-  if (!out) throw cli::ExitError(cli::kFailed, "cannot write " + file.string() + ": " + std::strerror(errno));
+  if (!out) throw cli::ExitError(cli::kInvalid, "cannot write " + file.string() + ": " + std::strerror(errno));
   whole.keep();
 }
 
-void write_reports(Results& results, const Summary& summary, const std::filesystem::path& folder) {
+void write_reports(Results& results, const Summary& summary, const std::filesystem::path& folder) try {
   const Shard& shard = results.shard();
   const std::string of = shard.count == 1 ? "" : ", shard " + shard.text();
   write_csv(results, summary.decided_at != 0 ? summary.decided_at : results.identity().runs,
             folder / "results.csv");
   cli::write_whole_file(folder / "summary.json", summary_json(summary) + "\n");
   cli::write_whole_file(folder / "report.html", summary_html(summary, results.identity(), of));
+} catch (const cli::ExitError&) {
+  throw;
+} catch (const std::runtime_error& error) {  // of write_whole_file() and the file system
+  throw cli::ExitError(cli::kInvalid, error.what());
 }
 
 }  // namespace visum::campaign

@@ -1,15 +1,13 @@
 #include "clients/visum/campaign/work.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <exception>
 #include <map>
 #include <utility>
 
 #include "clients/visum/campaign/content_key.h"
+#include "clients/visum/campaign/keeper.h"
 #include "clients/visum/common/interrupt.h"
-#include "clients/visum/common/json_writer.h"
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/scenario_reader.h"
 #include "clients/visum/run/sweep.h"
@@ -20,29 +18,6 @@ namespace {
 
 constexpr std::size_t kChecked = 1000;
 
-std::string host_name() {
-  char name[256] = "";
-  ::gethostname(name, sizeof name - 1);
-  return name;
-}
-
-std::string as_json(const std::vector<std::pair<std::string, std::string>>& swept) {
-  cli::JsonWriter json;
-  json.begin_object();
-  for (const auto& [name, value] : swept) json.member(name, value);
-  return json.end_object().text();
-}
-
-// Why a run failed, on one line.
-std::string trouble_of(const run::Report& report) {
-  std::string text = report.error.substr(0, report.error.find('\n'));
-  const auto add = [&](const std::string& one) { text += (text.empty() ? "" : "; ") + one; };
-  for (const auto& failure : report.failures) add(failure);
-  for (const auto& check : report.checks)
-    if (!check.passed && report.error.empty()) add(check.name);
-  return text;
-}
-
 class Work {
  public:
   Work(const config::Node& root, const WorkOptions& options, Results& results)
@@ -50,7 +25,7 @@ class Work {
         options_(options),
         results_(results),
         sweep_(root),
-        keys_(root, options.words, results.identity().build),
+        keeper_(root, {options.folder, options.words, options.records, options.records_all, options.fresh}, results),
         next_(options.shard.first()) {
     if (const auto& decide = results.identity().decide; decide && options.shard.count == 1)
       test_.emplace(*decide);
@@ -61,6 +36,7 @@ class Work {
     run::ManyOptions many{run::own_folder() / "visum", options_.file, sweep_.runs(), options_.jobs,
                           options_.words};
     if (options_.records) many.recordings = options_.folder;
+    many.keeps_all = options_.records_all;
     many.next = [this] { return next(); };
     many.on_done = [this](std::size_t run, const run::Report& report) { take(run, report); };
     WorkDone done;
@@ -75,75 +51,33 @@ class Work {
  private:
   // The next run that must be made; 0: none.
   std::size_t next() {
-    for (; next_ <= sweep_.runs() && !trouble_ && !is_decided() && !cli::interrupted();
-         next_ += options_.shard.count) {
+    while (next_ <= sweep_.runs() && !trouble_ && !is_decided() && !cli::interrupted()) {
       const std::size_t run = next_;
-      std::optional<Row> known;
+      next_ += options_.shard.count;
+      const auto point = sweep_.point(run);
       try {
-        const auto scenario = run::read_scenario(root_, run);
-        keys_of_[run] = keys_.key(scenario, run);
-        known = reusable(scenario, run);
+        const auto known = keeper_.find(run, point);
+        if (!known) return run;
+        ++progress_.reused;
+        count(run, known->outcome());
       } catch (const config::ConfigError& error) {
-        refuse(run, error);
-        continue;
+        // A run whose scenario is wrong, with the values that it got.
+        run::Report report;
+        report.code = cli::kBadConfig;
+        report.error = error.what();
+        take(run, report);
       }
-      if (!known) {
-        next_ += options_.shard.count;
-        return run;
-      }
-      keys_of_.erase(run);
-      ++progress_.reused;
-      count(run, known->outcome());
     }
     return 0;
   }
 
   bool is_decided() const { return test_ && test_->decision() != Decision::kUndecided; }
 
-  std::optional<Row> reusable(const run::Scenario& scenario, std::size_t run) {
-    if (options_.fresh) return std::nullopt;
-    const std::string& key = keys_of_[run];
-    auto row = results_.find(run);
-    const bool ours = row && row->key == key;
-    if (!ours) row = results_.find_earlier(key);
-    if (!row || !row->reusable || row->files == 0 || !scenario.record.empty()) return std::nullopt;
-    if (!keys_.find_change(results_.files(row->files)).empty()) return std::nullopt;
-    std::error_code none;
-    if (options_.records && row->code != cli::kDone &&
-        (row->recording.empty() || !std::filesystem::exists(options_.folder / row->recording, none)))
-      return std::nullopt;
-    if (!ours) results_.adopt(*row, run, as_json(sweep_.described(run)));
-    return row;
-  }
-
-  // A run whose scenario is wrong, with the values that it got.
-  void refuse(std::size_t run, const config::ConfigError& error) {
-    run::Report report;
-    report.code = cli::kBadConfig;
-    report.error = error.what();
-    take(run, report);
-  }
-
   // Never throws: other runs may go on just now.
   void take(std::size_t run, const run::Report& report) {
     if (report.code == cli::kInterrupted || trouble_) return;
     try {
-      Row row;
-      row.run = run;
-      row.parameters = as_json(sweep_.described(run));
-      row.code = report.code;
-      row.error = trouble_of(report);
-      row.state_hash = report.state_hash;
-      row.ticks = report.ticks;
-      row.sim_seconds = report.sim_seconds;
-      row.key = std::exchange(keys_of_[run], {});
-      row.reusable = report.clock == "lockstep" &&
-                     (report.code == cli::kDone || report.code == cli::kFailed) && !report.files.empty();
-      if (!report.recording.empty())
-        row.recording = std::filesystem::path(report.recording).filename().string();
-      keys_of_.erase(run);
-      results_.add(row, report, host_);
-      count(row.run, row.outcome());
+      count(run, keeper_.keep(run, sweep_.point(run), report).outcome());
     } catch (...) {
       trouble_ = std::current_exception();
     }
@@ -168,14 +102,12 @@ class Work {
   const WorkOptions& options_;
   Results& results_;
   const run::Sweep sweep_;
-  ContentKeys keys_;
-  std::size_t next_;                            // run
-  std::map<std::size_t, std::string> keys_of_;  // of runs that go on now
+  Keeper keeper_;
+  std::size_t next_;  // run
   Progress progress_;
   std::optional<SequentialTest> test_;
   std::map<std::size_t, SequentialTest::Outcome> waiting_;  // for earlier runs
   std::size_t judged_ = 0;                                  // runs that the test has read
-  const std::string host_ = host_name();
   std::exception_ptr trouble_;
 };
 

@@ -9,17 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "clients/visum/campaign/progress.h"
 #include "clients/visum/campaign/results.h"
 #include "clients/visum/campaign/shard.h"
 #include "clients/visum/run/many.h"
 #include "protocol/config/config.h"
 
 namespace visum::campaign {
-
-struct Progress {
-  std::size_t done = 0, all = 0;  // of this shard; `done` counts those that were reused
-  std::size_t passed = 0, failed = 0, invalid = 0, reused = 0;
-};
 
 struct WorkOptions {
   std::filesystem::path file;      // the scenario
@@ -28,6 +24,7 @@ struct WorkOptions {
   std::size_t jobs = 1;            // runs at a time
   Shard shard;
   bool records = true;                               // keeps recordings of runs that fail, in `folder`
+  bool records_all = false;                          // and of all others
   bool fresh = false;                                // makes all runs anew
   std::function<void(const Progress&)> on_progress;  // after each run
 };

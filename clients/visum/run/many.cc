@@ -74,6 +74,7 @@ class Crew {
     std::vector<std::string> words{
         options_.program, "run",      options_.file,  "--only", std::to_string(run),
         "--result",       job.result, "--recordings", "off"};
+    if (options_.values) words.insert(words.end(), {"--values", options_.values(run)});
     if (job.recording) words.insert(words.end(), {"--try-record", job.recording->path()});
     words.insert(words.end(), options_.words.begin(), options_.words.end());
     try {
@@ -111,7 +112,10 @@ class Crew {
     }
     std::error_code ignored;
     std::filesystem::remove(job.result, ignored);
-    if (job.recording) report.recording = report.passed() ? std::string() : job.recording->keep().string();
+    if (job.recording && (options_.keeps_all || !report.passed()))
+      report.recording = job.recording->keep().string();
+    else if (job.recording)
+      report.recording.clear();
     report.words = options_.words;
     if (options_.on_done) options_.on_done(job.run, report);
     return true;

@@ -139,7 +139,7 @@ std::string swept_text(const Report& report) {
 }
 
 std::string title(const Report& report) {
-  if (report.run == 0) return report.name;
+  if (report.run == 0) return report.name + (report.swept.empty() ? "" : " [" + swept_text(report) + "]");
   return report.name + " [run " + std::to_string(report.run) + ": " + swept_text(report) + "]";
 }
 

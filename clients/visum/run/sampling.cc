@@ -58,6 +58,10 @@ std::uint32_t sobol(std::size_t axis, std::uint64_t index) {
 
 }  // namespace
 
+double random_share(std::uint64_t seed, std::size_t axis, std::uint64_t number) {
+  return share_of(mixed(seed, axis, number));
+}
+
 std::optional<Sampling> Sampling::read(const Node& root) {
   const auto node = root.find("sampling");
   if (!node) return std::nullopt;
@@ -74,7 +78,7 @@ std::optional<Sampling> Sampling::read(const Node& root) {
 
 double Sampling::share(std::size_t axis, std::size_t run) const {
   const std::uint64_t index = run - 1;
-  const double loose = share_of(mixed(seed_, axis, index));
+  const double loose = random_share(seed_, axis, index);
   switch (method_) {
     case Method::kRandom:
       return loose;

@@ -12,6 +12,9 @@
 
 namespace visum::run {
 
+// In (0, 1): a number that looks random, for each axis and number of a seed. The same on every processor.
+double random_share(std::uint64_t seed, std::size_t axis, std::uint64_t number);
+
 class Sampling {
  public:
   enum class Method {

@@ -5,6 +5,7 @@
 #include "clients/visum/run/decide.h"
 #include "clients/visum/run/placeholders.h"
 #include "clients/visum/run/scenario_parts.h"
+#include "clients/visum/run/search_spec.h"
 #include "clients/visum/run/session.h"
 #include "clients/visum/run/sweep.h"
 #include "protocol/config/flow.h"
@@ -182,18 +183,24 @@ ControllerSpec read_controller(const Node& node) {
 
 Scenario read_scenario(const Node& file, std::size_t run) {
   if (file.kind() != Node::Kind::kMap) file.fail("a scenario is a map");
+  const Sweep sweep(file);
+  return read_scenario(file, sweep.point(run), sweep.given() ? run : 0);
+}
+
+Scenario read_scenario(const Node& file, const SweepPoint& point, std::size_t run) {
+  if (file.kind() != Node::Kind::kMap) file.fail("a scenario is a map");
   file.allow_only({"visum_scenario", "name",      "description", "scene",        "parameters",
                    "clock",          "engine",    "seed",        "record",       "speedup",
                    "max_overruns",   "max_sim_s", "max_wall_s",  "start_wall_s", "settle_s",
                    "check_every_ms", "until",     "buses",       "controllers",  "timeline",
-                   "checks",         "sweep",     "sampling",    "decide"});
-  const Sweep sweep(file);
+                   "checks",         "sweep",     "sampling",    "decide",       "search"});
   read_decide(file);
+  read_search(file);
   config::ExpansionBudget budget;
-  const Node root = config::expanded(file, sweep.variables(run), budget);
+  const Node root = config::expanded(file, point.variables, budget);
   Scenario scenario;
-  if (sweep.given()) scenario.run = run;
-  scenario.swept = sweep.described(run);
+  scenario.run = run;
+  scenario.swept = point.described;
   read_basics(root, scenario);
   read_times(root, scenario);
   read_buses(root, scenario);

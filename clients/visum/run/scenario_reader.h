@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "clients/visum/run/scenario.h"
+#include "clients/visum/run/sweep.h"
 
 namespace visum::run {
 
@@ -11,5 +12,7 @@ namespace visum::run {
 // which names file, line and key.
 Scenario read_scenario(const std::filesystem::path& file);
 Scenario read_scenario(const config::Node& file, std::size_t run = 1);
+// The run that the sweep's values of `point` make. `run`: what it is called by.
+Scenario read_scenario(const config::Node& file, const SweepPoint& point, std::size_t run);
 
 }  // namespace visum::run

@@ -88,31 +88,55 @@ std::size_t Sweep::runs() const {
   return runs;
 }
 
-Node Sweep::value(std::size_t axis, std::size_t run) const {
-  const Axis& of = axes_[axis];
-  if (sampling_) {
-    const double share = sampling_->share(axis, run);
-    if (const auto* distribution = std::get_if<Distribution>(&of.values))
-      return number_node(distribution->value(share), of.node);
-    const auto index = static_cast<std::size_t>(share * static_cast<double>(count(of)));
-    return value_at(of, std::min(index, count(of) - 1));
-  }
+Node Sweep::value_in(const Axis& axis, double share) {
+  if (const auto* distribution = std::get_if<Distribution>(&axis.values))
+    return number_node(distribution->value(share), axis.node);
+  const auto index = static_cast<std::size_t>(share * static_cast<double>(count(axis)));
+  return value_at(axis, std::min(index, count(axis) - 1));
+}
+
+std::size_t Sweep::index_in(std::size_t axis, std::size_t run) const {
   std::size_t faster = 1;
   for (std::size_t i = axis + 1; i < axes_.size(); ++i) faster *= count(axes_[i]);
-  return value_at(of, (run - 1) / faster % count(of));
+  return (run - 1) / faster % count(axes_[axis]);
 }
 
-config::Variables Sweep::variables(std::size_t run) const {
-  config::Variables variables;
-  for (std::size_t i = 0; i < axes_.size(); ++i) variables.emplace(axes_[i].name, value(i, run));
-  return variables;
+SweepPoint Sweep::point_by(const std::function<Node(std::size_t axis)>& value) const {
+  SweepPoint point;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    Node node = value(i);
+    point.described.emplace_back(axes_[i].name, config::flow(node));
+    point.variables.emplace(axes_[i].name, std::move(node));
+  }
+  return point;
 }
 
-std::vector<std::pair<std::string, std::string>> Sweep::described(std::size_t run) const {
-  std::vector<std::pair<std::string, std::string>> described;
-  for (std::size_t i = 0; i < axes_.size(); ++i)
-    described.emplace_back(axes_[i].name, config::flow(value(i, run)));
-  return described;
+SweepPoint Sweep::point(std::size_t run) const {
+  return point_by([&](std::size_t axis) {
+    return sampling_ ? value_in(axes_[axis], sampling_->share(axis, run))
+                     : value_at(axes_[axis], index_in(axis, run));
+  });
+}
+
+std::vector<double> Sweep::shares(std::size_t run) const {
+  std::vector<double> shares;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis)
+    shares.push_back(sampling_ ? sampling_->share(axis, run)
+                               : (static_cast<double>(index_in(axis, run)) + 0.5) /
+                                     static_cast<double>(count(axes_[axis])));
+  return shares;
+}
+
+SweepPoint Sweep::point_at(const std::vector<double>& shares) const {
+  return point_by([&](std::size_t axis) { return value_in(axes_[axis], shares[axis]); });
+}
+
+SweepPoint Sweep::point_of(const Node& values) const {
+  if (values.kind() != Node::Kind::kMap) values.fail("must be a map of the sweep's names: {mass: 0.3}");
+  for (const auto& name : values.keys())
+    if (std::ranges::none_of(axes_, [&](const Axis& axis) { return axis.name == name; }))
+      values.get(name).fail("the sweep has no such name");
+  return point_by([&](std::size_t axis) { return values.get(axes_[axis].name); });
 }
 
 }  // namespace visum::run

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
@@ -15,6 +16,12 @@
 #include "protocol/config/expand.h"
 
 namespace visum::run {
+
+// One point of the space: what each ${name} stands for.
+struct SweepPoint {
+  config::Variables variables;
+  std::vector<std::pair<std::string, std::string>> described;  // for people, in the order of the file
+};
 
 class Sweep {
  public:
@@ -27,10 +34,13 @@ class Sweep {
 
   bool given() const { return !axes_.empty(); }
   std::size_t runs() const;
-  config::Node value(std::size_t axis, std::size_t run) const;  // runs count from 1
-  config::Variables variables(std::size_t run) const;
-  // For people: name and value, in the order of the file.
-  std::vector<std::pair<std::string, std::string>> described(std::size_t run) const;
+  std::size_t axes() const { return axes_.size(); }
+  SweepPoint point(std::size_t run) const;  // runs count from 1
+  // Where that is in the space: for each name the share of its distribution, or of its list, in (0, 1).
+  std::vector<double> shares(std::size_t run) const;
+  SweepPoint point_at(const std::vector<double>& shares) const;
+  // `values`: a map that gives each name one value. Throws config::ConfigError.
+  SweepPoint point_of(const config::Node& values) const;
 
  private:
   using List = std::vector<config::Node>;
@@ -47,6 +57,9 @@ class Sweep {
   static Range read_range(const config::Node& node);
   static std::size_t count(const Axis& axis);  // of a list or range
   static config::Node value_at(const Axis& axis, std::size_t index);
+  static config::Node value_in(const Axis& axis, double share);
+  std::size_t index_in(std::size_t axis, std::size_t run) const;  // where all combinations are tried
+  SweepPoint point_by(const std::function<config::Node(std::size_t axis)>& value) const;
 
   std::vector<Axis> axes_;
   std::optional<Sampling> sampling_;

@@ -24,6 +24,7 @@ class CampaignVerb : public Verb {
     app.add_flag("--json", words_.json, "print the result as a line of JSON");
     app.add_flag("--fresh", words_.fresh, "make all runs anew, also those whose results are there");
     app.add_flag("!--no-recordings", words_.records, "keep no recordings of runs that fail");
+    app.add_flag("--all-recordings", words_.records_all, "keep the recordings of all runs");
     app.add_option("--engine", engine_, "the engine for all bodies, instead of the scene's");
     app.add_option(
            "--on", on_,
@@ -49,6 +50,8 @@ class CampaignVerb : public Verb {
         "results.csv, summary.json, report.html, and a recording of each run that fails. Called again, it "
         "goes "
         "on where it ended, and makes only runs anew whose scene, scenario or programs have changed.\n"
+        "With `search:` in the scenario, further runs look for what breaks a check, or comes nearest to it; the "
+        "worst case becomes worst.yaml and worst.mcap.\n"
         "With `decide:` in the scenario, runs are read in their order by a sequential test, and the campaign "
         "ends once that decides.\n"
         "Exit codes: 0 accepted, 1 rejected, 6 undecided; without `decide:` 1 if any run failed, else 6 if "
@@ -62,6 +65,8 @@ class CampaignVerb : public Verb {
   }
 
   int run() override {
+    if (words_.records_all && !words_.records)
+      throw ExitError(kUsage, "--all-recordings and --no-recordings exclude each other");
     const config::Node root = config::load_file(words_.file);
     if (root.kind() != config::Node::Kind::kMap) root.fail("a scenario is a map");
     if (!engine_.empty()) words_.words = {"--engine", engine_};
@@ -85,10 +90,11 @@ class CampaignVerb : public Verb {
     remote_.file = words_.file;
     remote_.folder = words_.folder;
     remote_.words = words_.words;
+    if (words_.records_all) remote_.words.push_back("--all-recordings");
     if (!words_.records) remote_.words.insert(remote_.words.end(), {"--recordings", "off"});
     // On the shell, --jobs counts commands; each makes one run at a time. A task of Slurm does so, too.
     remote_.at_once = words_.jobs != 0 ? words_.jobs : remote_.shards;
-    return run_campaign_elsewhere(on_, remote_, root, words_.json);
+    return run_campaign_elsewhere(on_, remote_, words_, root);
   }
 
   std::string on_;

@@ -19,14 +19,15 @@ struct CampaignWords {
   std::vector<std::string> words;  // options that each run gets too
   campaign::Shard shard;
   std::size_t jobs = 1;  // runs at a time; 0: as many as there are processors
-  bool json = false, fresh = false, records = true;
+  bool json = false, fresh = false, records = true, records_all = false;
 };
 
 // `root`: the content of the file. Returns the exit code. Throws ExitError and config::ConfigError.
 int run_campaign(const CampaignWords& wanted, const config::Node& root);
 
-// Has the shards made elsewhere, and merges them. `on`: "shell" or "slurm". Returns the exit code.
-int run_campaign_elsewhere(const std::string& on, campaign::RemoteOptions options, const config::Node& root,
-                           bool json);
+// Has the shards made elsewhere, and merges them; a search is made here. `on`: "shell" or "slurm". Returns the
+// exit code.
+int run_campaign_elsewhere(const std::string& on, campaign::RemoteOptions remote, const CampaignWords& wanted,
+                           const config::Node& root);
 
 }  // namespace visum::cli

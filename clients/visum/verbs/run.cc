@@ -66,6 +66,7 @@ class RunVerb : public Verb {
                    "else that of "
                    "--junit, else the working directory if the environment has CI set, else off")
         ->type_name("FOLDER|off");
+    app.add_flag("--all-recordings", keeps_all_, "with --report or --recordings: keep those of runs that pass, too");
     app.add_option("--port", port_, "the daemon's port; 0: any free one")->capture_default_str();
     app.add_option("--timeout", timeout_s_, "give the run up after this many seconds of wall time")
         ->check(number_within(1e-3, 1e7));
@@ -76,6 +77,10 @@ class RunVerb : public Verb {
         ->check(CLI::Range(0, 1000));
     app.add_option("--only", only_, "do only this run of a sweep, counted from 1")
         ->check(CLI::PositiveNumber);
+    app.add_option("--values", values_,
+                   "do only the run at these values of the sweep, as \"{mass: 0.3, friction: 0.5}\"; --only then "
+                   "is just its name")
+        ->type_name("YAML");
     shard_option_ =
         app.add_option("--shard", shard_,
                        "do only share I of N of a campaign's runs, for --report; without a value, "
@@ -113,13 +118,16 @@ class RunVerb : public Verb {
     const config::Node root = config::load_file(file_);
     if (shard_option_->count() > 0) return run_shard(root);
     const run::Sweep sweep = sweep_of(root);
+    if (!values_.empty() && !report_.empty())
+      throw ExitError(kUsage, "--report is about all runs, --values about one: give one of the two");
+    if (!values_.empty()) return run_one(read(root, sweep));
     if (only_ > sweep.runs())
       throw ExitError(kUsage, "--only: the scenario has " + std::to_string(sweep.runs()) +
                                   (sweep.runs() == 1 ? " run" : " runs"));
     if (only_ == 0 && (sweep.given() || !report_.empty())) return run_all(root);
     if (!report_.empty())
       throw ExitError(kUsage, "--report is about all runs, --only about one: give one of the two");
-    return run_one(read(root));
+    return run_one(read(root, sweep));
   }
 
  private:
@@ -159,17 +167,19 @@ class RunVerb : public Verb {
   }
 
   int run_all(const config::Node& root) const {
-    return run_many({file_, report_, junit_, recordings_folder(), words_of_each(), jobs_, json_}, root);
+    return run_many({file_, report_, junit_, recordings_folder(), keeps_all_, words_of_each(), jobs_, json_}, root);
   }
 
   int run_shard(const config::Node& root) const {
     if (report_.empty()) throw ExitError(kUsage, "--shard needs --report FOLDER, for the results");
-    if (only_ != 0 || !junit_.empty()) throw ExitError(kUsage, "--only and --junit are not for --shard");
+    if (only_ != 0 || !values_.empty() || !junit_.empty())
+      throw ExitError(kUsage, "--only, --values and --junit are not for --shard");
     if (root.kind() != config::Node::Kind::kMap) root.fail("a scenario is a map");
     const auto shard = shard_.empty()
                            ? campaign::shard_from([](const char* name) { return std::getenv(name); })
                            : campaign::shard_of(shard_);
-    return run_campaign({file_, report_, words_of_each(), shard, jobs_, json_, false, recordings_ != "off"},
+    return run_campaign({file_, report_, words_of_each(), shard, jobs_, json_, false, recordings_ != "off",
+                         keeps_all_},
                         root);
   }
 
@@ -234,8 +244,11 @@ class RunVerb : public Verb {
     }
   }
 
-  run::Scenario read(const config::Node& root) const {
-    run::Scenario scenario = run::read_scenario(root, std::max<std::size_t>(only_, 1));
+  run::Scenario read(const config::Node& root, const run::Sweep& sweep) const {
+    run::Scenario scenario =
+        values_.empty()
+            ? run::read_scenario(root, std::max<std::size_t>(only_, 1))
+            : run::read_scenario(root, sweep.point_of(config::load_text(values_, "--values")), only_);
     if (!engine_.empty()) scenario.engine = engine_;
     if (!clock_.empty()) scenario.clock = clock_;
     if (speedup_ > 0.0) scenario.speedup = speedup_;
@@ -251,7 +264,7 @@ class RunVerb : public Verb {
 
   void tell(run::Report report) {
     told_ = true;
-    if (spare_) report.recording = report.passed() ? std::string() : spare_->keep().string();
+    if (spare_) report.recording = report.passed() && !keeps_all_ ? std::string() : spare_->keep().string();
     std::FILE* people = json_ ? stderr : stdout;
     std::fputs(run::report_text(report, Style(people)).c_str(), people);
     const bool junit = write(junit_, run::report_junit(report));
@@ -283,10 +296,12 @@ class RunVerb : public Verb {
 
   std::string file_, junit_, engine_, clock_, record_, try_record_, recordings_, report_, result_;
   std::string profile_;  // a file; may be empty
+  std::string values_;
   std::string shard_;
   CLI::Option *profile_option_ = nullptr, *shard_option_ = nullptr;
   std::size_t jobs_ = 1, only_ = 0;
-  bool json_ = false, progress_ = false, keep_ = false, told_ = false, written_ = false;
+  bool json_ = false, progress_ = false, keep_ = false, told_ = false, written_ = false,
+       keeps_all_ = false;
   std::optional<run::SpareRecording> spare_;
   std::vector<std::string> plugins_;
   std::optional<double> node_timeout_s_;

@@ -69,6 +69,7 @@ int run_many(const ManyRunsOptions& wanted, const config::Node& root) {
   run::ManyOptions options{run::own_folder() / "visum", wanted.file, runs, count_jobs(wanted.jobs),
                            wanted.words};
   if (!recorded) options.recordings = wanted.recordings;
+  options.keeps_all = wanted.keeps_all;
   make_folder(options.recordings.string());
   options.on_done = [&](std::size_t, const run::Report& report) {
     std::fputs(run::run_line(report, style).c_str(), people);

@@ -16,6 +16,7 @@ struct ManyRunsOptions {
   std::string report;                // a folder; empty: none
   std::string junit;                 // a file; empty: none
   std::filesystem::path recordings;  // a folder for recordings of runs that fail; empty: none
+  bool keeps_all = false;            // also those of runs that pass
   std::vector<std::string> words;    // options that each run gets too
   std::size_t jobs = 1;              // at a time; 0: as many as there are processors
   bool json = false;
