@@ -46,6 +46,11 @@ const ActiveFault* FaultSet::find(std::uint32_t part, FaultKind kind) const {
   return nullptr;
 }
 
+void FaultSet::move_ends(std::int64_t ticks) {
+  for (auto& active : active_)
+    if (active.until_tick != 0) active.until_tick -= ticks;
+}
+
 void FaultSet::save(StateWriter& to) const {
   to.put(static_cast<std::uint64_t>(active_.size()));
   for (const auto& one : active_) {

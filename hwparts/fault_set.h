@@ -33,6 +33,8 @@ class FaultSet {
   void clear_all() { active_.clear(); }
   // Removes the faults that end at `tick` or before. True: there were some.
   bool expire(std::int64_t tick);
+  // Time begins anew: every fault that has an end ends so many ticks sooner.
+  void move_ends(std::int64_t ticks);
 
   // Sorted by part, then in the order of their injection.
   std::span<const ActiveFault> all() const { return active_; }

@@ -4,7 +4,8 @@
 // Order of calls:
 //   construction       may throw ConfigError
 //   per tick, on the tick's thread       act(), and after the engines moved, publish()
-//   between ticks, on the same thread    latch(), reset(), set_parameter(), controller_lost(), set_faults(),
+//   between ticks, on the same thread    latch(), place(), reset(), set_parameter(), controller_lost(),
+//   set_faults(),
 //                                        save(), load()
 //   any time, from any thread            description() and refuse(), whose results never change, and
 //                                        refuse_now(), whose results do
@@ -87,6 +88,10 @@ class Part {
 
   // The controller that held the lease went away without releasing it, or missed its deadline.
   virtual void controller_lost() = 0;
+
+  // Somebody put joints elsewhere, between ticks: `moved` names them, by their place in `samples`, which says
+  // where all joints are now. Drives follow: they stand there until they get a new command.
+  virtual void place(std::span<const std::size_t> /*moved*/, std::span<const JointSample> /*samples*/) {}
 
   // Back to the state after construction.
   virtual void reset() = 0;

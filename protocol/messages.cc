@@ -54,4 +54,19 @@ const char* to_string(Role role) {
   return "unknown";
 }
 
+const char* to_string(EventLevel level) {
+  switch (level) {
+    case EventLevel::kUnspecified:
+    case EventLevel::kInfo:
+      return "info";
+    case EventLevel::kDebug:
+      return "debug";
+    case EventLevel::kWarning:
+      return "warning";
+    case EventLevel::kError:
+      return "error";
+  }
+  return "info";
+}
+
 }  // namespace visum::protocol

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "protocol/part_description.h"
+#include "protocol/reset_scope.h"
 
 namespace visum::protocol {
 
@@ -139,15 +140,57 @@ struct Step {
 struct SetSpeed {
   double factor = 1.0;
 };
-struct Reset {};
-struct TakeSnapshot {};
+struct Reset {
+  ResetScope scope = ResetScope::kWorld;
+};
+struct TakeSnapshot {
+  std::string name{};
+};
 struct RestoreSnapshot {
   std::uint64_t snapshot = 0;
+  std::string name{};
+};
+struct StartRecording {
+  std::string name;
+};
+struct StopRecording {};
+enum class EventLevel : std::uint32_t { kUnspecified = 0, kDebug = 1, kInfo = 2, kWarning = 3, kError = 4 };
+const char* to_string(EventLevel level);  // "debug", ...
+struct SubscribeEvents {
+  EventLevel level = EventLevel::kUnspecified;
+};
+struct UnsubscribeEvents {};
+struct Announce {
+  std::string text, kind{};
+  EventLevel level = EventLevel::kUnspecified;
 };
 struct PushBody {
   std::string body;
   std::vector<double> force_n, torque_nm, point_m;
   std::int64_t duration_ns = 0;
+};
+struct SetBody {
+  std::string body;
+  std::vector<double> pose, velocity;
+  bool keeps_moving = false;
+};
+struct JointTarget {
+  std::string name;
+  double position = 0.0, velocity = 0.0;
+};
+struct SetJoints {
+  std::string model;
+  std::vector<JointTarget> joints;
+  bool keeps_moving = false;
+};
+struct PullBody {
+  std::string body;
+  std::vector<double> point_m, target_m;
+  double max_force_n = 0.0;
+  std::int64_t duration_ns = 0;
+};
+struct ReleaseBody {
+  std::string body;
 };
 struct AddBody {
   std::string yaml;
@@ -178,7 +221,9 @@ using Request =
                  Unsubscribe, GetParameters, SetParameter, ReadBlackboard, WriteBlackboard, Join, Advance,
                  Leave, Note, DescribeWorld, ReadWorld, SubscribeWorld, UnsubscribeWorld, ReadMesh,
                  ReadTexture, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot, RestoreSnapshot, PushBody,
-                 AddBody, RemoveBody, Shutdown, InjectFault, ClearFault, ListFaults>;
+                 AddBody, RemoveBody, Shutdown, InjectFault, ClearFault, ListFaults, SetBody, SetJoints,
+                 PullBody, ReleaseBody, SubscribeEvents, UnsubscribeEvents, Announce, StartRecording,
+                 StopRecording>;
 
 // ---------------------------------------- server to client
 
@@ -297,6 +342,7 @@ struct BodyDescription {
   std::vector<ShapeDescription> shapes;
   std::string engine;
   std::vector<double> com;
+  bool kinematic = false;
 };
 struct JointDescription {
   std::string name, type, parent, child;
@@ -376,6 +422,12 @@ struct Event {
   std::string kind, text, part;
   std::uint64_t era = 0;
   std::int64_t tick = 0;
+  EventLevel level = EventLevel::kUnspecified;
+  std::string source{};
+  std::int64_t sim_time_ns = 0;
+};
+struct EventList {
+  std::vector<Event> events;
 };
 
 struct FaultNumberDescription {
@@ -400,6 +452,6 @@ struct FaultList {
 
 using Reply = std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant,
                            PartSample, ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample,
-                           MeshData, SnapshotTaken, Event, TextureData, FaultList>;
+                           MeshData, SnapshotTaken, Event, TextureData, FaultList, EventList>;
 
 }  // namespace visum::protocol

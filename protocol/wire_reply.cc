@@ -8,6 +8,17 @@
 namespace visum::protocol::wire {
 namespace {
 
+void put_event(const Event& from, v1::Event& to) {
+  to.set_kind(from.kind);
+  to.set_text(from.text);
+  to.set_part(from.part);
+  to.set_era(from.era);
+  to.set_tick(from.tick);
+  to.set_level(static_cast<v1::EventLevel>(from.level));
+  to.set_source(from.source);
+  to.set_sim_time_ns(from.sim_time_ns);
+}
+
 struct PutReply {
   v1::ServerMessage& to;
 
@@ -73,13 +84,10 @@ struct PutReply {
     w.set_tick(m.tick);
     w.set_state_hash(m.state_hash);
   }
-  void operator()(const Event& m) const {
-    auto& w = *to.mutable_event();
-    w.set_kind(m.kind);
-    w.set_text(m.text);
-    w.set_part(m.part);
-    w.set_era(m.era);
-    w.set_tick(m.tick);
+  void operator()(const Event& m) const { put_event(m, *to.mutable_event()); }
+  void operator()(const EventList& m) const {
+    auto& w = *to.mutable_events();
+    for (const auto& event : m.events) put_event(event, *w.add_events());
   }
   void operator()(const ServerStatus& m) const { wire::put(m, *to.mutable_status()); }
   void operator()(const PartDescriptionReply& m) const { wire::put(m, *to.mutable_part_description()); }
@@ -126,8 +134,17 @@ void take(const v1::PartSample& from, PartSample& to) {
   to.conflated = from.conflated();
 }
 
-Event event_of(const v1::Event& from) {
-  return {from.kind(), from.text(), from.part(), from.era(), from.tick()};
+bool take(const v1::Event& from, Event& to, std::string& why) {
+  to = {from.kind(), from.text(), from.part(), from.era(), from.tick()};
+  to.source = from.source();
+  to.sim_time_ns = from.sim_time_ns();
+  return take_enum(from.level(), EventLevel::kError, to.level, "level", why);
+}
+
+bool take(const v1::EventList& from, EventList& to, std::string& why) {
+  for (const auto& event : from.events())
+    if (!take(event, to.events.emplace_back(), why)) return false;
+  return true;
 }
 
 BlackboardData blackboard_of(const v1::BlackboardData& from) {
@@ -206,8 +223,9 @@ bool take(const v1::ServerMessage& from, Reply& to, std::string& why) {
       take(from.faults(), to.emplace<FaultList>());
       return true;
     case Case::kEvent:
-      to = event_of(from.event());
-      return true;
+      return take(from.event(), to.emplace<Event>(), why);
+    case Case::kEvents:
+      return take(from.events(), to.emplace<EventList>(), why);
   }
   why = "no reply that this version knows";
   return false;

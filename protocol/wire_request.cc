@@ -112,9 +112,53 @@ struct PutRequest {
   void operator()(const Resume&) const { to.mutable_resume(); }
   void operator()(const Step& m) const { to.mutable_step()->set_ticks(m.ticks); }
   void operator()(const SetSpeed& m) const { to.mutable_set_speed()->set_factor(m.factor); }
-  void operator()(const Reset&) const { to.mutable_reset(); }
-  void operator()(const TakeSnapshot&) const { to.mutable_take_snapshot(); }
-  void operator()(const RestoreSnapshot& m) const { to.mutable_restore_snapshot()->set_snapshot(m.snapshot); }
+  void operator()(const Reset& m) const {
+    to.mutable_reset()->set_scope(static_cast<v1::ResetScope>(m.scope));
+  }
+  void operator()(const SetBody& m) const {
+    auto& w = *to.mutable_set_body();
+    w.set_body(m.body);
+    put_numbers(m.pose, w.mutable_pose());
+    put_numbers(m.velocity, w.mutable_velocity());
+    w.set_keeps_moving(m.keeps_moving);
+  }
+  void operator()(const SetJoints& m) const {
+    auto& w = *to.mutable_set_joints();
+    w.set_model(m.model);
+    w.set_keeps_moving(m.keeps_moving);
+    for (const auto& joint : m.joints) {
+      auto& entry = *w.add_joints();
+      entry.set_name(joint.name);
+      entry.set_position(joint.position);
+      entry.set_velocity(joint.velocity);
+    }
+  }
+  void operator()(const PullBody& m) const {
+    auto& w = *to.mutable_pull_body();
+    w.set_body(m.body);
+    put_numbers(m.point_m, w.mutable_point_m());
+    put_numbers(m.target_m, w.mutable_target_m());
+    w.set_max_force_n(m.max_force_n);
+    w.set_duration_ns(m.duration_ns);
+  }
+  void operator()(const SubscribeEvents& m) const {
+    to.mutable_subscribe_events()->set_level(static_cast<v1::EventLevel>(m.level));
+  }
+  void operator()(const UnsubscribeEvents&) const { to.mutable_unsubscribe_events(); }
+  void operator()(const Announce& m) const {
+    auto& w = *to.mutable_announce();
+    w.set_text(m.text);
+    w.set_kind(m.kind);
+    w.set_level(static_cast<v1::EventLevel>(m.level));
+  }
+  void operator()(const StartRecording& m) const { to.mutable_start_recording()->set_name(m.name); }
+  void operator()(const StopRecording&) const { to.mutable_stop_recording(); }
+  void operator()(const ReleaseBody& m) const { to.mutable_release_body()->set_body(m.body); }
+  void operator()(const TakeSnapshot& m) const { to.mutable_take_snapshot()->set_name(m.name); }
+  void operator()(const RestoreSnapshot& m) const {
+    to.mutable_restore_snapshot()->set_snapshot(m.snapshot);
+    to.mutable_restore_snapshot()->set_name(m.name);
+  }
   void operator()(const PushBody& m) const {
     auto& w = *to.mutable_push_body();
     w.set_body(m.body);
@@ -212,6 +256,51 @@ bool take_part_request(const v1::ClientMessage& from, Request& to, std::string& 
   }
 }
 
+// Requests about where bodies and joints are, and what is kept of it.
+bool take_placing_request(const v1::ClientMessage& from, Request& to) {
+  switch (from.request_case()) {
+    case v1::ClientMessage::kSetBody: {
+      auto& set = to.emplace<SetBody>();
+      set.body = from.set_body().body();
+      take_numbers(from.set_body().pose(), set.pose);
+      take_numbers(from.set_body().velocity(), set.velocity);
+      set.keeps_moving = from.set_body().keeps_moving();
+      return true;
+    }
+    case v1::ClientMessage::kSetJoints: {
+      auto& set = to.emplace<SetJoints>();
+      set.model = from.set_joints().model();
+      set.keeps_moving = from.set_joints().keeps_moving();
+      for (const auto& joint : from.set_joints().joints())
+        set.joints.push_back({joint.name(), joint.position(), joint.velocity()});
+      return true;
+    }
+    case v1::ClientMessage::kPullBody: {
+      auto& pull = to.emplace<PullBody>();
+      pull.body = from.pull_body().body();
+      take_numbers(from.pull_body().point_m(), pull.point_m);
+      take_numbers(from.pull_body().target_m(), pull.target_m);
+      pull.max_force_n = from.pull_body().max_force_n();
+      pull.duration_ns = from.pull_body().duration_ns();
+      return true;
+    }
+    case v1::ClientMessage::kUnsubscribeEvents:
+      to = UnsubscribeEvents{};
+      return true;
+    case v1::ClientMessage::kStartRecording:
+      to = StartRecording{from.start_recording().name()};
+      return true;
+    case v1::ClientMessage::kStopRecording:
+      to = StopRecording{};
+      return true;
+    case v1::ClientMessage::kReleaseBody:
+      to = ReleaseBody{from.release_body().body()};
+      return true;
+    default:
+      return false;
+  }
+}
+
 // Requests to the world as a whole.
 bool take_world_request(const v1::ClientMessage& from, Request& to) {
   switch (from.request_case()) {
@@ -255,14 +344,11 @@ bool take_world_request(const v1::ClientMessage& from, Request& to) {
     case v1::ClientMessage::kSetSpeed:
       to = SetSpeed{from.set_speed().factor()};
       return true;
-    case v1::ClientMessage::kReset:
-      to = Reset{};
-      return true;
     case v1::ClientMessage::kTakeSnapshot:
-      to = TakeSnapshot{};
+      to = TakeSnapshot{from.take_snapshot().name()};
       return true;
     case v1::ClientMessage::kRestoreSnapshot:
-      to = RestoreSnapshot{from.restore_snapshot().snapshot()};
+      to = RestoreSnapshot{from.restore_snapshot().snapshot(), from.restore_snapshot().name()};
       return true;
     case v1::ClientMessage::kPushBody:
       take(from.push_body(), to.emplace<PushBody>());
@@ -311,8 +397,20 @@ bool take(const v1::ClientMessage& from, Request& to, std::string& why) {
       return true;
     case v1::ClientMessage::kJoin:
       return take(from.join(), to.emplace<Join>(), why);
+    case v1::ClientMessage::kSubscribeEvents:
+      return take_enum(from.subscribe_events().level(), EventLevel::kError,
+                       to.emplace<SubscribeEvents>().level, "level", why);
+    case v1::ClientMessage::kAnnounce: {
+      auto& announced = to.emplace<Announce>();
+      announced.text = from.announce().text();
+      announced.kind = from.announce().kind();
+      return take_enum(from.announce().level(), EventLevel::kError, announced.level, "level", why);
+    }
+    case v1::ClientMessage::kReset:
+      return take_enum(from.reset().scope(), ResetScope::kAll, to.emplace<Reset>().scope, "scope", why);
     default:
-      return take_world_request(from, to) || take_part_request(from, to, why);
+      return take_world_request(from, to) || take_placing_request(from, to) ||
+             take_part_request(from, to, why);
   }
 }
 

@@ -36,6 +36,7 @@ void put(const BodyDescription& from, v1::BodyDescription& to) {
   for (const ShapeDescription& shape : from.shapes) put(shape, *to.add_shapes());
   to.set_engine(from.engine);
   put_numbers(from.com, to.mutable_com());
+  to.set_kinematic(from.kinematic);
 }
 
 void take(const v1::BodyDescription& from, BodyDescription& to) {
@@ -46,6 +47,7 @@ void take(const v1::BodyDescription& from, BodyDescription& to) {
   for (const auto& shape : from.shapes()) take(shape, to.shapes.emplace_back());
   to.engine = from.engine();
   take_numbers(from.com(), to.com);
+  to.kinematic = from.kinematic();
 }
 
 void put(const JointDescription& from, v1::JointDescription& to) {

@@ -96,6 +96,10 @@ class Drive {
   // stays.
   void set_broken(const Broken& broken) { broken_ = broken; }
 
+  // The joints were put elsewhere: the rotor is there, too, and the drive brakes on its ramp from the speed
+  // that they have. It stands until the ports' target becomes another one.
+  void place(std::span<const hwparts::JointSample> joints);
+
   // Back to the state after construction. `broken` stays.
   void restart();
   void load(hwparts::StateReader& from);

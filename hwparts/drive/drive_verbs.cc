@@ -23,6 +23,24 @@ void Drive::hold() {
   drive::hold(state_, state_.commanded);
 }
 
+void Drive::place(std::span<const hwparts::JointSample> joints) {
+  state_.rotor_position = state_.rotor_speed = state_.gear_effort = 0.0;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    state_.joint_position[i] = joints[i].position;
+    state_.rotor_position += joints[i].position;
+    state_.rotor_speed += joints[i].velocity;
+  }
+  state_.measured_position = encoder(0.0);
+  state_.measured_speed = state_.rotor_speed;
+  state_.integral_current = state_.current = 0.0;
+  state_.setpoint = {state_.measured_position, state_.rotor_speed,
+                     state_.rotor_speed == 0.0 ? RampPhase::kEnd : RampPhase::kDecelerating};
+  state_.motion = {};
+  state_.homing = state_.moves_to_zero = false;
+  acted_ = false;
+  hold();
+}
+
 void Drive::lose_controller() {
   drive::lose_controller(state_);
 }

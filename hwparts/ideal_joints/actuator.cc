@@ -96,6 +96,10 @@ ActuatorInputs inputs_now(const ActuatorInputs& ports, const JointSample& sample
   return now;
 }
 
+void stand_at(const JointSample& sample, ActuatorState& state) {
+  start_mode(state.mode, {sample.position, 0.0, 0.0}, state);
+}
+
 JointDrive law(const ActuatorInputs& inputs, const Limit& limit, const JointSample& sample, double tick_s) {
   switch (inputs.mode) {
     case Mode::kPosition:

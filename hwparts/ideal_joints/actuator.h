@@ -66,6 +66,9 @@ ActuatorState initial_state(const ActuatorInputs& inputs);
 ActuatorInputs inputs_now(const ActuatorInputs& ports, const hwparts::JointSample& sample,
                           ActuatorState& state);
 
+// The joint was put elsewhere: its mode goes on from there, and holds each target until its port changes.
+void stand_at(const hwparts::JointSample& sample, ActuatorState& state);
+
 // The effort law of this tick. `tick_s`: its length.
 hwparts::JointDrive law(const ActuatorInputs& inputs, const Limit& limit, const hwparts::JointSample& sample,
                         double tick_s);

@@ -171,6 +171,13 @@ void IdealJoints::controller_lost() {
   for (Joint& joint : all_) joint.state.lost = true;
 }
 
+void IdealJoints::place(std::span<const std::size_t> moved, std::span<const hwparts::JointSample> samples) {
+  for (const std::size_t i : moved) {
+    all_[i].actual = samples[i].position;
+    if (switchable_) stand_at(samples[i], all_[i].state);
+  }
+}
+
 void IdealJoints::reset() {
   for (Joint& joint : all_) {
     joint.now = joint.initial;

@@ -27,6 +27,8 @@ class IdealJoints : public hwparts::Part {
   void following_errors(std::span<double> errors) const override;
   // Joints with a position go on to it and stay there. With other modes they stand where they are.
   void controller_lost() override;
+  // Without `actuators` a joint goes back to its desired position.
+  void place(std::span<const std::size_t> moved, std::span<const hwparts::JointSample> samples) override;
   void reset() override;
   void save(hwparts::StateWriter& to) const override;
   void load(hwparts::StateReader& from) override;

@@ -234,6 +234,15 @@ void ServoGroup::controller_lost() {
   for (auto& axis : axes_) axis.drive.lose_controller();
 }
 
+void ServoGroup::place(std::span<const std::size_t> moved, std::span<const hwparts::JointSample> samples) {
+  modules_.drop_deferred();
+  for (auto& axis : axes_) {
+    const auto is_ours = [&](std::size_t joint) { return joint - axis.run.first < axis.run.count; };
+    if (std::ranges::any_of(moved, is_ours))
+      axis.drive.place(samples.subspan(axis.run.first, axis.run.count));
+  }
+}
+
 void ServoGroup::reset() {
   for (auto& axis : axes_) axis.drive.restart();
   modules_.restart();

@@ -48,6 +48,7 @@ class ServoGroup : public hwparts::Part {
   void publish(std::span<const hwparts::JointSample> samples, std::span<double> outputs) override;
   void following_errors(std::span<double> errors) const override;
   void controller_lost() override;
+  void place(std::span<const std::size_t> moved, std::span<const hwparts::JointSample> samples) override;
   void reset() override;
   std::vector<protocol::Parameter> parameters() const override;
   std::optional<std::string> set_parameter(const std::string& name,

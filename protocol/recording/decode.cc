@@ -17,8 +17,9 @@ std::span<const double> view_of(const google::protobuf::RepeatedField<double>& f
   return {from.data(), static_cast<std::size_t>(from.size())};
 }
 
-bool take_vector(const google::protobuf::RepeatedField<double>& from, std::array<double, 3>& to) {
-  if (from.size() != 3) return false;
+template <std::size_t size>
+bool take_vector(const google::protobuf::RepeatedField<double>& from, std::array<double, size>& to) {
+  if (from.size() != static_cast<int>(size)) return false;
   std::copy(from.begin(), from.end(), to.begin());
   return true;
 }
@@ -34,6 +35,30 @@ bool take(const v1::PushBody& from, PushBody& to) {
   to.body = from.body();
   to.until_tick = from.until_tick();
   return take_vector(from.force_n(), to.force_n) && take_vector(from.torque_nm(), to.torque_nm);
+}
+
+bool take(const v1::SetBody& from, SetBody& to) {
+  to.body = from.body();
+  to.moves = !from.pose().empty();
+  if (to.moves && !take_vector(from.pose(), to.pose)) return false;
+  if (from.velocity().size() != 6) return false;
+  std::copy_n(from.velocity().begin(), 3, to.velocity.begin());
+  std::copy_n(from.velocity().begin() + 3, 3, to.turn_rate.begin());
+  return true;
+}
+
+bool take(const v1::SetJoints& from, SetJoints& to) {
+  to = {{from.joints().data(), static_cast<std::size_t>(from.joints().size())},
+        view_of(from.positions()),
+        view_of(from.velocities())};
+  return to.positions.size() == to.joints.size() && to.velocities.size() == to.joints.size();
+}
+
+bool take(const v1::PullBody& from, PullBody& to) {
+  to.body = from.body();
+  to.max_force_n = from.max_force_n();
+  to.until_tick = from.until_tick();
+  return take_vector(from.point(), to.point) && take_vector(from.target(), to.target);
 }
 
 bool take(const v1::SetParameter& from, SetParameter& to) {
@@ -64,8 +89,18 @@ bool take(const v1::Input& from, Input& to) {
       return take(from.bus_telegram(), to.emplace<BusTelegram>());
     case v1::Input::kPushBody:
       return take(from.push_body(), to.emplace<PushBody>());
+    case v1::Input::kSetBody:
+      return take(from.set_body(), to.emplace<SetBody>());
+    case v1::Input::kSetJoints:
+      return take(from.set_joints(), to.emplace<SetJoints>());
+    case v1::Input::kPullBody:
+      return take(from.pull_body(), to.emplace<PullBody>());
+    case v1::Input::kReleaseBody:
+      to = ReleaseBody{from.release_body().body()};
+      return true;
     case v1::Input::kReset:
-      to = Reset{};
+      if (from.reset().scope() > static_cast<std::uint32_t>(protocol::ResetScope::kAll)) return false;
+      to = Reset{static_cast<protocol::ResetScope>(from.reset().scope())};
       return true;
     case v1::Input::kTakeSnapshot:
       to = TakeSnapshot{from.take_snapshot().number()};
@@ -89,6 +124,7 @@ bool take(const v1::Input& from, Input& to) {
       to = ClearFault{w.part(), w.kind(), w.drive()};
       return true;
     }
+    case v1::Input::kRestoreState:  // InputMessage::decode() takes it
     case v1::Input::WHAT_NOT_SET:
       return false;
   }
@@ -104,6 +140,14 @@ bool take(const v1::Input& from, State::Edit& to) {
   to.came = from.has_add_body();
   to.text = to.came ? from.add_body().yaml() : from.remove_body().name();
   return from.has_add_body() || from.has_remove_body();
+}
+
+bool take(const v1::State& from, State& to) {
+  to = {from.tick(), from.era(), from.revision(), from.next_snapshot(), copy_of(from.state()), {}, {}};
+  for (const auto& kept : from.snapshots()) to.snapshots.push_back({kept.number(), copy_of(kept.state())});
+  for (const auto& edit : from.edits())
+    if (!take(edit, to.edits.emplace_back())) return false;
+  return true;
 }
 
 void take(const v1::Build& from, Build& to) {
@@ -130,12 +174,7 @@ bool decode(Bytes from, Header& to) {
 
 bool decode(Bytes from, State& to) {
   v1::State w;
-  if (!parse(from, w)) return false;
-  to = {w.tick(), w.era(), w.revision(), w.next_snapshot(), copy_of(w.state()), {}, {}};
-  for (const auto& kept : w.snapshots()) to.snapshots.push_back({kept.number(), copy_of(kept.state())});
-  for (const auto& edit : w.edits())
-    if (!take(edit, to.edits.emplace_back())) return false;
-  return true;
+  return parse(from, w) && take(w, to);
 }
 
 bool decode(Bytes from, protocol::PartSample& to) {
@@ -169,6 +208,7 @@ bool TickMessage::decode(Bytes from) {
 
 struct InputMessage::Impl {
   v1::Input message;
+  State state;  // of a RestoreState
 };
 
 InputMessage::InputMessage() : impl_(std::make_unique<Impl>()) {}
@@ -178,7 +218,9 @@ bool InputMessage::decode(Bytes from) {
   if (!parse(from, impl_->message)) return false;
   input.tick = impl_->message.tick();
   input.era = impl_->message.era();
-  return take(impl_->message, input.input);
+  if (!impl_->message.has_restore_state()) return take(impl_->message, input.input);
+  input.input = RestoreState{&impl_->state};
+  return take(impl_->message.restore_state(), impl_->state);
 }
 
 }  // namespace visum::recording

@@ -37,6 +37,8 @@ void put(std::span<const std::byte> from, std::string& to) {
   to.assign(reinterpret_cast<const char*>(from.data()), from.size());
 }
 
+void put(const State& from, v1::State& to);
+
 struct PutInput {
   v1::Input& to;
 
@@ -77,7 +79,32 @@ struct PutInput {
     put_numbers(m.torque_nm, *w.mutable_torque_nm());
     w.set_until_tick(m.until_tick);
   }
-  void operator()(const Reset&) const { to.mutable_reset(); }
+  void operator()(const SetBody& m) const {
+    auto& w = *to.mutable_set_body();
+    w.set_body(m.body);
+    if (m.moves) put_numbers(m.pose, *w.mutable_pose());
+    put_numbers(m.velocity, *w.mutable_velocity());
+    put_numbers(m.turn_rate, *w.mutable_velocity());
+  }
+  void operator()(const SetJoints& m) const {
+    auto& w = *to.mutable_set_joints();
+    w.mutable_joints()->Add(m.joints.begin(), m.joints.end());
+    put_numbers(m.positions, *w.mutable_positions());
+    put_numbers(m.velocities, *w.mutable_velocities());
+  }
+  void operator()(const PullBody& m) const {
+    auto& w = *to.mutable_pull_body();
+    w.set_body(m.body);
+    put_numbers(m.point, *w.mutable_point());
+    put_numbers(m.target, *w.mutable_target());
+    w.set_max_force_n(m.max_force_n);
+    w.set_until_tick(m.until_tick);
+  }
+  void operator()(const RestoreState& m) const { put(*m.state, *to.mutable_restore_state()); }
+  void operator()(const ReleaseBody& m) const { to.mutable_release_body()->set_body(m.body); }
+  void operator()(const Reset& m) const {
+    to.mutable_reset()->set_scope(static_cast<std::uint32_t>(m.scope));
+  }
   void operator()(const TakeSnapshot& m) const { to.mutable_take_snapshot()->set_number(m.number); }
   void operator()(const RestoreSnapshot& m) const { to.mutable_restore_snapshot()->set_number(m.number); }
   void operator()(const AddBody& m) const { to.mutable_add_body()->mutable_yaml()->assign(m.yaml); }
@@ -96,6 +123,26 @@ struct PutInput {
     w.set_drive(m.drive);
   }
 };
+
+void put(const State& from, v1::State& to) {
+  to.set_tick(from.tick);
+  to.set_era(from.era);
+  to.set_revision(from.revision);
+  to.set_next_snapshot(from.next_snapshot);
+  put(from.state, *to.mutable_state());
+  for (const auto& kept : from.snapshots) {
+    auto& entry = *to.add_snapshots();
+    entry.set_number(kept.number);
+    put(kept.state, *entry.mutable_state());
+  }
+  for (const auto& edit : from.edits) {
+    auto& entry = *to.add_edits();
+    if (edit.came)
+      entry.mutable_add_body()->set_yaml(edit.text);
+    else
+      entry.mutable_remove_body()->set_name(edit.text);
+  }
+}
 
 void put(const Build& from, v1::Build& to) {
   to.set_version(from.version);
@@ -163,25 +210,7 @@ void encode(const Sample& from, std::vector<std::byte>& to) {
 }
 
 void encode(const State& from, std::vector<std::byte>& to) {
-  append<v1::State>(to, [&](v1::State& w) {
-    w.set_tick(from.tick);
-    w.set_era(from.era);
-    w.set_revision(from.revision);
-    w.set_next_snapshot(from.next_snapshot);
-    put(from.state, *w.mutable_state());
-    for (const auto& kept : from.snapshots) {
-      auto& entry = *w.add_snapshots();
-      entry.set_number(kept.number);
-      put(kept.state, *entry.mutable_state());
-    }
-    for (const auto& edit : from.edits) {
-      auto& entry = *w.add_edits();
-      if (edit.came)
-        entry.mutable_add_body()->set_yaml(edit.text);
-      else
-        entry.mutable_remove_body()->set_name(edit.text);
-    }
-  });
+  append<v1::State>(to, [&](v1::State& w) { put(from, w); });
 }
 
 void encode(const LogLine& from, std::vector<std::byte>& to) {

@@ -11,8 +11,11 @@
 #include <variant>
 
 #include "protocol/part_description.h"
+#include "protocol/reset_scope.h"
 
 namespace visum::recording {
+
+struct State;
 
 struct WriteInputs {
   std::string_view part;
@@ -53,12 +56,39 @@ struct ClearFault {
   std::string_view part, kind;  // no kind: all faults of the part
   std::uint32_t drive = 0;      // from 1; 0: all drives
 };
-struct Reset {};
+// A body was put elsewhere, or got another velocity.
+struct SetBody {
+  std::int32_t body = 0;                            // its number in the world at that time
+  bool moves = false;                               // false: it stays where it is, and `pose` means nothing
+  std::array<double, 7> pose{0, 0, 0, 1, 0, 0, 0};  // x y z qw qx qy qz of its link frame, in W
+  std::array<double, 3> velocity{}, turn_rate{};    // of the link frame's origin, in W
+};
+// Joints were set; all three have the same length.
+struct SetJoints {
+  std::span<const std::int32_t> joints;  // their numbers in the world at that time
+  std::span<const double> positions, velocities;
+};
+struct PullBody {
+  std::int32_t body = 0;
+  std::array<double, 3> point{}, target{};  // in the body's link frame; in W
+  double max_force_n = 0.0;
+  std::int64_t until_tick = 0;  // 0: until it is released
+};
+struct ReleaseBody {
+  std::int32_t body = 0;
+};
+struct Reset {
+  protocol::ResetScope scope = protocol::ResetScope::kWorld;
+};
 struct TakeSnapshot {
   std::uint64_t number = 0;
 };
 struct RestoreSnapshot {
   std::uint64_t number = 0;
+};
+// The world as a snapshot on disk has it; never null.
+struct RestoreState {
+  const State* state = nullptr;
 };
 struct AddBody {
   std::string_view yaml;
@@ -67,9 +97,9 @@ struct RemoveBody {
   std::string_view name;
 };
 
-using Input =
-    std::variant<WriteInputs, LoseController, SetParameter, WriteBlackboard, BusTelegram, PushBody, Reset,
-                 TakeSnapshot, RestoreSnapshot, AddBody, RemoveBody, InjectFault, ClearFault>;
+using Input = std::variant<WriteInputs, LoseController, SetParameter, WriteBlackboard, BusTelegram, PushBody,
+                           Reset, TakeSnapshot, RestoreSnapshot, AddBody, RemoveBody, InjectFault, ClearFault,
+                           SetBody, SetJoints, PullBody, ReleaseBody, RestoreState>;
 
 // An input, and the tick and era in which the world took it.
 struct TimedInput {

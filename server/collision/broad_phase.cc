@@ -42,7 +42,7 @@ const std::vector<IndexPair>& BroadPhase::find(const std::vector<PreparedShape>&
 }
 
 bool BroadPhase::may_collide(const PreparedShape& a, const PreparedShape& b) const {
-  if (a.body == b.body || (a.fixed && b.fixed)) return false;
+  if (a.body == b.body || (a.unmoved && b.unmoved)) return false;
   const BodyPair pair = std::minmax(a.body, b.body);
   return !std::binary_search(never_.begin(), never_.end(), pair);
 }

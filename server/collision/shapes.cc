@@ -63,7 +63,9 @@ PreparedShape prepare(const world::WorldModel& model, world::ShapeId id, Prepare
   prepared.id = id;
   prepared.body = shape.body;
   prepared.kind = shape.kind;
-  prepared.fixed = model.bodies[shape.body.index()].fixed;
+  const world::Body& body = model.bodies[shape.body.index()];
+  prepared.fixed = body.fixed;
+  prepared.unmoved = body.fixed || body.kinematic;
   prepared.X_BS = shape.X_BS;
   prepared.friction = surface.friction;
   prepared.restitution = surface.restitution;

@@ -25,6 +25,7 @@ struct PreparedShape {
   world::BodyId body;
   world::ShapeKind kind = world::ShapeKind::kBox;
   bool fixed = false;
+  bool unmoved = false;  // fixed or kinematic: no contact moves it
   world::Pose X_BS;
   double friction = 0.0, restitution = 0.0, rolling_friction = 0.0, torsional_friction = 0.0;
   Convex convex;                  // for all kinds but plane and mesh

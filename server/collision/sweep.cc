@@ -87,7 +87,7 @@ Sweep::Sweep(const std::vector<PreparedShape>& shapes, const world::WorldModel& 
   }
   std::sort(moving_.begin(), moving_.end());
   moving_.erase(std::unique(moving_.begin(), moving_.end()), moving_.end());
-  for (const std::size_t i : moving_) bodies_[i].is_free = true;
+  for (const std::size_t i : moving_) bodies_[i].is_free = !model.bodies[i].kinematic;
   for (const world::Joint& joint : model.joints) {
     if (!world::info(joint.kind).holds_anything) continue;
     if (joint.parent.valid()) bodies_[joint.parent.index()].is_free = false;

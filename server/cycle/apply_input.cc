@@ -56,21 +56,46 @@ class Applier {
     return {};
   }
   Outcome operator()(const recording::PushBody& input) const {
-    const auto finite = [](const auto& numbers) {
-      return std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
-    };
-    if (input.body < 0 || static_cast<std::size_t>(input.body) >= simulation_.model().bodies.size())
-      return {Refusal::kUnknownName, "there is no body number " + std::to_string(input.body)};
+    if (!is_body(input.body)) return unknown_body(input.body);
     if (!finite(input.force_n) || !finite(input.torque_nm))
       return {Refusal::kBadValue, "the force and torque of a push must be finite"};
     const dynamics::Wrench wrench{world::BodyId{input.body}, Eigen::Vector3d(input.force_n.data()),
                                   Eigen::Vector3d(input.torque_nm.data())};
     return simulation_.push({wrench, input.until_tick});
   }
-  Outcome operator()(const recording::Reset&) const {
-    simulation_.reset();
-    return {};
+  Outcome operator()(const recording::SetBody& input) const {
+    const auto& [x, y, z, qw, qx, qy, qz] = input.pose;
+    const world::Pose X_WB{{x, y, z}, {qw, qx, qy, qz}};
+    if (!is_body(input.body)) return unknown_body(input.body);
+    if (input.moves && !(std::abs(X_WB.q.norm() - 1.0) <= 1e-3))
+      return {Refusal::kBadValue, "the quaternion is not of unit length"};
+    return simulation_.set_body(world::BodyId{input.body}, input.moves ? std::optional(X_WB) : std::nullopt,
+                                Eigen::Vector3d(input.velocity.data()),
+                                Eigen::Vector3d(input.turn_rate.data()));
   }
+  Outcome operator()(const recording::SetJoints& input) const {
+    std::vector<world::JointPlacement> to;
+    for (std::size_t i = 0; i < input.joints.size(); ++i) {
+      if (input.joints[i] < 0 ||
+          static_cast<std::size_t>(input.joints[i]) >= simulation_.model().joints.size())
+        return {Refusal::kUnknownName, "there is no joint number " + std::to_string(input.joints[i])};
+      to.push_back({world::JointId{input.joints[i]}, input.positions[i], input.velocities[i]});
+    }
+    return simulation_.set_joints(to);
+  }
+  Outcome operator()(const recording::PullBody& input) const {
+    if (!is_body(input.body)) return unknown_body(input.body);
+    if (!finite(input.point) || !finite(input.target) || !(input.max_force_n > 0.0) ||
+        !std::isfinite(input.max_force_n))
+      return {Refusal::kBadValue, "point, target and greatest force of a pull must be finite"};
+    return simulation_.pull({world::BodyId{input.body}, Eigen::Vector3d(input.point.data()),
+                             Eigen::Vector3d(input.target.data()), input.max_force_n, input.until_tick});
+  }
+  Outcome operator()(const recording::ReleaseBody& input) const {
+    if (is_body(input.body) && simulation_.release(world::BodyId{input.body})) return {};
+    return {Refusal::kWrongState, "nobody pulls the body number " + std::to_string(input.body)};
+  }
+  Outcome operator()(const recording::Reset& input) const { return simulation_.reset_now(input.scope); }
   Outcome operator()(const recording::TakeSnapshot& input) const {
     const auto number = simulation_.take_snapshot();
     if (number == input.number) return {};
@@ -78,6 +103,9 @@ class Applier {
   }
   Outcome operator()(const recording::RestoreSnapshot& input) const {
     return simulation_.restore_snapshot(input.number);
+  }
+  Outcome operator()(const recording::RestoreState& input) const {
+    return simulation_.restore_state(*input.state);
   }
   Outcome operator()(const recording::AddBody& input) const {
     return simulation_.add_body(std::string(input.yaml));
@@ -125,6 +153,15 @@ class Applier {
     std::vector<std::string> known;
     for (const auto& bound : simulation_.parts()) known.push_back(bound.part->description().name);
     return {Refusal::kUnknownName, config::unknown_name("part", part, known)};
+  }
+  static bool finite(std::span<const double> numbers) {
+    return std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
+  }
+  bool is_body(std::int32_t number) const {
+    return number >= 0 && static_cast<std::size_t>(number) < simulation_.model().bodies.size();
+  }
+  static Outcome unknown_body(std::int32_t number) {
+    return {Refusal::kUnknownName, "there is no body number " + std::to_string(number)};
   }
   static Outcome unknown_fault(std::string_view kind) {
     std::vector<std::string> known;

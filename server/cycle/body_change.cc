@@ -1,5 +1,6 @@
 #include "server/cycle/body_change.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "server/cycle/attempt.h"
@@ -41,9 +42,24 @@ Outcome prepare_going(BodyChange& change) {
   });
 }
 
+Outcome prepare_reset(BodyChange& change) {
+  if (!change.original) return {};
+  return attempt(Refusal::kWrongState, [&] {
+    const auto& world = change.original->world;
+    for (const auto& body : world.bodies) {
+      const bool came = std::ranges::find(change.spawned, body.name) != change.spawned.end();
+      change.kept.push_back(came ? world::BodyId{} : change.scene->world.find_body(body.name));
+    }
+    change.initial = world::initial_state(world).bodies;
+    change.machinery = make_machinery(*change.original, change.sensors);
+    change.changed = change.original;
+  });
+}
+
 }  // namespace
 
 Outcome prepare(BodyChange& change) {
+  if (change.reset) return prepare_reset(change);
   return change.edit.came ? prepare_coming(change) : prepare_going(change);
 }
 

@@ -62,6 +62,7 @@ Machinery make_machinery(const scene::Scene& scene, std::span<sensors::Sensor* c
   made.drives.resize(model.joints.size());
   made.following_errors.resize(model.joints.size());
   made.contact_forces.resize(model.bodies.size());
+  made.kinematic = world::kinematic_tree(model);
   return made;
 }
 

@@ -14,6 +14,7 @@
 #include "server/dynamics/engine.h"
 #include "server/scene/scene.h"
 #include "server/sensing/senses.h"
+#include "server/world/placing.h"
 
 namespace visum::cycle {
 
@@ -27,6 +28,7 @@ struct Machinery {
   std::shared_ptr<const std::vector<std::string>> work_texts;  // Simulation::work_texts()
   std::vector<hwparts::JointDrive> drives;                     // by JointId
   std::vector<double> following_errors, contact_forces;        // by JointId; by BodyId
+  world::KinematicTree kinematic;
 };
 
 // Makes everything but the engines. Any thread, also while the sensors are in use: they are not changed.

@@ -30,6 +30,11 @@ class DelayLine {
   std::span<const double> front() const;
   void pop();
   void clear() { head_ = count_ = 0; }
+  // Time begins anew: every message is due so many ticks sooner.
+  void move_dues(std::int64_t ticks) {
+    for (auto& slot : slots_) slot.due_tick -= ticks;
+    last_due_ -= ticks;
+  }
   // Writes all messages over `inputs`, in their order, as if they had arrived.
   void pour_into(std::span<double> inputs) const;
 
@@ -72,6 +77,10 @@ class NetworkModel {
 
   // Sends a write that leaves its controller at `tick`; writes() gives it out when it is due.
   void send(std::int64_t tick, std::size_t first, std::span<const double> values);
+  void move_dues(std::int64_t ticks) {
+    writes_.move_dues(ticks);
+    samples_.move_dues(ticks);
+  }
   DelayLine& writes() { return writes_; }
   const DelayLine& writes() const { return writes_; }
   // The part fills readings() each tick. show() sends them and copies the newest that have arrived to

@@ -63,6 +63,9 @@ class PixelBudget {
   std::size_t pixels_ = 0;
 };
 
+// Beside the number of pushes in a snapshot: pulls follow.
+constexpr std::uint64_t kHasPulls = std::uint64_t{1} << 32;
+
 void load_parts(std::span<BoundPart> parts, hwparts::StateReader& from) {
   for (auto& bound : parts) {
     if (bound.onlooker) continue;
@@ -99,7 +102,8 @@ Simulation::Simulation(scene::Scene scene, const PartMaker& make)
   machinery.engines = std::move(engines);
   use(machinery);
   pushes_.reserve(kMaxPushes);
-  wrenches_.reserve(kMaxPushes);
+  pulls_.reserve(kMaxPulls);
+  wrenches_.reserve(kMaxPushes + kMaxPulls);
   start_state();
 }
 
@@ -152,6 +156,7 @@ void Simulation::use(Machinery& machinery) {
   std::swap(drives_, machinery.drives);
   std::swap(following_errors_, machinery.following_errors);
   std::swap(contact_forces_, machinery.contact_forces);
+  std::swap(kinematic_, machinery.kinematic);
   contacts_.clear();
 }
 
@@ -162,6 +167,7 @@ void Simulation::start_state() {
   before_ = state_;
   contacts_.clear();
   pushes_.clear();
+  pulls_.clear();
   fault_.clear();
   std::ranges::fill(following_errors_, 0.0);
   ring_->begin(state_.tick);
@@ -205,9 +211,10 @@ void Simulation::tick() {
   phases_.end(Phase::kPublish);
   phases_.tick_done();
   working_.end();
-  if (observer_) {
+  if (observer_ || second_observer_) {
     const config::ProfileScope recorded(profile_, config::Profile::kRecording);
-    observer_->ticked();
+    for (auto* observer : {observer_, second_observer_})
+      if (observer) observer->ticked();
   }
   if (profile_) profile_->tick_ended();
 }
@@ -251,14 +258,18 @@ void Simulation::collide() {
 void Simulation::step() {
   if (frozen()) return;
   std::erase_if(pushes_, [this](const Push& push) { return push.until_tick <= state_.tick; });
+  std::erase_if(pulls_,
+                [this](const Pull& pull) { return pull.until_tick != 0 && pull.until_tick <= state_.tick; });
+  const double tick_s = static_cast<double>(scene_->world.tick_ns) * 1e-9;
   wrenches_.clear();
   for (const auto& push : pushes_) wrenches_.push_back(push.wrench);
-  const dynamics::StepInput input{static_cast<double>(scene_->world.tick_ns) * 1e-9, contacts_, drives_,
-                                  wrenches_};
+  for (const auto& pull : pulls_) wrenches_.push_back(wrench_of(pull, model(), state_, tick_s));
+  const dynamics::StepInput input{tick_s, contacts_, drives_, wrenches_};
   before_ = state_;
   auto result = coupling_->step(engines_, input, state_,
                                 [this](std::uint32_t engine) { working_.enter(Stage::kStep, engine); });
   if (!result.ok) return freeze(std::move(result.fault));
+  world::move_kinematic(model(), kinematic_, tick_s, before_, state_);
   std::vector<world::BodyId> limited = collision_->limited();
   const bool is_limited = result.limited || !limited.empty();
   limited.insert(limited.end(), result.fell_short.begin(), result.fell_short.end());
@@ -325,13 +336,15 @@ void Simulation::save_rest(std::vector<std::byte>& bytes) const {
     to.put(std::span<const double>(bound.sensor_outputs));
     bound.part->save(to);
   }
-  to.put(static_cast<std::uint64_t>(pushes_.size()));
+  // A world without pulls has the hash that it always had.
+  to.put(static_cast<std::uint64_t>(pushes_.size()) | (pulls_.empty() ? 0 : kHasPulls));
   for (const auto& push : pushes_) {
     to.put(push.wrench.body.value);
     to.put(std::span<const double>(push.wrench.force_n.data(), 3));
     to.put(std::span<const double>(push.wrench.torque_nm.data(), 3));
     to.put(push.until_tick);
   }
+  if (!pulls_.empty()) save_pulls(to);
   if (faults_.all().empty()) return;  // a world without faults has the hash that it always had
   faults_.save(to);
   for (const auto& bound : parts_) {
@@ -345,6 +358,8 @@ void Simulation::load_rest(std::span<const std::byte> bytes) {
   load_parts(parts_, from);
   std::uint64_t count = 0;
   from.get(count);
+  const bool has_pulls = (count & kHasPulls) != 0;
+  count &= ~kHasPulls;
   if (count > kMaxPushes) throw std::out_of_range("more pushes than can act at once");
   pushes_.resize(count);
   for (auto& push : pushes_) {
@@ -354,6 +369,8 @@ void Simulation::load_rest(std::span<const std::byte> bytes) {
     from.get(std::span<double>(push.wrench.torque_nm.data(), 3));
     from.get(push.until_tick);
   }
+  pulls_.clear();
+  if (has_pulls) load_pulls(from);
   for (auto& bound : parts_) bound.network = {};
   faults_.clear_all();
   if (!from.at_end()) load_faults(from);

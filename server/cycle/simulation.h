@@ -27,6 +27,7 @@
 #include "protocol/config/profile.h"
 #include "protocol/recording/input.h"
 #include "protocol/recording/state.h"
+#include "protocol/reset_scope.h"
 #include "server/collision/collision.h"
 #include "server/cycle/agent_part.h"
 #include "server/cycle/body_change.h"
@@ -34,11 +35,13 @@
 #include "server/cycle/network_model.h"
 #include "server/cycle/outcome.h"
 #include "server/cycle/phases.h"
+#include "server/cycle/pull.h"
 #include "server/cycle/working.h"
 #include "server/dynamics/coupling.h"
 #include "server/dynamics/engine.h"
 #include "server/scene/scene.h"
 #include "server/sensing/senses.h"
+#include "server/world/placing.h"
 #include "server/world/world_state.h"
 
 namespace visum::powercube {
@@ -138,8 +141,10 @@ class Simulation {
   std::optional<powercube::Telegram> handle_telegram(std::size_t part, const powercube::Telegram& telegram,
                                                      powercube::BusFraming framing);
 
-  // Goes back to the scene's initial state and begins a new era.
-  void reset();
+  // Goes back to the scene's beginning, as far as `scope` says, and begins a new era. Not for kSpawned and
+  // kAll, which are changes of the bodies (below): reset_now() takes every scope.
+  void reset(protocol::ResetScope scope = protocol::ResetScope::kWorld);
+  Outcome reset_now(protocol::ResetScope scope);
   // Returns the snapshot's number. Drops the oldest one beyond kMaxSnapshots.
   std::uint64_t take_snapshot();
   // Begins a new era. Refuses with kUnknownName where there is no such snapshot, and with kDamaged where its
@@ -148,6 +153,24 @@ class Simulation {
 
   // Refuses with kFull where kMaxPushes act already.
   Outcome push(const Push& push);
+
+  // Puts a body elsewhere (nothing: it stays where it is) and gives it a velocity: of its link frame's
+  // origin, and its turn rate, both in W. All that hangs on it goes along. A kinematic body keeps that
+  // velocity until it is set again. Refuses bodies that cannot be put elsewhere (world/placing.h), numbers
+  // beyond 1e6, and a frozen world.
+  Outcome set_body(world::BodyId body, const std::optional<world::Pose>& X_WB, const Eigen::Vector3d& v_WB,
+                   const Eigen::Vector3d& w_WB);
+  // Sets joints, and those that follow them. Their drives go along and stand there until they get a new
+  // command.
+  Outcome set_joints(std::span<const world::JointPlacement> to);
+  // Begins a pull, or changes it. Refuses with kFull where kMaxPulls act already, and where another owner
+  // pulls the body.
+  Outcome pull(const Pull& pull);
+  // False: nobody pulls the body.
+  bool release(world::BodyId body);
+  void release_all_of(std::uint64_t owner);
+  std::span<const Pull> pulls() const { return pulls_; }
+
   // The caller has checked the fault. Refuses with kFull where FaultSet::kMost act already.
   Outcome inject(const hwparts::ActiveFault& fault);
   // Clears the faults of one part: of all kinds and all drives, unless one is named.
@@ -159,6 +182,7 @@ class Simulation {
   // which have another number of bodies. Refuses with kWrongState where the bodies have changed since it
   // began, and with kNoMemory where memory runs out.
   BodyChange begin_change(bool comes, std::string text) const;
+  BodyChange begin_reset(protocol::ResetScope scope) const;  // kSpawned or kAll
   Outcome change_bodies(BodyChange& change);  // afterwards `change` holds the old scene, to be freed
   // The three steps at once. add_body() adds the body of a YAML entry, and refuses what the scene's reader,
   // an engine or a sensor refuses. remove_body() refuses bodies that a model, a joint, a push or a sensor
@@ -173,12 +197,17 @@ class Simulation {
   // state is no input.
   Outcome restore(const recording::State& whole);
 
+  // The same for a snapshot on disk, as an input, in a new era. Where it refuses, the world is as before.
+  Outcome restore_state(const recording::State& whole);
+
   // Adds a part that clients see beside the world's. It is in no snapshot and in no hash. Only before the
   // first tick.
   void add_onlooker(std::unique_ptr<hwparts::Part> part);
 
   // Null: no observer. It must outlive the simulation, or be taken away before it is destroyed.
   void set_observer(Observer* observer) { observer_ = observer; }
+  // One more, which hears after the first: a recording that is started while the world runs.
+  void set_second_observer(Observer* observer) { second_observer_ = observer; }
 
   const scene::Scene& scene() const { return *scene_; }
   const world::WorldModel& model() const { return scene_->world; }
@@ -217,6 +246,7 @@ class Simulation {
 
   static constexpr std::size_t kMaxSnapshots = 16;
   static constexpr std::size_t kMaxPushes = 64;
+  static constexpr std::size_t kMaxPulls = 64;
   // The texts of all bodies that came and are there. Each state in a recording holds them.
   static constexpr std::size_t kMaxEditBytes = std::size_t{16} << 20;
 
@@ -238,6 +268,19 @@ class Simulation {
   void erase_from_state(world::BodyId gone);
   // Puts bodies, joints and ports to the scene's initial state.
   void start_state();
+  // The two halves of a reset: without the observer's being told, and of the time alone.
+  void take_back(protocol::ResetScope scope);
+  void begin_time_anew();
+  // Goes back to the scene's own bodies; those that are still there keep their state. And the reset of that
+  // kind as a whole.
+  Outcome take_original(BodyChange& change);
+  Outcome reset_bodies(BodyChange& change);
+  // Takes a state that was set from outside, unless a number in it is not sane.
+  Outcome accept_state(world::WorldState&& changed);
+  void add_followers(std::vector<world::JointPlacement>& to) const;
+  void place_parts(std::span<const world::JointPlacement> to);
+  void save_pulls(hwparts::StateWriter& to) const;
+  void load_pulls(hwparts::StateReader& from);
   // Collects the parts' following errors by JointId.
   void follow_parts();
   // After a restore: drops contacts and peaks of the ticks before, which no snapshot holds.
@@ -314,6 +357,8 @@ class Simulation {
   std::vector<double> following_errors_;     // by JointId
   std::vector<double> contact_forces_;       // by BodyId
   std::vector<Push> pushes_;
+  std::vector<Pull> pulls_;  // sorted by body, one for each
+  world::KinematicTree kinematic_;
   hwparts::FaultSet faults_;
   std::vector<double> unheard_;  // takes the readings of a silent part
   std::vector<dynamics::Wrench> wrenches_;
@@ -325,7 +370,7 @@ class Simulation {
   std::shared_ptr<const std::vector<std::string>> work_texts_;
   std::uint64_t solver_warnings_ = 0, limited_ticks_ = 0;
   std::vector<std::string> limited_bodies_;
-  Observer* observer_ = nullptr;
+  Observer *observer_ = nullptr, *second_observer_ = nullptr;
   std::uint64_t next_snapshot_ = 1;
   std::uint64_t era_ = 1;
   std::uint64_t revision_ = 1;

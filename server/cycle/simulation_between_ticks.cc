@@ -11,9 +11,9 @@ std::string_view Simulation::name_of(std::size_t part) const {
 }
 
 void Simulation::tell(recording::TimedInput now, const recording::Input& input) {
-  if (!observer_) return;
   now.input = input;
-  observer_->took(now);
+  for (auto* observer : {observer_, second_observer_})
+    if (observer) observer->took(now);
 }
 
 void Simulation::write_inputs(std::size_t part, std::size_t first, std::span<const double> values) {
@@ -54,14 +54,40 @@ std::optional<powercube::Telegram> Simulation::handle_telegram(std::size_t part,
   return answer;
 }
 
-void Simulation::reset() {
+void Simulation::reset(protocol::ResetScope scope) {
   const auto before = now();
-  faults_.clear_all();
-  hand_out_faults();
-  for (auto& bound : parts_) bound.part->reset();
-  start_state();
+  take_back(scope);
+  tell(before, recording::Reset{scope});
+}
+
+void Simulation::take_back(protocol::ResetScope scope) {
+  const auto tick = state_.tick;
+  if (scope == protocol::ResetScope::kTime) {
+    begin_time_anew();
+  } else {
+    faults_.clear_all();
+    hand_out_faults();
+    for (auto& bound : parts_) bound.part->reset();
+    start_state();
+  }
+  if (scope == protocol::ResetScope::kState) {
+    state_.tick = before_.tick = tick;
+    ring_->begin(tick);
+  }
   ++era_;
-  tell(before, recording::Reset{});
+}
+
+// Whatever ends or arrives at a tick does so after as many ticks as before.
+void Simulation::begin_time_anew() {
+  const auto tick = std::exchange(state_.tick, 0);
+  before_.tick = 0;
+  for (auto& push : pushes_) push.until_tick -= tick;
+  for (auto& pull : pulls_)
+    if (pull.until_tick != 0) pull.until_tick -= tick;
+  faults_.move_ends(tick);
+  for (auto& bound : parts_)
+    if (!bound.network.ideal()) bound.network.move_dues(tick);
+  ring_->begin(0);
 }
 
 std::uint64_t Simulation::take_snapshot() {
@@ -95,6 +121,7 @@ Outcome Simulation::restore_snapshot(std::uint64_t number) {
     return {Refusal::kUnknownName, "there is no snapshot " + std::to_string(number)};
   const auto before = now();
   if (auto outcome = load_all(found->state, found->rest); !outcome.done()) return outcome;
+  pulls_.clear();  // whoever held them has let go
   forget_ticks();
   fault_.clear();
   ++era_;

@@ -16,6 +16,68 @@ BodyChange Simulation::begin_change(bool comes, std::string text) const {
   return change;
 }
 
+BodyChange Simulation::begin_reset(protocol::ResetScope scope) const {
+  BodyChange change;
+  change.reset = scope;
+  change.scene = scene_;
+  change.sensors = sensors_;
+  if (edits_.empty()) return change;
+  change.original = original_;
+  for (const auto& noted : edits_)
+    if (noted.edit.came) change.spawned.push_back(noted.came);
+  return change;
+}
+
+Outcome Simulation::reset_now(protocol::ResetScope scope) {
+  if (scope != protocol::ResetScope::kSpawned && scope != protocol::ResetScope::kAll) {
+    reset(scope);
+    return {};
+  }
+  auto change = begin_reset(scope);
+  if (auto outcome = prepare(change); !outcome.done()) return outcome;
+  return change_bodies(change);
+}
+
+// The bodies of the scene that are still there stay as they are.
+Outcome Simulation::take_original(BodyChange& change) {
+  if (!change.original) return {};  // nothing came or went
+  world::WorldState changed = state_;
+  const auto outcome = attempt(Refusal::kWrongState, [&] {
+    changed.bodies = change.initial;
+    for (std::size_t i = 0; i < change.kept.size(); ++i)
+      if (change.kept[i].valid()) changed.bodies[i] = state_.bodies[change.kept[i].index()];
+    change.machinery.engines = make_engines(*change.changed);
+    change.machinery.ring->begin(state_.tick);
+    use(change.machinery);
+  });
+  if (!outcome.done()) return outcome;
+  const auto number_now = [&](world::BodyId body) {
+    const auto found = std::ranges::find(change.kept, body);
+    return found == change.kept.end() ? world::BodyId{}
+                                      : world::BodyId{static_cast<std::int32_t>(found - change.kept.begin())};
+  };
+  for (auto& push : pushes_) push.wrench.body = number_now(push.wrench.body);
+  for (auto& pull : pulls_) pull.body = number_now(pull.body);
+  std::erase_if(pushes_, [](const Push& push) { return !push.wrench.body.valid(); });
+  std::erase_if(pulls_, [](const Pull& pull) { return !pull.body.valid(); });
+  scene_ = change.changed;
+  state_ = std::move(changed);
+  world::measure_joints(model(), state_);
+  edits_.clear();
+  snapshots_.clear();
+  for (auto& kept : state_.engines) kept.clear();
+  ++revision_;
+  return {};
+}
+
+Outcome Simulation::reset_bodies(BodyChange& change) {
+  const auto before = now();
+  if (auto outcome = take_original(change); !outcome.done()) return outcome;
+  if (*change.reset == protocol::ResetScope::kAll) take_back(protocol::ResetScope::kWorld);
+  tell(before, recording::Reset{*change.reset});
+  return {};
+}
+
 Outcome Simulation::change_now(bool comes, const std::string& text) {
   auto change = begin_change(comes, text);
   if (auto outcome = prepare(change); !outcome.done()) return outcome;
@@ -25,6 +87,7 @@ Outcome Simulation::change_now(bool comes, const std::string& text) {
 // All that may fail comes first, so that a change is whole or none.
 Outcome Simulation::change_bodies(BodyChange& change) {
   if (change.scene != scene_) return {Refusal::kWrongState, "the bodies have changed meanwhile"};
+  if (change.reset) return reset_bodies(change);
   const auto gone = change.gone;
   for (const auto& push : pushes_)
     if (gone.valid() && push.wrench.body == gone && push.until_tick > state_.tick)
@@ -70,6 +133,9 @@ void Simulation::erase_from_state(world::BodyId gone) {
   std::erase_if(pushes_, [gone](const Push& push) { return push.wrench.body == gone; });
   for (auto& push : pushes_)
     if (push.wrench.body > gone) --push.wrench.body.value;
+  std::erase_if(pulls_, [gone](const Pull& pull) { return pull.body == gone; });
+  for (auto& pull : pulls_)
+    if (pull.body > gone) --pull.body.value;
 }
 
 // A body that came and went leaves the world as if it had never been there, so that a restored world need not

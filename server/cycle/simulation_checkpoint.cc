@@ -63,6 +63,7 @@ void Simulation::restore_all(const recording::State& whole) {
 
 Outcome Simulation::restore(const recording::State& whole) {
   auto* const observer = std::exchange(observer_, nullptr);
+  auto* const second = std::exchange(second_observer_, nullptr);
   Outcome outcome;
   try {
     restore_all(whole);
@@ -73,7 +74,39 @@ Outcome Simulation::restore(const recording::State& whole) {
     reset();
   }
   observer_ = observer;
+  second_observer_ = second;
   return outcome;
+}
+
+Outcome Simulation::restore_state(const recording::State& whole) {
+  const auto before = now();
+  recording::State old;
+  keep(old);
+  const bool was_frozen = frozen();
+  const std::string fault = fault_;
+  const bool same_bodies = std::ranges::equal(whole.edits, edits_, {}, {}, &NotedEdit::edit);
+  const auto outcome = restore(whole);
+  if (!outcome.done()) {
+    const auto back = restore(old);
+    if (was_frozen) fault_ = fault;
+    if (!back.done()) freeze("a snapshot was restored in part: " + back.text());
+    return outcome;
+  }
+  pulls_.clear();  // whoever held them has let go
+  // The snapshots in memory go on counting, as far as they still fit.
+  for (const auto& kept : old.snapshots) {
+    if (!same_bodies) break;
+    Snapshot snapshot{kept.number, {}, {}};
+    std::string no_fault;
+    const auto rest = world::load(kept.state, model(), snapshot.state, no_fault);
+    snapshot.rest.assign(rest.begin(), rest.end());
+    snapshots_.push_back(std::move(snapshot));
+  }
+  era_ = old.era + 1;
+  revision_ = old.revision + (same_bodies ? 0 : 1);
+  next_snapshot_ = old.next_snapshot;
+  tell(before, recording::RestoreState{&whole});
+  return {};
 }
 
 void Simulation::add_onlooker(std::unique_ptr<hwparts::Part> part) {

@@ -117,7 +117,8 @@ void Coupling::find_rows(std::span<const std::unique_ptr<Engine>> engines, const
     const auto may_repeat = [&](const world::Body& body) {
       return engines[static_cast<std::size_t>(body.engine)]->may_repeat();
     };
-    if (a.fixed || b.fixed || a.engine == b.engine || !may_repeat(a) || !may_repeat(b)) {
+    if (a.fixed || b.fixed || a.kinematic || b.kinematic || a.engine == b.engine || !may_repeat(a) ||
+        !may_repeat(b)) {
       inner_.push_back(contact);
       inner_of_.push_back(i);
       continue;

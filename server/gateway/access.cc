@@ -55,10 +55,11 @@ Role role_needed(const protocol::Request& request) {
         using T = std::decay_t<decltype(message)>;
         if constexpr (kIsOneOf<T, Status, ListParts, DescribePart, Read, Subscribe, Unsubscribe,
                                GetParameters, ReadBlackboard, DescribeWorld, ReadWorld, SubscribeWorld,
-                               UnsubscribeWorld, ReadMesh, ReadTexture, ListFaults>)
+                               UnsubscribeWorld, ReadMesh, ReadTexture, ListFaults, SubscribeEvents,
+                               UnsubscribeEvents>)
           return Role::kObserver;
         else if constexpr (kIsOneOf<T, AcquireLease, ReleaseLease, Write, SetParameter, WriteBlackboard, Join,
-                                    Advance, Leave, Note>)
+                                    Advance, Leave, Note, Announce>)
           return Role::kController;
         else
           return Role::kAdmin;
@@ -72,7 +73,8 @@ bool needs_world(const protocol::Request& request) {
         using namespace protocol;
         using T = std::decay_t<decltype(message)>;
         return kIsOneOf<T, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot, RestoreSnapshot, PushBody,
-                        AddBody, RemoveBody, InjectFault, ClearFault>;
+                        AddBody, RemoveBody, InjectFault, ClearFault, SetBody, SetJoints, PullBody,
+                        ReleaseBody, StartRecording, StopRecording>;
       },
       request);
 }

@@ -1,6 +1,7 @@
-// Carries out AddBody and RemoveBody, one after the other, in the order in which they came. A thread of its
-// own makes each change ready (cycle/body_change.h), so that neither the tick nor the sessions wait for the
-// reading of a body. The tick's side takes it between two ticks.
+// Carries out what takes longer than a tick has, one after the other, in the order in which it came: bodies
+// that come and go, resets of what was spawned, snapshots on disk, and recordings that begin and end. A
+// thread of its own makes each change ready, or completes it, so that neither the tick nor the sessions wait
+// for a disk or for the reading of a body. The tick's side takes it between two ticks.
 #pragma once
 
 #include <atomic>
@@ -15,6 +16,7 @@
 
 #include "server/cycle/simulation.h"
 #include "server/gateway/mailbox.h"
+#include "server/recording/archive.h"
 
 namespace visum::gateway {
 
@@ -24,8 +26,12 @@ class BodyChanges {
  public:
   static constexpr std::size_t kMost = 4;  // under way at once
 
-  explicit BodyChanges(cycle::Simulation& simulation) : simulation_(simulation) { commands_.reserve(kMost); }
-  ~BodyChanges() { end(); }
+  // `archive`: null where nothing is kept on disk.
+  BodyChanges(cycle::Simulation& simulation, recording::Archive* archive)
+      : simulation_(simulation), archive_(archive) {
+    commands_.reserve(kMost);
+  }
+  ~BodyChanges();
 
   // `wake` is called on the thread when a change is ready. Before the first command.
   void on_ready(std::function<void()> wake) { wake_ = std::move(wake); }
@@ -33,33 +39,51 @@ class BodyChanges {
   // Ends the thread; nothing may be begun afterwards.
   void end();
 
+  // True for the requests that this class carries out.
+  static bool takes(const protocol::Request& request);
   bool full() const { return commands_.size() == kMost; }
-  // Takes a command with an AddBody or a RemoveBody. Only where it is not full.
-  void begin(std::unique_ptr<Command> command);
+  // Takes a command with a request that takes() names. Only where it is not full. True: it is refused at
+  // once, and ready.
+  bool begin(std::unique_ptr<Command> command);
   bool under_way() const { return !commands_.empty(); }
   bool ready() const { return ready_.load(std::memory_order_acquire); }
   struct Finished {
     std::unique_ptr<Command> command;  // with the world's new description, where the change was done
     cycle::Outcome outcome;
+    protocol::Reply reply;  // where it was done
   };
   // Only where it is ready: carries out the change, and begins the next one.
   Finished finish();
 
  private:
+  enum class Kind { kBodies, kSave, kLoad, kRecord, kEndRecording };
   struct Job {
+    Kind kind = Kind::kBodies;
     cycle::BodyChange change;
     cycle::Outcome outcome;
-    std::uint64_t revision = 0;       // of the changed world
-    std::unique_ptr<WorldView> view;  // of the changed world
+    std::uint64_t revision = 0;                     // of the changed world
+    std::unique_ptr<WorldView> view;                // of the changed world
+    std::string name;                               // of a snapshot or recording
+    recording::State state;                         // kSave, kLoad
+    protocol::SnapshotTaken taken;                  // kSave
+    std::unique_ptr<recording::Recorder> recorder;  // kRecord: to begin; kEndRecording: to be completed
   };
 
-  // Hands the first of the commands to the thread. Where there is no memory or no thread for it, it is ready
-  // at once, refused.
-  void start();
+  // Hands the first of the commands to the thread. True: it is ready at once, refused, as where there is no
+  // memory or no thread for it.
+  bool start();
+  // What start() does on the tick's thread for the first command. Throws where it cannot be done.
+  void begin_job(const protocol::Request& request);
   void start_thread();
+  // The thread's part of a job.
+  cycle::Outcome prepare(Job& job);
+  // The tick's part of a job that is ready.
+  cycle::Outcome act(Job& job, Finished& finished);
   void run();
 
   cycle::Simulation& simulation_;
+  recording::Archive* const archive_;
+  std::unique_ptr<recording::Recorder> recorder_;  // that clients started
   std::function<void()> wake_ = [] {};
   std::vector<std::unique_ptr<Command>> commands_;  // in their order; the first one is being made ready
   Job job_;                                         // the thread's from start() until it is ready

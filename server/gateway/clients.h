@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "protocol/server.h"
+#include "server/gateway/event_feed.h"
 
 namespace visum::gateway {
 
@@ -17,7 +18,9 @@ namespace visum::gateway {
 struct Client {
   protocol::Session* session = nullptr;
   bool waiting = false;
-  std::optional<std::int64_t> step_until;  // a gate holds the first of the backlog until this tick
+  std::optional<protocol::EventLevel> events;  // the least level that it wants to hear of; nothing: none
+  bool holds_bodies = false;                   // has pulled a body, or moved a kinematic one
+  std::optional<std::int64_t> step_until;      // a gate holds the first of the backlog until this tick
   std::deque<std::pair<std::uint64_t, protocol::Request>> backlog;
 };
 
@@ -42,9 +45,24 @@ class Clients {
   const std::map<std::uint64_t, Client>& all() const { return clients_; }
   std::size_t size() const { return clients_.size(); }
 
-  void broadcast(const protocol::Event& event) {
+  // Tells all clients.
+  void broadcast(protocol::Event event) {
+    feed_.keep(event);
     for (auto& [id, client] : clients_) client.session->send(0, event);
   }
+  // Tells those who subscribed to events, as far as their number is not too large. A client that does not
+  // read as fast misses some.
+  void tell(protocol::Event event) {
+    if (!feed_.has_room(EventFeed::Clock::now())) return;
+    send_to_subscribers(event);
+  }
+  // Tells of events that were left out, once there is room again.
+  void tell_of_lost_events(std::int64_t tick) {
+    if (const auto lost = feed_.take_lost(EventFeed::Clock::now()); lost != 0)
+      send_to_subscribers(
+          {"events_lost", std::to_string(lost) + " events were left out", {}, known_era_, tick});
+  }
+  EventFeed& feed() { return feed_; }
 
   // The era that the clients know of. It is older than that of the newest copy of the world until serve() has
   // told them.
@@ -65,6 +83,14 @@ class Clients {
   }
 
  private:
+  void send_to_subscribers(protocol::Event event) {
+    feed_.keep(event);
+    for (auto& [id, client] : clients_)
+      if (client.events && event.level >= *client.events && !client.session->behind())
+        client.session->send(0, event);
+  }
+
+  EventFeed feed_;
   std::map<std::uint64_t, Client> clients_;  // by session
   std::uint64_t known_era_ = 1;
   std::uint64_t refused_ = 0;

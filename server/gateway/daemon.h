@@ -17,12 +17,14 @@
 #include "server/gateway/stuck_node.h"
 
 namespace visum::recording {
+class Archive;
 class FlightRecorder;
 }  // namespace visum::recording
 
 namespace visum::gateway {
 
 class DaemonLoop;
+class LogTap;
 class Playback;
 struct Published;
 
@@ -61,6 +63,8 @@ struct DaemonOptions {
   // piece of that.
   std::function<void(std::chrono::steady_clock::time_point)> wait;
   const recording::FlightRecorder* flight = nullptr;  // writes down how it froze; must outlive the daemon
+  LogTap* log = nullptr;                              // the log's lines for clients; null: they hear of none
+  recording::Archive* archive = nullptr;              // named snapshots and recordings; null: there are none
   config::Profile* profile = nullptr;                 // measures the tick's thread; must outlive the daemon
   Playback* playback = nullptr;  // a recording, whose world this is; must outlive the daemon
   // On the tick's thread, at each copy of the world for the sessions: puts another server's world into it.

@@ -53,11 +53,11 @@ DaemonDoors::DaemonDoors(cycle::Simulation& the_simulation, const DaemonOptions&
       profile(options.profile),
       playback(options.playback),
       mailbox(most_ports(simulation)),
-      tick_side(simulation, mailbox, options.run_at_once),
+      tick_side(simulation, mailbox, options.run_at_once, options.archive),
       buses(tick_side),
       gateway(shown_world(simulation, options),
               options.token_file.empty() ? Tokens() : Tokens(options.token_file), mailbox, tick_side.stops(),
-              tick_side.pacer(), std::move(newest), buses),
+              tick_side.pacer(), std::move(newest), buses, options.log),
       web(
           options.http.page.empty() ? PageFiles() : PageFiles(options.http.page), gateway,
           [this] { return server.refused(); }, options.playback),

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "protocol/config/number_text.h"
 #include "protocol/config/unknown_name.h"
 #include "server/cycle/network_model.h"
 
@@ -63,6 +64,10 @@ void FaultRequests::handle(const Call& call, const protocol::InjectFault& reques
   input->fault = *fault;
   input->duration_ticks = world_.to_ticks(request.duration_ns);
   mailbox_.send(input);
+  std::string text = request.kind;
+  for (const auto& [name, value] : request.numbers) text += " " + name + "=" + config::number_text(value);
+  call.clients.tell({"fault", text, request.part, call.clients.known_era(), call.now.tick,
+                     protocol::EventLevel::kWarning, call.session.client_name()});
   call.reply(protocol::Ok{});
 }
 
@@ -82,6 +87,9 @@ void FaultRequests::handle(const Call& call, const protocol::ClearFault& request
   if (kind) input->fault_kind = kind->kind;
   if (request.joint != 0) input->fault_drive = request.joint - 1;
   mailbox_.send(input);
+  call.clients.tell({"fault_cleared", request.kind.empty() ? "all faults" : request.kind, request.part,
+                     call.clients.known_era(), call.now.tick, protocol::EventLevel::kInfo,
+                     call.session.client_name()});
   call.reply(protocol::Ok{});
 }
 

@@ -39,7 +39,7 @@ bool exchanges_with_part(const protocol::Request& request) {
 }  // namespace
 
 Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, StopLatch& stops,
-                 const cycle::Pacer& pacer, Latest latest, bus::BusDoor& buses)
+                 const cycle::Pacer& pacer, Latest latest, bus::BusDoor& buses, LogTap* log)
     : world_(std::move(world)),
       tokens_(std::move(tokens)),
       mailbox_(mailbox),
@@ -52,8 +52,12 @@ Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, StopLatch& 
       settings_(world_, parts_, commands_),
       time_(world_, commands_),
       bodies_(world_, mailbox, clients_, limiter_, commands_),
+      placing_(mailbox, bodies_, parts_, commands_),
       faults_(world_, mailbox, limiter_, buses),
-      server_(world_, mailbox, clients_, lockstep_, pacer, buses, parts_) {}
+      events_(clients_, log),
+      server_(world_, mailbox, clients_, lockstep_, pacer, buses, parts_) {
+  clients_.feed().set_world(world_.tick_ns, world_.server.substr(0, world_.server.find(' ')));
+}
 
 protocol::Role Gateway::on_hello(protocol::Session& session, const protocol::Hello& hello,
                                  protocol::Welcome& welcome, protocol::Error& refusal) {
@@ -123,7 +127,8 @@ void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request
   const auto refused = clients_.refused();
   std::visit(
       [&](const auto& message) {
-        hand_over(call, message, parts_, settings_, streams_, lockstep_, time_, bodies_, faults_, server_);
+        hand_over(call, message, parts_, settings_, streams_, lockstep_, time_, bodies_, placing_, faults_,
+                  events_, server_);
       },
       request);
   // A command that waits for the tick is counted by finish_commands().
@@ -190,6 +195,7 @@ void Gateway::on_close(protocol::Session& session, protocol::CloseReason reason)
   if (reason == protocol::CloseReason::kGoodbye) work_off_at_goodbye(clients_.at(id));
   parts_.lose_all_of(id, lockstep_.parts_commanded_by(id),
                      "'" + session.client_name() + "' is gone without a release", *now_);
+  placing_.end_session(clients_.at(id));
   lockstep_.remove(id, *now_);
   streams_.remove(id);
   limiter_.forget(id);
@@ -205,6 +211,8 @@ void Gateway::serve() {
   bodies_.follow_shown_world(now);
   finish_commands();
   tell_notices();
+  events_.serve(now);
+  placing_.serve();
   lockstep_.answer_advances(now);
   work_off_backlogs();
   parts_.send_late_writes(now);
@@ -267,6 +275,9 @@ void Gateway::finish_commands() {
     if (failed) clients_.count_refusal();
     if (command->acknowledged) continue;
     auto* client = clients_.find(command->session);
+    if (!failed)
+      events_.tell_done(command->request, command->reply, client ? client->session->client_name() : "",
+                        *now_);
     if (!client) continue;
     client->waiting = false;
     if (!failed && exchanges_with_part(command->request))
@@ -309,6 +320,7 @@ void Gateway::beat() {
   holdup_.look(Holdup::Clock::now());
   if (!now_) return;
   look_at_world();
+  events_.serve(*now_);
   if (!commands_.acknowledge_late(clients_, world_.working->border(), Commands::Clock::now())) return;
   for (auto& [id, client] : clients_.all()) work_off(client);
 }

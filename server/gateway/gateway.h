@@ -15,6 +15,7 @@
 #include "server/gateway/call.h"
 #include "server/gateway/clients.h"
 #include "server/gateway/commands.h"
+#include "server/gateway/event_requests.h"
 #include "server/gateway/fault_requests.h"
 #include "server/gateway/holdup.h"
 #include "server/gateway/input_limiter.h"
@@ -23,6 +24,7 @@
 #include "server/gateway/metrics.h"
 #include "server/gateway/part_settings.h"
 #include "server/gateway/parts.h"
+#include "server/gateway/placing_requests.h"
 #include "server/gateway/published.h"
 #include "server/gateway/server_requests.h"
 #include "server/gateway/static_world.h"
@@ -41,7 +43,7 @@ class Gateway : public protocol::SessionHandler {
   using Latest = std::function<const Published&()>;
   // All references must outlive the gateway. Of `pacer` only the counters are read.
   Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, StopLatch& stops, const cycle::Pacer& pacer,
-          Latest latest, bus::BusDoor& buses = bus::NoBuses::instance());
+          Latest latest, bus::BusDoor& buses = bus::NoBuses::instance(), LogTap* log = nullptr);
 
   // SessionHandler
   protocol::Role on_hello(protocol::Session& session, const protocol::Hello& hello,
@@ -137,7 +139,9 @@ class Gateway : public protocol::SessionHandler {
   PartSettings settings_;
   TimeControl time_;
   WorldRequests bodies_;
+  PlacingRequests placing_;
   FaultRequests faults_;
+  EventRequests events_;
   ServerRequests server_;
   bool frozen_ = false;
   std::uint64_t freezes_ = 0;

@@ -23,10 +23,20 @@ namespace visum::gateway {
 // A change that is latched for the next tick border. Inputs are applied in the order of (part, lease epoch,
 // arrival), so that it does not matter which of two clients' bytes came first.
 struct Input {
-  enum class Kind { kWrite, kLeaseGranted, kLeaseReleased, kLeaseLost, kPush, kFault, kClearFault };
+  enum class Kind {
+    kWrite,
+    kLeaseGranted,
+    kLeaseReleased,
+    kLeaseLost,
+    kPush,
+    kFault,
+    kClearFault,
+    kSessionEnded
+  };
   Kind kind = Kind::kWrite;
   std::uint32_t part = 0;
-  std::uint64_t epoch = 0;                          // of the part's lease; pushes, faults: see order_of()
+  // Of the part's lease; pushes, faults: see order_of(); kSessionEnded: the session.
+  std::uint64_t epoch = 0;
   std::uint32_t first_port = 0;                     // kWrite
   std::vector<double> values;                       // kWrite; its capacity is kept
   std::chrono::steady_clock::time_point read_at{};  // kWrite: when it was sent to the tick's side

@@ -107,6 +107,9 @@ void Parts::handle(const Call& call, const protocol::AcquireLease& request) {
   input->epoch = epoch;
   input->deadline_ticks = world_.to_ticks(request.deadline_ns);
   mailbox_.send(input);
+  clients_.tell({"lease_granted", "'" + call.session.client_name() + "' has the lease", request.part,
+                 clients_.known_era(), call.now.tick, protocol::EventLevel::kInfo,
+                 call.session.client_name()});
   call.reply(protocol::LeaseGrant{request.part, epoch});
 }
 
@@ -122,6 +125,9 @@ void Parts::handle(const Call& call, const protocol::ReleaseLease& request) {
   input->epoch = leases_.of(*part).epoch;
   mailbox_.send(input);
   leases_.free(*part);
+  clients_.tell({"lease_released", "'" + call.session.client_name() + "' has released the lease",
+                 request.part, clients_.known_era(), call.now.tick, protocol::EventLevel::kInfo,
+                 call.session.client_name()});
   call.reply(protocol::Ok{});
 }
 
@@ -245,6 +251,15 @@ void Parts::begin_era(const Published& now) {
     end_late_writes(part);  // they were written after the request that began the era
     latched_[part] = now.parts[part].controller_inputs;
   }
+}
+
+std::optional<std::string> Parts::leased_to_another(const Call& call, const std::string& part) const {
+  for (std::uint32_t i = 0; i < world_.parts.size(); ++i) {
+    const auto& lease = leases_.of(i);
+    if (world_.part_name(i) == part && lease.session != 0 && lease.session != call.session.id())
+      return lease.owner;
+  }
+  return {};
 }
 
 void Parts::lose_all_of(std::uint64_t session, std::span<const std::uint32_t> commanded,

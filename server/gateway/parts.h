@@ -39,6 +39,8 @@ class Parts {
   void forget_dropped(std::uint32_t part, const Published& now);
   // False: the session does not hold the part's lease, and the call has failed with that.
   bool lease_or_fail(const Call& call, std::uint32_t part) const;
+  // The name of another session that holds the part's lease; nothing: there is none, or no such part.
+  std::optional<std::string> leased_to_another(const Call& call, const std::string& part) const;
 
   // The session is gone, or was late. Ends its leases. `commanded`: parts that its program commands over a
   // bus; those stop too, unless another session leases them.

@@ -9,17 +9,19 @@
 
 namespace visum::gateway {
 
-TickSide::TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running_at_once)
+TickSide::TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running_at_once,
+                   recording::Archive* archive)
     : simulation_(simulation),
       mailbox_(mailbox),
       pacer_(simulation.model().tick_ns),
-      changes_(simulation),
+      changes_(simulation, archive),
       waits_for_changes_(simulation.scene().clock != scene::ClockKind::kRealtime),
       watches_(simulation.parts().size()),
       stops_(simulation.parts().size()),
       trips_(simulation.parts().size()),
       started_(running_at_once) {
   pacer_.set_speed(simulation.scene().speed, Clock::now());
+  simulation.release_all_of(0);  // pulls of a world that goes on from a recording: nobody holds them
   inputs_.reserve(Mailbox::kInputs);
   done_.reserve(Mailbox::kCommands);
   for (const auto& bound : simulation.parts())
@@ -32,18 +34,24 @@ void TickSide::empty_mailbox() {
   obey_stops();
   for (Mailbox::Item item; !waits_for_change() && mailbox_.next(item); obey_stops()) {
     if (item.command) {
-      const bool goes_back = std::holds_alternative<protocol::Reset>(item.command->request) ||
-                             std::holds_alternative<protocol::RestoreSnapshot>(item.command->request);
+      const bool went_back = goes_back(item.command->request);
       run(std::unique_ptr<Command>(item.command));
       ++version_;
       // It was on its way before these stops, and has undone them.
-      if (goes_back)
+      if (went_back)
         for (const auto part : stopped_) stop(part);
       continue;
     }
     if (item.input->kind == Input::Kind::kLeaseGranted) start();
     inputs_.push_back(item.input);
   }
+}
+
+bool TickSide::goes_back(const protocol::Request& request) {
+  const auto* reset = std::get_if<protocol::Reset>(&request);
+  return std::holds_alternative<protocol::RestoreSnapshot>(request) ||
+         (reset && reset->scope != protocol::ResetScope::kTime &&
+          reset->scope != protocol::ResetScope::kSpawned);
 }
 
 void TickSide::give_back() {
@@ -57,6 +65,7 @@ void TickSide::obey_stops() {
   stops_.take([this](std::size_t part) {
     stop(static_cast<std::uint32_t>(part));
     stopped_.push_back(static_cast<std::uint32_t>(part));
+    if (changes_.under_way()) stopped_meanwhile_.push_back(static_cast<std::uint32_t>(part));
   });
   touch();
 }
@@ -145,6 +154,8 @@ void TickSide::apply(const Input& input) {
       return apply_push(input);
     case Input::Kind::kFault:
       return apply_fault(input);
+    case Input::Kind::kSessionEnded:
+      return holders_.end(simulation_, input.epoch);
     case Input::Kind::kClearFault:
       return simulation_.clear_faults(input.part, input.fault_kind, input.fault_drive);
   }

@@ -15,6 +15,7 @@
 #include "server/cycle/pacer.h"
 #include "server/cycle/simulation.h"
 #include "server/gateway/body_changes.h"
+#include "server/gateway/holders.h"
 #include "server/gateway/mailbox.h"
 #include "server/gateway/published.h"
 #include "server/gateway/session_watch.h"
@@ -26,7 +27,9 @@ class TickSide {
  public:
   // `running_at_once`: time runs from the beginning. Otherwise it starts with the first lease, the first step
   // of a member, or Resume.
-  TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running_at_once);
+  // `archive`: what clients keep on disk; null: nothing.
+  TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running_at_once,
+           recording::Archive* archive = nullptr);
 
   // Takes everything out of the mailbox. Commands are done at once, inputs wait for the next tick.
   void empty_mailbox();
@@ -134,11 +137,20 @@ class TickSide {
   void watch_nodes();
   void tell(const Notice& notice);
 
+  // True for requests that undo what was done to the parts.
+  static bool goes_back(const protocol::Request& request);
+  // After a reset or restore: deadlines begin anew.
+  void time_went_back();
+
   // The answers to commands are in tick_side_commands.cc.
   protocol::Reply answer(Command& command, const protocol::Pause&);
   protocol::Reply answer(Command& command, const protocol::Resume&);
   protocol::Reply answer(Command& command, const protocol::SetSpeed& request);
-  protocol::Reply answer(Command& command, const protocol::Reset&);
+  protocol::Reply answer(Command& command, const protocol::Reset& request);
+  protocol::Reply answer(Command& command, const protocol::SetBody& request);
+  protocol::Reply answer(Command& command, const protocol::SetJoints& request);
+  protocol::Reply answer(Command& command, const protocol::PullBody& request);
+  protocol::Reply answer(Command& command, const protocol::ReleaseBody& request);
   protocol::Reply answer(Command& command, const protocol::TakeSnapshot&);
   protocol::Reply answer(Command& command, const protocol::RestoreSnapshot& request);
   protocol::Reply answer(Command& command, const protocol::GetParameters&);
@@ -157,8 +169,10 @@ class TickSide {
   const bool waits_for_changes_;  // not in real time
   std::vector<Input*> inputs_;    // for the next tick
   std::vector<Watch> watches_;    // by part
+  Holders holders_;
   StopLatch stops_;
-  std::vector<std::uint32_t> stopped_;  // since the mailbox was emptied last
+  std::vector<std::uint32_t> stopped_;            // since the mailbox was emptied last
+  std::vector<std::uint32_t> stopped_meanwhile_;  // while a change of the bodies was made ready
   SessionWatch session_watch_;
   std::uint64_t silent_stops_ = 0;
   std::chrono::milliseconds oldest_write_{0};

@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "protocol/config/unknown_name.h"
 #include "server/cycle/attempt.h"
+#include "server/cycle/world_edit.h"
 #include "server/gateway/tick_side.h"
 #include "server/world/world_state.h"
 
@@ -57,9 +59,11 @@ void TickSide::run(std::unique_ptr<Command> command) {
   }
   // The client's writes that came before this request take effect before it.
   apply_inputs();
-  if (std::holds_alternative<protocol::AddBody>(command->request) ||
-      std::holds_alternative<protocol::RemoveBody>(command->request)) {
-    if (!changes_.full()) return changes_.begin(std::move(command));
+  if (BodyChanges::takes(command->request)) {
+    if (!changes_.full()) {
+      if (changes_.begin(std::move(command))) finish_changes();
+      return;
+    }
     command->reply = Error{ErrorCode::kBusy, "too many changes of the bodies are under way", {}};
   } else {
     const auto outcome = cycle::attempt(cycle::Refusal::kDamaged, [&] {
@@ -75,8 +79,13 @@ void TickSide::run(std::unique_ptr<Command> command) {
 void TickSide::finish_changes() {
   while (changes_.ready()) {
     apply_inputs();
-    auto [command, outcome] = changes_.finish();
-    command->reply = outcome.done() ? Reply(Ok{}) : Reply(error_of(outcome));
+    auto [command, outcome, reply] = changes_.finish();
+    command->reply = outcome.done() ? std::move(reply) : Reply(error_of(outcome));
+    if (outcome.done() && goes_back(command->request)) {
+      time_went_back();
+      for (const auto part : stopped_meanwhile_) stop(part);  // it has undone these stops
+    }
+    if (!changes_.under_way()) stopped_meanwhile_.clear();
     done_.push_back(std::move(command));
     ++version_;
   }
@@ -100,9 +109,85 @@ Reply TickSide::answer(Command&, const protocol::SetSpeed& request) {
   return Ok{};
 }
 
-Reply TickSide::answer(Command&, const protocol::Reset&) {
-  simulation_.reset();
+// Scopes that change the bodies go through BodyChanges.
+Reply TickSide::answer(Command&, const protocol::Reset& request) {
+  simulation_.reset(request.scope);
+  time_went_back();
+  return Ok{};
+}
+
+void TickSide::time_went_back() {
   for (auto& watch : watches_) watch.last_tick = simulation_.tick_count();
+}
+
+Reply TickSide::answer(Command& command, const protocol::SetBody& request) {
+  const auto& model = simulation_.model();
+  const auto body = model.find_body(request.body);
+  if (!body.valid()) return error_of(cycle::unknown_body(model, request.body));
+  std::optional<world::Pose> X_WB;
+  if (const auto& p = request.pose; !p.empty())
+    X_WB = world::Pose{Eigen::Vector3d(p.data()), Eigen::Quaterniond(p[3], p[4], p[5], p[6])};
+  Eigen::Vector3d v_WB = Eigen::Vector3d::Zero(), w_WB = Eigen::Vector3d::Zero();
+  if (!request.velocity.empty()) {
+    v_WB = Eigen::Vector3d(request.velocity.data());
+    w_WB = Eigen::Vector3d(request.velocity.data() + 3);
+  }
+  const auto outcome = simulation_.set_body(body, X_WB, v_WB, w_WB);
+  if (!outcome.done()) return error_of(outcome);
+  holders_.note_body(request.keeps_moving ? 0 : command.session, request.body);
+  return Ok{};
+}
+
+Reply TickSide::answer(Command& command, const protocol::SetJoints& request) {
+  const auto& model = simulation_.model();
+  const std::string prefix = request.model.empty() ? "" : request.model + "/";
+  std::vector<world::JointPlacement> to;
+  std::vector<std::string> names, known;
+  for (const auto& target : request.joints) {
+    names.push_back(prefix + target.name);
+    to.push_back({model.find_joint(names.back()), target.position, target.velocity});
+    if (to.back().joint.valid()) continue;
+    for (const auto& joint : model.joints)
+      if (joint.name.starts_with(prefix)) known.push_back(joint.name.substr(prefix.size()));
+    const bool no_model = known.empty() && !request.model.empty();
+    return Error{ErrorCode::kUnknownName,
+                 no_model ? "there is no model '" + request.model + "' with joints"
+                          : config::unknown_name("joint", target.name, known),
+                 {}};
+  }
+  const auto outcome = simulation_.set_joints(to);
+  if (!outcome.done()) return error_of(outcome);
+  holders_.note_joints(request.keeps_moving ? 0 : command.session, names);
+  return Ok{};
+}
+
+Reply TickSide::answer(Command& command, const protocol::PullBody& request) {
+  const auto& model = simulation_.model();
+  const auto body = model.find_body(request.body);
+  if (!body.valid()) return error_of(cycle::unknown_body(model, request.body));
+  cycle::Pull pull{body,
+                   model.bodies[body.index()].p_BC,
+                   Eigen::Vector3d(request.target_m.data()),
+                   request.max_force_n,
+                   0,
+                   command.session};
+  if (!request.point_m.empty()) pull.p_B = Eigen::Vector3d(request.point_m.data());
+  const auto tick_ns = model.tick_ns;
+  if (request.duration_ns != 0)
+    pull.until_tick = simulation_.tick_count() + (request.duration_ns + tick_ns - 1) / tick_ns;
+  const auto outcome = simulation_.pull(pull);
+  if (!outcome.done()) return error_of(outcome);
+  return Ok{};
+}
+
+Reply TickSide::answer(Command& command, const protocol::ReleaseBody& request) {
+  const auto body = simulation_.model().find_body(request.body);
+  if (!body.valid()) return error_of(cycle::unknown_body(simulation_.model(), request.body));
+  for (const auto& pull : simulation_.pulls())
+    if (pull.body == body && pull.owner != command.session && pull.owner != 0)
+      return Error{ErrorCode::kWrongState, "'" + request.body + "' is pulled by another session", {}};
+  if (!simulation_.release(body))
+    return Error{ErrorCode::kWrongState, "nobody pulls '" + request.body + "'", {}};
   return Ok{};
 }
 
@@ -114,7 +199,7 @@ Reply TickSide::answer(Command&, const protocol::TakeSnapshot&) {
 Reply TickSide::answer(Command&, const protocol::RestoreSnapshot& request) {
   if (const auto outcome = simulation_.restore_snapshot(request.snapshot); !outcome.done())
     return error_of(outcome);
-  for (auto& watch : watches_) watch.last_tick = simulation_.tick_count();
+  time_went_back();
   return Ok{};
 }
 

@@ -1,4 +1,4 @@
-// Requests about time: pause, speed, single steps, reset and snapshots.
+// Requests about time: pause, speed, single steps, reset, snapshots and recordings.
 #pragma once
 
 #include "server/gateway/commands.h"
@@ -15,8 +15,10 @@ class TimeControl {
   void handle(const Call& call, const protocol::Step& request);
   void handle(const Call& call, const protocol::SetSpeed& request);
   void handle(const Call& call, const protocol::Reset& request) { commands_.send(call, request); }
-  void handle(const Call& call, const protocol::TakeSnapshot& request) { commands_.send(call, request); }
-  void handle(const Call& call, const protocol::RestoreSnapshot& request) { commands_.send(call, request); }
+  void handle(const Call& call, const protocol::TakeSnapshot& request);
+  void handle(const Call& call, const protocol::RestoreSnapshot& request);
+  void handle(const Call& call, const protocol::StartRecording& request);
+  void handle(const Call& call, const protocol::StopRecording& request) { commands_.send(call, request); }
 
  private:
   const StaticWorld& world_;

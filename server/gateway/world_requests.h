@@ -28,6 +28,8 @@ class WorldRequests {
   void handle(const Call& call, const protocol::AddBody& request);
   void handle(const Call& call, const protocol::RemoveBody& request) { commands_.send(call, request); }
 
+  const protocol::WorldDescription& description() const { return view_->description; }
+
   // Bodies came or went.
   void replace_view(WorldView view, const Published& now);
   // Takes over the world of another server where the copy shows one: a mirror shows that of an arm.

@@ -163,6 +163,11 @@ void describe_looks(const scene::Scene& scene, WorldView& view) {
   }
 }
 
+// A kinematic body has none.
+std::string engine_of(const world::WorldModel& model, const world::Body& body) {
+  return body.kinematic ? "" : model.engines[static_cast<std::size_t>(body.engine)].name;
+}
+
 }  // namespace
 
 WorldView describe_world(const scene::Scene& scene, std::uint64_t revision) {
@@ -179,8 +184,9 @@ WorldView describe_world(const scene::Scene& scene, std::uint64_t revision) {
                             body.fixed,
                             body.mass_kg,
                             {},
-                            model.engines[static_cast<std::size_t>(body.engine)].name,
-                            numbers(body.p_BC)});
+                            engine_of(model, body),
+                            numbers(body.p_BC),
+                            body.kinematic});
   for (const auto& shape : model.shapes)
     world.bodies[shape.body.index()].shapes.push_back(describe(shape, model));
   for (std::size_t i = 0; i < model.joints.size(); ++i)

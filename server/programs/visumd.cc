@@ -25,6 +25,7 @@
 #include "protocol/config/unknown_name.h"
 #include "server/cycle/simulation.h"
 #include "server/gateway/daemon.h"
+#include "server/gateway/log_tap.h"
 #include "server/gateway/playback.h"
 #include "server/programs/command_line.h"
 #include "server/programs/drives_file.h"
@@ -36,6 +37,7 @@
 #include "server/programs/scene_check.h"
 #include "server/programs/scene_convert.h"
 #include "server/programs/used_files.h"
+#include "server/recording/archive.h"
 #include "server/recording/export_csv.h"
 #include "server/recording/flight_recorder.h"
 #include "server/recording/log_sink.h"
@@ -71,12 +73,13 @@ struct Options {
   std::vector<std::string> buses;
   programs::PluginOptions plugins;
   programs::HttpArguments http;
-  std::string record;                 // a file; empty: none
-  std::string try_record;             // as `record`, but may fail
-  std::string dump = state_folder();  // folder for the ticks before a freeze; or "off"
-  std::string rewound;                // a recording to continue, instead of a scene
-  std::string used_files;             // a file for the list of what the scene was read from; empty: none
-  std::string profile;                // a file; empty: nothing is measured
+  std::string record;                  // a file; empty: none
+  std::string try_record;              // as `record`, but may fail
+  std::string dump = state_folder();   // folder for the ticks before a freeze; or "off"
+  std::string files = state_folder();  // folder for named snapshots and recordings that clients ask for
+  std::string rewound;                 // a recording to continue, instead of a scene
+  std::string used_files;              // a file for the list of what the scene was read from; empty: none
+  std::string profile;                 // a file; empty: nothing is measured
   std::size_t profile_spans = 1'000'000;
   double at_s = std::numeric_limits<double>::infinity();  // from which simulated time of it
   scene::Options of_scene;
@@ -133,6 +136,10 @@ int run(Options options) {
   if (!options.used_files.empty()) programs::write_used_files(origin.files, options.used_files);
   simulation.set_profile(options.of_daemon.profile);
   std::optional<recording::LogSink> log;
+  gateway::LogTap log_for_clients;
+  options.of_daemon.log = &log_for_clients;
+  recording::Archive archive(options.files, origin);
+  options.of_daemon.archive = &archive;
   std::optional<recording::FlightRecorder> flight;
   if (!options.record.empty() || !options.try_record.empty())
     log.emplace();
@@ -182,6 +189,10 @@ void declare_world(CLI::App& app, Options& options, std::string_view verb) {
                  "given; or off. "
                  "Default: $STATE_DIRECTORY, or the working directory")
       ->type_name("FOLDER|off");
+  app.add_option("--files", options.files,
+                 "folder for the snapshots with names and the recordings that clients ask for. Default: "
+                 "$STATE_DIRECTORY, or the working directory")
+      ->type_name("FOLDER");
   if (verb == "rewind") {
     app.add_option("recording", options.rewound, "the run to continue")->required()->type_name("FILE.mcap");
     app.add_option("--at", options.at_s,

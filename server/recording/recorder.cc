@@ -19,10 +19,21 @@ RecordingWriter::Overflow overflow_of(scene::ClockKind clock) {
 
 }  // namespace
 
-Recorder::Recorder(cycle::Simulation& simulation, const Origin& origin, const std::filesystem::path& file) try
+Recorder::Recorder(cycle::Simulation& simulation, const Origin& origin, const std::filesystem::path& file)
+    : Recorder(simulation, origin, file, Start::kNow) {}
+
+std::unique_ptr<Recorder> Recorder::prepare(cycle::Simulation& simulation, const Origin& origin,
+                                            const std::filesystem::path& file) {
+  return std::unique_ptr<Recorder>(new Recorder(simulation, origin, file, Start::kLater));
+}
+
+Recorder::Recorder(cycle::Simulation& simulation, const Origin& origin, const std::filesystem::path& file,
+                   Start start) try
     : simulation_(simulation),
+      is_second_(start == Start::kLater),
       writer_(std::make_unique<RecordingWriter>(file, overflow_of(simulation.scene().clock))) {
   channels_ = write_beginning(writer_->writer(), simulation_, origin);
+  if (is_second_) return;
   if (origin.has_past) {
     take_state();
     writer_->put_first(channels_.states, static_cast<std::uint64_t>(simulation_.sim_time_ns()), bytes_);
@@ -35,12 +46,20 @@ Recorder::Recorder(cycle::Simulation& simulation, const Origin& origin, const st
   throw std::runtime_error("the recording '" + file.string() + "' cannot be written: " + error.what());
 }
 
+// The world has a past, whatever its origin says.
+void Recorder::begin() {
+  take_state();
+  writer_->put_first(channels_.states, static_cast<std::uint64_t>(simulation_.sim_time_ns()), bytes_);
+  writer_->start();
+  simulation_.set_second_observer(this);
+}
+
 Recorder::~Recorder() {
   close();
 }
 
 bool Recorder::close() {
-  simulation_.set_observer(nullptr);
+  if (!is_second_) simulation_.set_observer(nullptr);
   return writer_->close();
 }
 

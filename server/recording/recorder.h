@@ -26,6 +26,13 @@ class Recorder : public cycle::Observer {
   Recorder(cycle::Simulation& simulation, const Origin& origin, const std::filesystem::path& file);
   ~Recorder() override;  // completes the file
 
+  // For a recording of a world that runs already, beside its other observer: makes the file's beginning, on
+  // any thread. Then begin() on the tick's thread, end() there, and the destructor on any thread.
+  static std::unique_ptr<Recorder> prepare(cycle::Simulation& simulation, const Origin& origin,
+                                           const std::filesystem::path& file);
+  void begin();
+  void end() { simulation_.set_second_observer(nullptr); }
+
   // Observes no more and completes the file. Returns whether it holds all that happened; the log has said why
   // not.
   bool close();
@@ -35,11 +42,15 @@ class Recorder : public cycle::Observer {
   void log(std::string_view level, std::string_view text);  // any thread
 
  private:
+  enum class Start { kNow, kLater };
+  Recorder(cycle::Simulation& simulation, const Origin& origin, const std::filesystem::path& file,
+           Start start);
   void put(std::uint16_t channel, std::int64_t publish_time_ns);  // hands bytes_ to the writer
   void take_state();                                              // encodes the whole state into bytes_
   void put_state();
 
   cycle::Simulation& simulation_;
+  const bool is_second_;  // begun by prepare()
   const std::unique_ptr<RecordingWriter> writer_;
   Channels channels_;
   std::uint64_t time_ns_ = 0;                    // the length of all ticks so far, over all eras

@@ -49,7 +49,7 @@ Eigen::Matrix3d read_inertia(const Node& node) {
 MassProperties read_mass(const Draft& draft, const Node& body, const std::vector<world::Shape>& shapes) {
   const auto mass = body.find("mass"), density = body.find("density"), inertia = body.find("inertia");
   if (mass && density) body.fail("has both 'mass' and 'density', one is enough");
-  if (!mass && !density) body.fail("needs 'mass', 'density' or 'fixed: true'");
+  if (!mass && !density) body.fail("needs 'mass', 'density', 'fixed: true' or 'kinematic: true'");
   if (inertia) {
     if (!mass) inertia->fail("needs 'mass' beside it");
     const auto com = body.find("com");
@@ -74,11 +74,17 @@ void read_motion(const Draft& draft, const Node& node, const std::vector<world::
   if (body.fixed)
     return refuse_keys(node, {"mass", "density", "inertia", "com", "velocity", "engine"},
                        "means nothing for a body with 'fixed: true'");
-  const MassProperties mass = read_mass(draft, node, shapes);
-  body.mass_kg = mass.mass_kg;
-  body.p_BC = mass.com;
-  body.inertia_C = mass.inertia_C;
-  if (const auto engine = node.find("engine")) body.engine = draft.engine(*engine);
+  if (body.kinematic) {
+    refuse_keys(node, {"mass", "density", "inertia", "com", "engine"},
+                "means nothing for a body with 'kinematic: true', which moves as it is told");
+    body.engine = world::kNoEngine;
+  } else {
+    const MassProperties mass = read_mass(draft, node, shapes);
+    body.mass_kg = mass.mass_kg;
+    body.p_BC = mass.com;
+    body.inertia_C = mass.inertia_C;
+    if (const auto engine = node.find("engine")) body.engine = draft.engine(*engine);
+  }
   const auto velocity = node.find("velocity");
   if (!velocity) return;
   velocity->allow_only({"linear", "angular"});
@@ -91,11 +97,13 @@ void read_motion(const Draft& draft, const Node& node, const std::vector<world::
 }  // namespace
 
 void read_body(Draft& draft, const Node& node) {
-  node.allow_only({"name", "fixed", "mass", "density", "inertia", "com", "pose", "velocity", "shapes",
-                   "engine", "surface", "color", "material"});
+  node.allow_only({"name", "fixed", "kinematic", "mass", "density", "inertia", "com", "pose", "velocity",
+                   "shapes", "engine", "surface", "color", "material"});
   world::Body body;
   body.name = read_name(node.get("name"));
   body.fixed = node.boolean_or("fixed", false);
+  body.kinematic = node.boolean_or("kinematic", false);
+  if (body.fixed && body.kinematic) node.get("kinematic").fail("the body is fixed: it cannot move as well");
   body.X_WB = read_world_pose(draft, node, "pose");
   std::vector<world::Shape> shapes = read_shapes(draft, node);
   read_motion(draft, node, shapes, body);

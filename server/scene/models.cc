@@ -55,6 +55,7 @@ class Placement {
     draft_.scene.models.push_back({name_, node_, X_WM_});
     draft_.scene.models.back().file = robot_.file.string();
     if (const auto engine = node_.find("engine")) engine_ = draft_.engine(*engine);
+    kinematic_ = node_.boolean_or("kinematic", false);
     ground_roots();
     check_link_keys();
     follow_joints(robot_);
@@ -149,11 +150,12 @@ class Placement {
     body.name = name_ + "/" + link.name;
     body.model = name_;
     body.fixed = link.on_ground;
-    body.engine = engine_;
+    body.kinematic = kinematic_ && !body.fixed;
+    body.engine = body.kinematic ? world::kNoEngine : engine_;
     body.X_WB = X_WM_ * link.X_ML;
     std::vector<world::Shape> shapes;
     for (const RobotShape& shape : link.shapes) shapes.push_back(shape_of(link, shape));
-    if (!body.fixed) set_mass(link, shapes, body);
+    if (!body.fixed && !body.kinematic) set_mass(link, shapes, body);
     if (!body.fixed && by_hulls_) hulls_ += take_hulls(draft_, shapes, link_place(link));
     const world::BodyId id = draft_.add_body(body, link_place(link));
     for (world::Shape& shape : shapes) {
@@ -387,6 +389,7 @@ class Placement {
   RobotModel robot_;
   world::Pose X_WM_;
   std::int32_t engine_ = 0;
+  bool kinematic_ = false;
   bool by_hulls_ = false;
   std::size_t hulls_ = 0;            // meshes that were replaced
   std::vector<std::string> placed_;  // names of joints
@@ -436,8 +439,9 @@ RobotModel load_robot_file(Draft& draft, const Node& file_node) {
 }
 
 void read_model(Draft& draft, const Node& node) {
-  node.allow_only({"name", "file", "pose", "fixed", "joints", "surface", "surfaces", "self_collision",
-                   "no_collision", "engine", "repair", "density", "model", "collision_meshes"});
+  node.allow_only({"name", "file", "pose", "fixed", "kinematic", "joints", "surface", "surfaces",
+                   "self_collision", "no_collision", "engine", "repair", "density", "model",
+                   "collision_meshes"});
   Placement(draft, node).place();
 }
 

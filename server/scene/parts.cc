@@ -88,6 +88,8 @@ void plan_part(Draft& draft, const Node& entry, std::map<JointId, std::string>& 
   PartPlan plan{kind, {name, entry, {}, static_cast<double>(world.tick_ns) * 1e-9}, joints};
   for (const JointId id : plan.joints) {
     const world::Joint& joint = world.joints[id.index()];
+    if (world.bodies[joint.child.index()].kinematic)
+      entry.fail("joint '" + joint.name + "' is of a kinematic model: no part drives it");
     const auto [driver, is_free] = drivers.emplace(id, name);
     if (!is_free) entry.fail("joint '" + joint.name + "' is driven by part '" + driver->second + "' already");
     plan.context.joints.push_back(describe(draft, joint, prefix));

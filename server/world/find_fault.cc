@@ -58,6 +58,14 @@ std::string moving_body_fault(const WorldModel& model, const Body& body) {
   return inertia_fault(body.inertia_C);
 }
 
+std::string kinematic_body_fault(const Body& body) {
+  if (body.engine != kNoEngine) return "is kinematic and is to be moved by an engine";
+  if (!is_placed(body.p_BC)) return "has a centre of mass that is not finite or beyond 1e6 m";
+  if (!is_placed(body.v_WB)) return "has a velocity that is not finite or beyond 1e6 m/s";
+  if (!is_placed(body.w_WB)) return "has an angular velocity that is not finite or beyond 1e6 rad/s";
+  return "";
+}
+
 std::string fixed_body_fault(const Body& body) {
   if (!is_placed(body.p_BC)) return "has a centre of mass that is not finite or beyond 1e6 m";
   if (!body.v_WB.isZero(0.0) || !body.w_WB.isZero(0.0)) return "is fixed and has a velocity";
@@ -67,7 +75,8 @@ std::string fixed_body_fault(const Body& body) {
 std::string body_fault(const WorldModel& model, const Body& body) {
   if (body.name.empty()) return "has no name";
   if (const std::string fault = pose_fault(body.X_WB); !fault.empty()) return fault;
-  return body.fixed ? fixed_body_fault(body) : moving_body_fault(model, body);
+  if (body.fixed) return body.kinematic ? "is both fixed and kinematic" : fixed_body_fault(body);
+  return body.kinematic ? kinematic_body_fault(body) : moving_body_fault(model, body);
 }
 
 std::string find_body_fault(const WorldModel& model) {

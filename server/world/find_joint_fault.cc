@@ -21,6 +21,10 @@ std::string ends_fault(const WorldModel& model, const Joint& joint) {
   if (joint.parent == joint.child) return "connects a body with itself";
   if (is_ground(model, joint.child)) return "has a child that is fixed";
   if (is_ground(model, joint.parent)) return "";
+  if (const Body& parent = model.bodies[joint.parent.index()], &child = model.bodies[joint.child.index()];
+      parent.kinematic != child.kinematic)
+    return "connects " + quoted((parent.kinematic ? parent : child).name) +
+           ", which is kinematic, with a body that is not";
   const bool same = model.bodies[joint.parent.index()].engine == model.bodies[joint.child.index()].engine;
   return same ? "" : "connects bodies of two engines";
 }

@@ -1,24 +1,9 @@
 #include "server/world/joint_kinds.h"
 #include "server/world/joint_tree.h"
-#include "server/world/turn.h"
 #include "server/world/world_state.h"
 
 namespace visum::world {
 namespace {
-
-Pose joint_motion(const Joint& joint) {
-  switch (joint.kind) {
-    case JointKind::kHinge:
-      return {Eigen::Vector3d::Zero(), turn_about(joint.axis_J, joint.initial_position)};
-    case JointKind::kSlider:
-      return {joint.initial_position * joint.axis_J, Eigen::Quaterniond::Identity()};
-    case JointKind::kScrew:
-      return {screw_lift(joint, joint.initial_position) * joint.axis_J,
-              turn_about(joint.axis_J, joint.initial_position)};
-    default:
-      return {};
-  }
-}
 
 bool moves_its_child(const Joint& joint) {
   return is_drivable(joint.kind) && joint.initial_position != 0.0;
@@ -40,7 +25,7 @@ std::vector<Pose> displaced_links(const WorldModel& model) {
     const Pose X_WJ_old =
         (joint.parent.valid() ? model.bodies[joint.parent.index()].X_WB : Pose{}) * joint.X_PJ;
     const Pose X_WJ_new = (joint.parent.valid() ? links[joint.parent.index()] : Pose{}) * joint.X_PJ;
-    links[child] = X_WJ_new * joint_motion(joint) * (X_WJ_old.inverse() * links[child]);
+    links[child] = X_WJ_new * joint_motion(joint, joint.initial_position) * (X_WJ_old.inverse() * links[child]);
     displaced[child] = true;
   }
   return links;

@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include "server/world/turn.h"
+
 namespace visum::world {
 namespace {
 
@@ -36,6 +38,19 @@ std::span<const JointKindInfo> joint_kinds() {
 
 const JointKindInfo& info(JointKind kind) {
   return kKinds[static_cast<std::size_t>(kind)];
+}
+
+Pose joint_motion(const Joint& joint, double position) {
+  switch (joint.kind) {
+    case JointKind::kHinge:
+      return {Eigen::Vector3d::Zero(), turn_about(joint.axis_J, position)};
+    case JointKind::kSlider:
+      return {position * joint.axis_J, Eigen::Quaterniond::Identity()};
+    case JointKind::kScrew:
+      return {screw_lift(joint, position) * joint.axis_J, turn_about(joint.axis_J, position)};
+    default:
+      return {};
+  }
 }
 
 double screw_lift(const Joint& joint, double angle) {

@@ -42,6 +42,10 @@ inline bool is_drivable(JointKind kind) {
   return info(kind).drivable;
 }
 
+// How the child's J moves against the parent's where a drivable joint stands at this position; none for other
+// kinds.
+Pose joint_motion(const Joint& joint, double position);
+
 // How far a screw has moved along its axis at this angle (rad), m.
 double screw_lift(const Joint& joint, double angle);
 

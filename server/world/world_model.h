@@ -61,14 +61,19 @@ struct Shape {
   std::int32_t material = -1;  // for viewers: index into the scene's materials; -1: the colour alone
 };
 
+inline constexpr std::int32_t kNoEngine = -1;
+
 struct Body {
   std::string name;    // "box", "arm/link_3"
   std::string model;   // "arm"; empty: belongs to no model
   bool fixed = false;  // scenery: never moves, and needs no mass and inertia
+  // Moves as it is told (server/world/placing.h): pushes others and is not pushed, and needs no mass. Its
+  // `engine` is kNoEngine, so that every engine takes it for a body that moves by itself.
+  bool kinematic = false;
   double mass_kg = 0.0;
   Eigen::Vector3d p_BC = Eigen::Vector3d::Zero();
   Eigen::Matrix3d inertia_C = Eigen::Matrix3d::Zero();  // kg·m², about C, axes of B
-  std::int32_t engine = 0;                              // index into WorldModel::engines
+  std::int32_t engine = 0;                              // index into WorldModel::engines; kNoEngine
   Pose X_WB;                                            // initial
   Eigen::Vector3d v_WB = Eigen::Vector3d::Zero();       // initial velocity of B's origin, in W
   Eigen::Vector3d w_WB = Eigen::Vector3d::Zero();       // initial angular velocity, in W

@@ -67,7 +67,16 @@ std::vector<Row> table() {
           {Shutdown{}, kNot, kNot, kYes},
           {InjectFault{}, kNot, kNot, kYes},
           {ClearFault{}, kNot, kNot, kYes},
-          {ListFaults{arm}, kYes, kYes, kYes}};
+          {ListFaults{arm}, kYes, kYes, kYes},
+          {SetBody{}, kNot, kNot, kYes},
+          {SetJoints{arm, {{"joint_1", 0.1}}}, kNot, kNot, kIfFree},
+          {PullBody{}, kNot, kNot, kYes},
+          {ReleaseBody{}, kNot, kNot, kYes},
+          {SubscribeEvents{}, kYes, kYes, kYes},
+          {UnsubscribeEvents{}, kYes, kYes, kYes},
+          {Announce{"hello"}, kNot, kYes, kYes},
+          {StartRecording{"run"}, kNot, kNot, kYes},
+          {StopRecording{}, kNot, kNot, kYes}};
 }
 
 enum class LeaseIs { kFree, kOwn, kAnothers };

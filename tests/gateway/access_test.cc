@@ -27,7 +27,8 @@ TEST(Access, EveryRequestNeedsTheRoleOfTheTable) {
     EXPECT_EQ(role_needed(request), Role::kController) << request.index();
   for (const Request& request : std::initializer_list<Request>{
            Pause{}, Resume{}, Step{}, SetSpeed{}, Reset{}, TakeSnapshot{}, RestoreSnapshot{}, PushBody{},
-           AddBody{}, RemoveBody{}, Shutdown{}, InjectFault{}, ClearFault{}})
+           SetBody{}, SetJoints{}, PullBody{}, ReleaseBody{}, AddBody{}, RemoveBody{}, Shutdown{},
+           InjectFault{}, ClearFault{}})
     EXPECT_EQ(role_needed(request), Role::kAdmin) << request.index();
 }
 

@@ -75,7 +75,31 @@ TEST(Records, InputsComeBackAsTheyWere) {
   EXPECT_EQ(push.torque_nm, (std::array<double, 3>{4, 5, 6}));
   EXPECT_EQ(push.until_tick, 99);
 
-  through(Reset{}, message);
+  const auto placed = std::get<SetBody>(
+      through(SetBody{2, true, {1, 2, 3, 1, 0, 0, 0}, {4, 5, 6}, {7, 8, 9}}, message).input);
+  EXPECT_EQ(placed.body, 2);
+  EXPECT_TRUE(placed.moves);
+  EXPECT_EQ(placed.pose, (std::array<double, 7>{1, 2, 3, 1, 0, 0, 0}));
+  EXPECT_EQ(placed.turn_rate, (std::array<double, 3>{7, 8, 9}));
+  EXPECT_FALSE(std::get<SetBody>(through(SetBody{2}, message).input).moves);
+  const std::vector<std::int32_t> numbers{3, 1};
+  const std::vector<double> positions{0.5, 1.5}, velocities{0.0, -2.0};
+  const auto joints = std::get<SetJoints>(through(SetJoints{numbers, positions, velocities}, message).input);
+  EXPECT_EQ((std::vector<std::int32_t>{joints.joints.begin(), joints.joints.end()}), numbers);
+  EXPECT_EQ((std::vector<double>{joints.velocities.begin(), joints.velocities.end()}), velocities);
+  const auto pull = std::get<PullBody>(through(PullBody{4, {1, 0, 0}, {0, 2, 0}, 3.5, 17}, message).input);
+  EXPECT_EQ(pull.target, (std::array<double, 3>{0, 2, 0}));
+  EXPECT_EQ(pull.max_force_n, 3.5);
+  EXPECT_EQ(pull.until_tick, 17);
+  EXPECT_EQ(std::get<ReleaseBody>(through(ReleaseBody{4}, message).input).body, 4);
+  const auto scope = std::get<Reset>(through(Reset{protocol::ResetScope::kSpawned}, message).input).scope;
+  EXPECT_EQ(scope, protocol::ResetScope::kSpawned);
+  State kept;
+  kept.tick = 12;
+  kept.edits = {{true, "{name: x}"}, {false, "y"}};
+  const auto* restored = std::get<RestoreState>(through(RestoreState{&kept}, message).input).state;
+  EXPECT_EQ(restored->tick, 12);
+  EXPECT_EQ(restored->edits, kept.edits);
   EXPECT_EQ(std::get<TakeSnapshot>(through(TakeSnapshot{8}, message).input).number, 8u);
   EXPECT_EQ(std::get<RestoreSnapshot>(through(RestoreSnapshot{9}, message).input).number, 9u);
   EXPECT_EQ(std::get<AddBody>(through(AddBody{"{name: x}"}, message).input).yaml, "{name: x}");

@@ -225,6 +225,7 @@ void PrintTo(const BadInput& input, std::ostream* out) {
 }
 class ReplayOfABadInput : public testing::TestWithParam<BadInput> {};
 const double kNaN[] = {std::numeric_limits<double>::quiet_NaN()};
+const std::int32_t kNinetyNine[] = {99}, kFirst[] = {0};
 const double kHuge[] = {1e300};
 const double kOnes[] = {1.0};
 
@@ -252,6 +253,13 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"NoSuchPart", LoseController{"nobody"}, "no part 'nobody'"},
         BadInput{"NoBody", PushBody{99, {}, {}, 5}, "no body number 99"},
         BadInput{"NegativeBody", PushBody{-1, {}, {}, 5}, "no body number -1"},
+        BadInput{"SetNoBody", SetBody{99}, "no body number 99"},
+        BadInput{"SetToNoQuaternion", SetBody{1, true, {0, 0, 0, 0, 0, 0, 0}}, "not of unit length"},
+        BadInput{"SetNoJoint", SetJoints{kNinetyNine, kNaN, kNaN}, "no joint number 99"},
+        BadInput{"SetJointToNaN", SetJoints{kFirst, kNaN, kNaN}, "not finite"},
+        BadInput{"PullNoBody", PullBody{-1, {}, {}, 1.0}, "no body number -1"},
+        BadInput{"PullWithoutForce", PullBody{0, {}, {}, 0.0}, "must be finite"},
+        BadInput{"ReleaseNothing", ReleaseBody{0}, "nobody pulls"},
         BadInput{"PushOfNaN", PushBody{0, {kNaN[0], 0, 0}, {}, 5}, "must be finite"},
         BadInput{"NoSnapshot", RestoreSnapshot{7}, "no snapshot 7"},
         BadInput{"OtherSnapshot", TakeSnapshot{7}, "is number 1"},

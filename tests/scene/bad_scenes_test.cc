@@ -88,7 +88,7 @@ TEST(BadScene, BodiesAreChecked) {
   const std::string sphere = "shapes: [{sphere: 1}]}]";
   expect_all({
       {"bodies:\n- name: a\n- {name: b, mass: -1, " + sphere.substr(0, sphere.size() - 1),
-       "3: bodies[0]: needs 'mass', 'density' or 'fixed: true'"},
+       "3: bodies[0]: needs 'mass', 'density', 'fixed: true' or 'kinematic: true'"},
       {"bodies: [{name: a, mass: -1, " + sphere, "2: bodies[0].mass: must be greater than 0, is -1"},
       {"bodies: [{name: a, masss: 1, " + sphere, "2: bodies[0]: unknown key 'masss'; did you mean 'mass'?"},
       {"bodies: [{name: a, mass: 0, " + sphere, "2: bodies[0].mass: must be greater than 0, is 0"},

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple
@@ -17,6 +17,8 @@ from visum.token_file import read_token_file
 from visum.world import World, WorldView
 
 _ROLES = {"observer": pb.ROLE_OBSERVER, "controller": pb.ROLE_CONTROLLER, "admin": pb.ROLE_ADMIN}
+_SCOPES = {"world": pb.RESET_SCOPE_WORLD, "time": pb.RESET_SCOPE_TIME, "state": pb.RESET_SCOPE_STATE,
+           "spawned": pb.RESET_SCOPE_SPAWNED, "all": pb.RESET_SCOPE_ALL}
 _MAX_PENDING_WRITES = 32
 
 
@@ -202,6 +204,19 @@ class Client:
         """The chain of driven joints that carries a body of the world, for forward and inverse kinematics."""
         return chain_of(self.world().description, self.read_world().sample, body)
 
+    def subscribe_events(self, level: str = "info") -> list[pb.Event]:
+        """Returns what has happened before, and lets events() also bring the server's log, leases, faults, and what clients
+        announce, from now on. `level`: the least, of debug, info, warning and error."""
+        request = pb.SubscribeEvents(level=_level(level))
+        return list(self.connection.request(subscribe_events=request).events.events)
+
+    def unsubscribe_events(self) -> None:
+        self.connection.request(unsubscribe_events=pb.UnsubscribeEvents())
+
+    def announce(self, text: str, *, kind: str = "line", level: str = "info") -> None:
+        """Tells those who follow events something. `kind`: line, or check for the result of one. Needs the role controller."""
+        self.connection.request(announce=pb.Announce(text=text, kind=kind, level=_level(level)))
+
     def events(self) -> list[pb.Event]:
         """The events since the last call: lease_lost, lockstep_timeout, era, frozen, ..."""
         self.connection.poll()
@@ -225,15 +240,29 @@ class Client:
         """Sets how many simulated seconds pass in a second of wall time, under the realtime clock."""
         self.connection.request(set_speed=pb.SetSpeed(factor=factor))
 
-    def reset(self) -> None:
-        """Returns to the scene's initial state, in a new era."""
-        self.connection.request(reset=pb.Reset())
+    def reset(self, scope: str = "world") -> None:
+        """Returns to the scene's beginning. `scope`: world (time and state), time, state, spawned (what came since the scene was
+        loaded goes, what went is back) or all. All but spawned begin a new era."""
+        if scope not in _SCOPES:
+            hint = nearest_hint(scope, list(_SCOPES)) or f"; there are: {', '.join(_SCOPES)}"
+            raise Error(ErrorCode.MISUSE, f"there is no scope '{scope}'{hint}")
+        self.connection.request(reset=pb.Reset(scope=_SCOPES[scope]))
 
-    def take_snapshot(self) -> int:
-        return self.connection.request(take_snapshot=pb.TakeSnapshot()).snapshot.snapshot
+    def take_snapshot(self, name: str = "") -> int:
+        """Returns the snapshot's number. With a name, which begins with a letter, it is also kept on the server's disk."""
+        return self.connection.request(take_snapshot=pb.TakeSnapshot(name=name)).snapshot.snapshot
 
-    def restore_snapshot(self, snapshot: int) -> None:
-        self.connection.request(restore_snapshot=pb.RestoreSnapshot(snapshot=snapshot))
+    def restore_snapshot(self, snapshot: int | str) -> None:
+        """Goes back to a snapshot, by its number, or by its name on the server's disk."""
+        which = {"name": snapshot} if isinstance(snapshot, str) else {"snapshot": snapshot}
+        self.connection.request(restore_snapshot=pb.RestoreSnapshot(**which))
+
+    def start_recording(self, name: str) -> None:
+        """Records the running world from now on, into a file of the server. The name begins with a letter."""
+        self.connection.request(start_recording=pb.StartRecording(name=name))
+
+    def stop_recording(self) -> None:
+        self.connection.request(stop_recording=pb.StopRecording())
 
     def push_body(self, body: str, force_n: Sequence[float], duration_s: float, *, torque_nm: Sequence[float] = (),
                   point_m: Sequence[float] = ()) -> None:
@@ -241,6 +270,42 @@ class Client:
         the centre of mass."""
         self.connection.request(push_body=pb.PushBody(body=body, force_n=force_n, torque_nm=torque_nm,
                                                       point_m=point_m, duration_ns=round(duration_s * 1e9)))
+
+    def set_body(self, body: str, position_m: Sequence[float] | None = None, quaternion: Sequence[float] | None = None, *,
+                 velocity: Sequence[float] = (), turn_rate: Sequence[float] = (), keeps_moving: bool = False) -> None:
+        """Puts a free or kinematic body elsewhere: its link frame, in the world frame. Without a position it stays where it is;
+        without a quaternion (w, x, y, z) it keeps its direction. m/s and rad/s, world frame; default: at rest. A kinematic body
+        keeps the velocity until it is set again, or this session ends, unless `keeps_moving`."""
+        pose: list[float] = []
+        if position_m is not None or quaternion is not None:
+            now = self.read_world().body(body)
+            pose = [*(now.position if position_m is None else position_m),
+                    *(now.quaternion if quaternion is None else quaternion)]
+        motion = [*(velocity or (0.0, 0.0, 0.0)), *(turn_rate or (0.0, 0.0, 0.0))]
+        self.connection.request(set_body=pb.SetBody(body=body, pose=pose, velocity=motion, keeps_moving=keeps_moving))
+
+    def set_joints(self, model: str, positions: Mapping[str, float], velocities: Mapping[str, float] | None = None, *,
+                   keeps_moving: bool = False) -> None:
+        """Puts joints of a model elsewhere, rad or m, and those that follow them. Drives stand there until they get a new
+        command. Joints of a kinematic model keep their velocities until they are set again, or this session ends, unless
+        `keeps_moving`."""
+        rates = velocities or {}
+        if unknown := [name for name in rates if name not in positions]:
+            raise Error(ErrorCode.MISUSE, f"joint '{unknown[0]}' has a velocity and no position")
+        joints = [pb.JointTarget(name=name, position=position, velocity=rates.get(name, 0.0))
+                  for name, position in positions.items()]
+        self.connection.request(set_joints=pb.SetJoints(model=model, joints=joints, keeps_moving=keeps_moving))
+
+    def pull_body(self, body: str, target_m: Sequence[float], max_force_n: float, *, point_m: Sequence[float] = (),
+                  duration_s: float = 0.0) -> None:
+        """Pulls a point of a body (in its link frame; default: the centre of mass) to a target in the world frame, with a spring
+        and damper that the server computes. Another call for the same body moves the target. The pull ends after `duration_s` of
+        simulated time (0: never), with release_body(), or with this session."""
+        self.connection.request(pull_body=pb.PullBody(body=body, point_m=point_m, target_m=target_m, max_force_n=max_force_n,
+                                                      duration_ns=round(duration_s * 1e9)))
+
+    def release_body(self, body: str) -> None:
+        self.connection.request(release_body=pb.ReleaseBody(body=body))
 
     def add_body(self, yaml: str) -> None:
         """Adds a body, given as one entry of a scene's `bodies:`."""
@@ -251,3 +316,12 @@ class Client:
 
     def shutdown(self) -> None:
         self.connection.request(shutdown=pb.Shutdown())
+
+
+def _level(name: str) -> int:
+    levels = {"debug": pb.EVENT_LEVEL_DEBUG, "info": pb.EVENT_LEVEL_INFO, "warning": pb.EVENT_LEVEL_WARNING,
+              "error": pb.EVENT_LEVEL_ERROR}
+    if name not in levels:
+        hint = nearest_hint(name, list(levels)) or f"; there are: {', '.join(levels)}"
+        raise Error(ErrorCode.MISUSE, f"there is no level '{name}'{hint}")
+    return levels[name]

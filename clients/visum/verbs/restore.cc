@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <charconv>
+
+#include "clients/visum/common/exit_code.h"
 #include "clients/visum/verbs/verbs.h"
 
 namespace visum::cli {
@@ -6,19 +10,29 @@ namespace {
 class RestoreVerb : public Verb {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("SNAPSHOT", snapshot_, "its number, as `visum snapshot` printed it")->required();
+    app.add_option("SNAPSHOT", snapshot_,
+                   "its number, as `visum snapshot` printed it, or the name of one that is kept on disk")
+        ->required();
     add_link_options(app, link_, false);
-    app.footer("Example:\n  visum restore 1");
+    app.footer("Examples:\n  visum restore 1\n  visum restore gripped");
   }
 
   int run() override {
-    open_link(link_, protocol::Role::kAdmin).request(protocol::RestoreSnapshot{snapshot_});
+    protocol::RestoreSnapshot request;
+    if (std::ranges::all_of(snapshot_, [](char c) { return c >= '0' && c <= '9'; })) {
+      const auto [end, error] =
+          std::from_chars(snapshot_.data(), snapshot_.data() + snapshot_.size(), request.snapshot);
+      if (error != std::errc{}) throw ExitError(kUsage, "there is no snapshot " + snapshot_);
+    } else {
+      request.name = snapshot_;
+    }
+    open_link(link_, protocol::Role::kAdmin).request(request);
     return 0;
   }
 
  private:
   LinkOptions link_;
-  std::uint64_t snapshot_ = 0;
+  std::string snapshot_;
 };
 
 }  // namespace

@@ -10,15 +10,19 @@ namespace {
 class SnapshotVerb : public Verb {
  public:
   void declare(CLI::App& app) override {
+    app.add_option("--name", name_,
+                   "also keep it on the server's disk (visumd --files) under this name, which begins with a "
+                   "letter");
     add_link_options(app, link_);
     app.footer(
-        "Prints the snapshot's number. The server keeps the newest snapshots in memory.\n\nExample:\n  visum "
-        "restore $(visum snapshot)");
+        "Prints the snapshot's number. The server keeps the newest snapshots in memory; one with a name also "
+        "outlives the server.\n\nExamples:\n  visum restore $(visum snapshot)\n  visum snapshot --name "
+        "gripped");
   }
 
   int run() override {
     auto link = open_link(link_, protocol::Role::kAdmin);
-    const auto taken = link.request_as<protocol::SnapshotTaken>(protocol::TakeSnapshot{});
+    const auto taken = link.request_as<protocol::SnapshotTaken>(protocol::TakeSnapshot{name_});
     if (link_.json) {
       JsonWriter json;
       json.begin_object().member("snapshot", taken.snapshot).member("tick", taken.tick);
@@ -31,6 +35,7 @@ class SnapshotVerb : public Verb {
 
  private:
   LinkOptions link_;
+  std::string name_;
 };
 
 }  // namespace

@@ -141,10 +141,11 @@ void Bounded::aim_touch(RowBlock& block, const Touch& touch, double bounce) cons
   block.low = 0.0;
   const double layer = touch.yields ? kYieldingLayerM : kSurfaceLayerM;
   const double yield = touch.yields ? kYield / h_ : 0.0;
-  // Only a body of another engine makes the contact yield; that body's velocity is part of the target.
+  // Only a body of another engine makes the contact yield. Its velocity, or that of a kinematic body, is part
+  // of the target.
   Eigen::Map<Vector3d> target(block.target.data());
   target.setZero();
-  if (touch.yields) target -= touch.frame.transpose() * touch.foreign;
+  if (!touch.foreign.isZero(0.0)) target -= touch.frame.transpose() * touch.foreign;
   block.compliance = moment_ == kAhead ? 2.0 * yield : yield;
   switch (moment_) {
     case kHit:

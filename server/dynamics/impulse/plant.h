@@ -83,7 +83,7 @@ struct Touch {
   int a = -1, b = -1;       // numbers of the bodies; -1: this engine does not move it
   Vector3d ra, rb;          // contact point seen from the centres of mass (unused where the number is -1)
   Matrix3d frame;
-  Vector3d foreign;       // m/s, the part of A's velocity against B that bodies of other engines cause
+  Vector3d foreign;       // m/s, the part of A's velocity against B that bodies which others move cause
   Vector3d foreign_turn;  // rad/s, the same for the angular velocity
   bool hits = false;      // hard enough to bounce
   double bounce = 0.0;    // m/s, velocity along the normal after a hit (Newton's law)

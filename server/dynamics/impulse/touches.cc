@@ -125,7 +125,7 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
     touch.foreign = touch.foreign_turn = Vector3d::Zero();
     touch.ra = touch.rb = touch.bias = Vector3d::Zero();
     Vector3d turn_a = Vector3d::Zero(), turn_b = Vector3d::Zero();
-    // Each body adds to the free fall, or, moved by another engine, to the foreign velocity.
+    // Each body adds to the free fall, or, not moved by this engine, to the foreign velocity.
     if (touch.a >= 0) {
       const auto a = static_cast<std::size_t>(touch.a);
       touch.ra = contact.p_W - bodies.x[a];
@@ -133,7 +133,7 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
       turn_a = bodies.w[a];
     } else if (!plant.model.bodies[contact.body_a.index()].fixed) {
       const Foreign motion = foreign_motion(state, contact.body_a, contact.p_W);
-      touch.yields = true;
+      touch.yields = !plant.model.bodies[contact.body_a.index()].kinematic;
       touch.foreign += motion.velocity;
       touch.foreign_turn += motion.turn;
       turn_a = motion.turn;
@@ -145,7 +145,7 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
       turn_b = bodies.w[b];
     } else if (!plant.model.bodies[contact.body_b.index()].fixed) {
       const Foreign motion = foreign_motion(state, contact.body_b, contact.p_W);
-      touch.yields = true;
+      touch.yields = !plant.model.bodies[contact.body_b.index()].kinematic;
       touch.foreign -= motion.velocity;
       touch.foreign_turn -= motion.turn;
       turn_b = motion.turn;

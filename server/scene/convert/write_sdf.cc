@@ -191,7 +191,8 @@ class SdfWriter {
     const world::Body& body = world_.bodies[id.index()];
     open("link", "name", link_name(body).c_str());
     element("pose", pose_text(body.X_WB));
-    if (!body.fixed) inertial(body);
+    if (body.kinematic) element("kinematic", std::string("true"));
+    if (!body.fixed && !body.kinematic) inertial(body);
     std::size_t number = 0;
     for (const auto& shape : world_.shapes)
       if (shape.body == id) add_shape(shape, number++);

@@ -155,6 +155,7 @@ class YamlWriter {
     YamlMap map;
     map.add_text("name", body.name);
     if (body.fixed) map.add("fixed", "true");
+    if (body.kinematic) map.add("kinematic", "true");
     map.add_pose(body.X_WB);
     if (!body.fixed) motion(body, map);
     std::string shapes;
@@ -167,14 +168,15 @@ class YamlWriter {
   void motion(const world::Body& body, YamlMap& map) const {
     const auto& i = body.inertia_C;
     const double inertia[] = {i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2), i(1, 2)};
-    map.add_number("mass", body.mass_kg)
-        .add("inertia", yaml_list(inertia, 6))
-        .add("com", yaml_list(body.p_BC));
+    if (!body.kinematic)
+      map.add_number("mass", body.mass_kg)
+          .add("inertia", yaml_list(inertia, 6))
+          .add("com", yaml_list(body.p_BC));
     YamlMap velocity;
     if (body.v_WB != Eigen::Vector3d::Zero()) velocity.add("linear", yaml_list(body.v_WB));
     if (body.w_WB != Eigen::Vector3d::Zero()) velocity.add("angular", yaml_list(body.w_WB));
     if (!velocity.empty()) map.add("velocity", velocity.text());
-    if (body.engine != 0) map.add_text("engine", scene_.engine_names[static_cast<std::size_t>(body.engine)]);
+    if (body.engine > 0) map.add_text("engine", scene_.engine_names[static_cast<std::size_t>(body.engine)]);
   }
 
   std::string shape_text(const world::Shape& shape) {

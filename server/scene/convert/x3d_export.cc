@@ -185,6 +185,7 @@ class Exporter {
     X3dNode& place = root.add("children", node_of("Transform", {{"translation", text_of(body.X_WB.p)},
                                                                 {"rotation", x3d_rotation(body.X_WB.q)}}));
     place.def = def_name("place", number, body.name);
+    if (body.kinematic) output_.lose("X3D has no kinematic bodies: '" + body.name + "' stands still");
     X3dNode rigid = rigid_body(body);
     rigid.def = def_name("body", number, body.name);
     bodies_.push_back(use_of(rigid));
@@ -217,10 +218,10 @@ class Exporter {
   X3dNode rigid_body(const world::Body& body) const {
     X3dNode node = node_of("RigidBody", {{"position", text_of(body.X_WB.p)},
                                          {"orientation", x3d_rotation(body.X_WB.q)},
-                                         {"fixed", body.fixed ? "true" : "false"}});
+                                         {"fixed", body.fixed || body.kinematic ? "true" : "false"}});
     YamlMap map;
     map.add_text("name", flat_name(body.name)).add_pose(body.X_WB);
-    if (!body.fixed) {
+    if (!body.fixed && !body.kinematic) {
       const Eigen::Matrix3d rows = body.inertia_C.transpose();  // row by row
       node.values["mass"] = exact(body.mass_kg);
       node.values["inertia"] = exact(rows.data(), 9);

@@ -148,7 +148,11 @@ void Client::misbehave(std::int64_t now_ms) {
 }
 
 Request Client::any_request() {
-  switch (dice_.below(20)) {
+  switch (dice_.below(22)) {
+    case 20:
+      return about_events();
+    case 21:  // it stands whatever they say: nothing may move a part that is to stand
+      return dice_.one_in(2) ? Request(SetBody{"floor"}) : Request(PullBody{"floor", {}, {0, 0, 1}, 1.0});
     case 0:
       return ListParts{};
     case 1:
@@ -204,6 +208,17 @@ Request Client::a_write() {
   return write;
 }
 
+Request Client::about_events() {
+  switch (dice_.below(4)) {
+    case 0:
+      return SubscribeEvents{};
+    case 1:
+      return UnsubscribeEvents{};
+    default:
+      return Announce{"so it is", dice_.one_in(2) ? "check" : ""};
+  }
+}
+
 Request Client::about_time() {
   switch (dice_.below(12)) {
     case 0:
@@ -214,7 +229,7 @@ Request Client::about_time() {
     case 3:
       return Step{dice_.within(0, 20)};
     case 4:
-      return dice_.one_in(6) ? Request(Reset{}) : Request(Status{});
+      return dice_.one_in(6) ? Request(Reset{static_cast<ResetScope>(dice_.below(3))}) : Request(Status{});
     case 5:
       return TakeSnapshot{};
     case 6:

@@ -36,6 +36,7 @@ class Client {
   void misbehave(std::int64_t now_ms);
   protocol::Request any_request();
   protocol::Request about_part();
+  protocol::Request about_events();
   protocol::Request about_time();
   protocol::Request a_write();
   void ask(const protocol::Request& request);
