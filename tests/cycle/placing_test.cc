@@ -14,7 +14,8 @@ using Eigen::Vector3d;
 using protocol::ResetScope;
 using ::testing::HasSubstr;
 
-constexpr const char* kBall = "{name: ball, mass: 0.5, pose: {xyz: [1, 0, 2]}, shapes: [{sphere: 0.1}]}";
+constexpr const char* kFallingBall =
+    "{name: ball, mass: 0.5, pose: {xyz: [1, 0, 2]}, shapes: [{sphere: 0.1}]}";
 
 scene::Scene model_scene(const std::string& name) {
   return scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes" / name);
@@ -29,7 +30,7 @@ world::JointPlacement placement(const Simulation& world, const std::string& join
 }
 
 TEST(PlacedBodies, GoWhereTheyArePutAndFallFromThere) {
-  Simulation world(scene_of(std::string("bodies: [") + kBall + "]\n"));
+  Simulation world(scene_of(std::string("bodies: [") + kFallingBall + "]\n"));
   run(world, 100);
   const auto ball = world.model().find_body("ball");
   ASSERT_EQ(world.set_body(ball, world::Pose{{0, 0, 5}}, {1, 0, 0}, Vector3d::Zero()).text(), "");
@@ -39,7 +40,7 @@ TEST(PlacedBodies, GoWhereTheyArePutAndFallFromThere) {
 }
 
 TEST(PlacedBodies, BeyondAllBoundsAreRefusedAndNothingChanges) {
-  Simulation world(scene_of(std::string("bodies: [") + kBall +
+  Simulation world(scene_of(std::string("bodies: [") + kFallingBall +
                             ", {name: floor, fixed: true, shapes: [{plane: "
                             "true}]}]\n"));
   const auto before = world.state_hash();
@@ -83,7 +84,7 @@ class Pulled : public ::testing::TestWithParam<const char*> {};
 
 // x(t) = x0 (1 + w t) exp(-w t) with w = 20 rad/s.
 TEST_P(Pulled, AFreeBodyComesToTheTargetAsACriticallyDampedOscillator) {
-  Simulation world(scene_of(std::string("gravity: [0, 0, 0]\nbodies: [") + kBall + "]\n", GetParam()));
+  Simulation world(scene_of(std::string("gravity: [0, 0, 0]\nbodies: [") + kFallingBall + "]\n", GetParam()));
   ASSERT_EQ(world.pull({world.model().find_body("ball"), Vector3d::Zero(), {0, 0, 2}, 1e6}).text(), "");
   for (int i = 1; i <= 500; ++i) {
     world.tick();
@@ -95,7 +96,7 @@ TEST_P(Pulled, AFreeBodyComesToTheTargetAsACriticallyDampedOscillator) {
 }
 
 TEST_P(Pulled, WithNoMoreThanTheGreatestForce) {
-  Simulation world(scene_of(std::string("gravity: [0, 0, 0]\nbodies: [") + kBall + "]\n", GetParam()));
+  Simulation world(scene_of(std::string("gravity: [0, 0, 0]\nbodies: [") + kFallingBall + "]\n", GetParam()));
   ASSERT_TRUE(world.pull({world.model().find_body("ball"), Vector3d::Zero(), {1000, 0, 2}, 2.0}).done());
   run(world, 100);
   EXPECT_NEAR(state_of(world, "ball").v_WC.x(), 2.0 / 0.5 * 0.1, 1e-6);
@@ -135,7 +136,7 @@ INSTANTIATE_TEST_SUITE_P(Engines, Pulled, ::testing::Values("impulse", "ode"),
                          [](const auto& info) { return std::string(info.param); });
 
 TEST(Pulls, EndWithTheirTimeTheirOwnerAndARestore) {
-  Simulation world(scene_of(std::string("gravity: [0, 0, 0]\nbodies: [") + kBall + "]\n"));
+  Simulation world(scene_of(std::string("gravity: [0, 0, 0]\nbodies: [") + kFallingBall + "]\n"));
   const auto ball = world.model().find_body("ball");
   const Pull pull{ball, Vector3d::Zero(), {0, 0, 2}, 1.0, 0, 7};
   const auto without = world.state_hash();
@@ -160,7 +161,7 @@ class ResetOf : public ::testing::Test {
  protected:
   ResetOf() {
     run(world, 300);
-    EXPECT_TRUE(world.add_body(kBall).done());
+    EXPECT_TRUE(world.add_body(kFallingBall).done());
     world.write_inputs(0, 0, std::vector{0.7});
     run(world, 200);
     EXPECT_EQ(world.tick_count(), 500);
@@ -172,7 +173,7 @@ class ResetOf : public ::testing::Test {
 TEST_F(ResetOf, TimeAloneLeavesEverythingElse) {
   Simulation other(model_scene("two_link.yaml"));
   run(other, 300);
-  ASSERT_TRUE(other.add_body(kBall).done());
+  ASSERT_TRUE(other.add_body(kFallingBall).done());
   other.write_inputs(0, 0, std::vector{0.7});
   run(other, 200);
   ASSERT_TRUE(world.push({{world.model().find_body("ball"), {1, 0, 0}, {0, 0, 0}}, 600}).done());
