@@ -1,4 +1,4 @@
-// What a reset takes back to the beginning.
+// The scopes of a reset: how much goes back to the beginning.
 #pragma once
 
 namespace visum::protocol {

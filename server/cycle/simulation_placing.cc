@@ -32,7 +32,7 @@ Outcome Simulation::accept_state(world::WorldState&& changed) {
     jumped = jumped || (!same && (!model().bodies[i].kinematic || has_jumped(from, to)));
   }
   state_ = std::move(changed);
-  // What an engine keeps tells of forces and sleep where the bodies were.
+  // Engines keep forces and sleep of where the bodies were.
   if (jumped)
     for (auto& kept : state_.engines) kept.clear();
   return {};

@@ -72,7 +72,7 @@ class BodyChanges {
   // Hands the first of the commands to the thread. True: it is ready at once, refused, as where there is no
   // memory or no thread for it.
   bool start();
-  // What start() does on the tick's thread for the first command. Throws where it cannot be done.
+  // The part of start() on the tick's thread, for the first command. Throws where it cannot be done.
   void begin_job(const protocol::Request& request);
   void start_thread();
   // The thread's part of a job.

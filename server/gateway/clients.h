@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -53,16 +54,21 @@ class Clients {
   // Tells those who subscribed to events, as far as their number is not too large. A client that does not
   // read as fast misses some.
   void tell(protocol::Event event) {
-    if (!feed_.has_room(EventFeed::Clock::now())) return;
+    if (!feed_.has_room(clock_())) return;
     send_to_subscribers(event);
   }
   // Tells of events that were left out, once there is room again.
   void tell_of_lost_events(std::int64_t tick) {
-    if (const auto lost = feed_.take_lost(EventFeed::Clock::now()); lost != 0)
+    if (const auto lost = feed_.take_lost(clock_()); lost != 0)
       send_to_subscribers(
           {"events_lost", std::to_string(lost) + " events were left out", {}, known_era_, tick});
   }
   EventFeed& feed() { return feed_; }
+  // Measures the pace of events by this instead of the steady clock. Before the first session.
+  void use_clock(std::function<EventFeed::Clock::time_point()> clock) {
+    clock_ = std::move(clock);
+    feed_.start(clock_());
+  }
 
   // The era that the clients know of. It is older than that of the newest copy of the world until serve() has
   // told them.
@@ -91,6 +97,7 @@ class Clients {
   }
 
   EventFeed feed_;
+  std::function<EventFeed::Clock::time_point()> clock_ = &EventFeed::Clock::now;
   std::map<std::uint64_t, Client> clients_;  // by session
   std::uint64_t known_era_ = 1;
   std::uint64_t refused_ = 0;

@@ -18,6 +18,8 @@ class EventFeed {
   static constexpr std::size_t kMostBytes = 1000;  // of a text; the rest is cut off
   static constexpr double kMostPerSecond = 100.0;  // that are for subscribers only; with bursts of as many
 
+  // Counts its time from here on.
+  void start(Clock::time_point now) { bucket_ = {kMostPerSecond, now}; }
   // True: there is room for one more event now. False: it is counted as lost.
   bool has_room(Clock::time_point now);
   // How many were lost since the last call; 0 while more are lost.

@@ -76,6 +76,7 @@ class Gateway : public protocol::SessionHandler {
   // The earliest tick at which serve() has something to send; int64's maximum: there is none. Any thread.
   std::int64_t next_due() const { return next_due_.load(std::memory_order_relaxed); }
   // For the daemon's loop, which asks it before each tick.
+  Clients& clients() { return clients_; }
   Lockstep& lockstep() { return lockstep_; }
   const Lockstep& lockstep() const { return lockstep_; }
   // Lockstep, while the world waits at `tick`: drops a member that has been waited for too long.

@@ -1,5 +1,5 @@
-// Which session moves which kinematic bodies and models, so that they stand still once it is gone. Its pulls
-// end then, too.
+// Keeps which session moves which kinematic bodies and models, so that they stand still once it is gone. Its
+// pulls end then, too.
 #pragma once
 
 #include <cstdint>

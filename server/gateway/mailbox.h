@@ -35,7 +35,7 @@ struct Input {
   };
   Kind kind = Kind::kWrite;
   std::uint32_t part = 0;
-  // Of the part's lease; pushes, faults: see order_of(); kSessionEnded: the session.
+  // The part's lease; pushes, faults: see order_of(); kSessionEnded: the session.
   std::uint64_t epoch = 0;
   std::uint32_t first_port = 0;                     // kWrite
   std::vector<double> values;                       // kWrite; its capacity is kept

@@ -13,7 +13,7 @@
 namespace visum::recording {
 namespace {
 
-// What differs between the world of a snapshot and this one; empty: nothing that matters.
+// Tells what differs between the world of a snapshot and this one; empty: nothing that matters.
 std::string what_differs(const Header& kept, const scene::Scene& scene, const Origin& origin) {
   if (const auto build = difference(kept.build, this_build(scene)); !build.empty())
     return "another build of visumd (" + build + ")";

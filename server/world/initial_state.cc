@@ -25,7 +25,8 @@ std::vector<Pose> displaced_links(const WorldModel& model) {
     const Pose X_WJ_old =
         (joint.parent.valid() ? model.bodies[joint.parent.index()].X_WB : Pose{}) * joint.X_PJ;
     const Pose X_WJ_new = (joint.parent.valid() ? links[joint.parent.index()] : Pose{}) * joint.X_PJ;
-    links[child] = X_WJ_new * joint_motion(joint, joint.initial_position) * (X_WJ_old.inverse() * links[child]);
+    links[child] =
+        X_WJ_new * joint_motion(joint, joint.initial_position) * (X_WJ_old.inverse() * links[child]);
     displaced[child] = true;
   }
   return links;

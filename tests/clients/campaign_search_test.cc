@@ -181,13 +181,15 @@ TEST(Evolution, FindsARareDefectWhenTheMarginLeadsThere) {
 }
 
 config::Node whole(const std::string& more) {
-  return config::load_text("visum_scenario: 1\nname: n\nscene: models/scenes/cart.yaml\nuntil: {at_s: 1}\n" + more, "folder/s.yaml",
-                           VISUM_SOURCE_DIR);
+  return config::load_text(
+      "visum_scenario: 1\nname: n\nscene: models/scenes/cart.yaml\nuntil: {at_s: 1}\n" + more,
+      "folder/s.yaml", VISUM_SOURCE_DIR);
 }
 
 const std::string kChecks =
     "sweep: {a: {uniform: [0, 1]}, b: [x, y, z]}\nsampling: {method: sobol, runs: 8}\n"
-    "checks:\n  - {name: one, that: {time: {}, above: 0}}\n  - {name: two, that: {time: {}, above: \"${a}\"}}\n";
+    "checks:\n  - {name: one, that: {time: {}, above: 0}}\n  - {name: two, that: {time: {}, above: "
+    "\"${a}\"}}\n";
 
 std::string fault_of(const std::string& more) {
   try {
@@ -211,7 +213,8 @@ TEST(SearchSpec, SaysWhatIsWrong) {
   EXPECT_THAT(fault_of(kChecks + "search: {runs: 50}\n"), HasSubstr("needs 'check'"));
   EXPECT_THAT(fault_of(kChecks + "search: {check: tow, runs: 50}\n"), HasSubstr("did you mean 'two'"));
   EXPECT_THAT(fault_of(kChecks + "search: {check: two}\n"), HasSubstr("runs"));
-  EXPECT_THAT(fault_of("checks: [{that: {time: {}, above: 0}}]\nsearch: {runs: 5}\n"), HasSubstr("needs a 'sweep'"));
+  EXPECT_THAT(fault_of("checks: [{that: {time: {}, above: 0}}]\nsearch: {runs: 5}\n"),
+              HasSubstr("needs a 'sweep'"));
   EXPECT_THAT(fault_of("sweep: {a: [1]}\nsearch: {runs: 5}\n"), HasSubstr("needs 'checks'"));
 }
 

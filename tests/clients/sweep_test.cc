@@ -20,7 +20,8 @@ config::Node scenario(const std::string& more) {
 std::vector<std::string> texts(const std::string& more, std::size_t axis = 0) {
   const Sweep sweep(scenario(more));
   std::vector<std::string> texts;
-  for (std::size_t run = 1; run <= sweep.runs(); ++run) texts.push_back(sweep.point(run).described.at(axis).second);
+  for (std::size_t run = 1; run <= sweep.runs(); ++run)
+    texts.push_back(sweep.point(run).described.at(axis).second);
   return texts;
 }
 
@@ -72,7 +73,8 @@ TEST(Sweep, AValueMayBeAWholeEntry) {
       "sweep: {fault: [{say: none}, {fault: {part: arm, kind: torque_lost, numbers: {joint: 2}}}]}\n"
       "timeline: [{at_s: 0, say: first}]\n";
   const Sweep sweep(scenario(text));
-  EXPECT_EQ(sweep.point(2).described.at(0).second, "{fault: {part: arm, kind: torque_lost, numbers: {joint: 2}}}");
+  EXPECT_EQ(sweep.point(2).described.at(0).second,
+            "{fault: {part: arm, kind: torque_lost, numbers: {joint: 2}}}");
   const std::string whole =
       "sweep: {entry: [{at_s: 0, say: none}, {at_s: 1, fault: {part: arm, kind: torque_lost}}]}\n"
       "timeline: [\"${entry}\"]\n";

@@ -145,7 +145,7 @@ def weight(options: argparse.Namespace, folder: Path) -> str:
 
 
 def share_beyond(distance: float) -> float:
-    """Of friction from 0.2 to 1 and speed from 0.5 to 1.5: where a box slides further, v^2 / (2 mu g)."""
+    """The share of friction from 0.2 to 1 and speed from 0.5 to 1.5 where a box slides further: v^2 / (2 mu g)."""
     steps = 100_000
     return sum(max(0.0, 1.5 - math.sqrt(2 * (0.2 + 0.8 * (i + 0.5) / steps) * G * distance)) for i in range(steps)) / steps
 

@@ -140,24 +140,24 @@ class Scene:
         self._add("frames", {"name": name, "pose": pose, "repeat": repeat})
 
     def model(self, name: str, file: str | Path, *, model: str | None = None, pose: Entry | None = None,
-              fixed: bool | None = None, joints: Mapping[str, float] | None = None, surface: str | None = None,
-              surfaces: Mapping[str, str] | None = None, self_collision: bool | None = None,
+              fixed: bool | None = None, kinematic: bool | None = None, joints: Mapping[str, float] | None = None,
+              surface: str | None = None, surfaces: Mapping[str, str] | None = None, self_collision: bool | None = None,
               no_collision: Iterable[Sequence[str]] | Mapping[str, Any] | None = None, density: float | None = None,
               repair: bool | None = None, collision_meshes: str | None = None, engine: str | None = None,
               repeat: Repeat | None = None) -> None:
         self._add("models", {"name": name, "file": file, "model": model, "pose": pose, "fixed": fixed,
-                             "joints": joints, "surface": surface, "surfaces": surfaces,
+                             "kinematic": kinematic, "joints": joints, "surface": surface, "surfaces": surfaces,
                              "self_collision": self_collision, "no_collision": no_collision, "density": density,
                              "repair": repair, "collision_meshes": collision_meshes, "engine": engine,
                              "repeat": repeat})
 
-    def body(self, name: str, *, fixed: bool | None = None, pose: Entry | None = None, mass: float | None = None,
-             density: float | None = None, inertia: Vector | None = None, com: Vector | None = None,
+    def body(self, name: str, *, fixed: bool | None = None, kinematic: bool | None = None, pose: Entry | None = None,
+             mass: float | None = None, density: float | None = None, inertia: Vector | None = None, com: Vector | None = None,
              velocity: Mapping[str, Vector] | None = None, shapes: Iterable[Entry] | None = None,
              engine: str | None = None, surface: str | None = None, color: Vector | None = None,
              material: str | None = None, repeat: Repeat | None = None) -> None:
-        self._add("bodies", {"name": name, "fixed": fixed, "pose": pose, "mass": mass, "density": density,
-                             "inertia": inertia, "com": com, "velocity": velocity, "shapes": shapes, "engine": engine,
+        self._add("bodies", {"name": name, "fixed": fixed, "kinematic": kinematic, "pose": pose, "mass": mass,
+                             "density": density, "inertia": inertia, "com": com, "velocity": velocity, "shapes": shapes, "engine": engine,
                              "surface": surface, "color": color, "material": material, "repeat": repeat})
 
     def joint(self, name: str, type: str, child: str, **keys: Any) -> None:

@@ -20,9 +20,9 @@ class ContentKeys {
   // `words`: the options of every run. `build`: of visum and visumd.
   ContentKeys(const config::Node& root, std::vector<std::string> words, std::string build);
 
-  // Hashes a run's scenario with `variables`, the sweep's values, filled in, options, build, and the controllers' programs
-  // and the files that their commands name. The scene's files are for find_change(). A file that a controller
-  // opens on its own account is not known.
+  // Hashes a run's scenario with `variables`, the sweep's values, filled in, options, build, and the
+  // controllers' programs and the files that their commands name. The scene's files are for find_change(). A
+  // file that a controller opens on its own account is not known.
   std::string key(const run::Scenario& scenario, const config::Variables& variables);
   // The first file whose content differs from then, of paths with the XXH64 of their content; empty: none.
   std::string find_change(const std::vector<std::pair<std::string, std::string>>& files);

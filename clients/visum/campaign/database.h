@@ -46,7 +46,8 @@ class Statement {
   int bound_ = 0;
 };
 
-// A file. All errors are cli::ExitError(kInvalid), since they leave no verdict, with the file's name and SQLite's reason.
+// A file. All errors are cli::ExitError(kInvalid), since they leave no verdict, with the file's name and
+// SQLite's reason.
 class Database {
  public:
   enum class Use { kRead, kWrite };

@@ -65,7 +65,8 @@ Evolution::Evolution(const Point& start, double step, std::size_t population, st
 }
 
 double Evolution::damping() const {
-  return 1.0 + 2.0 * std::max(0.0, std::sqrt((mu_eff_ - 1.0) / (static_cast<double>(n_) + 1.0)) - 1.0) + c_sigma_;
+  return 1.0 + 2.0 * std::max(0.0, std::sqrt((mu_eff_ - 1.0) / (static_cast<double>(n_) + 1.0)) - 1.0) +
+         c_sigma_;
 }
 
 std::vector<Evolution::Point> Evolution::ask() {
@@ -118,8 +119,10 @@ void Evolution::adapt(const std::vector<std::size_t>& best) {
   path_c_ *= 1.0 - c_c_;
   if (!stalls) path_c_ += std::sqrt(c_c_ * (2.0 - c_c_) * mu_eff_) * y;
   const double lost = stalls ? c_1_ * c_c_ * (2.0 - c_c_) : 0.0;
-  covariance_ = (1.0 - c_1_ - c_mu_ + lost) * covariance_ + c_1_ * path_c_ * path_c_.transpose() + c_mu_ * rank_mu;
-  sigma_ = std::min(kLargestStep, sigma_ * config::exponential(c_sigma_ / damping() * (length / expected - 1.0)));
+  covariance_ =
+      (1.0 - c_1_ - c_mu_ + lost) * covariance_ + c_1_ * path_c_ * path_c_.transpose() + c_mu_ * rank_mu;
+  sigma_ =
+      std::min(kLargestStep, sigma_ * config::exponential(c_sigma_ / damping() * (length / expected - 1.0)));
   const Eigen::LLT<MatrixXd> cholesky(covariance_);
   if (cholesky.info() == Eigen::Success) factor_ = cholesky.matrixL();
 }

@@ -28,7 +28,7 @@ class Keeper {
   // `root`: the scenario's file. It and the results must outlive the keeper.
   Keeper(const config::Node& root, KeeperOptions options, Results& results);
 
-  // What is known of the run at that point; nothing: it must be made. Throws config::ConfigError where the
+  // Returns the kept run at that point; nothing: it must be made. Throws config::ConfigError where the
   // scenario is wrong with these values.
   std::optional<Row> find(std::size_t run, const run::SweepPoint& point);
   // Writes a run that was made, or that could not be read. Throws cli::ExitError.

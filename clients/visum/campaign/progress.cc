@@ -53,7 +53,8 @@ std::string progress_html(const std::string& name, const Progress& progress, dou
          "content=\"2\"><title>" +
          title +
          "</title><style>:root{color-scheme:light dark}body{font:15px/1.45 "
-         "system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em}progress{width:100%}</style></head>"
+         "system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 "
+         "1em}progress{width:100%}</style></head>"
          "<body>\n<h1>" +
          title + "</h1>\n<p><progress max=\"" + std::to_string(std::max<std::size_t>(progress.all, 1)) +
          "\" value=\"" + std::to_string(progress.done) + "\"></progress></p>\n<p>" +

@@ -21,7 +21,7 @@ std::string progress_text(const Progress& progress, double seconds);
 // FOLDER/report.html until the report is there.
 std::string progress_html(const std::string& name, const Progress& progress, double seconds);
 
-// What a shard has told, or its summary, if it is done. Nothing: it has not begun.
+// Returns the progress that a shard has told, or its summary, if it is done. Nothing: it has not begun.
 std::optional<Progress> read_progress(const std::filesystem::path& folder);
 
 // Shows progress on stderr (often on a terminal, else every 10 s) and in FOLDER, every second.

@@ -254,9 +254,9 @@ std::vector<std::size_t> Results::take_over(Results& other, const std::filesyste
     add_run_->bind(row.files == 0 ? 0 : sets + row.files).run();
   });
   has.reset();
-  Statement checks(
-      other.database_,
-      "SELECT run, number, name, passed, value, unit, bound, at_s, margin FROM checks WHERE run BETWEEN ? AND ?");
+  Statement checks(other.database_,
+                   "SELECT run, number, name, passed, value, unit, bound, at_s, margin FROM checks WHERE run "
+                   "BETWEEN ? AND ?");
   checks.bind(first).bind(last);
   Statement add(database_, "INSERT OR IGNORE INTO checks VALUES(?,?,?,?,?,?,?,?,?)");
   while (checks.step()) {

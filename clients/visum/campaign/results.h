@@ -74,8 +74,8 @@ class Results {
   // Gives the earlier run the number that it has in this campaign.
   void adopt(const Row& earlier, std::size_t run, const std::string& parameters);
   std::vector<std::pair<std::string, std::string>> files(std::int64_t set);
-  // Takes over run after run of `other`, from number `first` to `last`. `folder`: what leads to its recordings.
-  // Returns the numbers that both have, at most `kMostListed`.
+  // Takes over run after run of `other`, from number `first` to `last`. `folder`: what leads to its
+  // recordings. Returns the numbers that both have, at most `kMostListed`.
   std::vector<std::size_t> take_over(Results& other, const std::filesystem::path& folder, std::size_t first,
                                      std::size_t last);
   // Calls in the order of runs, from number `first` (1) to `last`.

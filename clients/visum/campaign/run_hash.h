@@ -1,4 +1,4 @@
-// The hash of a campaign: XXH64 over number, parameters, exit code and state hash of each run, in their order.
+// The hash of a campaign: XXH64 over number, parameters, exit code and state hash of each run, in order.
 // CAMPAIGNS.md says which bytes. One thread.
 #pragma once
 
@@ -26,7 +26,7 @@ class RunHash {
   XXH64_state_s* state_;
 };
 
-// Of the runs with these numbers that are there.
+// The hash of those runs with these numbers that are there.
 std::uint64_t hash_of_runs(Results& results, std::size_t first, std::size_t last);
 
 }  // namespace visum::campaign

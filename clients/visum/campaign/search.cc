@@ -36,7 +36,8 @@ class Search {
         last_(last),
         sweep_(root),
         first_(sweep_.runs() + 1),
-        keeper_(root, {options.folder, options.words, options.records, options.records_all, options.fresh}, results) {
+        keeper_(root, {options.folder, options.words, options.records, options.records_all, options.fresh},
+                results) {
     progress_.what = "search, ";
     progress_.all = spec.runs;
   }
@@ -64,11 +65,12 @@ class Search {
   }
 
   void find_starts() {
-    Statement found(results_.database(),
-                    "SELECT runs.run FROM checks JOIN runs ON runs.run = checks.run WHERE checks.number = ? AND "
-                    "checks.run > 0 AND checks.run <= ? AND margin IS NOT NULL AND code IN (0, 1, 4) "
-                    "ORDER BY margin, runs.run LIMIT " +
-                        std::to_string(kMostStarts));
+    Statement found(
+        results_.database(),
+        "SELECT runs.run FROM checks JOIN runs ON runs.run = checks.run WHERE checks.number = ? AND "
+        "checks.run > 0 AND checks.run <= ? AND margin IS NOT NULL AND code IN (0, 1, 4) "
+        "ORDER BY margin, runs.run LIMIT " +
+            std::to_string(kMostStarts));
     found.bind(spec_.check + 1).bind(last_);
     while (found.step()) starts_.push_back(sweep_.shares(found.size(0)));
   }
@@ -160,11 +162,12 @@ class Search {
 
   static std::string values_text(const run::SweepPoint& point) {
     std::string text;
-    for (const auto& [name, value] : point.described) text += (text.empty() ? "{" : ", ") + name + ": " + value;
+    for (const auto& [name, value] : point.described)
+      text += (text.empty() ? "{" : ", ") + name + ": " + value;
     return text + "}";
   }
 
-  // What the search makes small: the check's margin. A run that failed before the check could be measured is
+  // The search makes this small: the check's margin. A run that failed before the check could be measured is
   // the worst find of all; one that is invalid is none.
   double judge(std::size_t run) {
     const auto row = results_.find(run);
@@ -192,12 +195,13 @@ class Search {
 
   void find_worst() {
     const std::string end = std::to_string(first_ + made_ - 1), first = std::to_string(first_);
-    Statement found(results_.database(),
-                    "SELECT runs.run, margin, name, unit, runs.state_hash FROM runs LEFT JOIN checks ON checks.run "
-                    "= runs.run AND checks.number = ?1 WHERE (runs.run BETWEEN 1 AND ?2 OR runs.run BETWEEN " +
-                        first + " AND " + end +
-                        ") AND code IN (0, 1, 4) AND (margin IS NOT NULL OR code <> 0) "
-                        "ORDER BY margin, runs.run LIMIT 1");
+    Statement found(
+        results_.database(),
+        "SELECT runs.run, margin, name, unit, runs.state_hash FROM runs LEFT JOIN checks ON checks.run "
+        "= runs.run AND checks.number = ?1 WHERE (runs.run BETWEEN 1 AND ?2 OR runs.run BETWEEN " +
+            first + " AND " + end +
+            ") AND code IN (0, 1, 4) AND (margin IS NOT NULL OR code <> 0) "
+            "ORDER BY margin, runs.run LIMIT 1");
     done_.check = spec_.name;
     if (!found.bind(spec_.check + 1).bind(last_).step()) return;
     done_.worst_run = found.size(0);
@@ -224,22 +228,29 @@ class Search {
       done_.values += (done_.values.empty() ? "" : ", ") + name + "=" + value;
     const bool with_engine = options_.words.size() == 2 && options_.words[0] == "--engine";
     done_.scenario = "worst.yaml";
-    cli::write_whole_file(
-        options_.folder / done_.scenario,
-        scenario_at(root_, point, with_engine ? options_.words[1] : "",
-                    "Run " + std::to_string(done_.worst_run) + " of the campaign: the worst that was found."));
+    cli::write_whole_file(options_.folder / done_.scenario,
+                          scenario_at(root_, point, with_engine ? options_.words[1] : "",
+                                      "Run " + std::to_string(done_.worst_run) +
+                                          " of the campaign: the worst that was found."));
     if (!options_.records || done_.stopped) return;
     // It is made once more, for the recording, and must end as it did.
     const auto recording = options_.folder / "worst.mcap";
-    run::ManyOptions again{run::own_folder() / "visum", options_.folder / done_.scenario, 1, 1,
+    run::ManyOptions again{run::own_folder() / "visum",
+                           options_.folder / done_.scenario,
+                           1,
+                           1,
                            {"--record", recording.string()}};
     again.next = [begun = false]() mutable -> std::size_t { return std::exchange(begun, true) ? 0 : 1; };
     again.on_done = [&](std::size_t, const run::Report& report) {
-      if (report.recording_trouble.empty()) done_.recording = recording.filename().string();
-      else done_.trouble = "worst.mcap " + report.recording_trouble;
+      if (report.recording_trouble.empty())
+        done_.recording = recording.filename().string();
+      else
+        done_.trouble = "worst.mcap " + report.recording_trouble;
       if (cli::hex(report.state_hash) != state_hash)
-        done_.trouble = "made once more, the worst run ended in another state: its controllers or scene are not "
-                        "deterministic" + (report.error.empty() ? "" : " (" + report.error + ")");
+        done_.trouble =
+            "made once more, the worst run ended in another state: its controllers or scene are not "
+            "deterministic" +
+            (report.error.empty() ? "" : " (" + report.error + ")");
     };
     if (const auto stopped = run::run_each(again)) done_.trouble = "worst.mcap: " + stopped->why;
   }
@@ -248,7 +259,7 @@ class Search {
   const run::SearchSpec& spec_;
   const WorkOptions& options_;
   Results& results_;
-  const std::size_t last_;   // run of the campaign that counts
+  const std::size_t last_;  // run of the campaign that counts
   const run::Sweep sweep_;
   const std::size_t first_;  // run of the search
   Keeper keeper_;

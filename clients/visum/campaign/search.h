@@ -24,15 +24,15 @@ struct SearchDone {
   std::uint64_t hash = 0;                           // of the search's runs, as Summary::hash
   // The worst of all runs, those of the campaign included; 0: no run said anything about the check.
   std::size_t worst_run = 0;
-  std::optional<double> margin;      // of that; nothing: it failed before the check could be measured
-  std::string values;                // "mass=0.2, friction=0.5"
-  std::string scenario, recording;   // its files, relative to the folder; empty: not written
-  std::string trouble;               // why one of them is missing or wrong
+  std::optional<double> margin;         // of that; nothing: it failed before the check could be measured
+  std::string values;                   // "mass=0.2, friction=0.5"
+  std::string scenario, recording;      // its files, relative to the folder; empty: not written
+  std::string trouble;                  // why one of them is missing or wrong
   std::optional<run::Stopped> stopped;  // why it is not complete
 };
 
-// `results`: of the campaign, whose runs up to number `last` count. Throws cli::ExitError where results cannot
-// be written.
+// `results`: of the campaign, whose runs up to number `last` count. Throws cli::ExitError where results
+// cannot be written.
 SearchDone search(const config::Node& root, const run::SearchSpec& spec, const WorkOptions& options,
                   Results& results, std::size_t last);
 

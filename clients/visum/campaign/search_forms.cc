@@ -24,7 +24,8 @@ std::string course(const SearchDone& search) {
 
 std::string find(const SearchDone& search) {
   if (search.worst_run == 0) return "no run says anything about it";
-  return (search.margin ? "least margin " + margin_text(search) : std::string("failed before it could be measured")) +
+  return (search.margin ? "least margin " + margin_text(search)
+                        : std::string("failed before it could be measured")) +
          " in run " + std::to_string(search.worst_run) + " (" + search.values + ")";
 }
 
@@ -44,7 +45,8 @@ void write_search(cli::JsonWriter& json, const SearchDone& search) {
 }
 
 std::string search_text(const SearchDone& search) {
-  std::string text = "search for what breaks '" + search.check + "': " + course(search) + "\n  " + find(search) + "\n";
+  std::string text =
+      "search for what breaks '" + search.check + "': " + course(search) + "\n  " + find(search) + "\n";
   if (!search.scenario.empty())
     text += "  as a scenario: " + search.scenario +
             (search.recording.empty() ? "" : "; its recording: " + search.recording) + "\n";
@@ -54,8 +56,8 @@ std::string search_text(const SearchDone& search) {
 
 std::string search_html(const SearchDone& search) {
   using cli::markup;
-  std::string page = "<h2>Search</h2>\n<p>For what breaks <b>" + markup(search.check) + "</b>: " +
-                     markup(course(search)) + ".</p>\n<p class=\"" +
+  std::string page = "<h2>Search</h2>\n<p>For what breaks <b>" + markup(search.check) +
+                     "</b>: " + markup(course(search)) + ".</p>\n<p class=\"" +
                      (search.broken > 0 || (search.margin && *search.margin < 0.0) ? "bad" : "good") + "\">" +
                      markup(find(search)) + "</p>\n";
   if (!search.scenario.empty())

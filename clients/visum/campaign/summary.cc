@@ -87,7 +87,8 @@ cli::ExitCode Summary::code() const {
     return decision == Decision::kAccepted ? cli::kDone : cli::kFailed;
   }
   if (failed > 0 || (search && search->broken > 0)) return cli::kFailed;
-  return invalid > 0 || (search && search->invalid > 0) || !complete() || !changed.empty() ? cli::kInvalid : cli::kDone;
+  return invalid > 0 || (search && search->invalid > 0) || !complete() || !changed.empty() ? cli::kInvalid
+                                                                                           : cli::kDone;
 }
 
 Summary summarize(Results& results) {

@@ -43,7 +43,7 @@ struct Summary {
       nondeterministic;              // equal content, but different state hashes: they count as invalid
   std::vector<std::string> changed;  // files that were not the same for all runs
   std::vector<CheckFigures> checks;
-  std::vector<Row> failures;  // the first kShownFailures that failed or are invalid
+  std::vector<Row> failures;         // the first kShownFailures that failed or are invalid
   std::optional<SearchDone> search;  // of what breaks a check; it does not count in the figures above
 
   static constexpr std::size_t kShownFailures = 200;

@@ -275,7 +275,8 @@ void write_csv(Results& results, std::size_t last, const std::filesystem::path& 
     if (!any) out << head << ",,,,,\n";
   });
   out.close();
-  if (!out) throw cli::ExitError(cli::kInvalid, "cannot write " + file.string() + ": " + std::strerror(errno));
+  if (!out)
+    throw cli::ExitError(cli::kInvalid, "cannot write " + file.string() + ": " + std::strerror(errno));
   whole.keep();
 }
 

@@ -25,7 +25,8 @@ class Work {
         options_(options),
         results_(results),
         sweep_(root),
-        keeper_(root, {options.folder, options.words, options.records, options.records_all, options.fresh}, results),
+        keeper_(root, {options.folder, options.words, options.records, options.records_all, options.fresh},
+                results),
         next_(options.shard.first()) {
     if (const auto& decide = results.identity().decide; decide && options.shard.count == 1)
       test_.emplace(*decide);

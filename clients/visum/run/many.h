@@ -14,13 +14,13 @@
 namespace visum::run {
 
 struct ManyOptions {
-  std::filesystem::path program;       // visum
-  std::filesystem::path file;          // the scenario
-  std::size_t runs = 1;                // of the whole sweep
-  std::size_t jobs = 1;                // at a time
-  std::vector<std::string> words;      // further options for each run
-  std::filesystem::path recordings{};  // a folder for recordings of runs that fail; empty: none
-  bool keeps_all = false;              // also those of runs that pass
+  std::filesystem::path program;        // visum
+  std::filesystem::path file;           // the scenario
+  std::size_t runs = 1;                 // of the whole sweep
+  std::size_t jobs = 1;                 // at a time
+  std::vector<std::string> words;       // further options for each run
+  std::filesystem::path recordings{};   // a folder for recordings of runs that fail; empty: none
+  bool keeps_all = false;               // also those of runs that pass
   std::function<std::size_t()> next{};  // the run to begin next; 0: none is left. Of run_each() only
   // The sweep's values of a run, as YAML, where its number does not tell them. Of run_each() only
   std::function<std::string(std::size_t run)> values{};

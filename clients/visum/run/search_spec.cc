@@ -38,15 +38,15 @@ std::optional<SearchSpec> read_search(const Node& root) {
   SearchSpec search;
   if (wanted) {
     while (search.check < names.size() && names[search.check] != wanted->text()) ++search.check;
-    if (search.check == names.size())
-      wanted->fail(config::unknown_name("check", wanted->text(), names));
+    if (search.check == names.size()) wanted->fail(config::unknown_name("check", wanted->text(), names));
   }
   search.name = names[search.check];
   search.runs = static_cast<std::size_t>(node->get("runs").integer(1, 1'000'000));
   if (const auto size = node->find("population"))
     search.population = static_cast<std::size_t>(size->integer(4, 10'000));
   if (const auto seed = node->find("seed")) search.seed = static_cast<std::uint64_t>(seed->integer(0));
-  if (const auto until = node->find("until")) search.until_broken = until->one_of({"broken", "runs"}) == "broken";
+  if (const auto until = node->find("until"))
+    search.until_broken = until->one_of({"broken", "runs"}) == "broken";
   return search;
 }
 

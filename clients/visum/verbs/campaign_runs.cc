@@ -39,7 +39,8 @@ std::size_t jobs_of(std::size_t wanted) {
 // Judges what is there, searches where the scenario asks for it, writes the reports and tells. Returns the
 // exit code.
 int conclude(const config::Node& root, const campaign::WorkOptions& options, campaign::Results& results,
-             campaign::ProgressBoard& board, std::size_t reused, std::optional<run::Stopped> stopped, bool json) {
+             campaign::ProgressBoard& board, std::size_t reused, std::optional<run::Stopped> stopped,
+             bool json) {
   auto summary = campaign::summarize(results);
   summary.reused = reused;
   const auto wanted = run::read_search(root);

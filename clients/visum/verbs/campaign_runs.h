@@ -25,8 +25,8 @@ struct CampaignWords {
 // `root`: the content of the file. Returns the exit code. Throws ExitError and config::ConfigError.
 int run_campaign(const CampaignWords& wanted, const config::Node& root);
 
-// Has the shards made elsewhere, and merges them; a search is made here. `on`: "shell" or "slurm". Returns the
-// exit code.
+// Has the shards made elsewhere, and merges them; a search is made here. `on`: "shell" or "slurm". Returns
+// the exit code.
 int run_campaign_elsewhere(const std::string& on, campaign::RemoteOptions remote, const CampaignWords& wanted,
                            const config::Node& root);
 

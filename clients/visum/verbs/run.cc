@@ -66,38 +66,20 @@ class RunVerb : public Verb {
                    "else that of "
                    "--junit, else the working directory if the environment has CI set, else off")
         ->type_name("FOLDER|off");
-    app.add_flag("--all-recordings", keeps_all_, "with --report or --recordings: keep those of runs that pass, too");
+    app.add_flag("--all-recordings", keeps_all_,
+                 "with --report or --recordings: keep those of runs that pass, too");
     app.add_option("--port", port_, "the daemon's port; 0: any free one")->capture_default_str();
     app.add_option("--timeout", timeout_s_, "give the run up after this many seconds of wall time")
         ->check(number_within(1e-3, 1e7));
     app.add_flag("--progress", progress_, "show time, pace and the controller's last line while it runs");
     app.add_flag("--keep", keep_, "afterwards let the world run on in real time, until Ctrl-C");
-    app.add_option("--jobs,-j", jobs_, "runs of a sweep at a time; 0: as many as there are processors")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1000));
-    app.add_option("--only", only_, "do only this run of a sweep, counted from 1")
-        ->check(CLI::PositiveNumber);
-    app.add_option("--values", values_,
-                   "do only the run at these values of the sweep, as \"{mass: 0.3, friction: 0.5}\"; --only then "
-                   "is just its name")
-        ->type_name("YAML");
-    shard_option_ =
-        app.add_option("--shard", shard_,
-                       "do only share I of N of a campaign's runs, for --report; without a value, "
-                       "I/N is that of the cluster's task: see CAMPAIGNS.md")
-            ->expected(0, 1)
-            ->type_name("[I/N]");
-    app.add_option("--report", report_,
-                   "write report.html, junit.xml and a recording of each run that fails to this folder")
-        ->type_name("FOLDER");
-    app.add_option("--result", result_, "write the whole result as JSON, with each check's values over time")
-        ->type_name("FILE");
     profile_option_ =
         app.add_option("--profile", profile_,
                        "print where the wall time of the run went; with a file, also write a trace that "
                        "Perfetto opens (ui.perfetto.dev)")
             ->expected(0, 1)
             ->type_name("[FILE.json]");
+    declare_runs(app);
     app.footer(
         "Starts visumd on a free port and the scenario's controllers, lets time run, checks, and ends them "
         "all. "
@@ -131,6 +113,31 @@ class RunVerb : public Verb {
   }
 
  private:
+  // The options of sweeps and campaigns.
+  void declare_runs(CLI::App& app) {
+    app.add_option("--jobs,-j", jobs_, "runs of a sweep at a time; 0: as many as there are processors")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1000));
+    app.add_option("--only", only_, "do only this run of a sweep, counted from 1")
+        ->check(CLI::PositiveNumber);
+    app.add_option(
+           "--values", values_,
+           "do only the run at these values of the sweep, as \"{mass: 0.3, friction: 0.5}\"; --only then "
+           "is just its name")
+        ->type_name("YAML");
+    shard_option_ =
+        app.add_option("--shard", shard_,
+                       "do only share I of N of a campaign's runs, for --report; without a value, "
+                       "I/N is that of the cluster's task: see CAMPAIGNS.md")
+            ->expected(0, 1)
+            ->type_name("[I/N]");
+    app.add_option("--report", report_,
+                   "write report.html, junit.xml and a recording of each run that fails to this folder")
+        ->type_name("FOLDER");
+    app.add_option("--result", result_, "write the whole result as JSON, with each check's values over time")
+        ->type_name("FILE");
+  }
+
   // A word behind --profile is its file, or the scenario if no other word is that.
   void settle_words() {
     if (file_.empty()) file_.swap(profile_);
@@ -167,7 +174,8 @@ class RunVerb : public Verb {
   }
 
   int run_all(const config::Node& root) const {
-    return run_many({file_, report_, junit_, recordings_folder(), keeps_all_, words_of_each(), jobs_, json_}, root);
+    return run_many({file_, report_, junit_, recordings_folder(), keeps_all_, words_of_each(), jobs_, json_},
+                    root);
   }
 
   int run_shard(const config::Node& root) const {
@@ -178,9 +186,9 @@ class RunVerb : public Verb {
     const auto shard = shard_.empty()
                            ? campaign::shard_from([](const char* name) { return std::getenv(name); })
                            : campaign::shard_of(shard_);
-    return run_campaign({file_, report_, words_of_each(), shard, jobs_, json_, false, recordings_ != "off",
-                         keeps_all_},
-                        root);
+    return run_campaign(
+        {file_, report_, words_of_each(), shard, jobs_, json_, false, recordings_ != "off", keeps_all_},
+        root);
   }
 
   int run_one(run::Scenario scenario) {
@@ -300,8 +308,7 @@ class RunVerb : public Verb {
   std::string shard_;
   CLI::Option *profile_option_ = nullptr, *shard_option_ = nullptr;
   std::size_t jobs_ = 1, only_ = 0;
-  bool json_ = false, progress_ = false, keep_ = false, told_ = false, written_ = false,
-       keeps_all_ = false;
+  bool json_ = false, progress_ = false, keep_ = false, told_ = false, written_ = false, keeps_all_ = false;
   std::optional<run::SpareRecording> spare_;
   std::vector<std::string> plugins_;
   std::optional<double> node_timeout_s_;

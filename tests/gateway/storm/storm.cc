@@ -58,7 +58,9 @@ class Server {
                  [this]() -> const Published& { return latest(); }),
         oracle_(gateway_, simulation_),
         born_ms_(now_ms) {
-    gateway_.lockstep().use_clock([this] { return gateway::Member::Clock::time_point(context_.now); });
+    const auto clock = [this] { return gateway::Member::Clock::time_point(context_.now); };
+    gateway_.lockstep().use_clock(clock);
+    gateway_.clients().use_clock(clock);
     if (!record.empty()) {
       recorder_.emplace(simulation_, recording::Origin{}, record);
       both_.emplace(&oracle_, &*recorder_);
