@@ -215,7 +215,7 @@ class Rows {
 
   // rows_active.cc: solves all rows within their bounds at once. Returns false if there are too many of them.
   bool solve_active(double enough);
-  // Velocities of one block's rows for unit impulses on another's.
+  // Velocities of one block's rows for unit impulses on those of another one that it meets.
   using Responses = std::array<std::array<double, 3>, 3>;
   void find_responses(const RowBlock& a, const RowBlock& b, Responses& responses) const;
   // The same for active rows, without the friction that b drags along.

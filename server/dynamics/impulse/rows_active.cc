@@ -72,6 +72,14 @@ double Rows::response(const RowBlock& a, std::size_t r, const RowBlock& b, std::
 }
 
 void Rows::find_responses(const RowBlock& a, const RowBlock& b, Responses& responses) const {
+  // Blocks that meet on one mechanism, and touch nothing else: a part of its W.
+  if (a.end_count == 1 && b.end_count == 1 && !a.ends[0].free) {
+    const RowEnd &at = a.ends[0], &by = b.ends[0];
+    const double* W = &responses_[at.response + at.first * at.size + by.first];
+    for (std::size_t r = 0; r < a.dim; ++r)
+      for (std::size_t s = 0; s < b.dim; ++s) responses[r][s] = W[r * at.size + s];
+    return;
+  }
   for (std::size_t r = 0; r < a.dim; ++r)
     for (std::size_t s = 0; s < b.dim; ++s) responses[r][s] = response(a, r, b, s);
 }
