@@ -58,9 +58,9 @@ class Server {
                  [this]() -> const Published& { return latest(); }),
         oracle_(gateway_, simulation_),
         born_ms_(now_ms) {
-    const auto clock = [this] { return gateway::Member::Clock::time_point(context_.now); };
-    gateway_.lockstep().use_clock(clock);
-    gateway_.clients().use_clock(clock);
+    const auto steady = [this] { return gateway::Member::Clock::time_point(context_.now); };
+    gateway_.lockstep().use_clock(steady);
+    gateway_.clients().use_clock(steady);
     if (!record.empty()) {
       recorder_.emplace(simulation_, recording::Origin{}, record);
       both_.emplace(&oracle_, &*recorder_);
