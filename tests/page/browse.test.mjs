@@ -12,7 +12,7 @@ pageTest("browse: everything of a part is found, read and set", async (page, cla
     await search.fill("speed 3");
     assert.deepEqual(await shown(), ["Maximum Speed 3", "Actual Speed 3"]);
     await search.fill("no such thing");
-    assert.ok(await page.getByText("No port matches.").isVisible());
+    assert.ok(await page.getByText("No port and no parameter matches.").isVisible());
     await search.fill("");
     assert.ok((await shown()).length > 10);
   });

@@ -59,7 +59,7 @@ async function claim(t, words, body) {
 export const closePages = () => Promise.all(browser.contexts().map((context) => context.close()));
 export const button = (page, name) => page.getByRole("button", { name, exact: true });
 export const control = (page) => page.evaluate(() => visum.acquire("arm"));
-export const viewBox = (page) => page.locator(".view canvas").boundingBox();
+export const viewBox = (page) => page.locator(".view canvas[data-engine]").boundingBox();
 export async function look(page, name) {
   await page.getByRole("combobox", { name: "Viewpoint" }).selectOption(name);
   await settled(page, "table"); // the view travels there

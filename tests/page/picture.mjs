@@ -43,7 +43,7 @@ export const like = (wanted, tolerance = 8) => (...seen) => wanted.every((value,
 
 // The pixels of a colour that are at most `reach` pixels from a place of the view.
 export async function around(page, { x, y }, reach, is) {
-  const view = await page.locator(".view canvas").boundingBox();
+  const view = await page.locator(".view canvas[data-engine]").boundingBox();
   const [left, top] = [Math.max(view.x, Math.round(x) - reach), Math.max(view.y, Math.round(y) - reach)];
   return middleOf(await pixels(page, { x: left, y: top, width: 2 * reach + 1, height: 2 * reach + 1 }), is);
 }
@@ -55,11 +55,11 @@ export const twoFrames = (page) => page.evaluate(() => new Promise((done) => req
 export async function drawn(page) {
   await twoFrames(page);
   await until(page, () => {
-    const canvas = document.querySelector(".view canvas");
+    const canvas = document.querySelector(".view canvas[data-engine]");
     return canvas.width === Math.floor(canvas.clientWidth * devicePixelRatio);
   });
   await page.evaluate(() => {
-    const gl = document.querySelector(".view canvas").getContext("webgl2");
+    const gl = document.querySelector(".view canvas[data-engine]").getContext("webgl2");
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
   });
   await twoFrames(page);

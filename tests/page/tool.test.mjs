@@ -1,10 +1,10 @@
-// The tool: it is jogged, typed, dragged and taught, and goes where the world's own poses say that it is.
+// The tool: it is jogged, typed and taught, and goes where the world's own poses say that it is.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { body, button, flat, pageTest, settled, until } from "./harness.mjs";
+import { button, flat, pageTest, until } from "./harness.mjs";
 import { bin, source } from "./programs.mjs";
 
 const kHand = "arm/link_7";
@@ -43,19 +43,6 @@ pageTest("the tool is jogged along axes, to typed coordinates, and stops at the 
     await field(page, "x").blur();
   });
 }, flat);
-
-pageTest("the tool is dragged by its handles in the view", async (page) => {
-  await openTool(page);
-  await settled(page, kHand);
-  const from = await body(page, kHand);
-  const before = await place(page);
-  await page.mouse.move(from.x, from.y);
-  await page.mouse.down();
-  await page.mouse.move(from.x - 40, from.y - 30, { steps: 5 });
-  await until(page, (was) => ["x", "y", "z"].some((axis, i) => Math.abs(Number(document.querySelector(`[aria-label^="${axis} of the tool"]`).value) - was[i]) > 0.02), before);
-  await page.mouse.up();
-  assert.notEqual(await page.locator(".chip").getAttribute("data-tone"), "bad");
-});
 
 pageTest("poses are taught, kept, played, and exported as programs that run", async (page, claim, daemon) => {
   await openTool(page);
