@@ -82,6 +82,8 @@ void Simulation::begin_time_anew() {
   const auto tick = std::exchange(state_.tick, 0);
   before_.tick = 0;
   for (auto& push : pushes_) push.until_tick -= tick;
+  // A pull that ends now is over: 0 would mean that it does not end.
+  std::erase_if(pulls_, [tick](const Pull& pull) { return pull.until_tick != 0 && pull.until_tick <= tick; });
   for (auto& pull : pulls_)
     if (pull.until_tick != 0) pull.until_tick -= tick;
   faults_.move_ends(tick);

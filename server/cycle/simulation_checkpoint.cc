@@ -84,11 +84,13 @@ Outcome Simulation::restore_state(const recording::State& whole) {
   keep(old);
   const bool was_frozen = frozen();
   const std::string fault = fault_;
+  auto pulls = pulls_;  // a state does not hold whose they are
   const bool same_bodies = std::ranges::equal(whole.edits, edits_, {}, {}, &NotedEdit::edit);
   const auto outcome = restore(whole);
   if (!outcome.done()) {
     const auto back = restore(old);
     if (was_frozen) fault_ = fault;
+    if (back.done()) pulls_ = std::move(pulls);
     if (!back.done()) freeze("a snapshot was restored in part: " + back.text());
     return outcome;
   }

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "protocol/config/printable.h"
+
 namespace visum::gateway {
 namespace {
 
@@ -99,7 +101,7 @@ void EventRequests::serve(const Published& now) {
   if (!log_) return;
   const auto dropped = log_->take(lines_);
   for (auto& line : lines_)
-    clients_.tell({"log", std::move(line.text), {}, clients_.known_era(), now.tick, line.level});
+    clients_.tell({"log", config::printable(line.text), {}, clients_.known_era(), now.tick, line.level});
   if (dropped != 0)
     clients_.tell({"events_lost",
                    std::to_string(dropped) + " lines of the log were left out",

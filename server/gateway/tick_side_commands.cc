@@ -83,6 +83,7 @@ void TickSide::finish_changes() {
     command->reply = outcome.done() ? std::move(reply) : Reply(error_of(outcome));
     if (outcome.done() && goes_back(command->request)) {
       time_went_back();
+      holders_.clear();                                       // what they moved moves as the state says
       for (const auto part : stopped_meanwhile_) stop(part);  // it has undone these stops
     }
     if (!changes_.under_way()) stopped_meanwhile_.clear();
@@ -113,6 +114,7 @@ Reply TickSide::answer(Command&, const protocol::SetSpeed& request) {
 Reply TickSide::answer(Command&, const protocol::Reset& request) {
   simulation_.reset(request.scope);
   time_went_back();
+  if (goes_back(request)) holders_.clear();
   return Ok{};
 }
 
@@ -200,6 +202,7 @@ Reply TickSide::answer(Command&, const protocol::RestoreSnapshot& request) {
   if (const auto outcome = simulation_.restore_snapshot(request.snapshot); !outcome.done())
     return error_of(outcome);
   time_went_back();
+  holders_.clear();
   return Ok{};
 }
 

@@ -18,14 +18,13 @@ bool is_letter(char c) {
 // The names of files that clients ask for: no path can be made of them.
 bool is_name(const std::string& name) {
   return !name.empty() && name.size() <= kMostNameBytes && is_letter(name.front()) &&
-         std::ranges::all_of(name, [](char c) {
-           return is_letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
-         });
+         std::ranges::all_of(
+             name, [](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-'; });
 }
 
 void fail_name(const Call& call) {
   call.fail(ErrorCode::kBadValue,
-            "a name begins with a letter; letters, digits, '_', '-' and '.' follow, 64 bytes in all");
+            "a name begins with a letter; letters, digits, '_' and '-' follow, 64 bytes in all");
 }
 
 }  // namespace

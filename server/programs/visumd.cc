@@ -127,6 +127,8 @@ recording::Rewound make_world(const Options& options) {
 }
 
 int run(Options options) {
+  gateway::LogTap log_for_clients;  // before any thread that logs, and after it
+  options.of_daemon.log = &log_for_clients;
   std::optional<config::Profile> profile;
   if (!options.profile.empty()) options.of_daemon.profile = &profile.emplace(options.profile_spans);
   const programs::NodeWatch watch(options.plugins.node_timeout());
@@ -136,8 +138,6 @@ int run(Options options) {
   if (!options.used_files.empty()) programs::write_used_files(origin.files, options.used_files);
   simulation.set_profile(options.of_daemon.profile);
   std::optional<recording::LogSink> log;
-  gateway::LogTap log_for_clients;
-  options.of_daemon.log = &log_for_clients;
   recording::Archive archive(options.files, origin);
   options.of_daemon.archive = &archive;
   std::optional<recording::FlightRecorder> flight;

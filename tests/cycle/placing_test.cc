@@ -158,6 +158,15 @@ TEST(Pulls, EndWithTheirTimeTheirOwnerAndARestore) {
   EXPECT_TRUE(world.pulls().empty()) << "nobody holds it any more";
 }
 
+TEST(Pulls, ThatEndAtTheTickWhereTimeBeginsAnewAreOver) {
+  Simulation world(scene_of(std::string("gravity: [0, 0, 0]\nbodies: [") + kFallingBall + "]\n"));
+  const auto ball = world.model().find_body("ball");
+  ASSERT_TRUE(world.pull({ball, Vector3d::Zero(), {0, 0, 2}, 1.0, 5, 7}).done());
+  run(world, 5);
+  world.reset(protocol::ResetScope::kTime);
+  EXPECT_TRUE(world.pulls().empty());
+}
+
 class ResetOf : public ::testing::Test {
  protected:
   ResetOf() {
