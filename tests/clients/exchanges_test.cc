@@ -58,6 +58,21 @@ TEST(Exchanges, OfABusAreThoseOfTheControllersThatNameIt) {
   EXPECT_NE(find_silent_controller(controllers, status({{"b.py", 1}})).find("'a'"), std::string::npos);
 }
 
+TEST(Exchanges, OfANameThatSeveralShareShowNothingOfOne) {
+  auto twins = std::vector{controller("a"), controller("b")};
+  twins[1].client = twins[0].client;
+  const auto why = find_silent_controller(twins, status({{"a.py", 2}}));
+  EXPECT_NE(why.find("controller 'a' as well as 'b'"), std::string::npos) << why;
+  twins[0].exchanges = false;
+  EXPECT_EQ(find_silent_controller(twins, status({{"a.py", 2}})), "");
+
+  const std::vector on_one_bus{controller("a", {"program", "{bus.arm}"}),
+                               controller("b", {"program", "{bus.arm}"})};
+  EXPECT_NE(find_silent_controller(on_one_bus, status({{"a.py", 1}}, {{"arm", 9}})).find("the bus of 'arm'"),
+            std::string::npos);
+  EXPECT_EQ(find_silent_controller(on_one_bus, status({{"a.py", 1}, {"b.py", 1}}, {{"arm", 9}})), "");
+}
+
 TEST(Exchanges, OfTheClientThatAGateNamesBelongToIt) {
   auto gated = controller("a");
   gated.gate = "ports:old-program";

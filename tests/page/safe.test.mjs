@@ -41,6 +41,8 @@ pageTest("sliders end at the soft limits, and show limits, command and actual va
   const widget = page.getByRole("group", { name: "Joint 2", exact: true });
   assert.match(await widget.textContent(), /−2\.22.*2\.22 rad/);
   await button(page, "Take control of arm").click();
+  // Unlike a click, a key does not wait until the slider may be used.
+  await until(page, () => !document.querySelector('[aria-label="Joint 2"] input').disabled);
   await slider.press("End"); // beyond it the port still takes 9 rad
   await until(page, () => visum.read("arm", "Desired Angle 2") === 2.22);
   await until(page, () => visum.read("arm", "Actual Angle 2") > -0.35);

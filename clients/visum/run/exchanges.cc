@@ -25,9 +25,14 @@ Names names_of(const ControllerSpec& controller) {
   return names;
 }
 
-bool has_one_of(const std::vector<Exchange>& exchanges, const std::set<std::string>& names) {
-  return std::ranges::any_of(exchanges,
-                             [&](const Exchange& one) { return one.count > 0 && names.contains(one.name); });
+// "client 'x'" and "the bus of 'arm'": those of `names` that exchanged something.
+std::vector<std::string> find_active(const protocol::ServerStatus& status, const Names& names) {
+  std::vector<std::string> active;
+  for (const Exchange& one : status.exchanges)
+    if (one.count > 0 && names.clients.contains(one.name)) active.push_back("client '" + one.name + "'");
+  for (const Exchange& one : status.bus_exchanges)
+    if (one.count > 0 && names.buses.contains(one.name)) active.push_back("the bus of '" + one.name + "'");
+  return active;
 }
 
 // "client 'somebody', the bus of 'arm'": exchanged something, and no controller has that name.
@@ -46,6 +51,38 @@ bool must_exchange(const ControllerSpec& controller) {
   return controller.exchanges && controller.through.empty();
 }
 
+// Finds another controller that is to exchange something and has this active name, too. nullptr: there is
+// none.
+const ControllerSpec* find_sharer(const std::vector<ControllerSpec>& controllers,
+                                  const ControllerSpec& controller, const protocol::ServerStatus& status,
+                                  const std::string& active) {
+  const auto shares = [&](const ControllerSpec& other) {
+    return &other != &controller && must_exchange(other) &&
+           std::ranges::count(find_active(status, names_of(other)), active) > 0;
+  };
+  const auto found = std::ranges::find_if(controllers, shares);
+  return found == controllers.end() ? nullptr : &*found;
+}
+
+// Says why it is not known of this controller that it exchanged something. Empty: it is known.
+std::string find_doubt(const std::vector<ControllerSpec>& controllers, const ControllerSpec& controller,
+                       const protocol::ServerStatus& status, const std::string& others) {
+  std::string doubt;
+  for (const std::string& active : find_active(status, names_of(controller))) {
+    const ControllerSpec* const sharer = find_sharer(controllers, controller, status, active);
+    if (!sharer) return {};
+    doubt = active + " exchanged something, but is controller '" + controller.name + "' as well as '" +
+            sharer->name +
+            "', so that either may have been silent: give each a name or a bus of its own, or " +
+            "say 'exchanges: false' for the one that may be silent";
+  }
+  if (!doubt.empty()) return doubt;
+  const std::string silent = "controller '" + controller.name + "' exchanged nothing with a part";
+  if (others.empty()) return silent + "; for a program that is not to, say 'exchanges: false'";
+  return silent + " as client '" + controller.client + "'; " + others +
+         " did, and no controller has that name: say 'client: NAME', or name {bus.PART} in 'command'";
+}
+
 }  // namespace
 
 std::string find_silent_controller(const std::vector<ControllerSpec>& controllers,
@@ -59,14 +96,8 @@ std::string find_silent_controller(const std::vector<ControllerSpec>& controller
   const std::string others = names_of_nobody(status, all);
   if (controllers.size() == 1 && !others.empty()) return {};
   for (const ControllerSpec& controller : controllers) {
-    const Names names = names_of(controller);
-    if (!must_exchange(controller) || has_one_of(status.exchanges, names.clients) ||
-        has_one_of(status.bus_exchanges, names.buses))
-      continue;
-    const std::string silent = "controller '" + controller.name + "' exchanged nothing with a part";
-    if (others.empty()) return silent + "; for a program that is not to, say 'exchanges: false'";
-    return silent + " as client '" + controller.client + "'; " + others +
-           " did, and no controller has that name: say 'client: NAME', or name {bus.PART} in 'command'";
+    if (!must_exchange(controller)) continue;
+    if (std::string doubt = find_doubt(controllers, controller, status, others); !doubt.empty()) return doubt;
   }
   return {};
 }

@@ -15,7 +15,8 @@ namespace visum::run {
 //
 // A controller's own are the sessions under its client's name, those that its gate names, and the buses that
 // its command names. What came under a name that no controller has, or over a bus that none names, is the
-// controller's if there is only one; among several it may be anyone's, and shows nothing.
+// controller's if there is only one; among several it may be anyone's, and shows nothing. The same holds of a
+// name or a bus that several controllers share which are all to exchange something.
 std::string find_silent_controller(const std::vector<ControllerSpec>& controllers,
                                    const protocol::ServerStatus& status);
 
