@@ -23,13 +23,14 @@ from programs import ARM, SOURCE, Daemon, expect, run_all
 LIBRARIES = (("esd", "visum-test-ntcan"), ("peak", "visum-test-pcan"))
 SHORT = 20  # times fewer frames in a short run
 PATIENCE_S = 3600.0
+TOO_SLOW = 6  # the exit code
 Said = tuple[str, dict[str, object]]
 
 
-def execute(options: argparse.Namespace, *words: object) -> Said:
-    """Runs a program. Returns what it printed, and the figures of `visum exec`."""
+def execute(options: argparse.Namespace, *words: object, may_be_slow: bool = False) -> Said:
+    """Runs a program. Returns what it printed, and the figures of `visum exec`. `may_be_slow`: as a host for real time."""
     done = subprocess.run([str(word) for word in (options.bin / "visum", "exec", "--json", "--timeout", PATIENCE_S, *words)], capture_output=True, text=True, timeout=PATIENCE_S)
-    expect(done.returncode == 0, f"visum exec ends with {done.returncode}: {done.stderr[-500:]}")
+    expect(done.returncode == 0 or may_be_slow and done.returncode == TOO_SLOW, f"visum exec ends with {done.returncode}: {done.stderr[-500:]}")
     *printed, figures = done.stdout.splitlines()
     return "\n".join(printed), json.loads(figures)
 
@@ -49,7 +50,7 @@ def frames_with(options: argparse.Namespace, run: Callable[[str, Path, int], Sai
 def in_real_time(options: argparse.Namespace, _: Path) -> str:
     with Daemon(options.bin, "--clock", "realtime", "--run", "--bus", "arm=tcp:0") as daemon:
         return frames_with(options, lambda vendor, program, requests: execute(
-            options, "--connect", daemon.address, "--can", vendor, "--", program, requests))
+            options, "--connect", daemon.address, "--can", vendor, "--", program, requests, may_be_slow=True))
 
 
 def in_lockstep(options: argparse.Namespace, _: Path) -> str:

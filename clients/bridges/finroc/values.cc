@@ -27,32 +27,31 @@ void put_number(Writer& out, const Value& value, std::uint8_t unit) {
   if (unit != 0) out.put(unit);
 }
 
+// Small whole numbers are their code.
+Value take_number_of(Reader& in, int code) {
+  switch (code) {
+    case kInt64:
+      return in.take<std::int64_t>();
+    case kInt32:
+      return static_cast<std::int64_t>(in.take<std::int32_t>());
+    case kInt16:
+      return static_cast<std::int64_t>(in.take<std::int16_t>());
+    case kDouble:
+      return in.take<double>();
+    case kFloat:
+      return static_cast<double>(in.take<float>());
+    default:
+      if (code < kLeastSmall || code > kMostSmall) in.fail();
+      return static_cast<std::int64_t>(code);
+  }
+}
+
 std::optional<Value> take_number(Reader& in) {
   const auto first = in.take<std::int8_t>();
   const bool with_unit = (first & 1) != 0;
-  const int code = (first - (with_unit ? 1 : 0)) / 2;
-  Value value = static_cast<std::int64_t>(code);
-  switch (code) {
-    case kInt64:
-      value = in.take<std::int64_t>();
-      break;
-    case kInt32:
-      value = static_cast<std::int64_t>(in.take<std::int32_t>());
-      break;
-    case kInt16:
-      value = static_cast<std::int64_t>(in.take<std::int16_t>());
-      break;
-    case kDouble:
-      value = in.take<double>();
-      break;
-    case kFloat:
-      value = static_cast<double>(in.take<float>());
-      break;
-    default:
-      if (code < kLeastSmall || code > kMostSmall) in.fail();
-  }
+  std::optional<Value> value = take_number_of(in, (first - (with_unit ? 1 : 0)) / 2);
   if (with_unit) in.take<std::uint8_t>();
-  if (in.failed()) return std::nullopt;
+  if (in.failed()) value.reset();
   return value;
 }
 
