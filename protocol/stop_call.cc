@@ -17,7 +17,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 using State = StopNews::State;
 
-constexpr milliseconds kAgain{50};  // how soon a datagram that was not answered is sent again
+constexpr milliseconds kAgain{10};  // how soon a datagram that was not answered is sent again
 
 // One of the addresses of the host, with a socket of its own.
 class Way {
@@ -69,10 +69,10 @@ class Call {
     fill_with_random(nonce_);
   }
 
-  StopNews run(const std::vector<Way>& ways, steady_clock::time_point deadline) {
+  StopNews run(const std::vector<Way>& ways, steady_clock::time_point deadline, const std::stop_token& end) {
     std::vector<pollfd> polled;
     for (const auto& way : ways) polled.push_back({way.fd(), POLLIN, 0});
-    for (auto now = steady_clock::now(); now < deadline; now = steady_clock::now()) {
+    for (auto now = steady_clock::now(); now < deadline && !end.stop_requested(); now = steady_clock::now()) {
       const auto bytes = encode(next());
       for (const auto& way : ways) way.send(bytes);
       const auto again = std::min(deadline, now + kAgain);
@@ -138,10 +138,10 @@ class Call {
 
 StopNews call_stop(const std::string& host, std::uint16_t port, const std::string& part,
                    const std::string& token, milliseconds at_most,
-                   const std::function<void(const StopNews&)>& on_news) {
+                   const std::function<void(const StopNews&)>& on_news, const std::stop_token& end) {
   const auto deadline = steady_clock::now() + at_most;
   const auto ways = ways_to(host, port);
-  return Call(part, token, on_news).run(ways, deadline);
+  return Call(part, token, on_news).run(ways, deadline, end);
 }
 
 }  // namespace visum::protocol

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "protocol/stop_datagram.h"
@@ -25,11 +26,11 @@ struct StopNews {
   StopRefusal refusal = StopRefusal::kCookie;  // kRefused
 };
 
-// Orders the stop until it has acted, is refused, or `at_most` is over; returns how far it came. `part`
-// empty: all parts. `token`: one of the server's tokens; empty: none. `on_news` is called with each step
-// forward. Throws ConnectionError where the host is unknown.
+// Orders the stop until it has acted, is refused, `at_most` is over, or `end` is asked for; returns how far
+// it came. `part` empty: all parts. `token`: one of the server's tokens; empty: none. `on_news` is called
+// with each step forward. Throws ConnectionError where the host is unknown.
 StopNews call_stop(const std::string& host, std::uint16_t port, const std::string& part,
                    const std::string& token, std::chrono::milliseconds at_most,
-                   const std::function<void(const StopNews&)>& on_news);
+                   const std::function<void(const StopNews&)>& on_news, const std::stop_token& end = {});
 
 }  // namespace visum::protocol

@@ -15,8 +15,9 @@
 namespace visum::gateway {
 namespace {
 
-constexpr int kLookMs = 2;   // how often the latch is looked at while an order waits
-constexpr int kAtOnce = 64;  // datagrams that are handled before the latch is looked at again
+constexpr int kLookMs = 2;           // how often the latch is looked at while an order waits
+constexpr std::size_t kAtOnce = 64;  // datagrams that are handled before the latch is looked at again
+constexpr int kRoom = 1 << 20;       // bytes of datagrams that wait, where the system allows so many
 
 int bound_socket(const std::string& address, std::uint16_t port) {
   const auto place = address + ":" + std::to_string(port);
@@ -28,6 +29,7 @@ int bound_socket(const std::string& address, std::uint16_t port) {
   if (const int failure = ::getaddrinfo(host, std::to_string(port).c_str(), &hints, &found); failure != 0)
     throw std::runtime_error(place + ": " + ::gai_strerror(failure));
   const int fd = ::socket(found->ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &kRoom, sizeof kRoom);
   const int bound = fd < 0 ? -1 : ::bind(fd, found->ai_addr, found->ai_addrlen);
   const int error = errno;
   ::freeaddrinfo(found);
@@ -57,22 +59,31 @@ void StopDoor::run() {
   std::array<pollfd, 2> polled{{{socket_, POLLIN, 0}, {end_, POLLIN, 0}}};
   while (!(polled[1].revents & POLLIN)) {
     ::poll(polled.data(), polled.size(), orders_.waits() ? kLookMs : -1);
-    for (int i = 0; i < kAtOnce && (polled[0].revents & POLLIN); ++i) serve_one();
+    if (polled[0].revents & POLLIN) serve_some();
     for (const auto& [peer, answer] : orders_.acted(StopOrders::Clock::now())) send(peer, answer);
   }
 }
 
-void StopDoor::serve_one() {
-  std::array<std::byte, protocol::kStopOrderBytes + 1> buffer;
-  sockaddr_storage from{};
-  socklen_t length = sizeof from;
-  const auto got =
-      ::recvfrom(socket_, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &length);
-  if (got < 0) return;
-  const std::string peer(reinterpret_cast<const char*>(&from), length);
-  const auto answer =
-      orders_.answer(std::span(buffer).first(static_cast<std::size_t>(got)), peer, StopOrders::Clock::now());
-  if (answer) send(peer, *answer);
+// Takes what is there in one call: whoever floods this port pays more for a datagram than we do.
+void StopDoor::serve_some() {
+  std::array<std::array<std::byte, protocol::kStopOrderBytes + 1>, kAtOnce> buffers;
+  std::array<sockaddr_storage, kAtOnce> peers;
+  std::array<iovec, kAtOnce> pieces;
+  std::array<mmsghdr, kAtOnce> datagrams{};
+  for (std::size_t i = 0; i < kAtOnce; ++i) {
+    pieces[i] = {buffers[i].data(), buffers[i].size()};
+    datagrams[i].msg_hdr.msg_name = &peers[i];
+    datagrams[i].msg_hdr.msg_namelen = sizeof peers[i];
+    datagrams[i].msg_hdr.msg_iov = &pieces[i];
+    datagrams[i].msg_hdr.msg_iovlen = 1;
+  }
+  const int count = ::recvmmsg(socket_, datagrams.data(), kAtOnce, MSG_DONTWAIT, nullptr);
+  for (std::size_t i = 0; count > 0 && i < static_cast<std::size_t>(count); ++i) {
+    const std::string peer(reinterpret_cast<const char*>(&peers[i]), datagrams[i].msg_hdr.msg_namelen);
+    const auto answer =
+        orders_.answer(std::span(buffers[i]).first(datagrams[i].msg_len), peer, StopOrders::Clock::now());
+    if (answer) send(peer, *answer);
+  }
 }
 
 // An answer that does not leave is like one that is lost: the client asks again.

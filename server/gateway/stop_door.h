@@ -21,7 +21,7 @@ class StopDoor {
 
  private:
   void run();
-  void serve_one();
+  void serve_some();
   void send(const std::string& peer, const protocol::StopDatagram& datagram) const;
 
   StopOrders orders_;  // the thread's

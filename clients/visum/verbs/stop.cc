@@ -5,6 +5,7 @@
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <thread>
 
@@ -22,15 +23,14 @@ using protocol::StopRefusal;
 using std::chrono::milliseconds;
 using State = StopNews::State;
 
-constexpr milliseconds kAlone{300};     // without an answer by then, a session is tried as well
+constexpr milliseconds kAlone{30};      // without an answer by then, a session is tried as well
 constexpr milliseconds kAtMost{3'000};  // the whole wait
 
-// Orders the stop by datagrams, on a thread of its own that ends after kAtMost.
+// Orders the stop by datagrams, on a thread of its own that ends with it, and after kAtMost.
 class Order {
  public:
   Order(const std::string& host, std::uint16_t port, const std::string& part, const std::string& token)
-      : thread_([=, this] { run(host, port, part, token); }) {}
-  ~Order() { thread_.join(); }
+      : thread_([=, this](const std::stop_token& end) { run(host, port, part, token, end); }) {}
 
   // The news so far: once the order has come as far as `state`, or further, or after `at_most`.
   StopNews await(State state, milliseconds at_most) {
@@ -47,10 +47,12 @@ class Order {
   }
 
  private:
-  void run(const std::string& host, std::uint16_t port, const std::string& part, const std::string& token) {
+  void run(const std::string& host, std::uint16_t port, const std::string& part, const std::string& token,
+           const std::stop_token& end) {
     std::exception_ptr failure;
     try {
-      protocol::call_stop(host, port, part, token, kAtMost, [this](const StopNews& news) { tell(news); });
+      protocol::call_stop(
+          host, port, part, token, kAtMost, [this](const StopNews& news) { tell(news); }, end);
     } catch (...) {
       failure = std::current_exception();
     }
@@ -70,7 +72,7 @@ class Order {
   StopNews news_;
   std::exception_ptr failure_;
   bool over_ = false;
-  std::thread thread_;  // last: it uses the others
+  std::jthread thread_;  // last: it uses the others
 };
 
 const char* text_of(StopRefusal why) {
