@@ -9,7 +9,7 @@
 
 namespace visum::shim {
 
-inline constexpr std::uint32_t kMagic = 0x56535434;         // of this layout
+inline constexpr std::uint32_t kMagic = 0x56535435;         // of this layout
 inline constexpr const char* kVariable = "VISUM_LOCKSTEP";  // the file's path, in the environment
 inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
@@ -73,6 +73,7 @@ struct Shared {
   std::uint32_t magic;
   std::int32_t scheduler;  // process
   std::int64_t tick_ns;
+  std::uint64_t pid_namespace;  // of the scheduler
   std::uint32_t tty_count, port_count;
   std::uint32_t session_port;       // the server's own, for the ports over TCP
   std::uint64_t ttys[kMostBuses];   // pseudo terminals of buses: st_rdev
@@ -85,6 +86,7 @@ struct Shared {
   std::atomic<std::uint32_t> program_announced;  // the command itself has loaded the shim
   std::atomic<std::int32_t> stranger_of;         // a process whose child never loaded it; 0: none
   std::atomic<std::int32_t> host_timer_of;       // a process with a timer of the host's; 0: none
+  std::atomic<std::uint32_t> elsewhere;          // a process of another process namespace loaded it
   Alarm alarms[kMostProcesses];
   Stream streams[kMostStreams];
   Slot slots[kMostThreads];

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "clients/shim/futex.h"
+#include "clients/shim/namespaces.h"
 #include "clients/shim/real.h"
 
 namespace visum::shim {
@@ -133,7 +134,17 @@ Slot* slot_from_before(std::int32_t pid) {
   return found;
 }
 
+// Leaves a process out that has another number here than the scheduler sees. It goes by the host's time from
+// now on, and the run is invalid.
+bool is_elsewhere() {
+  if (pid_namespace() == the_shared->pid_namespace) return false;
+  the_shared->elsewhere = 1;
+  the_shared = nullptr;
+  return true;
+}
+
 void attach() {
+  if (is_elsewhere()) return;
   const auto pid = static_cast<std::int32_t>(::getpid());
   auto* slot = slot_from_before(pid);
   if (!slot) slot = claim_slot(State::kStarting, State::kRunning, pid, ::getppid());
@@ -287,6 +298,7 @@ Slot* keep_slot(std::int32_t pid, std::int32_t parent) {
 }
 
 void take_slot(Slot& slot) {
+  if (is_elsewhere()) return drop_slot(slot);
   my_slot = &slot;
   looks = 0;
   slot.tid = thread_id();

@@ -242,6 +242,14 @@ class Verdict(unittest.TestCase):
     def test_one_that_sleeps_past_the_library(self):
         self.assertIn("waits by the host's time", self.invalid(BIN / "visum-test-raw-sleep", "raw"))
 
+    def test_one_in_a_process_namespace_of_its_own(self):
+        own = ["unshare", "--user", "--map-root-user", "--pid", "--fork"]
+        if subprocess.run([*own, "true"], capture_output=True).returncode != 0:
+            self.skipTest("this machine allows no namespaces")
+        for command in ([*own, "sleep", "0.1"], [*own, "sh", "-c", "sleep 0.1; true"]):
+            with self.subTest(command=command):
+                self.assertIn("a process namespace of its own", self.invalid(*command))
+
     def test_a_scenario_with_such_a_controller_is_invalid_and_not_passed(self):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "static.yaml"

@@ -135,6 +135,9 @@ void Scheduler::await_announcements() {
   if (const auto owner = memory_.host_timer_of.load(); owner != 0)
     note_out_of_step("process " + std::to_string(owner) +
                      " has a timer of timer_create(), which goes by the host's time");
+  if (memory_.elsewhere != 0)
+    note_out_of_step(
+        "a process runs in a process namespace of its own, where the time shim cannot follow it");
   if (memory_.program_announced == 0) note_out_of_step("the program itself has not loaded the time shim");
 }
 

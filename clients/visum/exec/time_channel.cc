@@ -9,6 +9,7 @@
 #include <cstring>
 #include <new>
 
+#include "clients/shim/namespaces.h"
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/exec/preload.h"
 
@@ -35,6 +36,7 @@ TimeChannel::TimeChannel(std::int64_t tick_ns)
       memory_(new (map_new_file(path_, sizeof(shim::Shared))) shim::Shared{}) {
   memory_->tick_ns = tick_ns;
   memory_->scheduler = ::getpid();
+  memory_->pid_namespace = shim::pid_namespace();
   memory_->magic = shim::kMagic;
 }
 
