@@ -14,6 +14,13 @@ Eigen::AlignedBox3d box_of(const MeshTriangle& triangle) {
   return box;
 }
 
+// Where the middle of its box lies on an axis.
+double centre(const MeshTriangle& triangle, Eigen::Index axis) {
+  const auto [least, most] =
+      std::minmax({triangle.corners[0][axis], triangle.corners[1][axis], triangle.corners[2][axis]});
+  return (least + most) / 2.0;
+}
+
 struct EdgeSide {
   std::size_t triangle, edge;
 };
@@ -76,10 +83,9 @@ void Mesh::split(std::uint32_t node, std::uint32_t first, std::uint32_t last) {
   box.sizes().maxCoeff(&axis);
   const std::uint32_t middle = first + (last - first) / 2;
   // The sort is stable, so that equal centres keep the file's order with every library.
-  std::stable_sort(triangles_.begin() + first, triangles_.begin() + last,
-                   [axis](const MeshTriangle& a, const MeshTriangle& b) {
-                     return box_of(a).center()[axis] < box_of(b).center()[axis];
-                   });
+  std::stable_sort(
+      triangles_.begin() + first, triangles_.begin() + last,
+      [axis](const MeshTriangle& a, const MeshTriangle& b) { return centre(a, axis) < centre(b, axis); });
   const auto children = static_cast<std::uint32_t>(nodes_.size());
   nodes_.resize(nodes_.size() + 2);
   nodes_[node].first = children;
