@@ -122,6 +122,9 @@ class Bounded {
   void connect_responses(Part& part, double* W);
   // Computes W of a mechanism: what a unit impulse on each of its rows does to all of them.
   void find_response(std::size_t mechanism, double* W);
+  // Follows the rows' ways through a tree. Returns false where they are too long for Tree::find_response().
+  bool trace_rows(std::size_t mechanism);
+  void find_response_row_by_row(std::size_t mechanism, double* W);
   // Velocity of a row in the mechanism's last answer, rad/s or m/s.
   double rate_in_answer(std::size_t mechanism, const MechanismRow& row) const;
 

@@ -20,6 +20,10 @@ void put(std::array<double, 6>& row, const Vector3d& angular, const Vector3d& li
   Eigen::Map<Vector3d>(row.data() + 3) = linear;
 }
 
+// The most steps of the rows' ways to the root, per body of the tree. With more, answers of the whole tree
+// cost less than comparing all ways.
+constexpr std::size_t kMostWaySteps = 60;
+
 }  // namespace
 
 Bounded::Bounded(Plant& plant)
@@ -373,12 +377,36 @@ double Bounded::rate_in_answer(std::size_t m, const MechanismRow& row) const {
                              : mechanism.rate(row.line);
 }
 
-// Computes W row by row: a unit impulse on each of its rows, answered by the mechanism.
 void Bounded::find_response(std::size_t m, double* W) {
+  if (of_mechanism_[m].rows.empty()) return;
+  Mechanism& mechanism = plant_.mechanisms[m];
+  mechanism.factor(plant_.bodies);
+  if (mechanism.loop_count() == 0 && trace_rows(m))
+    mechanism.tree().find_response(W);
+  else
+    find_response_row_by_row(m, W);
+}
+
+bool Bounded::trace_rows(std::size_t m) {
+  Tree& tree = plant_.mechanisms[m].tree();
+  tree.clear_traces();
+  for (const MechanismRow& row : of_mechanism_[m].rows) {
+    const PathMotion& line = row.line;
+    if (row.axis != nullptr)
+      tree.trace(tree.push_on_axis(static_cast<std::size_t>(row.axis->node)), {});
+    else
+      tree.trace(tree.push_at(line.node_a, line.angular_a, line.linear_a),
+                 tree.push_at(line.node_b, line.angular_b, line.linear_b));
+    if (tree.step_count() > kMostWaySteps * tree.size()) return false;
+  }
+  return true;
+}
+
+// A unit impulse on each of the rows, answered by the mechanism.
+void Bounded::find_response_row_by_row(std::size_t m, double* W) {
   MechanismRows& rows = of_mechanism_[m];
   Mechanism& mechanism = plant_.mechanisms[m];
   const std::size_t n = rows.rows.size();
-  if (n > 0) mechanism.factor(plant_.bodies);
   for (std::size_t i = 0; i < n; ++i) {
     mechanism.clear();
     MechanismRow& row = rows.rows[i];

@@ -21,16 +21,19 @@ double dot(const double* a, const double* b, std::size_t from, std::size_t to) {
 void EnvelopeLu::clear() {
   first_.clear();
   start_.clear();
-  lower_.clear();
-  upper_.clear();
+  entries_ = 0;
 }
 
 void EnvelopeLu::add(std::size_t first) {
   const std::size_t i = first_.size();
   first_.push_back(first);
-  start_.push_back(lower_.size());
-  lower_.resize(lower_.size() + i - first + 1, 0.0);
-  upper_.resize(lower_.size(), 0.0);
+  start_.push_back(entries_);
+  entries_ += i - first + 1;
+}
+
+void EnvelopeLu::place() {
+  lower_.assign(entries_, 0.0);
+  upper_.assign(entries_, 0.0);
 }
 
 bool EnvelopeLu::factor() {

@@ -10,17 +10,18 @@
 
 namespace visum::dynamics::impulse {
 
-// Order of calls: clear(), add() for each row, fill at(), factor(), solve(). Owned by Rows, used on the
-// tick's thread.
+// Order of calls: clear(), add() for each row, place(), fill at(), factor(), solve(). Owned by Rows, used on
+// the tick's thread.
 class EnvelopeLu {
  public:
   explicit EnvelopeLu(const Kernels& by = kernels()) : kernels_(&by) {}
   void clear();  // keeps the memory
-  // Adds the next row and column. Their first entries are in column and row `first`; all entries are zero.
+  // Adds the next row and column. Their first entries are in column and row `first`.
   void add(std::size_t first);
+  void place();  // makes the entries, all zero
   std::size_t size() const { return first_.size(); }
   std::size_t first(std::size_t i) const { return first_[i]; }  // as given to add()
-  std::size_t entries() const { return lower_.size(); }         // below the diagonal and on it; as many above
+  std::size_t entries() const { return entries_; }              // below the diagonal and on it; as many above
   // Entry of row i, column j; it must be within the pattern.
   double& at(std::size_t i, std::size_t j) { return j <= i ? row(i)[j] : column(j)[i]; }
 
@@ -34,6 +35,7 @@ class EnvelopeLu {
   const double* row(std::size_t i) const { return lower_.data() + start_[i] - first_[i]; }
   const double* column(std::size_t i) const { return upper_.data() + start_[i] - first_[i]; }
 
+  std::size_t entries_ = 0;
   std::vector<std::size_t> first_, start_;
   std::vector<double> lower_, upper_;  // lower_ contains the diagonal
   std::vector<double> inverse_diagonal_;

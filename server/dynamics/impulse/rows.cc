@@ -89,6 +89,7 @@ void Rows::take(RowIsland& island) {
 void Rows::prepare() {
   island_->largest_change = 0.0;
   island_->sweep_units = 0;
+  island_->factored_by = nullptr;
   for (RowBlock& block : blocks_) {
     for (std::size_t e = 0; e < block.end_count; ++e) {
       const RowEnd& end = block.ends[e];

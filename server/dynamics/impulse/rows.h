@@ -84,6 +84,8 @@ struct RowBlock {
   bool at_bound = false;  // rows_active.cc: its tangents have met their bound and stay there
 };
 
+class Rows;
+
 // The rows that one solution has to satisfy together, and all that they act on: parts of the caller's arrays.
 // Indices in the blocks (offset, response, contact) count from the beginnings of these parts.
 struct RowIsland {
@@ -94,6 +96,7 @@ struct RowIsland {
   double largest_change = 0.0;        // of a velocity by an impulse, since prepare(), m/s or rad/s
   bool rests = false;                 // the last solve() had nothing to do
   std::uint64_t sweep_units = 0;      // work of one sweep, since prepare()
+  const Rows* factored_by = nullptr;  // since prepare(): who keeps a factor of some of the rows
 };
 
 // How much the velocity of a block's first row changes for a unit impulse.
@@ -161,8 +164,15 @@ class Rows {
     // A row across the sliding (kAcross) has a direction, by tangent, and gives way.
     std::array<double, 2> across{};
     double compliance = 0.0;
+    bool operator==(const Row&) const = default;
   };
   static constexpr std::size_t kAcross = 3;
+  // The active rows begin..end-1 of one block. `drags`: a normal of them drags friction along.
+  struct Group {
+    std::size_t begin, end;
+    const RowBlock* block;
+    bool drags;
+  };
 
   // The share of a step that a block can take before it meets a bound: of its first row, and of its tangents
   // (or rolling).
@@ -215,9 +225,14 @@ class Rows {
 
   // rows_active.cc: solves all rows within their bounds at once. Returns false if there are too many of them.
   bool solve_active(double enough);
-  // Velocities of one block's rows for unit impulses on those of another one that it meets.
-  using Responses = std::array<std::array<double, 3>, 3>;
-  void find_responses(const RowBlock& a, const RowBlock& b, Responses& responses) const;
+  // Velocities of one block's rows for unit impulses on those of another one that it meets. They stand in a
+  // mechanism's W, or in `memory`.
+  struct Responses {
+    const double* first;
+    std::size_t stride;
+    double operator()(std::size_t r, std::size_t s) const { return first[r * stride + s]; }
+  };
+  Responses find_responses(const RowBlock& a, const RowBlock& b, std::array<double, 9>& memory) const;
   // The same for active rows, without the friction that b drags along.
   static double response(const Responses& of, const Row& a, std::size_t s);
   static double response(const Responses& of, const Row& a, const Row& b);
@@ -230,10 +245,14 @@ class Rows {
   void add_twist(std::size_t index);
   // Lists the active rows: those within their bounds.
   void find_active();
-  // Factors their system, by bodies or by rows. Returns false where it is too large or has no positive pivot.
+  // Factors their system, by bodies or by rows, unless the last factor is the same. Returns false where it is
+  // too large or has no positive pivot.
   bool factor_active();
+  // True if the factor that is kept is that of the active rows.
+  bool is_factored() const;
   bool factor_rows();
-  void add_responses(std::size_t begin, std::size_t end, std::size_t from, std::size_t to);
+  void add_responses(const Group& at, const Group& by);
+  void find_groups();
   // Solves the factored system: from the misses in missing_ to the changes of impulse.
   void solve_factored();
   // Fills missing_ with the active rows' misses. Returns the largest.
@@ -279,6 +298,10 @@ class Rows {
   void count_work(std::uint64_t units) const {
     if (work_ != nullptr) work_->take(units);
   }
+  void count_factor(std::uint64_t units) {
+    factor_units_ += units;
+    count_work(units);
+  }
 
   const Kernels* kernels_;
   RowIsland* island_ = nullptr;  // that was taken
@@ -288,12 +311,17 @@ class Rows {
   std::span<const FreeBody> bodies_;
   std::span<const double> responses_;
   WorkBudget* work_;
-  static constexpr std::size_t kNoBlock = static_cast<std::size_t>(-1);
   std::vector<Row> active_;
+  std::vector<Group> groups_;
   EnvelopeLu factor_;
   BodyFactor body_factor_;
   std::vector<double> body_steps_;
   bool by_bodies_ = false;  // which of the two factors is in use
+  // The factor that is kept: of which rows in which island, and the rows' softness.
+  const RowIsland* factored_island_ = nullptr;
+  std::vector<Row> factored_;
+  std::vector<double> factored_softness_;
+  std::uint64_t factor_units_ = 0;  // work of the factor
   // Misses of the active rows, then their changes of impulse.
   std::vector<double> missing_;
   std::vector<std::array<double, 3>> steps_;  // by block: change of impulse

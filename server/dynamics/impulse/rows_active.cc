@@ -71,23 +71,22 @@ double Rows::response(const RowBlock& a, std::size_t r, const RowBlock& b, std::
   return sum;
 }
 
-void Rows::find_responses(const RowBlock& a, const RowBlock& b, Responses& responses) const {
+Rows::Responses Rows::find_responses(const RowBlock& a, const RowBlock& b,
+                                     std::array<double, 9>& memory) const {
   // Blocks that meet on one mechanism, and touch nothing else: a part of its W.
   if (a.end_count == 1 && b.end_count == 1 && !a.ends[0].free) {
     const RowEnd &at = a.ends[0], &by = b.ends[0];
-    const double* W = &responses_[at.response + at.first * at.size + by.first];
-    for (std::size_t r = 0; r < a.dim; ++r)
-      for (std::size_t s = 0; s < b.dim; ++s) responses[r][s] = W[r * at.size + s];
-    return;
+    return {&responses_[at.response + at.first * at.size + by.first], at.size};
   }
   for (std::size_t r = 0; r < a.dim; ++r)
-    for (std::size_t s = 0; s < b.dim; ++s) responses[r][s] = response(a, r, b, s);
+    for (std::size_t s = 0; s < b.dim; ++s) memory[3 * r + s] = response(a, r, b, s);
+  return {memory.data(), 3};
 }
 
 // The velocity that a unit impulse on row s of b's block causes in row a.
 double Rows::response(const Responses& of, const Row& a, std::size_t s) {
-  if (a.row != kAcross) return of[a.row][s];
-  return a.across[0] * of[1][s] + a.across[1] * of[2][s];
+  if (a.row != kAcross) return of(a.row, s);
+  return a.across[0] * of(1, s) + a.across[1] * of(2, s);
 }
 
 double Rows::response(const Responses& of, const Row& a, const Row& b) {
@@ -153,9 +152,30 @@ void Rows::find_active() {
   }
 }
 
+bool Rows::is_factored() const {
+  if (island_->factored_by != this || factored_island_ != island_ || factored_ != active_) return false;
+  for (std::size_t i = 0; i < active_.size(); ++i)
+    if (factored_softness_[i] != softness(active_[i])) return false;
+  return true;
+}
+
+// Rows that all stick have the same system from pass to pass.
 bool Rows::factor_active() {
+  if (is_factored()) {
+    // As if it were factored again: whether it is depends on the islands that the same thread has solved.
+    count_work(factor_units_);
+    return true;
+  }
+  island_->factored_by = nullptr;
+  factor_units_ = 0;
   by_bodies_ = bodies_alone();
-  return by_bodies_ ? factor_bodies(kMostEntries) : factor_rows();
+  if (!(by_bodies_ ? factor_bodies(kMostEntries) : factor_rows())) return false;
+  island_->factored_by = this;
+  factored_island_ = island_;
+  factored_ = active_;
+  factored_softness_.resize(active_.size());
+  for (std::size_t i = 0; i < active_.size(); ++i) factored_softness_[i] = softness(active_[i]);
+  return true;
 }
 
 void Rows::solve_factored() {
@@ -165,49 +185,52 @@ void Rows::solve_factored() {
     factor_.solve(missing_);
 }
 
+void Rows::find_groups() {
+  groups_.clear();
+  for (std::size_t i = 0; i < active_.size();) {
+    const std::span<const Row> rows = rows_of_block(i);
+    const bool drags =
+        std::ranges::any_of(rows, [](const Row& row) { return row.drag[0] != 0.0 || row.drag[1] != 0.0; });
+    groups_.push_back({i, i + rows.size(), &blocks_[active_[i].block], drags});
+    i += rows.size();
+  }
+}
+
 bool Rows::factor_rows() {
   // The pattern: each row begins at the first active row that it shares a body or mechanism with.
+  find_groups();
   factor_.clear();
-  std::size_t block = kNoBlock, first = 0;
-  for (std::size_t i = 0; i < active_.size(); ++i) {
-    const Row& row = active_[i];
-    if (row.block != block) {
-      block = row.block;
-      first = 0;
-      while (active_[first].block != block && !meet(blocks_[active_[first].block], blocks_[block])) ++first;
+  for (const Group& group : groups_) {
+    const auto first = std::ranges::find_if(groups_, [&](const Group& other) {
+      return other.begin == group.begin || meet(*other.block, *group.block);
+    });
+    for (std::size_t i = group.begin; i < group.end; ++i) {
+      factor_.add(first->begin);
+      if (factor_.entries() > kMostEntries) return false;
+      // Its entries, and their elimination.
+      const std::size_t width = i - first->begin + 1;
+      count_factor(width * (kPerResponse + width / WorkBudget::kMultiplications));
     }
-    factor_.add(first);
-    if (factor_.entries() > kMostEntries) return false;
-    // Its entries, and their elimination.
-    const std::size_t width = i - first + 1;
-    count_work(width * (kPerResponse + width / WorkBudget::kMultiplications));
   }
-  for (std::size_t i = 0; i < active_.size();) {
-    const std::size_t end = i + rows_of_block(i).size();
-    for (std::size_t j = factor_.first(i); j < end;) {
-      const std::size_t count = rows_of_block(j).size();
-      add_responses(i, end, j, j + count);
-      j += count;
-    }
-    for (; i < end; ++i) factor_.at(i, i) += softness(active_[i]);
+  factor_.place();
+  for (const Group& group : groups_) {
+    for (const Group& other : std::span(groups_.data(), &group + 1))
+      if (other.begin >= factor_.first(group.begin)) add_responses(group, other);
+    for (std::size_t i = group.begin; i < group.end; ++i) factor_.at(i, i) += softness(active_[i]);
   }
   return factor_.factor();
 }
 
-// The entries of two blocks' active rows, begin..end-1 and from..to-1. What one row's impulse does to another
-// follows from the blocks' responses to each other.
-void Rows::add_responses(std::size_t begin, std::size_t end, std::size_t from, std::size_t to) {
-  const RowBlock &at = blocks_[active_[begin].block], &by = blocks_[active_[from].block];
-  if (!meet(at, by)) return;
-  Responses there, back;
-  find_responses(at, by, there);
-  const bool drags = std::any_of(active_.begin() + static_cast<std::ptrdiff_t>(begin),
-                                 active_.begin() + static_cast<std::ptrdiff_t>(end),
-                                 [](const Row& row) { return row.drag[0] != 0.0 || row.drag[1] != 0.0; });
-  if (drags) find_responses(by, at, back);
-  for (std::size_t i = begin; i < end; ++i) {
+// The entries of two blocks' active rows. What one row's impulse does to another follows from the blocks'
+// responses to each other.
+void Rows::add_responses(const Group& at, const Group& by) {
+  if (!meet(*at.block, *by.block)) return;
+  std::array<double, 9> memory, memory_back;
+  const Responses there = find_responses(*at.block, *by.block, memory);
+  const Responses back = at.drags ? find_responses(*by.block, *at.block, memory_back) : there;
+  for (std::size_t i = at.begin; i < at.end; ++i) {
     const Row& row = active_[i];
-    for (std::size_t j = from; j < std::min(to, i + 1); ++j) {
+    for (std::size_t j = by.begin; j < std::min(by.end, i + 1); ++j) {
       const Row& other = active_[j];
       const double both = response(there, row, other);
       factor_.at(i, j) = both + dragged(there, row, other);

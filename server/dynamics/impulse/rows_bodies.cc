@@ -79,7 +79,7 @@ bool Rows::factor_bodies(std::size_t most_entries) {
     if (const RowBlock& block = blocks_[row.block]; block.end_count == 2)
       body_factor_.connect(block.ends[0].offset / 6, block.ends[1].offset / 6);
   if (!body_factor_.place(most_entries)) return false;
-  count_work(body_factor_.multiplications() / WorkBudget::kMultiplications);
+  count_factor(body_factor_.multiplications() / WorkBudget::kMultiplications);
   for (std::size_t i = 0; i < active_.size();) {
     const std::span<const Row> rows = rows_of_block(i);
     add_to_bodies(rows);

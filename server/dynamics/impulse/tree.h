@@ -78,6 +78,20 @@ class Tree {
   void solve();
   void solve_part(int part);  // solves one part; the answers of other parts stay as they are
 
+  // The response of unit impulses to each other (tree_response.cc), for a tree with at most one free root.
+  // Order of calls, any time after factor(): clear_traces(), trace() for each impulse, find_response(). `W`:
+  // as many rows and columns as there are impulses. An impulse has one or two ends, each made by push_at()
+  // (node -1: does not move) or push_on_axis().
+  TreePush push_at(int node, const Vector3d& angular, const Vector3d& linear) const;
+  TreePush push_on_axis(std::size_t node) const;
+  void clear_traces() {
+    traces_.clear();
+    steps_.clear();
+  }
+  void trace(const TreePush& a, const TreePush& b);
+  std::size_t step_count() const { return steps_.size(); }  // axes on all ways to the root
+  void find_response(double* W);
+
   // The answer, by node: changes of velocity of the centre of mass, and of a joint's single axis.
   VectorView dw(std::size_t i) const { return VectorView(answers_[row_of_[i]].w); }
   VectorView dv(std::size_t i) const { return VectorView(answers_[row_of_[i]].dv); }
@@ -99,6 +113,8 @@ class Tree {
   void apply_and_note(Bodies& bodies, std::span<JointImpulse> given);
 
  private:
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+
   // The free root of a part, whose six velocities are solved for directly.
   struct Root {
     std::size_t row = 0;
@@ -113,6 +129,15 @@ class Tree {
     std::vector<Run> runs;  // rows of the part, parents first
     int root = -1;          // index into roots_; -1: none
   };
+
+  // The way of a unit impulse to the root.
+  struct Trace {
+    std::size_t first = 0, count = 0;  // in steps_
+    Vector6 root;                      // the load on the root
+  };
+  std::span<const TreeStep> steps_of(const Trace& trace) const {
+    return std::span(steps_).subspan(trace.first, trace.count);
+  }
 
   // Adds the rows of a node: one for each free direction of its joint, at least one.
   void add_rows(std::size_t node);
@@ -137,6 +162,10 @@ class Tree {
   std::vector<TreeAsked> asked_;
   std::vector<TreeAnswer> answers_;
   std::vector<TreeLoad> loads_;
+  // Of the response.
+  std::vector<Trace> traces_;
+  std::vector<TreeStep> steps_;
+  std::vector<double> shares_;  // by row
 };
 
 }  // namespace visum::dynamics::impulse

@@ -10,8 +10,8 @@ namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x104bf19a5993ab77ull},       {"OdeQuick", 0xcd99abfa3f8f7fe2ull},
-    {"Impulse", 0x19a58fe7faa80fa6ull},        {"ImpulseOrder4", 0x12f18fa16333946bull},
-    {"ImpulseIterate", 0x237ffd98e7de8dd3ull},
+    {"Impulse", 0x20d935c86e8cd79full},        {"ImpulseOrder4", 0x0cf0bd4de62a652full},
+    {"ImpulseIterate", 0xf216cd32888da164ull},
 };
 
 class Golden : public Contract {};

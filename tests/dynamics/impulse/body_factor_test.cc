@@ -126,6 +126,7 @@ TEST(EnvelopeLu, HasTheSameBitsFromBothKernels) {
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     EnvelopeLu factor(by);
     for (std::size_t i = 0; i < kSize; ++i) factor.add(i < 11 ? 0 : i - 11);
+    factor.place();
     for (std::size_t i = 0; i < kSize; ++i)
       for (std::size_t j = factor.first(i); j <= i; ++j) {
         factor.at(i, j) = uniform(generator);

@@ -206,9 +206,70 @@ TEST(Tree, SolvesAPartAloneToTheSameBits) {
   }
 }
 
+// A unit impulse: on one or two bodies, or on the axis of `a` (if it has no directions).
+struct Impulse {
+  int a, b = -1;
+  Vector6 on_a = Vector6::Zero(), on_b = Vector6::Zero();
+  bool is_on_axis() const { return on_a.isZero(0.0); }
+};
+
+// Impulses on bodies of one chain, of two branches, of two parts, on the root and against what does not move.
+std::vector<Impulse> make_impulses() {
+  std::mt19937 generator{3};
+  std::uniform_real_distribution<double> uniform{-1.0, 1.0};
+  const auto direction = [&] { return Vector6(Vector6::NullaryExpr([&] { return uniform(generator); })); };
+  std::vector<Impulse> impulses{{1}, {3}, {7}, {9}};
+  const std::vector<std::pair<int, int>> ends{{0, -1}, {3, -1}, {8, -1}, {3, 8},  {8, 3},
+                                              {6, 0},  {1, 3},  {10, 2}, {-1, 9}, {5, 5}};
+  for (const auto& [a, b] : ends) impulses.push_back({a, b, direction(), direction()});
+  return impulses;
+}
+
+std::vector<double> find_response(Grove& grove, const std::vector<Impulse>& impulses) {
+  Tree& tree = grove.tree;
+  tree.clear_traces();
+  for (const Impulse& impulse : impulses) {
+    if (impulse.is_on_axis())
+      tree.trace(tree.push_on_axis(static_cast<std::size_t>(impulse.a)), {});
+    else
+      tree.trace(tree.push_at(impulse.a, impulse.on_a.head<3>(), impulse.on_a.tail<3>()),
+                 tree.push_at(impulse.b, impulse.on_b.head<3>(), impulse.on_b.tail<3>()));
+  }
+  std::vector<double> W(impulses.size() * impulses.size());
+  tree.find_response(W.data());
+  return W;
+}
+
+TEST(Tree, FindsTheResponseThatItsAnswersHave) {
+  Grove grove;
+  const std::vector<Impulse> impulses = make_impulses();
+  const std::vector<double> W = find_response(grove, impulses);
+  Tree& tree = grove.tree;
+  const auto rate_on = [&](int node, const Vector6& on) {
+    const auto i = static_cast<std::size_t>(node);
+    return node < 0 ? 0.0 : on.head<3>().dot(tree.dw(i)) + on.tail<3>().dot(tree.dv(i));
+  };
+  for (std::size_t i = 0; i < impulses.size(); ++i) {
+    const Impulse& pushed = impulses[i];
+    tree.clear();
+    if (pushed.is_on_axis()) tree.push_axis(static_cast<std::size_t>(pushed.a), 1.0);
+    for (const auto& [node, on] : {std::pair(pushed.a, pushed.on_a), std::pair(pushed.b, pushed.on_b)})
+      if (node >= 0) tree.push_body(static_cast<std::size_t>(node), on.head<3>(), on.tail<3>());
+    tree.solve();
+    for (std::size_t j = 0; j < impulses.size(); ++j) {
+      const Impulse& seen = impulses[j];
+      const double rate = seen.is_on_axis() ? tree.axis_rate(static_cast<std::size_t>(seen.a))
+                                            : rate_on(seen.a, seen.on_a) + rate_on(seen.b, seen.on_b);
+      EXPECT_NEAR(W[i * impulses.size() + j], rate, 1e-11 * (1.0 + std::abs(rate))) << i << ' ' << j;
+    }
+  }
+}
+
 TEST(Tree, BothBuildsOfItsKernelsGiveTheSameBits) {
   if (kWideKernels == nullptr || &kernels() != kWideKernels) GTEST_SKIP() << "this machine has one of them";
   Grove narrow(kBaselineKernels), wide(*kWideKernels);
+  const std::vector<Impulse> impulses = make_impulses();
+  ASSERT_EQ(find_response(narrow, impulses), find_response(wide, impulses));
   for (int time = 0; time < 100; ++time) {
     for (Grove* grove : {&narrow, &wide}) {
       grove->ask();

@@ -40,6 +40,7 @@ constexpr Kernels make_kernels(const char* build) {
           .factor_tree = factor_tree,
           .load_tree = load_tree,
           .spread_tree = spread_tree,
+          .trace_tree = trace_tree,
           .apply_tree = apply_tree,
           .apply_and_note_tree = apply_and_note_tree,
           .largest_answer_of_tree = largest_answer_of_tree};

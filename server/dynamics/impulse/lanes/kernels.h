@@ -57,6 +57,8 @@ struct Kernels {
   void (*factor_tree)(const TreeRow* rows, TreeFactor* factors, TreePlace place, std::size_t count);
   void (*load_tree)(TreeData tree, std::size_t begin, std::size_t end);
   void (*spread_tree)(TreeData tree, std::size_t begin, std::size_t end);
+  std::size_t (*trace_tree)(TreeData tree, const TreePush* a, const TreePush* b, TreeStep* steps,
+                            double* root_load);
   void (*apply_tree)(const TreeRow* rows, const TreeAnswer* answers, std::size_t count, double* v, double* w);
   void (*apply_and_note_tree)(TreeData tree, const double* inertia, std::size_t count, double* v, double* w,
                               double* given);

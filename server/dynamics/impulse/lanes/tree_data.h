@@ -80,6 +80,19 @@ struct TreeData {
   TreeLoad* loads;
 };
 
+// A unit impulse on a row: on its body, as seen at the centre of mass, or on its axis.
+struct alignas(32) TreePush {
+  double angular[4] = {}, linear[4] = {};
+  double axis = 0.0;
+  int row = -1;  // -1: nothing that moves
+};
+
+// What an impulse on its way to the root gives to the axis of a row: e = lambda - S^T p.
+struct TreeStep {
+  std::size_t row = 0;
+  double e = 0.0;
+};
+
 // Where bodies and joints are: arrays by number of the body or by node, and the strides of the latter in
 // numbers.
 struct TreePlace {

@@ -234,6 +234,50 @@ void load_tree(TreeData tree, std::size_t begin, std::size_t end) {
   }
 }
 
+VISUM_LANES_INLINE LanesPair load_of(const TreeData& tree, const TreePush& push) {
+  if (push.row < 0) return no_pair();
+  const Lanes linear = load(push.linear);
+  return {-(load(push.angular) + cross(load(tree.factors[push.row].c), linear)), -linear};
+}
+
+// Follows an impulse on one or two rows to the root, or to where nothing moves. Writes what it gives to each
+// axis on the way (returns their number), and the load on the root. Parents come before their children, so
+// the end with the larger row goes on first, and both go on together from where they meet.
+std::size_t trace_tree(TreeData tree, const TreePush* a, const TreePush* b, TreeStep* steps,
+                       double* root_load) {
+  const TreePush *lead = a->row >= b->row ? a : b, *rest = lead == a ? b : a;
+  LanesPair p = load_of(tree, *lead), later = load_of(tree, *rest);
+  double axis = lead->axis, later_axis = rest->axis;
+  int at = lead->row, waits = rest->row;
+  std::size_t count = 0;
+  while (at >= 0) {
+    if (at == waits) {
+      p = p + later;
+      axis += later_axis;
+      waits = -1;
+    }
+    const TreeRow& row = tree.rows[at];
+    const TreeFactor& f = tree.factors[at];
+    if (row.root) store6(root_load, p.w, p.v);
+    const Lanes s = sum3(load(f.Sw) * p.w + load(f.Sv) * p.v), r = load(f.r);
+    const double e = axis - first(s), t = f.inverse_D * e;
+    if (row.axis >= 0) steps[count++] = {static_cast<std::size_t>(at), e};
+    p = {(p.w + cross(r, p.v)) + t * load(f.Tw), p.v + t * load(f.Tv)};
+    axis = 0.0;
+    at = row.parent;
+    if (at >= waits) continue;
+    const LanesPair swapped = p;
+    p = later;
+    later = swapped;
+    axis = later_axis;
+    later_axis = 0.0;
+    const int next_row = waits;
+    waits = at;
+    at = next_row;
+  }
+  return count;
+}
+
 // From the root to the tips: q' = t - D^-1 U^T (w1, v1), with (w1, v1) the velocity of P before the axis
 // moves.
 void spread_tree(TreeData tree, std::size_t begin, std::size_t end) {
