@@ -1,5 +1,7 @@
 #include "hwparts/part.h"
 
+#include <algorithm>
+
 #include "protocol/config/unknown_name.h"
 
 namespace visum::hwparts {
@@ -12,6 +14,14 @@ std::optional<std::string> Part::set_parameter(const std::string& name, const pr
 
 std::optional<std::string> Part::write_blackboard(std::size_t, std::uint64_t, std::span<const std::byte>) {
   return "the blackboard is read-only";
+}
+
+bool write_into(std::vector<std::byte>& content, std::uint64_t offset, std::span<const std::byte> data) {
+  if (offset > content.size()) return false;
+  if (offset == 0) content.clear();
+  if (content.size() - offset < data.size()) content.resize(offset + data.size());
+  std::ranges::copy(data, content.begin() + static_cast<std::ptrdiff_t>(offset));
+  return true;
 }
 
 std::optional<std::string> Part::refuse_fault(const Fault& fault) const {

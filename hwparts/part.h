@@ -102,6 +102,7 @@ class Part {
                                                    const protocol::ParameterValue& value);
 
   // Blackboards by index in description(). The bytes stay valid until the next call on the tick's thread.
+  // A write changes the content as write_into() does, or not at all.
   virtual std::span<const std::byte> read_blackboard(std::size_t) const { return {}; }
   virtual std::optional<std::string> write_blackboard(std::size_t index, std::uint64_t offset,
                                                       std::span<const std::byte> data);
@@ -136,6 +137,11 @@ class Part {
   virtual void save(StateWriter& to) const = 0;
   virtual void load(StateReader& from) = 0;
 };
+
+// Writes `data` into the content of a blackboard. At offset 0 it becomes the whole content; elsewhere it
+// overwrites what is there, and may go on beyond the end. False, with nothing changed: the offset is beyond
+// the end.
+bool write_into(std::vector<std::byte>& content, std::uint64_t offset, std::span<const std::byte> data);
 
 // The options of a part in front of real modules.
 struct RealOptions {

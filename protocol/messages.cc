@@ -69,4 +69,20 @@ const char* to_string(EventLevel level) {
   return "info";
 }
 
+const char* to_string(ModuleVector vector) {
+  switch (vector) {
+    case ModuleVector::kUnspecified:
+      return "no vector";
+    case ModuleVector::kControllerInput:
+      return "Controller Input";
+    case ModuleVector::kControllerOutput:
+      return "Controller Output";
+    case ModuleVector::kSensorInput:
+      return "Sensor Input";
+    case ModuleVector::kSensorOutput:
+      return "Sensor Output";
+  }
+  return "no vector";
+}
+
 }  // namespace visum::protocol

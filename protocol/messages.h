@@ -10,6 +10,8 @@
 #include <variant>
 #include <vector>
 
+#include "protocol/fault_messages.h"
+#include "protocol/module_messages.h"
 #include "protocol/part_description.h"
 #include "protocol/reset_scope.h"
 
@@ -90,6 +92,14 @@ struct WriteBlackboard {
   std::string part, name;
   std::uint64_t offset = 0;
   std::vector<std::byte> data;
+};
+struct LockBlackboard {
+  std::string part, name;
+  std::int64_t timeout_ns = 0;
+};
+struct UnlockBlackboard {
+  std::string part, name;
+  bool discard = false;
 };
 enum class OnTimeout : std::uint32_t { kEnd = 0, kHold = 1, kStop = 2, kFree = 3 };
 struct Gate {
@@ -199,23 +209,6 @@ struct RemoveBody {
   std::string body;
 };
 struct Shutdown {};
-struct FaultNumber {
-  std::string name;
-  double value = 0.0;
-};
-struct InjectFault {
-  std::string part, kind;
-  std::vector<FaultNumber> numbers;
-  std::int64_t duration_ns = 0;
-};
-struct ClearFault {
-  std::string part, kind;
-  std::uint32_t joint = 0;
-};
-struct ListFaults {
-  std::string part;
-};
-
 using Request =
     std::variant<Hello, Status, ListParts, DescribePart, AcquireLease, ReleaseLease, Write, Read, Subscribe,
                  Unsubscribe, GetParameters, SetParameter, ReadBlackboard, WriteBlackboard, Join, Advance,
@@ -223,7 +216,8 @@ using Request =
                  ReadTexture, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot, RestoreSnapshot, PushBody,
                  AddBody, RemoveBody, Shutdown, InjectFault, ClearFault, ListFaults, SetBody, SetJoints,
                  PullBody, ReleaseBody, SubscribeEvents, UnsubscribeEvents, Announce, StartRecording,
-                 StopRecording>;
+                 StopRecording, AnnounceModules, ReportModules, ListModules, OverrideModulePort,
+                 LockBlackboard, UnlockBlackboard>;
 
 // ---------------------------------------- server to client
 
@@ -430,28 +424,9 @@ struct EventList {
   std::vector<Event> events;
 };
 
-struct FaultNumberDescription {
-  std::string name, unit;
-  double minimum = 0.0, maximum = 0.0;
-  bool needed = false;
-  double usual = 0.0;
-};
-struct FaultKind {
-  std::string name, target, effect;
-  std::vector<FaultNumberDescription> numbers;
-};
-struct ActiveFault {
-  std::string part, kind;
-  std::vector<FaultNumber> numbers;
-  std::int64_t until_tick = 0;
-};
-struct FaultList {
-  std::vector<FaultKind> kinds;
-  std::vector<ActiveFault> active;
-};
-
-using Reply = std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant,
-                           PartSample, ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample,
-                           MeshData, SnapshotTaken, Event, TextureData, FaultList, EventList>;
+using Reply =
+    std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant, PartSample,
+                 ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample, MeshData,
+                 SnapshotTaken, Event, TextureData, FaultList, EventList, ModuleList, OverrideModulePort>;
 
 }  // namespace visum::protocol

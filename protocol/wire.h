@@ -23,6 +23,7 @@ class WorldSample;
 class MeshData;
 class InjectFault;
 class FaultList;
+class ModuleList;
 }  // namespace visum::v1
 
 namespace visum::protocol::wire {
@@ -49,6 +50,33 @@ void put(const WorldSample& from, v1::WorldSample& to);
 void take(const v1::WorldSample& from, WorldSample& to);
 void put(const MeshData& from, v1::MeshData& to);
 void take(const v1::MeshData& from, MeshData& to);
+
+// wire_modules.cc: the requests of module_messages.h, and the list of modules.
+struct PutModuleRequest {
+  v1::ClientMessage& to;
+  void operator()(const AnnounceModules& from) const;
+  void operator()(const ReportModules& from) const;
+  void operator()(const ListModules& from) const;
+  void operator()(const OverrideModulePort& from) const;
+};
+// False, and `why` stays empty, if it is another request.
+bool take_module_request(const v1::ClientMessage& from, Request& to, std::string& why);
+void put(const ModuleList& from, v1::ModuleList& to);
+bool take(const v1::ModuleList& from, ModuleList& to, std::string& why);
+
+// For OverrideModulePort, which goes both ways.
+template <typename Wire>
+void put_override(const OverrideModulePort& from, Wire& to) {
+  to.set_part(from.part);
+  to.set_path(from.path);
+  to.set_port(from.port);
+  to.set_value(from.value);
+  to.set_release(from.release);
+}
+template <typename Wire>
+OverrideModulePort override_of(const Wire& from) {
+  return {from.part(), from.path(), from.port(), from.value(), from.release()};
+}
 
 // For Advance and Advanced, which both carry a list of Stream.
 template <typename Repeated>

@@ -101,6 +101,8 @@ struct PutReply {
   }
   void operator()(const MeshData& m) const { wire::put(m, *to.mutable_mesh()); }
   void operator()(const FaultList& m) const { wire::put(m, *to.mutable_faults()); }
+  void operator()(const ModuleList& m) const { wire::put(m, *to.mutable_modules()); }
+  void operator()(const OverrideModulePort& m) const { put_override(m, *to.mutable_override_module_port()); }
 };
 
 bool take(const v1::Error& from, Error& to, std::string& why) {
@@ -226,6 +228,11 @@ bool take(const v1::ServerMessage& from, Reply& to, std::string& why) {
       return take(from.event(), to.emplace<Event>(), why);
     case Case::kEvents:
       return take(from.events(), to.emplace<EventList>(), why);
+    case Case::kModules:
+      return wire::take(from.modules(), to.emplace<ModuleList>(), why);
+    case Case::kOverrideModulePort:
+      to = override_of(from.override_module_port());
+      return true;
   }
   why = "no reply that this version knows";
   return false;

@@ -27,8 +27,8 @@ bool take(const v1::Join& from, Join& to, std::string& why) {
   return take_enum(from.on_timeout(), OnTimeout::kFree, to.on_timeout, "on_timeout", why);
 }
 
-struct PutRequest {
-  v1::ClientMessage& to;
+struct PutRequest : PutModuleRequest {
+  using PutModuleRequest::operator();
 
   void operator()(const Hello& m) const {
     auto& w = *to.mutable_hello();
@@ -81,6 +81,18 @@ struct PutRequest {
     w.set_name(m.name);
     w.set_offset(m.offset);
     w.set_data(bytes_of(m.data));
+  }
+  void operator()(const LockBlackboard& m) const {
+    auto& w = *to.mutable_lock_blackboard();
+    w.set_part(m.part);
+    w.set_name(m.name);
+    w.set_timeout_ns(m.timeout_ns);
+  }
+  void operator()(const UnlockBlackboard& m) const {
+    auto& w = *to.mutable_unlock_blackboard();
+    w.set_part(m.part);
+    w.set_name(m.name);
+    w.set_discard(m.discard);
   }
   void operator()(const Join& m) const {
     auto& w = *to.mutable_join();
@@ -250,6 +262,16 @@ bool take_part_request(const v1::ClientMessage& from, Request& to, std::string& 
       to = WriteBlackboard{w.part(), w.name(), w.offset(), bytes_of(w.data())};
       return true;
     }
+    case v1::ClientMessage::kLockBlackboard: {
+      const auto& w = from.lock_blackboard();
+      to = LockBlackboard{w.part(), w.name(), w.timeout_ns()};
+      return true;
+    }
+    case v1::ClientMessage::kUnlockBlackboard: {
+      const auto& w = from.unlock_blackboard();
+      to = UnlockBlackboard{w.part(), w.name(), w.discard()};
+      return true;
+    }
     default:
       why = "a request that this version does not have";
       return false;
@@ -379,7 +401,7 @@ bool take_world_request(const v1::ClientMessage& from, Request& to) {
 }  // namespace
 
 void put(const Request& from, v1::ClientMessage& to) {
-  std::visit(PutRequest{to}, from);
+  std::visit(PutRequest{{to}}, from);
 }
 
 bool take(const v1::ClientMessage& from, Request& to, std::string& why) {
@@ -409,8 +431,8 @@ bool take(const v1::ClientMessage& from, Request& to, std::string& why) {
     case v1::ClientMessage::kReset:
       return take_enum(from.reset().scope(), ResetScope::kAll, to.emplace<Reset>().scope, "scope", why);
     default:
-      return take_world_request(from, to) || take_placing_request(from, to) ||
-             take_part_request(from, to, why);
+      if (take_world_request(from, to) || take_placing_request(from, to)) return true;
+      return take_module_request(from, to, why) || (why.empty() && take_part_request(from, to, why));
   }
 }
 

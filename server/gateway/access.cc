@@ -56,10 +56,11 @@ Role role_needed(const protocol::Request& request) {
         if constexpr (kIsOneOf<T, Status, ListParts, DescribePart, Read, Subscribe, Unsubscribe,
                                GetParameters, ReadBlackboard, DescribeWorld, ReadWorld, SubscribeWorld,
                                UnsubscribeWorld, ReadMesh, ReadTexture, ListFaults, SubscribeEvents,
-                               UnsubscribeEvents>)
+                               UnsubscribeEvents, ListModules>)
           return Role::kObserver;
         else if constexpr (kIsOneOf<T, AcquireLease, ReleaseLease, Write, SetParameter, WriteBlackboard, Join,
-                                    Advance, Leave, Note, Announce>)
+                                    Advance, Leave, Note, Announce, AnnounceModules, ReportModules,
+                                    OverrideModulePort, LockBlackboard, UnlockBlackboard>)
           return Role::kController;
         else
           return Role::kAdmin;

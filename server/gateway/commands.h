@@ -28,7 +28,8 @@ class Commands {
 
   // Sends the call's request, after all that was written before it. The client waits from now on. Where there
   // is no room the call fails with kBusy. `part`: where the request is about one.
-  void send(const Call& call, const protocol::Request& request, std::uint32_t part = 0);
+  void send(const Call& call, const protocol::Request& request, std::uint32_t part = 0,
+            std::vector<protocol::WriteBlackboard> pieces = {});
 
   // Stops the part. The client waits until that has acted. Nothing that waits elsewhere delays it.
   void stop(const Call& call, std::uint32_t part);

@@ -33,7 +33,8 @@ bool exchanges_with_part(const protocol::Request& request) {
          std::holds_alternative<protocol::Write>(request) ||
          std::holds_alternative<protocol::Subscribe>(request) ||
          std::holds_alternative<protocol::ReadBlackboard>(request) ||
-         std::holds_alternative<protocol::WriteBlackboard>(request);
+         std::holds_alternative<protocol::WriteBlackboard>(request) ||
+         std::holds_alternative<protocol::UnlockBlackboard>(request);
 }
 
 }  // namespace
@@ -55,6 +56,7 @@ Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, StopLatch& 
       placing_(mailbox, bodies_, parts_, commands_),
       faults_(world_, mailbox, limiter_, buses),
       events_(clients_, log),
+      modules_(clients_),
       server_(world_, mailbox, clients_, lockstep_, pacer, buses, parts_) {
   clients_.feed().set_world(world_.tick_ns, world_.server.substr(0, world_.server.find(' ')));
 }
@@ -128,7 +130,7 @@ void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request
   std::visit(
       [&](const auto& message) {
         hand_over(call, message, parts_, settings_, streams_, lockstep_, time_, bodies_, placing_, faults_,
-                  events_, server_);
+                  events_, modules_, server_);
       },
       request);
   // A command that waits for the tick is counted by finish_commands().
@@ -198,6 +200,7 @@ void Gateway::on_close(protocol::Session& session, protocol::CloseReason reason)
   placing_.end_session(clients_.at(id));
   lockstep_.remove(id, *now_);
   streams_.remove(id);
+  modules_.end_session(id);
   limiter_.forget(id);
   clients_.remove(id);
 }

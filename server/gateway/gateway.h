@@ -22,6 +22,7 @@
 #include "server/gateway/lockstep.h"
 #include "server/gateway/mailbox.h"
 #include "server/gateway/metrics.h"
+#include "server/gateway/module_requests.h"
 #include "server/gateway/part_settings.h"
 #include "server/gateway/parts.h"
 #include "server/gateway/placing_requests.h"
@@ -143,6 +144,7 @@ class Gateway : public protocol::SessionHandler {
   PlacingRequests placing_;
   FaultRequests faults_;
   EventRequests events_;
+  ModuleRequests modules_;
   ServerRequests server_;
   bool frozen_ = false;
   std::uint64_t freezes_ = 0;

@@ -57,9 +57,10 @@ struct Command {
   std::uint64_t id = 0;
   std::uint32_t part = 0;  // the part that the request is about, if any
   protocol::Request request;
-  bool acknowledged = false;        // was answered before it was done: its reply is dropped
-  protocol::Reply reply;            // filled by the tick's side
-  std::unique_ptr<WorldView> view;  // filled if the world's description changed
+  bool acknowledged = false;                        // was answered before it was done: its reply is dropped
+  protocol::Reply reply;                            // filled by the tick's side
+  std::vector<protocol::WriteBlackboard> pieces{};  // of an UnlockBlackboard: what was written
+  std::unique_ptr<WorldView> view;                  // filled if the world's description changed
   // The old world's scene and machinery after a change of the bodies: freed with the command, since that
   // takes longer than a tick has.
   cycle::BodyChange left_over{};

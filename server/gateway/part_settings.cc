@@ -72,10 +72,40 @@ void PartSettings::handle(const Call& call, const protocol::ReadBlackboard& requ
   if (part && blackboard_or_fail(call, *part, request.name, false)) commands_.send(call, request, *part);
 }
 
+std::optional<std::uint32_t> PartSettings::writable_or_fail(const Call& call, const std::string& part,
+                                                            const std::string& name) const {
+  const auto found = part_or_fail(call, world_, part);
+  if (!found || !blackboard_or_fail(call, *found, name, true) || !parts_.lease_or_fail(call, *found))
+    return {};
+  return found;
+}
+
 void PartSettings::handle(const Call& call, const protocol::WriteBlackboard& request) {
-  const auto part = part_or_fail(call, world_, request.part);
-  if (part && blackboard_or_fail(call, *part, request.name, true) && parts_.lease_or_fail(call, *part))
-    commands_.send(call, request, *part);
+  const auto part = writable_or_fail(call, request.part, request.name);
+  if (!part) return;
+  BlackboardLocks::Refusal refusal;
+  if (!locks_.keep(call.session.id(), request, call.now, refusal))
+    return commands_.send(call, request, *part);
+  if (refusal) return call.fail(refusal->first, refusal->second);
+  call.reply(protocol::Ok{});
+}
+
+void PartSettings::handle(const Call& call, const protocol::LockBlackboard& request) {
+  if (!writable_or_fail(call, request.part, request.name)) return;
+  const auto ticks = world_.to_ticks(request.timeout_ns);
+  if (const auto refusal = locks_.lock(call.session.id(), request, ticks, call.now))
+    return call.fail(refusal->first, refusal->second);
+  call.reply(protocol::Ok{});
+}
+
+void PartSettings::handle(const Call& call, const protocol::UnlockBlackboard& request) {
+  const auto part = writable_or_fail(call, request.part, request.name);
+  if (!part) return;
+  BlackboardLocks::Refusal refusal;
+  auto pieces = locks_.unlock(call.session.id(), request, call.now, refusal);
+  if (refusal) return call.fail(refusal->first, refusal->second);
+  if (pieces.empty()) return call.reply(protocol::Ok{});
+  commands_.send(call, request, *part, std::move(pieces));
 }
 
 }  // namespace visum::gateway

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "server/gateway/blackboard_locks.h"
 #include "server/gateway/commands.h"
 #include "server/gateway/parts.h"
 
@@ -23,14 +25,21 @@ class PartSettings {
   void handle(const Call& call, const protocol::SetParameter& request);
   void handle(const Call& call, const protocol::ReadBlackboard& request);
   void handle(const Call& call, const protocol::WriteBlackboard& request);
+  void handle(const Call& call, const protocol::LockBlackboard& request);
+  void handle(const Call& call, const protocol::UnlockBlackboard& request);
 
  private:
   // False: there is no such blackboard, or it cannot be written, and the call has failed with that.
   bool blackboard_or_fail(const Call& call, std::uint32_t part, const std::string& name, bool to_write) const;
 
+  // The part, if the session may write this blackboard of it; otherwise the call has failed.
+  std::optional<std::uint32_t> writable_or_fail(const Call& call, const std::string& part,
+                                                const std::string& name) const;
+
   const StaticWorld& world_;
   const Parts& parts_;
   Commands& commands_;
+  BlackboardLocks locks_;
 };
 
 }  // namespace visum::gateway

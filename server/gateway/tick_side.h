@@ -157,6 +157,7 @@ class TickSide {
   protocol::Reply answer(Command& command, const protocol::SetParameter& request);
   protocol::Reply answer(Command& command, const protocol::ReadBlackboard& request);
   protocol::Reply answer(Command& command, const protocol::WriteBlackboard& request);
+  protocol::Reply answer(Command& command, const protocol::UnlockBlackboard& request);
   template <typename Other>
   protocol::Reply answer(Command& command, const Other& request);
 

@@ -240,6 +240,26 @@ Reply TickSide::answer(Command& command, const protocol::WriteBlackboard& reques
   return Ok{};
 }
 
+// All pieces act as one write of the whole content, as each would have by itself.
+Reply TickSide::answer(Command& command, const protocol::UnlockBlackboard& request) {
+  const auto& part = *simulation_.parts()[command.part].part;
+  const auto& boards = part.description().blackboards;
+  const auto board = static_cast<std::size_t>(
+      std::ranges::find(boards, request.name, &protocol::Blackboard::name) - boards.begin());
+  const auto before = part.read_blackboard(board);
+  std::vector<std::byte> content(before.begin(), before.end());
+  for (const auto& piece : command.pieces) {
+    if (!hwparts::write_into(content, piece.offset, piece.data))
+      return Error{ErrorCode::kBadValue,
+                   "'" + request.name + "': a piece begins beyond the content, at byte " +
+                       std::to_string(piece.offset),
+                   {}};
+  }
+  const auto outcome = simulation_.write_blackboard(command.part, board, 0, content);
+  if (!outcome.done()) return error_of(outcome);
+  return Ok{};
+}
+
 template <typename Other>
 Reply TickSide::answer(Command&, const Other&) {
   return Error{ErrorCode::kInternal, "this request is no command", {}};

@@ -76,7 +76,13 @@ std::vector<Row> table() {
           {UnsubscribeEvents{}, kYes, kYes, kYes},
           {Announce{"hello"}, kNot, kYes, kYes},
           {StartRecording{"run"}, kNot, kNot, kYes},
-          {StopRecording{}, kNot, kNot, kYes}};
+          {StopRecording{}, kNot, kNot, kYes},
+          {AnnounceModules{"motion"}, kNot, kYes, kYes},
+          {ReportModules{"motion"}, kNot, kYes, kYes},
+          {ListModules{}, kYes, kYes, kYes},
+          {OverrideModulePort{"motion"}, kNot, kYes, kYes},
+          {LockBlackboard{arm, "nothing"}, kNot, kYes, kYes},
+          {UnlockBlackboard{arm, "nothing"}, kNot, kYes, kYes}};
 }
 
 enum class LeaseIs { kFree, kOwn, kAnothers };

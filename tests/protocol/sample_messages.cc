@@ -71,6 +71,21 @@ ServerStatus status() {
   return s;
 }
 
+AnnounceModules announced() {
+  return {"motion",
+          5'000'000,
+          {{"Arm", true, {"Speed"}, {"Current"}, {"Load"}, {"Force"}},
+           {"Arm/Ramp", false, {"Desired Angle 1"}, {"Target 1"}, {"Actual Angle 1"}, {"Angle 1"}}},
+          {{{"motion", "Arm", ModuleVector::kControllerInput, 1},
+            {"motion", "Arm/Ramp", ModuleVector::kSensorOutput, 2},
+            3}},
+          "127.0.0.1:40123"};
+}
+
+ReportModules reported() {
+  return {"motion", 15'000'000, {{{0.5}, {0.25}, {-0.5}, {0.125}, 1500, 700, {1}}}};
+}
+
 WorldDescription world() {
   WorldDescription w;
   w.scene = "amtec_arm";
@@ -183,6 +198,12 @@ Samples<Request> sample_requests() {
       {"inject_fault", InjectFault{"arm", "encoder_offset", {{"joint", 3}, {"offset", 0.01}}, 2'000'000'000}},
       {"clear_fault", ClearFault{"arm", "encoder_offset", 3}},
       {"list_faults", ListFaults{"arm"}},
+      {"announce_modules", announced()},
+      {"report_modules", reported()},
+      {"list_modules", ListModules{"motion", 7}},
+      {"override_module_port", OverrideModulePort{"motion", "Arm/Ramp", "Actual Angle 1", 0.25, true}},
+      {"lock_blackboard", LockBlackboard{"arm", "Trajectory", 500'000'000}},
+      {"unlock_blackboard", UnlockBlackboard{"arm", "Trajectory", true}},
   };
 }
 
@@ -214,6 +235,8 @@ Samples<Reply> sample_replies() {
                              "less torque",
                              {{"offset", "<u>", -1, 1, true, 0.5}, {"share", "", 0, 1, false, 1}}}},
                            {{"arm", "torque_lost", {{"joint", 3}, {"share", 0.5}}, 1200}}}},
+      {"modules", ModuleList{7, {{"motion controller", announced(), reported()}}}},
+      {"override_module_port", OverrideModulePort{"motion", "Arm/Ramp", "Actual Angle 1", 0.25, true}},
   };
 }
 

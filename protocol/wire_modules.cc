@@ -1,0 +1,155 @@
+// Modules, groups and edges of controllers: the requests about them, and the list of them.
+#include "protocol/wire.h"
+#include "visum.pb.h"
+
+namespace visum::protocol::wire {
+namespace {
+
+using Names = google::protobuf::RepeatedPtrField<std::string>;
+
+void put_names(const std::vector<std::string>& from, Names* to) {
+  to->Assign(from.begin(), from.end());
+}
+
+std::vector<std::string> names_of(const Names& from) {
+  return {from.begin(), from.end()};
+}
+
+void put_end(const ModuleEnd& from, v1::ModuleEnd& to) {
+  to.set_part(from.part);
+  to.set_path(from.path);
+  to.set_vector(static_cast<v1::ModuleVector>(from.vector));
+  to.set_first(from.first);
+}
+
+bool take_end(const v1::ModuleEnd& from, ModuleEnd& to, std::string& why) {
+  to.part = from.part();
+  to.path = from.path();
+  to.first = from.first();
+  return take_enum(from.vector(), ModuleVector::kSensorOutput, to.vector, "vector", why);
+}
+
+void put_announced(const AnnounceModules& from, v1::AnnounceModules& to) {
+  to.set_part(from.part);
+  to.set_period_ns(from.period_ns);
+  to.set_address(from.address);
+  for (const ModuleDescription& module : from.modules) {
+    auto& w = *to.add_modules();
+    w.set_path(module.path);
+    w.set_is_group(module.is_group);
+    put_names(module.controller_inputs, w.mutable_controller_inputs());
+    put_names(module.controller_outputs, w.mutable_controller_outputs());
+    put_names(module.sensor_inputs, w.mutable_sensor_inputs());
+    put_names(module.sensor_outputs, w.mutable_sensor_outputs());
+  }
+  for (const ModuleEdge& edge : from.edges) {
+    auto& w = *to.add_edges();
+    put_end(edge.from, *w.mutable_from());
+    put_end(edge.to, *w.mutable_to());
+    w.set_count(edge.count);
+  }
+}
+
+bool take_announced(const v1::AnnounceModules& from, AnnounceModules& to, std::string& why) {
+  to.part = from.part();
+  to.period_ns = from.period_ns();
+  to.address = from.address();
+  for (const auto& w : from.modules()) {
+    to.modules.push_back({w.path(), w.is_group(), names_of(w.controller_inputs()),
+                          names_of(w.controller_outputs()), names_of(w.sensor_inputs()),
+                          names_of(w.sensor_outputs())});
+  }
+  for (const auto& w : from.edges()) {
+    ModuleEdge& edge = to.edges.emplace_back();
+    edge.count = w.count();
+    if (!take_end(w.from(), edge.from, why) || !take_end(w.to(), edge.to, why)) return false;
+  }
+  return true;
+}
+
+void put_reported(const ReportModules& from, v1::ReportModules& to) {
+  to.set_part(from.part);
+  to.set_time_ns(from.time_ns);
+  for (const ModuleState& module : from.modules) {
+    auto& w = *to.add_modules();
+    put_numbers(module.controller_inputs, w.mutable_controller_inputs());
+    put_numbers(module.controller_outputs, w.mutable_controller_outputs());
+    put_numbers(module.sensor_inputs, w.mutable_sensor_inputs());
+    put_numbers(module.sensor_outputs, w.mutable_sensor_outputs());
+    w.set_control_ns(module.control_ns);
+    w.set_sense_ns(module.sense_ns);
+    put_numbers(module.overridden, w.mutable_overridden());
+  }
+}
+
+void take_reported(const v1::ReportModules& from, ReportModules& to) {
+  to.part = from.part();
+  to.time_ns = from.time_ns();
+  for (const auto& w : from.modules()) {
+    ModuleState& module = to.modules.emplace_back();
+    take_numbers(w.controller_inputs(), module.controller_inputs);
+    take_numbers(w.controller_outputs(), module.controller_outputs);
+    take_numbers(w.sensor_inputs(), module.sensor_inputs);
+    take_numbers(w.sensor_outputs(), module.sensor_outputs);
+    module.control_ns = w.control_ns();
+    module.sense_ns = w.sense_ns();
+    take_numbers(w.overridden(), module.overridden);
+  }
+}
+
+}  // namespace
+
+void PutModuleRequest::operator()(const AnnounceModules& from) const {
+  put_announced(from, *to.mutable_announce_modules());
+}
+void PutModuleRequest::operator()(const ReportModules& from) const {
+  put_reported(from, *to.mutable_report_modules());
+}
+void PutModuleRequest::operator()(const ListModules& from) const {
+  to.mutable_list_modules()->set_part(from.part);
+  to.mutable_list_modules()->set_known_revision(from.known_revision);
+}
+void PutModuleRequest::operator()(const OverrideModulePort& from) const {
+  put_override(from, *to.mutable_override_module_port());
+}
+
+bool take_module_request(const v1::ClientMessage& from, Request& to, std::string& why) {
+  switch (from.request_case()) {
+    case v1::ClientMessage::kAnnounceModules:
+      return take_announced(from.announce_modules(), to.emplace<AnnounceModules>(), why);
+    case v1::ClientMessage::kReportModules:
+      take_reported(from.report_modules(), to.emplace<ReportModules>());
+      return true;
+    case v1::ClientMessage::kListModules:
+      to = ListModules{from.list_modules().part(), from.list_modules().known_revision()};
+      return true;
+    case v1::ClientMessage::kOverrideModulePort:
+      to = override_of(from.override_module_port());
+      return true;
+    default:
+      return false;
+  }
+}
+
+void put(const ModuleList& from, v1::ModuleList& to) {
+  to.set_revision(from.revision);
+  for (const ModulePart& part : from.parts) {
+    auto& w = *to.add_parts();
+    w.set_client(part.client);
+    put_announced(part.announced, *w.mutable_announced());
+    put_reported(part.reported, *w.mutable_reported());
+  }
+}
+
+bool take(const v1::ModuleList& from, ModuleList& to, std::string& why) {
+  to.revision = from.revision();
+  for (const auto& w : from.parts()) {
+    ModulePart& part = to.parts.emplace_back();
+    part.client = w.client();
+    take_reported(w.reported(), part.reported);
+    if (!take_announced(w.announced(), part.announced, why)) return false;
+  }
+  return true;
+}
+
+}  // namespace visum::protocol::wire

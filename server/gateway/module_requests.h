@@ -1,0 +1,27 @@
+// Requests about the modules of controllers: what clients announce of themselves is kept and relayed, and
+// changes nothing of the world.
+#pragma once
+
+#include "protocol/module_board.h"
+#include "server/gateway/call.h"
+
+namespace visum::gateway {
+
+// Lives on the sessions' thread, owned by the Gateway.
+class ModuleRequests {
+ public:
+  explicit ModuleRequests(Clients& clients) : clients_(clients) {}
+
+  void handle(const Call& call, const protocol::AnnounceModules& request);
+  void handle(const Call& call, const protocol::ReportModules& request);
+  void handle(const Call& call, const protocol::ListModules& request);
+  void handle(const Call& call, const protocol::OverrideModulePort& request);
+
+  void end_session(std::uint64_t session) { board_.forget(session); }
+
+ private:
+  Clients& clients_;
+  protocol::ModuleBoard board_;
+};
+
+}  // namespace visum::gateway
