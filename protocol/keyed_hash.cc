@@ -3,8 +3,9 @@
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
 #include <openssl/hmac.h>
-#include <openssl/rand.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace visum::protocol {
@@ -20,9 +21,12 @@ KeyedHash keyed_hash(std::span<const std::byte> key, std::span<const std::byte> 
   return hash;
 }
 
+// By the kernel: OpenSSL would take a millisecond to get ready, in a server that may never need it.
 void fill_with_random(std::span<std::byte> bytes) {
-  if (RAND_bytes(reinterpret_cast<unsigned char*>(bytes.data()), static_cast<int>(bytes.size())) != 1)
-    throw std::runtime_error("OpenSSL has no random numbers");
+  constexpr std::size_t kMostAtOnce = 256;  // of getentropy()
+  for (; !bytes.empty(); bytes = bytes.subspan(std::min(bytes.size(), kMostAtOnce)))
+    if (::getentropy(bytes.data(), std::min(bytes.size(), kMostAtOnce)) != 0)
+      throw std::runtime_error("the system has no random numbers");
 }
 
 bool equal_in_constant_time(const KeyedHash& a, const KeyedHash& b) {

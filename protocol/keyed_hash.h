@@ -9,7 +9,7 @@ namespace visum::protocol {
 
 using KeyedHash = std::array<std::byte, 32>;
 
-// Throws std::runtime_error where OpenSSL cannot do it.
+// Both throw std::runtime_error where OpenSSL or the system cannot do it.
 KeyedHash keyed_hash(std::span<const std::byte> key, std::span<const std::byte> message);
 void fill_with_random(std::span<std::byte> bytes);
 

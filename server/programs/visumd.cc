@@ -1,6 +1,7 @@
 // visumd: the daemon that holds a world and publishes its parts, and its verbs check, convert, record,
 // replay, rewind and export. This is the one file that includes from all folders of the server.
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -18,6 +19,7 @@
 #include <system_error>
 #include <vector>
 
+#include "protocol/command_line/fork_server.h"
 #include "protocol/command_line/one_of.h"
 #include "protocol/command_line/parse.h"
 #include "protocol/config/new_file.h"
@@ -433,9 +435,7 @@ int refuse_misspelt_verb(int argc, std::string_view word) {
   return programs::kUsage;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int act(int argc, char** argv) {
   const std::string verb = argc > 1 ? argv[1] : "";
   const programs::Command of_verb{argc - 1, argv + 1,
                                   command_line::typed_name(argv[0], verb, "visumd " + verb)};
@@ -447,4 +447,13 @@ int main(int argc, char** argv) {
   if (verb == "record" || verb == "rewind") return serve(of_verb, verb);
   if (const int code = refuse_misspelt_verb(argc, verb)) return code;
   return serve({argc, argv, "visumd"}, {});
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // `visum campaign` starts one world after another by it, without loading visumd again.
+  if (argc == 2 && std::string_view(argv[1]) == "fork-server")
+    return command_line::serve_forks(STDIN_FILENO, act);
+  return act(argc, argv);
 }

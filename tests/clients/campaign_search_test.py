@@ -73,7 +73,8 @@ class Search(unittest.TestCase):
         words = [BIN / "visum", "campaign", file, "--report", other, "--jobs", "1", "--no-recordings"]
         killed = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         until = time.monotonic() + DEADLINE_S
-        while not (set(processes_with("--values")) & set(processes_with(str(file)))) and killed.poll() is None and time.monotonic() < until:
+        page = other / "report.html"
+        while not (page.exists() and "search, " in page.read_text()) and killed.poll() is None and time.monotonic() < until:
             time.sleep(0.01)
         killed.send_signal(signal.SIGKILL)
         killed.wait()

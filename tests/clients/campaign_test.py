@@ -234,7 +234,7 @@ class Campaign(unittest.TestCase):
         words = [BIN / "visum", "campaign", file, "--report", self.report, "--jobs", "1"]
         first = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         until = time.monotonic() + DEADLINE_S
-        while not (set(processes_with("--only")) & set(processes_with(str(file)))) and time.monotonic() < until:
+        while not (set(processes_with("--worker")) & set(processes_with(str(file)))) and time.monotonic() < until:
             time.sleep(0.01)
         second = visum("campaign", file, "--report", self.report, expect=6)
         self.assertIn("another run writes to it now", second.stderr)

@@ -68,7 +68,7 @@ TEST_F(DaemonStart, PassesOnWhatIsWrongWithTheScene) {
 
 TEST_F(DaemonStart, TellsThatItDiedBeforeItWasReady) {
   const auto error = error_of(options("echo last words >&2; kill -9 $$"));
-  EXPECT_EQ(error.code(), cli::kFailed);
+  EXPECT_EQ(error.code(), cli::kInvalid);
   EXPECT_STREQ(error.what(), "visumd was ended by signal 9 (Killed) before it was ready\nlast words");
 }
 
@@ -76,14 +76,14 @@ TEST_F(DaemonStart, RefusesALineThatIsNoReadyLine) {
   for (const char* line : {"hello", "{\"ready\":false,\"port\":1}", "{\"ready\":true}",
                            "{\"ready\":true,\"port\":70000}", "{\"ready\":true,\"port\":0}"}) {
     const auto error = error_of(options(std::string("echo '") + line + "'; sleep 1000"));
-    EXPECT_EQ(error.code(), cli::kFailed) << line;
+    EXPECT_EQ(error.code(), cli::kInvalid) << line;
     EXPECT_THAT(error.what(), HasSubstr("no ready line")) << line;
   }
 }
 
 TEST_F(DaemonStart, DoesNotWaitForEver) {
   const auto error = error_of(options("sleep 1000"), 0.05);
-  EXPECT_EQ(error.code(), cli::kFailed);
+  EXPECT_EQ(error.code(), cli::kInvalid);
   EXPECT_STREQ(error.what(), "visumd is not ready after 0.05 s");
 }
 

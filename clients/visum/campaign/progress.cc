@@ -90,6 +90,7 @@ void ProgressBoard::show(const Progress& progress) {
   if (progress.what != what_) {
     what_ = progress.what;
     began_ = Clock::now();
+    written_.reset();
   }
   const auto now = Clock::now();
   const double seconds = std::chrono::duration<double>(now - began_).count();

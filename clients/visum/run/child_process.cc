@@ -23,15 +23,23 @@ std::string ExitStatus::text() const {
 }
 
 ChildProcess::ChildProcess(std::string name, const std::vector<std::string>& argv, OnLine on_out,
-                           OnLine on_err)
+                           OnLine on_err, int in_fd)
     : name_(std::move(name)) {
-  const Spawned spawned = spawn(argv);
+  const Spawned spawned = spawn(argv, in_fd);
   pid_ = spawned.pid;
   // By number: the header of glibc 2.36 does not declare pidfd_open() for C++.
   exit_fd_ = static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0));
   out_ = {spawned.out_fd, {}, std::move(on_out)};
   err_ = {spawned.err_fd, {}, std::move(on_err)};
 }
+
+ChildProcess::ChildProcess(std::string name, Foreign process, OnLine on_out, OnLine on_err)
+    : name_(std::move(name)),
+      pid_(process.spawned.pid),
+      exit_fd_(process.exit_fd),
+      out_{process.spawned.out_fd, {}, std::move(on_out)},
+      err_{process.spawned.err_fd, {}, std::move(on_err)},
+      find_end_(std::move(process.find_end)) {}
 
 ChildProcess::~ChildProcess() {
   signal(SIGKILL);
@@ -93,6 +101,10 @@ void ChildProcess::close_pipe(Pipe& pipe) {
 // number.
 const std::optional<ExitStatus>& ChildProcess::check_exit() {
   if (exit_) return exit_;
+  if (find_end_) {
+    if ((exit_ = find_end_())) drain();
+    return exit_;
+  }
   siginfo_t info{};
   if (::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0) {
     if (errno == ECHILD) exit_ = ExitStatus{false, -1};  // already reaped elsewhere: it has ended
@@ -122,8 +134,13 @@ bool ChildProcess::wait_exit(std::chrono::milliseconds patience) {
   return true;
 }
 
+// By its pidfd where it is not ours to reap: its number may be another's by now. Its group goes when it ends.
 void ChildProcess::signal(int number) const {
-  if (!exit_) ::kill(-pid_, number);
+  if (exit_) return;
+  if (find_end_)
+    ::syscall(SYS_pidfd_send_signal, exit_fd_, number, nullptr, 0);
+  else
+    ::kill(-pid_, number);
 }
 
 void ChildProcess::stop(std::chrono::milliseconds patience) {

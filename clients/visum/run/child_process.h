@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "clients/visum/run/spawn.h"
+
 namespace visum::run {
 
 struct ExitStatus {
@@ -25,8 +27,18 @@ class ChildProcess {
  public:
   using OnLine = std::function<void(const std::string& line)>;
 
-  // Starts argv[0], looked up in PATH if it has no slash. Throws std::runtime_error if it cannot be started.
-  ChildProcess(std::string name, const std::vector<std::string>& argv, OnLine on_out, OnLine on_err);
+  // Starts argv[0], looked up in PATH if it has no slash. `in_fd` becomes its standard input, and stays the
+  // caller's; -1: it reads nothing. Throws std::runtime_error if it cannot be started.
+  ChildProcess(std::string name, const std::vector<std::string>& argv, OnLine on_out, OnLine on_err,
+               int in_fd = -1);
+  // A process that another one started for us: that one kills what is left of the group, and says how it
+  // ended. `find_end` asks for that without waiting.
+  struct Foreign {
+    Spawned spawned;
+    int exit_fd;  // its pidfd
+    std::function<std::optional<ExitStatus>()> find_end;
+  };
+  ChildProcess(std::string name, Foreign process, OnLine on_out, OnLine on_err);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
@@ -42,6 +54,7 @@ class ChildProcess {
   void stop(std::chrono::milliseconds patience);
 
   const std::deque<std::string>& last_lines() const { return last_lines_; }  // of both outputs, newest last
+  void forget_lines() { last_lines_.clear(); }
   static constexpr std::size_t kKeptLines = 40;
   static constexpr std::size_t kLongestLine = 4096;
 
@@ -59,6 +72,7 @@ class ChildProcess {
   pid_t pid_ = -1;
   int exit_fd_ = -1;
   Pipe out_, err_;
+  std::function<std::optional<ExitStatus>()> find_end_;  // empty: it is our own child
   std::deque<std::string> last_lines_;
   std::optional<ExitStatus> exit_;
 };

@@ -75,7 +75,7 @@ Ready read_ready(const std::string& ready_line) try {
       ready.buses[part] = place_of(buses->get(part).at(buses->get(part).size() - 1).text());
   return ready;
 } catch (const config::ConfigError& error) {
-  throw cli::ExitError(cli::kFailed, std::string("visumd said what is no ready line: ") + error.what());
+  throw cli::ExitError(cli::kInvalid, std::string("visumd said what is no ready line: ") + error.what());
 }
 
 }  // namespace
@@ -110,14 +110,14 @@ Daemon::Daemon(const DaemonOptions& options, double patience_s, WaitLoop& wait_l
   // It serves plain text on loopback, so no client that we start may try TLS because of the environment.
   for (const char* variable : {"VISUM_TLS_CA", "VISUM_TLS_CERT", "VISUM_TLS_KEY"}) ::unsetenv(variable);
   try {
-    process_.emplace(
-        "visumd", command_line(options),
-        [this](const std::string& line) {
-          if (ready_line_.empty()) ready_line_ = line;
-        },
-        on_line);
+    const auto note_ready = [this](const std::string& line) {
+      if (ready_line_.empty()) ready_line_ = line;
+    };
+    process_ = options.forks != nullptr
+                   ? options.forks->start("visumd", command_line(options), note_ready, on_line)
+                   : std::make_unique<ChildProcess>("visumd", command_line(options), note_ready, on_line);
   } catch (const std::runtime_error& error) {
-    throw cli::ExitError(cli::kFailed, error.what());
+    throw cli::ExitError(cli::kInvalid, error.what());
   }
   wait_loop_.watch(*process_);
   try {
@@ -143,10 +143,10 @@ void Daemon::wait_until_ready(double patience_s) {
           !exit->by_signal && (exit->number == cli::kBadConfig || exit->number == cli::kUsage);
       const std::string words = join_lines(process_->last_lines());
       if (explained) throw cli::ExitError(static_cast<cli::ExitCode>(exit->number), words);
-      throw cli::ExitError(cli::kFailed, "visumd " + exit->text() + " before it was ready\n" + words);
+      throw cli::ExitError(cli::kInvalid, "visumd " + exit->text() + " before it was ready\n" + words);
     }
     if (Clock::now() > give_up) {
-      throw cli::ExitError(cli::kFailed, "visumd is not ready after " + cli::exact(patience_s) + " s");
+      throw cli::ExitError(cli::kInvalid, "visumd is not ready after " + cli::exact(patience_s) + " s");
     }
   }
   auto ready = read_ready(ready_line_);

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "clients/visum/run/child_process.h"
+#include "clients/visum/run/fork_server.h"
 #include "clients/visum/run/wait_loop.h"
 
 namespace visum::run {
@@ -27,12 +29,13 @@ struct DaemonOptions {
   std::string parameters{};            // of the scene, as --parameters takes them; empty: its defaults
   std::vector<std::string> plugins{};  // folders
   std::optional<double> node_timeout_s{};
-  std::string profile{};       // visumd writes its profile here; empty: nothing is measured
-  bool profile_spans = false;  // with a trace in it
-  std::string used_files{};    // visumd writes here what it read; empty: nowhere
-  int threads = 1;             // of the engine
-  bool serves_page = false;    // and metrics, over HTTP
-  double speedup = 0.0;        // 0: the scene's, and in lockstep none
+  std::string profile{};        // visumd writes its profile here; empty: nothing is measured
+  bool profile_spans = false;   // with a trace in it
+  std::string used_files{};     // visumd writes here what it read; empty: nowhere
+  int threads = 1;              // of the engine
+  bool serves_page = false;     // and metrics, over HTTP
+  double speedup = 0.0;         // 0: the scene's, and in lockstep none
+  ForkServer* forks = nullptr;  // starts it; null: it is started in the ordinary way
 };
 
 // The folder of the program that runs now.
@@ -46,7 +49,7 @@ std::vector<std::pair<std::string, std::string>> read_used_files(const std::stri
 class Daemon {
  public:
   // Returns when clients can connect. Throws cli::ExitError: kBadConfig if visumd says that the scene is
-  // wrong, kUsage if it refuses its options, kFailed if it is not ready within `patience_s`.
+  // wrong, kUsage if it refuses its options, kInvalid if it is not ready within `patience_s`.
   Daemon(const DaemonOptions& options, double patience_s, WaitLoop& wait_loop, ChildProcess::OnLine on_line);
   ~Daemon();
   Daemon(const Daemon&) = delete;
@@ -67,7 +70,7 @@ class Daemon {
   std::string ready_line_;
   std::uint16_t port_ = 0, page_port_ = 0;
   std::map<std::string, std::string> buses_;
-  std::optional<ChildProcess> process_;
+  std::unique_ptr<ChildProcess> process_;
 };
 
 }  // namespace visum::run

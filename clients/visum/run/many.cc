@@ -5,14 +5,15 @@
 #include <cstdio>
 #include <memory>
 #include <system_error>
+#include <utility>
 
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/interrupt.h"
 #include "clients/visum/common/temp_folder.h"
-#include "clients/visum/run/child_process.h"
 #include "clients/visum/run/reports.h"
 #include "clients/visum/run/spare_recording.h"
 #include "clients/visum/run/wait_loop.h"
+#include "clients/visum/run/worker.h"
 #include "protocol/config/config.h"
 
 namespace visum::run {
@@ -23,6 +24,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kRound{100};
 constexpr milliseconds kFarewellOfRun{15'000};  // time for a run to end its controllers and its daemon
 constexpr double kNoLimit_s = 1e7;              // each run has a limit of its own
+constexpr std::size_t kRunsOfAWorker = 1000;    // so that a leak, if there is one, stays small
 
 // "007" of 120, so that names sort as numbers do.
 std::string padded(std::size_t run, std::size_t runs) {
@@ -31,11 +33,12 @@ std::string padded(std::size_t run, std::size_t runs) {
   return std::string(width - std::min(width, number.size()), '0') + number;
 }
 
+// A worker, and the run that it makes just now; 0: none.
 struct Job {
   std::size_t run = 0;
-  std::filesystem::path result;
-  std::unique_ptr<SpareRecording> recording;
-  std::unique_ptr<ChildProcess> process;
+  std::filesystem::path result{};
+  std::unique_ptr<SpareRecording> recording{};
+  std::unique_ptr<Worker> worker{};
 };
 
 Report report_of(const ManyOptions& options, std::size_t run) {
@@ -52,42 +55,55 @@ class Crew {
 
   std::optional<Stopped> work() {
     try {
-      while (next_ != 0 || !jobs_.empty()) {
-        while (next_ != 0 && jobs_.size() < options_.jobs) start();
+      for (;;) {
+        while (next_ != 0 && busy() < options_.jobs) start();
+        if (busy() == 0) break;
         wait_loop_.wait_for_ends(kRound);
-        std::erase_if(jobs_, [this](Job& job) { return take_end(job); });
+        for (Job& job : jobs_) take_end(job);
+        std::erase_if(jobs_, [](const Job& job) { return !job.worker; });
       }
     } catch (const cli::ExitError& error) {
       if (!stopped_ && next_ != 0) stopped_ = Stopped{next_, error.code(), error.what()};
-      end_all();
     }
+    end_all();
     return stopped_;
   }
 
  private:
+  std::size_t busy() const {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(jobs_, [](const Job& job) { return job.run != 0; }));
+  }
+
   void start() {
     const std::size_t run = next_;
-    Job job;
-    job.run = run;
-    job.result = results_.path() / (std::to_string(run) + ".json");
-    if (!options_.recordings.empty()) job.recording = make_recording(run);
-    std::vector<std::string> words{
-        options_.program, "run",      options_.file,  "--only", std::to_string(run),
-        "--result",       job.result, "--recordings", "off"};
-    if (options_.values) words.insert(words.end(), {"--values", options_.values(run)});
-    if (job.recording) words.insert(words.end(), {"--try-record", job.recording->path()});
+    Job* const job = idle_job();
+    if (job == nullptr) return;
+    job->run = run;
+    job->result = results_.path() / (std::to_string(run) + ".json");
+    if (!options_.recordings.empty()) job->recording = make_recording(run);
+    job->worker->give({run, options_.values ? options_.values(run) : std::string(), job->result,
+                       job->recording ? job->recording->path() : std::filesystem::path()});
+    next_ = options_.next();
+  }
+
+  // One that waits for work, or a new one. Null if it cannot be started: then no further run begins.
+  Job* idle_job() {
+    const auto idle = std::ranges::find(jobs_, std::size_t{0}, &Job::run);
+    if (idle != jobs_.end()) return &*idle;
+    std::vector<std::string> words{options_.program, "run", options_.file, "--worker", "--recordings", "off"};
     words.insert(words.end(), options_.words.begin(), options_.words.end());
     try {
-      job.process = std::make_unique<ChildProcess>("run " + std::to_string(run), words,
-                                                   ChildProcess::OnLine{}, ChildProcess::OnLine{});
+      Job& job = jobs_.emplace_back();
+      job.worker = std::make_unique<Worker>(words);
+      wait_loop_.watch(job.worker->process());
+      return &job;
     } catch (const std::runtime_error& error) {
-      stopped_ = Stopped{run, cli::kFailed, error.what()};
+      jobs_.pop_back();
+      stopped_ = Stopped{next_, cli::kFailed, error.what()};
       next_ = 0;
-      return;
+      return nullptr;
     }
-    wait_loop_.watch(*job.process);
-    jobs_.push_back(std::move(job));
-    next_ = options_.next();
   }
 
   std::unique_ptr<SpareRecording> make_recording(std::size_t run) const {
@@ -100,44 +116,59 @@ class Crew {
     }
   }
 
-  bool take_end(Job& job) {
-    const auto& exit = job.process->check_exit();
-    if (!exit) return false;
-    wait_loop_.forget(*job.process);
-    Report report;
-    try {
-      report = read_report(job.result);
-    } catch (const config::ConfigError&) {
-      report = lost_report(job, *exit);
+  // Hands on the report of a run that is over. A worker that has ended, or has made many runs, goes.
+  void take_end(Job& job) {
+    ChildProcess& process = job.worker->process();
+    const bool gone = process.check_exit().has_value();
+    if (job.run != 0 && (gone || job.worker->has_done())) {
+      Report report;
+      try {
+        report = read_report(job.result);
+      } catch (const config::ConfigError&) {
+        report = lost_report(job);
+      }
+      std::error_code ignored;
+      std::filesystem::remove(job.result, ignored);
+      if (job.recording && (options_.keeps_all || !report.passed()))
+        report.recording = job.recording->keep().string();
+      else if (job.recording)
+        report.recording.clear();
+      job.recording.reset();
+      report.words = options_.words;
+      if (options_.on_done) options_.on_done(std::exchange(job.run, 0), report);
     }
-    std::error_code ignored;
-    std::filesystem::remove(job.result, ignored);
-    if (job.recording && (options_.keeps_all || !report.passed()))
-      report.recording = job.recording->keep().string();
-    else if (job.recording)
-      report.recording.clear();
-    report.words = options_.words;
-    if (options_.on_done) options_.on_done(job.run, report);
-    return true;
+    if (gone || (job.run == 0 && job.worker->tasks_given() >= kRunsOfAWorker)) dismiss(job);
+  }
+
+  void dismiss(Job& job) {
+    job.worker->give_no_more();
+    wait_loop_.forget(job.worker->process());
+    job.worker->process().stop(kFarewellOfRun);
+    job.worker.reset();
   }
 
   // The report of a run whose process ended without writing one: it holds the last lines of its output.
-  Report lost_report(const Job& job, const ExitStatus& exit) const {
+  Report lost_report(const Job& job) const {
     Report report = report_of(options_, job.run);
-    // Somebody killed it, or it ended well without a report: that says nothing about the run.
-    const bool told = !exit.by_signal && exit.number != cli::kDone;
+    const auto& exit = job.worker->process().check_exit();
+    // It refuses its options or the scenario. Any other end, as by a full disk, says nothing about the run.
+    const bool told =
+        exit && !exit->by_signal && (exit->number == cli::kUsage || exit->number == cli::kBadConfig);
     report.code = cli::interrupted() ? cli::kInterrupted
-                  : told             ? static_cast<cli::ExitCode>(exit.number)
+                  : told             ? static_cast<cli::ExitCode>(exit->number)
                                      : cli::kInvalid;
-    report.error = "the run's process " + exit.text();
-    for (const auto& line : job.process->last_lines()) report.error += "\n" + line;
+    report.error = exit ? "the run's process " + exit->text() : "the run's process left no report";
+    for (const auto& line : job.worker->process().last_lines()) report.error += "\n" + line;
     return report;
   }
 
   void end_all() {
-    for (const Job& job : jobs_) job.process->signal(SIGINT);
     for (Job& job : jobs_) {
-      job.process->stop(kFarewellOfRun);
+      job.worker->give_no_more();
+      job.worker->process().signal(SIGINT);
+    }
+    for (Job& job : jobs_) {
+      job.worker->process().stop(kFarewellOfRun);
       take_end(job);
     }
     jobs_.clear();
@@ -148,7 +179,7 @@ class Crew {
   WaitLoop wait_loop_{kNoLimit_s};
   std::size_t next_ = options_.next();  // 0: none is left
   std::optional<Stopped> stopped_;
-  std::vector<Job> jobs_;
+  std::vector<Job> jobs_;  // at most as many as options_.jobs
 };
 
 }  // namespace

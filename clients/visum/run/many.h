@@ -1,5 +1,6 @@
-// Runs of a sweep, several at a time, each in a process of its own: `visum run FILE --only K`, which a user
-// may call too. Under lockstep the result of a run does not depend on the runs beside it.
+// Runs of a sweep, several at a time, by a few processes (worker.h). Each gives what `visum run FILE --only
+// K` gives, which a user may call too. Under lockstep the result of a run does not depend on the runs beside
+// it, or before it.
 #pragma once
 
 #include <cstddef>

@@ -94,6 +94,7 @@ class Run {
   std::string silent_controller() const { return find_silent_controller(scenario_.controllers, last_); }
   std::string out_of_step() const { return controllers_.out_of_step(); }
   void keep();
+  void end_world() { session_.end_world(); }
 
  private:
   void prepare();
@@ -321,7 +322,7 @@ void guard(Report& report, Daemon* daemon, auto&& work) {
   } catch (const protocol::ConnectionError& error) {
     const std::string obituary = daemon != nullptr ? daemon->obituary() : std::string();
     const bool hung = !obituary.empty() && daemon->process().check_exit()->number == cli::kTimedOut;
-    fail(report, hung ? cli::kTimedOut : cli::kFailed, obituary.empty() ? error.what() : obituary);
+    fail(report, hung ? cli::kTimedOut : cli::kInvalid, obituary.empty() ? error.what() : obituary);
   } catch (const protocol::RequestError& error) {
     fail(report, cli::kFailed, std::string("visumd refused: ") + error.what());
   }
@@ -374,6 +375,8 @@ void run_with(Daemon& daemon, const Scenario& scenario, const RunOptions& option
     Report afterwards;  // how the time after the scenario ends does not matter to its result
     guard(afterwards, &daemon, [&] { run->keep(); });
   }
+  Report ended;  // a server that is gone already has ended, too
+  guard(ended, nullptr, [&] { run->end_world(); });
 }
 
 // visumd's log says why a recording cannot be written, or ends early. Returns the reason, if this is such a
@@ -424,6 +427,7 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
     daemon_options.serves_page = options.keep || options.port != 0;
     if (options.notes_files) daemon_options.used_files = (links.path() / "files").string();
     daemon_options.threads = options.threads;
+    daemon_options.forks = options.forks;
     if (options.profile != nullptr) {
       daemon_options.profile = options.profile->daemon_file().string();
       daemon_options.profile_spans = options.profile->wants_spans();

@@ -13,6 +13,7 @@
 
 namespace visum::run {
 
+class ForkServer;
 class RunProfile;
 
 struct RunOptions {
@@ -23,6 +24,7 @@ struct RunOptions {
   int threads = 1;                         // of the engine
   RunProfile* profile = nullptr;           // measures the run; must outlive it
   bool notes_files = false;                // fills Report::files
+  ForkServer* forks = nullptr;             // starts the daemon; null: it is started in the ordinary way
   bool keep = false;                       // afterwards let the world run in real time until interrupted
   // Called with each line of the daemon and the controllers, and with what the time line says.
   std::function<void(const std::string& who, const std::string& line)> on_line;

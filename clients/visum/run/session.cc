@@ -140,6 +140,10 @@ Observation Session::take(std::span<const std::uint64_t> ids) {
   return now;
 }
 
+void Session::end_world() {
+  connection_.send(protocol::Shutdown{});
+}
+
 protocol::ServerStatus Session::status() {
   auto status = connection_.request_as<protocol::ServerStatus>(protocol::Status{});
   hear_events();

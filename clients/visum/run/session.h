@@ -48,6 +48,7 @@ class Session {
   // was late and the run ends with that, kFailed if the world froze.
   std::optional<Observation> take_step();
   protocol::ServerStatus status();
+  void end_world();  // the server ends; does not wait for that
   // The server's messages, since the last call, about members that were late and for which it no longer
   // waits.
   std::vector<std::string> take_timeouts() { return std::exchange(timeouts_, {}); }

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <iostream>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -13,6 +14,7 @@
 #include "clients/visum/common/terminal.h"
 #include "clients/visum/common/whole_file.h"
 #include "clients/visum/run/daemon.h"
+#include "clients/visum/run/fork_server.h"
 #include "clients/visum/run/progress.h"
 #include "clients/visum/run/reports.h"
 #include "clients/visum/run/run_profile.h"
@@ -20,6 +22,7 @@
 #include "clients/visum/run/scenario_reader.h"
 #include "clients/visum/run/spare_recording.h"
 #include "clients/visum/run/sweep.h"
+#include "clients/visum/run/worker.h"
 #include "clients/visum/verbs/campaign_runs.h"
 #include "clients/visum/verbs/run_many.h"
 #include "clients/visum/verbs/verbs.h"
@@ -100,6 +103,7 @@ class RunVerb : public Verb {
     const config::Node root = config::load_file(file_);
     if (shard_option_->count() > 0) return run_shard(root);
     const run::Sweep sweep = sweep_of(root);
+    if (worker_) return work_off(root, sweep);
     if (!values_.empty() && !report_.empty())
       throw ExitError(kUsage, "--report is about all runs, --values about one: give one of the two");
     if (!values_.empty()) return run_one(read(root, sweep));
@@ -134,6 +138,7 @@ class RunVerb : public Verb {
     app.add_option("--report", report_,
                    "write report.html, junit.xml and a recording of each run that fails to this folder")
         ->type_name("FOLDER");
+    app.add_flag("--worker", worker_, "make the runs that standard input asks for")->group("");
     app.add_option("--result", result_, "write the whole result as JSON, with each check's values over time")
         ->type_name("FILE");
   }
@@ -191,6 +196,51 @@ class RunVerb : public Verb {
         root);
   }
 
+  // The runs that standard input asks for (run/worker.h).
+  int work_off(const config::Node& root, const run::Sweep& sweep) {
+    catch_interrupts();
+    run::ForkServer forks;
+    run::RunOptions options = options_of_run();
+    options.forks = &forks;
+    options.notes_files = true;
+    options.on_line = [](const std::string&, const std::string&) {};
+    for (std::string line; !interrupted() && std::getline(std::cin, line);) {
+      const auto task = run::read_task(line);
+      only_ = task.run;
+      values_ = task.values;
+      try_record_ = task.recording;
+      write_whole_file(task.result, run::report_as_json(make(root, sweep, options)));
+      std::puts("done");
+      std::fflush(stdout);
+    }
+    return interrupted() ? kInterrupted : kDone;
+  }
+
+  run::Report make(const config::Node& root, const run::Sweep& sweep, const run::RunOptions& options) const {
+    run::Report report;
+    report.name = report.file = file_;
+    report.run = only_;
+    try {
+      return run::run_scenario(read(root, sweep), options);
+    } catch (const ExitError& error) {
+      report.code = error.code();
+      report.error = error.what();
+    } catch (const config::ConfigError& error) {
+      report.code = kBadConfig;
+      report.error = error.what();
+    }
+    return report;
+  }
+
+  run::RunOptions options_of_run() const {
+    run::RunOptions options;
+    options.visumd = run::find_visumd();
+    options.plugins = plugins_;
+    options.node_timeout_s = node_timeout_s_;
+    options.threads = threads_;
+    return options;
+  }
+
   int run_one(run::Scenario scenario) {
     check_writable(junit_);
     check_writable(result_);
@@ -198,13 +248,10 @@ class RunVerb : public Verb {
     record_in_case(scenario);
     catch_interrupts();
     run::Progress progress(progress_, json_ ? stderr : stdout);
-    run::RunOptions options;
-    options.visumd = run::find_visumd();
+    run::RunOptions options = options_of_run();
     options.port = port_;
     options.keep = keep_;
     options.notes_files = !result_.empty();
-    options.plugins = plugins_;
-    options.node_timeout_s = node_timeout_s_;
     options.on_line = [&](const std::string& who, const std::string& line) { progress.line(who, line); };
     options.on_step = [&](double sim_s) { progress.step(sim_s); };
     options.on_keep = [&](const run::Report& report, std::uint16_t port, const run::Catalogue& catalogue) {
@@ -214,7 +261,6 @@ class RunVerb : public Verb {
     };
     std::optional<run::RunProfile> profile;
     if (profile_option_->count() > 0) options.profile = &profile.emplace(profile_);
-    options.threads = threads_;
     const run::Report report = run::run_scenario(scenario, options);
     const std::string table = profile ? profile->finish() : std::string();
     progress.finish();
@@ -309,6 +355,7 @@ class RunVerb : public Verb {
   CLI::Option *profile_option_ = nullptr, *shard_option_ = nullptr;
   std::size_t jobs_ = 1, only_ = 0;
   bool json_ = false, progress_ = false, keep_ = false, told_ = false, written_ = false, keeps_all_ = false;
+  bool worker_ = false;
   std::optional<run::SpareRecording> spare_;
   std::vector<std::string> plugins_;
   std::optional<double> node_timeout_s_;

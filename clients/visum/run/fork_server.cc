@@ -1,0 +1,67 @@
+#include "clients/visum/run/fork_server.h"
+
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <stdexcept>
+#include <utility>
+
+#include "protocol/command_line/fork_server.h"
+
+namespace visum::run {
+
+std::unique_ptr<ChildProcess> ForkServer::start(const std::string& name, const std::vector<std::string>& argv,
+                                                ChildProcess::OnLine on_out, ChildProcess::OnLine on_err) {
+  if (socket_ < 0) begin(argv[0]);
+  if (auto process = fork(argv))
+    return std::make_unique<ChildProcess>(name, std::move(*process), std::move(on_out), std::move(on_err));
+  end();
+  return std::make_unique<ChildProcess>(name, argv, std::move(on_out), std::move(on_err));
+}
+
+void ForkServer::begin(const std::string& program) {
+  int ends[2];
+  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) return;
+  // What it looks up as it is loaded, its copies need not look up again.
+  const bool lazily = ::getenv("LD_BIND_NOW") == nullptr;
+  if (lazily) ::setenv("LD_BIND_NOW", "1", 1);
+  try {
+    server_.emplace("fork server", std::vector<std::string>{program, "fork-server"}, ChildProcess::OnLine{},
+                    ChildProcess::OnLine{}, ends[1]);
+    socket_ = ends[0];
+  } catch (const std::runtime_error&) {  // starting it in the ordinary way says why
+    ::close(ends[0]);
+  }
+  if (lazily) ::unsetenv("LD_BIND_NOW");
+  ::close(ends[1]);
+}
+
+// Without its socket the server ends by itself.
+void ForkServer::end() {
+  if (socket_ >= 0) ::close(std::exchange(socket_, -1));
+  server_.reset();
+}
+
+std::optional<ChildProcess::Foreign> ForkServer::fork(const std::vector<std::string>& argv) {
+  if (socket_ < 0) return std::nullopt;
+  const PipeEnds out = make_pipe(argv[0]), err = make_pipe(argv[0]);
+  const auto forked = command_line::ask_for_fork(socket_, argv, out.write, err.write);
+  ::close(out.write);
+  ::close(err.write);
+  if (!forked) {
+    ::close(out.read);
+    ::close(err.read);
+    return std::nullopt;
+  }
+  for (const int fd : {out.read, err.read}) ::fcntl(fd, F_SETFL, O_NONBLOCK);
+  const auto find_end = [socket = socket_]() -> std::optional<ExitStatus> {
+    const auto ended = command_line::find_end_of_fork(socket);
+    if (!ended) return std::nullopt;
+    return ExitStatus{ended->by_signal, ended->number};
+  };
+  return ChildProcess::Foreign{{forked->pid, out.read, err.read}, forked->exit_fd, find_end};
+}
+
+}  // namespace visum::run
