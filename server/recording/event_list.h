@@ -13,7 +13,7 @@
 namespace visum::recording {
 
 struct RecordedEvent {
-  std::uint64_t position = 0;  // ticks since the file's beginning
+  std::uint64_t position = 0;  // ticks since the file's beginning; of a line of the log about there
   protocol::Event event;       // of the kinds that a live server tells; also "parameter"
 };
 
