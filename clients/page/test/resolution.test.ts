@@ -39,3 +39,15 @@ test("a pause between two movements is no slowness", () => {
     assert.equal(resolution.frame(now + 16, false), null);
   }
 });
+
+test("pixels that prove too many are tried ever more seldom", () => {
+  const resolution = new Resolution();
+  // A machine that is quick with few pixels, and slow with many
+  let [now, share, changes] = [0, 1, 0];
+  for (let i = 0; i < 5000; ++i) {
+    const next = resolution.frame((now += share > 0.6 ? 80 : 16), true)!;
+    if (next !== share) ++changes;
+    share = next;
+  }
+  assert.ok(changes > 3 && changes < 20, `${changes} changes of the canvas`);
+});
