@@ -37,7 +37,7 @@ class Playback {
   // /recording/ports/PART/TO/COUNT: a part by its number, a position, and how many ticks up to it. Nothing
   // where the path names no part or position.
   std::optional<std::string> ports_at(const std::string& path);
-  // What happened in the recording, as JSON, for the path /recording/events. Any thread.
+  // The events of the recording as JSON, for the path /recording/events. Any thread.
   const std::string& events() const { return events_; }
   // Puts what was recorded in place of what the world's parts show, and the jumps into its era.
   void show(Published& published);

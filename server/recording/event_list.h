@@ -1,5 +1,5 @@
-// What happened in a recording, in words: faults, lost controllers, resets, freezes, lines of the log. For
-// logs and timelines. What a hand does all the time is left out: writes, pushes, pulls, bodies and joints
+// Tells in words what happened in a recording: faults, lost controllers, resets, freezes, lines of the log.
+// For logs and timelines. What a hand does all the time is left out: writes, pushes, pulls, bodies and joints
 // that are put elsewhere. Any one thread.
 #pragma once
 

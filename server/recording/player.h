@@ -23,8 +23,8 @@ namespace visum::recording {
 
 class Player {
  public:
-  // Reads the whole file once, for its length, its states and its events. Throws what replay() throws. A position counts
-  // the ticks since the file's beginning, over all eras.
+  // Reads the whole file once, for its length, its states and its events. Throws what replay() throws. A
+  // position counts the ticks since the file's beginning, over all eras.
   Player(const std::filesystem::path& file, const PluginFolders& plugins, const Adjust& adjust = {});
 
   cycle::Simulation& world() { return *world_; }

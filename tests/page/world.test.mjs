@@ -1,5 +1,4 @@
-// What happens to the world, and what a user does to it: the log, the menu "World", layouts, leases over a
-// reload.
+// The log, the menu "World", layouts, and leases over a reload.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { existsSync, mkdtempSync, rmSync } from "node:fs";

@@ -1,4 +1,4 @@
-// What a recording tells of its events: each at its tick, in words, within bounds.
+// A recording tells its events in words, each at its tick, within bounds.
 #include "server/recording/event_list.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What the page keeps between two loads: layouts, leases, bookmarks.
+// The page keeps layouts, leases and bookmarks between two loads.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { parseLayout, type LayoutData } from "../src/layout/file";

@@ -28,7 +28,7 @@ struct FigureCheck {
 // no numbers are shown only where they have few values.
 std::string sweep_figures(std::span<const SweptRun> runs, std::span<const FigureCheck> checks);
 
-// What sweep_figures() needs in the page's <style>, which has --line, --good and --bad.
+// For the page's <style>, which must also have --line, --good and --bad.
 inline constexpr const char* kFigureStyle = R"(
 .figure{max-width:760px;width:100%;display:block;margin:.5em 0}.figure text{font-size:11px;fill:currentColor}
 .figure .cell{stroke:var(--line)}.figure .axis{stroke:var(--line)}.figure .mean{fill:none;stroke:currentColor;stroke-width:1.3}

@@ -1,5 +1,5 @@
-// Reads JSON that nobody can be sure of. Each function throws a BadFileError that says what is wrong, and where
-// (`at`). Pure.
+// Reads JSON that nobody can be sure of. Each function throws a BadFileError that says what is wrong, and
+// where (`at`). Pure.
 
 export class BadFileError extends Error {}
 

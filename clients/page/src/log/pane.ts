@@ -1,5 +1,5 @@
-// The pane "Log": what happened, as lines that can be filtered and as marks on a ruler. A click on either shows
-// the other; in a recording it also goes there.
+// The pane "Log": what happened, as lines that can be filtered and as marks on a ruler. A click on either
+// shows the other; in a recording it also goes there.
 import { EventLevel } from "../link/messages";
 import type { Events, Happening } from "../model/events";
 import type { Recording } from "../model/recording";

@@ -1,5 +1,5 @@
-// What happened: faults, leases, resets, freezes, lines of the log and of controllers, results of checks. From
-// the server as it happens, or from a recording all at once.
+// The events of the world: faults, leases, resets, freezes, lines of the log and of controllers, results of
+// checks. From the server as it happens, or from a recording all at once.
 import { EventLevel, type Event } from "../link/messages";
 import type { Link } from "../link/link";
 import { Emitter } from "../common/signal";

@@ -1,4 +1,4 @@
-// What becomes of leases when the page goes. It asks first, gives them back in good order (so that no part
+// Keeps leases in order when the page goes. It asks first, gives them back in good order (so that no part
 // stops as if its controller were lost), and takes them up again where it was only reloaded.
 import { ErrorCode, RequestError } from "../link/messages";
 import type { Parts } from "./parts";
@@ -25,7 +25,7 @@ export function watchLeaving(parts: Parts): void {
 }
 
 // Call it once, when the parts are known. Resolves to the names of the parts that this page commands again.
-// What another client has taken meanwhile stays with that client.
+// A part that another client has taken meanwhile stays with that client.
 export async function takeUpLeases(parts: Parts): Promise<string[]> {
   const names = leftBefore(sessionStorage.getItem(kStored), Date.now());
   sessionStorage.removeItem(kStored);

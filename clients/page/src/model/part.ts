@@ -160,9 +160,9 @@ export class Part {
     await this.link.request({ case: "subscribe", value: { part: this.name, everyNTicks: every } }, "ok");
   }
 
-  // Begins to record for a plot: every tick, or a sample each `periodMs` of wall time. Call the returned function
-  // when the plot does not need it any more. Without ports, the present recording stays meanwhile. Throws, and
-  // changes nothing, if they are too many ports.
+  // Begins to record for a plot: every tick, or a sample each `periodMs` of wall time. Call the returned
+  // function when the plot does not need it any more. Without ports, the present recording stays meanwhile.
+  // Throws, and changes nothing, if they are too many ports.
   record(ports: readonly Port[], periodMs = 0): () => void {
     const wanted = new Set([...this.recorded.filter((_, channel) => this.uses[channel]! > 0), ...ports]);
     if (wanted.size > kRecordedMost) throw new Error(`at most ${kRecordedMost} ports of '${this.name}' are recorded at a time`);

@@ -1,6 +1,6 @@
-// The places of the page: bar, parts on the left, view in the middle, panel on the right, plots and log below.
-// Each pane around the view can be closed, and the browser remembers which are open. On a small screen one of
-// them at a time shares the screen with the view.
+// The places of the page: bar, parts on the left, view in the middle, panel on the right, plots and log
+// below. Each pane around the view can be closed, and the browser remembers which are open. On a small
+// screen one of them at a time shares the screen with the view.
 import { Emitter } from "../common/signal";
 import { h } from "./dom";
 

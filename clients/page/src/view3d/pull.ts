@@ -1,5 +1,5 @@
-// Pulls a body by a spring that the server computes (PullBody), while a hand holds it. A line from the body to a
-// dot at the hand shows the pull.
+// Pulls a body by a spring that the server computes (PullBody), while a hand holds it. A line from the body
+// to a dot at the hand shows the pull.
 import { BufferGeometry, Float32BufferAttribute, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, Plane, SphereGeometry, Vector3, type Raycaster } from "three";
 import type { Link } from "../link/link";
 import { LostError, RequestError, type BodyDescription } from "../link/messages";

@@ -1,7 +1,7 @@
 // The number of pixels to draw: fewer while the machine is too slow to draw all of them as fast as the world
-// moves, and all of them once it stands. Another number costs the browser a new canvas, so there are few steps
-// between them, and it is slow to try more after that has failed. Pure: asked once for each frame of the
-// display.
+// moves, and all of them once it stands. Another number costs the browser a new canvas, so there are few
+// steps between them, and it is slow to try more after that has failed. Pure: asked once for each frame of
+// the display.
 
 const kSlowMs = 45; // between two pictures
 const kQuickMs = 20;
@@ -41,8 +41,8 @@ export class Resolution {
     this.step -= 1;
   }
 
-  // Twice the time asks for half the pixels: the square root of a half on each side. It goes one step at a time,
-  // because one picture may be late by chance.
+  // Twice the time asks for half the pixels: the square root of a half on each side. It goes one step at a
+  // time, because one picture may be late by chance.
   private useFewer(gap: number): void {
     if (kShares[this.step]! * Math.sqrt(kSlowMs / gap) > (kShares[this.step + 1] ?? 0) * 1.15) return;
     if (this.sinceMore < kProbation) this.patience = Math.min(kMostPatience, 2 * this.patience);

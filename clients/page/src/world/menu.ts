@@ -1,5 +1,5 @@
-// The menu "World": what a user does to it. Bookmarks of its state, a recording, faults on purpose, bodies that
-// come and go, and what a reset takes back.
+// The menu "World": what a user does to it. Bookmarks of its state, a recording, faults on purpose, bodies
+// that come and go, and what a reset takes back.
 import { ResetScope } from "../link/messages";
 import type { Link } from "../link/link";
 import type { Events } from "../model/events";
