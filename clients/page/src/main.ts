@@ -109,7 +109,7 @@ async function begin(): Promise<void> {
   document.title = `${link.welcome?.scene ?? ""} · Visum`;
   await parts.begin();
   await recording.begin(parts.steering);
-  await events.begin();
+  await events.begin().catch(reportError); // the world is worth showing without its log
   await world.begin();
   await clock.refresh();
   await keeper.restore();

@@ -1,4 +1,5 @@
 // The page keeps layouts, leases and bookmarks between two loads.
+import "./dom";
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { parseLayout, type LayoutData } from "../src/layout/file";

@@ -22,7 +22,7 @@ test("when the world stands, it is drawn once with every pixel", () => {
   const resolution = new Resolution();
   const { now } = run(resolution, 0, 20, 200);
   assert.equal(resolution.frame(now + 16, false), null);
-  assert.equal(resolution.frame(now + 500, false), 1);
+  assert.equal(resolution.frame(now + 800, false), 1);
   assert.equal(resolution.frame(now + 2000, false), null);
 });
 

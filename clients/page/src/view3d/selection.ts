@@ -64,12 +64,13 @@ export class Selection {
     canvas.addEventListener("pointerdown", (event) => {
       down = { x: event.clientX, y: event.clientY };
       clearTimeout(press);
-      if (event.pointerType === "touch") press = window.setTimeout(() => this.beginPull(event), kLongPressMs);
+      // A second finger zooms
+      if (event.pointerType === "touch" && event.isPrimary) press = window.setTimeout(() => this.beginPull(event), kLongPressMs);
       if ((event.ctrlKey || event.altKey) && this.beginPull(event)) event.stopImmediatePropagation();
     }, { capture: true });
     canvas.addEventListener("pointermove", (event) => {
       if (moved(event) > kStillPixels) clearTimeout(press);
-      this.pull.moveTo(this.viewer.rayAt(event.clientX, event.clientY));
+      if (this.pull.isPulling) this.pull.moveTo(this.viewer.rayAt(event.clientX, event.clientY));
     });
     // A long press would open it
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
@@ -100,6 +101,7 @@ export class Selection {
   }
 
   private beginPull(event: PointerEvent): boolean {
+    if (!this.viewer.view.controls.enabled) return false; // the tool's handles are dragged
     const hit = this.hit(event);
     const body = hit && this.world.description.value?.bodies[hit.body];
     if (!hit || !body || body.fixed || !this.link.mayChangeWorld) return false;
