@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "protocol/config/printable.h"
-#include "protocol/reset_scope_words.h"
+#include "protocol/recording/reset_scope_words.h"
 
 namespace visum::gateway {
 namespace {
@@ -22,7 +22,7 @@ struct Told {
     return {"resume", "time runs"};
   }
   std::pair<std::string, std::string> operator()(const protocol::Reset& reset) const {
-    return {"reset", std::string("back to the beginning: ") + protocol::in_words(reset.scope)};
+    return {"reset", std::string("back to the beginning: ") + recording::in_words(reset.scope)};
   }
   std::pair<std::string, std::string> operator()(const protocol::TakeSnapshot& taken) const {
     const auto* done = std::get_if<protocol::SnapshotTaken>(&reply);

@@ -6,7 +6,7 @@
 #include <variant>
 
 #include "protocol/config/printable.h"
-#include "protocol/reset_scope_words.h"
+#include "protocol/recording/reset_scope_words.h"
 
 namespace visum::recording {
 namespace {
@@ -59,7 +59,7 @@ struct Teller {
             set.part, stop ? EventLevel::kWarning : EventLevel::kInfo};
   }
   Words operator()(const Reset& reset) const {
-    return {"reset", std::string("back to the beginning: ") + protocol::in_words(reset.scope)};
+    return {"reset", std::string("back to the beginning: ") + in_words(reset.scope)};
   }
   Words operator()(const TakeSnapshot& taken) const {
     return {"snapshot", "snapshot " + std::to_string(taken.number)};

@@ -9,7 +9,8 @@ export type OpenPanes = Record<PaneName, boolean>;
 const kTitles: Record<PaneName, string> = { parts: "Parts", panel: "Panel", plots: "Plots", log: "Log" };
 // Two hundred ports lie between the bar and the view for those who walk by keys.
 const kSkips: [string, string][] = [["Skip to the world", "world"], ["Skip to the panel", "panel"]];
-const kOrder: PaneName[] = ["panel", "parts", "plots", "log"]; // on a small screen the first that was open stays
+// On a small screen the first that was open stays.
+const kOrder: PaneName[] = ["panel", "parts", "plots", "log"];
 const kStored = "visum.panes";
 const kNarrow = "(max-width: 999px)"; // one pane at a time stands below or beside the view then
 

@@ -3,9 +3,10 @@
 
 #include "protocol/reset_scope.h"
 
-namespace visum::protocol {
+namespace visum::recording {
 
-inline const char* in_words(ResetScope scope) {
+inline const char* in_words(protocol::ResetScope scope) {
+  using protocol::ResetScope;
   switch (scope) {
     case ResetScope::kWorld:
       return "time and state";
@@ -21,4 +22,4 @@ inline const char* in_words(ResetScope scope) {
   return "all";
 }
 
-}  // namespace visum::protocol
+}  // namespace visum::recording
