@@ -206,6 +206,15 @@ bool TickMessage::decode(Bytes from) {
   return true;
 }
 
+bool LogMessage::decode(Bytes from) {
+  v1::LogLine w;
+  if (!parse(from, w)) return false;
+  level_ = w.level();
+  text_ = w.text();
+  line = {level_, text_};
+  return true;
+}
+
 struct InputMessage::Impl {
   v1::Input message;
   State state;  // of a RestoreState

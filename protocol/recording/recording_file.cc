@@ -103,7 +103,9 @@ RecordingFile::Item RecordingFile::take_as(Kind& kind, const Message& message) {
 
 RecordingFile::Item RecordingFile::take(const Message& message) {
   const auto& topic = reader_.channel(message.channel).topic;
-  if (topic == kHeaderTopic || topic == kLogTopic) return End{};
+  if (topic == kHeaderTopic) return End{};
+  // No bit of the world depends on the log: one that is damaged ends nothing
+  if (topic == kLogTopic) return log_.decode(message.data) ? Item{&log_.line} : Item{End{}};
   if (!in_sequence(message)) {
     damage_ =
         "channel " + topic + ": messages before number " + std::to_string(message.sequence) + " are missing";

@@ -28,7 +28,7 @@ class RecordingFile {
   struct End {};
   // The next record; its pointer is valid until the next call. After the End, damage() tells why it ended.
   using Item = std::variant<End, const TimedInput*, const Tick*, const protocol::PartSample*,
-                            const protocol::PartDescription*, const State*>;
+                            const protocol::PartDescription*, const State*, const LogLine*>;
   Item next();
 
   // A place in the file, to come back to it later.
@@ -65,6 +65,7 @@ class RecordingFile {
   protocol::PartSample sample_;
   protocol::PartDescription description_;
   State state_;
+  LogMessage log_;
   std::string damage_;
 };
 

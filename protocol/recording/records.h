@@ -90,6 +90,14 @@ class TickMessage {
  private:
   std::string fault_;
 };
+class LogMessage {
+ public:
+  bool decode(Bytes from);
+  LogLine line;
+
+ private:
+  std::string level_, text_;
+};
 class InputMessage {
  public:
   InputMessage();

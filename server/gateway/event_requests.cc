@@ -3,29 +3,13 @@
 #include <utility>
 
 #include "protocol/config/printable.h"
+#include "protocol/recording/reset_scope_words.h"
 
 namespace visum::gateway {
 namespace {
 
 using protocol::ErrorCode;
 using protocol::EventLevel;
-
-const char* name_of(protocol::ResetScope scope) {
-  using protocol::ResetScope;
-  switch (scope) {
-    case ResetScope::kWorld:
-      return "time and state";
-    case ResetScope::kTime:
-      return "time";
-    case ResetScope::kState:
-      return "state";
-    case ResetScope::kSpawned:
-      return "what was spawned";
-    case ResetScope::kAll:
-      return "all";
-  }
-  return "all";
-}
 
 // Kind and text of the event for a command that was done; an empty kind: it is not told.
 struct Told {
@@ -38,7 +22,7 @@ struct Told {
     return {"resume", "time runs"};
   }
   std::pair<std::string, std::string> operator()(const protocol::Reset& reset) const {
-    return {"reset", std::string("back to the beginning: ") + name_of(reset.scope)};
+    return {"reset", std::string("back to the beginning: ") + recording::in_words(reset.scope)};
   }
   std::pair<std::string, std::string> operator()(const protocol::TakeSnapshot& taken) const {
     const auto* done = std::get_if<protocol::SnapshotTaken>(&reply);

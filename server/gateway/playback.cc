@@ -47,6 +47,18 @@ std::string ports_as_json(const std::vector<recording::PortDifference>& ports) {
   return "[" + list + "]";
 }
 
+std::string events_as_json(const recording::EventList& list) {
+  std::string events;
+  for (const auto& [position, event] : list.events())
+    events += (events.empty() ? "" : ",") + std::string("{\"position\":") + std::to_string(position) +
+              ",\"era\":" + std::to_string(event.era) + ",\"tick\":" + std::to_string(event.tick) +
+              ",\"time_ns\":" + std::to_string(event.sim_time_ns) + ",\"level\":\"" +
+              protocol::to_string(event.level) + "\",\"kind\":" + protocol::json_quoted(event.kind) +
+              ",\"part\":" + protocol::json_quoted(event.part) +
+              ",\"text\":" + protocol::json_quoted(event.text) + "}";
+  return "{\"left_out\":" + std::to_string(list.left_out()) + ",\"events\":[" + events + "]}";
+}
+
 }  // namespace
 
 // The part that steers. It does not belong to the world.
@@ -105,6 +117,7 @@ Playback::Playback(const std::filesystem::path& file, const recording::PluginFol
       player_(file, plugins, in_real_time),
       comparison_(file, plugins),
       ports_(file, player_.points()),
+      events_(events_as_json(player_.events())),
       name_(free_name(player_.world())),
       recorded_era_(player_.world().era()),
       shown_revision_(player_.world().revision()) {

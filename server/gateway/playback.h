@@ -37,6 +37,8 @@ class Playback {
   // /recording/ports/PART/TO/COUNT: a part by its number, a position, and how many ticks up to it. Nothing
   // where the path names no part or position.
   std::optional<std::string> ports_at(const std::string& path);
+  // The events of the recording as JSON, for the path /recording/events. Any thread.
+  const std::string& events() const { return events_; }
   // Puts what was recorded in place of what the world's parts show, and the jumps into its era.
   void show(Published& published);
 
@@ -52,6 +54,7 @@ class Playback {
   recording::Replayer comparison_;
   recording::PortReader ports_;
   std::vector<std::string> parts_;  // by number
+  const std::string events_;
   std::string name_;
   std::uint64_t jumps_ = 0;
   std::uint64_t recorded_era_ = 1;  // of the last look

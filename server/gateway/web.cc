@@ -34,6 +34,11 @@ WebReply Web::get(const protocol::WebRequest& request) {
 WebReply Web::recorded(const protocol::WebRequest& request) const {
   WebReply reply;
   if (!lets_in(request, reply)) return reply;
+  if (request.path == "/recording/events") {
+    reply.content_type = "application/json";
+    reply.text = playback_->events();
+    return reply;
+  }
   auto rows = playback_->ports_at(request.path);
   if (rows) {
     reply.content_type = "application/octet-stream";

@@ -22,6 +22,7 @@ void Player::read_through() {
   for (auto item = file_.next(); !std::holds_alternative<RecordingFile::End>(item); item = file_.next()) {
     if (std::holds_alternative<const Tick*>(item)) ++ticks_;
     if (std::holds_alternative<const State*>(item)) points_.push_back({ticks_, file_.place_of_last()});
+    events_.take(item, ticks_);
   }
   damage_ = file_.damage();
   position_ = ticks_ + 1;  // no position of the file: the first seek() must go to a state

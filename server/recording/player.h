@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "protocol/recording/recording_file.h"
+#include "server/recording/event_list.h"
 #include "server/recording/port_reader.h"
 #include "server/recording/replayer.h"
 
@@ -22,8 +23,8 @@ namespace visum::recording {
 
 class Player {
  public:
-  // Reads the whole file once, for its length and its states. Throws what replay() throws. A position counts
-  // the ticks since the file's beginning, over all eras.
+  // Reads the whole file once, for its length, its states and its events. Throws what replay() throws. A
+  // position counts the ticks since the file's beginning, over all eras.
   Player(const std::filesystem::path& file, const PluginFolders& plugins, const Adjust& adjust = {});
 
   cycle::Simulation& world() { return *world_; }
@@ -35,6 +36,7 @@ class Player {
   const std::string& damage() const { return damage_; }
 
   const std::vector<StatePoint>& points() const { return points_; }
+  const EventList& events() const { return events_; }
 
   // Makes the next recorded tick; false: the recording has ended.
   bool advance();
@@ -45,7 +47,7 @@ class Player {
   const protocol::PartSample* sample(const std::string& part) const;
 
  private:
-  // Counts the ticks and finds the states; the world stands nowhere in the file afterwards.
+  // Counts the ticks, finds the states and the events; the world stands nowhere in the file afterwards.
   void read_through();
   void go_to(const StatePoint& point);
   void go_to_beginning();
@@ -58,6 +60,7 @@ class Player {
   State initial_;  // the scene's
   RecordingFile::Place beginning_;
   std::vector<StatePoint> points_;  // by position
+  EventList events_;
   std::map<std::string, protocol::PartSample> samples_;
   std::uint64_t ticks_ = 0, position_ = 0;
   std::string damage_;

@@ -62,6 +62,8 @@ class Campaign(unittest.TestCase):
         page = (self.report / "report.html").read_text()
         self.assertNotRegex(page, r"https?:|src=|<link|<script|url\(|@import")
         self.assertIn("friction=0.5, speed=2", page)
+        self.assertRegex(page, 'aria-label="Runs that passed over (friction and speed|speed and friction)"')
+        self.assertIn('<a href="run_2.mcap"><rect', page, "a cell leads to a recording")
         with sqlite3.connect(self.report / "results.sqlite") as results:
             self.assertEqual(results.execute("SELECT COUNT(*) FROM runs").fetchone(), (4,))
 

@@ -40,6 +40,8 @@ class Compare(unittest.TestCase):
         self.assertEqual(result["first_tick"], 21)
         page = (self.folder / "page.html").read_text()
         self.assertIn("arm/Desired Angle 3", page)
+        self.assertIn('aria-label="arm/Desired Angle 3 in A and B"', page)
+        self.assertIn("first difference: tick 21", page)
         self.assertNotRegex(page, r"https?:|src=|<link|<script")
 
     def test_another_engine_is_named(self):

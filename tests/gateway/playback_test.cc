@@ -34,6 +34,7 @@ class PlaybackTest : public testing::Test {
 
   std::filesystem::path file() const { return files_.folder() / "run.mcap"; }
   protocol::Connection& client() { return *client_; }
+  const Playback& playback() const { return *playback_; }
   void seek(std::int64_t position) {
     client().request_as<protocol::Ok>(protocol::SetParameter{"recording", "Position", position});
   }
@@ -85,6 +86,12 @@ TEST_F(PlaybackTest, StandsAtItsBeginningUntilItIsPlayed) {
   EXPECT_TRUE(now.paused);
   EXPECT_EQ(now.tick, 0);
   EXPECT_EQ(now.state_hash, hashes_[0]);
+}
+
+TEST_F(PlaybackTest, TellsWhatHappenedAsJson) {
+  EXPECT_EQ(playback().events(),
+            R"({"left_out":0,"events":[{"position":1200,"era":1,"tick":1200,"time_ns":1200000000,)"
+            R"("level":"info","kind":"reset","part":"","text":"back to the beginning: time and state"}]})");
 }
 
 TEST_F(PlaybackTest, JumpsToAnyTickAndShowsItsPorts) {

@@ -2,6 +2,7 @@
 import "./page.test.mjs";
 import "./safe.test.mjs";
 import "./tool.test.mjs";
+import "./world.test.mjs";
 import "./look.test.mjs";
 import "./overlays.test.mjs";
 import "./sensors.test.mjs";

@@ -9,6 +9,7 @@ import { Daemon, bin, launch, openPage, require } from "./programs.mjs";
 
 const seconds = Number(process.argv[2] ?? 10);
 const kPages = 8;
+const kLoads = 5;
 const kPlotted = ["Desired Angle", "Actual Angle", "Actual Speed"].flatMap((group) => [1, 2, 3, 4, 5, 6, 7].map((i) => `${group} ${i}`)).slice(0, 20);
 const kLongestMs = 175_000; // of the whole
 const kStepMs = 60_000; // of each figure
@@ -52,6 +53,22 @@ async function resume(browser, daemon) {
   const page = await openPage(browser, daemon);
   await page.getByRole("button", { name: "Run", exact: true }).click();
   await page.context().close();
+}
+
+// From the start of the navigation to the first picture of live data, ms: of several loads, sorted.
+async function firstPicture(browser) {
+  const daemon = await startDaemon();
+  const times = [];
+  for (let load = 0; load < kLoads; ++load) {
+    const before = () => new MutationObserver(() => {
+      if (document.documentElement.dataset.visum === "live") window.liveAt ??= performance.now();
+    }).observe(document, { attributes: true, subtree: true, attributeFilter: ["data-visum"] });
+    const page = await openPage(browser, daemon, { before });
+    times.push(Math.round(await page.evaluate(() => window.liveAt)));
+    await page.context().close();
+  }
+  await daemon.stop();
+  return times.sort((a, b) => a - b);
 }
 
 // The arm moves to and fro, and `plotted` ports are drawn as they change.
@@ -126,6 +143,7 @@ const guard = setTimeout(() => {
 const browser = await launch();
 tell("machine", { processors: `${cpus().length} × ${cpus()[0].model}`, load: loadavg()[0], drawn_by: "the processor (SwiftShader)" });
 tell("bundle_bytes", bundleBytes());
+await measure("first_live_picture_ms", () => firstPicture(browser));
 await measure("page", () => browserCost(browser, []));
 await measure("page_with_plots", () => browserCost(browser, kPlotted));
 await measure("lateness_without_a_page", () => lateness(browser, 0));

@@ -4,7 +4,7 @@ import { execFileSync } from "node:child_process";
 import { join } from "node:path";
 import { body, button, drawn, isBlue, isRed, look, pageTest, until } from "./harness.mjs";
 import { linkPositions, readArm } from "./kinematics.mjs";
-import { colourAt } from "./picture.mjs";
+import { around, colourAt } from "./picture.mjs";
 import { bin, source } from "./programs.mjs";
 
 pageTest("loads, and shows the arm where the ports say that it is", async (page, claim) => {
@@ -72,17 +72,41 @@ pageTest("a body is clicked, and pulled", async (page, claim) => {
     const [px, py, pz] = (await fact("Position")).match(/[-−]?\d+\.\d+/g).map((text) => Number(text.replace("−", "-")));
     assert.ok(Math.hypot(px - 0.5, py - 0.2, pz - 0.24) < 0.005, `${px} ${py} ${pz}`);
   });
-  await claim("a pulled body comes along", async () => {
+  await claim("a pulled body comes to the hand, which a line leads to, and is not thrown about", async () => {
     const from = await body(page, "box");
+    const isLine = (r, g, b) => r > 180 && g > 50 && g < 140 && b < 60;
     await page.keyboard.down("Control");
     await page.mouse.move(from.x, from.y);
     await page.mouse.down();
-    await page.mouse.move(from.x + 120, from.y - 60, { steps: 3 });
-    await until(page, (x) => visum.project("box").x > x + 20, from.x);
+    await page.mouse.move(from.x - 40, from.y - 80, { steps: 3 });
+    const hand = await around(page, { x: from.x - 40, y: from.y - 80 }, 10, isLine);
+    assert.ok(hand.count > 20 && Math.hypot(hand.x - 10, hand.y - 10) < 2, JSON.stringify(hand));
+    await until(page, ({ x, y }) => {
+      const now = visum.project("box");
+      window.fastest = Math.max(window.fastest ?? 0, Number.parseFloat(document.querySelector(".body-card dl").textContent.match(/Speed([\d.]+)/)[1]));
+      return Math.hypot(now.x - x, now.y - y) < 40;
+    }, { x: from.x - 40, y: from.y - 80 });
+    const held = await page.evaluate(() => visum.simTime());
+    await until(page, (time) => visum.simTime() > time + 1, held);
+    assert.ok((await page.evaluate(() => window.fastest)) < 3);
     await page.mouse.up();
     await page.keyboard.up("Control");
   });
 });
+
+pageTest("a finger pulls a body by a long press, and orbits without one", async (page) => {
+  await look(page, "Table");
+  const from = await body(page, "box");
+  const touch = await page.context().newCDPSession(page);
+  const send = (type, x, y) => touch.send("Input.dispatchTouchEvent", { type, touchPoints: type === "touchEnd" ? [] : [{ x, y }] });
+  await send("touchStart", from.x, from.y);
+  await until(page, () => document.querySelector(".body-card h2").textContent === "box"); // it is held
+  const camera = await page.evaluate(() => visum.camera());
+  await send("touchMove", from.x + 60, from.y - 60);
+  await until(page, (x) => visum.project("box").x > x + 20, from.x);
+  await send("touchEnd");
+  assert.deepEqual(await page.evaluate(() => visum.camera()), camera, "the camera stands still meanwhile");
+}, { hasTouch: true });
 
 // Bodies behind the removed one get other numbers.
 const removeBody = (daemon, name) =>

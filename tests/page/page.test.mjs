@@ -97,6 +97,12 @@ for (const colorScheme of ["light", "dark"])
     await assertAccessible(page);
     await page.evaluate(() => visum.release("arm"));
     await assertAccessible(page);
+    await page.getByRole("tab", { name: "Tool" }).click();
+    await button(page, "Log").click();
+    await page.locator(".log-line").first().waitFor();
+    await button(page, "World").click();
+    await until(page, () => document.querySelector(".fault-effect").textContent !== "");
+    await assertAccessible(page);
   }, { colorScheme });
 
 async function assertAccessible(page) {
@@ -105,7 +111,7 @@ async function assertAccessible(page) {
   assert.deepEqual(violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ target }) => target).join(" ")}`), []);
 }
 
-for (const [width, height] of [[1280, 720], [768, 1024], [1024, 768], [390, 844]])
+for (const [width, height] of [[1280, 720], [768, 1024], [1024, 768], [390, 844], [640, 360]])
   pageTest(`fits a screen of ${width} by ${height}`, async (page) => {
     await button(page, "Plots").click(); // on a small screen this closes the others
     if (height > 700) await page.getByRole("combobox", { name: "Selected body" }).selectOption("box");

@@ -1,13 +1,14 @@
 // A recording on the page. The page shows what was recorded at the slider's time, tells the first difference,
 // and lets nothing be changed.
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { forge } from "./forge.mjs";
 import { body, browser, button, drawn, look, pageTest, until } from "./harness.mjs";
 import { linkPositions, readArm } from "./kinematics.mjs";
-import { Daemon, openPage } from "./programs.mjs";
+import { bin, Daemon, openPage } from "./programs.mjs";
 
 const kTarget = 0.62, kOther = 0.21;
 const kJoints = [1, 2, 3, 4, 5, 6, 7];
@@ -24,6 +25,7 @@ class Replayed extends Daemon {
       await visum.acquire("arm");
       await visum.write("arm", "Desired Angle 1", target);
     }, kTarget);
+    execFileSync(join(bin, "visum"), ["fault", "arm", "encoder_noise", "joint=7", "deviation=0.0001", "--connect", `127.0.0.1:${live.port}`]);
     await until(page, (target) => visum.read("arm", "Actual Angle 1") > target - 0.01, kTarget);
     await page.context().close();
     await live.stop();
@@ -99,6 +101,15 @@ pageTest("a recording is moved through by its slider", async (page, claim) => {
       assert.deepEqual(rows.map(([time]) => Math.round(1000 * time)), rows.map((_, i) => position - rows.length + 1 + i));
       assert.ok(Math.abs(rows.at(-1)[1] - angle) < 1e-6, `${rows.at(-1)} and ${angle}`);
     }
+  });
+
+  await claim("its log tells what happened, and leads there", async () => {
+    await button(page, "Log").click();
+    const line = page.getByRole("listbox", { name: "What happened" }).getByRole("option").filter({ hasText: "encoder_noise" });
+    await line.click();
+    const [minutes, seconds] = (await line.locator(".log-time").textContent()).split(":").map(Number);
+    await until(page, (time) => Math.abs(visum.simTime() - time) < 1e-9, 60 * minutes + seconds);
+    assert.equal(await page.locator('.mark[title*="encoder_noise"]').count(), 1, "its mark");
   });
 
   await claim("it plays to its end, and begins anew", async () => {

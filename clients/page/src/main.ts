@@ -9,6 +9,8 @@ import "../styles/view.css";
 import "../styles/panel.css";
 import "../styles/tool.css";
 import "../styles/plots.css";
+import "../styles/log.css";
+import "../styles/world.css";
 import { makeApi } from "./api";
 import { connectionBadge, lostBanner, realityBadge } from "./bar/connection";
 import { frozenBanner } from "./bar/frozen";
@@ -19,8 +21,13 @@ import { StopButton } from "./bar/stop";
 import { PartStrip } from "./bar/strip";
 import { TimeControls } from "./bar/time_controls";
 import { timeline } from "./bar/timeline";
+import { LayoutKeeper } from "./layout/keeper";
 import { Link } from "./link/link";
+import type { ResetScope } from "./link/messages";
+import { LogPane } from "./log/pane";
 import { Clock } from "./model/clock";
+import { Events } from "./model/events";
+import { takeUpLeases, watchLeaving } from "./model/leaving";
 import { Parts } from "./model/parts";
 import { Recording } from "./model/recording";
 import { World } from "./model/world";
@@ -37,6 +44,7 @@ import { Layout } from "./ui/layout";
 import { tabs } from "./ui/tabs";
 import { report, reportError } from "./ui/toasts";
 import { makeSceneView } from "./view3d/scene_view";
+import { WorldMenu } from "./world/menu";
 
 const url = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/session`;
 const link = new Link(url, `page ${crypto.getRandomValues(new Uint16Array(1))[0]!.toString(16).padStart(4, "0")}`);
@@ -44,16 +52,20 @@ const world = new World(link);
 const parts = new Parts(link);
 const clock = new Clock(link);
 const recording = new Recording(link, parts);
+const events = new Events(link);
 
 const layout = new Layout();
 document.getElementById("app")!.replaceWith(layout.root);
 const view = makeSceneView(layout.view, link, world, parts, clock);
-const reset = () => void resetWorld(link, clock, parts).catch(reportError);
-const time = new TimeControls(link, clock, recording, reset);
+const reset = (scope?: ResetScope) => void resetWorld(link, clock, parts, scope).catch(reportError);
+const time = new TimeControls(link, clock, recording, () => reset());
 const plots = new PlotPane(layout.panes.plots, parts);
+new LogPane(layout.panes.log, events, world, recording);
 const panelPlace = h("section", { class: "tab-body" });
 const panel = new PanelPane(panelPlace, parts, world);
 panel.isEmpty.watch((empty) => layout.offer("panel", !empty));
+const keeper = new LayoutKeeper(layout, plots, panel, view?.viewer.view ?? null, world, parts);
+layout.toggles.append(keeper.button);
 const tool = new ToolPane(link, world, parts, new Mover());
 layout.panes.panel.append(tabs("Panel or tool", [{ name: "Panel", content: panelPlace }, { name: "Tool", content: tool.element }]), panelPlace, tool.element);
 if (view) new Gizmo(view.viewer, world, tool);
@@ -66,11 +78,12 @@ const tree = new Tree(link, parts, {
 const scene = h("span", { class: "scene" });
 const strip = new PartStrip(link, parts);
 const stop = new StopButton(link, clock, strip);
-layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element, layout.toggles, connectionBadge(link, parts, clock), stop.element, strip.element, timeline(recording));
+layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element, connectionBadge(link, parts, clock), stop.element,
+  h("div", { class: "second" }, strip.element, layout.toggles, new WorldMenu(link, world, parts, events, reset).element), timeline(recording));
 layout.panes.parts.append(tree.element);
 const hint = firstSteps();
 if (hint) layout.view.append(hint);
-layout.view.append(lostBanner(link), frozenBanner(link, clock, reset), new CameraTiles(parts).element);
+layout.view.append(lostBanner(link), frozenBanner(link, clock, () => reset()), new CameraTiles(parts).element);
 window.visum = makeApi(parts, world, view);
 
 // The page is live when it is connected, has drawn data of this connection, and knows whether time runs.
@@ -96,9 +109,13 @@ async function begin(): Promise<void> {
   document.title = `${link.welcome?.scene ?? ""} · Visum`;
   await parts.begin();
   await recording.begin(parts.steering);
+  await events.begin().catch(reportError); // the world is worth showing without its log
   await world.begin();
   await clock.refresh();
+  await keeper.restore();
   view?.viewer.redraw();
+  const again = await takeUpLeases(parts);
+  if (again.length > 0) report(`This page commands ${again.join(", ")} again`);
 }
 
 let stood = false; // whether time stood at the last status
@@ -120,5 +137,6 @@ link.told.on((body) => {
   report(kTold);
 });
 
+watchLeaving(parts);
 listenForKeys({ toggleRun: () => time.toggleRun(), stop: () => stop.press(), help: showKeys });
 link.open();

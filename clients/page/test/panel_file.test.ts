@@ -1,16 +1,18 @@
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { test } from "node:test";
-import { formatPanel, freePlace, kColumns, PanelError, parsePanel } from "../src/panels/file";
-import { fromHash, toHash } from "../src/panels/share";
+import { BadFileError } from "../src/common/checked";
+import { formatPanel, freePlace, kColumns, parsePanel } from "../src/panels/file";
+import { fromHash, toHash } from "../src/ui/link_text";
 
+const kPrefix = "#panel=";
 const kSlider = { type: "slider", label: "Joint 1", x: 0, y: 0, w: 12, h: 2, ports: [{ part: "arm", port: "Desired Angle 1" }], jog: 0.05 };
 const panel = (change: object = {}) => JSON.stringify({ visum_panel: 1, name: "P", widgets: [{ ...kSlider, ...change }] });
 const complaint = (text: string) => {
   try {
     parsePanel(text);
   } catch (error) {
-    assert.ok(error instanceof PanelError);
+    assert.ok(error instanceof BadFileError);
     return error.message;
   }
   assert.fail("nothing was refused");
@@ -60,15 +62,15 @@ test("a new widget takes the first free place", () => {
 
 test("a panel goes into a link and comes out of it", async () => {
   const text = formatPanel(parsePanel(panel({ label: "Gelenk ä 🦾" })));
-  const hash = await toHash(text);
+  const hash = await toHash(kPrefix, text);
   assert.match(hash, /^#panel=[A-Za-z0-9_-]+$/);
-  assert.equal(await fromHash(hash), text);
-  assert.equal(await fromHash("#elsewhere"), null);
-  await assert.rejects(fromHash("#panel=AAAA"));
+  assert.equal(await fromHash(kPrefix, hash), text);
+  assert.equal(await fromHash(kPrefix, "#elsewhere"), null);
+  await assert.rejects(fromHash(kPrefix, "#panel=AAAA"));
 });
 
 test("a link cannot fill the memory", async () => {
-  const bomb = await toHash("0".repeat(3 << 20));
+  const bomb = await toHash(kPrefix, "0".repeat(3 << 20));
   assert.ok(bomb.length < 10_000);
-  await assert.rejects(fromHash(bomb), /too large/);
+  await assert.rejects(fromHash(kPrefix, bomb), /too large/);
 });

@@ -22,7 +22,7 @@ test("when the world stands, it is drawn once with every pixel", () => {
   const resolution = new Resolution();
   const { now } = run(resolution, 0, 20, 200);
   assert.equal(resolution.frame(now + 16, false), null);
-  assert.equal(resolution.frame(now + 500, false), 1);
+  assert.equal(resolution.frame(now + 800, false), 1);
   assert.equal(resolution.frame(now + 2000, false), null);
 });
 
@@ -38,4 +38,16 @@ test("a pause between two movements is no slowness", () => {
     assert.equal(resolution.frame(now, true), 1);
     assert.equal(resolution.frame(now + 16, false), null);
   }
+});
+
+test("pixels that prove too many are tried ever more seldom", () => {
+  const resolution = new Resolution();
+  // A machine that is quick with few pixels, and slow with many
+  let [now, share, changes] = [0, 1, 0];
+  for (let i = 0; i < 5000; ++i) {
+    const next = resolution.frame((now += share > 0.6 ? 80 : 16), true)!;
+    if (next !== share) ++changes;
+    share = next;
+  }
+  assert.ok(changes > 3 && changes < 20, `${changes} changes of the canvas`);
 });

@@ -59,7 +59,9 @@ Summary summarize(Results& results);
 // {"runs","passed","failed","invalid","reused","pass_rate","low","high","decision","hash", ...}
 std::string summary_json(const Summary& summary);
 std::string summary_text(const Summary& summary);
-std::string summary_html(const Summary& summary, const Identity& identity, const std::string& of);
+// `figures`: HTML, pictures of the sweep.
+std::string summary_html(const Summary& summary, const Identity& identity, const std::string& of,
+                         const std::string& figures);
 // "search": {...}, for summary_json().
 void write_search(cli::JsonWriter& json, const SearchDone& search);
 std::string search_text(const SearchDone& search);

@@ -11,6 +11,7 @@
 #include "clients/visum/common/markup.h"
 #include "clients/visum/common/terminal.h"
 #include "clients/visum/common/whole_file.h"
+#include "clients/visum/run/sweep_figures.h"
 #include "protocol/config/config.h"
 #include "protocol/config/new_file.h"
 
@@ -18,6 +19,8 @@ namespace visum::campaign {
 namespace {
 
 using cli::markup;
+
+constexpr std::size_t kMostDrawn = 10'000;  // runs
 
 std::string percent(double share) {
   return cli::rounded(100.0 * share, 5) + " %";
@@ -149,6 +152,11 @@ std::string influences_table(const Summary& summary) {
          rows + "</tbody></table>\n";
 }
 
+std::string recording_cell(const Row& row) {
+  if (row.recording.empty()) return "<td></td>";
+  return "<td><a href=\"" + markup(row.recording) + "\">" + markup(row.recording) + "</a></td>";
+}
+
 std::string failures_table(const Summary& summary, const std::string& file) {
   const std::size_t bad = summary.failed + summary.invalid;
   if (bad == 0) return {};
@@ -161,7 +169,7 @@ std::string failures_table(const Summary& summary, const std::string& file) {
       "hash</th></tr></thead><tbody>\n";
   for (const Row& row : summary.failures)
     table += "<tr>" + cell(std::to_string(row.run), "n") + cell(parameters_text(row)) +
-             cell(word_of(row.outcome()), "bad") + cell(row.error) + cell(row.recording) +
+             cell(word_of(row.outcome()), "bad") + cell(row.error) + recording_cell(row) +
              cell(cli::hex(row.state_hash), "h") + "</tr>\n";
   return table + "</tbody></table>\n<p>Again: <code>visum run " + markup(file) +
          " --only RUN</code>; a recording: <code>visum replay FILE</code></p>\n";
@@ -225,13 +233,14 @@ std::string summary_text(const Summary& summary) {
   return text + "hash " + cli::hex(summary.hash) + "\n";
 }
 
-std::string summary_html(const Summary& summary, const Identity& identity, const std::string& of) {
+std::string summary_html(const Summary& summary, const Identity& identity, const std::string& of,
+                         const std::string& figures) {
   const auto code = summary.code();
   const char* kind = code == cli::kDone ? "good" : "bad";
   std::string page = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
-                     markup(identity.name) + "</title><style>" + kStyle + "</style></head><body>\n<h1>" +
-                     markup(identity.name) + "</h1>\n<p><code>" + markup(identity.file) + "</code>" +
-                     markup(of) + "</p>\n";
+                     markup(identity.name) + "</title><style>" + kStyle + run::kFigureStyle +
+                     "</style></head><body>\n<h1>" + markup(identity.name) + "</h1>\n<p><code>" +
+                     markup(identity.file) + "</code>" + markup(of) + "</p>\n";
   if (summary.decide)
     page += "<p><b class=\"" + std::string(kind) + "\">" + markup(verdict(summary)) + "</b></p>\n";
   page += "<p><b class=\"" + std::string(kind) + "\">" + percent(summary.pass_rate) + "</b> of " +
@@ -239,9 +248,10 @@ std::string summary_html(const Summary& summary, const Identity& identity, const
           percent(summary.interval.low) + " to " + percent(summary.interval.high) + " of all do. " +
           of_runs(summary.failed, "failed") + ", " + of_runs(summary.invalid, "are invalid") + ".</p>\n";
   for (const auto& trouble : troubles(summary)) page += "<p class=\"bad\">" + markup(trouble) + "</p>\n";
-  return page + "<p>Hash <code>" + cli::hex(summary.hash) + "</code></p>\n" + checks_table(summary) +
-         influences_table(summary) + (summary.search ? search_html(*summary.search) : "") +
-         failures_table(summary, identity.file) + "</body></html>\n";
+  return page + "<p>Hash <code>" + cli::hex(summary.hash) + "</code></p>\n" + figures +
+         checks_table(summary) + influences_table(summary) +
+         (summary.search ? search_html(*summary.search) : "") + failures_table(summary, identity.file) +
+         "</body></html>\n";
 }
 
 void write_csv(Results& results, std::size_t last, const std::filesystem::path& file) {
@@ -280,13 +290,33 @@ void write_csv(Results& results, std::size_t last, const std::filesystem::path& 
   whole.keep();
 }
 
+std::string figures_html(Results& results, const Summary& summary, std::size_t last) {
+  std::vector<run::SweptRun> runs;
+  Statement values(results.database(), "SELECT name, value FROM checks WHERE run = ? AND value IS NOT NULL");
+  results.for_each(std::min(last, kMostDrawn), [&](const Row& row) {
+    const auto outcome = row.outcome() == SequentialTest::Outcome::kPassed ? run::SweptRun::Outcome::kPassed
+                         : row.outcome() == SequentialTest::Outcome::kFailed
+                             ? run::SweptRun::Outcome::kFailed
+                             : run::SweptRun::Outcome::kInvalid;
+    runs.push_back({row.run, outcome, parameters_of(row), row.recording});
+    values.reset().bind(row.run);
+    while (values.step()) runs.back().checks[values.text(0)] = values.real(1).value_or(0.0);
+  });
+  std::vector<run::FigureCheck> checks;
+  for (const auto& check : summary.checks) checks.push_back({check.name, check.unit, check.bound});
+  const std::string figures = run::sweep_figures(runs, checks);
+  if (figures.empty() || last <= kMostDrawn) return figures;
+  return figures + "<p>Drawn from the first " + std::to_string(kMostDrawn) + " runs.</p>\n";
+}
+
 void write_reports(Results& results, const Summary& summary, const std::filesystem::path& folder) try {
   const Shard& shard = results.shard();
   const std::string of = shard.count == 1 ? "" : ", shard " + shard.text();
-  write_csv(results, summary.decided_at != 0 ? summary.decided_at : results.identity().runs,
-            folder / "results.csv");
+  const std::size_t last = summary.decided_at != 0 ? summary.decided_at : results.identity().runs;
+  write_csv(results, last, folder / "results.csv");
   cli::write_whole_file(folder / "summary.json", summary_json(summary) + "\n");
-  cli::write_whole_file(folder / "report.html", summary_html(summary, results.identity(), of));
+  cli::write_whole_file(folder / "report.html",
+                        summary_html(summary, results.identity(), of, figures_html(results, summary, last)));
 } catch (const cli::ExitError&) {
   throw;
 } catch (const std::runtime_error& error) {  // of write_whole_file() and the file system

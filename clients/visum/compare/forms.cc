@@ -1,10 +1,12 @@
 #include "clients/visum/compare/forms.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/json_writer.h"
 #include "clients/visum/common/markup.h"
+#include "clients/visum/compare/courses.h"
 
 namespace visum::compare {
 namespace {
@@ -13,6 +15,7 @@ using cli::JsonWriter;
 using cli::markup;
 
 constexpr std::size_t kShownPorts = 20;  // as text
+constexpr std::size_t kDrawnPorts = 12;
 
 constexpr const char* kStyle = R"(
 :root{color-scheme:light dark;--line:#8886;--good:#1a7f37;--bad:#cf222e}
@@ -124,9 +127,24 @@ std::string page(bool equal, const std::string& words, const std::string& a, con
   return std::string(
              "<!doctype html>\n<html lang=\"en\"><head><meta "
              "charset=\"utf-8\"><title>Comparison</title><style>") +
-         kStyle + "</style></head><body>\n<h1>Comparison</h1>\n<p>A: <code>" + markup(a) +
+         kStyle + kCoursesStyle + "</style></head><body>\n<h1>Comparison</h1>\n<p>A: <code>" + markup(a) +
          "</code><br>B: <code>" + markup(b) + "</code></p>\n<p><b class=\"" + (equal ? "good" : "bad") +
          "\">" + markup(words) + "</b></p>\n" + rest + "</body></html>\n";
+}
+
+// The ports that differ first, in both recordings.
+std::string courses_of(const RecordingComparison& of) {
+  std::vector<const PortDistance*> ports;
+  for (const auto& port : of.ports) ports.push_back(&port);
+  std::ranges::stable_sort(ports, {}, &PortDistance::tick);
+  std::string html;
+  for (std::size_t i = 0; i < std::min(ports.size(), kDrawnPorts); ++i)
+    if (const std::string drawn = courses_svg(*ports[i]); !drawn.empty())
+      html += "<h3>" + markup(ports[i]->port) + "</h3>\n" + drawn;
+  if (html.empty()) return {};
+  return "<h2>Side by side</h2>\n<p>A is the whole line, B the dashed one. The " +
+         std::to_string(std::min(ports.size(), kDrawnPorts)) + " of " + std::to_string(ports.size()) +
+         " ports that part first.</p>\n" + html;
 }
 
 std::string list_of(const char* head, const std::vector<std::string>& texts) {
@@ -188,8 +206,9 @@ std::string as_text(const CampaignComparison& of) {
 
 std::string as_html(const RecordingComparison& of, const std::string& a, const std::string& b) {
   return page(of.equal, first_words(of), a, b,
-              html_of(ports_of(of, of.ports.size())) + list_of("Made differently", of.settings) +
-                  list_of("Only in A", of.only_a) + list_of("Only in B", of.only_b));
+              courses_of(of) + html_of(ports_of(of, of.ports.size())) +
+                  list_of("Made differently", of.settings) + list_of("Only in A", of.only_a) +
+                  list_of("Only in B", of.only_b));
 }
 
 std::string as_html(const CampaignComparison& of, const std::string& a, const std::string& b) {

@@ -150,7 +150,8 @@ class Comparer {
         result_.only_a.push_back(a_.ports()[i]);
         continue;
       }
-      pairs_.push_back({i, found->second, false, {a_.ports()[i]}});
+      pairs_.push_back({i, found->second, false, {}});
+      pairs_.back().distance.port = a_.ports()[i];
       in_b.erase(found);
     }
     for (const auto& port : b_.ports())
@@ -167,12 +168,16 @@ class Comparer {
     if (a.tick != b.tick || a.era != b.era || (hashed && a.state_hash != b.state_hash)) part_at(a.tick);
     for (Pair& pair : pairs_) {
       const double one = a_.values()[pair.a], other = b_.values()[pair.b];
+      PortDistance& distance = pair.distance;
+      const double at_s = static_cast<double>(a_.ticks()) * static_cast<double>(a_.header().tick_ns) / 1e9;
+      distance.course_a.add(at_s, one);
+      distance.course_b.add(at_s, other);
       if (same(one, other)) continue;
       part_at(a.tick);
-      PortDistance& distance = pair.distance;
       if (!pair.differs) {
         pair.differs = true;
         distance.tick = a.tick;
+        distance.first_s = at_s;
         distance.a = one;
         distance.b = other;
       }

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "clients/visum/run/course.h"
+
 namespace visum::compare {
 
 // A port that is not the same in both.
@@ -16,6 +18,8 @@ struct PortDistance {
   double a = 0.0, b = 0.0;
   double max_abs = 0.0;  // over all ticks that both have; infinity where one is no number
   std::int64_t max_tick = 0;
+  double first_s = 0.0;            // simulated, since the beginning of the recordings: where it first differs
+  run::Course course_a, course_b;  // its values by that time, over the ticks that both have
 };
 
 struct RecordingComparison {

@@ -9,6 +9,7 @@
 #include "clients/visum/common/shell_word.h"
 #include "clients/visum/common/terminal.h"
 #include "clients/visum/run/plot.h"
+#include "clients/visum/run/sweep_figures.h"
 
 namespace visum::run {
 namespace {
@@ -149,6 +150,23 @@ std::string section_of(const Report& report) {
          "</summary>\n" + body_of(report) + "</details>\n";
 }
 
+std::string figures_of(std::span<const Report> reports) {
+  std::vector<SweptRun> runs;
+  std::vector<FigureCheck> checks;
+  for (const Report& report : reports) {
+    const auto outcome = report.passed()               ? SweptRun::Outcome::kPassed
+                         : report.code == cli::kFailed ? SweptRun::Outcome::kFailed
+                                                       : SweptRun::Outcome::kInvalid;
+    runs.push_back({report.run, outcome, report.swept, "#run" + number(report)});
+    for (const auto& check : report.checks) {
+      if (check.value) runs.back().checks[check.name] = *check.value;
+      if (std::ranges::find(checks, check.name, &FigureCheck::name) == checks.end())
+        checks.push_back({check.name, check.unit, check.bound});
+    }
+  }
+  return sweep_figures(runs, checks);
+}
+
 std::string summary_of(std::span<const Report> reports) {
   const auto failed = std::ranges::count_if(reports, [](const Report& one) { return !one.passed(); });
   std::set<std::uint64_t> hashes;
@@ -168,11 +186,12 @@ std::string report_html(std::span<const Report> reports) {
   std::stable_partition(order.begin(), order.end(), [](const Report* report) { return !report->passed(); });
   const Report& any = reports.front();
   std::string page = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
-                     markup(any.name) + "</title><style>" + kStyle + "</style></head><body>\n<h1>" +
-                     markup(any.name) + "</h1>\n" + summary_of(reports) + "<p><code>" + markup(any.file) +
-                     "</code>, scene <code>" + markup(any.scene) + "</code>, clock " + markup(any.clock) +
+                     markup(any.name) + "</title><style>" + kStyle + kFigureStyle +
+                     "</style></head><body>\n<h1>" + markup(any.name) + "</h1>\n" + summary_of(reports) +
+                     "<p><code>" + markup(any.file) + "</code>, scene <code>" + markup(any.scene) +
+                     "</code>, clock " + markup(any.clock) +
                      (any.engine.empty() ? "" : ", engine " + markup(any.engine)) + "</p>\n" +
-                     table_of(order);
+                     figures_of(reports) + table_of(order);
   for (const Report* report : order) page += section_of(*report);
   return page + "</body></html>\n";
 }

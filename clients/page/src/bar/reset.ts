@@ -1,6 +1,7 @@
 // Resets the world. Others who are connected lose what they do, so the user is asked first. The state before
 // is kept as a snapshot, so that the reset can be undone.
 import type { Link } from "../link/link";
+import { ResetScope } from "../link/messages";
 import type { Clock } from "../model/clock";
 import type { Parts } from "../model/parts";
 import { ask } from "../ui/ask";
@@ -8,12 +9,12 @@ import { report, reportError } from "../ui/toasts";
 
 export const kTold = "The world was reset or restored"; // as the server's event tells it to all
 
-export async function resetWorld(link: Link, clock: Clock, parts: Parts): Promise<void> {
+export async function resetWorld(link: Link, clock: Clock, parts: Parts, scope = ResetScope.WORLD): Promise<void> {
   const concerned = whoElse(link.name, parts.list.value.map((part) => part.holder.value), clock.status.value?.sessions ?? 1);
   if (concerned !== "" && !(await ask(`Reset the world? ${concerned}`, "Reset the world"))) return;
   // A frozen world has no state worth coming back to
   const before = clock.status.value?.frozen ? null : await link.request({ case: "takeSnapshot", value: {} }, "snapshot").catch(() => null);
-  await clock.reset();
+  await clock.reset(scope);
   if (!before) return;
   const undo = () => clock.restore(before.snapshot).catch(reportError);
   report(kTold, "note", { name: "Undo", run: () => void undo() });

@@ -1,7 +1,7 @@
 // The state of the server's time, asked for twice a second, and the user's commands: run, pause, step, speed,
 // reset.
 import type { Link } from "../link/link";
-import type { RequestInit, ServerStatus } from "../link/messages";
+import type { RequestInit, ResetScope, ServerStatus } from "../link/messages";
 import { poll } from "./poll";
 import { Signal } from "../common/signal";
 
@@ -25,7 +25,7 @@ export class Clock {
 
   pause = () => this.insteadOfStep({ case: "pause", value: {} });
   resume = () => this.insteadOfStep({ case: "resume", value: {} });
-  reset = () => this.insteadOfStep({ case: "reset", value: {} });
+  reset = (scope: ResetScope) => this.insteadOfStep({ case: "reset", value: { scope } });
   restore = (snapshot: bigint) => this.insteadOfStep({ case: "restoreSnapshot", value: { snapshot } });
   setSpeed = (factor: number) => this.act({ case: "setSpeed", value: { factor } });
 

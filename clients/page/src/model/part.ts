@@ -41,7 +41,7 @@ export class Part {
   private readonly written = new Map<number, Written>(); // by input
   private recorded: Port[] = []; // by channel
   private uses: number[] = []; // by channel: the number of plots that want it
-  private recording = 0; // the number of plots that want this part
+  private readonly periods = new Map<symbol, number>(); // ms of wall time from sample to sample, by recording
   private everyTicks = 0;
   private reconnected = false; // since the last sample
   private era = -1n;
@@ -148,29 +148,32 @@ export class Part {
     this.sampled.emit(sample);
   }
 
-  // Subscribes to every tick while a plot needs it, else as often as an eye can follow numbers.
+  // Subscribes as often as the most eager recording needs it, and as an eye can follow numbers.
   async subscribe(tickNs: number, realTimeFactor: number): Promise<void> {
-    const perMs = (1e6 / tickNs) * Math.max(realTimeFactor, 0.01);
-    const every = Math.max(1, Math.floor(this.recording > 0 ? Math.max(1, realTimeFactor) : kIdlePeriodMs * perMs));
+    const ticksPerMs = (1e6 / tickNs) * Math.max(realTimeFactor, 0.01);
+    const periodMs = Math.min(kIdlePeriodMs, ...this.periods.values());
+    // Faster than real time, nobody takes every tick
+    const every = Math.max(1, Math.floor(periodMs === 0 ? realTimeFactor : periodMs * ticksPerMs));
     const close = every < 1.5 * this.everyTicks && every > 0.6 * this.everyTicks;
     if (close) return;
     this.everyTicks = every;
     await this.link.request({ case: "subscribe", value: { part: this.name, everyNTicks: every } }, "ok");
   }
 
-  // Begins to record every tick for a plot. Call the returned function when the plot does not need it any
-  // more. Without ports, the present recording stays meanwhile. Throws, and changes nothing, if they are too
-  // many ports.
-  record(ports: readonly Port[]): () => void {
+  // Begins to record for a plot: every tick, or a sample each `periodMs` of wall time. Call the returned
+  // function when the plot does not need it any more. Without ports, the present recording stays meanwhile.
+  // Throws, and changes nothing, if they are too many ports.
+  record(ports: readonly Port[], periodMs = 0): () => void {
     const wanted = new Set([...this.recorded.filter((_, channel) => this.uses[channel]! > 0), ...ports]);
     if (wanted.size > kRecordedMost) throw new Error(`at most ${kRecordedMost} ports of '${this.name}' are recorded at a time`);
-    this.recording += 1;
+    const key = Symbol();
+    this.periods.set(key, ports.length === 0 ? kIdlePeriodMs : periodMs);
     const [known, fresh] = [ports.filter((port) => this.channel(port) >= 0), ports.filter((port) => this.channel(port) < 0)];
     for (const port of [...known, ...fresh]) this.uses[this.channelFor(port)]! += 1;
     return () => {
       for (const port of ports) this.uses[this.channel(port)]! -= 1;
-      this.recording -= 1;
-      if (this.recording > 0) return;
+      this.periods.delete(key);
+      if (this.periods.size > 0) return;
       this.history = null;
       this.recorded = [];
       this.uses = [];

@@ -5,13 +5,15 @@ import type { World } from "../model/world";
 import { h, iconButton, setText } from "../ui/dom";
 import { download, pickText } from "../ui/files";
 import { icons } from "../ui/icons";
+import { fromHash, share } from "../ui/link_text";
 import { report, reportError } from "../ui/toasts";
 import { emptyPanel, formatPanel, kWidgetTypes, parsePanel, type PanelData, type WidgetType } from "./file";
 import { generatedPanel } from "./generate";
 import { kKinds } from "./kinds";
 import { PanelView } from "./panel_view";
 import { settingsForm } from "./settings";
-import { fromHash, toHash } from "./share";
+
+const kPrefix = "#panel=";
 
 export class PanelPane {
   readonly view: PanelView;
@@ -57,7 +59,8 @@ export class PanelPane {
     this.isEmpty.value = this.panels.every(({ widgets }) => widgets.length === 0);
   }
 
-  private open(panel: PanelData): void {
+  // A panel that the user brings. It is shown until another one is chosen, also of another scene.
+  open(panel: PanelData): void {
     this.own.push(panel);
     this.panels.push(panel);
     this.list();
@@ -110,16 +113,13 @@ export class PanelPane {
   }
 
   private async share(): Promise<void> {
-    const hash = await toHash(formatPanel(this.view.panel));
-    history.replaceState(null, "", hash);
-    // Browsers have no clipboard for pages that come without TLS from another machine.
-    const copied = (await navigator.clipboard?.writeText(location.href).then(() => true, () => false)) ?? false;
+    const copied = await share(kPrefix, formatPanel(this.view.panel));
     report(`The address now holds this panel${copied ? ", and is on the clipboard" : "; copy it from there"}`);
   }
 
   private async openShared(): Promise<void> {
     try {
-      const text = await fromHash(location.hash);
+      const text = await fromHash(kPrefix, location.hash);
       if (text !== null) this.open(parsePanel(text));
     } catch (error) {
       reportError(error);

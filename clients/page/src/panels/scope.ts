@@ -1,4 +1,5 @@
-// An oscilloscope: the last seconds of up to eight ports at full tick rate, against a left and a right scale.
+// An oscilloscope: the last seconds of up to eight ports, against a left and a right scale. It takes as many
+// samples as it can show; a plot takes every tick.
 import type { Port } from "../model/part";
 import { h } from "../ui/dom";
 import { formatInRange } from "../ui/numbers";
@@ -15,22 +16,25 @@ interface Trace {
 
 const kSeconds = 5;
 const kMargin = 0.08;
+const kSamples = 400; // over its width: about two for each pixel
 
 export function scope({ data, ports }: Context): Widget {
   const canvas = h("canvas", { "aria-hidden": "true" });
   const legend = h("div", { class: "scope-legend" }, ...ports.map((port, i) => h("span", {}, swatch(i), port.description.name, data.scales?.[i] === 1 ? " ▸" : "")));
-  const stops = ports.map((port) => record(port));
+  const periodMs = ((data.seconds ?? kSeconds) * 1000) / kSamples;
+  const stops = ports.map((port) => record(port, periodMs));
+  let drawn = false; // by the last update: a curve is drawn at half the pace of numbers, as plots are
   return {
     body: h("div", { class: "w-scope" }, canvas, legend),
-    update: () => draw(canvas, ports, data.scales ?? [], data.seconds ?? kSeconds),
+    update: () => void ((drawn = !drawn) && draw(canvas, ports, data.scales ?? [], data.seconds ?? kSeconds)),
     dispose: () => stops.forEach((stop) => stop()),
   };
 }
 
 // Ports beyond the limit have no trace.
-function record(port: Port): () => void {
+function record(port: Port, periodMs: number): () => void {
   try {
-    return port.part.record([port]);
+    return port.part.record([port], periodMs);
   } catch (error) {
     reportError(error);
     return () => undefined;

@@ -4,12 +4,14 @@ import type { Parts } from "../model/parts";
 import { acceptPorts } from "../ui/drag";
 import { h } from "../ui/dom";
 import { reportError } from "../ui/toasts";
-import { Plot } from "./plot";
+import { Emitter } from "../common/signal";
+import { Plot, type PlotData } from "./plot";
 
 const kPeriodMs = 100;
 
 export class PlotPane {
   readonly plots: Plot[] = [];
+  readonly changed = new Emitter<void>(); // other plots, other ports in one, or another time axis
   private readonly place = h("div", { class: "plot-row" });
   private readonly empty = h("p", { class: "empty" }, "Drag ports here from the tree, or use their plot buttons.");
 
@@ -32,10 +34,29 @@ export class PlotPane {
   }
 
   open(ports: Port[]): void {
-    const plot: Plot = new Plot(ports, () => this.close(plot), () => this.parts.plotted().catch(reportError));
+    const plot: Plot = new Plot(ports, () => this.close(plot), () => {
+      this.parts.plotted().catch(reportError);
+      this.changed.emit();
+    });
     if (plot.ports.length === 0) return plot.dispose();
     this.plots.push(plot);
     this.show();
+  }
+
+  get data(): PlotData[] {
+    return this.plots.map(({ data }) => data);
+  }
+
+  // Opens plots as they were kept, as far as their ports are here, in place of those that are open.
+  restore(list: readonly PlotData[]): void {
+    for (const plot of [...this.plots]) this.close(plot);
+    for (const { ports, seconds } of list) {
+      const found = ports.map(({ part, port }) => this.parts.port(part, port)).filter((port): port is Port => port !== undefined);
+      if (found.length === 0) continue;
+      this.open(found);
+      this.plots.at(-1)?.setSeconds(seconds);
+    }
+    this.changed.emit();
   }
 
   private close(plot: Plot): void {
@@ -49,6 +70,7 @@ export class PlotPane {
     this.place.replaceChildren(...this.plots.map(({ element }) => element));
     this.empty.hidden = this.plots.length > 0;
     this.place.hidden = this.plots.length === 0;
+    this.changed.emit();
   }
 
   private update(): void {

@@ -3,6 +3,7 @@
 import uPlot from "uplot";
 import type { Part, Port } from "../model/part";
 import type { Parts } from "../model/parts";
+import { nameOf, type PortName } from "../ui/drag";
 import { h, iconButton } from "../ui/dom";
 import { download } from "../ui/files";
 import { icons } from "../ui/icons";
@@ -17,6 +18,12 @@ import { drawPhase } from "./phase";
 
 const kWindows = [5, 10, 30, 60, 120, 300];
 const kAir = 0.08; // above and below, as a share of the span
+
+// A plot as it is kept.
+export interface PlotData {
+  ports: PortName[];
+  seconds: number; // of its time axis
+}
 
 export class Plot {
   readonly element: HTMLElement;
@@ -38,6 +45,7 @@ export class Plot {
         iconButton(icons.image, "Export as PNG", () => this.exportPng()),
         iconButton(icons.close, "Close the plot", onClose)),
       this.place, this.phaseCanvas, this.gapNote);
+    this.seconds.addEventListener("change", onChange);
     new ResizeObserver(() => this.resize()).observe(this.place);
     this.add(ports);
   }
@@ -46,6 +54,13 @@ export class Plot {
   add(ports: readonly Port[]): void {
     for (const port of ports.filter((port) => !this.ports.includes(port))) this.take(port);
     this.rebuild();
+  }
+
+  get data(): PlotData {
+    return { ports: this.ports.map(nameOf), seconds: Number(this.seconds.value) };
+  }
+  setSeconds(seconds: number): void {
+    if (kWindows.includes(seconds)) this.seconds.value = String(seconds);
   }
 
   // After a restart the parts may be other objects. Takes the same ports of those.

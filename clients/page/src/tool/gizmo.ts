@@ -25,7 +25,8 @@ export class Gizmo {
     this.controls.addEventListener("objectChange", () => this.drag());
     viewer.beforeDraw.on(() => this.follow());
     pane.handles.addEventListener("change", () => viewer.redraw());
-    pane.arm.watch(() => viewer.redraw());
+    // A world that stands still is not drawn again by itself
+    for (const changed of [pane.arm, pane.usable]) changed.watch(() => viewer.redraw());
   }
 
   private drag(): void {

@@ -20,6 +20,7 @@ const kDegree = Math.PI / 180;
 
 export class ToolPane {
   readonly arm = new Signal<Arm | null>(null);
+  readonly usable = new Signal<boolean>(false); // isUsable, as shown last
   readonly element = h("section", { class: "tool", "aria-label": "Tool" });
   readonly handles = h("select", { "aria-label": "Handles in the view" }, h("option", { value: "translate" }, "move"), h("option", { value: "rotate" }, "turn"), h("option", { value: "off" }, "none"));
   private readonly choice = h("select", { "aria-label": "Body that is moved" });
@@ -130,8 +131,8 @@ export class ToolPane {
 
   private refresh(): void {
     const arm = this.arm.value;
+    const usable = (this.usable.value = this.isUsable);
     if (!arm || !this.world.sample || document.hidden || this.element.offsetParent === null) return;
-    const usable = this.isUsable;
     for (const control of this.controls) if (control.disabled === usable) control.disabled = !usable;
     this.take.hidden = usable;
     this.take.disabled = !this.link.mayCommand;

@@ -56,6 +56,11 @@ export class ViewCamera {
     this.controls.update();
   }
 
+  // Where it stands and looks, as look() takes it.
+  get place(): Omit<Viewpoint, "name"> {
+    return { position: this.camera.position.toArray(), target: this.controls.target.toArray(), fov: this.camera.fov };
+  }
+
   resize(aspect: number): void {
     this.camera.aspect = aspect;
     this.camera.updateProjectionMatrix();

@@ -1,19 +1,24 @@
 // The number of pixels to draw: fewer while the machine is too slow to draw all of them as fast as the world
-// moves, and all of them once it stands. Pure: asked once for each frame of the display.
+// moves, and all of them once it stands. Another number costs the browser a new canvas, so there are few
+// steps between them, and it is slow to try more after that has failed. Pure: asked once for each frame of
+// the display.
 
 const kSlowMs = 45; // between two pictures
 const kQuickMs = 20;
-const kQuickPictures = 40; // as many in a row before it tries more pixels
-const kLeast = 0.4;
-const kStep = 0.7;
-const kStandsMs = 400;
+const kQuickPictures = 40; // as many in a row before it tries more pixels, at first
+const kMostPatience = 1280; // and at last
+const kProbation = 120; // pictures: more pixels that are too many within them were tried too early
+const kShares = [1, 0.7, 0.5, 0.4];
+const kStandsMs = 700;
 
 export class Resolution {
-  private share = 1; // of a side's pixels, while things move
-  private drawn = 1; // of the last picture
+  private step = 0; // in kShares, while things move
+  private drawn = 1; // the share of the last picture
   private last = NaN; // ms; when it was drawn
   private follows = false; // the frame before had a picture, too
   private quick = 0;
+  private patience = kQuickPictures;
+  private sinceMore = Infinity; // pictures since it tried more pixels
 
   // The share of the pixels to draw at `now` (ms); null: draw no picture. `wanted`: something moved.
   frame(now: number, wanted: boolean): number | null {
@@ -22,17 +27,25 @@ export class Resolution {
     const stands = !wanted && this.drawn < 1 && now - this.last > kStandsMs;
     if (!wanted && !stands) return null;
     this.last = now;
-    this.drawn = stands ? 1 : this.share;
+    this.drawn = stands ? 1 : kShares[this.step]!;
     return this.drawn;
   }
 
-  // Twice the time asks for half the pixels: the square root of a half on each side. It is not done at once,
-  // because one picture may be late by chance.
   private adapt(gap: number): void {
-    if (gap > kSlowMs) this.share = Math.max(kLeast, this.share * Math.max(kStep, Math.sqrt(kSlowMs / gap)));
+    this.sinceMore += 1;
+    if (gap > kSlowMs) this.useFewer(gap);
     this.quick = gap < kQuickMs ? this.quick + 1 : 0;
-    if (this.quick < kQuickPictures) return;
+    if (this.quick < this.patience || this.step === 0) return;
     this.quick = 0;
-    this.share = Math.min(1, this.share / kStep);
+    this.sinceMore = 0;
+    this.step -= 1;
+  }
+
+  // Twice the time asks for half the pixels: the square root of a half on each side. It goes one step at a
+  // time, because one picture may be late by chance.
+  private useFewer(gap: number): void {
+    if (kShares[this.step]! * Math.sqrt(kSlowMs / gap) > (kShares[this.step + 1] ?? 0) * 1.15) return;
+    if (this.sinceMore < kProbation) this.patience = Math.min(kMostPatience, 2 * this.patience);
+    this.step = Math.min(kShares.length - 1, this.step + 1);
   }
 }

@@ -1,6 +1,6 @@
 // The selected body: its name, its motion, the ports that drive it. With the role for it, the user pulls a
-// body by a spring (Ctrl or Alt with the pointer), as if by hand.
-import { Plane, Vector3 } from "three";
+// body by a spring, as if by hand: Ctrl or Alt with the pointer, or a long press of a finger.
+import type { Vector3 } from "three";
 import type { Link } from "../link/link";
 import type { Clock } from "../model/clock";
 import type { Parts } from "../model/parts";
@@ -11,30 +11,24 @@ import { icons } from "../ui/icons";
 import { formatInRange, formatValue } from "../ui/numbers";
 import { reportError } from "../ui/toasts";
 import { drivingPorts } from "./driving_ports";
-import { kPullMs, PushTimes, springPerKg } from "./pull";
+import { Pull } from "./pull";
 import type { Viewer } from "./viewer";
 
 const kClickPixels = 4;
-
-interface Pull {
-  body: number;
-  local: Vector3; // the point held, in the body's frame
-  plane: Plane; // the pointer moves in it
-  target: Vector3;
-  times: PushTimes;
-  timer: number;
-}
+const kLongPressMs = 450; // of a finger, which has no Ctrl
+const kStillPixels = 8;
 
 export class Selection {
   readonly selected = new Emitter<number>(); // body; -1: none
   private body = -1;
-  private pull: Pull | null = null;
+  private readonly pull: Pull;
   private readonly title = h("h2", {});
   private readonly facts = h("dl", {});
   private readonly card: HTMLElement;
   private readonly follow = h("button", { type: "button", class: "small", "aria-pressed": "false" }, "Follow");
 
-  constructor(private readonly viewer: Viewer, private readonly world: World, private readonly parts: Parts, private readonly link: Link, private readonly clock: Clock, container: HTMLElement) {
+  constructor(private readonly viewer: Viewer, private readonly world: World, private readonly parts: Parts, private readonly link: Link, clock: Clock, container: HTMLElement) {
+    this.pull = new Pull(viewer, link, () => clock.status.value?.realTimeFactor ?? 1, reportError);
     this.card = h("section", { class: "body-card", hidden: true, "aria-label": "Selected body" },
       h("header", {}, this.title, this.follow, iconButton(icons.close, "Close", () => this.select(-1))), this.facts);
     container.append(this.card);
@@ -64,16 +58,27 @@ export class Selection {
 
   private listen(canvas: HTMLCanvasElement): void {
     let down = { x: 0, y: 0 };
+    let press = 0; // the timer of a long press
+    const moved = (event: PointerEvent) => Math.hypot(event.clientX - down.x, event.clientY - down.y);
     // In the capturing phase, so that a pull does not orbit the camera.
     canvas.addEventListener("pointerdown", (event) => {
       down = { x: event.clientX, y: event.clientY };
+      clearTimeout(press);
+      // A second finger zooms
+      if (event.pointerType === "touch" && event.isPrimary) press = window.setTimeout(() => this.beginPull(event), kLongPressMs);
       if ((event.ctrlKey || event.altKey) && this.beginPull(event)) event.stopImmediatePropagation();
     }, { capture: true });
-    canvas.addEventListener("pointermove", (event) => this.pull && this.moveTarget(event));
-    canvas.addEventListener("pointercancel", () => this.endPull());
+    canvas.addEventListener("pointermove", (event) => {
+      if (moved(event) > kStillPixels) clearTimeout(press);
+      if (this.pull.isPulling) this.pull.moveTo(this.viewer.rayAt(event.clientX, event.clientY));
+    });
+    // A long press would open it
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+    canvas.addEventListener("pointercancel", () => (clearTimeout(press), this.endPull()));
     canvas.addEventListener("pointerup", (event) => {
-      if (this.pull) return this.endPull();
-      if (Math.hypot(event.clientX - down.x, event.clientY - down.y) < kClickPixels) this.select(this.hit(event)?.body ?? -1);
+      clearTimeout(press);
+      if (this.pull.isPulling) return this.endPull();
+      if (moved(event) < kClickPixels) this.select(this.hit(event)?.body ?? -1);
     });
   }
 
@@ -96,44 +101,20 @@ export class Selection {
   }
 
   private beginPull(event: PointerEvent): boolean {
+    if (!this.viewer.view.controls.enabled) return false; // the tool's handles are dragged
     const hit = this.hit(event);
     const body = hit && this.world.description.value?.bodies[hit.body];
     if (!hit || !body || body.fixed || !this.link.mayChangeWorld) return false;
     this.select(hit.body);
-    const normal = this.viewer.view.camera.getWorldDirection(new Vector3());
-    const local = this.viewer.bodies.groups[hit.body]!.worldToLocal(hit.point.clone());
-    const plane = new Plane().setFromNormalAndCoplanarPoint(normal, hit.point);
-    const timer = window.setInterval(() => this.push(), kPullMs);
-    this.pull = { body: hit.body, local, plane, target: hit.point.clone(), times: new PushTimes(), timer };
+    this.pull.begin(hit.body, body, hit.point);
     this.viewer.canvas.setPointerCapture(event.pointerId);
     this.viewer.view.controls.enabled = false;
     return true;
   }
 
-  private moveTarget(event: PointerEvent): void {
-    this.viewer.rayAt(event.clientX, event.clientY).ray.intersectPlane(this.pull!.plane, this.pull!.target);
-  }
-
   private endPull(): void {
-    if (this.pull) clearInterval(this.pull.timer);
-    this.pull = null;
+    this.pull.end();
     this.viewer.view.controls.enabled = true;
-  }
-
-  private push(): void {
-    const { body, local, target, times } = this.pull!;
-    const description = this.world.description.value?.bodies[body];
-    const { sample } = this.world;
-    const { paused = false, realTimeFactor = 1 } = this.clock.status.value ?? {};
-    if (!description || !sample || paused) return;
-    const durationNs = times.next(sample.tick, this.link.welcome?.tickNs ?? 1_000_000n, realTimeFactor);
-    if (durationNs === null) return;
-    const { stiffness, damping } = springPerKg(realTimeFactor);
-    const point = this.viewer.bodies.groups[body]!.localToWorld(local.clone());
-    const speed = new Vector3().fromArray(sample.velocities, 6 * body);
-    const force = target.clone().sub(point).multiplyScalar(stiffness * description.massKg).addScaledVector(speed, -damping * description.massKg);
-    const push = { body: description.name, forceN: force.toArray(), pointM: point.toArray(), durationNs };
-    this.link.request({ case: "pushBody", value: push }, "ok").catch((error: unknown) => (this.endPull(), reportError(error)));
   }
 
   private refresh(): void {
@@ -151,7 +132,7 @@ export class Selection {
       ["Contact force", `${formatInRange(sample.peakContactForces[this.body] ?? 0, 0, 200, "N")} N`],
       ["Driven by", drivingPorts(this.world, this.parts, description.name).join("; ") || "nothing"],
     ];
-    if (!description.fixed && this.link.mayChangeWorld) rows.push(["Pull", "Ctrl and drag"]);
+    if (!description.fixed && this.link.mayChangeWorld) rows.push(["Pull", matchMedia("(pointer: coarse)").matches ? "press long, then drag" : "Ctrl and drag"]);
     while (this.facts.children.length > 2 * rows.length) this.facts.lastElementChild!.remove();
     while (this.facts.children.length < 2 * rows.length) this.facts.append(h("dt", {}), h("dd", {}));
     rows.forEach(([name, value], i) => (setText(this.facts.children[2 * i]!, name), setText(this.facts.children[2 * i + 1]!, value)));

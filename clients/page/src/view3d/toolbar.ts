@@ -3,6 +3,7 @@ import type { World } from "../model/world";
 import { h, iconButton } from "../ui/dom";
 import { download } from "../ui/files";
 import { icons } from "../ui/icons";
+import { popover } from "../ui/popover";
 import { report } from "../ui/toasts";
 import { kOverlays, type OverlayName, type Overlays } from "./overlays";
 import type { Selection } from "./selection";
@@ -20,24 +21,10 @@ export function viewToolbar(viewer: Viewer, world: World, overlays: Overlays, se
   return h("div", { class: "view-tools", role: "toolbar", "aria-label": "View" },
     bodyMenu(world, selection),
     viewpointMenu(viewer, world),
-    popover(icons.layers, "Overlays", overlayMenu(overlays)),
-    popover(icons.glasses, "Stereo", stereoMenu(viewer)),
+    popover("Overlays", overlayMenu(overlays), icons.layers),
+    popover("Stereo", stereoMenu(viewer), icons.glasses),
     iconButton(icons.image, "Save a picture of the view", () => void picture()),
     iconButton(icons.expand, "Full screen", () => void full()));
-}
-
-// A button that opens a box; Escape or a click elsewhere closes it.
-function popover(icon: string, name: string, content: HTMLElement): HTMLElement {
-  const summary = h("summary", { class: "icon", title: name, "aria-label": name, role: "button" });
-  summary.append(iconButton(icon, name, () => undefined).firstChild!);
-  const details = h("details", { class: "popover" }, summary, h("div", { class: "popover-body" }, h("h2", {}, name), content));
-  document.addEventListener("pointerdown", (event) => details.contains(event.target as Node) || (details.open = false));
-  document.addEventListener("keydown", (event) => {
-    if (event.key !== "Escape" || !details.open) return;
-    details.open = false;
-    summary.focus();
-  });
-  return details;
 }
 
 // Does what a click on a body does, for users who do not click.
