@@ -198,6 +198,19 @@ struct AddBody {
 struct RemoveBody {
   std::string body;
 };
+struct ModelFile {
+  std::string path, content;
+};
+struct SpawnModel {
+  std::string file, name{};
+  std::vector<double> pose{};
+  bool make_unique = false;
+  std::vector<ModelFile> files{};
+};
+struct RemoveModel {
+  std::string name;
+};
+struct ListModels {};
 struct Shutdown {};
 struct FaultNumber {
   std::string name;
@@ -223,7 +236,7 @@ using Request =
                  ReadTexture, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot, RestoreSnapshot, PushBody,
                  AddBody, RemoveBody, Shutdown, InjectFault, ClearFault, ListFaults, SetBody, SetJoints,
                  PullBody, ReleaseBody, SubscribeEvents, UnsubscribeEvents, Announce, StartRecording,
-                 StopRecording>;
+                 StopRecording, SpawnModel, RemoveModel, ListModels>;
 
 // ---------------------------------------- server to client
 
@@ -413,6 +426,13 @@ struct WorldSample {
   std::vector<ContactSample> contacts;
   std::uint64_t state_hash = 0, revision = 0, conflated = 0;
 };
+struct ModelSpawned {
+  std::string name;
+  std::vector<std::string> bodies, parts;
+};
+struct ModelList {
+  std::vector<std::string> files, spawned;
+};
 struct SnapshotTaken {
   std::uint64_t snapshot = 0;
   std::int64_t tick = 0;
@@ -450,8 +470,9 @@ struct FaultList {
   std::vector<ActiveFault> active;
 };
 
-using Reply = std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant,
-                           PartSample, ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample,
-                           MeshData, SnapshotTaken, Event, TextureData, FaultList, EventList>;
+using Reply =
+    std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant, PartSample,
+                 ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample, MeshData,
+                 SnapshotTaken, Event, TextureData, FaultList, EventList, ModelSpawned, ModelList>;
 
 }  // namespace visum::protocol

@@ -53,6 +53,11 @@ StopDoor::~StopDoor() {
   ::close(socket_);
 }
 
+void StopDoor::set_parts(std::vector<std::string> parts) {
+  const std::lock_guard lock(mutex_);
+  parts_ = std::move(parts);
+}
+
 void StopDoor::run() {
   std::array<pollfd, 2> polled{{{socket_, POLLIN, 0}, {end_, POLLIN, 0}}};
   while (!(polled[1].revents & POLLIN)) {
@@ -70,6 +75,10 @@ void StopDoor::serve_one() {
       ::recvfrom(socket_, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &length);
   if (got < 0) return;
   const std::string peer(reinterpret_cast<const char*>(&from), length);
+  {
+    const std::lock_guard lock(mutex_);
+    if (auto parts = std::exchange(parts_, {})) orders_.set_parts(std::move(*parts));
+  }
   const auto answer =
       orders_.answer(std::span(buffer).first(static_cast<std::size_t>(got)), peer, StopOrders::Clock::now());
   if (answer) send(peer, *answer);

@@ -76,7 +76,10 @@ std::vector<Row> table() {
           {UnsubscribeEvents{}, kYes, kYes, kYes},
           {Announce{"hello"}, kNot, kYes, kYes},
           {StartRecording{"run"}, kNot, kNot, kYes},
-          {StopRecording{}, kNot, kNot, kYes}};
+          {StopRecording{}, kNot, kNot, kYes},
+          {SpawnModel{}, kNot, kNot, kYes},
+          {RemoveModel{}, kNot, kNot, kYes},
+          {ListModels{}, kYes, kYes, kYes}};
 }
 
 enum class LeaseIs { kFree, kOwn, kAnothers };

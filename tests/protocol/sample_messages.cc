@@ -183,6 +183,13 @@ Samples<Request> sample_requests() {
       {"inject_fault", InjectFault{"arm", "encoder_offset", {{"joint", 3}, {"offset", 0.01}}, 2'000'000'000}},
       {"clear_fault", ClearFault{"arm", "encoder_offset", 3}},
       {"list_faults", ListFaults{"arm"}},
+      {"spawn_model", SpawnModel{"robot/arm.urdf",
+                                 "second",
+                                 {0, 2, 0.5, 1, 0, 0, 0},
+                                 true,
+                                 {{"robot/arm.urdf", "<robot/>"}, {"robot/link.stl", "solid"}}}},
+      {"remove_model", RemoveModel{"second"}},
+      {"list_models", ListModels{}},
   };
 }
 
@@ -214,6 +221,8 @@ Samples<Reply> sample_replies() {
                              "less torque",
                              {{"offset", "<u>", -1, 1, true, 0.5}, {"share", "", 0, 1, false, 1}}}},
                            {{"arm", "torque_lost", {{"joint", 3}, {"share", 0.5}}, 1200}}}},
+      {"model_spawned", ModelSpawned{"second", {"second/base", "second/link"}, {"second", "eye"}}},
+      {"models", ModelList{{"cart/cart.yaml", "two_link/two_link.urdf"}, {"second"}}},
   };
 }
 
