@@ -208,6 +208,19 @@ struct AddBody {
 struct RemoveBody {
   std::string body;
 };
+struct ModelFile {
+  std::string path, content;
+};
+struct SpawnModel {
+  std::string file, name{};
+  std::vector<double> pose{};
+  bool make_unique = false;
+  std::vector<ModelFile> files{};
+};
+struct RemoveModel {
+  std::string name;
+};
+struct ListModels {};
 struct Shutdown {};
 using Request =
     std::variant<Hello, Status, ListParts, DescribePart, AcquireLease, ReleaseLease, Write, Read, Subscribe,
@@ -217,7 +230,7 @@ using Request =
                  AddBody, RemoveBody, Shutdown, InjectFault, ClearFault, ListFaults, SetBody, SetJoints,
                  PullBody, ReleaseBody, SubscribeEvents, UnsubscribeEvents, Announce, StartRecording,
                  StopRecording, AnnounceModules, ReportModules, ListModules, OverrideModulePort,
-                 LockBlackboard, UnlockBlackboard>;
+                 LockBlackboard, UnlockBlackboard, SpawnModel, RemoveModel, ListModels>;
 
 // ---------------------------------------- server to client
 
@@ -407,6 +420,13 @@ struct WorldSample {
   std::vector<ContactSample> contacts;
   std::uint64_t state_hash = 0, revision = 0, conflated = 0;
 };
+struct ModelSpawned {
+  std::string name;
+  std::vector<std::string> bodies, parts;
+};
+struct ModelList {
+  std::vector<std::string> files, spawned;
+};
 struct SnapshotTaken {
   std::uint64_t snapshot = 0;
   std::int64_t tick = 0;
@@ -424,9 +444,9 @@ struct EventList {
   std::vector<Event> events;
 };
 
-using Reply =
-    std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant, PartSample,
-                 ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample, MeshData,
-                 SnapshotTaken, Event, TextureData, FaultList, EventList, ModuleList, OverrideModulePort>;
+using Reply = std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant,
+                           PartSample, ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample,
+                           MeshData, SnapshotTaken, Event, TextureData, FaultList, EventList, ModuleList,
+                           OverrideModulePort, ModelSpawned, ModelList>;
 
 }  // namespace visum::protocol

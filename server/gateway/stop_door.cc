@@ -55,6 +55,11 @@ StopDoor::~StopDoor() {
   ::close(socket_);
 }
 
+void StopDoor::set_parts(std::vector<std::string> parts) {
+  const std::lock_guard lock(mutex_);
+  parts_ = std::move(parts);
+}
+
 void StopDoor::run() {
   std::array<pollfd, 2> polled{{{socket_, POLLIN, 0}, {end_, POLLIN, 0}}};
   while (!(polled[1].revents & POLLIN)) {
@@ -76,6 +81,10 @@ void StopDoor::serve_some() {
     datagrams[i].msg_hdr.msg_namelen = sizeof peers[i];
     datagrams[i].msg_hdr.msg_iov = &pieces[i];
     datagrams[i].msg_hdr.msg_iovlen = 1;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (auto parts = std::exchange(parts_, {})) orders_.set_parts(std::move(*parts));
   }
   const int count = ::recvmmsg(socket_, datagrams.data(), kAtOnce, MSG_DONTWAIT, nullptr);
   for (std::size_t i = 0; count > 0 && i < static_cast<std::size_t>(count); ++i) {

@@ -83,7 +83,7 @@ class Run {
         profile_(options.profile != nullptr ? &options.profile->runner() : nullptr),
         phases_(profile_),
         controllers_(scenario.controllers, placeholder_values(scenario, daemon), session_, wait_loop,
-                     options.on_line) {}
+                     [this](const std::string& who, const std::string& line) { tell(who, line); }) {}
 
   void go();
   void collect();  // what is known so far, into the report
@@ -108,6 +108,9 @@ class Run {
   void act();
   bool is_over();
   void note_unfinished();
+  // A line of a controller or of the time line: for the user, and for those who follow the server's events.
+  void tell(const std::string& who, const std::string& line);
+  void announce_checks();
 
   const Scenario& scenario_;
   const RunOptions& options_;
@@ -139,7 +142,7 @@ void Run::prepare() {
   for (const auto& spec : scenario_.checks) checks_.emplace_back(spec, catalogue_);
   timeline_.emplace(scenario_.timeline, catalogue_);
   actions_.emplace(session_, controllers_, catalogue_,
-                   [this](const std::string& text) { options_.on_line("scenario", text); });
+                   [this](const std::string& text) { tell("scenario", text); });
   if (scenario_.until.condition) until_ = tie(scenario_.until.condition->quantity, catalogue_);
   const double tick_ms = static_cast<double>(session_.tick_ns()) * 1e-6;
   step_ticks_ = std::max<std::int64_t>(1, std::llround(scenario_.check_every_ms / tick_ms));
@@ -215,6 +218,7 @@ bool Run::step() {
   send_steps();
   auto now = session_.take_step();
   controllers_.note_timeouts();
+  session_.flush_announcements();
   if (!now) {
     note_members();
     return false;
@@ -269,6 +273,20 @@ void Run::note_unfinished() {
   }
 }
 
+void Run::tell(const std::string& who, const std::string& line) {
+  options_.on_line(who, line);
+  session_.announce(who + ": " + line, "line", protocol::EventLevel::kInfo);
+}
+
+// The daemon may be gone, which the report says elsewhere.
+void Run::announce_checks() try {
+  for (const auto& check : report_.checks)
+    session_.announce(check.name + (check.passed ? ": passed" : ": failed, " + check.failure), "check",
+                      check.passed ? protocol::EventLevel::kInfo : protocol::EventLevel::kError);
+  session_.flush_announcements();
+} catch (const protocol::ConnectionError&) {
+}
+
 void Run::look_back() {
   last_ = session_.status();
   report_.limited_ticks = last_.limited_ticks;
@@ -282,6 +300,7 @@ void Run::collect() {
   report_.sim_seconds = sim_seconds(now_);
   report_.state_hash = now_.world.state_hash;
   for (const Check& check : checks_) report_.checks.push_back(check.result());
+  announce_checks();
   controllers_.stop_all();
   report_.controllers = controllers_.results();
 }
