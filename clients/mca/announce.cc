@@ -49,7 +49,7 @@ protocol::AnnounceModules describe(Part& part, const std::vector<std::unique_ptr
                                  static_cast<std::uint32_t>(edge.count)});
   });
   for (const auto& below : lower) {
-    for (const Lower::Edge& edge : below->edges()) {
+    for (const Edge& edge : below->edges()) {
       const bool down = edge.to->owner() == nullptr;
       announced.edges.push_back(
           {down ? end_of(part.name(), *edge.from, edge.first_from)

@@ -163,8 +163,7 @@ void Door::done(Peer& peer, std::uint64_t id, const protocol::Reply& reply) {
   if (id != 0) peer.session->send(id, reply);
 }
 
-void Door::fail(Peer& peer, std::uint64_t id, Code code, const std::string& text,
-                const std::string& owner) {
+void Door::fail(Peer& peer, std::uint64_t id, Code code, const std::string& text, const std::string& owner) {
   peer.session->send(id, protocol::Error{code, text, owner});
 }
 
@@ -223,8 +222,7 @@ void Door::handle(Peer& peer, std::uint64_t id, const protocol::DescribePart& re
 void Door::handle(Peer& peer, std::uint64_t id, const protocol::AcquireLease& request) {
   const auto session = peer.session->id();
   if (!may_command(peer, id) || !is_ours(peer, id, request.part)) return;
-  if (request.deadline_ns < 0)
-    return fail(peer, id, Code::kBadValue, "deadline_ns must not be negative");
+  if (request.deadline_ns < 0) return fail(peer, id, Code::kBadValue, "deadline_ns must not be negative");
   const bool may_take = request.take && peer.session->role() == protocol::Role::kAdmin;
   if (holder_ != 0 && holder_ != session && !may_take)
     return fail(peer, id, Code::kLeased, "'" + part_.name() + "' is leased by '" + holder_name_ + "'",
@@ -268,8 +266,7 @@ void Door::handle(Peer& peer, std::uint64_t id, const protocol::Read& request) {
 
 void Door::handle(Peer& peer, std::uint64_t id, const protocol::Subscribe& request) {
   if (!is_ours(peer, id, request.part)) return;
-  if (request.every_n_ticks == 0)
-    return fail(peer, id, Code::kBadValue, "every_n_ticks must be at least 1");
+  if (request.every_n_ticks == 0) return fail(peer, id, Code::kBadValue, "every_n_ticks must be at least 1");
   peer.every = request.every_n_ticks;
   peer.sampled = cycle_;
   done(peer, id);

@@ -22,10 +22,6 @@ bool goes_down(const Vector& vector) {
 
 }  // namespace
 
-void Edge::carry() const {
-  for (std::size_t i = 0; i < count; ++i) to->at(first_to + i) = from->at(first_from + i);
-}
-
 void Group::keep(std::unique_ptr<Module> member) {
   for (const auto& other : members_)
     if (other->name() == member->name())

@@ -12,17 +12,6 @@
 
 namespace visum::mca {
 
-// Carries `count` values from one vector to another, each time before the receiver works on them.
-struct Edge {
-  Vector* from;
-  std::size_t first_from;
-  Vector* to;
-  std::size_t first_to;
-  std::size_t count;
-
-  void carry() const;
-};
-
 class Group : public Module {
  public:
   using Module::Module;

@@ -98,25 +98,16 @@ void Lower::AddEdgeUp(std::size_t first_from, Vector& to, std::size_t first_to, 
   edges_.push_back({sensor_output_.get(), first_from, &to, first_to, count});
 }
 
-bool Lower::has_edges_up() const {
-  return std::ranges::any_of(edges_, [this](const Edge& edge) { return edge.from == sensor_output_.get(); });
-}
-
 void Lower::sense() {
   const auto values = part_->all_outputs().values();
   for (std::size_t i = 0; i < values.size(); ++i) sensor_output_->at(i) = values[i];
-  for (const Edge& edge : edges_) {
-    if (edge.from != sensor_output_.get()) continue;
-    for (std::size_t i = 0; i < edge.count; ++i) edge.to->at(edge.first_to + i) = values[edge.first_from + i];
-  }
+  for (const Edge& edge : edges_)
+    if (edge.from == sensor_output_.get()) edge.carry();
 }
 
 void Lower::control() {
-  for (const Edge& edge : edges_) {
-    if (edge.from == sensor_output_.get()) continue;
-    for (std::size_t i = 0; i < edge.count; ++i)
-      controller_input_->at(edge.first_to + i) = edge.from->at(edge.first_from + i);
-  }
+  for (const Edge& edge : edges_)
+    if (edge.from != sensor_output_.get()) edge.carry();
   if (!controller_input_->changed()) return;
   auto inputs = part_->all_inputs();
   for (std::size_t i = 0; i < commanded_.size(); ++i)

@@ -37,15 +37,7 @@ class Lower {
   // sensor output to the upper part's sensor input. Throws std::invalid_argument if it cannot be.
   void AddEdgeDown(Vector& from, std::size_t first_from, std::size_t first_to, std::size_t count);
   void AddEdgeUp(std::size_t first_from, Vector& to, std::size_t first_to, std::size_t count);
-  struct Edge {
-    Vector* from;
-    std::size_t first_from;
-    Vector* to;
-    std::size_t first_to;
-    std::size_t count;
-  };
   const std::vector<Edge>& edges() const { return edges_; }
-  bool has_edges_up() const;
 
   // Carries the newest sample up to the edges.
   void sense();

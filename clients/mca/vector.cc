@@ -36,4 +36,8 @@ void Vector::keep_held() {
   for (const auto& [index, value] : held_) values_[index] = value;
 }
 
+void Edge::carry() const {
+  for (std::size_t i = 0; i < count; ++i) to->at(first_to + i) = from->at(first_from + i);
+}
+
 }  // namespace visum::mca

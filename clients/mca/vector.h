@@ -59,4 +59,15 @@ class Vector {
   std::map<std::size_t, double> held_;
 };
 
+// Carries `count` values from one vector to another, each time before the receiver works on them.
+struct Edge {
+  Vector* from;
+  std::size_t first_from;
+  Vector* to;
+  std::size_t first_to;
+  std::size_t count;
+
+  void carry() const;
+};
+
 }  // namespace visum::mca

@@ -23,7 +23,10 @@ std::string refusal_of(const std::function<void()>& command) try {
 }  // namespace
 
 Plant::Plant(const std::string& address, const ClientOptions& options)
-    : address_(address), options_(options), client_(address, options) {
+    : address_(address),
+      options_(options),
+      stop_token_(protocol::read_token_file(options.token_file, protocol::Role::kObserver)),
+      client_(address, options) {
   for (const std::string& name : client_.part_names()) parts_.push_back(client_.part(name));
 }
 
@@ -61,11 +64,10 @@ std::string Plant::set_input(std::size_t part, std::size_t port, double value) {
 // Where the server takes no such datagrams, the order goes by a session of its own.
 std::string Plant::stop(const std::string& part) {
   using State = protocol::StopNews::State;
-  const auto token = protocol::read_token_file(options_.token_file, protocol::Role::kObserver);
-  const auto [host, port] = protocol::parse_address(address_);
-  const auto state = protocol::call_stop(host, port, part, token, kStopPatience, [](const auto&) {}).state;
-  if (state == State::kLatched || state == State::kActed) return {};
   return refusal_of([&] {
+    const auto [host, port] = protocol::parse_address(address_);
+    const auto news = protocol::call_stop(host, port, part, stop_token_, kStopPatience, [](const auto&) {});
+    if (news.state == State::kLatched || news.state == State::kActed) return;
     ClientOptions options = options_;
     options.role = Role::kObserver;
     Client session(address_, options);

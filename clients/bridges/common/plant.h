@@ -50,6 +50,7 @@ class Plant {
 
   const std::string address_;
   const ClientOptions options_;
+  const std::string stop_token_;  // for stops that need no session
   Client client_;
   std::vector<Part> parts_;
 };
