@@ -61,7 +61,7 @@ Text refuse_modules(const AnnounceModules& announced) {
   return {};
 }
 
-// Of another part it is not known whether it has such a module, or will have it.
+// The modules of another part may not be known yet.
 Text refuse_end(const AnnounceModules& announced, const ModuleEnd& end, std::uint32_t count) {
   if (end.vector == ModuleVector::kUnspecified) return "an edge names no vector";
   if (!is_name(end.part) || !is_name(end.path)) return "an edge names a part or module that cannot be";

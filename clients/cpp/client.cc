@@ -166,6 +166,10 @@ void Client::advance_ticks(std::int64_t ticks) {
   advance_ns(ticks * state_->server.tick_ns);
 }
 
+void Client::read() {
+  state_->read_all();
+}
+
 std::int64_t Client::time_ns() const {
   return state_->time_ns;
 }

@@ -115,16 +115,31 @@ void ClientState::set_time(std::int64_t new_tick, std::int64_t new_time_ns, std:
   era = new_era;
 }
 
+std::vector<std::uint64_t> ClientState::send_with_reads(std::vector<protocol::Request> requests) {
+  for (const PartState* part : parts) requests.push_back(protocol::Read{part->name});
+  try {
+    return link().send_together(requests);
+  } catch (const protocol::ConnectionError& error) {
+    throw Error(ErrorCode::kConnection, error.what());
+  }
+}
+
 // Everything leaves together, so that a period costs one wait: the answers to the writes are there when
 // Advanced comes.
 void ClientState::begin_advance(std::int64_t ticks) {
   if (!advancing.empty()) throw Error(ErrorCode::kMisuse, "an advance is under way already");
-  std::vector<protocol::Request> requests{protocol::Advance{ticks}};
-  for (const PartState* part : parts) requests.push_back(protocol::Read{part->name});
-  try {
-    advancing = link().send_together(requests);
-  } catch (const protocol::ConnectionError& error) {
-    throw Error(ErrorCode::kConnection, error.what());
+  advancing = send_with_reads({protocol::Advance{ticks}});
+}
+
+void ClientState::read_all() {
+  throw_refusals();
+  const auto ids = send_with_reads({});
+  std::vector<protocol::Reply> samples;
+  for (const auto id : ids) samples.push_back(wait(id));
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    take_sample(*parts[i], std::move(samples[i]));
+    parts[i]->fresh = false;
+    set_time(parts[i]->tick, parts[i]->time_ns, parts[i]->era);
   }
 }
 

@@ -69,6 +69,7 @@ struct ClientState {
   // Sends a write, and does not wait for its answer.
   void post(const PartState& part, protocol::Write write);
   void advance(std::int64_t ticks);
+  void read_all();
   void begin_advance(std::int64_t ticks);
   bool advanced(std::chrono::milliseconds patience);  // false: the world is not there yet
   void set_time(std::int64_t tick, std::int64_t time_ns, std::uint64_t era);
@@ -91,6 +92,8 @@ struct ClientState {
 
  private:
   void finish_advance(const protocol::Reply& reply);
+  // Sends a request for a sample of each part, behind those in `requests`. Returns the ids of all.
+  std::vector<std::uint64_t> send_with_reads(std::vector<protocol::Request> requests);
   void take_sample(PartState& part, protocol::Reply reply);
   // The Error for a refused advance: the lockstep's time-out if that is the reason.
   Error explain(const protocol::Error& refusal);

@@ -223,4 +223,12 @@ void Part::write_blackboard(const std::string& name, std::span<const std::byte> 
       protocol::WriteBlackboard{state_->name, name, offset, {data.begin(), data.end()}}, state_->name, name);
 }
 
+void Part::lock_blackboard(const std::string& name, std::int64_t timeout_ns) {
+  state_->connected().request(protocol::LockBlackboard{state_->name, name, timeout_ns}, state_->name, name);
+}
+
+void Part::unlock_blackboard(const std::string& name, bool discard) {
+  state_->connected().request(protocol::UnlockBlackboard{state_->name, name, discard}, state_->name, name);
+}
+
 }  // namespace visum

@@ -222,7 +222,13 @@ class Part {
   void set_parameter(const std::string& name, const ParameterValue& value);
   const std::vector<BlackboardInfo>& blackboards() const;
   std::vector<std::byte> read_blackboard(const std::string& name) const;
+  // At offset 0 the data become the whole content.
   void write_blackboard(const std::string& name, std::span<const std::byte> data, std::uint64_t offset = 0);
+  // All writes between the two take effect at once, with unlock_blackboard(). After `timeout_ns` of
+  // simulated time (at most 60 s) the lock is over: what was written is dropped, and further calls throw
+  // kTimeout.
+  void lock_blackboard(const std::string& name, std::int64_t timeout_ns);
+  void unlock_blackboard(const std::string& name, bool discard = false);
 
  private:
   friend class Client;
@@ -231,8 +237,9 @@ class Part {
   std::unique_ptr<detail::PartState> state_;
 };
 
-class Chain;         // kinematics.h
-class WorldControl;  // world.h
+class Chain;          // kinematics.h
+class WorldControl;   // world.h
+struct ClientAccess;  // client_access.h
 
 // A session with a server.
 class Client {
@@ -271,6 +278,9 @@ class Client {
   void begin_advance_ns(std::int64_t period_ns);
   bool advanced(std::chrono::milliseconds patience);
 
+  // Brings the samples of all Parts up to date: one wait for all of them.
+  void read();
+
   // As of the last join, advance or read.
   std::int64_t time_ns() const;
   std::int64_t tick() const;
@@ -278,6 +288,7 @@ class Client {
 
  private:
   friend class WorldControl;
+  friend struct ClientAccess;
   std::unique_ptr<detail::ClientState> state_;
 };
 

@@ -66,6 +66,7 @@ constexpr Row kVerbs[] = {
     {"export", "write a recording's ports as CSV", cli::make_export},
     {"exec", "run a program with a part's bus in place of its device", cli::make_exec},
     {"mirror", "serve a part once more, with two arms behind it", cli::make_mirror},
+    {"modules", "list the modules of connected controllers, or hold one's sensor input", cli::make_modules},
     {"bridge", "let programs that speak another protocol meet the parts", cli::make_bridge},
     {"completion", "print a completion script for a shell", cli::make_completion},
 };

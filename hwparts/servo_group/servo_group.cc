@@ -14,6 +14,9 @@ namespace {
 
 namespace bit = drive::state_bit;
 
+constexpr std::size_t kTrajectoryBoard = 1;  // in the description
+constexpr std::uint8_t kStopBit = 1, kTrajectoryBit = 2;
+
 std::vector<drive::DriveData> data_of(const DriveList& list) {
   std::vector<drive::DriveData> data;
   for (const auto& entry : list.drives) data.push_back(entry.data);
@@ -45,12 +48,14 @@ ServoGroup::ServoGroup(const hwparts::PartContext& context, const std::string& k
     : layout_(std::move(layout)),
       tick_s_(context.tick_s),
       modules_(context.config, data_of(drives), positions_of(drives), options.homed, context.tick_s),
+      trajectory_(layout_, tick_s_),
       seed_(context.seed),
       identity_(identity_text(kind, drives)) {
   for (const auto& entry : drives.drives) {
     axes_.push_back({drive::Drive(entry.data, entry.initial_position, options.homed, tick_s_),
                      {joints_.size(), entry.joints.size()},
-                     context.joints[entry.joints.front()].name});
+                     context.joints[entry.joints.front()].name,
+                     0.0});
     joints_.insert(joints_.end(), entry.joints.begin(), entry.joints.end());
   }
   for (std::size_t i = 0; i < axes_.size(); ++i) modules_.bind(i, axes_[i].drive);
@@ -61,6 +66,8 @@ ServoGroup::ServoGroup(const hwparts::PartContext& context, const std::string& k
   modules_.enable(state_.enabled);
   description_ = {context.name,           kind,         layout_.controller_inputs,
                   layout_.sensor_outputs, parameters(), {identity_board(identity_)}};
+  const auto is_sent_to_places = [](const Axis& axis) { return !axis.drive.data().speed_controlled; };
+  if (std::ranges::all_of(axes_, is_sent_to_places)) description_.blackboards.push_back(trajectory_.board());
 }
 
 std::optional<std::string> ServoGroup::refuse(std::span<const double> inputs) const {
@@ -78,6 +85,7 @@ void ServoGroup::act(std::span<const double> inputs, std::span<const hwparts::Jo
   apply_counters(inputs);
   interlock();
   modules_.tick();
+  follow_trajectory();
   const bool fault = any(bit::kError);
   for (auto& axis : axes_) {
     const bool enabled = state_.enabled && (!fault || axis.drive.state().by_bus);
@@ -247,11 +255,13 @@ void ServoGroup::reset() {
   for (auto& axis : axes_) axis.drive.restart();
   modules_.restart();
   state_ = initial_;
+  trajectory_.clear();
   modules_.enable(state_.enabled);
   acted_ = false;
 }
 
 std::span<const std::byte> ServoGroup::read_blackboard(std::size_t index) const {
+  if (index == kTrajectoryBoard) return trajectory_.bytes();
   if (index != 0) return {};
   return std::as_bytes(std::span(identity_));
 }
@@ -261,7 +271,14 @@ void ServoGroup::save(hwparts::StateWriter& to) const {
   modules_.save(to);
   to.put(state_.reset), to.put(state_.home), to.put(state_.halt);
   to.put(state_.enabled), to.put(state_.on_controller_lost), to.put(state_.changed);
-  to.put(state_.supply_voltage), to.put(state_.emergency_stop);
+  to.put(state_.supply_voltage);
+  // A part without a trajectory has the bytes, and the hash, that it always had.
+  const bool has_trajectory = !trajectory_.is_empty();
+  to.put(static_cast<std::uint8_t>((state_.emergency_stop ? kStopBit : 0) |
+                                   (has_trajectory ? kTrajectoryBit : 0)));
+  if (!has_trajectory) return;
+  trajectory_.save(to);
+  for (const auto& axis : axes_) to.put(axis.step);
 }
 
 void ServoGroup::load(hwparts::StateReader& from) {
@@ -269,7 +286,15 @@ void ServoGroup::load(hwparts::StateReader& from) {
   modules_.load(from);
   from.get(state_.reset), from.get(state_.home), from.get(state_.halt);
   from.get(state_.enabled), from.get(state_.on_controller_lost), from.get(state_.changed);
-  from.get(state_.supply_voltage), from.get(state_.emergency_stop);
+  from.get(state_.supply_voltage);
+  std::uint8_t bits = 0;
+  from.get(bits);
+  state_.emergency_stop = (bits & kStopBit) != 0;
+  trajectory_.clear();
+  if ((bits & kTrajectoryBit) != 0) {
+    trajectory_.load(from);
+    for (auto& axis : axes_) from.get(axis.step);
+  }
   modules_.enable(state_.enabled);
   acted_ = false;
 }

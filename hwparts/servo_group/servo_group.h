@@ -16,6 +16,9 @@
 // - A field bus (powercube::ModuleBus) commands the same drives. The last command to a drive holds: after a
 //   command over the bus, the ports command the drive again as soon as its desired value becomes another one.
 //   The fault of another drive does not stop a drive that the bus moves.
+// - A trajectory on the blackboard `Trajectory` (trajectory.h) does as well: the drives go along it in steps,
+//   as a field bus would command them. It ends at once when a drive gets another command, stops or may not
+//   move; the other drives then stop, too.
 // - A lost controller: `stop` is a fault (COMM_ERROR) of all drives; `hold` leaves the last values in force.
 #pragma once
 
@@ -31,6 +34,7 @@
 #include "hwparts/servo_group/part_options.h"
 #include "hwparts/servo_group/part_state.h"
 #include "hwparts/servo_group/port_layout.h"
+#include "hwparts/servo_group/trajectory.h"
 
 namespace visum::servo_group {
 
@@ -54,6 +58,8 @@ class ServoGroup : public hwparts::Part {
   std::optional<std::string> set_parameter(const std::string& name,
                                            const protocol::ParameterValue& value) override;
   std::span<const std::byte> read_blackboard(std::size_t index) const override;
+  std::optional<std::string> write_blackboard(std::size_t index, std::uint64_t offset,
+                                              std::span<const std::byte> data) override;
   bool has(hwparts::FaultTarget target) const override { return target != hwparts::FaultTarget::kSensor; }
   std::optional<std::string> refuse_fault(const hwparts::Fault& fault) const override;
   void set_faults(std::span<const hwparts::ActiveFault> faults) override;
@@ -69,6 +75,7 @@ class ServoGroup : public hwparts::Part {
     drive::Drive drive;
     Run run;
     std::string joint;          // its name; of the first, where it moves several
+    double step = 0.0;          // [u], where the trajectory's last step goes
     std::uint64_t tripped = 0;  // number of its last trip, among all of the group
   };
   // The changing state apart from drives and modules.
@@ -86,6 +93,13 @@ class ServoGroup : public hwparts::Part {
   // While any drive is stopped by a fault or Halt: holds all drives. After a fault, also ends homing that the
   // ports asked for.
   void interlock();
+  // Sends the drives one tick further along the trajectory, or ends it.
+  void follow_trajectory();
+  // True while the axis does what the trajectory told it last.
+  bool follows_trajectory(const Axis& axis) const;
+  void end_trajectory();
+  // The sum of the trajectory's targets for the joints of a drive: the module's coordinate.
+  double trajectory_target(const Axis& axis) const;
   // The desired value of a drive, in the module's coordinate: a position, or a speed.
   double target(const Axis& axis, std::span<const double> inputs) const;
   // True where any drive has any of `bits` latched.
@@ -105,6 +119,7 @@ class ServoGroup : public hwparts::Part {
   powercube::ModuleBus modules_;
   State initial_;
   State state_;
+  Trajectory trajectory_;
   GroupFaults faults_;  // those that act now; the simulation keeps their list, so they are no state here
   std::uint64_t seed_;
   bool acted_ = false;       // between act() and publish()

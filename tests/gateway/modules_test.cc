@@ -1,5 +1,5 @@
-// What controllers announce of their modules, and overrides on their way to them: the server relays, and the
-// world knows nothing of it.
+// The modules that controllers announce, and overrides on their way to them: the server relays both, and the
+// world knows nothing of them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

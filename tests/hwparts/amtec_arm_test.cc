@@ -228,7 +228,7 @@ TEST(AmtecArm, RefusesADrivesFileOfAnotherShape) {
 TEST(AmtecArm, SaysWhatItIsOnTheBlackboardIdentity) {
   auto bench = arm();
   const auto& boards = bench.part->description().blackboards;
-  ASSERT_EQ(boards.size(), 1u);
+  ASSERT_EQ(boards.size(), 2u);
   EXPECT_EQ(boards[0].name, "Identity");
   EXPECT_FALSE(boards[0].writable);
   const auto bytes = bench.part->read_blackboard(0);
@@ -238,7 +238,7 @@ TEST(AmtecArm, SaysWhatItIsOnTheBlackboardIdentity) {
   EXPECT_THAT(text, HasSubstr("module 8: PG70"));
   EXPECT_THAT(text, HasSubstr("Georgia Tech"));
   EXPECT_NE(bench.part->write_blackboard(0, 0, bytes), std::nullopt);
-  EXPECT_TRUE(bench.part->read_blackboard(1).empty());
+  EXPECT_TRUE(bench.part->read_blackboard(2).empty());
 }
 
 TEST(AmtecArm, FollowingErrorsAreCommandedMinusActualOfTheJoints) {

@@ -3,6 +3,7 @@ import "./page.test.mjs";
 import "./safe.test.mjs";
 import "./tool.test.mjs";
 import "./world.test.mjs";
+import "./modules.test.mjs";
 import "./look.test.mjs";
 import "./overlays.test.mjs";
 import "./sensors.test.mjs";

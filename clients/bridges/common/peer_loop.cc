@@ -9,6 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -191,11 +192,10 @@ void PeerLoop::drop_ended() {
   });
 }
 
-bool PeerLoop::follows_values() const {
-  for (const auto& peer : peers_) {
-    if (peer->session->follows_values()) return true;
-  }
-  return false;
+std::chrono::milliseconds PeerLoop::follows_every() const {
+  auto every = PeerSession::kNever;
+  for (const auto& peer : peers_) every = std::min(every, peer->session->follows_every());
+  return every;
 }
 
 }  // namespace visum::bridge

@@ -24,8 +24,9 @@ class PeerSession {
   virtual void send_due(Clock::time_point now) = 0;
   // Why the session has ended; empty while it goes on.
   virtual std::string ended() const = 0;
-  // True while the session wants values of the server that stay up to date.
-  virtual bool follows_values() const = 0;
+  // How often the session wants values of the server; kNever while it wants none.
+  static constexpr std::chrono::milliseconds kNever = std::chrono::milliseconds::max();
+  virtual std::chrono::milliseconds follows_every() const = 0;
   std::string& output() { return output_; }
 
  private:
@@ -67,7 +68,7 @@ class PeerLoop {
   void wait(std::chrono::milliseconds longest);
   // Lets the sessions add what is due, and sends it as far as the peers take it.
   void send(Clock::time_point now);
-  bool follows_values() const;
+  std::chrono::milliseconds follows_every() const;  // as the most eager session
   std::size_t peers() const { return peers_.size(); }
 
  private:

@@ -18,7 +18,7 @@ ElementId Board::add(Element element) {
   const auto id = static_cast<ElementId>(elements_.size());
   element.flags |= kLiving;
   elements_.push_back(std::move(element));
-  changes_.push_back({true, id});
+  changes_.push_back({Change::Kind::kCreated, id});
   return id;
 }
 
@@ -61,6 +61,8 @@ ElementId Board::add_administration(ElementId parent, const std::string& name) {
 
 void Board::add_edge(ElementId from, ElementId to) {
   elements_.at(from).targets.push_back(to);
+  if (changes_.empty() || changes_.back().kind != Change::Kind::kEdges || changes_.back().id != from)
+    changes_.push_back({Change::Kind::kEdges, from});
 }
 
 void Board::remove(ElementId id) {
@@ -69,7 +71,7 @@ void Board::remove(ElementId id) {
     if (elements_[child].parent == id) remove(child);
   }
   elements_[id].deleted = true;
-  changes_.push_back({false, id});
+  changes_.push_back({Change::Kind::kDeleted, id});
 }
 
 void Board::set(ElementId id, const Value& value, std::int64_t time_ns) {

@@ -84,9 +84,10 @@ class Board {
   bool is_living_port(ElementId id) const;
   std::string path(ElementId id) const;  // "/arm/Controller Input/Desired Angle 1"
 
-  // Created and deleted elements in order, for sessions that have sent the tree already.
+  // The changes of the tree, in order, for sessions that have sent it already. New edges of an element
+  // follow its creation.
   struct Change {
-    bool created = true;
+    enum class Kind { kCreated, kDeleted, kEdges } kind = Kind::kCreated;
     ElementId id = kRoot;
   };
   const std::vector<Change>& changes() const { return changes_; }

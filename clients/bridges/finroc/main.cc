@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -24,7 +25,7 @@ namespace {
 using namespace visum;
 
 constexpr std::uint16_t kUsualPort = 4444;
-constexpr std::chrono::milliseconds kWhileFollowed{10}, kIdle{500};
+constexpr std::chrono::milliseconds kMostOften{10}, kIdle{500};
 
 int serve(const bridge::Options& options) {
   spdlog::set_default_logger(spdlog::stderr_logger_mt("finroc"));  // standard output is for the ready line
@@ -47,7 +48,8 @@ int serve(const bridge::Options& options) {
   bridge::print_ready(options, "finroc", door.port(), plant.names());
   auto refresh_at = bridge::Clock::now();
   while (!cli::interrupted()) {
-    const auto every = loop.follows_values() ? kWhileFollowed : kIdle;
+    // Twice as often as values are wanted, so that none is late by a whole interval.
+    const auto every = std::clamp(loop.follows_every() / 2, kMostOften, kIdle);
     const bool running = cycle && cycle->is_running();
     loop.wait(running ? std::chrono::milliseconds(0) : every);
     const auto now = bridge::Clock::now();

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocol/part_description.h"
+
 namespace visum::finroc {
 namespace {
 
@@ -12,9 +14,6 @@ constexpr std::chrono::milliseconds kSettingsEvery{500};
 constexpr std::size_t kMostShownBytes = 16u << 10;  // of a blackboard; the rest is not shown
 constexpr std::size_t kMostChoices = 256;
 
-Type number() {
-  return {Kind::kNumber, "Number", {}};
-}
 Type a_text() {
   return {Kind::kText, "String", {}};
 }
@@ -27,7 +26,7 @@ std::int64_t wall_time_ns() {
 
 Type type_of(const std::string& part, const ParameterInfo& parameter) {
   if (std::holds_alternative<bool>(parameter.value)) return {Kind::kBool, "bool", {}};
-  if (!std::holds_alternative<std::string>(parameter.value)) return number();
+  if (!std::holds_alternative<std::string>(parameter.value)) return number_type();
   const auto& choices = parameter.choices;
   if (choices.empty() || choices.size() > kMostChoices) return a_text();
   if (std::find(choices.begin(), choices.end(), std::get<std::string>(parameter.value)) == choices.end())
@@ -45,6 +44,7 @@ Value to_board(const Type& type, const ParameterValue& value) {
 
 double as_double(const Value& value) {
   if (const auto* whole = std::get_if<std::int64_t>(&value)) return static_cast<double>(*whole);
+  if (const auto* on = std::get_if<bool>(&value)) return *on ? 1.0 : 0.0;
   return std::get<double>(value);
 }
 
@@ -74,7 +74,12 @@ std::string shown(const BlackboardInfo& board, const std::vector<std::byte>& dat
 }  // namespace
 
 Mapping::Mapping(bridge::Plant& plant, Board& board, bridge::Cycle* cycle)
-    : plant_(plant), board_(board), cycle_(cycle) {
+    : plant_(plant),
+      board_(board),
+      cycle_(cycle),
+      controllers_(plant, board, [this](const auto& part, auto vector, std::size_t index) {
+        return find_port(part, vector, index);
+      }) {
   const ElementId runtime = board_.add_plain(kRoot, "Runtime");
   board_.add_administration(board_.add_plain(runtime, "Services"), "Administration");
   const std::string& scene_name = plant_.client().server().scene;
@@ -83,15 +88,25 @@ Mapping::Mapping(bridge::Plant& plant, Board& board, bridge::Cycle* cycle)
   const ElementId module = board_.add_module(scene, "Bridge");
   if (cycle_ != nullptr) {
     const ElementId inputs = board_.add_interface(module, "Controller Input", flag::kControllerData);
-    step_ = board_.add_port(inputs, "Step", number(), Access::kWrite, std::int64_t{0});
+    step_ = board_.add_port(inputs, "Step", number_type(), Access::kWrite, std::int64_t{0});
   }
   const ElementId outputs = board_.add_interface(module, "Sensor Output", flag::kSensorData);
-  time_ = board_.add_port(outputs, "Simulated Time", number(), Access::kRead, 0.0, unit_code("s"));
+  time_ = board_.add_port(outputs, "Simulated Time", number_type(), Access::kRead, 0.0, unit_code("s"));
   last_refusal_ = board_.add_port(outputs, "Last Refusal", a_text(), Access::kRead, std::string());
-  refusals_ = board_.add_port(outputs, "Refusals", number(), Access::kRead, std::int64_t{0});
+  refusals_ = board_.add_port(outputs, "Refusals", number_type(), Access::kRead, std::int64_t{0});
   board_.write = [this](ElementId id, const Value& value, const std::string& peer) {
     return write(id, value, peer);
   };
+}
+
+std::optional<ElementId> Mapping::find_port(const std::string& part, protocol::ModuleVector vector,
+                                            std::size_t index) const {
+  const bool input = vector == protocol::ModuleVector::kControllerInput;
+  for (const auto& [id, link] : links_) {
+    if (link.source != (input ? Source::kInput : Source::kOutput) || link.index != index) continue;
+    if (plant_.parts()[link.part].name() == part) return id;
+  }
+  return {};
 }
 
 void Mapping::add_part(ElementId scene, std::size_t part) {
@@ -111,8 +126,9 @@ void Mapping::add_ports(ElementId module, std::size_t part, Source source) {
                                      : board_.add_interface(module, "Sensor Output", flag::kSensorData);
   for (const PortInfo& port : ports) {
     const double value = inputs ? described.input(port.index).value() : described.output(port.index).value();
-    const ElementId id = board_.add_port(
-        interface, port.name, number(), inputs ? Access::kWrite : Access::kRead, value, unit_code(port.unit));
+    const ElementId id =
+        board_.add_port(interface, port.name, number_type(), inputs ? Access::kWrite : Access::kRead, value,
+                        unit_code(port.unit));
     links_[id] = {source, part, port.index, port.name};
   }
 }
@@ -148,14 +164,20 @@ void Mapping::add_blackboards(ElementId module, std::size_t part) {
 void Mapping::refresh(std::chrono::steady_clock::time_point now) {
   plant_.refresh();
   const std::int64_t time_ns = wall_time_ns();
+  std::vector<Inputs> inputs;
+  std::vector<Outputs> outputs;
+  for (const Part& part : plant_.parts()) {
+    inputs.push_back(part.all_inputs());
+    outputs.push_back(part.all_outputs());
+  }
   for (const auto& [id, link] : links_) {
-    const Part& part = plant_.parts()[link.part];
-    if (link.source == Source::kInput) board_.set(id, part.input(link.index).value(), time_ns);
-    if (link.source == Source::kOutput) board_.set(id, part.output(link.index).value(), time_ns);
+    if (link.source == Source::kInput) board_.set(id, inputs[link.part][link.index], time_ns);
+    if (link.source == Source::kOutput) board_.set(id, outputs[link.part][link.index], time_ns);
   }
   if (!plant_.parts().empty()) {
     board_.set(time_, static_cast<double>(plant_.parts().front().sample_time_ns()) * 1e-9, time_ns);
   }
+  controllers_.refresh(now, time_ns);
   if (settings_read_ && now - *settings_read_ < kSettingsEvery) return;
   settings_read_ = now;
   refresh_settings();
@@ -186,9 +208,11 @@ void Mapping::refresh_blackboard(ElementId id, const Link& link) {
 
 std::string Mapping::write(ElementId id, const Value& value, const std::string& peer) {
   if (cycle_ != nullptr && id == step_) return note(id, ask_for_steps(value));
+  if (controllers_.owns(id)) return note(id, controllers_.write(id, as_double(value)));
   const auto link = links_.find(id);
   if (link == links_.end()) return "this port is the bridge's own";
-  if (cycle_ != nullptr) return note(id, latch(id, link->second, value, peer));
+  const bool stops = link->second.name == protocol::kEmergencyStop && value == Value(true);
+  if (cycle_ != nullptr && !stops) return note(id, latch(id, link->second, value, peer));
   const std::string refusal = write_to_plant(board_.elements()[id], link->second, value);
   // An accepted value is in force from the next tick on; until then it is shown as it was written.
   if (refusal.empty()) show_written(id, value);

@@ -15,6 +15,7 @@
 #include "clients/bridges/common/cycle.h"
 #include "clients/bridges/common/plant.h"
 #include "clients/bridges/finroc/board.h"
+#include "clients/bridges/finroc/controllers.h"
 
 namespace visum::finroc {
 
@@ -35,6 +36,8 @@ class Mapping {
     std::string name;  // of a parameter or a blackboard
   };
 
+  std::optional<ElementId> find_port(const std::string& part, protocol::ModuleVector vector,
+                                     std::size_t index) const;
   void add_part(ElementId scene, std::size_t part);
   void add_ports(ElementId module, std::size_t part, Source source);
   void add_parameters(ElementId module, std::size_t part);
@@ -53,6 +56,7 @@ class Mapping {
   Board& board_;
   std::map<ElementId, Link> links_;
   bridge::Cycle* const cycle_;
+  Controllers controllers_;
   ElementId last_refusal_ = kRoot, refusals_ = kRoot, time_ = kRoot, step_ = kRoot;
   std::int64_t refused_ = 0;
   std::optional<std::chrono::steady_clock::time_point> settings_read_;

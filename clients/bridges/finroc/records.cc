@@ -18,6 +18,12 @@ void put_links(Writer& out, const Board& board, ElementId id, Structure wants) {
   out.put_string(element.name).put_bool(kNotUnique).put(handle_of(element.parent));
 }
 
+void put_port(Writer& out, const Element& element) {
+  // An input's strategy is 1, "push": fingui never sends to an input that has 0.
+  const std::int16_t strategy = (element.flags & flag::kPushes) != 0 ? 1 : 0;
+  out.put(element.flags).put(strategy).put(kUsualInterval);
+}
+
 void put_edges(Writer& out, const Board& board, const Element& element) {
   std::vector<ElementId> targets;
   for (const ElementId target : element.targets) {
@@ -42,15 +48,20 @@ bool is_shown(const Board& board, ElementId id, Structure wants) {
   return wants != Structure::kSharedPorts || (element.flags & flag::kShared) != 0;
 }
 
+void put_changed_port(Writer& out, const Board& board, ElementId id) {
+  const Element& element = board.elements()[id];
+  out.put(handle_of(id));
+  put_port(out, element);
+  put_edges(out, board, element);
+}
+
 void put_record(Writer& out, const Board& board, ElementId id, Structure wants, TypesSent& types) {
   const Element& element = board.elements()[id];
   out.put(handle_of(id));
   put_links(out, board, id, wants);
   if (element.is_port()) {
     types.put(out, element.type);
-    // An input's strategy is 1, "push": fingui never sends to an input that has 0.
-    const std::int16_t strategy = (element.flags & flag::kPushes) != 0 ? 1 : 0;
-    out.put(element.flags).put(strategy).put(kUsualInterval);
+    put_port(out, element);
   } else {
     out.put(element.flags);
   }

@@ -122,6 +122,7 @@ bool Session::take_message(Reader& batch) {
       break;
     case kUnsubscribe:
       subscriptions_.erase(static_cast<ElementId>(batch.take<std::uint32_t>() >> kStampBits));
+      note_shortest_interval();
       break;
     case kPull:
       take_pull(batch);
@@ -183,6 +184,12 @@ void Session::subscribe(Reader& in) {
   if (in.failed() || subscription.encoding > Encoding::kText || !board_.is_living_port(id)) return;
   if (board_.elements()[id].type.kind == Kind::kAdministration) return;
   subscriptions_[id] = subscription;
+  every_ = std::min(every_, subscription.interval);
+}
+
+void Session::note_shortest_interval() {
+  every_ = kNever;
+  for (const auto& [id, subscription] : subscriptions_) every_ = std::min(every_, subscription.interval);
 }
 
 // A peer that only connects sends the value that its own port happens to have, as an initial one. Nothing may
@@ -250,16 +257,23 @@ void Session::add_message(std::uint8_t code, int size_bytes, const std::string& 
 void Session::add_changes() {
   const auto& changes = board_.changes();
   for (; changes_sent_ < changes.size(); ++changes_sent_) {
-    const auto [created, id] = changes[changes_sent_];
-    if (!created) {
+    const auto [kind, id] = changes[changes_sent_];
+    if (kind == Board::Change::Kind::kDeleted) {
       subscriptions_.erase(id);
+      note_shortest_interval();
       if (peer_.wants != Structure::kNone) {
         add_message(kDeleted, 0, Writer().put(handle_of(id)).text());
       }
-    } else if (is_shown(board_, id, peer_.wants)) {
+    } else if (!is_shown(board_, id, peer_.wants)) {
+      continue;
+    } else if (kind == Board::Change::Kind::kCreated) {
       Writer record;
       put_record(record, board_, id, peer_.wants, types_sent_);
       add_message(kCreated, 4, record.text());
+    } else if (peer_.wants == Structure::kFinstruct) {
+      Writer record;
+      put_changed_port(record, board_, id);
+      add_message(kPortChanged, 4, record.text());
     }
   }
 }

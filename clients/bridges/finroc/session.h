@@ -25,7 +25,7 @@ class Session : public bridge::PeerSession {
   void receive(std::span<const std::byte> bytes) override;
   void send_due(bridge::Clock::time_point now) override;
   std::string ended() const override { return ended_; }
-  bool follows_values() const override { return !subscriptions_.empty(); }
+  std::chrono::milliseconds follows_every() const override { return every_; }
 
  private:
   enum class State { kGreeting, kItsStructure, kBatches };
@@ -44,6 +44,7 @@ class Session : public bridge::PeerSession {
   bool take_message(Reader& batch);
   void take_sized(std::uint8_t code, Reader body);
   void subscribe(Reader& in);
+  void note_shortest_interval();
   void take_written_value(Reader& body, bool with_times);
   void take_call(Reader& body);
   void take_pull(Reader& in);
@@ -63,7 +64,8 @@ class Session : public bridge::PeerSession {
   TypesHeard types_heard_;
   std::size_t changes_sent_ = 0;
   std::map<ElementId, Subscription> subscriptions_;
-  std::string messages_;  // of the next batch
+  std::chrono::milliseconds every_ = kNever;  // the shortest interval of the subscriptions
+  std::string messages_;                      // of the next batch
   std::optional<std::int16_t> to_acknowledge_;
 };
 

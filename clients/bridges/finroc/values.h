@@ -19,6 +19,10 @@ struct Type {
   std::vector<std::string> choices;  // for kChoice: the names of the values 0, 1, ...
 };
 
+inline Type number_type() {
+  return {Kind::kNumber, "Number", {}};
+}
+
 // A number, a flag, a text, or the index of a choice.
 using Value = std::variant<double, std::int64_t, bool, std::string>;
 

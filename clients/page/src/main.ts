@@ -8,6 +8,7 @@ import "../styles/tree.css";
 import "../styles/view.css";
 import "../styles/panel.css";
 import "../styles/tool.css";
+import "../styles/modules.css";
 import "../styles/plots.css";
 import "../styles/log.css";
 import "../styles/world.css";
@@ -31,6 +32,7 @@ import { takeUpLeases, watchLeaving } from "./model/leaving";
 import { Parts } from "./model/parts";
 import { Recording } from "./model/recording";
 import { World } from "./model/world";
+import { ModulesView } from "./modules/view";
 import { PanelPane } from "./panels/pane";
 import { PlotPane } from "./plots/pane";
 import { Gizmo } from "./tool/gizmo";
@@ -66,8 +68,9 @@ const panel = new PanelPane(panelPlace, parts, world);
 panel.isEmpty.watch((empty) => layout.offer("panel", !empty));
 const keeper = new LayoutKeeper(layout, plots, panel, view?.viewer.view ?? null, world, parts);
 layout.toggles.append(keeper.button);
+const modules = new ModulesView(link);
 const tool = new ToolPane(link, world, parts, new Mover());
-layout.panes.panel.append(tabs("Panel or tool", [{ name: "Panel", content: panelPlace }, { name: "Tool", content: tool.element }]), panelPlace, tool.element);
+layout.panes.panel.append(tabs("Panel or tool", [{ name: "Panel", content: panelPlace }, { name: "Tool", content: tool.element }, { name: "Modules", content: modules.element }]), panelPlace, tool.element, modules.element);
 if (view) new Gizmo(view.viewer, world, tool);
 const tree = new Tree(link, parts, {
   plot(ports) {

@@ -272,6 +272,15 @@ class Client:
     def stop_recording(self) -> None:
         self.connection.request(stop_recording=pb.StopRecording())
 
+    def modules(self, part: str = "") -> pb.ModuleList:
+        """The modules that controllers have announced, with their newest values; of one part of a controller, or of all."""
+        return self.connection.request(list_modules=pb.ListModules(part=part)).modules
+
+    def hold_sensor_input(self, part: str, module: str, port: str, value: float | None) -> None:
+        """Makes a sensor input of a running module hold a value against its edge, for a test. None: the edge counts again."""
+        self.connection.request(override_module_port=pb.OverrideModulePort(
+            part=part, path=module, port=port, value=value or 0.0, release=value is None))
+
     def push_body(self, body: str, force_n: Sequence[float], duration_s: float, *, torque_nm: Sequence[float] = (),
                   point_m: Sequence[float] = ()) -> None:
         """Pushes a body for `duration_s` of simulated time. Vectors are in the world frame. Without a point the force acts at

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Protocol
@@ -163,8 +164,28 @@ class Part:
             read_blackboard=pb.ReadBlackboard(part=self.name, name=name)).blackboard.data
 
     def write_blackboard(self, name: str, data: bytes, offset: int = 0) -> None:
+        """At offset 0 the data become the whole content."""
         self._client.connection.request(write_blackboard=pb.WriteBlackboard(
             part=self.name, name=name, offset=offset, data=data))
+
+    @contextmanager
+    def locked_blackboard(self, name: str, timeout_s: float) -> Iterator[None]:
+        """All writes within the `with` take effect at its end, at once, or not at all if an exception ends it. After
+        `timeout_s` of simulated time (at most 60) the lock is over, and what was written is dropped."""
+        request = self._client.connection.request
+        request(lock_blackboard=pb.LockBlackboard(part=self.name, name=name, timeout_ns=round(timeout_s * 1e9)))
+        try:
+            yield
+        except BaseException:
+            request(unlock_blackboard=pb.UnlockBlackboard(part=self.name, name=name, discard=True))
+            raise
+        request(unlock_blackboard=pb.UnlockBlackboard(part=self.name, name=name))
+
+    def follow_trajectory(self, points: Iterable[tuple[float, Iterable[float]]]) -> None:
+        """Sends the part along way-points from now on: each a time in s, counted from now, and a value for each desired
+        position. An empty list ends the motion. Any other command to a drive ends it, too."""
+        rows = [[time, *positions] for time, positions in points]
+        self.write_blackboard("Trajectory", b"".join(struct.pack(f"<{len(row)}d", *row) for row in rows))
 
     def inject_fault(self, kind: str, seconds: float = 0.0, **numbers: float) -> None:
         """Injects a fault that `visum faults` lists, as in inject_fault("encoder_stuck", joint=3). It ends after `seconds` of

@@ -119,6 +119,11 @@ void Controllers::note_who_left(const protocol::ServerStatus& status) {
     if (!controller.joined || controller.left || is_member) continue;
     controller.left = true;
     await_exit(controller);
+    // Programs behind it have nobody left to work for. If the world went on while they end, its last tick
+    // would depend on how long that takes.
+    for (Controller& behind : controllers_) {
+      if (behind.spec->through == controller.spec->name && !behind.joined) await_exit(behind);
+    }
   }
 }
 
@@ -128,8 +133,9 @@ void Controllers::await_exit(Controller& controller) {
   const auto give_up = Clock::now() + kPatienceToLeave;
   while (!controller.process->check_exit() || find_member(session_.status(), controller.spec->client)) {
     if (Clock::now() > give_up) {
-      throw cli::ExitError(cli::kLost,
-                           "controller '" + controller.spec->name + "' left the clock but did not end");
+      throw cli::ExitError(cli::kLost, "controller '" + controller.spec->name + "' did not end after " +
+                                           (controller.joined ? "it" : "'" + controller.spec->through + "'") +
+                                           " had left the clock");
     }
     wait_loop_.wait(-1, milliseconds(1));
   }

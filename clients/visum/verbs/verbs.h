@@ -10,6 +10,7 @@ namespace visum::cli {
 std::unique_ptr<Verb> make_parts();
 std::unique_ptr<Verb> make_describe();
 std::unique_ptr<Verb> make_bridge();
+std::unique_ptr<Verb> make_modules();
 std::unique_ptr<Verb> make_get();
 std::unique_ptr<Verb> make_set();
 std::unique_ptr<Verb> make_watch();

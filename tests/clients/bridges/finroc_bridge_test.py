@@ -178,6 +178,15 @@ class Lockstep(unittest.TestCase):
                 self.assertIn("at least 1", peer.apply(step, finroc.number(2)))
                 self.assertIn("0.1", daemon.visum("get", "arm", "Desired Angle 1").stdout)
 
+    def test_an_emergency_stop_waits_for_no_cycle(self):
+        with Daemon("--clock", "lockstep") as daemon:
+            with Bridge(daemon, "--port", 0, "--lockstep") as bridge, finroc.Peer(bridge.port) as peer:
+                stop = peer.find("Parameters/Emergency Stop")
+                self.assertEqual(peer.apply(stop, b"\1"), "")  # nobody asks for a step
+                self.assertIn("true", daemon.visum("params", "arm").stdout)
+                peer.subscribe(stop)
+                peer.wait_for(stop, lambda value: value is True)
+
     def test_says_what_is_wrong(self):
         with Daemon("--clock", "lockstep") as daemon:
             wrong = visum("bridge", "finroc", "--connect", daemon.connect, "--lockstep", "--gate", "arm/Angle", expect=2)
@@ -185,6 +194,49 @@ class Lockstep(unittest.TestCase):
         with Daemon() as daemon:
             wrong = visum("bridge", "finroc", "--connect", daemon.connect, "--lockstep", expect=1)
             self.assertIn("--clock lockstep", wrong.stderr)
+
+
+class Modules(unittest.TestCase):
+    """The modules of a real controller: the parts hardware and motion."""
+
+    def start(self, kind, lower):
+        process = subprocess.Popen([BIN / f"visum-mca-{kind}", "--lower", lower, "--port", "0"],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(process.wait, timeout=DEADLINE_S)
+        self.addCleanup(process.kill)
+        return process
+
+    def test_they_come_with_values_and_edges_are_held_and_go(self):
+        with Daemon("-r") as daemon, Bridge(daemon, "--port", 0) as bridge, finroc.Peer(bridge.port) as peer:
+            peer.subscribe(peer.find("Output/Actual Angle 1"))  # so that the bridge looks often
+            hardware = self.start("hardware", f"arm@{daemon.connect}")
+            motion = self.start("motion", f"hardware@{daemon.connect}")
+            supervisor = "/motion/Arm/Supervisor"
+            peer.await_structure(lambda peer: f"{supervisor}/Profile/Held For Test" in peer.by_path and
+                                 "/hardware/Guard/Sensor Input/Part State" in peer.by_path)
+            self.assertEqual(peer.by_path["/motion/Arm"].tags, ["group"])
+            self.assertEqual(peer.by_path[supervisor].tags, ["module"])
+            target = peer.by_path["/hardware/Sensor Input/Actual Angle 1"].handle
+            peer.await_structure(lambda peer: target in peer.find("arm/Sensor Output/Actual Angle 1").targets)
+            self.assertIn(peer.by_path[f"{supervisor}/Sensor Input/Part State"].handle,
+                          peer.by_path["/motion/Arm/Sensor Input/Part State"].targets)
+
+            state, fault = (peer.by_path[f"{supervisor}/{port}"] for port in
+                            ("Sensor Input/Part State", "Sensor Output/Fault"))
+            held, release = (peer.by_path[f"{supervisor}/{port}"] for port in
+                             ("Profile/Held For Test", "Parameters/Release Held"))
+            peer.subscribe(state, fault, held, peer.by_path[f"{supervisor}/Profile/Sense Time"])
+            peer.wait_for(peer.by_path[f"{supervisor}/Profile/Sense Time"], lambda seconds: seconds > 0)
+            self.assertEqual(peer.apply(state, finroc.number(3)), "")
+            peer.wait_for(fault, lambda value: value == 1)
+            peer.wait_for(held, lambda text: text == "Part State = 3")
+            self.assertEqual(peer.apply(release, b"\1"), "")
+            peer.wait_for(held, lambda text: text == "")
+            self.assertIn("output", peer.apply(fault, finroc.number(0)))
+            for process in (motion, hardware):
+                process.terminate()
+                process.wait(timeout=DEADLINE_S)
+            peer.await_structure(lambda peer: not any(path.startswith(("/motion", "/hardware")) for path in peer.by_path))
 
 
 class Robustness(unittest.TestCase):

@@ -165,6 +165,25 @@ class Peer:
         above = self.by_handle.get(element.parent)
         return (self.path(above) if above else "") + "/" + element.name
 
+    def await_structure(self, good):
+        """Takes in what the bridge tells of the tree, until good(self)."""
+        end = time.monotonic() + GRACE_S
+        while not good(self):
+            if time.monotonic() > end:
+                raise TimeoutError(f"the tree stays {sorted(self.by_path)}")
+            for code, data in self.structure.next_batch()[0]:
+                if code == 6:
+                    element = Element(data, self.structure.types)
+                    self.by_handle[element.handle] = element
+                    self.by_path[self.path(element)] = element
+                elif code == 7:
+                    element = self.by_handle[data.take("i")]
+                    element.flags, element.strategy, element.interval = data.take("Ihh")
+                    element.targets = [data.take("iB")[0] for _ in range(data.take("B"))]
+                elif code == 8:
+                    gone = self.by_handle.pop(data.take("i"))
+                    self.by_path = {path: element for path, element in self.by_path.items() if element is not gone}
+
     def find(self, path):
         """The one port whose path ends with this."""
         found = [element for name, element in self.by_path.items() if name.endswith(path)]

@@ -277,11 +277,11 @@ TEST_F(FinrocSession, UnsubscribedPortsAreSilent) {
   begin();
   hear(batch(subscribe(port_, 77)));
   say();
-  EXPECT_TRUE(session_.follows_values());
+  EXPECT_LT(session_.follows_every(), bridge::PeerSession::kNever);
   hear(batch(Writer().put(std::uint8_t{1}).put(handle_of(port_)).put(kEndMark).text()));
   board_.set(port_, 0.5, 1);
   EXPECT_THAT(say(), IsEmpty());
-  EXPECT_FALSE(session_.follows_values());
+  EXPECT_EQ(session_.follows_every(), bridge::PeerSession::kNever);
 }
 
 TEST_F(FinrocSession, AnInitialValueCommandsNothing) {

@@ -1,0 +1,183 @@
+"""The paper's figure 6: hardware, motion and task in three processes, with the real programs over TCP."""
+import pathlib
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from programs import BIN, DEADLINE_S, Daemon  # noqa: E402
+
+
+class Part:
+    """One part of the controller for the length of a `with`."""
+
+    def __init__(self, kind, *options):
+        self.command = [BIN / f"visum-mca-{kind}", *map(str, options)]
+
+    def __enter__(self):
+        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        return self
+
+    def wait(self):
+        """Waits for its end. Returns the exit code; `said` is then what it wrote."""
+        out, self.said = self.process.communicate(timeout=DEADLINE_S)
+        return self.process.returncode
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.communicate()
+        self.process.stdout.close()
+        self.process.stderr.close()
+
+
+def eventually(look, holds):
+    """Looks until it holds, and returns what was seen."""
+    deadline = time.monotonic() + 60
+    while True:
+        seen = look()
+        if holds(seen):
+            return seen
+        if time.monotonic() > deadline:
+            raise AssertionError(f"it never held; last seen: {seen}")
+
+
+def hardware(daemon, *options):
+    return Part("hardware", "--lower", f"arm@{daemon.connect}", "--port", 0, *options)
+
+
+def motion(daemon, *options):
+    return Part("motion", "--lower", f"hardware@{daemon.connect}", "--port", 0, *options)
+
+
+def task(daemon, *options):
+    return Part("task", "--lower", f"motion@{daemon.connect}", *options)
+
+
+def port(daemon, name):
+    return float(daemon.visum("get", "arm", name).stdout)
+
+
+class Lockstep(unittest.TestCase):
+    def run_once(self):
+        with Daemon("--clock", "lockstep") as daemon, hardware(daemon) as one, motion(daemon) as two, \
+                task(daemon) as three:
+            codes = [part.wait() for part in (three, two, one)]
+            self.assertEqual(codes, [0, 0, 0], [part.said for part in (one, two, three)])
+            status = daemon.json("status")
+            return status["tick"], status["state_hash"]
+
+    def test_three_processes_have_the_same_bits_in_each_run(self):
+        runs = {self.run_once() for _ in range(3)}
+        self.assertEqual(len(runs), 1, runs)
+        self.assertGreater(runs.pop()[0], 4000)
+
+    def test_a_part_that_stays_away_ends_the_others_and_is_named(self):
+        with Daemon("--clock", "lockstep") as daemon, hardware(daemon) as one, \
+                motion(daemon, "--upper-timeout", 3) as two, task(daemon) as three:
+            eventually(lambda: daemon.json("modules")["modules"], lambda modules: len(modules) >= 5)
+            three.process.send_signal(signal.SIGSTOP)
+            self.assertEqual(two.wait(), 4)
+            self.assertIn("'task' has not come to cycle", two.said)
+            self.assertEqual(one.wait(), 4)
+            self.assertIn("'motion' is gone without a release", one.said)
+            three.process.send_signal(signal.SIGCONT)
+
+
+class RealTime(unittest.TestCase):
+    def setUp(self):
+        self.daemon = self.enterContext(Daemon("-r"))
+
+    def modules(self):
+        return self.daemon.json("modules")
+
+    def test_modules_groups_and_edges_are_seen(self):
+        with hardware(self.daemon), motion(self.daemon), task(self.daemon):
+            seen = eventually(self.modules, lambda list: len(list["modules"]) == 5 and
+                              all(one["sense_us"] > 0 for one in list["modules"]))
+        by_name = {one["name"]: one for one in seen["modules"]}
+        self.assertEqual(set(by_name), {"Guard", "Arm", "Trajectory", "Supervisor", "Sequence"})
+        self.assertEqual((by_name["Trajectory"]["part"], by_name["Trajectory"]["group"]), ("motion", "Arm"))
+        self.assertEqual((by_name["Sequence"]["period_ms"], by_name["Trajectory"]["period_ms"]), (10, 5))
+        edges = {(edge["from"], edge["to"]): edge["count"] for edge in seen["edges"]}
+        self.assertEqual(edges["motion/Controller Output/Desired Angle 1", "hardware/Controller Input/Desired Angle 1"], 14)
+        self.assertEqual(edges["motion/Arm/Trajectory/Controller Output/Desired Angle 1",
+                               "motion/Arm/Controller Output/Desired Angle 1"], 14)
+        self.assertIn(("hardware/Controller Output/Desired Angle 1", "arm/Controller Input/0"), edges)
+        eventually(self.modules, lambda list: list["modules"] == [])  # they go with their programs
+
+    def test_a_sensor_input_holds_a_value_for_a_test(self):
+        with hardware(self.daemon), motion(self.daemon) as part:
+            eventually(self.modules, lambda list: len(list["modules"]) == 4)
+            self.daemon.visum("modules", "motion", "--hold", "Arm/Supervisor/Part State=3")
+            supervisor = eventually(lambda: next(one for one in self.daemon.json("modules", "motion", "--values")["modules"]
+                                                 if one["name"] == "Supervisor"),
+                                    lambda module: module["Sensor Output"]["Fault"] == 1)
+            self.assertEqual(supervisor["held"], ["Part State"])
+            self.assertIn("holds Part State", self.daemon.visum("modules").stdout)
+            self.daemon.visum("modules", "motion", "--release", "Arm/Supervisor/Part State")
+            eventually(self.modules, lambda list: not any(one["held"] for one in list["modules"]))
+            refused = self.daemon.visum("modules", "motion", "--hold", "Arm/Supervisor/Part Stat=3", expect=2)
+            self.assertIn("did you mean 'Part State'", refused.stderr)
+            self.assertIn("is no MODULE/PORT=VALUE", self.daemon.visum("modules", "motion", "--hold", "x", expect=2).stderr)
+            part.process.send_signal(signal.SIGINT)
+            self.assertEqual(part.wait(), 130)
+            self.assertIn("'Arm/Supervisor' Sensor Input 'Part State' holds 3 for a test", part.said)
+
+    def test_a_killed_task_stops_the_arm(self):
+        with hardware(self.daemon) as one, motion(self.daemon) as two, task(self.daemon) as three:
+            eventually(lambda: port(self.daemon, "Actual Angle 1"), lambda angle: angle > 0.05)
+            three.process.kill()
+            self.assertEqual((two.wait(), one.wait()), (4, 4))
+            self.assertIn("'task' is gone without a release", two.said)
+        self.assertIn("controller lost", self.daemon.visum("parts").stdout)
+
+    def test_two_arms_are_driven_by_two_edges_from_one_output_and_swapped_by_an_option(self):
+        with Daemon("-r") as other:
+            lower = ["--lower", f"arm@{self.daemon.connect}", "--lower", f"arm@{other.connect}"]
+            with Part("hardware", *lower, "--port", 0), motion(self.daemon), task(self.daemon) as top:
+                self.assertEqual(top.wait(), 0, top.__dict__.get("said"))
+            for daemon in (self.daemon, other):
+                self.assertEqual(port(daemon, "Maximum Speed 1"), 0.8)
+                self.assertAlmostEqual(port(daemon, "Desired Angle 1"), 0, delta=0.01)
+                self.assertEqual(port(daemon, "Desired Angle 1"), port(self.daemon, "Desired Angle 1"))
+            with Part("hardware", *lower[2:], *lower[:2], "--port", 0), motion(other), task(other) as top:
+                self.assertEqual(top.wait(), 0, top.__dict__.get("said"))
+
+
+class CommandLine(unittest.TestCase):
+    def test_what_is_wrong_is_said(self):
+        with Daemon("-r") as daemon, Part("motion", "--lower", f"amr@{daemon.connect}", "--connect-timeout", 0) as part:
+            self.assertEqual(part.wait(), 1)
+            self.assertIn("has no part 'amr'", part.said)
+        for words, code, text in ((["--lower", "arm"], 2, "is no PART@HOST:PORT"),
+                                  (["--period", "10"], 2, "is no period"),
+                                  (["--timescale", "0"], 2, "--timescale"),
+                                  (["--configfile", "/nowhere.yaml"], 3, "/nowhere.yaml")):
+            with Part("task", *words) as part:
+                self.assertEqual(part.wait(), code, part.said)
+                self.assertIn(text, part.said)
+
+    def test_another_version_is_refused(self):
+        with Daemon("-r") as daemon, Part("hardware", "--versioncheck", daemon.connect,
+                                          "--lower", f"arm@{daemon.connect}"):
+            eventually(lambda: daemon.json("modules")["modules"], lambda modules: modules != [])
+        with socket.create_server(("127.0.0.1", 0)) as door:
+            part = self.enterContext(Part("hardware", "--versioncheck", f"127.0.0.1:{door.getsockname()[1]}"))
+            peer = door.accept()[0]
+            peer.recv(1000)  # its hello, which has the number 1
+            server = b"other 9.9.9"
+            welcome = b"\x08\x01\x12" + bytes([len(server)]) + server + b"\x18\x01\x20\x01\x28\x01"
+            message = b"\x08\x01\x22" + bytes([len(welcome)]) + welcome
+            peer.sendall(struct.pack("<I", len(message)) + message)
+            self.assertEqual(part.wait(), 1)
+            self.assertIn("there is 'other 9.9.9'", part.said)
+            peer.close()
+
+
+if __name__ == "__main__":
+    unittest.main()
