@@ -162,7 +162,7 @@ class Tree {
   std::vector<TreeAsked> asked_;
   std::vector<TreeAnswer> answers_;
   std::vector<TreeLoad> loads_;
-  // Of the response.
+  // The ways of the impulses whose response is asked for.
   std::vector<Trace> traces_;
   std::vector<TreeStep> steps_;
   std::vector<double> shares_;  // by row

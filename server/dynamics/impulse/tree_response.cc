@@ -1,4 +1,4 @@
-// What impulses on a tree do to each other, without an answer of the whole tree for each of them.
+// Finds what impulses on a tree do to each other, without an answer of the whole tree for each of them.
 //
 // With L the way of impulses to the root (load_tree), the tree's response is  L^T D^-1 L + R^T I^-1 R: an
 // impulse i gives e_i to the axis of each row on its way, and R_i to the free root. Only the rows that lie on

@@ -63,6 +63,7 @@ std::vector<Case> kind_cases();
 std::vector<Case> kind_pair_cases();
 std::vector<Case> sliding_cases();
 std::vector<Case> bounce_cases();
+std::vector<Case> balance_cases();
 std::vector<Case> crowd_cases();
 std::vector<Case> legged_cases();
 std::vector<Case> grasp_cases();

@@ -87,7 +87,7 @@ struct alignas(32) TreePush {
   int row = -1;  // -1: nothing that moves
 };
 
-// What an impulse on its way to the root gives to the axis of a row: e = lambda - S^T p.
+// A step of an impulse on its way to the root: it gives e = lambda - S^T p to the axis of a row.
 struct TreeStep {
   std::size_t row = 0;
   double e = 0.0;
