@@ -8,12 +8,13 @@ const file = process.argv[2] ?? join(source, "clients/page/page.png");
 const kMove = { "Desired Angle 1": -0.35, "Desired Angle 2": 0.35, "Desired Angle 4": 1.3, "Desired Angle 6": 1.1 };
 
 const browser = await launch();
-const daemon = await Daemon.start();
+const daemon = await Daemon.start("--hold"); // while the browser starts, no tick can be late
 const page = await openPage(browser, daemon);
 // Slower than life, so that a busy machine misses fewer ticks of the plot. Make the picture on an idle
 // machine.
 const speed = (name) => page.getByRole("combobox", { name: "Speed" }).selectOption(name);
 await speed("0.1×");
+await page.getByRole("button", { name: "Run", exact: true }).click();
 // Jogs the arm, and pauses once it stands: a world that stands is drawn with every pixel, on any machine.
 await page.evaluate(async (move) => {
   for (const port of ["Desired Angle 2", "Actual Angle 2"]) document.querySelector(`[aria-label="Plot ${port}"]`).click();

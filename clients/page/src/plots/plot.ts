@@ -18,6 +18,7 @@ import { drawPhase } from "./phase";
 
 const kWindows = [5, 10, 30, 60, 120, 300];
 const kAir = 0.08; // above and below, as a share of the span
+const kLeastLength = 0.1; // s, of the time axis in the world's first moments
 
 // A plot as it is kept.
 export interface PlotData {
@@ -81,8 +82,8 @@ export class Plot {
   update(now: number): void {
     if (this.element.offsetParent === null) return;
     const length = Number(this.seconds.value);
-    const from = this.zoom?.from ?? now - length;
-    const to = this.zoom?.to ?? now;
+    const from = this.zoom?.from ?? Math.max(0, now - length); // no time is below 0
+    const to = this.zoom?.to ?? Math.max(now, kLeastLength);
     const data = this.window(from, to);
     if (!this.phaseCanvas.hidden) return drawPhase(this.phaseCanvas, this.traced(), data);
     this.gapNote.hidden = gapsOf(data[0], data.slice(1) as (number | null | undefined)[][]).length === 0;
