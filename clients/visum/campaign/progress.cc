@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
 #include <stdexcept>
 #include <system_error>
 
@@ -19,10 +20,29 @@ namespace {
 constexpr const char* kFile = "progress.json";
 constexpr std::chrono::seconds kWritten{1};  // at most so often
 
+constexpr const char* kStyle = R"(
+:root{color-scheme:light dark;--line:#8886;--good:#1a7f37;--bad:#cf222e;--odd:#9a6700}
+@media(prefers-color-scheme:dark){:root{--good:#3fb950;--bad:#f85149;--odd:#d29922}}
+body{font:15px/1.45 system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em}
+.bar{height:1.2em;border:1px solid var(--line);border-radius:4px;overflow:hidden;display:flex}
+.passed{background:var(--good)}.failed{background:var(--bad)}.invalid{background:var(--odd)}
+td{padding:.15em .7em}td:first-child{width:.2em}td.n{text-align:right;font-variant-numeric:tabular-nums}
+)";
+
 std::string time_text(double seconds) {
   if (seconds < 90.0) return cli::fixed(seconds, 0) + " s";
   if (seconds < 5400.0) return cli::fixed(seconds / 60.0, 0) + " min";
   return cli::fixed(seconds / 3600.0, 1) + " h";
+}
+
+// "18:28:07", in the time of this machine.
+std::string clock_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  ::localtime_r(&now, &local);
+  char text[16];
+  std::strftime(text, sizeof text, "%H:%M:%S", &local);
+  return text;
 }
 
 std::string as_json(const Progress& progress) {
@@ -47,19 +67,34 @@ std::string progress_text(const Progress& progress, double seconds) {
          time_text(static_cast<double>(progress.all - progress.done) / rate) + " left";
 }
 
-std::string progress_html(const std::string& name, const Progress& progress, double seconds) {
-  const std::string title = cli::markup(name);
+std::string progress_html(const std::string& name, const Progress& progress, double seconds,
+                          const std::string& clock) {
+  const auto percent = [&](std::size_t runs) {
+    return cli::fixed(
+        100.0 * static_cast<double>(runs) / static_cast<double>(std::max<std::size_t>(progress.all, 1)), 2);
+  };
+  const std::size_t good = progress.done - std::min(progress.done, progress.failed + progress.invalid);
+  std::string bar, figures;
+  const auto add = [&](const char* kind, std::size_t runs) {
+    bar += std::string("<i class=\"") + kind + "\" style=\"width:" + percent(runs) + "%\"></i>";
+    figures += std::string("<tr><td class=\"") + kind + "\"></td><td>" + kind + "</td><td class=\"n\">" +
+               std::to_string(runs) + "</td><td class=\"n\">" + percent(runs) + " %</td></tr>\n";
+  };
+  add("passed", good);
+  add("failed", progress.failed);
+  add("invalid", progress.invalid);
   return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" "
-         "content=\"2\"><title>" +
-         title +
-         "</title><style>:root{color-scheme:light dark}body{font:15px/1.45 "
-         "system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 "
-         "1em}progress{width:100%}</style></head>"
-         "<body>\n<h1>" +
-         title + "</h1>\n<p><progress max=\"" + std::to_string(std::max<std::size_t>(progress.all, 1)) +
-         "\" value=\"" + std::to_string(progress.done) + "\"></progress></p>\n<p>" +
-         cli::markup(progress_text(progress, seconds)) + "</p>\n<p>Since " + time_text(seconds) +
-         ". This page renews itself, and becomes the report.</p>\n</body></html>\n";
+         "content=\"2\"><meta name=\"viewport\" content=\"width=device-width\"><title>" +
+         percent(progress.done) + " % " + cli::markup(name) + "</title><style>" + kStyle +
+         "</style></head><body>\n<h1>" + cli::markup(name) +
+         "</h1>\n<p class=\"bar\" role=\"progressbar\" "
+         "aria-valuemin=\"0\" aria-valuemax=\"100\" aria-valuenow=\"" +
+         percent(progress.done) + "\">" + bar + "</p>\n<p><b>" +
+         cli::markup(progress_text(progress, seconds)) + "</b></p>\n<table>\n" + figures +
+         "</table>\n<p>At work for " + time_text(seconds) + ", as of " + clock +
+         ". This page renews itself every 2 s, and becomes the report. If the time stands still for long, "
+         "the "
+         "campaign was killed: started again, it goes on.</p>\n</body></html>\n";
 }
 
 std::optional<Progress> read_progress(const std::filesystem::path& folder) {
@@ -109,7 +144,7 @@ void ProgressBoard::show(const Progress& progress) {
 // Progress that cannot be written costs no run.
 void ProgressBoard::write(const Progress& progress, double seconds) const {
   try {
-    cli::write_whole_file(folder_ / "report.html", progress_html(name_, progress, seconds));
+    cli::write_whole_file(folder_ / "report.html", progress_html(name_, progress, seconds, clock_now()));
     cli::write_whole_file(folder_ / kFile, as_json(progress));
   } catch (const std::runtime_error&) {
   }

@@ -18,8 +18,9 @@ struct Progress {
 
 // "12 of 200 runs, 1 failed, 0 invalid; 3.1 runs/s, about 60 s left". `seconds`: since the work began.
 std::string progress_text(const Progress& progress, double seconds);
-// FOLDER/report.html until the report is there.
-std::string progress_html(const std::string& name, const Progress& progress, double seconds);
+// FOLDER/report.html until the report is there. `clock`: the time of day, "18:28:07".
+std::string progress_html(const std::string& name, const Progress& progress, double seconds,
+                          const std::string& clock);
 
 // Returns the progress that a shard has told, or its summary, if it is done. Nothing: it has not begun.
 std::optional<Progress> read_progress(const std::filesystem::path& folder);

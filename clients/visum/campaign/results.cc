@@ -7,6 +7,7 @@
 
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/format.h"
+#include "protocol/config/config.h"
 
 namespace visum::campaign {
 namespace {
@@ -75,6 +76,24 @@ SequentialTest::Outcome Row::outcome() const {
   if (code == cli::kDone) return SequentialTest::Outcome::kPassed;
   return code == cli::kFailed || code == cli::kLost ? SequentialTest::Outcome::kFailed
                                                     : SequentialTest::Outcome::kInvalid;
+}
+
+std::string word_of(SequentialTest::Outcome outcome) {
+  if (outcome == SequentialTest::Outcome::kPassed) return "passed";
+  return outcome == SequentialTest::Outcome::kFailed ? "failed" : "invalid";
+}
+
+std::vector<std::pair<std::string, std::string>> values_of(const Row& row) {
+  std::vector<std::pair<std::string, std::string>> values;
+  const auto node = config::load_text(row.parameters, "the parameters of run " + std::to_string(row.run));
+  for (const auto& name : node.keys()) values.emplace_back(name, node.get(name).text());
+  return values;
+}
+
+std::string values_text(const Row& row) {
+  std::string text;
+  for (const auto& [name, value] : values_of(row)) text += (text.empty() ? "" : ", ") + name + "=" + value;
+  return text;
 }
 
 Results::Results(const std::filesystem::path& folder, const Identity& identity, const Shard& shard)

@@ -53,6 +53,11 @@ struct Row {
   SequentialTest::Outcome outcome() const;
 };
 
+std::string word_of(SequentialTest::Outcome outcome);  // "passed"
+// The sweep's names and values of a run.
+std::vector<std::pair<std::string, std::string>> values_of(const Row& row);
+std::string values_text(const Row& row);  // "mass=0.2, seed=1"
+
 class Results {
  public:
   static constexpr const char* kFile = "results.sqlite";

@@ -30,11 +30,6 @@ std::string number(const std::optional<double>& value) {
   return value ? cli::rounded(*value, 5) : "-";
 }
 
-std::string word_of(SequentialTest::Outcome outcome) {
-  if (outcome == SequentialTest::Outcome::kPassed) return "passed";
-  return outcome == SequentialTest::Outcome::kFailed ? "failed" : "invalid";
-}
-
 std::string of_runs(std::size_t count, const char* word) {
   return std::to_string(count) + " " + word;
 }
@@ -84,21 +79,6 @@ std::string csv_cell(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return quoted + "\"";
-}
-
-// The sweep's names and values of a run.
-std::vector<std::pair<std::string, std::string>> parameters_of(const Row& row) {
-  std::vector<std::pair<std::string, std::string>> values;
-  const auto node = config::load_text(row.parameters, "the parameters of run " + std::to_string(row.run));
-  for (const auto& name : node.keys()) values.emplace_back(name, node.get(name).text());
-  return values;
-}
-
-std::string parameters_text(const Row& row) {
-  std::string text;
-  for (const auto& [name, value] : parameters_of(row))
-    text += (text.empty() ? "" : ", ") + name + "=" + value;
-  return text;
 }
 
 constexpr const char* kStyle = R"(
@@ -168,7 +148,7 @@ std::string failures_table(const Summary& summary, const std::string& file) {
       "<table><thead><tr><th>run</th><th>values</th><th>result</th><th>why</th><th>recording</th><th>state "
       "hash</th></tr></thead><tbody>\n";
   for (const Row& row : summary.failures)
-    table += "<tr>" + cell(std::to_string(row.run), "n") + cell(parameters_text(row)) +
+    table += "<tr>" + cell(std::to_string(row.run), "n") + cell(values_text(row)) +
              cell(word_of(row.outcome()), "bad") + cell(row.error) + recording_cell(row) +
              cell(cli::hex(row.state_hash), "h") + "</tr>\n";
   return table + "</tbody></table>\n<p>Again: <code>visum run " + markup(file) +
@@ -261,7 +241,7 @@ void write_csv(Results& results, std::size_t last, const std::filesystem::path& 
                    "SELECT name, passed, value, unit, margin FROM checks WHERE run = ? ORDER BY number");
   bool begun = false;
   results.for_each(last, [&](const Row& row) {
-    const auto values = parameters_of(row);
+    const auto values = values_of(row);
     if (!begun) {
       out << "run";
       for (const auto& [name, value] : values) out << ',' << csv_cell(name);

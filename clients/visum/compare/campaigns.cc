@@ -22,7 +22,7 @@ struct Value {
   std::optional<double> value;
   std::string unit;
 };
-using Values = std::map<std::string, Value>;  // by check
+using Values = std::vector<std::pair<std::string, Value>>;  // by check, in the scenario's order
 
 // The checks of run after run.
 class CheckReader {
@@ -34,7 +34,8 @@ class CheckReader {
   Values of(std::size_t run) {
     Values values;
     found_.reset().bind(run);
-    while (found_.step()) values[found_.text(0)] = {found_.integer(1) != 0, found_.real(2), found_.text(3)};
+    while (found_.step())
+      values.emplace_back(found_.text(0), Value{found_.integer(1) != 0, found_.real(2), found_.text(3)});
     return values;
   }
 
@@ -78,6 +79,57 @@ class Tally {
   double mean_ = 0.0, squares_ = 0.0;
 };
 
+std::string recording_of(const Row& row, const std::filesystem::path& folder) {
+  return row.recording.empty() ? std::string() : (folder / row.recording).string();
+}
+
+// Those with another verdict matter most, so that they are kept in place of others.
+void note_different(CampaignComparison& result, const Row& one, const Row& other,
+                    const std::filesystem::path& a, const std::filesystem::path& b) {
+  RunPair pair{one.run,
+               campaign::values_text(one),
+               campaign::word_of(one.outcome()),
+               campaign::word_of(other.outcome()),
+               recording_of(one, a),
+               recording_of(other, b)};
+  ++result.different_count;
+  if (pair.turned()) ++result.turned_count;
+  auto& kept = result.different;
+  if (kept.size() >= kMostDifferent) {
+    const auto last =
+        std::find_if(kept.rbegin(), kept.rend(), [](const RunPair& one) { return !one.turned(); });
+    if (!pair.turned() || last == kept.rend()) return;
+    kept.erase(std::next(last).base());
+  }
+  kept.push_back(std::move(pair));
+}
+
+// The files of the first run that both have, and what the heads say.
+std::vector<std::string> settings_of(Results& a, Results& b) {
+  std::vector<std::string> settings;
+  const auto& of_a = a.identity();
+  const auto& of_b = b.identity();
+  if (of_a.build != of_b.build) settings.push_back("build: " + of_a.build + ", " + of_b.build);
+  if (of_a.file != of_b.file)
+    settings.push_back("scenario: " + of_a.file + ", " + of_b.file);
+  else if (of_a.sweep != of_b.sweep)
+    settings.push_back("the scenario's text, or an option such as --engine");
+  const auto one = a.find(1), other = b.find(1);
+  if (!one || !other) return settings;
+  const auto files_a = a.files(one->files), files_b = b.files(other->files);
+  for (const auto& [path, hash] : files_a) {
+    const auto found = std::ranges::find(files_b, path, &std::pair<std::string, std::string>::first);
+    if (found == files_b.end())
+      settings.push_back("file of A only: " + path);
+    else if (found->second != hash)
+      settings.push_back("file: " + path);
+  }
+  for (const auto& [path, hash] : files_b)
+    if (std::ranges::find(files_a, path, &std::pair<std::string, std::string>::first) == files_a.end())
+      settings.push_back("file of B only: " + path);
+  return settings;
+}
+
 }  // namespace
 
 double mcnemar(std::uint64_t a, std::uint64_t b) {
@@ -108,8 +160,7 @@ CampaignComparison compare_campaigns(const std::filesystem::path& a, const std::
     }
     ++result.runs;
     if (one.code != other->code || one.state_hash != other->state_hash) {
-      ++result.different_count;
-      if (result.different.size() < kMostDifferent) result.different.push_back(one.run);
+      note_different(result, one, *other, a, b);
     }
     if (one.outcome() == Outcome::kInvalid || other->outcome() == Outcome::kInvalid) {
       ++result.invalid;
@@ -118,7 +169,7 @@ CampaignComparison compare_campaigns(const std::filesystem::path& a, const std::
     verdict.take(one.outcome() == Outcome::kPassed, other->outcome() == Outcome::kPassed);
     const Values values_a = checks_a.of(one.run), values_b = checks_b.of(one.run);
     for (const auto& [name, value] : values_a) {
-      const auto found = values_b.find(name);
+      const auto found = std::ranges::find(values_b, name, &Values::value_type::first);
       if (found == values_b.end()) continue;
       if (tallies.count(name) == 0) order.push_back(name);
       Tally& tally = tallies[name];
@@ -128,6 +179,8 @@ CampaignComparison compare_campaigns(const std::filesystem::path& a, const std::
     }
   });
   result.only_b = all_b - result.runs;
+  std::ranges::stable_partition(result.different, &RunPair::turned);
+  result.settings = settings_of(in_a, in_b);
   result.equal = result.different_count == 0 && result.only_a == 0 && result.only_b == 0;
   result.verdict = verdict.result("passed");
   for (const auto& name : order) result.checks.push_back(tallies.at(name).result(name));

@@ -23,13 +23,24 @@ struct CheckComparison {
   std::uint64_t max_run = 0;  // which has that; 0: no value differs
 };
 
+// A run that ends differently.
+struct RunPair {
+  std::uint64_t run = 0;
+  std::string values;                    // of the sweep, "mass=0.2, seed=1"
+  std::string a, b;                      // "passed", "failed" or "invalid"
+  std::string recording_a, recording_b;  // paths; empty: there is none
+  bool turned() const { return a != b; }
+};
+
 struct CampaignComparison {
   bool equal = true;                               // the same runs, with the same codes and states
   std::uint64_t runs = 0, only_a = 0, only_b = 0;  // paired; of one only
   std::uint64_t invalid = 0;                       // in one of the two, and so left out of the statistics
-  std::vector<std::uint64_t> different;            // runs with another code or state; at most 1000
-  std::uint64_t different_count = 0;
-  CheckComparison verdict;  // named "passed"
+  // Runs with another code or state, at most 1000: first those whose verdict is another, then in their order.
+  std::vector<RunPair> different;
+  std::uint64_t different_count = 0, turned_count = 0;  // all; of those, the ones with another verdict
+  std::vector<std::string> settings;  // how the two were made differently, "build: 0.2.0 1f..., 0.2.0 9a..."
+  CheckComparison verdict;            // named "passed"
   std::vector<CheckComparison> checks;
 };
 

@@ -6,6 +6,7 @@
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/json_writer.h"
 #include "clients/visum/common/markup.h"
+#include "clients/visum/common/shell_word.h"
 #include "clients/visum/compare/courses.h"
 
 namespace visum::compare {
@@ -14,8 +15,9 @@ namespace {
 using cli::JsonWriter;
 using cli::markup;
 
-constexpr std::size_t kShownPorts = 20;  // as text
+constexpr std::size_t kShownPorts = 20, kShownRuns = 20;  // as text
 constexpr std::size_t kDrawnPorts = 12;
+constexpr std::size_t kListedRuns = 200;  // on the page
 
 constexpr const char* kStyle = R"(
 :root{color-scheme:light dark;--line:#8886;--good:#1a7f37;--bad:#cf222e}
@@ -23,7 +25,7 @@ constexpr const char* kStyle = R"(
 body{font:15px/1.45 system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em}
 table{border-collapse:collapse;margin:1em 0;display:block;overflow-x:auto}
 th,td{text-align:left;padding:.25em .7em;border-bottom:1px solid var(--line)}
-td+td{font-variant-numeric:tabular-nums}.good{color:var(--good)}.bad{color:var(--bad)}
+td{vertical-align:top}code{font-size:13px}td+td{font-variant-numeric:tabular-nums}.good{color:var(--good)}.bad{color:var(--bad)}
 )";
 
 std::string number(double value) {
@@ -70,6 +72,7 @@ std::string first_words(const CampaignComparison& of) {
   std::string text =
       of.equal ? "equal: all " + number(of.runs) + " runs, bit for bit"
                : number(of.different_count) + " of " + number(of.runs) + " common runs end differently";
+  if (of.turned_count > 0) text += ", " + number(of.turned_count) + " of them with another verdict";
   if (of.only_a + of.only_b > 0)
     text += "; " + number(of.only_a) + " are in A only, " + number(of.only_b) + " in B only";
   if (of.invalid > 0) text += "; " + number(of.invalid) + " are invalid and do not count below";
@@ -90,15 +93,34 @@ Cells ports_of(const RecordingComparison& of, std::size_t most) {
 }
 
 Cells checks_of(const CampaignComparison& of) {
-  Cells cells{
-      {"check", "both pass", "only A", "only B", "neither", "p", "B - A", "from", "to", "at most", "in run"}};
+  Cells cells{{"check", "unit", "both pass", "only A", "only B", "neither", "p", "B - A", "from", "to",
+               "at most", "in run"}};
   const auto add = [&](const CheckComparison& check) {
-    cells.push_back({check.check, number(check.both), number(check.only_a), number(check.only_b),
+    const bool measured = check.mean.has_value();
+    cells.push_back({check.check, check.unit, number(check.both), number(check.only_a), number(check.only_b),
                      number(check.neither), cli::rounded(check.p, 3), number(check.mean), number(check.low),
-                     number(check.high), number(check.max_abs), number(check.max_run)});
+                     number(check.high), measured ? number(check.max_abs) : "-",
+                     check.max_run != 0 ? number(check.max_run) : "-"});
   };
   add(of.verdict);
   for (const auto& check : of.checks) add(check);
+  return cells;
+}
+
+// The command that shows where two runs part.
+std::string next_step(const RunPair& pair) {
+  if (pair.recording_a.empty() || pair.recording_b.empty()) return "-";
+  return "visum compare " + cli::shell_word(pair.recording_a) + " " + cli::shell_word(pair.recording_b);
+}
+
+Cells runs_of(const CampaignComparison& of, std::size_t most, bool with_commands) {
+  Cells cells{{"run", "A", "B", "values"}};
+  if (with_commands) cells[0].push_back("where they part");
+  for (const auto& pair : of.different) {
+    if (cells.size() > most) break;
+    cells.push_back({number(pair.run), pair.a, pair.b, pair.values});
+    if (with_commands) cells.back().push_back(next_step(pair));
+  }
   return cells;
 }
 
@@ -184,8 +206,14 @@ std::string as_json(const CampaignComparison& of) {
       .member("different_count", of.different_count)
       .key("different")
       .begin_array();
-  for (const auto run : of.different) json.value(run);
-  return json.end_array().end_object().text();
+  for (const auto& pair : of.different) json.value(pair.run);
+  json.end_array().member("turned_count", of.turned_count).key("turned").begin_array();
+  for (const auto& pair : of.different)
+    if (pair.turned())
+      json.begin_object().member("run", pair.run).member("a", pair.a).member("b", pair.b).end_object();
+  json.end_array();
+  write_texts(json, "settings", of.settings);
+  return json.end_object().text();
 }
 
 std::string as_text(const RecordingComparison& of) {
@@ -201,7 +229,12 @@ std::string as_text(const RecordingComparison& of) {
 }
 
 std::string as_text(const CampaignComparison& of) {
-  return first_words(of) + "\n" + text_of(checks_of(of));
+  std::string text = first_words(of) + "\n";
+  for (const auto& setting : of.settings) text += "  made differently: " + setting + "\n";
+  text += text_of(checks_of(of));
+  if (of.turned_count > 0)
+    text += text_of(runs_of(of, std::min<std::size_t>(of.turned_count, kShownRuns), false));
+  return text;
 }
 
 std::string as_html(const RecordingComparison& of, const std::string& a, const std::string& b) {
@@ -212,10 +245,20 @@ std::string as_html(const RecordingComparison& of, const std::string& a, const s
 }
 
 std::string as_html(const CampaignComparison& of, const std::string& a, const std::string& b) {
-  std::vector<std::string> runs;
-  for (const auto run : of.different) runs.push_back("run " + number(run));
+  std::string runs;
+  if (!of.different.empty()) {
+    runs = "<h2>Runs that end differently</h2>\n";
+    if (of.different_count > kListedRuns)
+      runs += "<p>The first " + number(std::uint64_t{kListedRuns}) + " of " + number(of.different_count) +
+              ", those with another verdict before all others; --json has more.</p>\n";
+    runs += html_of(runs_of(of, kListedRuns, true));
+  }
   return page(of.equal, first_words(of), a, b,
-              html_of(checks_of(of)) + list_of("Runs that end differently", runs));
+              "<p>The runs are paired: equal numbers with equal values. <i>p</i> is the probability of such "
+              "different counts if A and B are equally good (McNemar's exact test). <i>B - A</i> is the mean "
+              "difference of the check's value, <i>from</i> and <i>to</i> its interval of 95 % confidence, "
+              "<i>at most</i> the largest difference.</p>\n" +
+                  html_of(checks_of(of)) + list_of("Made differently", of.settings) + runs);
 }
 
 }  // namespace visum::compare
