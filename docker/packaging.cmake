@@ -37,7 +37,7 @@ target_compile_features(visum_client_shared INTERFACE cxx_std_20)
 target_include_directories(visum_client_shared INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 add_dependencies(programs visum_client_shared)
 install(TARGETS visum_client_shared EXPORT visum LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(FILES clients/cpp/visum.h clients/cpp/kinematics.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/visum)
+install(FILES clients/cpp/visum.h clients/cpp/kinematics.h clients/cpp/world.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/visum)
 
 # Plug-ins need a header, and nothing to link.
 add_library(visum_plugin_interface INTERFACE)
@@ -59,7 +59,7 @@ install(DIRECTORY models DESTINATION ${CMAKE_INSTALL_DATADIR}/visum PATTERN __py
         PATTERN "*.py" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 install(FILES server/scene/scene.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/server/scene)
 install(DIRECTORY clients/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/clients PATTERN CMakeLists.txt EXCLUDE)
-install(FILES clients/cpp/visum.h clients/cpp/kinematics.h DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/clients/cpp)
+install(FILES clients/cpp/visum.h clients/cpp/kinematics.h clients/cpp/world.h DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/clients/cpp)
 install(FILES protocol/plugin/plugin.h DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/protocol/plugin)
 install(FILES protocol/config/trig.h protocol/config/trig.cc DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/protocol/config)
 

@@ -51,6 +51,11 @@ void FaultSet::move_ends(std::int64_t ticks) {
     if (active.until_tick != 0) active.until_tick -= ticks;
 }
 
+void FaultSet::renumber_parts(std::span<const std::uint32_t> now) {
+  std::erase_if(active_, [&](const ActiveFault& active) { return now[active.part] == kGone; });
+  for (auto& active : active_) active.part = now[active.part];
+}
+
 void FaultSet::save(StateWriter& to) const {
   to.put(static_cast<std::uint64_t>(active_.size()));
   for (const auto& one : active_) {

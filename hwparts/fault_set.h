@@ -35,6 +35,10 @@ class FaultSet {
   bool expire(std::int64_t tick);
   // Time begins anew: every fault that has an end ends so many ticks sooner.
   void move_ends(std::int64_t ticks);
+  // Parts have other numbers now: `now` gives the new one for each old one. Drops the faults of parts that
+  // are kGone. The order of those that stay must stay.
+  static constexpr std::uint32_t kGone = ~std::uint32_t{0};
+  void renumber_parts(std::span<const std::uint32_t> now);
 
   // Sorted by part, then in the order of their injection.
   std::span<const ActiveFault> all() const { return active_; }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "protocol/fault_messages.h"
+#include "protocol/model_messages.h"
 #include "protocol/module_messages.h"
 #include "protocol/part_description.h"
 #include "protocol/reset_scope.h"
@@ -217,7 +218,7 @@ using Request =
                  AddBody, RemoveBody, Shutdown, InjectFault, ClearFault, ListFaults, SetBody, SetJoints,
                  PullBody, ReleaseBody, SubscribeEvents, UnsubscribeEvents, Announce, StartRecording,
                  StopRecording, AnnounceModules, ReportModules, ListModules, OverrideModulePort,
-                 LockBlackboard, UnlockBlackboard>;
+                 LockBlackboard, UnlockBlackboard, SpawnModel, RemoveModel, ListModels>;
 
 // ---------------------------------------- server to client
 
@@ -424,9 +425,9 @@ struct EventList {
   std::vector<Event> events;
 };
 
-using Reply =
-    std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant, PartSample,
-                 ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample, MeshData,
-                 SnapshotTaken, Event, TextureData, FaultList, EventList, ModuleList, OverrideModulePort>;
+using Reply = std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant,
+                           PartSample, ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample,
+                           MeshData, SnapshotTaken, Event, TextureData, FaultList, EventList, ModuleList,
+                           OverrideModulePort, ModelSpawned, ModelList>;
 
 }  // namespace visum::protocol

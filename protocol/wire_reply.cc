@@ -78,6 +78,17 @@ struct PutReply {
     w.set_bus_said(m.bus_said);
     put_streams(m.streams, w.mutable_streams());
   }
+  void operator()(const ModelSpawned& m) const {
+    auto& w = *to.mutable_model_spawned();
+    w.set_name(m.name);
+    w.mutable_bodies()->Assign(m.bodies.begin(), m.bodies.end());
+    w.mutable_parts()->Assign(m.parts.begin(), m.parts.end());
+  }
+  void operator()(const ModelList& m) const {
+    auto& w = *to.mutable_models();
+    w.mutable_files()->Assign(m.files.begin(), m.files.end());
+    w.mutable_spawned()->Assign(m.spawned.begin(), m.spawned.end());
+  }
   void operator()(const SnapshotTaken& m) const {
     auto& w = *to.mutable_snapshot();
     w.set_snapshot(m.snapshot);
@@ -104,6 +115,10 @@ struct PutReply {
   void operator()(const ModuleList& m) const { wire::put(m, *to.mutable_modules()); }
   void operator()(const OverrideModulePort& m) const { put_override(m, *to.mutable_override_module_port()); }
 };
+
+std::vector<std::string> texts_of(const google::protobuf::RepeatedPtrField<std::string>& from) {
+  return {from.begin(), from.end()};
+}
 
 bool take(const v1::Error& from, Error& to, std::string& why) {
   to.text = from.text();
@@ -220,6 +235,13 @@ bool take(const v1::ServerMessage& from, Reply& to, std::string& why) {
       return true;
     case Case::kSnapshot:
       to = SnapshotTaken{snapshot.snapshot(), snapshot.tick(), snapshot.state_hash()};
+      return true;
+    case Case::kModelSpawned:
+      to = ModelSpawned{from.model_spawned().name(), texts_of(from.model_spawned().bodies()),
+                        texts_of(from.model_spawned().parts())};
+      return true;
+    case Case::kModels:
+      to = ModelList{texts_of(from.models().files()), texts_of(from.models().spawned())};
       return true;
     case Case::kFaults:
       take(from.faults(), to.emplace<FaultList>());

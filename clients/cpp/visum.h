@@ -231,7 +231,8 @@ class Part {
   std::unique_ptr<detail::PartState> state_;
 };
 
-class Chain;  // kinematics.h
+class Chain;         // kinematics.h
+class WorldControl;  // world.h
 
 // A session with a server.
 class Client {
@@ -276,6 +277,7 @@ class Client {
   std::uint64_t era() const;  // grows when the world is reset or restored
 
  private:
+  friend class WorldControl;
   std::unique_ptr<detail::ClientState> state_;
 };
 

@@ -48,6 +48,8 @@ constexpr Row kVerbs[] = {
     {"pull", "pull a body to a place", cli::make_pull},
     {"pose", "put a body elsewhere", cli::make_pose},
     {"joints", "put a model's joints elsewhere", cli::make_joints},
+    {"spawn", "bring a model with its parts into a world that runs", cli::make_spawn},
+    {"remove", "take a model that was spawned, or a body, out of the world", cli::make_remove},
     {"fault", "break something on purpose, or end that", cli::make_fault},
     {"faults", "list what can be broken, and what is broken now", cli::make_faults},
     {"check", "say what is wrong with a scene", cli::make_check},

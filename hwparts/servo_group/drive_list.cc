@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "hwparts/servo_group/tuning.h"
+#include "protocol/config/read_file.h"
 
 namespace visum::servo_group {
 namespace {
@@ -119,7 +120,8 @@ DriveList load_drives(const PartContext& context) {
   if (context.joints.empty()) context.config.fail("the part has no joints to drive");
   const std::filesystem::path path = key.folder() / key.text();
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) key.fail("'" + path.string() + "': no such file");
+  if (!config::is_file(path) && !std::filesystem::is_directory(path, error))
+    key.fail("'" + path.string() + "': no such file");
   const Node file = config::load_file(path);
   file.allow_only({"source", "drives"});
   DriveList list;

@@ -61,6 +61,16 @@ bool take(const v1::PullBody& from, PullBody& to) {
   return take_vector(from.point(), to.point) && take_vector(from.target(), to.target);
 }
 
+// Null: its pose is not one.
+std::shared_ptr<const SpawnedModel> model_of(const v1::SpawnModel& from) {
+  auto model = std::make_shared<SpawnedModel>();
+  model->file = from.file();
+  model->name = from.name();
+  if (!take_vector(from.pose(), model->pose)) return nullptr;
+  for (const auto& file : from.files()) model->files[file.path()] = file.content();
+  return model;
+}
+
 bool take(const v1::SetParameter& from, SetParameter& to) {
   to.part = from.part();
   to.name = from.name();
@@ -114,6 +124,12 @@ bool take(const v1::Input& from, Input& to) {
     case v1::Input::kRemoveBody:
       to = RemoveBody{from.remove_body().name()};
       return true;
+    case v1::Input::kSpawnModel:
+      to = SpawnModel{model_of(from.spawn_model())};
+      return std::get<SpawnModel>(to).model != nullptr;
+    case v1::Input::kRemoveModel:
+      to = RemoveModel{from.remove_model().name()};
+      return true;
     case v1::Input::kInjectFault: {
       const auto& w = from.inject_fault();
       to = InjectFault{w.part(), w.kind(), view_of(w.numbers()), w.until_tick()};
@@ -137,9 +153,22 @@ std::vector<std::byte> copy_of(const std::string& from) {
 }
 
 bool take(const v1::Input& from, State::Edit& to) {
-  to.came = from.has_add_body();
-  to.text = to.came ? from.add_body().yaml() : from.remove_body().name();
-  return from.has_add_body() || from.has_remove_body();
+  switch (from.what_case()) {
+    case v1::Input::kAddBody:
+      to = {State::Edit::Kind::kBodyCame, from.add_body().yaml(), nullptr};
+      return true;
+    case v1::Input::kRemoveBody:
+      to = {State::Edit::Kind::kBodyWent, from.remove_body().name(), nullptr};
+      return true;
+    case v1::Input::kSpawnModel:
+      to = {State::Edit::Kind::kModelCame, {}, model_of(from.spawn_model())};
+      return to.model != nullptr;
+    case v1::Input::kRemoveModel:
+      to = {State::Edit::Kind::kModelWent, from.remove_model().name(), nullptr};
+      return true;
+    default:
+      return false;
+  }
 }
 
 bool take(const v1::State& from, State& to) {

@@ -39,6 +39,17 @@ void put(std::span<const std::byte> from, std::string& to) {
 
 void put(const State& from, v1::State& to);
 
+void put(const SpawnedModel& from, v1::SpawnModel& to) {
+  to.set_file(from.file);
+  to.set_name(from.name);
+  put_numbers(from.pose, *to.mutable_pose());
+  for (const auto& [path, content] : from.files) {
+    auto& entry = *to.add_files();
+    entry.set_path(path);
+    entry.set_content(content);
+  }
+}
+
 struct PutInput {
   v1::Input& to;
 
@@ -109,6 +120,8 @@ struct PutInput {
   void operator()(const RestoreSnapshot& m) const { to.mutable_restore_snapshot()->set_number(m.number); }
   void operator()(const AddBody& m) const { to.mutable_add_body()->mutable_yaml()->assign(m.yaml); }
   void operator()(const RemoveBody& m) const { to.mutable_remove_body()->mutable_name()->assign(m.name); }
+  void operator()(const SpawnModel& m) const { put(*m.model, *to.mutable_spawn_model()); }
+  void operator()(const RemoveModel& m) const { to.mutable_remove_model()->mutable_name()->assign(m.name); }
   void operator()(const InjectFault& m) const {
     auto& w = *to.mutable_inject_fault();
     w.mutable_part()->assign(m.part);
@@ -136,11 +149,21 @@ void put(const State& from, v1::State& to) {
     put(kept.state, *entry.mutable_state());
   }
   for (const auto& edit : from.edits) {
-    auto& entry = *to.add_edits();
-    if (edit.came)
-      entry.mutable_add_body()->set_yaml(edit.text);
-    else
-      entry.mutable_remove_body()->set_name(edit.text);
+    const PutInput entry{*to.add_edits()};
+    switch (edit.kind) {
+      case State::Edit::Kind::kBodyCame:
+        entry(AddBody{edit.text});
+        break;
+      case State::Edit::Kind::kBodyWent:
+        entry(RemoveBody{edit.text});
+        break;
+      case State::Edit::Kind::kModelCame:
+        entry(SpawnModel{edit.model});
+        break;
+      case State::Edit::Kind::kModelWent:
+        entry(RemoveModel{edit.text});
+        break;
+    }
   }
 }
 

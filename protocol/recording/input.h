@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <variant>
@@ -16,6 +17,7 @@
 namespace visum::recording {
 
 struct State;
+struct SpawnedModel;
 
 struct WriteInputs {
   std::string_view part;
@@ -96,10 +98,16 @@ struct AddBody {
 struct RemoveBody {
   std::string_view name;
 };
+struct SpawnModel {
+  std::shared_ptr<const SpawnedModel> model;  // never null
+};
+struct RemoveModel {
+  std::string_view name;
+};
 
 using Input = std::variant<WriteInputs, LoseController, SetParameter, WriteBlackboard, BusTelegram, PushBody,
                            Reset, TakeSnapshot, RestoreSnapshot, AddBody, RemoveBody, InjectFault, ClearFault,
-                           SetBody, SetJoints, PullBody, ReleaseBody, RestoreState>;
+                           SetBody, SetJoints, PullBody, ReleaseBody, RestoreState, SpawnModel, RemoveModel>;
 
 // An input, and the tick and era in which the world took it.
 struct TimedInput {

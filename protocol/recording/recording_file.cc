@@ -114,6 +114,8 @@ RecordingFile::Item RecordingFile::take(const Message& message) {
   if (topic == kInputTopic) return take_as(input_, message);
   if (topic == kStateTopic) return take_as(state_, message);
   if (topic == kTickTopic) return take_as(tick_, message);
+  if (topic == kSpawnedTopic) return take_as(sample_, message);
+  if (topic == kSpawnedDescriptionTopic) return take_as(description_, message);
   if (!topic.starts_with(kPartTopic)) return End{};
   if (is_of_description(topic)) return take_as(description_, message);
   return take_as(sample_, message);

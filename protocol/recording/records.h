@@ -26,6 +26,9 @@ inline constexpr std::string_view kStateTopic = "/states";
 inline constexpr std::string_view kLogTopic = "/log";
 inline constexpr std::string_view kPartTopic = "/parts/";
 inline constexpr std::string_view kDescriptionTopic = "/description";
+// The topics of all parts together that came with a model after the recording began.
+inline constexpr std::string_view kSpawnedTopic = "/spawned";
+inline constexpr std::string_view kSpawnedDescriptionTopic = "/spawned/description";
 
 inline constexpr std::uint32_t kFormat = 1;
 

@@ -4,8 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
+
+#include "protocol/recording/spawned_model.h"
 
 namespace visum::recording {
 
@@ -14,11 +17,16 @@ struct State {
     std::uint64_t number = 0;
     std::vector<std::byte> state;
   };
-  // A body that was added (the YAML of its entry) or removed (its name) since the scene was loaded.
+  // A body or model that came or went since the scene was loaded.
   struct Edit {
-    bool came = true;
-    std::string text;
-    bool operator==(const Edit&) const = default;
+    enum class Kind { kBodyCame, kBodyWent, kModelCame, kModelWent };
+    Kind kind = Kind::kBodyCame;
+    std::string text;                           // the YAML of a body that came, or the name of what went
+    std::shared_ptr<const SpawnedModel> model;  // kModelCame
+    bool operator==(const Edit& other) const {
+      const bool same_model = model == other.model || (model && other.model && *model == *other.model);
+      return kind == other.kind && text == other.text && same_model;
+    }
   };
   std::int64_t tick = 0;
   std::uint64_t era = 1;

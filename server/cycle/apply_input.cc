@@ -113,6 +113,10 @@ class Applier {
   Outcome operator()(const recording::RemoveBody& input) const {
     return simulation_.remove_body(std::string(input.name));
   }
+  Outcome operator()(const recording::SpawnModel& input) const { return simulation_.spawn(input.model); }
+  Outcome operator()(const recording::RemoveModel& input) const {
+    return simulation_.remove_model(std::string(input.name));
+  }
   Outcome operator()(const recording::InjectFault& input) const {
     const auto part = find(input.part);
     if (!part) return unknown(input.part);

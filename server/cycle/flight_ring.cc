@@ -27,20 +27,28 @@ void FlightRing::record(std::int64_t tick, std::span<const double> errors, std::
   for (double force : forces) (to++)->store(std::abs(force), std::memory_order_relaxed);
 }
 
-void FlightRing::take_over(const FlightRing& other, std::int64_t until, world::BodyId gone) {
+void FlightRing::take_over(const FlightRing& other, std::int64_t until,
+                           std::span<const world::JointId> joints, std::span<const world::BodyId> bodies) {
   const auto before =
       std::max(other.begin_.load(std::memory_order_relaxed), until - std::min(ticks_, other.ticks_));
   begin(before);
-  const auto copy = [](std::atomic<double>& to, const std::atomic<double>& from) {
-    to.store(from.load(std::memory_order_relaxed), std::memory_order_relaxed);
-  };
-  for (std::int64_t tick = before + 1; tick <= until; ++tick) {
+  copy(other, before, until, joints, bodies);
+}
+
+void FlightRing::copy(const FlightRing& other, std::int64_t after, std::int64_t until,
+                      std::span<const world::JointId> joints, std::span<const world::BodyId> bodies) {
+  after = std::max(after, until - std::min(ticks_, other.ticks_));
+  for (std::int64_t tick = after + 1; tick <= until; ++tick) {
     const auto* from = other.numbers_.get() + other.row(tick);
     auto* to = numbers_.get() + row(tick);
-    for (std::size_t i = 0; i < std::min(joints_, other.joints_); ++i) copy(to[i], from[i]);
-    to += joints_, from += other.joints_;
-    for (std::size_t body = 0, kept = 0; body < other.bodies_ && kept < bodies_; ++body)
-      if (!gone.valid() || body != gone.index()) copy(to[kept++], from[body]);
+    const auto take = [&](const auto& kept, std::size_t others) {
+      for (std::size_t i = 0; i < kept.size(); ++i)
+        to[i].store(kept[i].valid() ? from[kept[i].index()].load(std::memory_order_relaxed) : 0.0,
+                    std::memory_order_relaxed);
+      to += kept.size(), from += others;
+    };
+    take(joints, other.joints_);
+    take(bodies, other.bodies_);
   }
 }
 

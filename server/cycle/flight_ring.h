@@ -26,9 +26,13 @@ class FlightRing {
   // first. Keeps their magnitudes.
   void record(std::int64_t tick, std::span<const double> errors, std::span<const double> forces);
 
-  // Copies the ticks up to `until` from the ring of the world before a change: bodies were added at the end,
-  // or the body `gone` was removed.
-  void take_over(const FlightRing& other, std::int64_t until, world::BodyId gone);
+  // Copies the ticks up to `until` from the ring of the world before a change. The spans give for each joint
+  // and body of this ring its number in the other; invalid: it is new.
+  void take_over(const FlightRing& other, std::int64_t until, std::span<const world::JointId> joints,
+                 std::span<const world::BodyId> bodies);
+  // Copies the ticks (after, until], which came since.
+  void copy(const FlightRing& other, std::int64_t after, std::int64_t until,
+            std::span<const world::JointId> joints, std::span<const world::BodyId> bodies);
 
   // Begins a new era: peaks() ignores all ticks up to `tick` from now on.
   void begin(std::int64_t tick) { begin_.store(tick, std::memory_order_relaxed); }

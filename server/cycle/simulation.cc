@@ -5,13 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "hwparts/plugged/plugged_part.h"
-#include "hwparts/plugged/plugged_sensor.h"
 #include "hwparts/powercube/module_bus.h"
-#include "hwparts/sensors/camera.h"
-#include "hwparts/sensors/sensor_kinds.h"
 #include "server/cycle/follow.h"
-#include "server/cycle/node_errors.h"
 #include "server/cycle/start_overlaps.h"
 
 namespace visum::cycle {
@@ -33,36 +28,6 @@ std::vector<std::uint64_t> seeded(std::uint64_t seed) {
   return words;
 }
 
-std::unique_ptr<hwparts::Part> make_part(const scene::Scene& scene, const scene::PartPlan& plan,
-                                         const PartMaker& make) {
-  auto context = plan.context;
-  context.seed = scene.seed;
-  if (const auto* kind = plugin::find_part(scene.plugins, plan.kind))
-    return plugged::make_part(*kind, context);
-  return make(plan.kind, context);
-}
-
-std::unique_ptr<sensors::Sensor> make_sensor(const scene::Scene& scene, const scene::SensorPlan& plan) {
-  const sensors::SensorContext context{plan.name, plan.config, scene.world.tick_ns, scene.seed};
-  if (const auto* kind = plugin::find_sensor(scene.plugins, plan.kind))
-    return plugged::make_sensor(*kind, context);
-  return sensors::make_sensor(plan.kind, context);
-}
-
-// Bounds the memory of all cameras together: each keeps a direction for every pixel, and pictures.
-class PixelBudget {
- public:
-  void take(const sensors::Sensor& sensor, const scene::SensorPlan& plan) {
-    if (const auto* camera = dynamic_cast<const sensors::Camera*>(&sensor)) pixels_ += camera->pixels();
-    if (pixels_ > sensors::kMaxPixelsInAll)
-      plan.config.get("size").fail("the cameras have more than " + std::to_string(sensors::kMaxPixelsInAll) +
-                                   " pixels together");
-  }
-
- private:
-  std::size_t pixels_ = 0;
-};
-
 // Beside the number of pushes in a snapshot: pulls follow.
 constexpr std::uint64_t kHasPulls = std::uint64_t{1} << 32;
 
@@ -77,26 +42,12 @@ void load_parts(std::span<BoundPart> parts, hwparts::StateReader& from) {
 
 }  // namespace
 
-std::vector<config::ConfigError> errors_of_nodes(const scene::Scene& scene) {
-  std::vector<config::ConfigError> errors;
-  const auto attempt = [&](const auto& make) {
-    try {
-      make();
-    } catch (const config::ConfigError& error) {
-      errors.push_back(error);
-    }
-  };
-  for (const auto& plan : scene.parts) attempt([&] { make_part(scene, plan, hwparts::make_part); });
-  PixelBudget budget;
-  for (const auto& plan : scene.sensors) attempt([&] { budget.take(*make_sensor(scene, plan), plan); });
-  return errors;
-}
-
 Simulation::Simulation(scene::Scene scene, const PartMaker& make)
-    : scene_(std::make_shared<const scene::Scene>(leave_out_overlaps(std::move(scene)))) {
-  make_parts(make);
+    : make_(make), scene_(std::make_shared<const scene::Scene>(leave_out_overlaps(std::move(scene)))) {
+  make_parts(make_);
   make_sensors();
   make_agents();
+  own_parts_ = parts_.size();
   auto engines = make_engines(*scene_);
   auto machinery = make_machinery(*scene_, sensors_);
   machinery.engines = std::move(engines);
@@ -110,30 +61,22 @@ Simulation::Simulation(scene::Scene scene, const PartMaker& make)
 Simulation::~Simulation() = default;
 
 void Simulation::make_parts(const PartMaker& make) {
-  for (const auto& plan : scene_->parts) {
-    BoundPart bound;
-    bound.part = make_part(*scene_, plan, make);
-    for (std::size_t joint : bound.part->joints()) bound.joints.push_back(plan.joints.at(joint));
-    bound.samples.resize(bound.joints.size());
-    bound.drives.resize(bound.joints.size());
-    bound.following_errors.resize(bound.joints.size());
-    parts_.push_back(std::move(bound));
-  }
+  for (const auto& plan : scene_->parts) parts_.push_back(make_bound_part(*scene_, plan, make));
 }
 
 void Simulation::make_sensors() {
   PixelBudget budget;
   for (const auto& plan : scene_->sensors) {
-    auto sensor = make_sensor(*scene_, plan);
-    budget.take(*sensor, plan);
-    sensors_.push_back(sensor.get());
-    parts_.emplace_back().part = std::move(sensor);
+    parts_.push_back(make_bound_sensor(*scene_, plan));
+    sensors_.push_back(sensor_of(parts_.back()));
+    budget.take(*sensors_.back(), plan);
   }
 }
 
 void Simulation::make_agents() {
+  first_agent_ = parts_.size();
   for (const auto& plan : scene_->agents) {
-    auto agent = std::make_unique<AgentPart>(plan, scene_->world.tick_ns, parts_);
+    auto agent = std::make_shared<AgentPart>(plan, scene_->world.tick_ns, parts_);
     agents_.push_back(agent.get());
     parts_.emplace_back().part = std::move(agent);
   }
@@ -171,13 +114,7 @@ void Simulation::start_state() {
   fault_.clear();
   std::ranges::fill(following_errors_, 0.0);
   ring_->begin(state_.tick);
-  for (auto& bound : parts_) {
-    const auto& description = bound.part->description();
-    bound.controller_inputs.clear();
-    for (const auto& port : description.controller_inputs) bound.controller_inputs.push_back(port.initial);
-    bound.sensor_outputs.clear();
-    for (const auto& port : description.sensor_outputs) bound.sensor_outputs.push_back(port.initial);
-  }
+  for (auto& bound : parts_) start_ports(bound);
 }
 
 void Simulation::tick() {
@@ -227,7 +164,7 @@ void Simulation::sense() {
 
 void Simulation::think() {
   for (std::size_t i = 0; i < agents_.size(); ++i) {
-    working_.enter(Stage::kThink, static_cast<std::uint32_t>(parts_.size() - agents_.size() + i));
+    working_.enter(Stage::kThink, static_cast<std::uint32_t>(first_agent_ + i));
     agents_[i]->think(sim_time_ns());
   }
   for (auto& bound : parts_) bound.deliver(state_.tick);  // agents' writes over networks without a delay

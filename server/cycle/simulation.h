@@ -31,6 +31,7 @@
 #include "server/collision/collision.h"
 #include "server/cycle/agent_part.h"
 #include "server/cycle/body_change.h"
+#include "server/cycle/bound_part.h"
 #include "server/cycle/machinery.h"
 #include "server/cycle/network_model.h"
 #include "server/cycle/outcome.h"
@@ -50,55 +51,6 @@ enum class BusFraming;
 
 namespace visum::cycle {
 
-// One part bound to its joints, with its inputs and outputs. Lives on the tick's thread; the Simulation owns
-// it. All spans are in the part's own order.
-//
-// A controller input exists in five copies, each with its own reason. In the order of a write's journey:
-//
-//   1. Gateway::latched_       sessions' thread. All inputs of the part as last accepted, with the writes
-//                              that are still under way: the part judges its inputs together (Part::refuse).
-//   2. gateway::Input::values  the mailbox. Carries the ports of one write to the tick's thread without a
-//                              lock, and waits there for the next tick border.
-//   3. controller_inputs       tick's thread. The inputs that act in the next tick. They are what snapshots,
-//                              the state's hash and recordings hold; agents of the scene write here too. A
-//                              NetworkModel with a fault delays a write between 2 and 3, or loses it.
-//   4. DriveState::commanded   tick's thread. The target that the ports command of one drive. Telegrams and
-//                              the drive's supervision, which see no ports, note there which target they
-//                              override until the ports command another one.
-//   5. gateway::Published      handed back to the sessions' thread with the whole published world, so that
-//                              reads and samples never touch the tick's thread. After a reset, a restore or
-//                              a missed deadline the gateway sets copy 1 to these values.
-//
-// A write becomes a torque in Part::act(), which reads copy 3, and in the engine's step after it.
-struct BoundPart {
-  std::unique_ptr<hwparts::Part> part;
-  std::vector<world::JointId> joints;
-  std::vector<double> controller_inputs;  // in force, see above
-  std::vector<double> sensor_outputs;
-  std::vector<hwparts::JointSample> samples;
-  std::vector<hwparts::JointDrive> drives;
-  std::vector<double> following_errors;
-  std::string agent;      // name of the scene's agent that commands the part; empty: clients may command it
-  bool onlooker = false;  // not part of the world's state: see Simulation::add_onlooker
-
-  // The network between the part and its controllers, clients and agents alike. It is ideal unless a fault
-  // acts on it.
-  NetworkModel network;
-  bool silent = false;  // a fault: the part hears no write and shows no new reading
-
-  // A write leaves its controller at `tick`. It is in force at once where the network is ideal.
-  void hear(std::int64_t tick, std::size_t first, std::span<const double> values);
-  // Puts values in force that have arrived, from port number `first` on.
-  void take(std::size_t first, std::span<const double> values);
-  // Takes all writes that arrive until this tick.
-  void deliver(std::int64_t until_tick);
-  // The numbers that publish() is to fill: the outputs themselves, those that the network will delay, or
-  // `lost` where the part is silent and no controller may see them.
-  std::vector<double>& readings(std::vector<double>& lost);
-  // Writes and readings that are under way when the quality changes arrive at once. `seed`: of its chance.
-  void set_network(const NetworkModel::Quality& quality, std::uint64_t seed);
-};
-
 // A push of a body that lasts until a tick.
 struct Push {
   dynamics::Wrench wrench;
@@ -113,10 +65,6 @@ class Observer {
   virtual void took(const recording::TimedInput& input) = 0;  // after it was done; never for a refused one
   virtual void ticked() = 0;                                  // also after a tick that froze the world
 };
-
-// Makes a part of a kind. It is hwparts::make_part, except where parts stand in front of real hardware.
-using PartMaker =
-    std::function<std::unique_ptr<hwparts::Part>(const std::string& kind, const hwparts::PartContext&)>;
 
 class Simulation {
  public:
@@ -177,18 +125,26 @@ class Simulation {
   void clear_faults(std::size_t part, std::optional<hwparts::FaultKind> kind,
                     std::optional<std::size_t> drive);
 
-  // A change of the bodies in three steps (body_change.h): begin_change() here, prepare() on any thread while
-  // the world ticks on, and change_bodies() here again. A change is whole or none. It drops the snapshots,
-  // which have another number of bodies. Refuses with kWrongState where the bodies have changed since it
-  // began, and with kNoMemory where memory runs out.
-  BodyChange begin_change(bool comes, std::string text) const;
+  // A change of the bodies in three steps (body_change.h): begin_change() or its like here, prepare() on any
+  // thread while the world ticks on, and change_bodies() here again. A change is whole or none. It drops the
+  // snapshots, which have another number of bodies. Refuses with kWrongState where the bodies have changed
+  // since it began, and with kNoMemory where memory runs out.
+  BodyChange begin_change(recording::State::Edit edit) const;
+  // `given`: what the model is read from, in place of the disk.
+  BodyChange begin_spawn(scene::SpawnOrder order, std::optional<config::Files> given = {}) const;
   BodyChange begin_reset(protocol::ResetScope scope) const;  // kSpawned or kAll
+  BodyChange begin_restore() const;           // for restore_state(): its `edits` are the state's
   Outcome change_bodies(BodyChange& change);  // afterwards `change` holds the old scene, to be freed
   // The three steps at once. add_body() adds the body of a YAML entry, and refuses what the scene's reader,
   // an engine or a sensor refuses. remove_body() refuses bodies that a model, a joint, a push or a sensor
-  // needs.
-  Outcome add_body(const std::string& yaml) { return change_now(true, yaml); }
-  Outcome remove_body(const std::string& name) { return change_now(false, name); }
+  // needs. remove_model() takes one that was spawned.
+  Outcome add_body(std::string yaml) { return edit_now(Edit::Kind::kBodyCame, std::move(yaml)); }
+  Outcome remove_body(std::string name) { return edit_now(Edit::Kind::kBodyWent, std::move(name)); }
+  Outcome remove_model(std::string name) { return edit_now(Edit::Kind::kModelWent, std::move(name)); }
+  Outcome spawn(scene::SpawnOrder order) { return change_now(begin_spawn(std::move(order))); }
+  Outcome spawn(std::shared_ptr<const recording::SpawnedModel> model) {
+    return change_now(begin_change({Edit::Kind::kModelCame, {}, std::move(model)}));
+  }
 
   // Saves the whole world as it is at this tick border. The world must not be frozen.
   void keep(recording::State& whole) const;
@@ -198,7 +154,10 @@ class Simulation {
   Outcome restore(const recording::State& whole);
 
   // The same for a snapshot on disk, as an input, in a new era. Where it refuses, the world is as before.
-  Outcome restore_state(const recording::State& whole);
+  // `change`: of begin_restore(), prepared with the state's edits; null: it is made here.
+  Outcome restore_state(const recording::State& whole, BodyChange* change = nullptr);
+  // True if the bodies and models that came and went are those of the state.
+  bool has_bodies_of(const recording::State& whole) const;
 
   // Adds a part that clients see beside the world's. It is in no snapshot and in no hash. Only before the
   // first tick.
@@ -212,9 +171,10 @@ class Simulation {
   const scene::Scene& scene() const { return *scene_; }
   const world::WorldModel& model() const { return scene_->world; }
   const world::WorldState& state() const { return state_; }
-  // The scene's parts, then its sensors, then its agents.
+  // The scene's parts, then its sensors, then its agents, then the parts and sensors of each spawned model.
   std::span<BoundPart> parts() { return parts_; }
   std::span<const BoundPart> parts() const { return parts_; }
+  std::size_t own_parts() const { return own_parts_; }  // those of the scene, which stand first
   std::span<const collision::Contact> contacts() const { return contacts_; }  // of the last tick, with forces
   std::span<const hwparts::ActiveFault> faults() const { return faults_.all(); }
   std::span<const double> following_errors() const { return following_errors_; }  // by JointId
@@ -262,18 +222,18 @@ class Simulation {
   void make_sensors();
   void make_agents();
   void use(Machinery& machinery);
-  // Goes back to the scene as it was loaded. Throws, and changes nothing, where its machinery cannot be made.
-  void use_original_scene();
-  // Takes a body out of the state, and renumbers what refers to those behind it.
-  void erase_from_state(world::BodyId gone);
+  // Takes a prepared change, or nothing of it. The second and third are its parts that cannot fail.
+  Outcome take(BodyChange& change);
+  void exchange_state(BodyChange& change);
+  void exchange_parts(BodyChange& change);
+  // Gives the parts of models that came the numbers that their joints have in the scene.
+  void bind_joints(const scene::Scene& scene);
   // Puts bodies, joints and ports to the scene's initial state.
   void start_state();
   // The two halves of a reset: without the observer's being told, and of the time alone.
   void take_back(protocol::ResetScope scope);
   void begin_time_anew();
-  // Goes back to the scene's own bodies; those that are still there keep their state. And the reset of that
-  // kind as a whole.
-  Outcome take_original(BodyChange& change);
+  // Goes back to the scene's own bodies; those that are still there keep their state.
   Outcome reset_bodies(BodyChange& change);
   // Takes a state that was set from outside, unless a number in it is not sane.
   Outcome accept_state(world::WorldState&& changed);
@@ -326,27 +286,36 @@ class Simulation {
   Outcome load_all(const world::WorldState& state, std::span<const std::byte> rest);
   void save_all(const world::WorldState& state, std::vector<std::byte>& bytes) const;
 
-  Outcome change_now(bool comes, const std::string& text);
-  struct NotedEdit {
-    recording::State::Edit edit;
-    std::string came;  // the name of the body that came; empty: one went
-  };
-  // Keeps edits_ short: a body that came and went leaves no entry.
+  using Edit = recording::State::Edit;
+  BodyChange begin(std::shared_ptr<const scene::Scene> base) const;
+  Outcome change_now(BodyChange change);
+  Outcome edit_now(Edit::Kind kind, std::string text) {
+    return change_now(begin_change({kind, std::move(text), nullptr}));
+  }
+  // Keeps edits_ short: what came and went leaves no entry.
   void note(NotedEdit edit);
-  std::size_t edit_bytes() const;  // of text
+  void tell_edit(const Edit& edit);
+  static std::size_t bytes_of(const NotedEdit& noted);
+  std::size_t edit_bytes() const;
   // Starts from the original scene and applies these edits; throws where one is refused.
-  void edit_bodies(const std::vector<recording::State::Edit>& edits);
+  void edit_bodies(const std::vector<Edit>& edits);
+  // Takes a change of begin_restore(), or goes back from it; the states of all parts are loaded afterwards.
+  Outcome take_restoring(BodyChange& change);
+  void take_back_from(BodyChange& change);
   // restore() without its way back: throws where something does not fit, in the middle of the work.
   void restore_all(const recording::State& whole);
 
+  const PartMaker make_;
   // Shared with a change of the bodies that is being made ready on another thread.
   std::shared_ptr<const scene::Scene> scene_;
   std::shared_ptr<const scene::Scene> original_;  // as it was loaded; set once bodies have come or gone
   std::vector<NotedEdit> edits_;                  // from original_ to scene_
   world::WorldState state_;
-  world::WorldState before_;  // the last good state, which a frozen world shows
-  std::vector<BoundPart> parts_;
-  std::vector<sensors::Sensor*> sensors_;  // those of parts_
+  world::WorldState before_;      // the last good state, which a frozen world shows
+  std::vector<BoundPart> parts_;  // the scene's own, then those of models that came
+  std::size_t own_parts_ = 0;     // how many are the scene's own, with the onlooker
+  std::size_t first_agent_ = 0;
+  std::vector<sensors::Sensor*> sensors_;  // those of parts_, in the scene's order
   std::vector<AgentPart*> agents_;         // those of parts_
   std::vector<std::unique_ptr<dynamics::Engine>> engines_;
   std::unique_ptr<collision::CollisionStage> collision_;

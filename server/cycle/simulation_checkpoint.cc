@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "protocol/config/config.h"
+#include "server/cycle/attempt.h"
 #include "server/cycle/simulation.h"
 
 namespace visum::cycle {
@@ -27,16 +28,24 @@ void Simulation::keep(recording::State& whole) const {
   for (const auto& noted : edits_) whole.edits.push_back(noted.edit);
 }
 
-void Simulation::edit_bodies(const std::vector<recording::State::Edit>& edits) {
+bool Simulation::has_bodies_of(const recording::State& whole) const {
+  return std::ranges::equal(whole.edits, edits_, {}, {}, &NotedEdit::edit);
+}
+
+Outcome Simulation::take_restoring(BodyChange& change) {
+  if (change.scene != scene_) return {Refusal::kWrongState, "the bodies have changed meanwhile"};
+  if (auto outcome = take(change); !outcome.done()) return outcome;
+  std::swap(edits_, change.noted);
+  return {};
+}
+
+void Simulation::edit_bodies(const std::vector<Edit>& edits) {
   if (std::ranges::equal(edits, edits_, {}, {}, &NotedEdit::edit)) return;
-  use_original_scene();
-  edits_.clear();
-  snapshots_.clear();
-  start_state();
-  for (const auto& edit : edits) {
-    const auto outcome = edit.came ? add_body(edit.text) : remove_body(edit.text);
-    if (!outcome.done()) throw std::invalid_argument(outcome.text());
-  }
+  auto change = begin_restore();
+  change.edits = edits;
+  auto outcome = prepare(change);
+  if (outcome.done()) outcome = take_restoring(change);
+  if (!outcome.done()) throw std::invalid_argument(outcome.text());
 }
 
 void Simulation::restore_all(const recording::State& whole) {
@@ -78,17 +87,29 @@ Outcome Simulation::restore(const recording::State& whole) {
   return outcome;
 }
 
-Outcome Simulation::restore_state(const recording::State& whole) {
+// Where the state does not load, the old bodies are taken back from the change, which has them.
+Outcome Simulation::restore_state(const recording::State& whole, BodyChange* change) {
   const auto before = now();
+  const bool same_bodies = has_bodies_of(whole);
+  BodyChange own;
+  if (!same_bodies && !change) {
+    change = &(own = begin_restore());
+    change->edits = whole.edits;
+    if (auto outcome = prepare(*change); !outcome.done()) return {Refusal::kDamaged, outcome.text()};
+  }
   recording::State old;
   keep(old);
   const bool was_frozen = frozen();
   const std::string fault = fault_;
   auto pulls = pulls_;  // a state does not hold whose they are
-  const bool same_bodies = std::ranges::equal(whole.edits, edits_, {}, {}, &NotedEdit::edit);
-  const auto outcome = restore(whole);
+  if (!same_bodies)
+    if (auto outcome = take_restoring(*change); !outcome.done()) return outcome;
+  const auto outcome = attempt(Refusal::kDamaged, [&] { restore_all(whole); });
   if (!outcome.done()) {
-    const auto back = restore(old);
+    const auto back = attempt(Refusal::kDamaged, [&] {
+      if (!same_bodies) take_back_from(*change);
+      restore_all(old);
+    });
     if (was_frozen) fault_ = fault;
     if (back.done()) pulls_ = std::move(pulls);
     if (!back.done()) freeze("a snapshot was restored in part: " + back.text());
@@ -112,13 +133,15 @@ Outcome Simulation::restore_state(const recording::State& whole) {
 }
 
 void Simulation::add_onlooker(std::unique_ptr<hwparts::Part> part) {
-  auto& bound = parts_.emplace_back();
+  BoundPart bound;
   bound.part = std::move(part);
   bound.onlooker = true;
-  for (const auto& port : bound.part->description().controller_inputs)
-    bound.controller_inputs.push_back(port.initial);
-  for (const auto& port : bound.part->description().sensor_outputs)
-    bound.sensor_outputs.push_back(port.initial);
+  start_ports(bound);
+  std::vector<std::uint32_t> numbers(parts_.size());
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    numbers[i] = static_cast<std::uint32_t>(i < own_parts_ ? i : i + 1);
+  faults_.renumber_parts(numbers);
+  parts_.insert(parts_.begin() + static_cast<std::ptrdiff_t>(own_parts_++), std::move(bound));
 }
 
 }  // namespace visum::cycle

@@ -1,44 +1,10 @@
-// Simulation: the faults that act, and how a BoundPart's network behaves while they do.
+// Simulation: the faults that act.
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 
 #include "server/cycle/simulation.h"
 
 namespace visum::cycle {
-
-void BoundPart::hear(std::int64_t tick, std::size_t first, std::span<const double> values) {
-  if (silent) return;
-  if (!network.ideal()) return network.send(tick, first, values);
-  take(first, values);
-}
-
-void BoundPart::take(std::size_t first, std::span<const double> values) {
-  std::ranges::copy(values, controller_inputs.begin() + static_cast<std::ptrdiff_t>(first));
-  part->latch(controller_inputs);
-}
-
-void BoundPart::deliver(std::int64_t until_tick) {
-  if (network.ideal()) return;
-  for (auto& delay_line = network.writes(); delay_line.due(until_tick); delay_line.pop())
-    take(delay_line.first(), delay_line.front());
-}
-
-std::vector<double>& BoundPart::readings(std::vector<double>& lost) {
-  auto& shown = network.ideal() ? sensor_outputs : network.readings();
-  if (!silent) return shown;
-  lost = shown;
-  return lost;
-}
-
-void BoundPart::set_network(const NetworkModel::Quality& quality, std::uint64_t seed) {
-  if (network.quality() == quality) return;
-  if (!network.ideal()) {
-    deliver(std::numeric_limits<std::int64_t>::max());
-    sensor_outputs = network.readings();
-  }
-  network.begin(quality, seed, sensor_outputs, controller_inputs.size());
-}
 
 Outcome Simulation::inject(const hwparts::ActiveFault& fault) {
   if (!faults_.inject(fault)) return {Refusal::kFull, "too many faults act at once"};

@@ -1,9 +1,10 @@
-// Takes a body out of a model and renumbers everything that refers to bodies by their ids. Pure functions.
+// Takes bodies and models out of a world and renumbers everything that refers to them by ids. Pure functions.
 #pragma once
 
 #include <string>
 
 #include "server/cycle/outcome.h"
+#include "server/scene/scene.h"
 #include "server/world/world_model.h"
 
 namespace visum::cycle {
@@ -17,5 +18,9 @@ Outcome can_remove(const world::WorldModel& model, world::BodyId body);
 // Removes the body, its shapes, and the meshes that nothing else uses. The ids of the bodies behind it move
 // down by one. The body must be removable.
 void erase_body(world::WorldModel& model, world::BodyId body);
+
+// Removes a model of scene.spawned, with all that it brought, and renumbers the rest. Surfaces and materials
+// stay.
+void erase_spawned(scene::Scene& scene, const scene::Spawned& model);
 
 }  // namespace visum::cycle

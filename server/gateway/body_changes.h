@@ -1,14 +1,16 @@
 // Carries out what takes longer than a tick has, one after the other, in the order in which it came: bodies
-// that come and go, resets of what was spawned, snapshots on disk, and recordings that begin and end. A
-// thread of its own makes each change ready, or completes it, so that neither the tick nor the sessions wait
-// for a disk or for the reading of a body. The tick's side takes it between two ticks.
+// and models that come and go, resets of what was spawned, snapshots on disk, and recordings that begin and
+// end. A thread of its own makes each change ready, or completes it, so that neither the tick nor the
+// sessions wait for a disk or for the reading of a body. The tick's side takes it between two ticks.
 #pragma once
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <semaphore>
 #include <thread>
 #include <utility>
@@ -36,6 +38,11 @@ class BodyChanges {
   // `wake` is called on the thread when a change is ready. Before the first command.
   void on_ready(std::function<void()> wake) { wake_ = std::move(wake); }
 
+  // Where the installation's models lie. Before the first command.
+  void serve_models(std::filesystem::path folder) { models_ = std::move(folder); }
+  // On another thread, while the tick's thread is abandoned: completes the recording that a client started.
+  void close_recording();
+
   // Ends the thread; nothing may be begun afterwards.
   void end();
 
@@ -52,20 +59,21 @@ class BodyChanges {
     cycle::Outcome outcome;
     protocol::Reply reply;  // where it was done
   };
-  // Only where it is ready: carries out the change, and begins the next one.
-  Finished finish();
+  // Only where it is ready: carries out the change, and begins the next one. Nothing: the thread completes
+  // what has been carried out, and will be ready again.
+  std::optional<Finished> finish();
 
  private:
-  enum class Kind { kBodies, kSave, kLoad, kRecord, kEndRecording };
+  enum class Kind { kBodies, kSave, kLoad, kRecord, kFirstState, kEndRecording };
   struct Job {
     Kind kind = Kind::kBodies;
     cycle::BodyChange change;
     cycle::Outcome outcome;
-    std::uint64_t revision = 0;                     // of the changed world
-    std::unique_ptr<WorldView> view;                // of the changed world
+    std::uint64_t revision = 0;       // of the changed world
+    std::unique_ptr<WorldView> view;  // of the changed world
+    protocol::Reply reply = protocol::Ok{};
     std::string name;                               // of a snapshot or recording
     recording::State state;                         // kSave, kLoad
-    protocol::SnapshotTaken taken;                  // kSave
     std::unique_ptr<recording::Recorder> recorder;  // kRecord: to begin; kEndRecording: to be completed
   };
 
@@ -78,7 +86,9 @@ class BodyChanges {
   // The thread's part of a job.
   cycle::Outcome prepare(Job& job);
   // The tick's part of a job that is ready.
-  cycle::Outcome act(Job& job, Finished& finished);
+  cycle::Outcome act(Job& job, Command& command);
+  cycle::Outcome prepare_bodies(Job& job);
+  cycle::Outcome load(Job& job);
   void run();
 
   cycle::Simulation& simulation_;
@@ -86,7 +96,8 @@ class BodyChanges {
   std::unique_ptr<recording::Recorder> recorder_;  // that clients started
   std::function<void()> wake_ = [] {};
   std::vector<std::unique_ptr<Command>> commands_;  // in their order; the first one is being made ready
-  Job job_;                                         // the thread's from start() until it is ready
+  std::filesystem::path models_;
+  std::shared_ptr<Job> job_;  // the thread's from start() until it is ready
   std::atomic<bool> ready_{false}, ending_{false};
   std::binary_semaphore wanted_{0};
   std::thread thread_;  // started with the first command

@@ -24,6 +24,7 @@ std::optional<std::uint32_t> part_or_fail(const Call& call, const StaticWorld& w
                                           const std::string& name) {
   std::vector<std::string> known;
   for (std::uint32_t part = 0; part < world.parts.size(); ++part) {
+    if (world.part_name(part).empty()) continue;
     known.push_back(world.part_name(part));
     if (known.back() == name) return part;
   }

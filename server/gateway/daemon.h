@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -64,6 +65,7 @@ struct DaemonOptions {
   std::function<void(std::chrono::steady_clock::time_point)> wait;
   const recording::FlightRecorder* flight = nullptr;  // writes down how it froze; must outlive the daemon
   LogTap* log = nullptr;                              // the log's lines for clients; null: they hear of none
+  std::filesystem::path models;                       // folder of models that clients may spawn; empty: none
   recording::Archive* archive = nullptr;              // named snapshots and recordings; null: there are none
   config::Profile* profile = nullptr;                 // measures the tick's thread; must outlive the daemon
   Playback* playback = nullptr;  // a recording, whose world this is; must outlive the daemon

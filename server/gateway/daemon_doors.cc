@@ -20,12 +20,19 @@ std::size_t most_ports(const cycle::Simulation& simulation) {
   return most;
 }
 
+std::vector<std::string> names_of(const PartTable& table) {
+  std::vector<std::string> names;
+  for (const auto& slot : table.slots) names.push_back(slot.part->description().name);
+  return names;
+}
+
 StaticWorld shown_world(const cycle::Simulation& simulation, const DaemonOptions& options) {
   auto world = static_world(simulation);
   world.server = options.program + " " VISUM_VERSION;
   world.simulated = options.simulated;
   world.has_world = options.has_world;
   world.stuck_node = options.stuck_node;
+  world.models = options.models;
   if (options.playback) world.steering_part = options.playback->name();
   return world;
 }
@@ -62,6 +69,10 @@ DaemonDoors::DaemonDoors(cycle::Simulation& the_simulation, const DaemonOptions&
           options.http.page.empty() ? PageFiles() : PageFiles(options.http.page), gateway,
           [this] { return server.refused(); }, options.playback),
       server({options.address, options.port, {}, web_options(options.http, web), options.tls}, gateway) {
+  tick_side.serve_models(options.models);
+  tick_side.on_parts_changed([this](const PartTable& table) {
+    if (stop_door) stop_door->set_parts(names_of(table));
+  });
   tick_side.on_change_ready([this] {
     mailbox.wake();
     server.notify();
@@ -74,9 +85,8 @@ DaemonDoors::DaemonDoors(cycle::Simulation& the_simulation, const DaemonOptions&
 
 // Without the door, emergency stops still come in sessions.
 void DaemonDoors::open_stop_door(const DaemonOptions& options) {
-  std::vector<std::string> names;
-  for (const auto& bound : simulation.parts()) names.push_back(bound.part->description().name);
-  StopOrders orders(std::move(names), gateway.tokens(), options.tls.given(), tick_side.stops());
+  StopOrders orders(names_of(*tick_side.part_table()), gateway.tokens(), options.tls.given(),
+                    tick_side.stops());
   try {
     stop_door.emplace(options.address, server.port(), std::move(orders));
   } catch (const std::runtime_error& error) {
@@ -120,6 +130,7 @@ void DaemonDoors::abandon(std::uint64_t tick, const std::function<void()>& say_g
   say_goodbye();
   buses.close();
   stop_door.reset();
+  tick_side.close_recording();
   abandoned(working_text(work, parts, *simulation.work_texts()));
 }
 

@@ -64,7 +64,7 @@ const Published& InlineLoop::fresh_copy() {
   const auto version = doors_.tick_side.version();
   if (copy_.tick != simulation.tick_count() || copy_.era != simulation.era() || copied_version_ != version ||
       copy_.fault.empty() == simulation.frozen()) {
-    fill_unhashed(copy_, simulation, doors_.tick_side.pace());
+    fill_unhashed(copy_, simulation, doors_.tick_side.pace(), doors_.tick_side.part_table());
     doors_.add_to_copy(copy_);
     copied_version_ = version;
     copied_at_ = doors_.tick_side.ticked_at();

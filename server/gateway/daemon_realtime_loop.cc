@@ -53,7 +53,7 @@ class RealtimeLoop final : public DaemonLoop {
   // go back only after that: a client that is told that something is done finds it done in the copy.
   void publish(bool wake) {
     auto& copy = exchange_.back();
-    fill(copy, doors_.simulation, doors_.tick_side.pace());
+    fill(copy, doors_.simulation, doors_.tick_side.pace(), doors_.tick_side.part_table());
     doors_.add_to_copy(copy);
     exchange_.publish();
     doors_.tick_side.give_back();

@@ -33,6 +33,13 @@ struct Told {
     return {"restore", "back to snapshot " + (restored.name.empty() ? std::to_string(restored.snapshot)
                                                                     : "'" + restored.name + "'")};
   }
+  std::pair<std::string, std::string> operator()(const protocol::SpawnModel&) const {
+    const auto* done = std::get_if<protocol::ModelSpawned>(&reply);
+    return {"spawn", "the model '" + (done ? done->name : "") + "' came"};
+  }
+  std::pair<std::string, std::string> operator()(const protocol::RemoveModel& removed) const {
+    return {"remove", "the model '" + removed.name + "' went"};
+  }
   std::pair<std::string, std::string> operator()(const protocol::StartRecording& recording) const {
     return {"recording", "recording '" + recording.name + "' has begun"};
   }

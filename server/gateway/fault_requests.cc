@@ -60,6 +60,7 @@ void FaultRequests::handle(const Call& call, const protocol::InjectFault& reques
   if (!input) return;
   input->kind = Input::Kind::kFault;
   input->part = *part;
+  input->generation = world_.generation(*part);
   input->epoch = order_of(call);
   input->fault = *fault;
   input->duration_ticks = world_.to_ticks(request.duration_ns);
@@ -81,6 +82,7 @@ void FaultRequests::handle(const Call& call, const protocol::ClearFault& request
   if (!input) return;
   input->kind = Input::Kind::kClearFault;
   input->part = *part;
+  input->generation = world_.generation(*part);
   input->epoch = order_of(call);
   input->fault_kind.reset();
   input->fault_drive.reset();

@@ -52,7 +52,7 @@ Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, StopLatch& 
       streams_(world_),
       settings_(world_, parts_, commands_),
       time_(world_, commands_),
-      bodies_(world_, mailbox, clients_, limiter_, commands_),
+      bodies_(world_, mailbox, clients_, limiter_, commands_, parts_),
       placing_(mailbox, bodies_, parts_, commands_),
       faults_(world_, mailbox, limiter_, buses),
       events_(clients_, log),
@@ -85,8 +85,21 @@ protocol::Role Gateway::on_hello(protocol::Session& session, const protocol::Hel
   return role;
 }
 
+void Gateway::follow_parts() {
+  if (!now_->table || now_->table == world_.table) return;
+  const auto before = world_.table;
+  world_.use(now_->table);
+  std::vector<std::uint32_t> changed;
+  for (std::uint32_t part = 0; part < world_.parts.size(); ++part)
+    if (part >= before->slots.size() || before->slots[part].generation != world_.generation(part))
+      changed.push_back(part);
+  parts_.follow(*before, changed, *now_);
+  streams_.forget_parts(changed);
+}
+
 void Gateway::look_at_world() {
   now_ = &latest_();
+  follow_parts();
   bodies_.follow_shown_world(*now_);
 }
 
@@ -193,6 +206,7 @@ void Gateway::on_room(protocol::Session& session) {
 
 void Gateway::on_close(protocol::Session& session, protocol::CloseReason reason) {
   now_ = &latest_();
+  follow_parts();
   const auto id = session.id();
   if (reason == protocol::CloseReason::kGoodbye) work_off_at_goodbye(clients_.at(id));
   parts_.lose_all_of(id, lockstep_.parts_commanded_by(id),
@@ -210,6 +224,7 @@ void Gateway::serve() {
   commands_.collect();
   now_ = &latest_();
   const auto& now = *now_;
+  follow_parts();
   follow_eras();
   bodies_.follow_shown_world(now);
   finish_commands();
@@ -291,6 +306,7 @@ void Gateway::finish_commands() {
 
 void Gateway::tell_notices() {
   for (Notice notice; mailbox_.next_notice(notice);) {
+    if (parts_.generation(notice.part) != notice.generation) continue;  // of a part that went meanwhile
     if (notice.kind == Notice::Kind::kPushRefused) {
       clients_.broadcast(
           {"push_refused", "too many pushes act at once", {}, clients_.known_era(), notice.tick});

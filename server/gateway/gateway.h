@@ -102,6 +102,8 @@ class Gateway : public protocol::SessionHandler {
 
   // Takes the newest copy of the world, of which everything is answered until the next call from outside.
   void look_at_world();
+  // Takes over the parts that the copy in use has, where models came or went.
+  void follow_parts();
   // Hands the request to the class that handles it, unless the client may not ask for that.
   void dispatch(Client& client, std::uint64_t id, const protocol::Request& request);
   // True: a gate holds the request at the head of the backlog, until the world has run its period.
@@ -126,7 +128,7 @@ class Gateway : public protocol::SessionHandler {
   // Names in the log the bodies that fell short, in ticks whose work met a limit.
   void warn_of_limits();
 
-  const StaticWorld world_;
+  StaticWorld world_;
   const Tokens tokens_;
   Mailbox& mailbox_;
   const Latest latest_;

@@ -1,6 +1,7 @@
 // Leases: the exclusive right of one session to command a part.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@ inline constexpr std::uint64_t kAgentsSession = ~std::uint64_t{0};
 class Leases {
  public:
   explicit Leases(std::size_t parts) : leases_(parts) {}
+  void grow(std::size_t parts) { leases_.resize(std::max(parts, leases_.size())); }
 
   const Lease& of(std::size_t part) const { return leases_[part]; }
   bool held_by(std::size_t part, std::uint64_t session) const { return leases_[part].session == session; }

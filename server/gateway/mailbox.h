@@ -14,7 +14,6 @@
 
 #include "hwparts/fault_set.h"
 #include "protocol/messages.h"
-#include "server/cycle/body_change.h"
 #include "server/dynamics/engine.h"
 #include "server/gateway/world_view.h"
 
@@ -34,7 +33,8 @@ struct Input {
     kSessionEnded
   };
   Kind kind = Kind::kWrite;
-  std::uint32_t part = 0;
+  std::uint32_t part = 0;        // its number in the gateway (part_table.h)
+  std::uint32_t generation = 0;  // of that number: the input is dropped where the part is gone
   // The part's lease; pushes, faults: see order_of(); kSessionEnded: the session.
   std::uint64_t epoch = 0;
   std::uint32_t first_port = 0;                     // kWrite
@@ -55,15 +55,16 @@ struct Input {
 struct Command {
   std::uint64_t session = 0;
   std::uint64_t id = 0;
-  std::uint32_t part = 0;  // the part that the request is about, if any
+  std::uint32_t part = 0;        // the part that the request is about, if any
+  std::uint32_t generation = 0;  // of its number
   protocol::Request request;
   bool acknowledged = false;                        // was answered before it was done: its reply is dropped
   protocol::Reply reply;                            // filled by the tick's side
   std::vector<protocol::WriteBlackboard> pieces{};  // of an UnlockBlackboard: what was written
   std::unique_ptr<WorldView> view;                  // filled if the world's description changed
-  // The old world's scene and machinery after a change of the bodies: freed with the command, since that
-  // takes longer than a tick has.
-  cycle::BodyChange left_over{};
+  // A change of the bodies leaves things over, such as the old world's scene and machinery: freed with the
+  // command, since that takes longer than a tick has.
+  std::shared_ptr<void> left_over{};
 };
 
 // News from the tick's side that no request asked for.
@@ -71,7 +72,8 @@ struct Notice {
   enum class Kind { kDeadlineMissed, kSilent, kStopped, kWriteDropped, kPushRefused, kFaultRefused };
   Kind kind = Kind::kDeadlineMissed;
   std::uint32_t part = 0;
-  std::uint64_t epoch = 0;  // of the lease that this ended; kStopped: 0 where it ended none
+  std::uint32_t generation = 0;  // of the part's number
+  std::uint64_t epoch = 0;       // of the lease that this ended; kStopped: 0 where it ended none
   std::int64_t tick = 0;
 };
 

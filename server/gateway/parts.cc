@@ -49,11 +49,31 @@ Parts::Parts(const StaticWorld& world, Mailbox& mailbox, Clients& clients, Input
     if (!world_.agents[part].empty()) leases_.grant(part, kAgentsSession, "agent " + world_.agents[part]);
 }
 
+void Parts::follow(const PartTable& before, std::span<const std::uint32_t> changed, const Published& now) {
+  const auto count = world_.parts.size();
+  leases_.grow(count);
+  stops_.resize(count);
+  latched_.resize(count);
+  for (const auto part : changed) {
+    late_.drop(part);
+    if (leases_.of(part).session != 0) {
+      const auto owner = leases_.of(part).owner;
+      leases_.free(part);
+      ++lease_losses_;
+      clients_.broadcast({"lease_lost", "the part that '" + owner + "' commanded went with its model",
+                          before.slots[part].part->description().name, clients_.known_era(), now.tick});
+    }
+    stops_[part] = {};
+    latched_[part] = now.parts[part].controller_inputs;
+  }
+}
+
 protocol::PartList Parts::list() const {
   protocol::PartList list;
   for (std::uint32_t part = 0; part < world_.parts.size(); ++part) {
     const auto& description = world_.parts[part]->description();
-    list.parts.push_back({description.name, description.kind, leases_.of(part).owner});
+    if (!description.name.empty())
+      list.parts.push_back({description.name, description.kind, leases_.of(part).owner});
   }
   return list;
 }
@@ -104,6 +124,7 @@ void Parts::handle(const Call& call, const protocol::AcquireLease& request) {
   const auto epoch = leases_.grant(*part, call.session.id(), call.session.client_name());
   input->kind = Input::Kind::kLeaseGranted;
   input->part = *part;
+  input->generation = world_.generation(*part);
   input->epoch = epoch;
   input->deadline_ticks = world_.to_ticks(request.deadline_ns);
   mailbox_.send(input);
@@ -122,6 +143,7 @@ void Parts::handle(const Call& call, const protocol::ReleaseLease& request) {
   if (!input) return;
   input->kind = Input::Kind::kLeaseReleased;
   input->part = *part;
+  input->generation = world_.generation(*part);
   input->epoch = leases_.of(*part).epoch;
   mailbox_.send(input);
   leases_.free(*part);
@@ -190,6 +212,7 @@ void Parts::handle(const Call& call, const protocol::Write& request) {
 void Parts::send_write(std::uint32_t part, std::uint32_t first_port, std::uint32_t end_port, Input* input) {
   input->kind = Input::Kind::kWrite;
   input->part = part;
+  input->generation = world_.generation(part);
   input->epoch = leases_.of(part).epoch;
   input->first_port = first_port;
   input->read_at = Holdup::Clock::now();
@@ -293,6 +316,7 @@ void Parts::stop(std::uint32_t part, const Published& now) {
   if (!input) return;
   input->kind = Input::Kind::kLeaseLost;
   input->part = part;
+  input->generation = world_.generation(part);
   input->epoch = epoch;
   mailbox_.send(input);
 }

@@ -30,6 +30,13 @@ class Parts {
   void handle(const Call& call, const protocol::ReleaseLease& request);
   void handle(const Call& call, const protocol::Write& request);
 
+  // Parts came or went, and StaticWorld has the new ones already. `changed`: the numbers that mean another
+  // part than in `before`, or none. Ends the leases of those that went.
+  void follow(const PartTable& before, std::span<const std::uint32_t> changed, const Published& now);
+  // The generation of a part's number; 0 for requests that are about none.
+  std::uint32_t generation(std::uint32_t part) const {
+    return part < world_.parts.size() ? world_.generation(part) : 0;
+  }
   protocol::PartList list() const;
   // Leases that ended without a release, since the start.
   std::uint64_t lease_losses() const { return lease_losses_; }

@@ -5,38 +5,22 @@
 #include <string>
 #include <vector>
 
+#include "server/gateway/pose_numbers.h"
+
 namespace visum::gateway {
 
 using protocol::ErrorCode;
 
 namespace {
 
-constexpr double kFarthest = 1e6;  // m, m/s, rad/s, N
 constexpr double kLeastForce_n = 1e-6;
-constexpr double kUnit = 1e-3;  // a quaternion's length may be off by so much
 constexpr std::size_t kMostJoints = 1000;
 constexpr std::int64_t kLongest_ns = 3'600'000'000'000;
-
-bool are_near(const std::vector<double>& numbers) {
-  return std::ranges::all_of(numbers, [](double n) { return std::abs(n) <= kFarthest; });
-}
-
-bool is_list(const std::vector<double>& numbers, std::size_t count, bool may_be_absent) {
-  return (may_be_absent && numbers.empty()) || (numbers.size() == count && are_near(numbers));
-}
-
-bool is_pose(const std::vector<double>& pose) {
-  if (!is_list(pose, 7, false)) return false;
-  const Eigen::Vector4d q(pose[3], pose[4], pose[5], pose[6]);
-  return std::abs(q.norm() - 1.0) <= kUnit;
-}
 
 }  // namespace
 
 void PlacingRequests::handle(const Call& call, const protocol::SetBody& request) {
-  if (!request.pose.empty() && !is_pose(request.pose))
-    return call.fail(ErrorCode::kBadValue,
-                     "pose needs x y z qw qx qy qz: none beyond 1e6, the quaternion of unit length");
+  if (!request.pose.empty() && !is_pose(request.pose)) return call.fail(ErrorCode::kBadValue, kWrongPose);
   if (!is_list(request.velocity, 6, true))
     return call.fail(ErrorCode::kBadValue, "velocity needs six numbers, none beyond 1e6");
   call.client.holds_bodies = true;

@@ -18,6 +18,23 @@ void fill_bodies(Published& published, const cycle::Simulation& simulation) {
   }
 }
 
+void fill_parts(Published& published, const cycle::Simulation& simulation,
+                const std::shared_ptr<const PartTable>& table) {
+  const auto parts = simulation.parts();
+  if (published.table != table) {
+    published.table = table;
+    published.parts.assign(table->slots.size(), {});
+  }
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    auto& part = published.parts[table->slot_of[i]];
+    part.controller_inputs = parts[i].controller_inputs;
+    part.sensor_outputs = parts[i].sensor_outputs;
+  }
+  const auto faults = simulation.faults();
+  published.faults.assign(faults.begin(), faults.end());
+  for (auto& active : published.faults) active.part = table->slot_of[active.part];
+}
+
 void fill_joints(Published& published, const cycle::Simulation& simulation) {
   published.joint_positions.clear();
   published.joint_velocities.clear();
@@ -42,13 +59,15 @@ std::uint64_t state_hash(const Published& published) {
   return published.hashed_by ? published.hashed_by->state_hash() : published.state_hash;
 }
 
-void fill(Published& published, const cycle::Simulation& simulation, const Pace& pace) {
-  fill_unhashed(published, simulation, pace);
+void fill(Published& published, const cycle::Simulation& simulation, const Pace& pace,
+          const std::shared_ptr<const PartTable>& table) {
+  fill_unhashed(published, simulation, pace, table);
   published.state_hash = simulation.state_hash();
   published.hashed_by = nullptr;
 }
 
-void fill_unhashed(Published& published, const cycle::Simulation& simulation, const Pace& pace) {
+void fill_unhashed(Published& published, const cycle::Simulation& simulation, const Pace& pace,
+                   const std::shared_ptr<const PartTable>& table) {
   published.hashed_by = &simulation;
   published.tick = simulation.tick_count();
   published.sim_time_ns = simulation.sim_time_ns();
@@ -62,16 +81,9 @@ void fill_unhashed(Published& published, const cycle::Simulation& simulation, co
   published.limited_bodies = simulation.limited_bodies();
   published.ring = simulation.ring();
   published.work_texts = simulation.work_texts();
-  const auto parts = simulation.parts();
-  published.parts.resize(parts.size());
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    published.parts[i].controller_inputs = parts[i].controller_inputs;
-    published.parts[i].sensor_outputs = parts[i].sensor_outputs;
-  }
+  fill_parts(published, simulation, table);
   fill_bodies(published, simulation);
   fill_joints(published, simulation);
-  const auto faults = simulation.faults();
-  published.faults.assign(faults.begin(), faults.end());
   const auto contacts = simulation.contacts();
   published.contacts.assign(contacts.begin(), contacts.end());
 }

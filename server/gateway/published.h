@@ -9,6 +9,7 @@
 #include "server/collision/collision.h"
 #include "server/cycle/phases.h"
 #include "server/cycle/simulation.h"
+#include "server/gateway/part_table.h"
 #include "server/gateway/world_view.h"
 
 namespace visum::gateway {
@@ -35,9 +36,10 @@ struct Published {
   std::string fault;                             // empty: not frozen
   std::string dump;  // the file with the ticks before it froze; empty: there is none
   Pace pace;
-  std::vector<Part> parts;
-  std::vector<double> poses;       // 7 per body: x y z qw qx qy qz of the link frame
-  std::vector<double> velocities;  // 6 per body
+  std::vector<Part> parts;                 // by number of `table`
+  std::shared_ptr<const PartTable> table;  // shared: a change of the world makes a new one
+  std::vector<double> poses;               // 7 per body: x y z qw qx qy qz of the link frame
+  std::vector<double> velocities;          // 6 per body
   std::vector<double> joint_positions, joint_velocities, joint_efforts, following_errors;
   std::vector<collision::Contact> contacts;
   std::vector<hwparts::ActiveFault> faults;
@@ -53,10 +55,13 @@ struct Published {
 // Why the world is frozen, and which file holds the ticks before.
 std::string frozen_reason(const Published& published);
 
-void fill(Published& published, const cycle::Simulation& simulation, const Pace& pace);
+// `table`: the numbers of the parts.
+void fill(Published& published, const cycle::Simulation& simulation, const Pace& pace,
+          const std::shared_ptr<const PartTable>& table);
 // The same without the hash, which is then made when it is asked for. Only for readers on the tick's thread,
 // and only until the next tick.
-void fill_unhashed(Published& published, const cycle::Simulation& simulation, const Pace& pace);
+void fill_unhashed(Published& published, const cycle::Simulation& simulation, const Pace& pace,
+                   const std::shared_ptr<const PartTable>& table);
 std::uint64_t state_hash(const Published& published);
 
 }  // namespace visum::gateway

@@ -1,6 +1,7 @@
 #include "server/gateway/server_requests.h"
 
 #include <chrono>
+#include <vector>
 
 #include "server/gateway/working_text.h"
 
@@ -59,7 +60,9 @@ protocol::ServerStatus ServerRequests::status(const Published& now) const {
   const auto work = world_.working->now();
   const auto lasts = cycle::Working::Clock::now() - work.since;
   if (work.stage != cycle::Stage::kNothing && lasts >= kLong) {
-    status.working = working_text(work, world_.parts, *now.work_texts);
+    std::vector<const hwparts::Part*> parts;  // by their numbers in the world
+    for (const auto part : now.table->slot_of) parts.push_back(now.table->slots[part].part.get());
+    status.working = working_text(work, parts, *now.work_texts);
     status.working_ns = std::chrono::nanoseconds(lasts).count();
   }
   lockstep_.describe(status);

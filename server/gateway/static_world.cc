@@ -2,6 +2,16 @@
 
 namespace visum::gateway {
 
+void StaticWorld::use(std::shared_ptr<const PartTable> other) {
+  table = std::move(other);
+  parts.clear();
+  agents.clear();
+  for (const auto& slot : table->slots) {
+    parts.push_back(slot.part.get());
+    agents.push_back(slot.agent);
+  }
+}
+
 StaticWorld static_world(const cycle::Simulation& simulation) {
   const auto& scene = simulation.scene();
   StaticWorld world{scene.name,
@@ -12,10 +22,7 @@ StaticWorld static_world(const cycle::Simulation& simulation) {
                     {},
                     std::make_shared<const WorldView>(describe_world(scene, simulation.revision()))};
   world.working = &simulation.working();
-  for (const auto& bound : simulation.parts()) {
-    world.parts.push_back(bound.part.get());
-    world.agents.push_back(bound.agent);
-  }
+  world.use(PartNumbers(simulation).table());
   return world;
 }
 

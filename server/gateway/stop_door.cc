@@ -55,6 +55,11 @@ StopDoor::~StopDoor() {
   ::close(socket_);
 }
 
+void StopDoor::set_parts(std::vector<std::string> parts) {
+  const std::lock_guard lock(mutex_);
+  parts_ = std::move(parts);
+}
+
 void StopDoor::run() {
   std::array<pollfd, 2> polled{{{socket_, POLLIN, 0}, {end_, POLLIN, 0}}};
   while (!(polled[1].revents & POLLIN)) {
@@ -78,6 +83,10 @@ void StopDoor::serve_some() {
     datagrams[i].msg_hdr.msg_iovlen = 1;
   }
   const int count = ::recvmmsg(socket_, datagrams.data(), kAtOnce, MSG_DONTWAIT, nullptr);
+  {
+    const std::lock_guard lock(mutex_);
+    if (auto parts = std::exchange(parts_, {})) orders_.set_parts(std::move(*parts));
+  }
   for (std::size_t i = 0; count > 0 && i < static_cast<std::size_t>(count); ++i) {
     const std::string peer(reinterpret_cast<const char*>(&peers[i]), datagrams[i].msg_hdr.msg_namelen);
     const auto answer =

@@ -27,11 +27,14 @@ class StopOrders {
   static constexpr std::chrono::seconds kPatience{30};     // an order that waits longer gets no answer
 
   // `sessions_only`: clients show certificates, which datagrams cannot. The references must outlive it.
+  // `parts`: names by number in the latch; empty: none.
   StopOrders(std::vector<std::string> parts, const Tokens& tokens, bool sessions_only, StopLatch& latch);
 
   // The answer to a datagram of `peer`, which is the address in any form; nothing: none is due.
   std::optional<protocol::StopDatagram> answer(std::span<const std::byte> datagram, const std::string& peer,
                                                Clock::time_point now);
+  // Other parts are there from now on.
+  void set_parts(std::vector<std::string> parts) { parts_ = std::move(parts); }
   bool waits() const { return !waiting_.empty(); }
   // The answers to orders that have acted since the last call, each with its peer.
   std::vector<std::pair<std::string, protocol::StopDatagram>> acted(Clock::time_point now);
@@ -52,7 +55,7 @@ class StopOrders {
   protocol::StopDatagram obey(const protocol::StopOrder& order, const std::string& peer,
                               Clock::time_point now);
 
-  const std::vector<std::string> parts_;
+  std::vector<std::string> parts_;
   const Tokens& tokens_;
   const protocol::StopProof proof_;
   StopLatch& latch_;

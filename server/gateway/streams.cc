@@ -77,6 +77,13 @@ std::int64_t Streams::next_due() const {
   return due;
 }
 
+void Streams::forget_parts(std::span<const std::uint32_t> parts) {
+  for (auto& [id, reader] : readers_)
+    std::erase_if(reader.subscriptions, [&](const Subscription& one) {
+      return std::ranges::find(parts, one.stream) != parts.end();
+    });
+}
+
 void Streams::begin_era(const Published& now) {
   for (auto& [id, reader] : readers_) {
     reader.peaks_from = now.tick;

@@ -31,6 +31,8 @@ class Streams {
   // The earliest tick at which a sample is due; int64's maximum: there is no subscription.
   std::int64_t next_due() const;
   // A reset or restore: every subscription is due at once, and peaks count from here.
+  // Ends the subscriptions of parts that went.
+  void forget_parts(std::span<const std::uint32_t> parts);
   void begin_era(const Published& now);
 
  private:

@@ -14,11 +14,12 @@ TickSide::TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running
     : simulation_(simulation),
       mailbox_(mailbox),
       pacer_(simulation.model().tick_ns),
+      numbers_(simulation),
       changes_(simulation, archive),
       waits_for_changes_(simulation.scene().clock != scene::ClockKind::kRealtime),
-      watches_(simulation.parts().size()),
-      stops_(simulation.parts().size()),
-      trips_(simulation.parts().size()),
+      watches_(numbers_.most()),
+      stops_(numbers_.most()),
+      trips_(numbers_.most()),
       started_(running_at_once) {
   pacer_.set_speed(simulation.scene().speed, Clock::now());
   simulation.release_all_of(0);  // pulls of a world that goes on from a recording: nobody holds them
@@ -26,6 +27,19 @@ TickSide::TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running
   done_.reserve(Mailbox::kCommands);
   for (const auto& bound : simulation.parts())
     if (bound.part->node_fault()) nodes_.push_back({bound.part.get()});
+}
+
+void TickSide::follow_parts() {
+  const auto before = numbers_.table();
+  if (!numbers_.follow()) return;
+  const auto& now = *numbers_.table();
+  for (std::uint32_t part = 0; part < now.slots.size(); ++part) {
+    const bool known = part < before->slots.size();
+    if (known && before->slots[part].generation == now.slots[part].generation) continue;
+    watches_[part] = {};
+    trips_[part] = now.slots[part].part->trips();
+  }
+  if (parts_changed_) parts_changed_(now);
 }
 
 void TickSide::empty_mailbox() {
@@ -73,11 +87,13 @@ void TickSide::obey_stops() {
 // A part without an emergency stop stops as if its controller were lost. That ends its lease, since the
 // controller's next write would move it on.
 void TickSide::stop(std::uint32_t part) {
-  const auto& description = simulation_.parts()[part].part->description();
+  const auto index = numbers_.find(part);
+  if (!index) return;
+  const auto& description = simulation_.parts()[*index].part->description();
   const bool has_stop = std::ranges::find(description.parameters, protocol::kEmergencyStop,
                                           &protocol::Parameter::name) != description.parameters.end();
-  if (has_stop && simulation_.set_parameter(part, protocol::kEmergencyStop, true).done())
-    return tell({Notice::Kind::kStopped, part, 0, simulation_.tick_count()});
+  if (has_stop && simulation_.set_parameter(*index, protocol::kEmergencyStop, true).done())
+    return tell({Notice::Kind::kStopped, part, 0, 0, simulation_.tick_count()});
   if (!description.controller_inputs.empty()) take_from_controller(part, Notice::Kind::kStopped);
 }
 
@@ -107,10 +123,11 @@ void TickSide::watch_nodes() {
     node.failed = failed;
   }
   const auto& parts = simulation_.parts();
-  for (std::size_t i = 0; i < trips_.size(); ++i) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
     const auto& part = *parts[i].part;
-    const auto before = std::exchange(trips_[i], part.trips());
-    if (before == trips_[i]) continue;
+    auto& trips = trips_[numbers_.table()->slot_of[i]];
+    const auto before = std::exchange(trips, part.trips());
+    if (before == trips) continue;
     std::istringstream lines(part.trip_text(before));
     for (std::string line; std::getline(lines, line);)
       spdlog::warn("'{}' has tripped: {}", part.description().name, line);
@@ -129,14 +146,21 @@ void TickSide::apply_inputs() {
 
 void TickSide::apply(const Input& input) {
   const auto now = simulation_.tick_count();
+  const bool is_about_part = input.kind != Input::Kind::kPush && input.kind != Input::Kind::kSessionEnded;
+  std::uint32_t index = 0;
+  if (is_about_part) {
+    const auto found = numbers_.find(input.part, input.generation);
+    if (!found) return;  // it went with its model
+    index = *found;
+  }
   switch (input.kind) {
     case Input::Kind::kWrite:
       if (input.epoch <= watches_[input.part].lost) return;
       if (is_too_old(input)) {
         ++dropped_writes_;
-        return tell({Notice::Kind::kWriteDropped, input.part, input.epoch, now});
+        return tell({Notice::Kind::kWriteDropped, input.part, 0, input.epoch, now});
       }
-      simulation_.write_inputs(input.part, input.first_port, input.values);
+      simulation_.write_inputs(index, input.first_port, input.values);
       watches_[input.part].last_tick = now;
       return;
     case Input::Kind::kLeaseGranted:
@@ -148,16 +172,16 @@ void TickSide::apply(const Input& input) {
       return;
     case Input::Kind::kLeaseLost:
       end_watch(input.part, input.epoch);
-      simulation_.lose_controller(input.part);
+      simulation_.lose_controller(index);
       return;
     case Input::Kind::kPush:
       return apply_push(input);
     case Input::Kind::kFault:
-      return apply_fault(input);
+      return apply_fault(input, index);
     case Input::Kind::kSessionEnded:
       return holders_.end(simulation_, input.epoch);
     case Input::Kind::kClearFault:
-      return simulation_.clear_faults(input.part, input.fault_kind, input.fault_drive);
+      return simulation_.clear_faults(index, input.fault_kind, input.fault_drive);
   }
 }
 
@@ -168,11 +192,11 @@ bool TickSide::is_too_old(const Input& write) const {
          std::max<Clock::duration>(oldest_write_, 2 * pacer_.period());
 }
 
-void TickSide::apply_fault(const Input& input) {
+void TickSide::apply_fault(const Input& input, std::uint32_t part) {
   const auto now = simulation_.tick_count();
   const auto until = input.duration_ticks == 0 ? 0 : now + input.duration_ticks;
-  if (!simulation_.inject({input.part, input.fault, until}).done())
-    tell({Notice::Kind::kFaultRefused, input.part, 0, now});
+  if (!simulation_.inject({part, input.fault, until}).done())
+    tell({Notice::Kind::kFaultRefused, input.part, 0, 0, now});
 }
 
 void TickSide::apply_push(const Input& input) {
@@ -184,7 +208,7 @@ void TickSide::apply_push(const Input& input) {
       wrench.torque_nm += (*input.push_point - bodies[wrench.body.index()].p_WC).cross(wrench.force_n);
     return simulation_.push({wrench, now + input.duration_ticks}).done();
   }();
-  if (!pushed) tell({Notice::Kind::kPushRefused, 0, 0, now});
+  if (!pushed) tell({Notice::Kind::kPushRefused, 0, 0, 0, now});
 }
 
 void TickSide::check_deadlines() {
@@ -209,8 +233,10 @@ void TickSide::look_at_sessions() {
 void TickSide::take_from_controller(std::uint32_t part, Notice::Kind why) {
   const auto& watch = watches_[part];
   const auto epoch = watch.epoch;
-  simulation_.lose_controller(part);
-  tell({why, part, watch.leased ? epoch : 0, simulation_.tick_count()});
+  const auto index = numbers_.find(part);
+  if (!index) return;
+  simulation_.lose_controller(*index);
+  tell({why, part, 0, watch.leased ? epoch : 0, simulation_.tick_count()});
   end_watch(part, epoch);
 }
 
@@ -218,7 +244,8 @@ void TickSide::end_watch(std::uint32_t part, std::uint64_t lost_epoch) {
   watches_[part] = {.lost = std::max(watches_[part].lost, lost_epoch)};
 }
 
-void TickSide::tell(const Notice& notice) {
+void TickSide::tell(Notice notice) {
+  notice.generation = numbers_.generation(notice.part);
   mailbox_.tell(notice);
   told_ = true;
 }

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -89,6 +90,16 @@ class TickSide {
   // True once after a notice or a finished Step was given to the sessions' side, which then has to send it.
   bool has_told() { return std::exchange(told_, false); }
 
+  // Where the installation's models lie.
+  void serve_models(std::filesystem::path folder) { changes_.serve_models(std::move(folder)); }
+  // The numbers of the parts. `changed` is called on the tick's thread when models come or go.
+  const std::shared_ptr<const PartTable>& part_table() const { return numbers_.table(); }
+  void on_parts_changed(std::function<void(const PartTable&)> changed) {
+    parts_changed_ = std::move(changed);
+  }
+  // A tick will never end, on another thread than the tick's: completes the recording that a client started.
+  void close_recording() { changes_.close_recording(); }
+
   cycle::Pacer& pacer() { return pacer_; }
   const cycle::Pacer& pacer() const { return pacer_; }
 
@@ -114,8 +125,15 @@ class TickSide {
   void apply(const Input& input);
   // True: the write has waited for so long, while time ran, that it is not done.
   bool is_too_old(const Input& write) const;
-  void apply_fault(const Input& input);
+  void apply_fault(const Input& input, std::uint32_t part);
   void apply_push(const Input& input);
+  // Models may have come or gone: gives their parts numbers.
+  void follow_parts();
+  // The part that the command is about; null: it is gone, and the command's reply says so.
+  cycle::BoundPart* part_or_fail(Command& command);
+  std::size_t number_of(const cycle::BoundPart& bound) const {
+    return static_cast<std::size_t>(&bound - simulation_.parts().data());
+  }
   // Stops each part that was pressed since the last time.
   void obey_stops();
   void stop(std::uint32_t part);
@@ -135,7 +153,7 @@ class TickSide {
   void measure_speed();
   // Logs, once, that a plug-in's node has failed.
   void watch_nodes();
-  void tell(const Notice& notice);
+  void tell(Notice notice);
 
   // True for requests that undo what was done to the parts.
   static bool goes_back(const protocol::Request& request);
@@ -166,10 +184,12 @@ class TickSide {
   cycle::Pacer pacer_;
   std::function<bool()> next_;                // empty: the world makes its own ticks
   std::function<std::uint64_t()> shown_era_;  // empty: the world's own era
+  PartNumbers numbers_;
+  std::function<void(const PartTable&)> parts_changed_;  // empty: nobody wants to know
   BodyChanges changes_;
   const bool waits_for_changes_;  // not in real time
   std::vector<Input*> inputs_;    // for the next tick
-  std::vector<Watch> watches_;    // by part
+  std::vector<Watch> watches_;    // by number of the part
   Holders holders_;
   StopLatch stops_;
   std::vector<std::uint32_t> stopped_;            // since the mailbox was emptied last

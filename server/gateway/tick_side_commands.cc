@@ -79,8 +79,11 @@ void TickSide::run(std::unique_ptr<Command> command) {
 void TickSide::finish_changes() {
   while (changes_.ready()) {
     apply_inputs();
-    auto [command, outcome, reply] = changes_.finish();
+    auto finished = changes_.finish();
+    if (!finished) continue;  // the thread is at its second half
+    auto& [command, outcome, reply] = *finished;
     command->reply = outcome.done() ? std::move(reply) : Reply(error_of(outcome));
+    follow_parts();
     if (outcome.done() && goes_back(command->request)) {
       time_went_back();
       holders_.clear();                                       // what they moved moves as the state says
@@ -206,18 +209,30 @@ Reply TickSide::answer(Command&, const protocol::RestoreSnapshot& request) {
   return Ok{};
 }
 
+cycle::BoundPart* TickSide::part_or_fail(Command& command) {
+  if (const auto index = numbers_.find(command.part, command.generation)) return &simulation_.parts()[*index];
+  command.reply = Error{ErrorCode::kUnknownName, "the part went with its model", {}};
+  return nullptr;
+}
+
 Reply TickSide::answer(Command& command, const protocol::GetParameters&) {
-  return protocol::ParameterList{simulation_.parts()[command.part].part->parameters()};
+  const auto* bound = part_or_fail(command);
+  if (!bound) return command.reply;
+  return protocol::ParameterList{bound->part->parameters()};
 }
 
 Reply TickSide::answer(Command& command, const protocol::SetParameter& request) {
-  const auto outcome = simulation_.set_parameter(command.part, request.name, request.value);
+  const auto* bound = part_or_fail(command);
+  if (!bound) return command.reply;
+  const auto outcome = simulation_.set_parameter(number_of(*bound), request.name, request.value);
   if (!outcome.done()) return error_of(outcome);
   return Ok{};
 }
 
 Reply TickSide::answer(Command& command, const protocol::ReadBlackboard& request) {
-  const auto& part = *simulation_.parts()[command.part].part;
+  const auto* bound = part_or_fail(command);
+  if (!bound) return command.reply;
+  const auto& part = *bound->part;
   const auto& boards = part.description().blackboards;
   const auto board = std::ranges::find(boards, request.name, &protocol::Blackboard::name) - boards.begin();
   const auto bytes = part.read_blackboard(static_cast<std::size_t>(board));
@@ -232,9 +247,11 @@ Reply TickSide::answer(Command& command, const protocol::ReadBlackboard& request
 }
 
 Reply TickSide::answer(Command& command, const protocol::WriteBlackboard& request) {
-  const auto& boards = simulation_.parts()[command.part].part->description().blackboards;
+  const auto* bound = part_or_fail(command);
+  if (!bound) return command.reply;
+  const auto& boards = bound->part->description().blackboards;
   const auto board = std::ranges::find(boards, request.name, &protocol::Blackboard::name) - boards.begin();
-  const auto outcome = simulation_.write_blackboard(command.part, static_cast<std::size_t>(board),
+  const auto outcome = simulation_.write_blackboard(number_of(*bound), static_cast<std::size_t>(board),
                                                     request.offset, request.data);
   if (!outcome.done()) return error_of(outcome);
   return Ok{};
@@ -242,7 +259,9 @@ Reply TickSide::answer(Command& command, const protocol::WriteBlackboard& reques
 
 // All pieces act as one write of the whole content, as each would have by itself.
 Reply TickSide::answer(Command& command, const protocol::UnlockBlackboard& request) {
-  const auto& part = *simulation_.parts()[command.part].part;
+  const auto* bound = part_or_fail(command);
+  if (!bound) return command.reply;
+  const auto& part = *bound->part;
   const auto& boards = part.description().blackboards;
   const auto board = static_cast<std::size_t>(
       std::ranges::find(boards, request.name, &protocol::Blackboard::name) - boards.begin());
@@ -255,7 +274,7 @@ Reply TickSide::answer(Command& command, const protocol::UnlockBlackboard& reque
                        std::to_string(piece.offset),
                    {}};
   }
-  const auto outcome = simulation_.write_blackboard(command.part, board, 0, content);
+  const auto outcome = simulation_.write_blackboard(number_of(*bound), board, 0, content);
   if (!outcome.done()) return error_of(outcome);
   return Ok{};
 }

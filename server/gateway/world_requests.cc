@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "protocol/config/unknown_name.h"
+#include "server/gateway/model_files.h"
+#include "server/gateway/pose_numbers.h"
 
 namespace visum::gateway {
 
@@ -77,9 +79,43 @@ void WorldRequests::handle(const Call& call, const protocol::AddBody& request) {
   commands_.send(call, request);
 }
 
+const std::vector<std::string>& WorldRequests::models() {
+  if (!models_) models_ = world_.models.empty() ? std::vector<std::string>() : models_in(world_.models);
+  return *models_;
+}
+
+void WorldRequests::handle(const Call& call, const protocol::ListModels&) {
+  protocol::ModelList list{models(), {}};
+  for (const auto& spawned : view_->spawned) list.spawned.push_back(spawned.name);
+  call.reply(list);
+}
+
+void WorldRequests::handle(const Call& call, const protocol::SpawnModel& request) {
+  if (!request.pose.empty() && !is_pose(request.pose)) return call.fail(ErrorCode::kBadValue, kWrongPose);
+  if (request.name.size() > protocol::kMostPathBytes)
+    return call.fail(ErrorCode::kBadValue, "the model's name is too long");
+  if (!request.files.empty()) {
+    if (const auto fault = fault_of_files(request); !fault.empty())
+      return call.fail(ErrorCode::kBadValue, fault);
+  } else if (std::ranges::find(models(), request.file) == models().end()) {
+    return call.fail(ErrorCode::kUnknownName, config::unknown_name("model", request.file, models()));
+  }
+  commands_.send(call, request);
+}
+
+void WorldRequests::handle(const Call& call, const protocol::RemoveModel& request) {
+  const auto model = std::ranges::find(view_->spawned, request.name, &protocol::ModelSpawned::name);
+  if (model != view_->spawned.end())
+    for (const auto& part : model->parts)
+      if (const auto owner = parts_.leased_to_another(call, part))
+        return call.fail(ErrorCode::kLeased,
+                         "the part '" + part + "' of the model is leased by '" + *owner + "'", *owner);
+  commands_.send(call, request);
+}
+
 void WorldRequests::replace_view(WorldView view, const Published& now) {
   view_ = std::make_shared<const WorldView>(std::move(view));
-  clients_.broadcast({"world_changed", "bodies came or went", {}, now.era, now.tick});
+  clients_.broadcast({"world_changed", "bodies or models came or went", {}, now.era, now.tick});
 }
 
 void WorldRequests::follow_shown_world(const Published& now) {

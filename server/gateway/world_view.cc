@@ -194,6 +194,11 @@ WorldView describe_world(const scene::Scene& scene, std::uint64_t revision) {
   for (const auto& sensor : scene.sensors) world.sensors.push_back(describe(sensor, scene));
   describe_looks(scene, view);
   for (const auto& mesh : model.meshes) view.meshes.push_back(describe(mesh));
+  for (const auto& spawned : scene.spawned) {
+    view.spawned.push_back({spawned.name, spawned.bodies, spawned.parts});
+    auto& parts = view.spawned.back().parts;
+    parts.insert(parts.end(), spawned.sensors.begin(), spawned.sensors.end());
+  }
   return view;
 }
 

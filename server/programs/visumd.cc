@@ -28,6 +28,7 @@
 #include "server/cycle/simulation.h"
 #include "server/gateway/daemon.h"
 #include "server/gateway/log_tap.h"
+#include "server/gateway/model_files.h"
 #include "server/gateway/playback.h"
 #include "server/programs/command_line.h"
 #include "server/programs/drives_file.h"
@@ -79,6 +80,7 @@ struct Options {
   std::string try_record;              // as `record`, but may fail
   std::string dump = state_folder();   // folder for the ticks before a freeze; or "off"
   std::string files = state_folder();  // folder for named snapshots and recordings that clients ask for
+  std::string models;                  // folder of models to spawn; empty: the installation's
   std::string rewound;                 // a recording to continue, instead of a scene
   std::string used_files;              // a file for the list of what the scene was read from; empty: none
   std::string profile;                 // a file; empty: nothing is measured
@@ -142,6 +144,8 @@ int run(Options options) {
   std::optional<recording::LogSink> log;
   recording::Archive archive(options.files, origin);
   options.of_daemon.archive = &archive;
+  options.of_daemon.models =
+      options.models.empty() ? gateway::find_models_folder() : std::filesystem::path(options.models);
   std::optional<recording::FlightRecorder> flight;
   if (!options.record.empty() || !options.try_record.empty())
     log.emplace();
@@ -195,6 +199,10 @@ void declare_world(CLI::App& app, Options& options, std::string_view verb) {
                  "folder for the snapshots with names and the recordings that clients ask for. Default: "
                  "$STATE_DIRECTORY, or the working directory")
       ->type_name("FOLDER");
+  app.add_option("--models", options.models,
+                 "folder of the models that clients may spawn by name. Default: the installation's models")
+      ->type_name("FOLDER")
+      ->check(CLI::ExistingDirectory);
   if (verb == "rewind") {
     app.add_option("recording", options.rewound, "the run to continue")->required()->type_name("FILE.mcap");
     app.add_option("--at", options.at_s,

@@ -62,6 +62,8 @@ Channels write_beginning(McapWriter& writer, const cycle::Simulation& simulation
     encode(description, bytes);
     writer.write(described, 0, 0, bytes);
   }
+  channels.spawned = writer.add_channel(kSpawnedTopic, samples, kEncoding);
+  channels.spawned_described = writer.add_channel(kSpawnedDescriptionTopic, descriptions, kEncoding);
   writer.flush();
   return channels;
 }

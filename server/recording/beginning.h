@@ -24,7 +24,8 @@ struct Origin {
 // The channels' numbers in the file.
 struct Channels {
   std::uint16_t inputs = 0, ticks = 0, states = 0, log = 0;
-  std::vector<std::uint16_t> parts;
+  std::vector<std::uint16_t> parts;                  // of those that were there at the beginning
+  std::uint16_t spawned = 0, spawned_described = 0;  // of all that come later
 };
 
 // Throws what the writer throws where the file cannot be written.

@@ -45,7 +45,7 @@ class Exporter {
   CsvResult run() {
     bool begun = false;
     for (auto item = file_.next(); !std::holds_alternative<RecordingFile::End>(item); item = file_.next()) {
-      if (const auto* part = std::get_if<const protocol::PartDescription*>(&item))
+      if (const auto* part = std::get_if<const protocol::PartDescription*>(&item); part && !begun)
         sources_.push_back({**part, {}, {}, {}});
       if (const auto* sample = std::get_if<const protocol::PartSample*>(&item)) keep(**sample);
       const auto* tick = std::get_if<const Tick*>(&item);

@@ -9,17 +9,18 @@
 #include <new>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 namespace visum::recording {
 
 FlightRecorder::FlightRecorder(cycle::Simulation& simulation, Origin origin, std::filesystem::path folder)
     : simulation_(simulation), origin_(std::move(origin)), folder_(std::move(folder)) {
-  for (const auto& bound : std::as_const(simulation_).parts())
-    ports_per_tick_ += bound.controller_inputs.size() + bound.sensor_outputs.size();
+  parts_changed();
   for (Half* half : {&now_, &before_}) {
     half->ticks.reserve(kTicks);
     half->ports.reserve(kTicks * ports_per_tick_);
   }
+  revision_ = simulation_.revision();
   begin_half();
   simulation_.set_observer(this);
 }
@@ -38,6 +39,18 @@ void FlightRecorder::begin_half() {
   simulation_.keep(now_.begin);
 }
 
+bool FlightRecorder::parts_changed() {
+  std::vector<const hwparts::Part*> parts;
+  ports_per_tick_ = 0;
+  for (const auto& bound : std::as_const(simulation_).parts()) {
+    parts.push_back(bound.part.get());
+    ports_per_tick_ += bound.controller_inputs.size() + bound.sensor_outputs.size();
+  }
+  if (parts == parts_) return false;
+  parts_ = std::move(parts);
+  return true;
+}
+
 void FlightRecorder::forget() {
   now_.in_use = before_.in_use = false;
 }
@@ -46,6 +59,10 @@ void FlightRecorder::took(const TimedInput& input) try {
   if (simulation_.frozen()) return;
   if (!now_.in_use) {  // a frozen world runs again: this input revived it
     dump_.clear();
+    return begin_half();
+  }
+  if (std::exchange(revision_, simulation_.revision()) != simulation_.revision() && parts_changed()) {
+    forget();  // the ticks so far have the ports of other parts
     return begin_half();
   }
   const auto from = now_.input_bytes.size();

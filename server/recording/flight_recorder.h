@@ -53,6 +53,8 @@ class FlightRecorder : public cycle::Observer {
   // The present half becomes the one before; the older one is overwritten.
   void begin_half();
   void forget();
+  // True if the parts are others than those whose ports the halves hold; from now on they are these.
+  bool parts_changed();
   // Writes both halves to a new file, and logs where it is or why it is not.
   void dump_now();
   // Makes an empty file of a name that no other file has.
@@ -67,6 +69,8 @@ class FlightRecorder : public cycle::Observer {
   const std::filesystem::path folder_;
   Half now_, before_;
   std::size_t ports_per_tick_ = 0;
+  std::vector<const hwparts::Part*> parts_;  // whose ports the halves hold
+  std::uint64_t revision_ = 0;               // of the world at the last input
   std::string dump_;
   int files_ = 0;
 };

@@ -28,6 +28,7 @@ std::vector<double> PortReader::read(const std::string& part, std::uint64_t to, 
     const auto* of_part = std::get_if<const protocol::PartSample*>(&item);
     if (of_part && (*of_part)->part == part) sample = **of_part;
     if (!std::holds_alternative<const Tick*>(item) || ++position <= from) continue;
+    if (std::exchange(sample.part, {}).empty()) continue;  // it was not there in this tick
     if (std::exchange(era, sample.era) != sample.era) rows.clear();
     rows.push_back(static_cast<double>(sample.sim_time_ns) / 1e9);
     rows.insert(rows.end(), sample.controller_inputs.begin(), sample.controller_inputs.end());

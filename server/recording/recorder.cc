@@ -1,5 +1,6 @@
 #include "server/recording/recorder.h"
 
+#include <algorithm>
 #include <new>
 #include <stdexcept>
 #include <system_error>
@@ -33,6 +34,7 @@ Recorder::Recorder(cycle::Simulation& simulation, const Origin& origin, const st
       is_second_(start == Start::kLater),
       writer_(std::make_unique<RecordingWriter>(file, overflow_of(simulation.scene().clock))) {
   channels_ = write_beginning(writer_->writer(), simulation_, origin);
+  for (const auto& bound : std::as_const(simulation).parts()) known_.push_back(bound.part);
   if (is_second_) return;
   if (origin.has_past) {
     take_state();
@@ -48,10 +50,17 @@ Recorder::Recorder(cycle::Simulation& simulation, const Origin& origin, const st
 
 // The world has a past, whatever its origin says.
 void Recorder::begin() {
-  take_state();
-  writer_->put_first(channels_.states, static_cast<std::uint64_t>(simulation_.sim_time_ns()), bytes_);
-  writer_->start();
+  simulation_.keep(first_);
   simulation_.set_second_observer(this);
+}
+
+void Recorder::write_first() {
+  std::vector<std::byte> bytes;
+  encode(first_, bytes);
+  const auto time_ns = first_.tick * simulation_.model().tick_ns;
+  writer_->put_first(channels_.states, static_cast<std::uint64_t>(time_ns), bytes);
+  first_ = {};
+  writer_->start();
 }
 
 Recorder::~Recorder() {
@@ -72,6 +81,7 @@ void Recorder::took(const TimedInput& input) try {
   bytes_.clear();
   encode(input, bytes_);
   put(channels_.inputs, input.tick * simulation_.model().tick_ns);
+  look_at_parts();
 } catch (const std::bad_alloc&) {
   writer_->end(kNoMemory);
 }
@@ -82,12 +92,13 @@ void Recorder::ticked() try {
   const auto tick = simulation_.tick_count();
   const auto time_ns = simulation_.sim_time_ns();
   const auto parts = std::as_const(simulation_).parts();
+  look_at_parts();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     bytes_.clear();
     encode(Sample{parts[i].part->description().name, tick, time_ns, simulation_.era(),
                   parts[i].controller_inputs, parts[i].sensor_outputs},
            bytes_);
-    put(channels_.parts[i], time_ns);
+    put(channel_of_[i], time_ns);
   }
   bytes_.clear();
   encode(Tick{tick, simulation_.era(), time_ns, simulation_.state_hash(), simulation_.fault()}, bytes_);
@@ -96,6 +107,25 @@ void Recorder::ticked() try {
   put_state();
 } catch (const std::bad_alloc&) {
   writer_->end(kNoMemory);
+}
+
+void Recorder::look_at_parts() {
+  if (revision_ == simulation_.revision()) return;
+  revision_ = simulation_.revision();
+  std::vector<const hwparts::Part*> now;
+  channel_of_.clear();
+  for (const auto& bound : std::as_const(simulation_).parts()) {
+    now.push_back(bound.part.get());
+    const auto known = std::ranges::find(known_, bound.part);
+    const bool is_new = known == known_.end();
+    channel_of_.push_back(is_new ? channels_.spawned
+                                 : channels_.parts[static_cast<std::size_t>(known - known_.begin())]);
+    if (!is_new || std::ranges::find(seen_, now.back()) != seen_.end()) continue;
+    bytes_.clear();
+    encode(bound.part->description(), bytes_);
+    put(channels_.spawned_described, simulation_.sim_time_ns());
+  }
+  seen_ = std::move(now);
 }
 
 void Recorder::take_state() {

@@ -27,10 +27,13 @@ class Recorder : public cycle::Observer {
   ~Recorder() override;  // completes the file
 
   // For a recording of a world that runs already, beside its other observer: makes the file's beginning, on
-  // any thread. Then begin() on the tick's thread, end() there, and the destructor on any thread.
+  // any thread. Then begin() on the tick's thread, which notes the state, and write_first() on any thread
+  // soon: what the world does meanwhile waits in the queue. At last end() on the tick's thread, and the
+  // destructor on any thread.
   static std::unique_ptr<Recorder> prepare(cycle::Simulation& simulation, const Origin& origin,
                                            const std::filesystem::path& file);
   void begin();
+  void write_first();
   void end() { simulation_.set_second_observer(nullptr); }
 
   // Observes no more and completes the file. Returns whether it holds all that happened; the log has said why
@@ -48,6 +51,8 @@ class Recorder : public cycle::Observer {
   void put(std::uint16_t channel, std::int64_t publish_time_ns);  // hands bytes_ to the writer
   void take_state();                                              // encodes the whole state into bytes_
   void put_state();
+  // Finds the channel of each part, once the parts are others, and describes those that came.
+  void look_at_parts();
 
   cycle::Simulation& simulation_;
   const bool is_second_;  // begun by prepare()
@@ -56,6 +61,13 @@ class Recorder : public cycle::Observer {
   std::uint64_t time_ns_ = 0;                    // the length of all ticks so far, over all eras
   std::uint64_t next_state_ns_ = 1'000'000'000;  // of time_ns_: when the next whole state is due
   State state_;
+  State first_;  // from begin() to write_first()
+  // The parts of the beginning, by their channels, kept so that none is taken for another; and the channel of
+  // each part of the world.
+  std::vector<std::shared_ptr<const hwparts::Part>> known_;
+  std::vector<std::uint16_t> channel_of_;
+  std::vector<const hwparts::Part*> seen_;  // parts of the world at the last look
+  std::uint64_t revision_ = 0;
   std::vector<std::byte> bytes_;
 };
 

@@ -18,22 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The file's name as a name of the scene.
-std::string name_of(const fs::path& file) {
-  fs::path stem = file.stem();
-  if (lower_extension(file) == ".xacro") stem = stem.stem();  // arm.urdf.xacro
-  std::string name = stem.string().substr(0, kMaxNameBytes);
-  for (char& c : name)
-    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_' && c != '-') c = '_';
-  return name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) ? "model_" + name : name;
-}
-
-std::string in_quotes(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? "''" : std::string(1, c);
-  return quoted + "'";
-}
-
 // The lowest z of a shape in the world.
 double lowest(const world::WorldModel& model, const world::Shape& shape) {
   const world::Pose X_WS = model.bodies[shape.body.index()].X_WB * shape.X_BS;
@@ -71,7 +55,7 @@ double floor_height(const world::WorldModel& model) {
 // The joints that the part drives, if the model's file names them; else it drives all.
 std::string driven(const RobotModel& robot) {
   std::string list;
-  for (const std::string& joint : robot.actuated) list += (list.empty() ? "" : ", ") + in_quotes(joint);
+  for (const std::string& joint : robot.actuated) list += (list.empty() ? "" : ", ") + yaml_quoted(joint);
   return list.empty() ? "" : ", joints: [" + list + "]";
 }
 
@@ -104,8 +88,8 @@ void place_with_part(Draft& draft, const fs::path& file, const BareEntry& entry)
     return config::load_text(yaml, file.string(), file.parent_path());
   };
   const std::size_t joints = draft.scene.world.joints.size();
-  const std::string name = in_quotes(entry.name);
-  read_model(draft, node("{name: " + name + ", file: " + in_quotes(file.filename().string()) +
+  const std::string name = yaml_quoted(entry.name);
+  read_model(draft, node("{name: " + name + ", file: " + yaml_quoted(file.filename().string()) +
                          entry.model_keys + ", no_collision: {overlapping: true}}"));
   if (has_drivable_joints(draft.scene.world, joints))
     draft.part_entries.push_back(
@@ -131,7 +115,7 @@ void take_settings(const ModelWorld& from, const fs::path& file, Draft& draft) {
 
 // A name that a scene can have: the model's own, or one made of it.
 std::string placed_name(const std::string& model, std::set<std::string>& taken) {
-  std::string name = name_fault(model).empty() ? model : name_of(model);
+  std::string name = name_fault(model).empty() ? model : name_of_model_file(model);
   while (!taken.insert(name).second) name += "_";
   return name;
 }
@@ -141,7 +125,7 @@ void read_bare_world(Draft& draft, const fs::path& file, const RobotModel& world
   take_settings(*world.world, file, draft);
   std::set<std::string> taken;
   for (const std::string& model : models_of_world(world))
-    place_with_part(draft, file, {placed_name(model, taken), ", model: " + in_quotes(model), ""});
+    place_with_part(draft, file, {placed_name(model, taken), ", model: " + yaml_quoted(model), ""});
   const auto report = [&](const std::vector<Remark>& remarks, std::vector<FileRemark>& to) {
     for (const Remark& remark : remarks) {
       to.push_back({remark.file.empty() ? file.string() : remark.file, {remark.text, remark.line}});
@@ -162,6 +146,15 @@ void read_bare_world(Draft& draft, const fs::path& file, const RobotModel& world
 
 }  // namespace
 
+std::string name_of_model_file(const fs::path& file) {
+  fs::path stem = file.stem();
+  if (lower_extension(file) == ".xacro") stem = stem.stem();  // arm.urdf.xacro
+  std::string name = stem.string().substr(0, kMaxNameBytes);
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_' && c != '-') c = '_';
+  return name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) ? "model_" + name : name;
+}
+
 bool is_model_file(const fs::path& file) {
   const std::string extension = lower_extension(file);
   return extension == ".urdf" || extension == ".sdf" || extension == ".world" || extension == ".xacro" ||
@@ -169,12 +162,12 @@ bool is_model_file(const fs::path& file) {
 }
 
 void read_bare_model(Draft& draft, const fs::path& file) {
-  const std::string name = name_of(file);
+  const std::string name = name_of_model_file(file);
   const auto node = [&](const std::string& yaml) {
     return config::load_text(yaml, file.string(), file.parent_path());
   };
   const RobotModel robot =
-      load_robot_file(draft, node("{file: " + in_quotes(file.filename().string()) + "}").get("file"));
+      load_robot_file(draft, node("{file: " + yaml_quoted(file.filename().string()) + "}").get("file"));
   choose_engine(robot, draft);
   if (robot.world) return read_bare_world(draft, file, robot);
   if (robot.gravity) draft.scene.world.gravity = *robot.gravity;
@@ -186,6 +179,19 @@ void read_bare_model(Draft& draft, const fs::path& file) {
   if (!has_floor)
     read_body(draft, node("{name: floor, fixed: true, pose: {xyz: [0, 0, " +
                           config::number_text(floor_height(model)) + "]}, shapes: [{plane: true}]}"));
+}
+
+void place_bare_model(Draft& draft, const fs::path& file, const std::string& name) {
+  const auto file_node = config::load_text("{file: " + yaml_quoted(file.filename().string()) + "}",
+                                           file.string(), file.parent_path())
+                             .get("file");
+  const RobotModel robot = load_robot_file(draft, file_node);
+  if (!robot.world) return place_with_part(draft, file, {name, "", driven(robot)});
+  const auto models = models_of_world(robot);
+  if (models.size() != 1)
+    throw config::ConfigError({file.string(), 0, ""},
+                              "holds a world of " + std::to_string(models.size()) + " models, not one");
+  place_with_part(draft, file, {name, ", model: " + yaml_quoted(models.front()), ""});
 }
 
 }  // namespace visum::scene

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "server/scene/draft.h"
 
@@ -18,5 +19,12 @@ bool is_model_file(const std::filesystem::path& file);
 // Of an SDF file with a <world>, each model becomes one of the scene, with its own name, place and part. The
 // world's gravity and step act, and no floor is added.
 void read_bare_model(Draft& draft, const std::filesystem::path& file);
+
+// Places the one model of a file, with a part for its joints, under this name. Fails at the file where it
+// holds several.
+void place_bare_model(Draft& draft, const std::filesystem::path& file, const std::string& name);
+
+// The file's name as a name of the scene.
+std::string name_of_model_file(const std::filesystem::path& file);
 
 }  // namespace visum::scene

@@ -33,7 +33,8 @@ void apply_scale(world::TriangleMesh& mesh, const Eigen::Vector3d& scale) {
 
 }  // namespace
 
-Draft::Draft(Scene& of) : scene(of) {
+Draft::Draft(Scene& of)
+    : scene(of), old_bodies_(of.world.bodies.size()), old_joints_(of.world.joints.size()) {
   const config::Place earlier{scene.file.string(), 0, ""};
   for (std::size_t i = 0; i < scene.world.bodies.size(); ++i) {
     const std::string& name = scene.world.bodies[i].name;
@@ -41,6 +42,16 @@ Draft::Draft(Scene& of) : scene(of) {
     add_link_name(name, {{static_cast<std::int32_t>(i)}, {}});
   }
   for (const world::TriangleMesh& mesh : scene.world.meshes) triangles_ += mesh.triangles.size();
+  const auto take = [&](const char* what, const std::string& name) {
+    names_.emplace(what + (" '" + name + "'"), earlier);
+  };
+  for (const world::Joint& joint : scene.world.joints) take("joint", joint.name);
+  for (const ModelPlan& model : scene.models) take("model", model.name);
+  for (const PartPlan& part : scene.parts) take("part", part.context.name);
+  for (const SensorPlan& sensor : scene.sensors) take("part", sensor.name);
+  for (const AgentPlan& agent : scene.agents) take("part", agent.name);
+  for (const world::Surface& surface : scene.world.surfaces) take("surface", surface.name);
+  for (const Material& material : scene.looks.materials) take("material", material.name);
 }
 
 void Draft::claim(const std::string& what, const std::string& name, const config::Place& place) {

@@ -44,8 +44,9 @@ class Draft {
   std::map<std::string, Follower> followers;  // by the joint's name in the scene
   Packages packages;                          // of the models' meshes
   std::string engine_option;                  // Options::engine: replaces that of every engine
-  bool world_settings = false;                // gravity and step are those of a world's file
-  std::optional<world::Pose> X_WO;            // O: origin of the file that is being read; none: W itself
+  bool is_spawned = false;      // a file that comes into a world that runs: it brings things, and no settings
+  bool world_settings = false;  // gravity and step are those of a world's file
+  std::optional<world::Pose> X_WO;  // O: origin of the file that is being read; none: W itself
 
   // Takes a name for a body, joint, model, part or surface (`what`); fails at `place` if it is taken already.
   void claim(const std::string& what, const std::string& name, const config::Place& place);
@@ -63,6 +64,9 @@ class Draft {
 
   // The body that a link or body of this name is, or was joined into; invalid if there is none.
   world::BodyId body(const std::string& name) const;
+  // True for what was in the scene before this draft.
+  bool is_old(world::BodyId body) const { return body.valid() && body.index() < old_bodies_; }
+  bool is_old(world::JointId joint) const { return joint.index() < old_joints_; }
   void add_link_name(const std::string& name, const LinkFrame& frame) { links_[name] = frame; }
 
   // Appends; fails at `place` if the world is full or world::fault_of finds something in it.
@@ -88,6 +92,7 @@ class Draft {
 
   std::map<std::tuple<std::string, double, double, double>, world::MeshId> meshes_;
   std::size_t triangles_ = 0;
+  const std::size_t old_bodies_, old_joints_;
 };
 
 inline constexpr std::size_t kMaxEngines = 16;

@@ -91,6 +91,9 @@ void plan_part(Draft& draft, const Node& entry, std::map<JointId, std::string>& 
     if (world.bodies[joint.child.index()].kinematic)
       entry.fail("joint '" + joint.name + "' is of a kinematic model: no part drives it");
     const auto [driver, is_free] = drivers.emplace(id, name);
+    if (draft.is_spawned && draft.is_old(id))
+      entry.fail("joint '" + joint.name +
+                 "' was there before: a model that is spawned drives its own joints");
     if (!is_free) entry.fail("joint '" + joint.name + "' is driven by part '" + driver->second + "' already");
     plan.context.joints.push_back(describe(draft, joint, prefix));
   }

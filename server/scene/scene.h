@@ -66,6 +66,12 @@ struct AgentPlan {
   std::vector<std::pair<std::string, std::size_t>> parts;
 };
 
+// A model that came while the world ran: the names of all that its file brought.
+struct Spawned {
+  std::string name;
+  std::vector<std::string> models, bodies, joints, parts, sensors, losses;
+};
+
 // A remark about a file that the scene names.
 struct FileRemark {
   std::string file;
@@ -86,6 +92,8 @@ struct Scene {
   std::vector<SensorPlan> sensors;
   std::vector<plugin::Library> plugins;  // their kinds are looked up before the built-in ones
   std::vector<AgentPlan> agents;
+  std::vector<Spawned> spawned;  // in the order in which they came; what they brought stands behind the rest
+  Packages packages;             // where its files, and those of models that come later, look for others
   Looks looks;
   ClockKind clock = ClockKind::kRealtime;
   double speed = 1.0;  // realtime: simulated seconds per second of wall time, kLeastSpeed to kMostSpeed

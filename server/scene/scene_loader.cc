@@ -17,6 +17,7 @@
 #include "server/scene/read_looks.h"
 #include "server/scene/sensors.h"
 #include "server/scene/settings.h"
+#include "server/scene/spawn.h"
 #include "server/scene/values.h"
 
 namespace visum::scene {
@@ -108,6 +109,17 @@ class Complaints {
   std::vector<std::string> gone_;
 };
 
+// A model that comes into a world that runs changes nothing else in it.
+void refuse_settings(const Node& root) {
+  for (const char* key : {"gravity", "tick_ms", "clock", "speed", "seed", "lockstep_timeout_s", "engine",
+                          "engines", "collision", "plugins", "agents", "lights", "viewpoints", "panels"})
+    if (const auto node = root.find(key))
+      node->fail("is for scenes: a model that is spawned cannot bring it");
+  if (const auto surfaces = root.find("surfaces"))
+    if (const auto usual = surfaces->find("default"))
+      usual->fail("is the scene's: a model that is spawned cannot set it");
+}
+
 std::optional<Node> given_parameters(const Options& options) {
   if (options.parameters.empty()) return {};
   const Node given = config::load_text(options.parameters, "--parameters");
@@ -148,6 +160,7 @@ class Loader {
   // Includes are read first, because the file may build on them and replace their settings. Frames come even
   // before, because an included file may stand in one.
   void read_root(const Node& root) {
+    if (draft_.is_spawned) refuse_settings(root);
     const std::size_t before = complaints_.count();
     each(root, "frames", [&](const Node& entry) { read_frame(draft_, entry); });
     each(root, "include", [&](const Node& entry) {
@@ -157,7 +170,8 @@ class Loader {
     complaints_.end_if_more_than(before);
     each(root, "plugins", [&](const Node& entry) { read_plugin(draft_, entry); });
     for (const auto read : {read_settings, read_engines, read_surfaces, read_materials})
-      complaints_.attempt({}, [&] { read(draft_, root); });
+      if (!draft_.is_spawned || (read != read_settings && read != read_engines))
+        complaints_.attempt({}, [&] { read(draft_, root); });
     complaints_.end_if_more_than(before);
     each(root, "models", [&](const Node& entry) { read_model(draft_, entry); });
     each(root, "bodies", [&](const Node& entry) { read_body(draft_, entry); });
@@ -247,7 +261,7 @@ Scene load_scene(const fs::path& file, const Options& options) {
   Scene scene = empty_scene(file);
   Draft draft(scene);
   draft.plugin_folders = options.plugin_folders;
-  draft.packages = with_environment(options.packages);
+  draft.packages = scene.packages = with_environment(options.packages);
   draft.engine_option = options.engine;
   Loader(draft, nullptr).read(file, options);
   finish(draft, options);
@@ -259,7 +273,7 @@ std::optional<Scene> load_scene(const fs::path& file, const Options& options,
   Scene scene = empty_scene(file);
   Draft draft(scene);
   draft.plugin_folders = options.plugin_folders;
-  draft.packages = with_environment(options.packages);
+  draft.packages = scene.packages = with_environment(options.packages);
   draft.engine_option = options.engine;
   try {
     Loader(draft, &errors).read(file, options);
@@ -268,6 +282,10 @@ std::optional<Scene> load_scene(const fs::path& file, const Options& options,
     errors.push_back(error);
   }
   return errors.empty() ? std::optional(std::move(scene)) : std::nullopt;
+}
+
+void read_spawned_file(Draft& draft, const fs::path& file, const std::optional<Node>& parameters) {
+  Loader(draft, nullptr).read_file(file, parameters, nullptr);
 }
 
 std::string too_long_for_body(std::string_view yaml) {

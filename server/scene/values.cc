@@ -33,6 +33,12 @@ std::string name_fault(const std::string& name) {
   return "";
 }
 
+std::string yaml_quoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "''" : std::string(1, c);
+  return quoted + "'";
+}
+
 std::string read_name(const config::Node& node) {
   const std::string name = node.text();
   if (const std::string fault = name_fault(name); !fault.empty()) node.fail(fault);

@@ -21,6 +21,7 @@ inline constexpr std::size_t kMaxNameBytes = 128;
 
 // Says why `name` is not a valid name in a scene ("is empty", "holds a '/'"); empty if it is.
 std::string name_fault(const std::string& name);
+std::string yaml_quoted(const std::string& text);  // as a text of YAML
 std::string read_name(const config::Node& node);
 
 Eigen::Vector3d read_vector(const config::Node& node, config::Range range = kPlaceable);

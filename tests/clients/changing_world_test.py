@@ -14,6 +14,23 @@ import visum  # noqa: E402
 BALL = "{name: ball, mass: 0.5, pose: {xyz: [1.5, 0, 2]}, shapes: [{sphere: 0.1}]}"
 DOOR = "{name: door, kinematic: true, pose: {xyz: [3, 0, 2]}, shapes: [{box: [0.1, 1, 1]}]}"
 
+WEDGE = "".join(("solid wedge\n", *(
+    "facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in corners) + "endloop\nendfacet\n"
+    for corners in (((0, 0, 0), (0, 1, 0), (1, 0, 0)), ((0, 0, 0), (1, 0, 0), (0, 0, 1)),
+                    ((0, 0, 0), (0, 0, 1), (0, 1, 0)), ((1, 0, 0), (0, 1, 0), (0, 0, 1)))), "endsolid wedge\n"))
+ROBOT = """<robot name="arm">
+  <link name="base"><visual><geometry><mesh filename="meshes/wedge.stl"/></geometry></visual></link>
+  <link name="stick">
+    <inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><sphere radius="0.05"/></geometry></collision>
+  </link>
+  <joint name="turn" type="revolute">
+    <parent link="base"/><child link="stick"/><origin xyz="0 0 1"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" velocity="1" effort="10"/>
+  </joint>
+</robot>
+"""
+
 
 class ChangingWorld(unittest.TestCase):
     def setUp(self):
@@ -116,6 +133,67 @@ class ChangingWorld(unittest.TestCase):
         self.assertIn("fault", [event.kind for event in self.client.events()])
         follower.terminate()
         follower.wait(DEADLINE_S)
+
+    def test_models_come_and_go_with_their_parts(self):
+        self.assertIn("cart/cart.yaml", self.client.models())
+        self.assertIn("cart/cart.yaml\n", self.daemon.visum("spawn", "--list").stdout)
+        spawned = self.daemon.json("spawn", "cart/cart.yaml", "--name", "second", "--pose", "0,4,0")
+        self.assertEqual((spawned["name"], spawned["parts"]), ("second", ["second"]))
+        self.assertAlmostEqual(self.body("second/chassis").position[1], 4.0, 2)
+        with visum.Client(self.daemon.connect, name="driver") as driver:
+            cart = driver.part("second")
+            cart.acquire()
+            self.assertIn("leased by 'driver'", self.daemon.visum("remove", "second", expect=1).stderr)
+            first = cart.input_ports[0]
+            cart.inputs(first.name).set([first.initial])
+            cart.write()
+            self.client.advance_ms(10)
+            cart.release()
+        taken = self.daemon.visum("spawn", "cart/cart.yaml", "--name", "second", expect=2)
+        self.assertIn("the name 'second' is taken", taken.stderr)
+        again = self.client.spawn("cart/cart.yaml", "second", position_m=(0, 6, 0), unique=True)
+        self.assertEqual(again.name, "second_2")
+        self.assertEqual(self.client.spawned_models(), ["second", "second_2"])
+        self.daemon.visum("remove", "second")
+        self.client.remove_model("second_2")
+        self.daemon.visum("remove", "ball")
+        self.assertEqual(self.client.part_names(), ["arm"])
+        self.assertIn("did you mean 'cart/cart.yaml'", self.daemon.visum("spawn", "cart/cart.yml", expect=2).stderr)
+        self.assertIn("no spawned model 'second'", self.daemon.visum("remove", "second", expect=2).stderr)
+        told = [json.loads(line)["kind"] for line in self.daemon.visum("events", "--json").stdout.splitlines()]
+        self.assertIn("spawn", told)
+        self.assertIn("remove", told)
+
+    def test_a_model_of_the_clients_own_comes_with_the_files_that_it_names(self):
+        folder = pathlib.Path(self.folder) / "robots"
+        (folder / "meshes").mkdir(parents=True)
+        (folder / "meshes" / "wedge.stl").write_text(WEDGE)
+        robot = folder / "arm.urdf"
+        robot.write_text(ROBOT)
+        self.daemon.visum("recording", "start", "monday")
+        self.assertIn("stick: 2 bodies, parts: stick", self.daemon.visum("spawn", robot, "--name", "stick").stdout)
+        file, files = visum.model_files(robot)
+        self.assertEqual((file, sorted(files)), ("arm.urdf", ["arm.urdf", "meshes/wedge.stl"]))
+        self.client.spawn(file, "other", position_m=(0, 5, 1), files=files)
+        robot.unlink()  # the server has it all
+        self.client.advance_ms(50)
+        self.daemon.visum("remove", "stick")
+        self.client.advance_ms(50)
+        self.daemon.visum("recording", "stop")
+        replayed = json.loads(run_visum("replay", pathlib.Path(self.folder) / "monday.mcap", "--json").stdout)
+        self.assertTrue(replayed["equal"])
+        self.daemon.visum("snapshot", "--name", "both")
+        before = self.client.status().state_hash
+        self.client.reset("all")
+        self.assertEqual(self.client.part_names(), ["arm"])
+        self.client.restore_snapshot("both")
+        self.assertEqual(self.client.status().state_hash, before)
+        self.assertEqual(self.client.part_names(), ["arm", "other"])
+        del files["meshes/wedge.stl"]
+        files[file] = files[file].replace(b"<visual>", b"<collision>").replace(b"</visual>", b"</collision>")
+        with self.assertRaises(visum.Error) as refused:
+            self.client.spawn(file, "third", position_m=(0, 8, 1), files=files)
+        self.assertIn("wedge.stl", str(refused.exception))
 
     def test_a_snapshot_with_a_name_outlives_the_server(self):
         self.client.advance_ms(150)

@@ -305,10 +305,12 @@ class LongTick(unittest.TestCase):
             recording = pathlib.Path(self.folder) / f"{clock}.mcap"
             link = pathlib.Path(self.folder) / "arm.tty"
             command = [BIN / "visumd", self.culprit("hangs"), "--plugins", TEST_PLUGINS, "--node-timeout", "0", "--port", "0",
-                       "--json", "-r", "--clock", clock, "--record", recording, "--bus", f"arm=pty:{link}"]
+                       "--json", "--clock", clock, "--record", recording, "--files", self.folder, "--bus", f"arm=pty:{link}"]
             process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
             connect = f"127.0.0.1:{json.loads(process.stdout.readline())['port']}"
-            with Client(connect, role="observer") as client:
+            with Client(connect, role="admin") as client:
+                client.start_recording(f"by_client_{clock}")
+                client.resume()
                 while not client.status().working:
                     pass
                 self.assertTrue(link.is_symlink())
@@ -317,7 +319,8 @@ class LongTick(unittest.TestCase):
             self.assertEqual(process.returncode, 124, log)
             self.assertRegex(log, r"the tick after it was abandoned, as it did not end: agent 'hand'")
             self.assertFalse(link.is_symlink())
-            self.assertIn("the same", visum("replay", recording, "--plugins", TEST_PLUGINS).stdout)
+            for each in (recording, pathlib.Path(self.folder) / f"by_client_{clock}.mcap"):
+                self.assertIn("the same", visum("replay", each, "--plugins", TEST_PLUGINS).stdout)
 
 
 class OldCommands(unittest.TestCase):

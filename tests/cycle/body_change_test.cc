@@ -18,6 +18,13 @@ using ::testing::HasSubstr;
 
 constexpr const char* kBall = "{name: ball, mass: 0.5, pose: {xyz: [1, 0, 2]}, shapes: [{sphere: 0.1}]}";
 
+recording::State::Edit came(const char* yaml) {
+  return {recording::State::Edit::Kind::kBodyCame, yaml, nullptr};
+}
+recording::State::Edit went(const char* name) {
+  return {recording::State::Edit::Kind::kBodyWent, name, nullptr};
+}
+
 class BodyChanging : public ::testing::Test {
  protected:
   static scene::Scene two_link() {
@@ -33,7 +40,7 @@ TEST_F(BodyChanging, MayBeMadeReadyOnAnotherThreadWhileTheWorldTicks) {
   Simulation at_once(two_link());
   run(world, 10);
   run(at_once, 30);
-  auto change = world.begin_change(true, kBall);
+  auto change = world.begin_change(came(kBall));
   Outcome ready;
   std::thread worker([&] { ready = prepare(change); });
   run(world, 20);
@@ -47,7 +54,7 @@ TEST_F(BodyChanging, MayBeMadeReadyOnAnotherThreadWhileTheWorldTicks) {
 }
 
 TEST_F(BodyChanging, OfAWorldWhoseBodiesChangedMeanwhileIsRefused) {
-  auto change = world.begin_change(true, kBall);
+  auto change = world.begin_change(came(kBall));
   ASSERT_EQ(prepare(change).text(), "");
   ASSERT_EQ(world.add_body(kBall).text(), "");
   const auto before = world.state_hash();
@@ -60,7 +67,7 @@ TEST_F(BodyChanging, OfAWorldWhoseBodiesChangedMeanwhileIsRefused) {
 
 TEST_F(BodyChanging, ABodyThatIsPushedWhenItsTurnComesStays) {
   ASSERT_EQ(world.add_body(kBall).text(), "");
-  auto change = world.begin_change(false, "ball");
+  auto change = world.begin_change(went("ball"));
   ASSERT_EQ(prepare(change).text(), "");
   const auto ball = world.model().find_body("ball");
   ASSERT_TRUE(world.push({{ball, {1, 0, 0}, {0, 0, 0}}, world.tick_count() + 1}).done());
@@ -73,10 +80,10 @@ TEST_F(BodyChanging, ABodyThatIsPushedWhenItsTurnComesStays) {
 TEST_F(BodyChanging, TheOldSceneStaysUntilTheChangeIsFreed) {
   std::weak_ptr<const scene::Scene> old;
   {
-    auto first = world.begin_change(true, kBall);
+    auto first = world.begin_change(came(kBall));
     ASSERT_EQ(prepare(first).text(), "");
     ASSERT_EQ(world.change_bodies(first).text(), "");
-    auto change = world.begin_change(false, "ball");
+    auto change = world.begin_change(went("ball"));
     old = change.scene;
     ASSERT_EQ(prepare(change).text(), "");
     ASSERT_EQ(world.change_bodies(change).text(), "");

@@ -60,14 +60,16 @@ TEST(FlightRing, TakesOverWhatBodiesThatStayHaveFelt) {
     ring.record(tick, std::vector{0.5}, std::vector{tick == 7 ? 9.0 : 1.0, 2.0, 3.0});
   ring.begin(5);
   std::vector<double> errors(1), forces(4);
-  more.take_over(ring, 20, {});
+  const std::vector joint{world::JointId{0}};
+  using Bodies = std::vector<world::BodyId>;
+  more.take_over(ring, 20, joint, Bodies{{0}, {1}, {2}, {}});
   more.peaks(0, 20, errors, forces);
   EXPECT_EQ(errors, std::vector{0.5});
   EXPECT_EQ(forces, (std::vector{9.0, 2.0, 3.0, 0.0}));
   more.peaks(0, 5, errors, forces);
   EXPECT_EQ(forces, std::vector<double>(4)) << "of another era";
   forces.resize(2);
-  fewer.take_over(ring, 20, world::BodyId{1});
+  fewer.take_over(ring, 20, joint, Bodies{{0}, {2}});
   fewer.peaks(6, 20, errors, forces);
   EXPECT_EQ(forces, (std::vector{9.0, 3.0}));
   fewer.peaks(7, 20, errors, forces);

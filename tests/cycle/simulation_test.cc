@@ -412,7 +412,9 @@ bodies: [{name: floor, fixed: true, shapes: [{plane: true}]}, {name: box, mass: 
   EXPECT_TRUE(simulation.add_body(wedge).done());
   ASSERT_EQ(simulation.remove_body("box").text(), "");
   simulation.keep(whole);
-  EXPECT_EQ(whole.edits, (std::vector<recording::State::Edit>{{false, "box"}, {true, wedge}}));
+  using Edit = recording::State::Edit;
+  EXPECT_EQ(whole.edits, (std::vector<Edit>{{Edit::Kind::kBodyWent, "box", nullptr},
+                                            {Edit::Kind::kBodyCame, wedge, nullptr}}));
   const auto before = simulation.state_hash();
   EXPECT_TRUE(simulation.add_body("{name: other, mass: 1, shapes: [{sphere: 0.1}]}").done());
   ASSERT_EQ(simulation.restore(whole).text(), "");

@@ -82,7 +82,11 @@ std::vector<Row> table() {
           {ListModules{}, kYes, kYes, kYes},
           {OverrideModulePort{"motion"}, kNot, kYes, kYes},
           {LockBlackboard{arm, "nothing"}, kNot, kYes, kYes},
-          {UnlockBlackboard{arm, "nothing"}, kNot, kYes, kYes}};
+          {UnlockBlackboard{arm, "nothing"}, kNot, kYes, kYes},
+
+          {SpawnModel{}, kNot, kNot, kYes},
+          {RemoveModel{}, kNot, kNot, kYes},
+          {ListModels{}, kYes, kYes, kYes}};
 }
 
 enum class LeaseIs { kFree, kOwn, kAnothers };

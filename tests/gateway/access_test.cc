@@ -19,7 +19,7 @@ TEST(Access, EveryRequestNeedsTheRoleOfTheTable) {
   for (const Request& request : std::initializer_list<Request>{
            Status{}, ListParts{}, DescribePart{}, Read{}, Subscribe{}, Unsubscribe{}, GetParameters{},
            ReadBlackboard{}, DescribeWorld{}, ReadWorld{}, SubscribeWorld{}, UnsubscribeWorld{}, ReadMesh{},
-           ReadTexture{}, ListFaults{}})
+           ReadTexture{}, ListFaults{}, ListModels{}})
     EXPECT_EQ(role_needed(request), Role::kObserver) << request.index();
   for (const Request& request :
        std::initializer_list<Request>{AcquireLease{}, ReleaseLease{}, Write{}, SetParameter{},
@@ -27,8 +27,8 @@ TEST(Access, EveryRequestNeedsTheRoleOfTheTable) {
     EXPECT_EQ(role_needed(request), Role::kController) << request.index();
   for (const Request& request : std::initializer_list<Request>{
            Pause{}, Resume{}, Step{}, SetSpeed{}, Reset{}, TakeSnapshot{}, RestoreSnapshot{}, PushBody{},
-           SetBody{}, SetJoints{}, PullBody{}, ReleaseBody{}, AddBody{}, RemoveBody{}, Shutdown{},
-           InjectFault{}, ClearFault{}})
+           SetBody{}, SetJoints{}, PullBody{}, ReleaseBody{}, AddBody{}, RemoveBody{}, SpawnModel{},
+           RemoveModel{}, Shutdown{}, InjectFault{}, ClearFault{}})
     EXPECT_EQ(role_needed(request), Role::kAdmin) << request.index();
 }
 

@@ -38,7 +38,7 @@ struct Rig {
       if (i % 10 == 0) command();
       tick_side.empty_mailbox();
       tick_side.tick();
-      fill(exchange.back(), simulation, tick_side.pace());
+      fill(exchange.back(), simulation, tick_side.pace(), tick_side.part_table());
       exchange.publish();
       exchange.refresh();
     }

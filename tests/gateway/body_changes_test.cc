@@ -34,7 +34,7 @@ class Changes : public ::testing::TestWithParam<scene::ClockKind> {
   ~Changes() override { tick_side.end_changes(); }
   void send(protocol::Request request) {
     ASSERT_TRUE(
-        mailbox.send(std::make_unique<Command>(Command{1, ++last_id, 0, std::move(request), {}, {}})));
+        mailbox.send(std::make_unique<Command>(Command{1, ++last_id, 0, 0, std::move(request), {}, {}})));
   }
   // Waits for the change that is made ready, and takes it.
   void take_next() {

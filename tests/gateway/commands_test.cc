@@ -50,7 +50,7 @@ class Commands : public ::testing::Test {
   }
   // The tick's side, as in the daemon.
   void publish() {
-    fill(newest, simulation, tick_side.pace());
+    fill(newest, simulation, tick_side.pace(), tick_side.part_table());
     tick_side.give_back();
   }
   void do_commands() {

@@ -83,7 +83,7 @@ class GatewayRig {
     tick_side.tick();
   }
   void publish() {
-    fill(copy_, simulation, tick_side.pace());
+    fill(copy_, simulation, tick_side.pace(), tick_side.part_table());
     tick_side.give_back();
   }
   void tell() {

@@ -204,6 +204,13 @@ Samples<Request> sample_requests() {
       {"override_module_port", OverrideModulePort{"motion", "Arm/Ramp", "Actual Angle 1", 0.25, true}},
       {"lock_blackboard", LockBlackboard{"arm", "Trajectory", 500'000'000}},
       {"unlock_blackboard", UnlockBlackboard{"arm", "Trajectory", true}},
+      {"spawn_model", SpawnModel{"robot/arm.urdf",
+                                 "second",
+                                 {0, 2, 0.5, 1, 0, 0, 0},
+                                 true,
+                                 {{"robot/arm.urdf", "<robot/>"}, {"robot/link.stl", "solid"}}}},
+      {"remove_model", RemoveModel{"second"}},
+      {"list_models", ListModels{}},
   };
 }
 
@@ -237,6 +244,8 @@ Samples<Reply> sample_replies() {
                            {{"arm", "torque_lost", {{"joint", 3}, {"share", 0.5}}, 1200}}}},
       {"modules", ModuleList{7, {{"motion controller", announced(), reported()}}}},
       {"override_module_port", OverrideModulePort{"motion", "Arm/Ramp", "Actual Angle 1", 0.25, true}},
+      {"model_spawned", ModelSpawned{"second", {"second/base", "second/link"}, {"second", "eye"}}},
+      {"models", ModelList{{"cart/cart.yaml", "two_link/two_link.urdf"}, {"second"}}},
   };
 }
 

@@ -23,7 +23,7 @@ class Operator {
   explicit Operator(cycle::Simulation& world) : world_(world) {}
 
   void operate() {
-    switch (below(14)) {
+    switch (below(16)) {
       case 0:
         return count(world_.set_body(body(), pose(), vector(1.0), vector(1.0)));
       case 1:
@@ -57,10 +57,17 @@ class Operator {
       case 12:
         if (below(12) != 0) return write();
         return count(world_.remove_body("ball_" + std::to_string(below(4))));
+      case 13:
+        if (below(12) != 0) return write();
+        return spawn("robot_" + std::to_string(below(3)));
+      case 14:
+        if (below(12) != 0) return write();
+        return count(world_.remove_model("robot_" + std::to_string(below(3))));
       default:
         return write();
     }
   }
+  int spawned() const { return spawned_; }
   int done() const { return done_; }
 
  private:
@@ -83,15 +90,26 @@ class Operator {
                                    below(2) == 0 ? 0.0 : share() - 0.5};
     count(world_.set_joints({&to, 1}));
   }
+  void spawn(const std::string& name) {
+    static const std::filesystem::path kModels(VISUM_SOURCE_DIR "/models");
+    const auto* const file = below(2) == 0 ? "two_link/two_link.urdf" : "cart/cart.yaml";
+    const auto before = done_;
+    count(world_.spawn({kModels / file, name, pose()}));
+    spawned_ += done_ - before;
+  }
+  // Also to parts of models that came.
   void write() {
-    world_.write_inputs(0, 0, std::vector{share() - 0.5});
+    const auto part = below(world_.parts().size());
+    const auto& ports = world_.parts()[part].part->description().controller_inputs;
+    if (ports.empty() || ports[0].minimum > -0.5 || ports[0].maximum < 0.5) return;
+    world_.write_inputs(part, 0, std::vector{share() - 0.5});
     ++done_;
   }
 
   cycle::Simulation& world_;
   std::mt19937 random_{42};
   std::vector<std::uint64_t> snapshots_;
-  int done_ = 0;
+  int done_ = 0, spawned_ = 0;
 };
 
 std::filesystem::path kinematic_scene(const test::TempFiles& files) {
@@ -115,7 +133,7 @@ TEST(AChangingWorld, TenThousandRandomOperationsReplayToTheSameBits) {
   const auto file = files.folder() / "run.mcap";
   std::uint64_t hash = 0;
   std::int64_t ticks = 0;
-  int done = 0;
+  int done = 0, spawned = 0;
   {
     config::FilesNoted noted;
     auto scene = scene::load_scene(kinematic_scene(files));
@@ -130,28 +148,44 @@ TEST(AChangingWorld, TenThousandRandomOperationsReplayToTheSameBits) {
     }
     hash = world.state_hash();
     done = random.done();
+    spawned = random.spawned();
   }
   const auto result = replay(file);
   EXPECT_TRUE(result.equal) << result.difference.what << " at tick " << result.difference.tick;
   EXPECT_EQ(result.ticks, static_cast<std::uint64_t>(ticks));
   EXPECT_EQ(result.last_hash, hash);
   EXPECT_GT(done, 6000) << "most operations are carried out";
+  EXPECT_GT(spawned, 15) << "models come and go";
 }
 
-TEST(AChangingWorld, ARecordingThatBeginsWhileItRunsReplaysFromThere) {
+scene::Scene two_link() {
+  return scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/two_link.yaml");
+}
+
+// A world that runs, and the files that a daemon would keep for its clients.
+class AKeptWorld : public ::testing::Test {
+ protected:
+  // All files: parts read theirs when they are made.
+  static Origin origin_of_two_link() {
+    config::FilesNoted noted;
+    const cycle::Simulation same(two_link());
+    return {std::move(noted.files), {}};
+  }
+
   RecordedWorld world;
-  test::TempFiles files;
-  config::FilesNoted noted;
-  const cycle::Simulation same(
-      scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/two_link.yaml"));
-  const Origin origin{std::move(noted.files), {}};  // of all files: parts read theirs when they are made
-  const Archive archive(files.folder() / "kept", origin);
+  const test::TempFiles files;
+  const Origin origin = origin_of_two_link();
+  const Archive archive{files.folder() / "kept", origin};
+};
+
+TEST_F(AKeptWorld, ARecordingThatBeginsWhileItRunsReplaysFromThere) {
   world.run(100);
   ASSERT_TRUE(world->add_body(kBall).done());
   world.run(50);
   auto recorder = archive.record(*world, "monday");
   world.run(10);  // it is made ready while the world ticks on
   recorder->begin();
+  recorder->write_first();
   world->write_inputs(0, 0, std::vector{0.4});
   ASSERT_TRUE(
       world->set_body(world->model().find_body("ball"), world::Pose{{0, 0, 3}}, {0, 0, 0}, {0, 0, 0}).done());
@@ -166,14 +200,7 @@ TEST(AChangingWorld, ARecordingThatBeginsWhileItRunsReplaysFromThere) {
   EXPECT_THROW(archive.record(*world, "monday"), std::runtime_error) << "it is there already";
 }
 
-TEST(AChangingWorld, ASnapshotOnDiskIsRestoredToTheBitAfterARestart) {
-  RecordedWorld world;
-  test::TempFiles files;
-  config::FilesNoted noted;
-  const cycle::Simulation same(
-      scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/two_link.yaml"));
-  const Origin origin{std::move(noted.files), {}};  // of all files: parts read theirs when they are made
-  const Archive archive(files.folder() / "kept", origin);
+TEST_F(AKeptWorld, ASnapshotOnDiskIsRestoredToTheBitAfterARestart) {
   world->write_inputs(0, 0, std::vector{0.4});
   world.run(150);
   ASSERT_TRUE(world->add_body(kBall).done());
@@ -199,14 +226,35 @@ TEST(AChangingWorld, ASnapshotOnDiskIsRestoredToTheBitAfterARestart) {
   EXPECT_EQ(result.last_hash, later) << "the recording holds the restore";
 }
 
-TEST(AChangingWorld, ASnapshotOfAnotherWorldIsRefusedAndNothingChanges) {
-  RecordedWorld world;
-  test::TempFiles files;
-  config::FilesNoted noted;
-  const cycle::Simulation same(
-      scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/two_link.yaml"));
-  const Origin origin{std::move(noted.files), {}};  // of all files: parts read theirs when they are made
-  const Archive archive(files.folder() / "kept", origin);
+TEST_F(AKeptWorld, AModelThatComesIsInTheRecordingAndInASnapshotOnDisk) {
+  const std::filesystem::path cart(VISUM_SOURCE_DIR "/models/cart/cart.yaml");
+  world.run(20);
+  auto recorder = archive.record(*world, "monday");
+  recorder->begin();
+  recorder->write_first();
+  ASSERT_EQ(world->spawn({cart, "second", {{0, 3, 0}, Eigen::Quaterniond::Identity()}}).text(), "");
+  world->write_inputs(world->parts().size() - 1, 0, std::vector{0.1});
+  world.run(100);
+  State state;
+  world->keep(state);
+  archive.save(*world, "both", state);
+  const auto hash = world->state_hash();
+  ASSERT_EQ(world->remove_model("second").text(), "");
+  world.run(20);
+  recorder->end();
+  recorder.reset();
+  const auto replayed = replay(archive.recording_file("monday"));
+  EXPECT_TRUE(replayed.equal) << replayed.difference.what;
+  EXPECT_EQ(replayed.ticks, 120u);
+  RecordedWorld other;
+  ASSERT_EQ(other->restore_state(archive.load(*other, "both")).text(), "");
+  EXPECT_EQ(other->state_hash(), hash);
+  const auto rewound = rewind(archive.recording_file("monday"), 0.05, {}, {});
+  EXPECT_TRUE(rewound.world->model().find_body("second/chassis").valid());
+  EXPECT_EQ(rewound.world->parts().back().part->description().name, "second");
+}
+
+TEST_F(AKeptWorld, ASnapshotOfAnotherWorldIsRefusedAndNothingChanges) {
   State state;
   world->keep(state);
   archive.save(*world, "here", state);
@@ -219,7 +267,7 @@ TEST(AChangingWorld, ASnapshotOfAnotherWorldIsRefusedAndNothingChanges) {
     return std::string("no error");
   };
   EXPECT_THAT(refusal(*world, "there"), HasSubstr("no snapshot 'there'"));
-  auto scene = scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/two_link.yaml");
+  auto scene = two_link();
   scene.seed = 99;
   EXPECT_THAT(refusal(cycle::Simulation(std::move(scene)), "here"), HasSubstr("another seed"));
   const auto before = world->state_hash();

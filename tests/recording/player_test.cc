@@ -226,10 +226,10 @@ TEST(Player, AStateThatIsNoneIsPassedOver) {
         s.snapshots.push_back({1, {std::byte{1}}});
       },
       [](State& s) {
-        s.edits.push_back({false, "nobody"});
+        s.edits.push_back({State::Edit::Kind::kBodyWent, "nobody", nullptr});
       },
       [](State& s) {
-        s.edits.push_back({true, "{name: ["});
+        s.edits.push_back({State::Edit::Kind::kBodyCame, "{name: [", nullptr});
       },
   };
   for (std::size_t i = 0; i < ways.size(); ++i) {

@@ -21,13 +21,14 @@ const TimedInput& through(const Input& input, InputMessage& message) {
 
 TEST(Records, StatesComeBackAsTheyWere) {
   const auto some = bytes_of("12345678");
-  const State state{77,
-                    3,
-                    9,
-                    5,
-                    {some.begin(), some.end()},
-                    {{4, {some.begin(), some.end()}}},
-                    {{true, "{}"}, {false, "x"}}};
+  const State state{
+      77,
+      3,
+      9,
+      5,
+      {some.begin(), some.end()},
+      {{4, {some.begin(), some.end()}}},
+      {{State::Edit::Kind::kBodyCame, "{}", nullptr}, {State::Edit::Kind::kBodyWent, "x", nullptr}}};
   std::vector<std::byte> bytes;
   encode(state, bytes);
   State back;
@@ -96,7 +97,8 @@ TEST(Records, InputsComeBackAsTheyWere) {
   EXPECT_EQ(scope, protocol::ResetScope::kSpawned);
   State kept;
   kept.tick = 12;
-  kept.edits = {{true, "{name: x}"}, {false, "y"}};
+  kept.edits = {{State::Edit::Kind::kBodyCame, "{name: x}", nullptr},
+                {State::Edit::Kind::kBodyWent, "y", nullptr}};
   const auto* restored = std::get<RestoreState>(through(RestoreState{&kept}, message).input).state;
   EXPECT_EQ(restored->tick, 12);
   EXPECT_EQ(restored->edits, kept.edits);

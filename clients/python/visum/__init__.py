@@ -21,9 +21,10 @@ server's last reset. Calls block, and a Client and its Parts belong to one threa
 
 from typing import TYPE_CHECKING
 
-from visum.client import Client, ServerInfo
+from visum.client import Client, ServerInfo, SpawnedModel
 from visum.errors import Error, ErrorCode
 from visum.kinematics import Chain, ChainJoint, InverseSolution, Pose
+from visum.model_files import model_files
 from visum.part import Part
 from visum.ports import Inputs, Outputs, Port
 from visum.program import exit_code_of
@@ -33,7 +34,8 @@ if TYPE_CHECKING:
     from visum.launching import LaunchedClient, launch
 
 __all__ = ["Body", "Chain", "ChainJoint", "Client", "Contact", "Error", "ErrorCode", "Inputs", "InverseSolution", "Joint",
-           "LaunchedClient", "Outputs", "Part", "Port", "Pose", "ServerInfo", "World", "WorldView", "exit_code_of", "launch"]
+           "LaunchedClient", "Outputs", "Part", "Port", "Pose", "ServerInfo",
+           "SpawnedModel", "World", "WorldView", "exit_code_of", "launch", "model_files"]
 __version__ = "0.2.0"
 
 

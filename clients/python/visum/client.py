@@ -32,6 +32,14 @@ class ServerInfo(NamedTuple):
     simulated: bool  # False if real hardware is behind the parts
 
 
+class SpawnedModel(NamedTuple):
+    """A model that came into the world: its name, and those of its bodies and parts, with its sensors."""
+
+    name: str
+    bodies: list[str]
+    parts: list[str]
+
+
 class Client:
     """A session with a server. The constructor connects; leaving a `with` block closes. One thread uses a Client at a time.
 
@@ -313,6 +321,28 @@ class Client:
 
     def remove_body(self, name: str) -> None:
         self.connection.request(remove_body=pb.RemoveBody(body=name))
+
+    def models(self) -> list[str]:
+        """The models of the server that spawn() takes by name."""
+        return list(self.connection.request(list_models=pb.ListModels()).models.files)
+
+    def spawned_models(self) -> list[str]:
+        return list(self.connection.request(list_models=pb.ListModels()).models.spawned)
+
+    def spawn(self, file: str, name: str = "", *, position_m: Sequence[float] = (0.0, 0.0, 0.0),
+              quaternion: Sequence[float] = (1.0, 0.0, 0.0, 0.0), unique: bool = False,
+              files: Mapping[str, bytes] | None = None) -> SpawnedModel:
+        """Brings a model with its parts, drives and sensors into the world. `file` is one of models(); or, with `files`, one of
+        these: relative paths and contents, in place of the server's files (model_files() gathers them). `unique` puts a number
+        behind a name that is taken, instead of an error. The pose is that of the model's origin, in the world frame."""
+        sent = [pb.ModelFile(path=path, content=content) for path, content in (files or {}).items()]
+        reply = self.connection.request(spawn_model=pb.SpawnModel(
+            file=file, name=name, pose=[*position_m, *quaternion], make_unique=unique, files=sent)).model_spawned
+        return SpawnedModel(reply.name, list(reply.bodies), list(reply.parts))
+
+    def remove_model(self, name: str) -> None:
+        """Takes a model that was spawned out of the world, with its parts and sensors."""
+        self.connection.request(remove_model=pb.RemoveModel(name=name))
 
     def shutdown(self) -> None:
         self.connection.request(shutdown=pb.Shutdown())

@@ -8,6 +8,7 @@
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/temp_folder.h"
 #include "clients/visum/run/actions.h"
+#include "clients/visum/run/announcements.h"
 #include "clients/visum/run/bounds.h"
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/exchanges.h"
@@ -83,7 +84,7 @@ class Run {
         profile_(options.profile != nullptr ? &options.profile->runner() : nullptr),
         phases_(profile_),
         controllers_(scenario.controllers, placeholder_values(scenario, daemon), session_, wait_loop,
-                     options.on_line) {}
+                     [this](const std::string& who, const std::string& line) { tell(who, line); }) {}
 
   void go();
   void collect();  // what is known so far, into the report
@@ -108,6 +109,10 @@ class Run {
   void act();
   bool is_over();
   void note_unfinished();
+  void tell(const std::string& who, const std::string& line) {
+    options_.on_line(who, line);
+    announcements_.add_line(who, line);
+  }
 
   const Scenario& scenario_;
   const RunOptions& options_;
@@ -115,6 +120,7 @@ class Run {
   WaitLoop& wait_loop_;
   Report& report_;
   Session session_;
+  Announcements announcements_;
   const std::set<std::string> parts_;
   config::Profile* const profile_;  // null: nobody measures
   const RunnerPhases phases_;
@@ -139,7 +145,7 @@ void Run::prepare() {
   for (const auto& spec : scenario_.checks) checks_.emplace_back(spec, catalogue_);
   timeline_.emplace(scenario_.timeline, catalogue_);
   actions_.emplace(session_, controllers_, catalogue_,
-                   [this](const std::string& text) { options_.on_line("scenario", text); });
+                   [this](const std::string& text) { tell("scenario", text); });
   if (scenario_.until.condition) until_ = tie(scenario_.until.condition->quantity, catalogue_);
   const double tick_ms = static_cast<double>(session_.tick_ns()) * 1e-6;
   step_ticks_ = std::max<std::int64_t>(1, std::llround(scenario_.check_every_ms / tick_ms));
@@ -215,6 +221,7 @@ bool Run::step() {
   send_steps();
   auto now = session_.take_step();
   controllers_.note_timeouts();
+  announcements_.flush(session_);
   if (!now) {
     note_members();
     return false;
@@ -276,16 +283,6 @@ void Run::look_back() {
   report_.tripped = session_.tripped(catalogue_);
 }
 
-void Run::collect() {
-  report_.wall_seconds = seconds_since(began_);
-  report_.ticks = now_.world.tick;
-  report_.sim_seconds = sim_seconds(now_);
-  report_.state_hash = now_.world.state_hash;
-  for (const Check& check : checks_) report_.checks.push_back(check.result());
-  controllers_.stop_all();
-  report_.controllers = controllers_.results();
-}
-
 // We step this world, so we also pace its real time. After a delay it does not catch up in a burst.
 void Run::pace() {
   const auto step =
@@ -326,6 +323,19 @@ void guard(Report& report, Daemon* daemon, auto&& work) {
   } catch (const protocol::RequestError& error) {
     fail(report, cli::kFailed, std::string("visumd refused: ") + error.what());
   }
+}
+
+void Run::collect() {
+  report_.wall_seconds = seconds_since(began_);
+  report_.ticks = now_.world.tick;
+  report_.sim_seconds = sim_seconds(now_);
+  report_.state_hash = now_.world.state_hash;
+  for (const Check& check : checks_) report_.checks.push_back(check.result());
+  announcements_.add_checks(report_.checks);
+  Report of_events;  // a daemon that is gone is told elsewhere
+  guard(of_events, nullptr, [this] { announcements_.flush(session_); });
+  controllers_.stop_all();
+  report_.controllers = controllers_.results();
 }
 
 void judge(Report& report) {

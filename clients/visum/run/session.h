@@ -53,6 +53,7 @@ class Session {
   // waits.
   std::vector<std::string> take_timeouts() { return std::exchange(timeouts_, {}); }
   protocol::Reply request(const protocol::Request& request) { return connection_.request(request); }
+  void post(const protocol::Request& request) { connection_.post(request); }  // no answer is wanted
 
   std::int64_t tick_ns() const { return connection_.welcome().tick_ns; }
   const std::string& clock() const { return connection_.welcome().clock; }

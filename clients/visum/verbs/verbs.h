@@ -31,6 +31,8 @@ std::unique_ptr<Verb> make_push();
 std::unique_ptr<Verb> make_pull();
 std::unique_ptr<Verb> make_pose();
 std::unique_ptr<Verb> make_joints();
+std::unique_ptr<Verb> make_spawn();
+std::unique_ptr<Verb> make_remove();
 std::unique_ptr<Verb> make_fault();
 std::unique_ptr<Verb> make_faults();
 std::unique_ptr<Verb> make_run();

@@ -163,12 +163,12 @@ class Server {
   }
 
   void publish() {
-    fill(copy_, simulation_, tick_side_.pace());
+    fill(copy_, simulation_, tick_side_.pace(), tick_side_.part_table());
     tick_side_.give_back();
     published_version_ = tick_side_.version();
   }
   const Published& latest() {
-    if (!threaded_) fill(copy_, simulation_, tick_side_.pace());
+    if (!threaded_) fill(copy_, simulation_, tick_side_.pace(), tick_side_.part_table());
     return copy_;
   }
 

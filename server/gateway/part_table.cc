@@ -1,0 +1,71 @@
+#include "server/gateway/part_table.h"
+
+#include <algorithm>
+
+#include "server/scene/spawn.h"
+
+namespace visum::gateway {
+namespace {
+
+class NoPart final : public hwparts::Part {
+ public:
+  const protocol::PartDescription& description() const override { return description_; }
+  std::span<const std::size_t> joints() const override { return {}; }
+  std::optional<std::string> refuse(std::span<const double>) const override { return {}; }
+  void act(std::span<const double>, std::span<const hwparts::JointSample>,
+           std::span<hwparts::JointDrive>) override {}
+  void publish(std::span<const hwparts::JointSample>, std::span<double>) override {}
+  void following_errors(std::span<double>) const override {}
+  void controller_lost() override {}
+  void reset() override {}
+  void save(hwparts::StateWriter&) const override {}
+  void load(hwparts::StateReader&) override {}
+
+ private:
+  const protocol::PartDescription description_{};
+};
+
+}  // namespace
+
+std::shared_ptr<const hwparts::Part> no_part() {
+  static const auto none = std::make_shared<const NoPart>();
+  return none;
+}
+
+std::size_t PartNumbers::most() const {
+  return simulation_.own_parts() + scene::kMaxSpawnedParts;
+}
+
+bool PartNumbers::follow() {
+  const auto parts = simulation_.parts();
+  const auto same = [&](std::size_t i) { return table_->slots[table_->slot_of[i]].part == parts[i].part; };
+  bool unchanged = table_ && table_->slot_of.size() == parts.size();
+  for (std::size_t i = 0; unchanged && i < parts.size(); ++i) unchanged = same(i);
+  if (unchanged) return false;
+  auto next = table_ ? std::make_shared<PartTable>(*table_) : std::make_shared<PartTable>();
+  for (auto& slot : next->slots)
+    if (slot.part != no_part() && std::ranges::find(parts, slot.part, &cycle::BoundPart::part) == parts.end())
+      slot = {no_part(), {}, slot.generation + 1};
+  next->slot_of.clear();
+  index_.assign(most(), std::nullopt);
+  for (const auto& bound : parts) {
+    auto slot = std::ranges::find(next->slots, bound.part, &PartTable::Slot::part);
+    if (slot == next->slots.end()) {
+      slot = std::ranges::find(next->slots, no_part(), &PartTable::Slot::part);
+      if (slot == next->slots.end()) slot = next->slots.insert(slot, PartTable::Slot{no_part(), {}, 0});
+      *slot = {bound.part, bound.agent, slot->generation};
+    }
+    const auto number = static_cast<std::uint32_t>(slot - next->slots.begin());
+    index_[number] = static_cast<std::uint32_t>(next->slot_of.size());
+    next->slot_of.push_back(number);
+  }
+  table_ = std::move(next);
+  return true;
+}
+
+std::optional<std::uint32_t> PartNumbers::find(std::uint32_t slot, std::uint32_t generation) const {
+  if (slot >= table_->slots.size() || table_->slots[slot].generation != generation) return {};
+  return index_[slot];
+}
+
+}  // namespace visum::gateway
