@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "protocol/fault_messages.h"
+#include "protocol/model_messages.h"
 #include "protocol/module_messages.h"
 #include "protocol/part_description.h"
 #include "protocol/reset_scope.h"
@@ -208,19 +209,6 @@ struct AddBody {
 struct RemoveBody {
   std::string body;
 };
-struct ModelFile {
-  std::string path, content;
-};
-struct SpawnModel {
-  std::string file, name{};
-  std::vector<double> pose{};
-  bool make_unique = false;
-  std::vector<ModelFile> files{};
-};
-struct RemoveModel {
-  std::string name;
-};
-struct ListModels {};
 struct Shutdown {};
 using Request =
     std::variant<Hello, Status, ListParts, DescribePart, AcquireLease, ReleaseLease, Write, Read, Subscribe,
@@ -419,13 +407,6 @@ struct WorldSample {
   std::vector<double> peak_following_errors, peak_contact_forces;
   std::vector<ContactSample> contacts;
   std::uint64_t state_hash = 0, revision = 0, conflated = 0;
-};
-struct ModelSpawned {
-  std::string name;
-  std::vector<std::string> bodies, parts;
-};
-struct ModelList {
-  std::vector<std::string> files, spawned;
 };
 struct SnapshotTaken {
   std::uint64_t snapshot = 0;

@@ -1,7 +1,5 @@
 #include "protocol/session_core.h"
 
-#include <spdlog/spdlog.h>
-
 #include <cassert>
 #include <exception>
 #include <new>

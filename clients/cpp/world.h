@@ -26,7 +26,7 @@ namespace visum {
 
 using Vector = std::array<double, 3>;
 
-// What a reset takes back: time and state, one of them, what came since the scene was loaded, or all of it.
+// A reset takes back time and state, one of them, everything that came since the scene was loaded, or all.
 enum class ResetScope { kWorld = 0, kTime = 1, kState = 2, kSpawned = 3, kAll = 4 };
 
 struct Motion {
@@ -108,7 +108,7 @@ class WorldControl {
   // Events of at least that level; returns those that happened before. Any role.
   std::vector<EventInfo> subscribe_events(EventLevel level = EventLevel::kInfo);
   void unsubscribe_events();
-  // What came since the last call.
+  // Returns those that came since the last call.
   std::vector<EventInfo> events();
   // Tells those who subscribed a line, or the result of a check. Role controller.
   void announce(const std::string& text, bool is_check = false, EventLevel level = EventLevel::kInfo);

@@ -26,7 +26,7 @@ inline constexpr std::string_view kStateTopic = "/states";
 inline constexpr std::string_view kLogTopic = "/log";
 inline constexpr std::string_view kPartTopic = "/parts/";
 inline constexpr std::string_view kDescriptionTopic = "/description";
-// Of all parts that came with a model after the recording began, together.
+// The topics of all parts together that came with a model after the recording began.
 inline constexpr std::string_view kSpawnedTopic = "/spawned";
 inline constexpr std::string_view kSpawnedDescriptionTopic = "/spawned/description";
 

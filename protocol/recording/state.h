@@ -17,7 +17,7 @@ struct State {
     std::uint64_t number = 0;
     std::vector<std::byte> state;
   };
-  // What came or went since the scene was loaded.
+  // A body or model that came or went since the scene was loaded.
   struct Edit {
     enum class Kind { kBodyCame, kBodyWent, kModelCame, kModelWent };
     Kind kind = Kind::kBodyCame;

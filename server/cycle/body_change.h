@@ -24,7 +24,7 @@
 
 namespace visum::cycle {
 
-// What came or went, and the name of what came; empty: it went.
+// An edit with the name of what came; empty: something went.
 struct NotedEdit {
   recording::State::Edit edit;
   std::string came;
@@ -39,7 +39,7 @@ struct BodyChange {
   std::optional<protocol::ResetScope> reset;  // kSpawned or kAll
   bool restores = false;                      // a saved state is loaded afterwards
 
-  // Of the world that it began in.
+  // These are of the world that it began in.
   std::shared_ptr<const scene::Scene> base;  // that scene, or the one that was loaded; null: nothing changes
   std::shared_ptr<const scene::Scene> scene;
   std::vector<std::pair<std::string, sensors::Sensor*>> sensors;  // must outlive the change

@@ -108,7 +108,7 @@ void Simulation::bind_joints(const scene::Scene& scene) {
   }
 }
 
-// What stays goes on as it is, and `change.initial` has the old state afterwards.
+// Bodies that stay go on as they are, and `change.initial` has the old state afterwards.
 void Simulation::exchange_state(BodyChange& change) {
   auto& next = change.initial;
   for (std::size_t i = 0; i < change.kept.size(); ++i)
@@ -127,6 +127,8 @@ void Simulation::exchange_state(BodyChange& change) {
   std::erase_if(pushes_, [](const Push& push) { return !push.wrench.body.valid(); });
   std::erase_if(pulls_, [](const Pull& pull) { return !pull.body.valid(); });
   for (auto& kept : state_.engines) kept.clear();  // what an engine keeps counts bodies and shapes
+  for (std::size_t i = 0; i < change.kept.size(); ++i)
+    if (change.kept[i].valid() && change.kept[i].index() != i) state_.coupling.clear();  // it counts bodies
 }
 
 // All that may fail comes first, so that a change is whole or none.
@@ -230,8 +232,8 @@ std::size_t Simulation::edit_bytes() const {
   return bytes;
 }
 
-// What came and went leaves the world as if it had never been there, so that a restored world need not make
-// it either.
+// A thing that came and went leaves the world as if it had never been there, so that a restored world need
+// not make it either.
 void Simulation::note(NotedEdit edit) {
   const bool goes = edit.came.empty();
   const bool is_model = edit.edit.kind == Edit::Kind::kModelWent;

@@ -18,7 +18,7 @@ using protocol::ResetScope;
 
 using Edit = recording::State::Edit;
 
-// Of a model that a client sends, or of the installation's.
+// Begins the change for a model that a client sends, or for one of the installation's.
 cycle::BodyChange spawning(const cycle::Simulation& simulation, const protocol::SpawnModel& request,
                            const std::filesystem::path& models) {
   world::Pose X_WM;

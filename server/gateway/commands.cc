@@ -19,8 +19,8 @@ void Commands::send(const Call& call, const protocol::Request& request, std::uin
                     std::vector<protocol::WriteBlackboard> pieces) {
   if (!parts_.send_before_command(call, !is_about_pace(request))) return;
   const auto session = call.session.id();
-  auto command = std::make_unique<Command>(Command{
-      session, call.id, part, parts_.generation(part), request, false, {}, std::move(pieces), {}, {}});
+  auto command = std::make_unique<Command>(
+      Command{session, call.id, part, parts_.generation(part), request, false, {}, std::move(pieces), {}});
   auto* const address = command.get();
   call.client.waiting = mailbox_.send(std::move(command));
   if (!call.client.waiting)
@@ -45,8 +45,7 @@ void Commands::collect() {
   }
   std::erase_if(latched_, [this](const Latched& stop) {
     if (stop.pause || !stops_.has_acted(stop.ticket)) return false;
-    done_.push_back(
-        std::make_unique<Command>(Command{stop.session, stop.id, 0, 0, {}, false, {}, {}, {}, {}}));
+    done_.push_back(std::make_unique<Command>(Command{stop.session, stop.id, 0, 0, {}, false, {}, {}, {}}));
     done_.back()->reply = protocol::Ok{};
     return true;
   });

@@ -62,7 +62,7 @@ struct Command {
   protocol::Reply reply;                            // filled by the tick's side
   std::vector<protocol::WriteBlackboard> pieces{};  // of an UnlockBlackboard: what was written
   std::unique_ptr<WorldView> view;                  // filled if the world's description changed
-  // What a change of the bodies leaves over, such as the old world's scene and machinery: freed with the
+  // A change of the bodies leaves things over, such as the old world's scene and machinery: freed with the
   // command, since that takes longer than a tick has.
   std::shared_ptr<void> left_over{};
 };

@@ -1,4 +1,4 @@
-// Which models of the installation clients may spawn, and what they may send themselves.
+// Decides which models of the installation clients may spawn, and what they may send themselves.
 #pragma once
 
 #include <cstddef>

@@ -33,7 +33,7 @@ class Parts {
   // Parts came or went, and StaticWorld has the new ones already. `changed`: the numbers that mean another
   // part than in `before`, or none. Ends the leases of those that went.
   void follow(const PartTable& before, std::span<const std::uint32_t> changed, const Published& now);
-  // Of the number of a part; 0 for requests that are about none.
+  // The generation of a part's number; 0 for requests that are about none.
   std::uint32_t generation(std::uint32_t part) const {
     return part < world_.parts.size() ? world_.generation(part) : 0;
   }

@@ -82,11 +82,11 @@ void StopDoor::serve_some() {
     datagrams[i].msg_hdr.msg_iov = &pieces[i];
     datagrams[i].msg_hdr.msg_iovlen = 1;
   }
+  const int count = ::recvmmsg(socket_, datagrams.data(), kAtOnce, MSG_DONTWAIT, nullptr);
   {
     const std::lock_guard lock(mutex_);
     if (auto parts = std::exchange(parts_, {})) orders_.set_parts(std::move(*parts));
   }
-  const int count = ::recvmmsg(socket_, datagrams.data(), kAtOnce, MSG_DONTWAIT, nullptr);
   for (std::size_t i = 0; count > 0 && i < static_cast<std::size_t>(count); ++i) {
     const std::string peer(reinterpret_cast<const char*>(&peers[i]), datagrams[i].msg_hdr.msg_namelen);
     const auto answer =

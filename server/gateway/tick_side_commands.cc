@@ -259,7 +259,9 @@ Reply TickSide::answer(Command& command, const protocol::WriteBlackboard& reques
 
 // All pieces act as one write of the whole content, as each would have by itself.
 Reply TickSide::answer(Command& command, const protocol::UnlockBlackboard& request) {
-  const auto& part = *simulation_.parts()[command.part].part;
+  const auto* bound = part_or_fail(command);
+  if (!bound) return command.reply;
+  const auto& part = *bound->part;
   const auto& boards = part.description().blackboards;
   const auto board = static_cast<std::size_t>(
       std::ranges::find(boards, request.name, &protocol::Blackboard::name) - boards.begin());
@@ -272,7 +274,7 @@ Reply TickSide::answer(Command& command, const protocol::UnlockBlackboard& reque
                        std::to_string(piece.offset),
                    {}};
   }
-  const auto outcome = simulation_.write_blackboard(command.part, board, 0, content);
+  const auto outcome = simulation_.write_blackboard(number_of(*bound), board, 0, content);
   if (!outcome.done()) return error_of(outcome);
   return Ok{};
 }

@@ -421,15 +421,16 @@ class Ends(Scenario):
     # As on a slow machine, whose runs are invalid.
     def test_keep_goes_on_after_an_invalid_run_too(self):
         silent = "controllers: [{name: c, joins: false, command: [echo, hello]}]\n"
-        self.keep_and_watch("until: {at_s: 0.05}\n" + silent, 6, "INVALID")
+        told = self.keep_and_watch("until: {at_s: 0.05}\n" + silent, 6, "INVALID")
+        self.assertIn(("line", "info", "scenario", "c: hello"), told)
 
     def test_keep_goes_on_until_it_is_interrupted(self):
-        self.keep_and_watch("until: {at_s: 0.05}\nchecks: [{that: {tilt: {body: box}, below: 1}}]\n", 0, "PASSED: 1 of 1 checks")
+        check = "checks: [{name: upright, that: {tilt: {body: box}, below: 1}}]\n"
+        told = self.keep_and_watch("until: {at_s: 0.05}\n" + check, 0, "PASSED: 1 of 1 checks")
+        self.assertIn(("check", "info", "scenario", "upright: passed"), told)
 
     def keep_and_watch(self, text, code, verdict):
-        file = self.write(text)
-        process = subprocess.Popen([BIN / "visum", "run", file, "--keep"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   text=True)
+        process = subprocess.Popen([BIN / "visum", "run", self.write(text), "--keep"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         connect = None
         while connect is None:
             line = process.stderr.readline()
@@ -439,11 +440,14 @@ class Ends(Scenario):
         samples = visum("watch", "arm", "Part State", "--every", "10", "--count", "5", "--json", "--connect", connect).stdout
         ticks = [json.loads(sample)["tick"] for sample in samples.splitlines()]
         self.assertEqual(ticks, sorted(set(ticks)), "time goes on")
+        events = map(json.loads, visum("events", "--json", "--connect", connect).stdout.splitlines())
+        told = [(event["kind"], event["level"], event["source"], event["text"]) for event in events]
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=DEADLINE_S)
         self.assertEqual(process.returncode, code, err)
         self.assertIn(verdict, out)
         self.assert_nothing_left()
+        return told
 
     def test_a_fixed_port(self):
         port = free_port_that_nobody_is_given()

@@ -24,7 +24,7 @@ void load(const config::Files& files) {
   }
 }
 
-// What was there before stays as it was, whatever comes.
+// Spawns a model: everything that was there before must stay as it was, whatever comes.
 void spawn(const config::Files& files, const std::string& file) {
   static const scene::Scene base = [] {
     const config::Files only{

@@ -83,6 +83,7 @@ std::vector<Row> table() {
           {OverrideModulePort{"motion"}, kNot, kYes, kYes},
           {LockBlackboard{arm, "nothing"}, kNot, kYes, kYes},
           {UnlockBlackboard{arm, "nothing"}, kNot, kYes, kYes},
+
           {SpawnModel{}, kNot, kNot, kYes},
           {RemoveModel{}, kNot, kNot, kYes},
           {ListModels{}, kYes, kYes, kYes}};

@@ -9,7 +9,7 @@
 namespace visum::run {
 namespace {
 
-constexpr double kWidth = 720.0, kHeight = 170.0;
+constexpr double kPlotWidth = 720.0, kHeight = 170.0;
 constexpr double kLeft = 84.0, kRight = 12.0, kTop = 10.0, kBottom = 24.0;
 
 struct Span {
@@ -38,7 +38,7 @@ class Frame {
 
   std::string x(double at_s) const {
     const double share = (at_s - time_.low) / std::max(time_.high - time_.low, 1e-12);
-    return cli::fixed(kLeft + share * (kWidth - kLeft - kRight), 1);
+    return cli::fixed(kLeft + share * (kPlotWidth - kLeft - kRight), 1);
   }
   std::string y(double value) const {
     const double share = (value - shown_.low) / (shown_.high - shown_.low);
@@ -46,7 +46,7 @@ class Frame {
   }
   std::string words() const {
     return text(kLeft - 6, value_.high, "end") + text(kLeft - 6, value_.low, "end") +
-           at_foot(kLeft, time_.low, "start") + at_foot(kWidth - kRight, time_.high, "end");
+           at_foot(kLeft, time_.low, "start") + at_foot(kPlotWidth - kRight, time_.high, "end");
   }
 
  private:
@@ -77,7 +77,7 @@ std::string limit_lines(const CheckResult& check, const Frame& frame) {
   for (const double limit : check.limits) {
     if (!std::isfinite(limit)) continue;
     lines += "<line class=\"limit\" x1=\"" + cli::fixed(kLeft, 1) + "\" x2=\"" +
-             cli::fixed(kWidth - kRight, 1) + "\" y1=\"" + frame.y(limit) + "\" y2=\"" + frame.y(limit) +
+             cli::fixed(kPlotWidth - kRight, 1) + "\" y1=\"" + frame.y(limit) + "\" y2=\"" + frame.y(limit) +
              "\"/>";
   }
   return lines;
@@ -94,7 +94,7 @@ std::string mark(const CheckResult& check, const Frame& frame) {
 std::string plot(const CheckResult& check) {
   if (check.course.size() < 2) return {};
   const Frame frame(check);
-  return "<svg viewBox=\"0 0 " + cli::fixed(kWidth, 0) + " " + cli::fixed(kHeight, 0) +
+  return "<svg viewBox=\"0 0 " + cli::fixed(kPlotWidth, 0) + " " + cli::fixed(kHeight, 0) +
          "\" role=\"img\" aria-label=\"" + cli::markup(check.name) + "\">" + limit_lines(check, frame) +
          band(check, frame) + mark(check, frame) + frame.words() + "</svg>\n";
 }

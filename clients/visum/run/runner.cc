@@ -8,6 +8,7 @@
 #include "clients/visum/common/format.h"
 #include "clients/visum/common/temp_folder.h"
 #include "clients/visum/run/actions.h"
+#include "clients/visum/run/announcements.h"
 #include "clients/visum/run/bounds.h"
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/exchanges.h"
@@ -108,9 +109,10 @@ class Run {
   void act();
   bool is_over();
   void note_unfinished();
-  // A line of a controller or of the time line: for the user, and for those who follow the server's events.
-  void tell(const std::string& who, const std::string& line);
-  void announce_checks();
+  void tell(const std::string& who, const std::string& line) {
+    options_.on_line(who, line);
+    announcements_.add_line(who, line);
+  }
 
   const Scenario& scenario_;
   const RunOptions& options_;
@@ -118,6 +120,7 @@ class Run {
   WaitLoop& wait_loop_;
   Report& report_;
   Session session_;
+  Announcements announcements_;
   const std::set<std::string> parts_;
   config::Profile* const profile_;  // null: nobody measures
   const RunnerPhases phases_;
@@ -218,7 +221,7 @@ bool Run::step() {
   send_steps();
   auto now = session_.take_step();
   controllers_.note_timeouts();
-  session_.flush_announcements();
+  announcements_.flush(session_);
   if (!now) {
     note_members();
     return false;
@@ -273,36 +276,11 @@ void Run::note_unfinished() {
   }
 }
 
-void Run::tell(const std::string& who, const std::string& line) {
-  options_.on_line(who, line);
-  session_.announce(who + ": " + line, "line", protocol::EventLevel::kInfo);
-}
-
-// The daemon may be gone, which the report says elsewhere.
-void Run::announce_checks() try {
-  for (const auto& check : report_.checks)
-    session_.announce(check.name + (check.passed ? ": passed" : ": failed, " + check.failure), "check",
-                      check.passed ? protocol::EventLevel::kInfo : protocol::EventLevel::kError);
-  session_.flush_announcements();
-} catch (const protocol::ConnectionError&) {
-}
-
 void Run::look_back() {
   last_ = session_.status();
   report_.limited_ticks = last_.limited_ticks;
   report_.limited_bodies = last_.limited_bodies;
   report_.tripped = session_.tripped(catalogue_);
-}
-
-void Run::collect() {
-  report_.wall_seconds = seconds_since(began_);
-  report_.ticks = now_.world.tick;
-  report_.sim_seconds = sim_seconds(now_);
-  report_.state_hash = now_.world.state_hash;
-  for (const Check& check : checks_) report_.checks.push_back(check.result());
-  announce_checks();
-  controllers_.stop_all();
-  report_.controllers = controllers_.results();
 }
 
 // We step this world, so we also pace its real time. After a delay it does not catch up in a burst.
@@ -345,6 +323,19 @@ void guard(Report& report, Daemon* daemon, auto&& work) {
   } catch (const protocol::RequestError& error) {
     fail(report, cli::kFailed, std::string("visumd refused: ") + error.what());
   }
+}
+
+void Run::collect() {
+  report_.wall_seconds = seconds_since(began_);
+  report_.ticks = now_.world.tick;
+  report_.sim_seconds = sim_seconds(now_);
+  report_.state_hash = now_.world.state_hash;
+  for (const Check& check : checks_) report_.checks.push_back(check.result());
+  announcements_.add_checks(report_.checks);
+  Report of_events;  // a daemon that is gone is told elsewhere
+  guard(of_events, nullptr, [this] { announcements_.flush(session_); });
+  controllers_.stop_all();
+  report_.controllers = controllers_.results();
 }
 
 void judge(Report& report) {

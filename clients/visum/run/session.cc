@@ -4,7 +4,6 @@
 #include <sstream>
 
 #include "clients/visum/common/exit_code.h"
-#include "protocol/config/printable.h"
 #include "protocol/limits.h"
 
 namespace visum::run {
@@ -149,34 +148,6 @@ protocol::ServerStatus Session::status() {
   auto status = connection_.request_as<protocol::ServerStatus>(protocol::Status{});
   hear_events();
   return status;
-}
-
-void Session::announce(std::string text, const std::string& kind, protocol::EventLevel level) {
-  constexpr std::size_t kMostBytes = 1000;  // SPEC.md, section 9
-  if (announcements_.size() == kMostAnnouncements) {
-    ++left_out_;
-    return;
-  }
-  std::string printable = config::printable(text);
-  if (printable.empty()) return;
-  std::size_t end = 0;
-  while (end < printable.size()) {
-    const auto length = config::utf8_length(printable, end);
-    if (end + length > kMostBytes) break;
-    end += length;
-  }
-  printable.resize(end);
-  announcements_.push_back({std::move(printable), kind, level});
-}
-
-void Session::flush_announcements() {
-  if (!steps_.empty()) return;
-  if (left_out_ != 0)
-    announcements_.push_back({std::to_string(left_out_) + " further announcements were left out", "line",
-                              protocol::EventLevel::kWarning});
-  for (const auto& announcement : announcements_) connection_.post(announcement);
-  announcements_.clear();
-  left_out_ = 0;
 }
 
 // Events come before the status that already shows their effect.

@@ -53,12 +53,7 @@ class Session {
   // waits.
   std::vector<std::string> take_timeouts() { return std::exchange(timeouts_, {}); }
   protocol::Reply request(const protocol::Request& request) { return connection_.request(request); }
-  // Tells those who follow the server's events a line of a program, or the result of a check. It leaves with
-  // the next flush_announcements(); past kMostAnnouncements they are left out, and the last one says so.
-  void announce(std::string text, const std::string& kind, protocol::EventLevel level);
-  // Sends what waits, without an answer, unless steps are under way: behind them it would wait for the world.
-  void flush_announcements();
-  static constexpr std::size_t kMostAnnouncements = 1000;
+  void post(const protocol::Request& request) { connection_.post(request); }  // no answer is wanted
 
   std::int64_t tick_ns() const { return connection_.welcome().tick_ns; }
   const std::string& clock() const { return connection_.welcome().clock; }
@@ -75,8 +70,6 @@ class Session {
   std::int64_t tick_ = 0;                         // of the last answer
   std::deque<std::vector<std::uint64_t>> steps_;  // sent ahead: the requests of each
   std::vector<std::string> timeouts_;
-  std::vector<protocol::Announce> announcements_;
-  std::size_t left_out_ = 0;  // announcements
 };
 
 }  // namespace visum::run
