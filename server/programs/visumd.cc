@@ -4,12 +4,9 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
 #include <csignal>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -22,7 +19,6 @@
 #include "protocol/command_line/fork_server.h"
 #include "protocol/command_line/one_of.h"
 #include "protocol/command_line/parse.h"
-#include "protocol/config/new_file.h"
 #include "protocol/config/profile.h"
 #include "protocol/config/unknown_name.h"
 #include "server/cycle/simulation.h"
@@ -31,6 +27,7 @@
 #include "server/gateway/model_files.h"
 #include "server/gateway/playback.h"
 #include "server/programs/command_line.h"
+#include "server/programs/csv_file.h"
 #include "server/programs/drives_file.h"
 #include "server/programs/logbook.h"
 #include "server/programs/node_watch.h"
@@ -390,27 +387,6 @@ int replay(const programs::Command& command) {
   });
 }
 
-// `to` empty: standard output.
-int export_ports(const std::string& file, const recording::CsvOptions& options, const std::string& to) {
-  std::error_code not_there;
-  if (std::filesystem::equivalent(file, to, not_there))
-    throw std::runtime_error("--output " + to + " is the recording itself: name another file");
-  const config::NewFile made(to);
-  std::ofstream out_file;
-  if (!to.empty()) out_file.open(made.path(), std::ios::binary | std::ios::trunc);
-  std::ostream& out = to.empty() ? std::cout : out_file;
-  if (!out) throw std::runtime_error(to + ": cannot be written: " + std::strerror(errno));
-  const auto result = recording::export_csv(file, options, out);
-  errno = 0;
-  if (!out.flush() && !to.empty())  // standard output is looked at in the end (output.h)
-    throw std::runtime_error(to + ": cannot be written" +
-                             (errno == 0 ? std::string() : std::string(": ") + std::strerror(errno)));
-  made.keep();
-  if (result.damage.empty()) return programs::kPassed;
-  spdlog::error("{}: {} rows, then it is damaged: {}", file, result.rows, result.damage);
-  return programs::kFailed;
-}
-
 int export_csv(const programs::Command& command) {
   std::string file, to;
   recording::CsvOptions options;
@@ -429,7 +405,7 @@ int export_csv(const programs::Command& command) {
              "Exit codes: 0 done, 1 the recording is damaged and what can be read of it is written, 2 bad "
              "usage, 3 this is not a recording.");
   return programs::run_command(app, command, "visumd", output,
-                               [&] { return export_ports(file, options, to); });
+                               [&] { return programs::export_ports(file, options, to); });
 }
 
 const std::vector<std::string> kVerbs{"check", "convert", "drives", "export", "record", "replay", "rewind"};

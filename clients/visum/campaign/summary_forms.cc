@@ -278,7 +278,7 @@ std::string figures_html(Results& results, const Summary& summary, std::size_t l
                          : row.outcome() == SequentialTest::Outcome::kFailed
                              ? run::SweptRun::Outcome::kFailed
                              : run::SweptRun::Outcome::kInvalid;
-    runs.push_back({row.run, outcome, parameters_of(row), row.recording});
+    runs.push_back({row.run, outcome, values_of(row), row.recording});
     values.reset().bind(row.run);
     while (values.step()) runs.back().checks[values.text(0)] = values.real(1).value_or(0.0);
   });

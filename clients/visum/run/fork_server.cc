@@ -24,7 +24,7 @@ std::unique_ptr<ChildProcess> ForkServer::start(const std::string& name, const s
 void ForkServer::begin(const std::string& program) {
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) return;
-  // What it looks up as it is loaded, its copies need not look up again.
+  // It looks up all names as it is loaded, so that its copies need not do so again.
   const bool lazily = ::getenv("LD_BIND_NOW") == nullptr;
   if (lazily) ::setenv("LD_BIND_NOW", "1", 1);
   try {
