@@ -1,5 +1,7 @@
 #include "protocol/session_core.h"
 
+#include <spdlog/spdlog.h>
+
 #include <cassert>
 #include <exception>
 #include <new>

@@ -169,13 +169,14 @@ void Playback::show_ports(Published& published) const {
   const auto parts = player_.world().parts();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const auto& name = parts[i].part->description().name;
-    if (name == name_) published.parts[i].sensor_outputs = {static_cast<double>(player_.position())};
+    auto& shown = published.parts[published.table->slot_of[i]];
+    if (name == name_) shown.sensor_outputs = {static_cast<double>(player_.position())};
     const auto* sample = player_.sample(name);
-    if (!sample || sample->controller_inputs.size() != published.parts[i].controller_inputs.size() ||
-        sample->sensor_outputs.size() != published.parts[i].sensor_outputs.size())
+    if (!sample || sample->controller_inputs.size() != shown.controller_inputs.size() ||
+        sample->sensor_outputs.size() != shown.sensor_outputs.size())
       continue;
-    published.parts[i].controller_inputs = sample->controller_inputs;
-    published.parts[i].sensor_outputs = sample->sensor_outputs;
+    shown.controller_inputs = sample->controller_inputs;
+    shown.sensor_outputs = sample->sensor_outputs;
   }
 }
 

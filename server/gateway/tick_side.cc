@@ -104,6 +104,7 @@ void TickSide::tick() {
     simulation_.tick();
   else if (!next_())
     hold();
+  if (next_) follow_parts();  // the recording may have gone to another moment
   watch_nodes();
   measure_speed();
   if (steps_left_ > 0 && (--steps_left_ == 0 || simulation_.frozen())) finish_steps();

@@ -71,6 +71,7 @@ void TickSide::run(std::unique_ptr<Command> command) {
           std::visit([&](const auto& request) { return answer(*command, request); }, command->request);
     });
     if (!outcome.done()) command->reply = error_of(outcome);
+    if (next_) follow_parts();
   }
   done_.push_back(std::move(command));
 }

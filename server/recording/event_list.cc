@@ -7,6 +7,7 @@
 
 #include "protocol/config/printable.h"
 #include "protocol/recording/reset_scope_words.h"
+#include "protocol/recording/spawned_model.h"
 
 namespace visum::recording {
 namespace {
@@ -71,6 +72,12 @@ struct Teller {
   Words operator()(const AddBody&) const { return {"world_changed", "a body came"}; }
   Words operator()(const RemoveBody& gone) const {
     return {"world_changed", "'" + std::string(gone.name) + "' went"};
+  }
+  Words operator()(const SpawnModel& came) const {
+    return {"spawn", "the model '" + came.model->name + "' came"};
+  }
+  Words operator()(const RemoveModel& gone) const {
+    return {"remove", "the model '" + std::string(gone.name) + "' went"};
   }
   Words operator()(const InjectFault& fault) const {
     std::string text(fault.kind);

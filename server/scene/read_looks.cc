@@ -32,9 +32,12 @@ std::string read_bytes(const Node& node, std::size_t max_bytes) {
 
 std::int32_t read_texture(Looks& looks, const Node& node) {
   const std::string name = read_path(node).string();
-  const auto known = std::ranges::find(looks.textures, name, &Texture::name);
-  if (known != looks.textures.end()) return static_cast<std::int32_t>(known - looks.textures.begin());
   Texture texture{name, {}, read_bytes(node, kMaxTextureBytes)};
+  // Two models that came while the world runs may have other files of the same name.
+  const auto known = std::ranges::find_if(looks.textures, [&](const Texture& other) {
+    return other.name == name && other.bytes == texture.bytes;
+  });
+  if (known != looks.textures.end()) return static_cast<std::int32_t>(known - looks.textures.begin());
   texture.content_type = picture_type(texture.bytes);
   if (texture.content_type.empty()) node.fail("'" + name + "' is neither a PNG nor a JPEG picture");
   std::size_t total = texture.bytes.size();

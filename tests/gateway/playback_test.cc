@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <thread>
 
 #include "server/recording/recorder.h"
@@ -16,8 +17,14 @@ using protocol::ErrorCode;
 
 class PlaybackTest : public testing::Test {
  protected:
-  PlaybackTest() {
-    record();
+  // Called before each tick of the recorded world, with the number of ticks so far.
+  using Acts = void (*)(cycle::Simulation& world, int ticks);
+  static void reset_late(cycle::Simulation& world, int ticks) {
+    if (ticks == 1200) world.reset();
+  }
+
+  explicit PlaybackTest(Acts acts = reset_late) {
+    record(acts);
     playback_ = std::make_unique<Playback>(file(), recording::PluginFolders{});
     DaemonOptions options;
     options.port = 0;
@@ -56,7 +63,7 @@ class PlaybackTest : public testing::Test {
   std::vector<std::vector<double>> angles_;
 
  private:
-  void record() {
+  void record(Acts acts) {
     config::FilesNoted noted;
     auto scene = scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/two_link.yaml");
     cycle::Simulation world(std::move(scene));
@@ -64,7 +71,7 @@ class PlaybackTest : public testing::Test {
     note(world);
     world.write_inputs(0, 0, std::vector{0.7, -0.3});
     for (int i = 0; i < 1500; ++i) {
-      if (i == 1200) world.reset();
+      acts(world, i);
       world.tick();
       note(world);
     }
@@ -80,6 +87,36 @@ class PlaybackTest : public testing::Test {
   std::thread thread_;
   std::optional<protocol::Connection> client_;
 };
+
+class PlaybackOfAModelThatComesAndGoes : public PlaybackTest {
+ protected:
+  static void come_and_go(cycle::Simulation& world, int ticks) {
+    static const std::filesystem::path kCart(VISUM_SOURCE_DIR "/models/cart/cart.yaml");
+    cycle::Outcome outcome;
+    if (ticks == 500) outcome = world.spawn({kCart, "second", {{0, 3, 0}, Eigen::Quaterniond::Identity()}});
+    if (ticks == 900) outcome = world.remove_model("second");
+    EXPECT_EQ(outcome.text(), "");
+  }
+  PlaybackOfAModelThatComesAndGoes() : PlaybackTest(come_and_go) {}
+};
+
+TEST_F(PlaybackOfAModelThatComesAndGoes, ShowsItsPartsWhereTheyWere) {
+  for (const std::int64_t position : {700, 100, 899, 1300, 600, 1450, 20}) {
+    SCOPED_TRACE(position);
+    seek(position);
+    EXPECT_EQ(status().state_hash, hashes_[static_cast<std::size_t>(position)]);
+    const bool is_there = position > 500 && position < 900;
+    std::vector<std::string> names;
+    for (const auto& part : client().request_as<protocol::PartList>(protocol::ListParts{}).parts)
+      names.push_back(part.name);
+    EXPECT_EQ(std::ranges::count(names, "second"), is_there ? 1 : 0);
+    EXPECT_EQ(std::ranges::count(names, "robot"), 1);
+    if (is_there) {
+      const auto sample = client().request_as<protocol::PartSample>(protocol::Read{"second"});
+      EXPECT_FALSE(sample.sensor_outputs.empty());
+    }
+  }
+}
 
 TEST_F(PlaybackTest, StandsAtItsBeginningUntilItIsPlayed) {
   const auto now = status();
