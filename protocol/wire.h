@@ -51,13 +51,15 @@ void take(const v1::WorldSample& from, WorldSample& to);
 void put(const MeshData& from, v1::MeshData& to);
 void take(const v1::MeshData& from, MeshData& to);
 
-// wire_modules.cc: the requests of module_messages.h, and the list of modules.
+// wire_modules.cc: the requests of module_messages.h, the list of modules, and locks of blackboards.
 struct PutModuleRequest {
   v1::ClientMessage& to;
   void operator()(const AnnounceModules& from) const;
   void operator()(const ReportModules& from) const;
   void operator()(const ListModules& from) const;
   void operator()(const OverrideModulePort& from) const;
+  void operator()(const LockBlackboard& from) const;
+  void operator()(const UnlockBlackboard& from) const;
 };
 // False, and `why` stays empty, if it is another request.
 bool take_module_request(const v1::ClientMessage& from, Request& to, std::string& why);

@@ -1,4 +1,5 @@
-// Modules, groups and edges of controllers: the requests about them, and the list of them.
+// Modules, groups and edges of controllers: the requests about them, and the list of them. Locks of
+// blackboards stand here, too.
 #include "protocol/wire.h"
 #include "visum.pb.h"
 
@@ -113,6 +114,19 @@ void PutModuleRequest::operator()(const OverrideModulePort& from) const {
   put_override(from, *to.mutable_override_module_port());
 }
 
+void PutModuleRequest::operator()(const LockBlackboard& from) const {
+  auto& w = *to.mutable_lock_blackboard();
+  w.set_part(from.part);
+  w.set_name(from.name);
+  w.set_timeout_ns(from.timeout_ns);
+}
+void PutModuleRequest::operator()(const UnlockBlackboard& from) const {
+  auto& w = *to.mutable_unlock_blackboard();
+  w.set_part(from.part);
+  w.set_name(from.name);
+  w.set_discard(from.discard);
+}
+
 bool take_module_request(const v1::ClientMessage& from, Request& to, std::string& why) {
   switch (from.request_case()) {
     case v1::ClientMessage::kAnnounceModules:
@@ -125,6 +139,14 @@ bool take_module_request(const v1::ClientMessage& from, Request& to, std::string
       return true;
     case v1::ClientMessage::kOverrideModulePort:
       to = override_of(from.override_module_port());
+      return true;
+    case v1::ClientMessage::kLockBlackboard:
+      to = LockBlackboard{from.lock_blackboard().part(), from.lock_blackboard().name(),
+                          from.lock_blackboard().timeout_ns()};
+      return true;
+    case v1::ClientMessage::kUnlockBlackboard:
+      to = UnlockBlackboard{from.unlock_blackboard().part(), from.unlock_blackboard().name(),
+                            from.unlock_blackboard().discard()};
       return true;
     default:
       return false;

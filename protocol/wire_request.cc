@@ -82,18 +82,6 @@ struct PutRequest : PutModuleRequest {
     w.set_offset(m.offset);
     w.set_data(bytes_of(m.data));
   }
-  void operator()(const LockBlackboard& m) const {
-    auto& w = *to.mutable_lock_blackboard();
-    w.set_part(m.part);
-    w.set_name(m.name);
-    w.set_timeout_ns(m.timeout_ns);
-  }
-  void operator()(const UnlockBlackboard& m) const {
-    auto& w = *to.mutable_unlock_blackboard();
-    w.set_part(m.part);
-    w.set_name(m.name);
-    w.set_discard(m.discard);
-  }
   void operator()(const Join& m) const {
     auto& w = *to.mutable_join();
     w.set_timeout_ns(m.timeout_ns);
@@ -282,16 +270,6 @@ bool take_part_request(const v1::ClientMessage& from, Request& to, std::string& 
     case v1::ClientMessage::kWriteBlackboard: {
       const auto& w = from.write_blackboard();
       to = WriteBlackboard{w.part(), w.name(), w.offset(), bytes_of(w.data())};
-      return true;
-    }
-    case v1::ClientMessage::kLockBlackboard: {
-      const auto& w = from.lock_blackboard();
-      to = LockBlackboard{w.part(), w.name(), w.timeout_ns()};
-      return true;
-    }
-    case v1::ClientMessage::kUnlockBlackboard: {
-      const auto& w = from.unlock_blackboard();
-      to = UnlockBlackboard{w.part(), w.name(), w.discard()};
       return true;
     }
     default:
