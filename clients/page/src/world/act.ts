@@ -3,7 +3,7 @@ import { h } from "../ui/dom";
 import { report, reportError } from "../ui/toasts";
 
 export function section(title: string, ...content: HTMLElement[]): HTMLElement {
-  return h("section", { "aria-label": title }, h("h3", {}, title), ...content);
+  return h("section", { "aria-label": title }, h("h2", {}, title), ...content);
 }
 
 // A button that asks the server for something, and tells what became of it. `run` resolves to the words; to
