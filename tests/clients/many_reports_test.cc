@@ -147,7 +147,7 @@ TEST(RunLine, SaysWhyItFailed) {
             "    FAILED  upright: tilt of box must be below 0.1 rad\n");
 }
 
-// A program that goes with its first run, which fails.
+// A program that goes with its first run, which tells no result.
 TEST(RunMany, AProcessThatCannotBeStartedCostsNoRunThatIsDone) {
   const cli::TempFolder folder;
   ManyOptions options;
@@ -157,7 +157,7 @@ TEST(RunMany, AProcessThatCannotBeStartedCostsNoRunThatIsDone) {
   options.runs = 3;
   const auto reports = run_many(options);
   ASSERT_EQ(reports.size(), 3u);
-  EXPECT_EQ(reports[0].code, cli::kLost);
+  EXPECT_EQ(reports[0].code, cli::kInvalid);  // it says nothing of the run
   EXPECT_THAT(reports[0].error, HasSubstr("exited with code 4"));
   for (const std::size_t run : {2u, 3u}) {
     EXPECT_EQ(reports[run - 1].run, run);

@@ -137,7 +137,8 @@ pageTest("a page that is reloaded asks first, and commands again what it command
   await page.getByText("This page commands arm again").waitFor();
   assert.deepEqual(asked, ["beforeunload"]);
   await claim("no part has stopped meanwhile, and the values are as before", async () => {
-    assert.equal(await page.locator(".chip").getAttribute("data-tone"), "good");
+    // It may still be on its way. One that has stopped would not become ready by itself.
+    await until(page, () => document.querySelector(".chip").dataset.tone === "good");
     assert.equal(await page.evaluate(() => visum.read("arm", "Desired Angle 1")), wanted);
   });
 }, flat);

@@ -13,7 +13,8 @@ std::string margin_text(const SearchDone& search) {
 
 std::string course(const SearchDone& search) {
   std::string text = std::to_string(search.runs) + " runs in " + std::to_string(search.generations) +
-                     " generations from " + std::to_string(search.starts) + (search.starts == 1 ? " start" : " starts");
+                     " generations from " + std::to_string(search.starts) +
+                     (search.starts == 1 ? " start" : " starts");
   if (search.reused > 0) text += ", " + std::to_string(search.reused) + " were there already";
   text += search.broken == 0 ? "; none broke it"
                              : "; " + std::to_string(search.broken) + " broke it, the first was number " +
