@@ -12,6 +12,11 @@ BlackboardLocks::Refusal over(const std::string& name) {
                                     "what was written under it was dropped"}};
 }
 
+// Counts what a write takes in memory, so that empty ones have a limit, too.
+std::size_t bytes_of(const protocol::WriteBlackboard& write) {
+  return sizeof write + write.part.size() + write.name.size() + write.data.size();
+}
+
 }  // namespace
 
 BlackboardLocks::Lock* BlackboardLocks::find(std::uint64_t session, const std::string& part,
@@ -38,10 +43,10 @@ bool BlackboardLocks::keep(std::uint64_t session, const protocol::WriteBlackboar
   if (lock == nullptr) return false;
   if (lock->is_over(now)) {
     refusal = over(write.name);
-  } else if (write.data.size() > kMostBytes - lock->bytes) {
+  } else if (const auto bytes = bytes_of(write); bytes > kMostBytes - lock->bytes) {
     refusal = {{ErrorCode::kBusy, "more than " + std::to_string(kMostBytes) + " bytes under one lock"}};
   } else {
-    lock->bytes += write.data.size();
+    lock->bytes += bytes;
     lock->writes.push_back(write);
   }
   return true;

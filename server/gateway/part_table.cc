@@ -2,24 +2,15 @@
 
 #include <algorithm>
 
+#include "server/gateway/idle_part.h"
 #include "server/scene/spawn.h"
 
 namespace visum::gateway {
 namespace {
 
-class NoPart final : public hwparts::Part {
+class NoPart final : public IdlePart {
  public:
   const protocol::PartDescription& description() const override { return description_; }
-  std::span<const std::size_t> joints() const override { return {}; }
-  std::optional<std::string> refuse(std::span<const double>) const override { return {}; }
-  void act(std::span<const double>, std::span<const hwparts::JointSample>,
-           std::span<hwparts::JointDrive>) override {}
-  void publish(std::span<const hwparts::JointSample>, std::span<double>) override {}
-  void following_errors(std::span<double>) const override {}
-  void controller_lost() override {}
-  void reset() override {}
-  void save(hwparts::StateWriter&) const override {}
-  void load(hwparts::StateReader&) override {}
 
  private:
   const protocol::PartDescription description_{};

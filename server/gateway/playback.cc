@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "protocol/json_text.h"
+#include "server/gateway/idle_part.h"
 #include "server/recording/build.h"
 #include "server/scene/scene.h"
 
@@ -62,7 +63,7 @@ std::string events_as_json(const recording::EventList& list) {
 }  // namespace
 
 // The part that steers. It does not belong to the world.
-class Playback::Steering : public hwparts::Part {
+class Playback::Steering : public IdlePart {
  public:
   explicit Steering(Playback& playback) : playback_(playback) {
     description_.name = playback.name();
@@ -72,16 +73,6 @@ class Playback::Steering : public hwparts::Part {
     description_.blackboards = {{"Report", "application/json", 1, 0, kLongestReport, false}};
   }
   const protocol::PartDescription& description() const override { return description_; }
-  std::span<const std::size_t> joints() const override { return {}; }
-  std::optional<std::string> refuse(std::span<const double>) const override { return {}; }
-  void act(std::span<const double>, std::span<const hwparts::JointSample>,
-           std::span<hwparts::JointDrive>) override {}
-  void publish(std::span<const hwparts::JointSample>, std::span<double>) override {}
-  void following_errors(std::span<double>) const override {}
-  void controller_lost() override {}
-  void reset() override {}
-  void save(hwparts::StateWriter&) const override {}
-  void load(hwparts::StateReader&) override {}
 
   std::vector<protocol::Parameter> parameters() const override {
     protocol::Parameter position;

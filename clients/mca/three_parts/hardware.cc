@@ -10,10 +10,8 @@ using namespace visum;
 
 constexpr int kJoints = 7;
 
-// Keeps each desired angle near the actual one. So a controller that goes on while the arm is held moves
-// nothing far once it is let go.
-class Guard : public mca::Module {
- public:
+// The ports of the arm, which the part and its module share.
+struct ArmPorts {
   MCA_CONTROLLER_INPUT(eCI_DESIRED_ANGLE_1, eCI_DESIRED_ANGLE_2, eCI_DESIRED_ANGLE_3, eCI_DESIRED_ANGLE_4,
                        eCI_DESIRED_ANGLE_5, eCI_DESIRED_ANGLE_6, eCI_DESIRED_ANGLE_7, eCI_MAXIMUM_SPEED_1,
                        eCI_MAXIMUM_SPEED_2, eCI_MAXIMUM_SPEED_3, eCI_MAXIMUM_SPEED_4, eCI_MAXIMUM_SPEED_5,
@@ -27,7 +25,12 @@ class Guard : public mca::Module {
   MCA_SENSOR_OUTPUT(eSO_ACTUAL_ANGLE_1, eSO_ACTUAL_ANGLE_2, eSO_ACTUAL_ANGLE_3, eSO_ACTUAL_ANGLE_4,
                     eSO_ACTUAL_ANGLE_5, eSO_ACTUAL_ANGLE_6, eSO_ACTUAL_ANGLE_7, eSO_PART_STATE,
                     eSO_DIMENSION);
+};
 
+// Keeps each desired angle near the actual one. So a controller that goes on while the arm is held moves
+// nothing far once it is let go.
+class Guard : public mca::Module, public ArmPorts {
+ public:
   explicit Guard(mca::Place place) : Module(place, mca::ports<Guard>()) {}
 
   void Sense() override {
@@ -66,22 +69,8 @@ class Guard : public mca::Module {
                                 .help = "how far a desired angle may be from the actual one"}};
 };
 
-class Hardware : public mca::Part {
+class Hardware : public mca::Part, public ArmPorts {
  public:
-  MCA_CONTROLLER_INPUT(eCI_DESIRED_ANGLE_1, eCI_DESIRED_ANGLE_2, eCI_DESIRED_ANGLE_3, eCI_DESIRED_ANGLE_4,
-                       eCI_DESIRED_ANGLE_5, eCI_DESIRED_ANGLE_6, eCI_DESIRED_ANGLE_7, eCI_MAXIMUM_SPEED_1,
-                       eCI_MAXIMUM_SPEED_2, eCI_MAXIMUM_SPEED_3, eCI_MAXIMUM_SPEED_4, eCI_MAXIMUM_SPEED_5,
-                       eCI_MAXIMUM_SPEED_6, eCI_MAXIMUM_SPEED_7, eCI_DIMENSION);
-  MCA_CONTROLLER_OUTPUT(eCO_DESIRED_ANGLE_1, eCO_DESIRED_ANGLE_2, eCO_DESIRED_ANGLE_3, eCO_DESIRED_ANGLE_4,
-                        eCO_DESIRED_ANGLE_5, eCO_DESIRED_ANGLE_6, eCO_DESIRED_ANGLE_7, eCO_MAXIMUM_SPEED_1,
-                        eCO_MAXIMUM_SPEED_2, eCO_MAXIMUM_SPEED_3, eCO_MAXIMUM_SPEED_4, eCO_MAXIMUM_SPEED_5,
-                        eCO_MAXIMUM_SPEED_6, eCO_MAXIMUM_SPEED_7, eCO_DIMENSION);
-  MCA_SENSOR_INPUT(eSI_ACTUAL_ANGLE_1, eSI_ACTUAL_ANGLE_2, eSI_ACTUAL_ANGLE_3, eSI_ACTUAL_ANGLE_4,
-                   eSI_ACTUAL_ANGLE_5, eSI_ACTUAL_ANGLE_6, eSI_ACTUAL_ANGLE_7, eSI_PART_STATE, eSI_DIMENSION);
-  MCA_SENSOR_OUTPUT(eSO_ACTUAL_ANGLE_1, eSO_ACTUAL_ANGLE_2, eSO_ACTUAL_ANGLE_3, eSO_ACTUAL_ANGLE_4,
-                    eSO_ACTUAL_ANGLE_5, eSO_ACTUAL_ANGLE_6, eSO_ACTUAL_ANGLE_7, eSO_PART_STATE,
-                    eSO_DIMENSION);
-
   explicit Hardware(const std::string& name) : Part(name, mca::ports<Hardware>(), 5'000'000) {
     auto& guard = add<Guard>("Guard");
     AddEdge(controller_input(), guard.controller_input());

@@ -121,8 +121,8 @@ class Trajectory : public mca::Module {
       *this, "Tolerance", 0.005, {.minimum = 1e-4, .maximum = 0.5, .unit = "rad", .help = "to have arrived"}};
 };
 
-class Arm : public mca::Group {
- public:
+// The ports that the part and its group share.
+struct ArmPorts {
   MCA_CONTROLLER_INPUT(eCI_TARGET_ANGLE_1, eCI_TARGET_ANGLE_2, eCI_TARGET_ANGLE_3, eCI_TARGET_ANGLE_4,
                        eCI_TARGET_ANGLE_5, eCI_TARGET_ANGLE_6, eCI_TARGET_ANGLE_7, eCI_SPEED_SHARE, eCI_MOVE,
                        eCI_DIMENSION);
@@ -135,7 +135,10 @@ class Arm : public mca::Group {
   MCA_SENSOR_OUTPUT(eSO_ACTUAL_ANGLE_1, eSO_ACTUAL_ANGLE_2, eSO_ACTUAL_ANGLE_3, eSO_ACTUAL_ANGLE_4,
                     eSO_ACTUAL_ANGLE_5, eSO_ACTUAL_ANGLE_6, eSO_ACTUAL_ANGLE_7, eSO_FAULT, eSO_MOVING,
                     eSO_ARRIVED, eSO_DIMENSION);
+};
 
+class Arm : public mca::Group, public ArmPorts {
+ public:
   explicit Arm(mca::Place place) : Group(place, mca::ports<Arm>()) {
     auto& trajectory = add<Trajectory>("Trajectory");
     auto& supervisor = add<Supervisor>("Supervisor");
@@ -148,21 +151,8 @@ class Arm : public mca::Group {
   }
 };
 
-class Motion : public mca::Part {
+class Motion : public mca::Part, public ArmPorts {
  public:
-  MCA_CONTROLLER_INPUT(eCI_TARGET_ANGLE_1, eCI_TARGET_ANGLE_2, eCI_TARGET_ANGLE_3, eCI_TARGET_ANGLE_4,
-                       eCI_TARGET_ANGLE_5, eCI_TARGET_ANGLE_6, eCI_TARGET_ANGLE_7, eCI_SPEED_SHARE, eCI_MOVE,
-                       eCI_DIMENSION);
-  MCA_CONTROLLER_OUTPUT(eCO_DESIRED_ANGLE_1, eCO_DESIRED_ANGLE_2, eCO_DESIRED_ANGLE_3, eCO_DESIRED_ANGLE_4,
-                        eCO_DESIRED_ANGLE_5, eCO_DESIRED_ANGLE_6, eCO_DESIRED_ANGLE_7, eCO_MAXIMUM_SPEED_1,
-                        eCO_MAXIMUM_SPEED_2, eCO_MAXIMUM_SPEED_3, eCO_MAXIMUM_SPEED_4, eCO_MAXIMUM_SPEED_5,
-                        eCO_MAXIMUM_SPEED_6, eCO_MAXIMUM_SPEED_7, eCO_DIMENSION);
-  MCA_SENSOR_INPUT(eSI_ACTUAL_ANGLE_1, eSI_ACTUAL_ANGLE_2, eSI_ACTUAL_ANGLE_3, eSI_ACTUAL_ANGLE_4,
-                   eSI_ACTUAL_ANGLE_5, eSI_ACTUAL_ANGLE_6, eSI_ACTUAL_ANGLE_7, eSI_PART_STATE, eSI_DIMENSION);
-  MCA_SENSOR_OUTPUT(eSO_ACTUAL_ANGLE_1, eSO_ACTUAL_ANGLE_2, eSO_ACTUAL_ANGLE_3, eSO_ACTUAL_ANGLE_4,
-                    eSO_ACTUAL_ANGLE_5, eSO_ACTUAL_ANGLE_6, eSO_ACTUAL_ANGLE_7, eSO_FAULT, eSO_MOVING,
-                    eSO_ARRIVED, eSO_DIMENSION);
-
   explicit Motion(const std::string& name) : Part(name, mca::ports<Motion>(), 5'000'000) {
     auto& arm = add<Arm>("Arm");
     AddEdge(controller_input(), arm.controller_input());

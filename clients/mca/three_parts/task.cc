@@ -9,16 +9,19 @@ using namespace visum;
 
 constexpr int kJoints = 7;
 
-// Goes from pose to pose. A pose is a way from where the arm was found.
-class Sequence : public mca::Module {
- public:
+// The ports that the part and its module share.
+struct ArmPorts {
   MCA_CONTROLLER_OUTPUT(eCO_TARGET_ANGLE_1, eCO_TARGET_ANGLE_2, eCO_TARGET_ANGLE_3, eCO_TARGET_ANGLE_4,
                         eCO_TARGET_ANGLE_5, eCO_TARGET_ANGLE_6, eCO_TARGET_ANGLE_7, eCO_SPEED_SHARE, eCO_MOVE,
                         eCO_DIMENSION);
   MCA_SENSOR_INPUT(eSI_ACTUAL_ANGLE_1, eSI_ACTUAL_ANGLE_2, eSI_ACTUAL_ANGLE_3, eSI_ACTUAL_ANGLE_4,
                    eSI_ACTUAL_ANGLE_5, eSI_ACTUAL_ANGLE_6, eSI_ACTUAL_ANGLE_7, eSI_FAULT, eSI_MOVING,
                    eSI_ARRIVED, eSI_DIMENSION);
+};
 
+// Goes from pose to pose. A pose is a way from where the arm was found.
+class Sequence : public mca::Module, public ArmPorts {
+ public:
   explicit Sequence(mca::Place place) : Module(place, mca::ports<Sequence>()) {}
 
   void Sense() override {
@@ -70,15 +73,8 @@ class Sequence : public mca::Module {
       *this, "Speed Share", 1.0, {.minimum = 0.05, .maximum = 1.0, .help = "of the highest speed"}};
 };
 
-class Task : public mca::Part {
+class Task : public mca::Part, public ArmPorts {
  public:
-  MCA_CONTROLLER_OUTPUT(eCO_TARGET_ANGLE_1, eCO_TARGET_ANGLE_2, eCO_TARGET_ANGLE_3, eCO_TARGET_ANGLE_4,
-                        eCO_TARGET_ANGLE_5, eCO_TARGET_ANGLE_6, eCO_TARGET_ANGLE_7, eCO_SPEED_SHARE, eCO_MOVE,
-                        eCO_DIMENSION);
-  MCA_SENSOR_INPUT(eSI_ACTUAL_ANGLE_1, eSI_ACTUAL_ANGLE_2, eSI_ACTUAL_ANGLE_3, eSI_ACTUAL_ANGLE_4,
-                   eSI_ACTUAL_ANGLE_5, eSI_ACTUAL_ANGLE_6, eSI_ACTUAL_ANGLE_7, eSI_FAULT, eSI_MOVING,
-                   eSI_ARRIVED, eSI_DIMENSION);
-
   explicit Task(const std::string& name) : Part(name, mca::ports<Task>(), 10'000'000) {
     auto& sequence = add<Sequence>("Sequence");
     AddEdge(sequence.controller_output(), controller_output());

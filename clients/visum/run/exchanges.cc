@@ -25,25 +25,18 @@ Names names_of(const ControllerSpec& controller) {
   return names;
 }
 
-// "client 'x'" and "the bus of 'arm'": those of `names` that exchanged something.
-std::vector<std::string> find_active(const protocol::ServerStatus& status, const Names& names) {
+// Finds who exchanged something, as "client 'x'" or "the bus of 'arm'": those of `names`, or all others.
+std::vector<std::string> find_active(const protocol::ServerStatus& status, const Names& names,
+                                     bool others = false) {
   std::vector<std::string> active;
-  for (const Exchange& one : status.exchanges)
-    if (one.count > 0 && names.clients.contains(one.name)) active.push_back("client '" + one.name + "'");
-  for (const Exchange& one : status.bus_exchanges)
-    if (one.count > 0 && names.buses.contains(one.name)) active.push_back("the bus of '" + one.name + "'");
+  const auto add = [&](const std::vector<Exchange>& exchanges, const std::set<std::string>& own,
+                       const char* what) {
+    for (const Exchange& one : exchanges)
+      if (one.count > 0 && own.contains(one.name) != others) active.push_back(what + ("'" + one.name + "'"));
+  };
+  add(status.exchanges, names.clients, "client ");
+  add(status.bus_exchanges, names.buses, "the bus of ");
   return active;
-}
-
-// "client 'somebody', the bus of 'arm'": exchanged something, and no controller has that name.
-std::string names_of_nobody(const protocol::ServerStatus& status, const Names& known) {
-  std::string text;
-  const auto add = [&](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
-  for (const Exchange& one : status.exchanges)
-    if (one.count > 0 && !known.clients.contains(one.name)) add("client '" + one.name + "'");
-  for (const Exchange& one : status.bus_exchanges)
-    if (one.count > 0 && !known.buses.contains(one.name)) add("the bus of '" + one.name + "'");
-  return text;
 }
 
 // A bridge is a controller, too, so it is looked at by itself.
@@ -93,7 +86,9 @@ std::string find_silent_controller(const std::vector<ControllerSpec>& controller
     all.clients.insert(names.clients.begin(), names.clients.end());
     all.buses.insert(names.buses.begin(), names.buses.end());
   }
-  const std::string others = names_of_nobody(status, all);
+  std::string others;
+  for (const std::string& other : find_active(status, all, true))
+    others += (others.empty() ? "" : ", ") + other;
   if (controllers.size() == 1 && !others.empty()) return {};
   for (const ControllerSpec& controller : controllers) {
     if (!must_exchange(controller)) continue;

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -30,6 +31,9 @@ void ForkServer::begin(const std::string& program) {
   try {
     server_.emplace("fork server", std::vector<std::string>{program, "fork-server"}, ChildProcess::OnLine{},
                     ChildProcess::OnLine{}, ends[1]);
+    // One that gives no answer in that time is taken to be gone.
+    const timeval patience{10, 0};
+    ::setsockopt(ends[0], SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
     socket_ = ends[0];
   } catch (const std::runtime_error&) {  // starting it in the ordinary way says why
     ::close(ends[0]);

@@ -135,7 +135,8 @@ class Crew {
         report.recording.clear();
       job.recording.reset();
       report.words = options_.words;
-      if (options_.on_done) options_.on_done(std::exchange(job.run, 0), report);
+      const std::size_t run = std::exchange(job.run, 0);
+      if (options_.on_done) options_.on_done(run, report);
     }
     if (gone || (job.run == 0 && job.worker->tasks_given() >= kRunsOfAWorker)) dismiss(job);
   }
