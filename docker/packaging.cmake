@@ -29,7 +29,8 @@ function(visum_shared_library name of file)
   set(target visum_${name}_shared)
   add_library(${target} SHARED $<TARGET_OBJECTS:${of}>)
   set_target_properties(${target} PROPERTIES OUTPUT_NAME ${file} EXPORT_NAME ${name} LINKER_LANGUAGE CXX
-                        VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+                        VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+                        INSTALL_RPATH $ORIGIN)  # they find each other, wherever they are installed
   target_link_libraries(${target} ${ARGN})
   # Symbols of our static libraries stay hidden in it. It must resolve all its symbols, except those of a
   # sanitizer.
