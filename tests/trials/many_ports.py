@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What it costs to show many ports to one Finroc peer, end to end: a daemon with a part whose ports all change in
+"""Measures the cost of showing many ports to one Finroc peer, end to end: a daemon with parts whose ports all change in
 each tick, the bridge, and a peer that follows them.
 
     tests/trials/many_ports.py [--bin build/release/bin] [--ports 1000] [--hz 25] [--seconds 20] [--most 5]
