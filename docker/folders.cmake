@@ -4,9 +4,9 @@
 include(GNUInstallDirs)
 set(data ${CMAKE_INSTALL_DATADIR})
 set(folders
-  ${CMAKE_INSTALL_BINDIR} ${CMAKE_INSTALL_INCLUDEDIR}/visum ${CMAKE_INSTALL_LIBDIR}/cmake/visum ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+  ${CMAKE_INSTALL_BINDIR} ${CMAKE_INSTALL_INCLUDEDIR}/visum/mca ${CMAKE_INSTALL_LIBDIR}/cmake/visum ${CMAKE_INSTALL_LIBDIR}/pkgconfig
   lib/python3/dist-packages lib/visum/plugins lib/visum-can lib/visum-shim lib/visum-tty
-  ${data}/visum/clients/cpp ${data}/visum/clients/python/examples ${data}/visum/protocol/plugin ${data}/visum/protocol/config ${data}/visum/server/scene
+  ${data}/visum/clients/cpp ${data}/visum/clients/mca/three_parts ${data}/visum/clients/python/examples ${data}/visum/protocol/plugin ${data}/visum/protocol/config ${data}/visum/server/scene
   ${data}/bash-completion/completions ${data}/zsh/vendor-completions ${data}/fish/vendor_completions.d
   ${CMAKE_INSTALL_MANDIR}/man1
   ${CMAKE_INSTALL_DOCDIR})

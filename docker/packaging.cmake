@@ -5,6 +5,7 @@
 #   share/visum/clients/       sources of the example controllers, with the headers that they include
 #   share/visum/server/scene/  the schema of scenes, for editors
 #   lib/, include/visum/       the C++ client library: find_package(visum), pkg-config visum
+#   include/visum/mca/         the library for controllers in MCA2's manner (visum::mca), pkg-config visum-mca
 #   include/visum/plugin.h     the header for plug-ins (visum::plugin)
 #   lib/visum/plugins/         the plug-ins of our own examples
 #   share/man/man1/            a manual page for each program and each verb of visum
@@ -22,22 +23,51 @@ if(TARGET page)
 endif()
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
-# Makes the client library one shared object: an outside project needs its header and none of our libraries.
-add_library(visum_client_shared SHARED $<TARGET_OBJECTS:visum_client>)
-set_target_properties(visum_client_shared PROPERTIES OUTPUT_NAME visum EXPORT_NAME client LINKER_LANGUAGE CXX
-                      VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-target_link_libraries(visum_client_shared PRIVATE visum_protocol visum_config)
-# Symbols of our static libraries stay hidden in it. It must resolve all its symbols, except those of a
-# sanitizer.
-target_link_options(visum_client_shared PRIVATE -Wl,--exclude-libs,ALL)
-if(NOT VISUM_SANITIZE)
-  target_link_options(visum_client_shared PRIVATE -Wl,--no-undefined)
-endif()
-target_compile_features(visum_client_shared INTERFACE cxx_std_20)
-target_include_directories(visum_client_shared INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-add_dependencies(programs visum_client_shared)
-install(TARGETS visum_client_shared EXPORT visum LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+# visum_shared_library(NAME OF FILE LINK...) makes the static library OF one shared object, for outside
+# projects: they need its headers and none of our libraries. They link visum::NAME.
+function(visum_shared_library name of file)
+  set(target visum_${name}_shared)
+  add_library(${target} SHARED $<TARGET_OBJECTS:${of}>)
+  set_target_properties(${target} PROPERTIES OUTPUT_NAME ${file} EXPORT_NAME ${name} LINKER_LANGUAGE CXX
+                        VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+                        INSTALL_RPATH $ORIGIN)  # they find each other, wherever they are installed
+  target_link_libraries(${target} ${ARGN})
+  # Symbols of our static libraries stay hidden in it. It must resolve all its symbols, except those of a
+  # sanitizer.
+  target_link_options(${target} PRIVATE -Wl,--exclude-libs,ALL)
+  if(NOT VISUM_SANITIZE)
+    target_link_options(${target} PRIVATE -Wl,--no-undefined)
+  endif()
+  target_compile_features(${target} INTERFACE cxx_std_20)
+  target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  add_dependencies(programs ${target})
+  install(TARGETS ${target} EXPORT visum LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  configure_file(docker/visum.pc.in ${PROJECT_BINARY_DIR}/${file}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${file}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endfunction()
+file(RELATIVE_PATH prefix_from_pkgconfig /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+
+set(description "Client library of Visum, the co-simulation server for robot controllers")
+visum_shared_library(client visum_client visum PRIVATE visum_protocol visum_config)
 install(FILES clients/cpp/visum.h clients/cpp/kinematics.h clients/cpp/world.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/visum)
+
+# The library for controllers in MCA2's manner. Outside, its headers are <visum/mca/part.h> and so on.
+set(description "Controllers for Visum in MCA2's manner: modules, groups and parts")
+set(requires visum)
+visum_shared_library(mca visum_mca visum-mca PUBLIC visum_client_shared
+                     PRIVATE visum_cli visum_command_line visum_protocol visum_config spdlog::spdlog)
+set(mca_headers group lower module names options parameter part vector)
+foreach(header ${mca_headers})
+  set(source ${PROJECT_SOURCE_DIR}/clients/mca/${header}.h)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
+  file(READ ${source} content)
+  string(REPLACE "\"clients/mca/" "\"visum/mca/" content "${content}")
+  string(REPLACE "\"clients/cpp/" "\"visum/" content "${content}")
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/include/visum/mca/${header}.h CONTENT "${content}" @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/include/visum/mca/${header}.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/visum/mca)
+  install(FILES ${source} DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/clients/mca)
+endforeach()
+install(DIRECTORY clients/mca/three_parts DESTINATION ${CMAKE_INSTALL_DATADIR}/visum/clients/mca PATTERN CMakeLists.txt EXCLUDE)
 
 # Plug-ins need a header, and nothing to link.
 add_library(visum_plugin_interface INTERFACE)
@@ -51,9 +81,6 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/visum)
 install(EXPORT visum NAMESPACE visum:: FILE visumConfig.cmake DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/visumConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/visumConfigVersion.cmake DESTINATION ${package_dir})
-file(RELATIVE_PATH prefix_from_pkgconfig /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
-configure_file(docker/visum.pc.in ${PROJECT_BINARY_DIR}/visum.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/visum.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 install(DIRECTORY models DESTINATION ${CMAKE_INSTALL_DATADIR}/visum PATTERN __pycache__ EXCLUDE
         PATTERN "*.py" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)

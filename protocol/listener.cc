@@ -87,8 +87,8 @@ void Listener::accept_after(std::chrono::nanoseconds pause) {
 void Listener::hand_on() {
   if (hand_on_waits_ || line_.empty()) return;
   if (!handed_on_.take(steady_clock::now())) return hand_on_after(handed_on_.wait());
-  auto [socket, peer] = line_.take();
-  if_memory_suffices([&] { on_socket_(std::move(socket), peer); });
+  auto taken = line_.take();  // Clang 14 lets no lambda capture a structured binding
+  if_memory_suffices([&] { on_socket_(std::move(taken.first), taken.second); });
   hand_on_after({});
 }
 

@@ -82,8 +82,8 @@ fs::path file_named(std::string word, const fs::path& folder) {
 fs::path common_folder(const std::map<fs::path, std::string>& files) {
   fs::path common = files.begin()->first.parent_path();
   for (const auto& [file, content] : files) {
-    const auto inside = [&] {
-      const auto relative = file.lexically_relative(common);
+    const auto inside = [&common, &path = file] {
+      const auto relative = path.lexically_relative(common);
       return !relative.empty() && *relative.begin() != "..";
     };
     while (!inside()) common = common.parent_path();

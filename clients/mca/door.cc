@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "clients/mca/part.h"
+#include "protocol/config/number_text.h"
 #include "protocol/config/unknown_name.h"
 
 namespace visum::mca {
@@ -75,10 +76,36 @@ std::size_t Door::members() const {
       std::ranges::count_if(peers_, [](const auto& entry) { return entry.second.joined; }));
 }
 
-bool Door::is_complete(int uppers) {
-  if (!had_members_ && members() < static_cast<std::size_t>(uppers)) return false;
-  had_members_ = true;
+std::string Door::missing_members() const {
+  std::vector<std::string> joined;
+  for (const auto& [id, peer] : peers_)
+    if (peer.joined) joined.push_back(peer.session->client_name());
+  std::string missing;
+  const Options& options = part_.options();
+  for (const auto& name : options.upper_names)
+    if (std::ranges::find(joined, name) == joined.end())
+      missing += (missing.empty() ? "'" : ", '") + name + "'";
+  if (!options.upper_names.empty() || joined.size() >= static_cast<std::size_t>(options.uppers))
+    return missing;
+  missing = std::to_string(static_cast<std::size_t>(options.uppers) - joined.size()) + " of " +
+            std::to_string(options.uppers);
+  for (const auto& name : joined) missing += (name == joined.front() ? "; there is '" : ", '") + name + "'";
+  return missing;
+}
+
+bool Door::is_complete() {
   const auto waited = Clock::now() - *waiting_since_;
+  if (!all_have_joined_) {
+    const double limit_s = part_.options().join_timeout_s;
+    const std::string missing = missing_members();
+    if (!missing.empty() && std::chrono::duration<double>(waited).count() > limit_s)
+      throw UpperLost("these parts above have not joined within " + config::number_text(limit_s) +
+                      " s (--join-timeout): " + missing);
+    if (!missing.empty()) return false;
+    all_have_joined_ = true;
+    waiting_since_ = Clock::now();  // the cycle's time begins now
+    return is_complete();
+  }
   for (const auto& [id, peer] : peers_) {
     if (!peer.joined || peer.granted > cycle_) continue;
     if (waited > peer.patience)
@@ -309,6 +336,7 @@ void Door::handle(Peer& peer, std::uint64_t id, const protocol::Join& request) {
   if (request.gate || request.timeout_ns < 0)
     return fail(peer, id, Code::kBadValue, "a part takes no gate, and no negative time-out");
   peer.joined = true;
+  had_members_ = true;
   peer.granted = cycle_;
   peer.patience = request.timeout_ns > 0
                       ? std::chrono::nanoseconds(request.timeout_ns)

@@ -42,11 +42,11 @@ class Door : public protocol::SessionHandler {
 
   // Shows the part's sensor outputs at this cycle, and answers who waited for it.
   void publish(std::int64_t cycle, std::int64_t time_ns);
-  // In lockstep: true once `uppers` parts above have joined, and each of them has allowed this cycle. Throws
-  // UpperLost if one of them has taken longer than it may.
-  bool is_complete(int uppers);
+  // In lockstep: true once the parts above that the options ask for have joined, and each of them has allowed
+  // this cycle. Throws UpperLost, with names, if they have taken longer than they may.
+  bool is_complete();
   // True if parts above have joined and all of them have left again in good order.
-  bool is_left() const { return had_members_ && members() == 0; }
+  bool is_left() const { return all_have_joined_ && had_members_ && members() == 0; }
   // Serves what is ready, for up to `at_most`. Throws UpperLost if the holder of the lease is gone.
   void serve(std::chrono::nanoseconds at_most);
   // Puts what was written into the part's controller input.
@@ -111,6 +111,7 @@ class Door : public protocol::SessionHandler {
   protocol::PartSample sample() const;
   protocol::Advanced now() const;
   std::size_t members() const;
+  std::string missing_members() const;  // in words, before all have joined; empty: nobody
 
   Part& part_;
   const bool lockstep_, simulated_;
@@ -123,7 +124,7 @@ class Door : public protocol::SessionHandler {
   std::string holder_name_, lost_;
   std::int64_t deadline_ns_ = 0, written_ns_ = 0;
   std::int64_t cycle_ = 0, time_ns_ = 0;
-  bool had_members_ = false;
+  bool all_have_joined_ = false, had_members_ = false;
   std::optional<Clock::time_point> waiting_since_;
   std::unique_ptr<protocol::Server> server_;  // last: it calls the others
 };

@@ -1,4 +1,5 @@
 #include "clients/mca/group.h"
+#include "protocol/module_messages.h"
 
 #include <algorithm>
 #include <stdexcept>

@@ -6,6 +6,7 @@
 
 #include "clients/cpp/client_access.h"
 #include "clients/mca/options.h"
+#include "protocol/module_messages.h"
 
 namespace visum::mca {
 namespace {
@@ -114,17 +115,6 @@ void Lower::control() {
     if (commanded_[i] && controller_input_->changed(i)) inputs.set(i, controller_input_->at(i));
   controller_input_->look();
   part_->write();
-}
-
-void Lower::post(const protocol::Request& request) {
-  ClientAccess::post(*client_, request);
-}
-
-std::optional<protocol::OverrideModulePort> Lower::next_override() {
-  while (const auto message = ClientAccess::next(*client_)) {
-    if (const auto* wanted = std::get_if<protocol::OverrideModulePort>(&*message)) return *wanted;
-  }
-  return {};
 }
 
 void Lower::release() {

@@ -6,13 +6,11 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "clients/cpp/visum.h"
 #include "clients/mca/vector.h"
-#include "protocol/messages.h"
 
 namespace visum::mca {
 
@@ -50,10 +48,8 @@ class Lower {
   // Reads the newest sample, for a part that is not waited for.
   void read() { part_->read(); }
 
-  // About the modules of the controller: sent without waiting for an answer.
-  void post(const protocol::Request& request);
-  // An override for a module of this controller that has arrived; nothing: there is none.
-  std::optional<protocol::OverrideModulePort> next_override();
+  // For messages about the modules of the controller.
+  Client& client() { return *client_; }
 
   // Gives the lease back and leaves the clock: the values hold.
   void release();

@@ -6,6 +6,7 @@
 
 #include "clients/mca/group.h"
 #include "clients/mca/part.h"
+#include "protocol/module_messages.h"
 
 namespace visum::mca {
 namespace {

@@ -19,6 +19,7 @@ namespace visum::mca {
 namespace {
 
 constexpr std::int64_t kLongestPeriod_ns = 1'000'000'000'000;
+constexpr int kMostUppers = 32;
 
 void collect(Module& module, std::vector<std::string>& paths) {
   paths.push_back(module.path());
@@ -64,7 +65,7 @@ void declare_loop(CLI::App& app, Options& options, std::string& period) {
                  "HOST:PORT of another part or of a server: end if it has another version");
 }
 
-void declare_neighbours(CLI::App& app, Options& options) {
+void declare_neighbours(CLI::App& app, Options& options, std::vector<std::string>& uppers) {
   app.add_option("--name", options.name, "the part's name for other parts and for tools")
       ->capture_default_str();
   app.add_option("--lower", options.lower,
@@ -73,9 +74,15 @@ void declare_neighbours(CLI::App& app, Options& options) {
                  "all are commanded");
   app.add_option("--port", options.port, "TCP port for the parts above; 0: any free one; default: none")
       ->check(CLI::Range(0, 65535));
-  app.add_option("--uppers", options.uppers, "in lockstep, with --port: how many parts above to wait for")
+  app.add_option("--uppers", uppers,
+                 "in lockstep, with --port: the parts above to wait for: how many (0 to 32), or their names")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->default_str("1");
+  app.add_option("--join-timeout", options.join_timeout_s,
+                 "in lockstep: seconds that the parts above may take to join")
       ->capture_default_str()
-      ->check(CLI::Range(0, 32));
+      ->check(CLI::Range(1e-3, 1e6));
   app.add_option("--upper-timeout", options.upper_timeout_s,
                  "in lockstep: seconds that a part above may take for a cycle before it counts as lost")
       ->capture_default_str()
@@ -84,6 +91,22 @@ void declare_neighbours(CLI::App& app, Options& options) {
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1e6));
   app.add_option("--token-file", options.token_file, "a file with the token, for servers that ask for one");
+}
+
+// One word of digits is a number, all others are names.
+void read_uppers(const std::vector<std::string>& words, Options& options) {
+  if (words.empty()) return;
+  int count = 0;
+  const std::string& first = words.front();
+  const auto [end, error] = std::from_chars(first.data(), first.data() + first.size(), count);
+  const bool is_number = words.size() == 1 && end == first.data() + first.size() && error == std::errc();
+  if (is_number && (count < 0 || count > kMostUppers))
+    throw std::invalid_argument("--uppers: " + first + " is not in 0 .. " + std::to_string(kMostUppers));
+  if (words.size() > kMostUppers || std::ranges::find(words, "") != words.end())
+    throw std::invalid_argument("--uppers: give a number, or up to " + std::to_string(kMostUppers) +
+                                " names, as task,monitor");
+  options.uppers = is_number ? count : static_cast<int>(words.size());
+  if (!is_number) options.upper_names = words;
 }
 
 }  // namespace
@@ -95,7 +118,8 @@ std::int64_t period_of(const std::string& text) {
   const double scale = unit == "s" ? 1e9 : unit == "ms" ? 1e6 : unit == "us" || unit == "\u00b5s" ? 1e3 : 0.0;
   const double ns = std::round(number * scale);
   if (error != std::errc() || !(ns >= 1000.0 && ns <= static_cast<double>(kLongestPeriod_ns)))
-    throw std::invalid_argument("'" + text + "' is no period; give 0.01s, 10ms or 250us, at least 1us");
+    throw std::invalid_argument("--period: '" + text +
+                                "' is no period; give 0.01s, 10ms or 250us, at least 1us");
   return static_cast<std::int64_t>(ns);
 }
 
@@ -103,8 +127,9 @@ std::optional<int> parse(const std::string& about, int argc, const char* const* 
   const std::string name = std::filesystem::path(argc > 0 ? argv[0] : "part").filename();
   CLI::App app{about, name};
   std::string period;
+  std::vector<std::string> uppers;
   declare_loop(app, options, period);
-  declare_neighbours(app, options);
+  declare_neighbours(app, options, uppers);
   command_line::add_version(app);
   app.footer(
       "Example:\n  " + name +
@@ -114,8 +139,9 @@ std::optional<int> parse(const std::string& about, int argc, const char* const* 
   if (const auto code = command_line::parse(app, argc, argv)) return code;
   try {
     if (!period.empty()) options.period_ns = period_of(period);
+    read_uppers(uppers, options);
   } catch (const std::invalid_argument& error) {
-    std::fprintf(stderr, "%s: --period: %s\n", name.c_str(), error.what());
+    std::fprintf(stderr, "%s: %s\n", name.c_str(), error.what());
     return command_line::kBadUsage;
   }
   return {};

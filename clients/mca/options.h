@@ -22,8 +22,11 @@ struct Options {
   std::string version_check{};       // HOST:PORT of another part or of a server
   std::vector<std::string> lower{};  // PART@HOST:PORT, the parts below
   int port = -1;                     // for the parts above; 0: any free one; -1: none
-  int uppers = 1;                    // in lockstep: how many parts above to wait for;
-  double upper_timeout_s = 10.0;     // in lockstep: how long each of them may take
+  // In lockstep: the parts above to wait for.
+  int uppers = 1;                          // how many of them;
+  std::vector<std::string> upper_names{};  // or their names
+  double join_timeout_s = 60.0;            // how long all of them may take to join
+  double upper_timeout_s = 10.0;           // how long each of them may take for a cycle
   double connect_timeout_s = 10.0;
   std::string token_file{};
 };

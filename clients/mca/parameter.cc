@@ -6,6 +6,7 @@
 
 #include "clients/mca/module.h"
 #include "protocol/config/number_text.h"
+#include "protocol/part_description.h"
 
 namespace visum::mca {
 namespace {

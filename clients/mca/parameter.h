@@ -9,13 +9,15 @@
 #include <variant>
 #include <vector>
 
-#include "protocol/part_description.h"
+#include "clients/cpp/visum.h"
+
+namespace visum::protocol {
+struct Parameter;  // part_description.h
+}
 
 namespace visum::mca {
 
 class Module;
-
-using ParameterValue = protocol::ParameterValue;
 
 struct ParameterOptions {
   double minimum = -std::numeric_limits<double>::max();  // for numbers

@@ -7,7 +7,9 @@
 #include <cstdio>
 #include <thread>
 
+#include "clients/cpp/client_access.h"
 #include "clients/mca/announce.h"
+#include "clients/mca/door.h"
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/interrupt.h"
 #include "protocol/codec.h"
@@ -106,18 +108,20 @@ void Part::announce() {
     announced.edges.clear();
     report_due_ = Clock::time_point::max();
   }
-  lower_.front()->post(announced);
+  ClientAccess::post(lower_.front()->client(), announced);
 }
 
 void Part::report() {
   if (lower_.empty() || Clock::now() < report_due_) return;
   report_due_ = Clock::now() + kReportEvery;
-  lower_.front()->post(values_of(*this));
+  ClientAccess::post(lower_.front()->client(), values_of(*this));
 }
 
 void Part::take_overrides() {
   if (lower_.empty()) return;
-  while (const auto wanted = lower_.front()->next_override()) {
+  while (const auto message = ClientAccess::next(lower_.front()->client())) {
+    const auto* wanted = std::get_if<protocol::OverrideModulePort>(&*message);
+    if (wanted == nullptr) continue;
     if (wanted->part == name())
       apply_override(*wanted);
     else if (door_)
@@ -180,7 +184,7 @@ bool Part::cycle() {
   if (door_) {
     door_->publish(loop_time_ns_ / options_.period_ns, loop_time_ns_);
     door_->serve(std::chrono::nanoseconds(0));
-    while (in_lockstep() && !door_->is_left() && !door_->is_complete(options_.uppers)) {
+    while (in_lockstep() && !door_->is_left() && !door_->is_complete()) {
       if (cli::interrupted()) return false;
       door_->serve(milliseconds(1));
     }
@@ -222,7 +226,8 @@ int Part::run(const Options& options) {
     if (options_.port >= 0)
       door_ = std::make_unique<Door>(*this, options_.port, in_lockstep(), simulated,
                                      Door::Hooks{[this](const protocol::Request& request) {
-                                       if (!lower_.empty()) lower_.front()->post(request);
+                                       if (!lower_.empty())
+                                         ClientAccess::post(lower_.front()->client(), request);
                                      }});
     if (door_) std::printf("%s serves its ports at 127.0.0.1:%d\n", name().c_str(), door_->port());
     std::fflush(stdout);

@@ -24,12 +24,17 @@
 #include <string>
 #include <vector>
 
-#include "clients/mca/door.h"
 #include "clients/mca/group.h"
 #include "clients/mca/lower.h"
 #include "clients/mca/options.h"
 
+namespace visum::protocol {
+struct OverrideModulePort;  // module_messages.h
+}
+
 namespace visum::mca {
+
+class Door;
 
 class Part : public Group {
  public:

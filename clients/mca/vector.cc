@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "protocol/config/unknown_name.h"
+#include "protocol/module_messages.h"
 
 namespace visum::mca {
 

@@ -3,11 +3,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
 
-#include "protocol/module_messages.h"
+namespace visum::protocol {
+enum class ModuleVector : std::uint32_t;  // module_messages.h
+}
 
 namespace visum::mca {
 

@@ -81,6 +81,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"Simbody.h", {"tests/bench/peers"}},
     {"sanitizer/", {"tests"}},
     {"visum/visum.h", {"tests/install/outside"}},  // ours, as installed
+    {"visum/mca/part.h", {"tests/install/outside"}},
     {"visum/plugin.h", {"tests/install/outside"}},
 };
 

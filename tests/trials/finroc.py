@@ -3,18 +3,22 @@
 
     tests/trials/finroc.py SOURCES [--bin build/release/bin] [--keep FOLDER] [--show finstruct|fingui]
 
-SOURCES holds a checkout of each repository of github.com/finrocmirror that is named below, in a folder of its name; a branch
-is a dialect (17.03, or the older master). Nothing of them is part of Visum. Debian's openjdk-17-jdk, libxstream-java,
-libxpp3-java, libsvgsalamander-java and libitext5-java are needed.
+SOURCES holds a checkout of each of Finroc's repositories, in a folder of its name:
 
-Runs Finroc's client libraries against `visum bridge finroc` and a daemon with the arm. --show starts a window of the tool
-instead, connected to them, and waits until it is closed. Exit code 0: all passed, 1: something failed, 77: not possible here.
+    for name in NAMES; do git clone -b 17.03 https://github.com/finrocmirror/$name SOURCES/$name; done
+
+NAMES are %s.
+Nothing of them is part of Visum. Debian's openjdk-17-jdk, libxstream-java, libxpp3-java, libsvgsalamander-java and
+libitext5-java are needed, and graphviz for the graphs of --show.
+
+Runs Finroc's client libraries against `visum bridge finroc` and a daemon with the arm. Their interface differs by branch: the
+claims are for 17.03. --show starts a window of the tool instead, connected to them, and waits until it is closed; it also
+takes the older master. Exit code 0: all passed, 1: something failed, 77: not possible here.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import shutil
 import subprocess
@@ -22,7 +26,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from programs import SKIPPED, Daemon, Failed, NotHere, expect
+from programs import SKIPPED, Daemon, Failed, FinrocBridge, NotHere, expect
 
 HERE = Path(__file__).resolve().parent
 REPOSITORIES = {  # and the package that each one is
@@ -91,31 +95,21 @@ def build(sources: Path, folder: Path) -> None:
         run("jar", "cfm", folder / f"{jar}.jar", folder / "manifest", "-C", classes, package)
         shutil.rmtree(classes / package)
     run("jar", "cf", folder / "finroc.jar", "-C", classes, ".")
-    run("javac", "-nowarn", "-d", folder, "-cp", class_path(folder), HERE / "finroc/Probe.java")
+
+
+def build_probe(folder: Path) -> None:
+    try:
+        run("javac", "-nowarn", "-d", folder, "-cp", class_path(folder), HERE / "finroc/Probe.java")
+    except Failed as failure:
+        raise NotHere(f"these sources are not of branch 17.03, whose libraries the claims use; --show works:\n{failure}") from failure
 
 
 def class_path(folder: Path) -> str:
     return ":".join(map(str, [folder, *sorted(folder.glob("*.jar")), *LIBRARIES]))
 
 
-class Bridge:
-    def __init__(self, programs: Path, daemon: Daemon):
-        connect = f"127.0.0.1:{daemon.ready['port']}"
-        self.words = [programs / "visum", "bridge", "finroc", "--connect", connect, "--port", 0, "--json"]
-
-    def __enter__(self) -> Bridge:
-        self.process = subprocess.Popen(list(map(str, self.words)), stdout=subprocess.PIPE, text=True)
-        assert self.process.stdout
-        self.ready = json.loads(self.process.stdout.readline())
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.process.terminate()
-        self.process.wait()
-
-
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=(__doc__ or "") % " ".join(REPOSITORIES), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sources", type=Path)
     parser.add_argument("--bin", type=Path, default=HERE.parents[1] / "build/release/bin")
     parser.add_argument("--keep", type=Path, help="build here, and do not build again what is there")
@@ -124,11 +118,13 @@ def main() -> int:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         folder = options.keep or Path(temporary) / "finroc"
-        if not (folder / "Probe.class").exists():
+        if not (folder / "finroc.jar").exists():
             build(options.sources, folder)
-        with Daemon(options.bin, "--run") as daemon, Bridge(options.bin, daemon) as bridge:
+        if not options.show:
+            build_probe(folder)
+        with Daemon(options.bin, "--run") as daemon, FinrocBridge(options.bin, daemon) as bridge:
             java = ["java", "--add-opens", "java.management/sun.management=ALL-UNNAMED", "-cp", class_path(folder)]
-            address = f"localhost:{bridge.ready['port']}"
+            address = f"localhost:{bridge.port}"
             if options.show:
                 return subprocess.run([*java, MAINS[options.show], f"--connect={address}", *options.words], cwd=folder, check=False).returncode
             return subprocess.run([*java, "Probe", address, "arm"], cwd=folder, check=False, timeout=600, env={**os.environ, "DISPLAY": ""}).returncode

@@ -83,6 +83,25 @@ class Daemon:
         return int(Path(f"/proc/{self.pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") // 1024
 
 
+class FinrocBridge:
+    """A `visum bridge finroc` in front of a daemon, for the length of a `with`."""
+
+    def __init__(self, programs: Path, daemon: Daemon):
+        self.words = [programs / "visum", "bridge", "finroc", "--connect", daemon.address, "--port", 0, "--json"]
+
+    def __enter__(self) -> FinrocBridge:
+        self.process = subprocess.Popen(list(map(str, self.words)), stdout=subprocess.PIPE, text=True)
+        assert self.process.stdout
+        self.port: int = json.loads(self.process.stdout.readline())["port"]
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.process.terminate()
+        self.process.wait(PATIENCE_S)
+        if self.process.stdout:
+            self.process.stdout.close()
+
+
 def connect(port: int) -> socket.socket:
     """A connection that says nothing."""
     return socket.create_connection(("127.0.0.1", port), timeout=30)

@@ -48,7 +48,8 @@ ElementId Board::add_port(ElementId parent, const std::string& name, const Type&
               .type = type,
               .unit = unit,
               .access = access,
-              .value = initial});
+              .value = initial,
+              .time_ns = now_ns});
 }
 
 ElementId Board::add_administration(ElementId parent, const std::string& name) {

@@ -92,7 +92,8 @@ class Board {
   };
   const std::vector<Change>& changes() const { return changes_; }
 
-  Write write;  // set by the mapping
+  Write write;              // set by the mapping
+  std::int64_t now_ns = 0;  // likewise: the time of the first value of a new port
 
  private:
   ElementId add(Element element);

@@ -51,14 +51,16 @@ int serve(const bridge::Options& options) {
     // Twice as often as values are wanted, so that none is late by a whole interval.
     const auto every = std::clamp(loop.follows_every() / 2, kMostOften, kIdle);
     const bool running = cycle && cycle->is_running();
-    loop.wait(running ? std::chrono::milliseconds(0) : every);
+    refresh_at = std::min(refresh_at, bridge::Clock::now() + every);  // a peer may have asked for more
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(refresh_at - bridge::Clock::now());
+    loop.wait(running ? std::chrono::milliseconds(0) : std::max(left, std::chrono::milliseconds(0)));
     const auto now = bridge::Clock::now();
     const bool news = cycle && cycle->work();
     // Also while nobody follows: a lost server must end the bridge. While the world runs its period, the
     // server answers nothing else.
     if (news || (now >= refresh_at && !(cycle && cycle->is_running()))) {
       mapping.refresh(now);
-      refresh_at = now + every;
+      refresh_at = std::max(refresh_at + every, now);
     }
     loop.send(now);
   }

@@ -80,6 +80,7 @@ Mapping::Mapping(bridge::Plant& plant, Board& board, bridge::Cycle* cycle)
       controllers_(plant, board, [this](const auto& part, auto vector, std::size_t index) {
         return find_port(part, vector, index);
       }) {
+  board_.now_ns = wall_time_ns();
   const ElementId runtime = board_.add_plain(kRoot, "Runtime");
   board_.add_administration(board_.add_plain(runtime, "Services"), "Administration");
   const std::string& scene_name = plant_.client().server().scene;
@@ -163,7 +164,7 @@ void Mapping::add_blackboards(ElementId module, std::size_t part) {
 
 void Mapping::refresh(std::chrono::steady_clock::time_point now) {
   plant_.refresh();
-  const std::int64_t time_ns = wall_time_ns();
+  const std::int64_t time_ns = board_.now_ns = wall_time_ns();
   std::vector<Inputs> inputs;
   std::vector<Outputs> outputs;
   for (const Part& part : plant_.parts()) {

@@ -293,10 +293,12 @@ void Session::send_due(bridge::Clock::time_point now) {
   for (auto& [id, subscription] : subscriptions_) {
     const Element& element = board_.elements()[id];
     if (element.deleted || subscription.sent == element.revision) continue;
-    if (subscription.sent && now - subscription.sent_at < subscription.interval) continue;
+    if (now < subscription.due) continue;
     add_value(element, subscription);
     subscription.sent = element.revision;
-    subscription.sent_at = now;
+    // A value that was a little late does not delay those that follow.
+    const bool little_late = now - subscription.due < subscription.interval;
+    subscription.due = (little_late ? subscription.due : now) + subscription.interval;
   }
   if (messages_.empty() && !to_acknowledge_) return;
   Writer batch;

@@ -34,7 +34,7 @@ class Session : public bridge::PeerSession {
     Encoding encoding = Encoding::kBinary;
     std::chrono::milliseconds interval{0};
     std::optional<std::uint64_t> sent;  // the revision that was sent last
-    bridge::Clock::time_point sent_at{};
+    bridge::Clock::time_point due{};    // when the next value may be sent
   };
 
   std::size_t take_one(std::span<const std::byte> bytes);  // returns 0 if more bytes are needed

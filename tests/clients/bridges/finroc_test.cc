@@ -273,6 +273,20 @@ TEST_F(FinrocSession, SendsASubscribedValueAtOnceAndThenOnChange) {
                                     "01"));
 }
 
+// 25 values a second are 25, though the bridge looks only each 20 ms, and not on the dot.
+TEST_F(FinrocSession, ALateValueDoesNotDelayTheNext) {
+  begin();
+  hear(batch(subscribe(port_, 77, 40)));
+  say();
+  int values = 0;
+  for (int i = 1; i <= 51; ++i) {  // a second
+    now_ += std::chrono::milliseconds(i % 3 == 0 ? 22 : 19);
+    board_.set(port_, i, i);
+    values += say().empty() ? 0 : 1;
+  }
+  EXPECT_EQ(values, 25);
+}
+
 TEST_F(FinrocSession, UnsubscribedPortsAreSilent) {
   begin();
   hear(batch(subscribe(port_, 77)));

@@ -7,6 +7,7 @@
 #include "clients/mca/announce.h"
 #include "clients/mca/part.h"
 #include "protocol/config/config.h"
+#include "protocol/part_description.h"
 
 namespace visum::mca {
 namespace {

@@ -1,4 +1,6 @@
 """The paper's figure 6: hardware, motion and task in three processes, with the real programs over TCP."""
+import contextlib
+import json
 import pathlib
 import signal
 import socket
@@ -9,7 +11,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from programs import BIN, DEADLINE_S, Daemon  # noqa: E402
+from programs import ARM, BIN, DEADLINE_S, Daemon, visum  # noqa: E402
 
 
 class Part:
@@ -33,6 +35,32 @@ class Part:
             self.process.communicate()
         self.process.stdout.close()
         self.process.stderr.close()
+
+
+class RealArm:
+    """An arm behind visum-hwpart for the length of a `with`: the program for real modules, and modules on a bus, which
+    another world plays."""
+
+    def __enter__(self):
+        with contextlib.ExitStack() as stack:
+            self.world = stack.enter_context(Daemon("-r", "--bus", "arm=tcp:0"))
+            bus = self.world.ready["buses"]["arm"][0]
+            self.process = subprocess.Popen(
+                [BIN / "visum-hwpart", ARM, "--bus", bus.replace("tcp:", "tcp:127.0.0.1:"), "--port", "0", "--json", "-v", "0",
+                 "--execution-enable", "--answer-ms", "2000", "--session-silence-ms", "0", "--command-age-ms", "0"],
+                stdout=subprocess.PIPE, text=True)
+            stack.callback(self.process.stdout.close)
+            stack.callback(self.process.wait, DEADLINE_S)
+            stack.callback(self.process.terminate)
+            self.connect = f"127.0.0.1:{json.loads(self.process.stdout.readline())['port']}"
+            self.stack = stack.pop_all()
+        return self
+
+    def visum(self, verb, *words):
+        return visum(verb, *words, "--connect", self.connect)
+
+    def __exit__(self, *_):
+        self.stack.close()
 
 
 def eventually(look, holds):
@@ -88,6 +116,23 @@ class Lockstep(unittest.TestCase):
             three.process.send_signal(signal.SIGCONT)
 
 
+    def test_parts_that_never_join_are_named(self):
+        with Daemon("--clock", "lockstep") as daemon:
+            with hardware(daemon, "--join-timeout", 0.5) as part:
+                self.assertEqual(part.wait(), 4)
+                self.assertIn("these parts above have not joined within 0.5 s (--join-timeout): 1 of 1", part.said)
+            with hardware(daemon, "--uppers", "2", "--join-timeout", 3) as part, motion(daemon):
+                self.assertEqual(part.wait(), 4)
+                self.assertIn("1 of 2; there is 'motion'", part.said)
+            with hardware(daemon, "--uppers", "motion,monitor", "--join-timeout", 3) as part, motion(daemon):
+                self.assertEqual(part.wait(), 4)
+                self.assertIn("(--join-timeout): 'monitor'", part.said)
+
+    def test_a_part_that_waits_for_nobody_goes_on_alone(self):
+        with Daemon("--clock", "lockstep") as daemon, hardware(daemon, "--uppers", 0):
+            eventually(lambda: daemon.json("status")["tick"], lambda tick: tick > 100)
+
+
 class RealTime(unittest.TestCase):
     def setUp(self):
         self.daemon = self.enterContext(Daemon("-r"))
@@ -136,17 +181,34 @@ class RealTime(unittest.TestCase):
             self.assertIn("'task' is gone without a release", two.said)
         self.assertIn("controller lost", self.daemon.visum("parts").stdout)
 
-    def test_two_arms_are_driven_by_two_edges_from_one_output_and_swapped_by_an_option(self):
+    def drive(self, *arms):
+        """Runs the whole controller with these arms below it. Returns the largest first angle of each arm."""
+        lower = [word for arm in arms for word in ("--lower", f"arm@{arm.connect}")]
+        seen = [0.0 for _ in arms]
+        with Part("hardware", *lower, "--port", 0) as one, motion(arms[0]) as two, task(arms[0]) as top:
+            while top.process.poll() is None:
+                seen = [max(angle, port(arm, "Actual Angle 1")) for angle, arm in zip(seen, arms)]
+            self.assertEqual(top.wait(), 0, top.__dict__.get("said"))
+            for part in (two, one):
+                part.process.send_signal(signal.SIGINT)
+                self.assertEqual(part.wait(), 130, part.said)
+        for arm in arms:
+            self.assertEqual(port(arm, "Maximum Speed 1"), 0.8)
+            self.assertEqual(port(arm, "Part State"), 0)
+        return seen
+
+    def test_two_arms_are_driven_by_two_edges_from_one_output(self):
         with Daemon("-r") as other:
-            lower = ["--lower", f"arm@{self.daemon.connect}", "--lower", f"arm@{other.connect}"]
-            with Part("hardware", *lower, "--port", 0), motion(self.daemon), task(self.daemon) as top:
-                self.assertEqual(top.wait(), 0, top.__dict__.get("said"))
-            for daemon in (self.daemon, other):
-                self.assertEqual(port(daemon, "Maximum Speed 1"), 0.8)
-                self.assertAlmostEqual(port(daemon, "Desired Angle 1"), 0, delta=0.01)
-                self.assertEqual(port(daemon, "Desired Angle 1"), port(self.daemon, "Desired Angle 1"))
-            with Part("hardware", *lower[2:], *lower[:2], "--port", 0), motion(other), task(other) as top:
-                self.assertEqual(top.wait(), 0, top.__dict__.get("said"))
+            for angle in self.drive(self.daemon, other):
+                self.assertAlmostEqual(angle, 0.6, delta=0.05)
+            self.assertAlmostEqual(port(other, "Desired Angle 1"), 0, delta=0.01)
+            self.assertEqual(port(self.daemon, "Desired Angle 1"), port(other, "Desired Angle 1"))
+
+    def test_the_real_arm_takes_the_place_of_the_virtual_one_or_moves_beside_it(self):
+        with RealArm() as real:
+            for arms in ((real,), (self.daemon, real)):
+                for angle in self.drive(*arms):
+                    self.assertAlmostEqual(angle, 0.6, delta=0.05)
 
 
 class CommandLine(unittest.TestCase):
@@ -157,6 +219,8 @@ class CommandLine(unittest.TestCase):
         for words, code, text in ((["--lower", "arm"], 2, "is no PART@HOST:PORT"),
                                   (["--period", "10"], 2, "is no period"),
                                   (["--timescale", "0"], 2, "--timescale"),
+                                  (["--uppers", "33"], 2, "--uppers: 33 is not in 0 .. 32"),
+                                  (["--uppers", "-1"], 2, "--uppers: -1 is not in 0 .. 32"),
                                   (["--configfile", "/nowhere.yaml"], 3, "/nowhere.yaml")):
             with Part("task", *words) as part:
                 self.assertEqual(part.wait(), code, part.said)
