@@ -63,6 +63,8 @@ class Compare(unittest.TestCase):
         self.assertIn("no MCAP file", visum("compare", good, self.folder / "scenario.yaml", expect=3).stderr)
         self.assertIn("cannot be opened", visum("compare", good, self.folder / "none.mcap", expect=3).stderr)
         self.assertIn("holds no results.sqlite", visum("compare", self.folder, self.folder, expect=3).stderr)
+        for pair in ((self.folder, "missing"), ("missing", self.folder)):
+            self.assertIn("missing cannot be opened", visum("compare", *pair, expect=3).stderr)
         self.assertIn("two of one kind", visum("compare", good, self.folder, expect=2).stderr)
 
     def campaign(self, name, world):
