@@ -1,12 +1,17 @@
 // An incremental hull. It starts with a tetrahedron. Each point outside then replaces the faces that it sees
 // by a fan from itself to their horizon. The work is quadratic, done once at load, for at most a few thousand
-// points.
+// points. Where many points lie nearly in a plane, rounding may make a point see faces that are no
+// neighbours, and the faces pile up. What comes out is checked, and then made anew from integers without
+// rounding.
 #include "server/collision/hull.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
+#include <set>
 #include <stdexcept>
 
 namespace visum::collision {
@@ -15,6 +20,8 @@ namespace {
 using Points = std::span<const Eigen::Vector3d>;
 constexpr double kFlatness = 1e-7;  // share of the hull's size: a point nearer to a face counts as on it
 constexpr double kCoplanar = 1e-5;  // share of the hull's size: faces this close to one plane are one polygon
+
+constexpr std::uint64_t kMostCells = 1024;  // by which points are moved: 4e-6 of the hull's size
 
 struct Triangle {
   std::array<std::uint32_t, 3> corners;
@@ -54,14 +61,12 @@ std::vector<Triangle> first_tetrahedron(Points points, double tolerance) {
           make_triangle_of(points, p, d, q), make_triangle_of(points, q, d, a)};
 }
 
-// Adds a point, if it lies outside.
-void add_point(std::vector<Triangle>& hull, Points points, std::uint32_t point, double tolerance) {
-  const auto sees = [&](const Triangle& face) {
-    return face.normal.dot(points[point]) - face.offset > tolerance;
-  };
+// Adds a point, if it lies outside: if it sees a face.
+template <typename Face, typename Sees, typename Make>
+void add_point(std::vector<Face>& hull, std::uint32_t point, Sees sees, Make make) {
   // An edge of the seen faces is on the horizon if its reverse is not seen.
   std::map<std::pair<std::uint32_t, std::uint32_t>, bool> horizon;
-  for (const Triangle& face : hull) {
+  for (const Face& face : hull) {
     if (!sees(face)) continue;
     for (std::size_t i = 0; i < 3; ++i) {
       const std::uint32_t from = face.corners[i], to = face.corners[(i + 1) % 3];
@@ -70,18 +75,88 @@ void add_point(std::vector<Triangle>& hull, Points points, std::uint32_t point, 
   }
   if (horizon.empty()) return;
   std::erase_if(hull, sees);
-  for (const auto& [edge, unused] : horizon)
-    hull.push_back(make_triangle_of(points, edge.first, edge.second, point));
+  for (const auto& [edge, unused] : horizon) hull.push_back(make(edge.first, edge.second, point));
 }
 
-// The corners of the polygon in a face's plane, counter-clockwise about the normal: the convex hull in the
-// plane (Andrew's monotone chain), without points inside or on an edge.
-std::vector<std::uint32_t> polygon_on(Points points, const std::vector<std::uint32_t>& on_hull,
-                                      const Triangle& plane, double tolerance) {
-  std::vector<std::uint32_t> near;
-  for (const std::uint32_t i : on_hull) {
-    if (std::abs(plane.normal.dot(points[i]) - plane.offset) <= tolerance) near.push_back(i);
+// The faces that rounding leaves: not always a hull (see is_hull).
+std::vector<Triangle> rounded_hull(Points points, double tolerance) {
+  std::vector<Triangle> hull = first_tetrahedron(points, tolerance);
+  for (std::uint32_t i = 0; i < points.size() && hull.size() <= 2 * points.size(); ++i)
+    add_point(
+        hull, i, [&](const Triangle& face) { return face.normal.dot(points[i]) - face.offset > tolerance; },
+        [&](auto a, auto b, auto c) { return make_triangle_of(points, a, b, c); });
+  return hull;
+}
+
+// True if the faces close, and no point lies beyond one. A closed surface of triangles has 2V - 4 of them.
+bool is_hull(Points points, const std::vector<Triangle>& faces, double tolerance) {
+  std::set<std::uint32_t> corners;
+  for (const Triangle& face : faces) corners.insert(face.corners.begin(), face.corners.end());
+  return faces.size() + 4 == 2 * corners.size() && std::ranges::all_of(faces, [&](const Triangle& face) {
+           return std::ranges::all_of(
+               points, [&](const auto& p) { return face.normal.dot(p) - face.offset <= tolerance; });
+         });
+}
+
+using Cell = Eigen::Matrix<std::int64_t, 3, 1>;
+__extension__ typedef __int128 Volume;
+
+struct CellFace {
+  std::array<std::uint32_t, 3> corners;
+  Cell normal;
+};
+
+// The points on a grid of 2^28 cells for the hull's size, each moved by less than so many cells, so that no
+// four lie in one plane but by rare chance. Differences have at most 29 bits, normals 59, volumes 91.
+std::vector<Cell> shaken(Points points, double size, std::uint64_t cells) {
+  Eigen::Vector3d low = points[0];
+  for (const Eigen::Vector3d& p : points) low = low.cwiseMin(p);
+  std::uint64_t random = 1;
+  std::vector<Cell> grid;
+  for (const Eigen::Vector3d& p : points) {
+    Cell& cell = grid.emplace_back();
+    for (int axis = 0; axis < 3; ++axis) {
+      random = random * 6364136223846793005u + 1442695040888963407u;  // Knuth's MMIX
+      cell[axis] = std::llround((p[axis] - low[axis]) / size * (1 << 28)) +
+                   static_cast<std::int64_t>((random >> 33) % cells);
+    }
   }
+  return grid;
+}
+
+// The hull of the shaken points: exact for them, and off by at most so many cells for the points.
+std::vector<Triangle> exact_hull(Points points, double size, std::uint64_t cells) {
+  const std::vector<Cell> grid = shaken(points, size, cells);
+  const auto make = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    return CellFace{{a, b, c}, (grid[b] - grid[a]).cross(grid[c] - grid[a])};
+  };
+  std::vector<CellFace> hull;
+  for (const Triangle& face : first_tetrahedron(points, kFlatness * size))
+    hull.push_back(make(face.corners[0], face.corners[1], face.corners[2]));
+  for (std::uint32_t i = 0; i < points.size(); ++i)
+    add_point(
+        hull, i,
+        [&](const CellFace& face) {
+          Volume volume = 0;
+          const Cell from = grid[i] - grid[face.corners[0]];
+          for (int axis = 0; axis < 3; ++axis) volume += static_cast<Volume>(face.normal[axis]) * from[axis];
+          return volume > 0;
+        },
+        make);
+  std::vector<Triangle> faces;
+  for (const CellFace& face : hull) {
+    const Eigen::Vector3d normal = face.normal.cast<double>().normalized();
+    double offset = -std::numeric_limits<double>::infinity();
+    for (const std::uint32_t corner : face.corners) offset = std::max(offset, normal.dot(points[corner]));
+    faces.push_back({face.corners, normal, offset});
+  }
+  return faces;
+}
+
+// The corners of the polygon of points in a face's plane, counter-clockwise about the normal: the convex hull
+// in the plane (Andrew's monotone chain), without points inside or on an edge.
+std::vector<std::uint32_t> polygon_of(Points points, std::vector<std::uint32_t> near, const Triangle& plane,
+                                      double tolerance) {
   const Eigen::Vector3d u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
   const auto place = [&](std::uint32_t i) { return std::pair(u.dot(points[i]), v.dot(points[i])); };
   std::sort(near.begin(), near.end(), [&](auto i, auto j) { return place(i) < place(j); });
@@ -158,19 +233,25 @@ Polytope join_coplanar(Points points, std::vector<Triangle> triangles, double to
   // The largest triangles have the best normals, and stand for the small ones in their plane.
   std::stable_sort(triangles.begin(), triangles.end(), [&](auto& s, auto& t) { return area(s) > area(t); });
   PolytopeBuilder builder(points);
-  std::vector<bool> joined(triangles.size(), false);
+  std::vector<std::vector<std::uint32_t>> triangles_at(points.size());  // by corner
+  for (std::uint32_t i = 0; i < triangles.size(); ++i)
+    for (const std::uint32_t corner : triangles[i].corners) triangles_at[corner].push_back(i);
+  std::vector<bool> joined(triangles.size(), false), is_near(points.size(), false);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     if (joined[i]) continue;
-    const auto corners = polygon_on(points, on_hull, triangles[i], tolerance);
+    std::vector<std::uint32_t> near;
+    for (const std::uint32_t v : on_hull) {
+      is_near[v] = std::abs(triangles[i].normal.dot(points[v]) - triangles[i].offset) <= tolerance;
+      if (is_near[v]) near.push_back(v);
+    }
+    const auto corners = polygon_of(points, near, triangles[i], tolerance);
     if (corners.size() > 2)
       builder.add_face(triangles[i].normal, corners);  // with fewer corners it is a sliver
-    for (std::size_t j = i + 1; j < triangles.size(); ++j) {
-      const auto is_on_plane = [&](std::uint32_t c) {
-        return std::abs(triangles[i].normal.dot(points[c]) - triangles[i].offset) <= tolerance;
-      };
-      if (std::all_of(triangles[j].corners.begin(), triangles[j].corners.end(), is_on_plane))
-        joined[j] = true;
-    }
+    for (const std::uint32_t v : near)
+      for (const std::uint32_t j : triangles_at[v]) {
+        const auto& [a, b, c] = triangles[j].corners;
+        if (is_near[a] && is_near[b] && is_near[c]) joined[j] = true;
+      }
   }
   return builder.finish();
 }
@@ -179,8 +260,11 @@ Polytope join_coplanar(Points points, std::vector<Triangle> triangles, double to
 
 Polytope make_hull(Points points) {
   const double size = size_of(points);
-  std::vector<Triangle> hull = first_tetrahedron(points, kFlatness * size);
-  for (std::uint32_t i = 0; i < points.size(); ++i) add_point(hull, points, i, kFlatness * size);
+  std::vector<Triangle> hull = rounded_hull(points, kFlatness * size);
+  for (std::uint64_t cells = 64; !is_hull(points, hull, kCoplanar * size); cells *= 2) {
+    if (cells > kMostCells) throw std::runtime_error("no convex hull of the points was found");
+    hull = exact_hull(points, size, cells);
+  }
   return join_coplanar(points, std::move(hull), kCoplanar * size);
 }
 

@@ -1,19 +1,33 @@
 #include "server/collision/polytope.h"
 
 #include <cmath>
+#include <map>
 
 namespace visum::collision {
 namespace {
 
 constexpr double kSameDirection = 1.0 - 1e-9;
+constexpr double kApart = 4.5e-5;  // at most: length between unit vectors whose product is kSameDirection
 
-// Adds a direction, unless it or its opposite is there already.
-void add_distinct(std::vector<Eigen::Vector3d>& directions, const Eigen::Vector3d& unit) {
-  for (const Eigen::Vector3d& known : directions) {
-    if (std::abs(known.dot(unit)) > kSameDirection) return;
+// Collects directions, each of which may stand for its opposite.
+class Directions {
+ public:
+  explicit Directions(std::vector<Eigen::Vector3d>& directions) : directions_(directions) {}
+
+  // Adds a direction, unless it or its opposite is there already.
+  void add_distinct(const Eigen::Vector3d& unit) {
+    const double x = std::abs(unit.x());
+    const auto end = by_x_.upper_bound(x + kApart);
+    for (auto near = by_x_.lower_bound(x - kApart); near != end; ++near)
+      if (std::abs(directions_[near->second].dot(unit)) > kSameDirection) return;
+    by_x_.emplace(x, directions_.size());
+    directions_.push_back(unit);
   }
-  directions.push_back(unit);
-}
+
+ private:
+  std::vector<Eigen::Vector3d>& directions_;
+  std::multimap<double, std::size_t> by_x_;  // their numbers by |x|, so that few are compared
+};
 
 }  // namespace
 
@@ -43,13 +57,14 @@ void index_polytope(Polytope& polytope) {
   polytope.normals.clear();
   polytope.edges.clear();
   polytope.faces_of.assign(polytope.vertices.size(), {});
+  Directions normals(polytope.normals), edges(polytope.edges);
   for (std::uint32_t f = 0; f < polytope.faces.size(); ++f) {
     const auto corners = polytope.corners_of(polytope.faces[f]);
-    add_distinct(polytope.normals, polytope.faces[f].normal);
+    normals.add_distinct(polytope.faces[f].normal);
     for (std::size_t i = 0; i < corners.size(); ++i) {
       polytope.faces_of[corners[i]].push_back(f);
       const Eigen::Vector3d& next = polytope.vertices[corners[(i + 1) % corners.size()]];
-      add_distinct(polytope.edges, (next - polytope.vertices[corners[i]]).normalized());
+      edges.add_distinct((next - polytope.vertices[corners[i]]).normalized());
     }
   }
 }

@@ -83,8 +83,8 @@ void print_right_as_json(const cycle::Simulation& simulation) {
     losses += (losses.empty() ? "" : ",") + protocol::json_quoted(loss);
   std::cout << "{\"right\":true,\"scene\":" << protocol::json_quoted(model.name)
             << ",\"bodies\":" << model.bodies.size() << ",\"joints\":" << model.joints.size()
-            << ",\"parts\":" << simulation.parts().size() << ",\"losses\":[" << losses
-            << "],\"warnings\":" << list_of(simulation.scene().warnings)
+            << ",\"parts\":" << simulation.parts().size() << ",\"tick_ns\":" << model.tick_ns
+            << ",\"losses\":[" << losses << "],\"warnings\":" << list_of(simulation.scene().warnings)
             << ",\"repairs\":" << list_of(simulation.scene().repairs)
             << ",\"overlaps\":" << overlap_list(model) << ",\"actuated\":" << actuated(simulation) << "}\n";
 }

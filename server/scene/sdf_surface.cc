@@ -72,18 +72,15 @@ void read_friction(const XMLElement& surface, ModelSurface& to, ModelXml& xml) {
 }
 
 void note_unused(const XMLElement& surface, ModelXml& xml) {
-  const std::pair<std::initializer_list<const char*>, const char*> unused[] = {
-      {{"contact", "ode", "kp"}, "<kp>"},
-      {{"contact", "ode", "kd"}, "<kd>"},
-      {{"contact", "ode", "soft_cfm"}, "<soft_cfm>"},
-      {{"contact", "ode", "soft_erp"}, "<soft_erp>"},
-      {{"friction", "ode", "slip1"}, "<slip1>"},
-      {{"friction", "ode", "slip2"}, "<slip2>"}};
-  for (const auto& [path, name] : unused) {
-    const auto number = number_below(surface, path);
+  constexpr std::pair<const char*, const char*> kUnused[] = {{"contact", "kp"},       {"contact", "kd"},
+                                                             {"contact", "soft_cfm"}, {"contact", "soft_erp"},
+                                                             {"friction", "slip1"},   {"friction", "slip2"}};
+  for (const auto& [group, name] : kUnused) {
+    const auto number = number_below(surface, {group, "ode", name});
     if (number && *number != 0.0)
-      note_once(*below(&surface, path),
-                std::string(name) + " is not read: contacts are hard, and stick up to their friction", xml);
+      note_once(*below(&surface, {group, "ode", name}),
+                "<" + std::string(name) + "> is not read: contacts are hard, and stick up to their friction",
+                xml);
   }
   const auto mask = text_of(below(&surface, {"contact", "collide_bitmask"}));
   if (!mask.empty() && mask != "65535" && mask != "0xffff" && mask != "0xFFFF")

@@ -63,6 +63,8 @@ class Compare(unittest.TestCase):
         self.assertIn("no MCAP file", visum("compare", good, self.folder / "scenario.yaml", expect=3).stderr)
         self.assertIn("cannot be opened", visum("compare", good, self.folder / "none.mcap", expect=3).stderr)
         self.assertIn("holds no results.sqlite", visum("compare", self.folder, self.folder, expect=3).stderr)
+        for pair in ((self.folder, "missing"), ("missing", self.folder)):
+            self.assertIn("missing cannot be opened", visum("compare", *pair, expect=3).stderr)
         self.assertIn("two of one kind", visum("compare", good, self.folder, expect=2).stderr)
 
     def campaign(self, name, world):
@@ -71,6 +73,19 @@ class Compare(unittest.TestCase):
         file.write_text("visum_scenario: 1\nname: slide\nscene: world.yaml\n" + textwrap.dedent(SLIDE))
         visum("campaign", file, "--report", self.folder / name, expect=1)
         return self.folder / name
+
+    def test_tells_that_a_controllers_program_is_another(self):
+        (self.folder / "world.yaml").write_text(textwrap.dedent(WORLD))
+        program = self.folder / "controller"
+        file = self.folder / "slide.yaml"
+        file.write_text("visum_scenario: 1\nname: slide\nscene: world.yaml\ncontrollers:\n"
+                        f"  - {{name: c, joins: false, exchanges: false, command: ['{program}']}}\n" + textwrap.dedent(SLIDE))
+        for version in ("1", "2"):
+            program.write_text(f"#!/bin/sh\n# version {version}\n")
+            program.chmod(0o755)
+            visum("campaign", file, "--report", self.folder / version, expect=1)
+        result = self.compare(self.folder / "1", self.folder / "2")
+        self.assertEqual(result["settings"], ["a controller's program, or a file that its command names"])
 
     def test_campaigns(self):
         one, same = self.campaign("one", WORLD), self.campaign("same", WORLD)

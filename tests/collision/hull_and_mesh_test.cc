@@ -68,6 +68,28 @@ TEST(Hull, OfAFinePrismJoinsItsCapsToPolygons) {
   expect_closed_and_convex(hull);
 }
 
+// Meshes in files have turned, rounded coordinates, so that no four points of a cap lie in one plane.
+TEST(Hull, OfATurnedPrismOfRoundedCoordinatesIsThePrism) {
+  for (const int sides : {30, 60, 100, 150}) {
+    const Eigen::Quaterniond turn = Eigen::Quaterniond(0.8, 0.3, -0.4, 0.2 + 0.01 * sides).normalized();
+    std::vector<Eigen::Vector3d> points;
+    for (int i = 0; i < sides; ++i) {
+      const double angle = 2.0 * std::numbers::pi * (7 * i % sides) / sides;
+      for (const double z : {-0.02, 0.02})
+        points.push_back(
+            (turn * Eigen::Vector3d(std::cos(angle), std::sin(angle), z)).cast<float>().cast<double>());
+    }
+    const Polytope hull = make_hull(points);
+    EXPECT_LE(hull.faces.size(), 2 * points.size());
+    const double size = 2.0;
+    for (const Polytope::Face& face : hull.faces) {
+      const double offset = face.normal.dot(hull.vertices[hull.corners[face.first]]);
+      for (const auto& point : points) EXPECT_LT(face.normal.dot(point) - offset, 2e-5 * size) << sides;
+    }
+    EXPECT_NEAR(volume(hull), 0.02 * sides * std::sin(2.0 * std::numbers::pi / sides), 1e-4) << sides;
+  }
+}
+
 TEST(Hull, PointsInAPlaneAreRefused) {
   const std::vector<Eigen::Vector3d> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
   EXPECT_THROW(make_hull(points), std::runtime_error);

@@ -116,6 +116,10 @@ std::vector<std::string> settings_of(Results& a, Results& b) {
     settings.push_back("the scenario's text, or an option such as --engine");
   const auto one = a.find(1), other = b.find(1);
   if (!one || !other) return settings;
+  // A run's key is made of the scenario, the options, the build, and these.
+  if (of_a.build == of_b.build && of_a.sweep == of_b.sweep && one->parameters == other->parameters &&
+      one->key != other->key)
+    settings.push_back("a controller's program, or a file that its command names");
   const auto files_a = a.files(one->files), files_b = b.files(other->files);
   for (const auto& [path, hash] : files_a) {
     const auto found = std::ranges::find(files_b, path, &std::pair<std::string, std::string>::first);
