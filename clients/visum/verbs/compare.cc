@@ -40,9 +40,10 @@ class CompareVerb : public Verb {
 
   int run() override {
     for (const std::string& path : {a_, b_}) {
-      std::error_code none;
-      if (!std::filesystem::exists(path, none))
-        throw ExitError(kBadConfig, path + " cannot be opened: there is no such file or folder");
+      std::error_code error;
+      if (!std::filesystem::exists(path, error))
+        throw ExitError(kBadConfig, path + " cannot be opened: " +
+                                        (error ? error.message() : "there is no such file or folder"));
     }
     const bool folder_a = is_folder(a_), folder_b = is_folder(b_);
     if (folder_a != folder_b)

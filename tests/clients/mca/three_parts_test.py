@@ -121,10 +121,10 @@ class Lockstep(unittest.TestCase):
             with hardware(daemon, "--join-timeout", 0.5) as part:
                 self.assertEqual(part.wait(), 4)
                 self.assertIn("these parts above have not joined within 0.5 s (--join-timeout): 1 of 1", part.said)
-            with hardware(daemon, "--uppers", "2", "--join-timeout", 3) as part, motion(daemon):
+            with hardware(daemon, "--uppers", "2", "--join-timeout", 8) as part, motion(daemon):
                 self.assertEqual(part.wait(), 4)
                 self.assertIn("1 of 2; there is 'motion'", part.said)
-            with hardware(daemon, "--uppers", "motion,monitor", "--join-timeout", 3) as part, motion(daemon):
+            with hardware(daemon, "--uppers", "motion,monitor", "--join-timeout", 8) as part, motion(daemon):
                 self.assertEqual(part.wait(), 4)
                 self.assertIn("(--join-timeout): 'monitor'", part.said)
 
@@ -186,7 +186,8 @@ class RealTime(unittest.TestCase):
         lower = [word for arm in arms for word in ("--lower", f"arm@{arm.connect}")]
         seen = [0.0 for _ in arms]
         with Part("hardware", *lower, "--port", 0) as one, motion(arms[0]) as two, task(arms[0]) as top:
-            while top.process.poll() is None:
+            deadline = time.monotonic() + DEADLINE_S
+            while top.process.poll() is None and time.monotonic() < deadline:
                 seen = [max(angle, port(arm, "Actual Angle 1")) for angle, arm in zip(seen, arms)]
             self.assertEqual(top.wait(), 0, top.__dict__.get("said"))
             for part in (two, one):
