@@ -9,8 +9,9 @@ namespace visum::protocol {
 
 using KeyedHash = std::array<std::byte, 32>;
 
-// Both throw std::runtime_error where OpenSSL or the system cannot do it.
+// Throws std::bad_alloc where OpenSSL finds no memory.
 KeyedHash keyed_hash(std::span<const std::byte> key, std::span<const std::byte> message);
+// Throws std::runtime_error where the system has no random numbers.
 void fill_with_random(std::span<std::byte> bytes);
 
 // Takes the same time wherever the first difference is.

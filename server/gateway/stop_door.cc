@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -38,6 +39,13 @@ int bound_socket(const std::string& address, std::uint16_t port) {
   throw std::runtime_error("UDP " + place + ": " + std::strerror(error));
 }
 
+// Drops work for which there is no memory. It is then like a datagram that is lost: its sender asks again.
+template <typename Work>
+void if_memory_suffices(Work work) try {
+  work();
+} catch (const std::bad_alloc&) {
+}
+
 }  // namespace
 
 StopDoor::StopDoor(const std::string& address, std::uint16_t port, StopOrders orders)
@@ -65,7 +73,9 @@ void StopDoor::run() {
   while (!(polled[1].revents & POLLIN)) {
     ::poll(polled.data(), polled.size(), orders_.waits() ? kLookMs : -1);
     if (polled[0].revents & POLLIN) serve_some();
-    for (const auto& [peer, answer] : orders_.acted(StopOrders::Clock::now())) send(peer, answer);
+    if_memory_suffices([this] {
+      for (const auto& [peer, answer] : orders_.acted(StopOrders::Clock::now())) send(peer, answer);
+    });
   }
 }
 
@@ -88,10 +98,12 @@ void StopDoor::serve_some() {
     if (auto parts = std::exchange(parts_, {})) orders_.set_parts(std::move(*parts));
   }
   for (std::size_t i = 0; count > 0 && i < static_cast<std::size_t>(count); ++i) {
-    const std::string peer(reinterpret_cast<const char*>(&peers[i]), datagrams[i].msg_hdr.msg_namelen);
-    const auto answer =
-        orders_.answer(std::span(buffers[i]).first(datagrams[i].msg_len), peer, StopOrders::Clock::now());
-    if (answer) send(peer, *answer);
+    if_memory_suffices([&] {
+      const std::string peer(reinterpret_cast<const char*>(&peers[i]), datagrams[i].msg_hdr.msg_namelen);
+      const auto answer =
+          orders_.answer(std::span(buffers[i]).first(datagrams[i].msg_len), peer, StopOrders::Clock::now());
+      if (answer) send(peer, *answer);
+    });
   }
 }
 
