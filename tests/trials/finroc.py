@@ -51,6 +51,10 @@ PLUGINS = {  # jars that Finroc looks for by name, with the class that it starts
 BLACKBOARD = {"BlackboardBuffer.java", "BlackboardPlugin.java"}  # all that its make.xml names
 LIBRARIES = [Path("/usr/share/java") / jar for jar in ("xstream.jar", "xpp3.jar", "svgSalamander.jar", "itext5.jar")]
 MAINS = {"finstruct": "org.finroc.tools.finstruct.Finstruct", "fingui": "org.finroc.tools.gui.FinrocGUI"}
+# Finroc looks into Java's own classes. Without java.awt, fingui refuses to save a panel.
+OPENED = ["java.management/sun.management", "java.base/java.lang", "java.base/java.lang.reflect", "java.base/java.util", "java.base/java.util.concurrent",
+          "java.base/java.text", "java.desktop/java.awt", "java.desktop/java.awt.font", "java.desktop/java.awt.geom", "java.desktop/java.beans",
+          "java.desktop/javax.swing"]
 # A dialog for fonts that no distribution ships. Nothing here opens it.
 FONT_CHOOSER = """package com.connectina.swing.fontchooser;
 public class JFontChooser {
@@ -140,7 +144,7 @@ def main() -> int:
         if not options.show:
             build_probe(folder)
         with Daemon(options.bin, "--run") as daemon, FinrocBridge(options.bin, daemon) as bridge:
-            java = ["java", "--add-opens", "java.management/sun.management=ALL-UNNAMED", "-cp", class_path(folder)]
+            java = ["java", *(word for package in OPENED for word in ("--add-opens", f"{package}=ALL-UNNAMED")), "-cp", class_path(folder)]
             address = f"localhost:{bridge.port}"
             if options.show:
                 with controller(options.bin, daemon):
