@@ -41,7 +41,7 @@ template <typename Field>
 bool take_parameters(const Field& from, std::vector<Parameter>& to, std::string& why) {
   to.resize(from.size());
   for (int i = 0; i < from.size(); ++i)
-    if (!take(from[i], to[i], why)) return false;
+    if (!wire::take(from[i], to[i], why)) return false;
   return true;
 }
 
