@@ -218,7 +218,7 @@ using Request =
                  AddBody, RemoveBody, Shutdown, InjectFault, ClearFault, ListFaults, SetBody, SetJoints,
                  PullBody, ReleaseBody, SubscribeEvents, UnsubscribeEvents, Announce, StartRecording,
                  StopRecording, AnnounceModules, ReportModules, ListModules, OverrideModulePort,
-                 LockBlackboard, UnlockBlackboard, SpawnModel, RemoveModel, ListModels>;
+                 LockBlackboard, UnlockBlackboard, SpawnModel, RemoveModel, ListModels, SetModuleParameter>;
 
 // ---------------------------------------- server to client
 
@@ -428,6 +428,6 @@ struct EventList {
 using Reply = std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant,
                            PartSample, ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample,
                            MeshData, SnapshotTaken, Event, TextureData, FaultList, EventList, ModuleList,
-                           OverrideModulePort, ModelSpawned, ModelList>;
+                           OverrideModulePort, ModelSpawned, ModelList, SetModuleParameter>;
 
 }  // namespace visum::protocol

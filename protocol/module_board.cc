@@ -39,15 +39,66 @@ const ModuleDescription* find(const AnnounceModules& announced, const std::strin
   return found == announced.modules.end() ? nullptr : &*found;
 }
 
+// The module that an order names; null: `refusal` says why there is none.
+const ModuleDescription* find_module(const AnnounceModules& announced, const std::string& path, bool or_group,
+                                     ModuleBoard::Refusal& refusal) {
+  const ModuleDescription* module = find(announced, path);
+  if (module != nullptr && (or_group || !module->is_group)) return module;
+  std::vector<std::string> paths;
+  for (const auto& known : announced.modules)
+    if (or_group || !known.is_group) paths.push_back(known.path);
+  refusal = {{ErrorCode::kUnknownName, config::unknown_name("module", path, paths)}};
+  return nullptr;
+}
+
 bool is_name(const std::string& text) {
   return text.size() <= ModuleBoard::kMostNameBytes && config::printable(text) == text;
 }
 
+bool is_short(const ParameterValue& value) {
+  const auto* text = std::get_if<std::string>(&value);
+  return text == nullptr || text->size() <= ModuleBoard::kMostTextBytes;
+}
+
+Text refuse_parameter(const Parameter& parameter) {
+  const auto& [name, unit, help, value, minimum, maximum, choices, read_only] = parameter;
+  if (name.empty() || !is_name(name) || !is_name(unit) || !std::ranges::all_of(choices, is_name))
+    return "its name, unit or choices are empty, too long, or hold control characters";
+  if (help.size() > ModuleBoard::kMostTextBytes) return "its help is too long";
+  if (std::isnan(minimum) || std::isnan(maximum)) return "its range is no range";
+  if (!is_short(value)) return "its text is too long";
+  return {};
+}
+
+Text refuse_parameters(const ModuleDescription& module) {
+  std::set<std::string> names;
+  for (const Parameter& parameter : module.parameters) {
+    const std::string which =
+        "the parameter '" + config::printable(parameter.name.substr(0, 64)) + "' of '" + module.path + "': ";
+    if (const auto why = refuse_parameter(parameter)) return which + *why;
+    if (!names.insert(parameter.name).second) return which + "it is there twice";
+  }
+  return {};
+}
+
+Text refuse_blackboards(const AnnounceModules& announced) {
+  if (announced.blackboards.size() > ModuleBoard::kMostBlackboards)
+    return "more than " + std::to_string(ModuleBoard::kMostBlackboards) + " blackboards";
+  std::set<std::string> names;
+  for (const Blackboard& board : announced.blackboards) {
+    if (board.name.empty() || !is_name(board.name) || !is_name(board.content_type))
+      return "a blackboard's name or content type is empty, too long, or holds control characters";
+    if (!names.insert(board.name).second) return "the blackboard '" + board.name + "' is there twice";
+  }
+  return {};
+}
+
 Text refuse_modules(const AnnounceModules& announced) {
   std::set<std::string> paths;
-  std::size_t ports = 0;
+  std::size_t ports = 0, parameters = 0;
   for (const ModuleDescription& module : announced.modules) {
     ports += ports_of(module);
+    parameters += module.parameters.size();
     if (!is_name(module.path)) return "a module's path is too long or holds control characters";
     if (!paths.insert(module.path).second) return "the module '" + module.path + "' is there twice";
     for (const auto* names : {&module.controller_inputs, &module.controller_outputs, &module.sensor_inputs,
@@ -55,7 +106,10 @@ Text refuse_modules(const AnnounceModules& announced) {
       if (!std::ranges::all_of(*names, is_name))
         return "a port of '" + module.path + "' has a name that is too long or holds control characters";
     }
+    if (auto why = refuse_parameters(module)) return why;
   }
+  if (parameters > ModuleBoard::kMostParameters)
+    return "more than " + std::to_string(ModuleBoard::kMostParameters) + " parameters";
   if (ports > ModuleBoard::kMostPorts)
     return "more than " + std::to_string(ModuleBoard::kMostPorts) + " ports";
   return {};
@@ -82,7 +136,31 @@ Text refuse_edges(const AnnounceModules& announced) {
   return {};
 }
 
-Text refuse_form(const AnnounceModules& announced) {
+bool fits(const ModuleDescription& module, const ModuleState& state) {
+  return state.controller_inputs.size() == module.controller_inputs.size() &&
+         state.controller_outputs.size() == module.controller_outputs.size() &&
+         state.sensor_inputs.size() == module.sensor_inputs.size() &&
+         state.sensor_outputs.size() == module.sensor_outputs.size() &&
+         std::ranges::all_of(state.overridden,
+                             [&](std::uint32_t i) { return i < module.sensor_inputs.size(); }) &&
+         std::ranges::equal(module.parameters, state.parameters,
+                            [](const Parameter& parameter, const ParameterValue& value) {
+                              return value.index() == parameter.value.index() && is_short(value);
+                            });
+}
+
+bool fits(const AnnounceModules& announced, const ReportModules& reported) {
+  return std::ranges::equal(announced.modules, reported.modules,
+                            [](const auto& module, const auto& state) { return fits(module, state); }) &&
+         announced.blackboards.size() == reported.blackboards.size() &&
+         std::ranges::all_of(reported.blackboards, [](const ModuleBlackboard& board) {
+           return board.head.size() <= ModuleBoard::kMostHeadBytes;
+         });
+}
+
+}  // namespace
+
+Text ModuleBoard::check(const AnnounceModules& announced) {
   if (announced.part.empty() || announced.part.size() > 64 ||
       config::printable(announced.part) != announced.part)
     return "part must have 1 to 64 bytes, and no control characters";
@@ -93,23 +171,13 @@ Text refuse_form(const AnnounceModules& announced) {
   if (announced.edges.size() > ModuleBoard::kMostEdges)
     return "more than " + std::to_string(ModuleBoard::kMostEdges) + " edges";
   if (auto why = refuse_modules(announced)) return why;
+  if (auto why = refuse_blackboards(announced)) return why;
   return refuse_edges(announced);
 }
 
-bool fits(const ModuleDescription& module, const ModuleState& state) {
-  return state.controller_inputs.size() == module.controller_inputs.size() &&
-         state.controller_outputs.size() == module.controller_outputs.size() &&
-         state.sensor_inputs.size() == module.sensor_inputs.size() &&
-         state.sensor_outputs.size() == module.sensor_outputs.size() &&
-         std::ranges::all_of(state.overridden,
-                             [&](std::uint32_t i) { return i < module.sensor_inputs.size(); });
-}
-
-}  // namespace
-
 ModuleBoard::Refusal ModuleBoard::announce(std::uint64_t session, const std::string& client,
                                            const AnnounceModules& announced) {
-  if (auto why = refuse_form(announced)) return {{ErrorCode::kBadValue, *why}};
+  if (auto why = check(announced)) return {{ErrorCode::kBadValue, *why}};
   const auto known = parts_.find(announced.part);
   if (known != parts_.end() && known->second.session != session)
     return {{ErrorCode::kWrongState, "the part '" + announced.part + "' is announced by '" +
@@ -129,8 +197,7 @@ ModuleBoard::Refusal ModuleBoard::report(std::uint64_t session, const ReportModu
   const auto found = parts_.find(reported.part);
   if (found == parts_.end() || found->second.session != session)
     return {{ErrorCode::kWrongState, "this session has not announced the part '" + reported.part + "'"}};
-  const auto& modules = found->second.part.announced.modules;
-  if (!std::ranges::equal(modules, reported.modules, fits))
+  if (!fits(found->second.part.announced, reported))
     return {{ErrorCode::kBadValue, "the values of '" + reported.part + "' do not fit what was announced"}};
   found->second.part.reported = reported;
   return {};
@@ -162,20 +229,18 @@ ModuleList ModuleBoard::list(const ListModules& request) const {
   return list;
 }
 
+const ModuleBoard::Entry* ModuleBoard::find(const std::string& part, Refusal& refusal) const {
+  refusal = check(ListModules{part});
+  if (part.empty()) refusal = {{ErrorCode::kBadValue, "no part is named"}};
+  return refusal ? nullptr : &parts_.at(part);
+}
+
 std::optional<std::uint64_t> ModuleBoard::target_of(const OverrideModulePort& request,
                                                     Refusal& refusal) const {
-  refusal = check(ListModules{request.part});
-  if (request.part.empty()) refusal = {{ErrorCode::kBadValue, "no part is named"}};
-  if (refusal) return {};
-  const Entry& entry = parts_.at(request.part);
-  const ModuleDescription* module = find(entry.part.announced, request.path);
-  if (module == nullptr || module->is_group) {
-    std::vector<std::string> paths;
-    for (const auto& known : entry.part.announced.modules)
-      if (!known.is_group) paths.push_back(known.path);
-    refusal = {{ErrorCode::kUnknownName, config::unknown_name("module", request.path, paths)}};
-    return {};
-  }
+  const Entry* entry = find(request.part, refusal);
+  if (entry == nullptr) return {};
+  const auto* module = find_module(entry->part.announced, request.path, false, refusal);
+  if (module == nullptr) return {};
   if (std::ranges::find(module->sensor_inputs, request.port) == module->sensor_inputs.end()) {
     refusal = {
         {ErrorCode::kUnknownName, config::unknown_name("sensor input", request.port, module->sensor_inputs)}};
@@ -185,7 +250,31 @@ std::optional<std::uint64_t> ModuleBoard::target_of(const OverrideModulePort& re
     refusal = {{ErrorCode::kBadValue, "the value must be a finite number"}};
     return {};
   }
-  return entry.session;
+  return entry->session;
+}
+
+std::optional<std::uint64_t> ModuleBoard::target_of(const SetModuleParameter& request,
+                                                    Refusal& refusal) const {
+  const Entry* entry = find(request.part, refusal);
+  if (entry == nullptr) return {};
+  const auto* module = find_module(entry->part.announced, request.path, true, refusal);
+  if (module == nullptr) return {};
+  const auto parameter = std::ranges::find(module->parameters, request.name, &Parameter::name);
+  if (parameter == module->parameters.end()) {
+    std::vector<std::string> names;
+    for (const Parameter& known : module->parameters) names.push_back(known.name);
+    refusal = {{ErrorCode::kUnknownName, config::unknown_name("parameter", request.name, names)}};
+    return {};
+  }
+  ParameterValue value = request.value;
+  std::string why = refuse_value(*parameter, value);
+  if (parameter->read_only) why = "'" + request.name + "' is read-only";
+  if (!is_short(value)) why = "a text has at most " + std::to_string(kMostTextBytes) + " bytes";
+  if (!why.empty()) {
+    refusal = {{ErrorCode::kBadValue, why}};
+    return {};
+  }
+  return entry->session;
 }
 
 }  // namespace visum::protocol

@@ -19,10 +19,17 @@ class ModuleBoard {
   using Refusal = std::optional<std::pair<ErrorCode, std::string>>;
 
   static constexpr std::size_t kMostParts = 64;
-  static constexpr std::size_t kMostModules = 1024;  // of a part
-  static constexpr std::size_t kMostEdges = 4096;    // of a part
-  static constexpr std::size_t kMostPorts = 16384;   // of a part
-  static constexpr std::size_t kMostNameBytes = 256;
+  static constexpr std::size_t kMostModules = 1024;     // of a part
+  static constexpr std::size_t kMostEdges = 4096;       // of a part
+  static constexpr std::size_t kMostPorts = 16384;      // of a part
+  static constexpr std::size_t kMostParameters = 4096;  // of a part
+  static constexpr std::size_t kMostBlackboards = 64;   // of a part
+  static constexpr std::size_t kMostNameBytes = 256;    // of a unit and a choice, too
+  static constexpr std::size_t kMostTextBytes = 1024;   // of a parameter's value, and of its help
+  static constexpr std::size_t kMostHeadBytes = 1024;   // of a blackboard
+
+  // Returns why this cannot be announced.
+  static std::optional<std::string> check(const AnnounceModules& announced);
 
   // Takes what a session announces, in place of what it has announced of that part before.
   Refusal announce(std::uint64_t session, const std::string& client, const AnnounceModules& announced);
@@ -34,14 +41,16 @@ class ModuleBoard {
   Refusal check(const ListModules& request) const;
   ModuleList list(const ListModules& request) const;
 
-  // Finds the session that an override goes to. Otherwise `refusal` says why not.
+  // Finds the session that an order goes to. Otherwise `refusal` says why not.
   std::optional<std::uint64_t> target_of(const OverrideModulePort& request, Refusal& refusal) const;
+  std::optional<std::uint64_t> target_of(const SetModuleParameter& request, Refusal& refusal) const;
 
  private:
   struct Entry {
     std::uint64_t session = 0;
     ModulePart part;
   };
+  const Entry* find(const std::string& part, Refusal& refusal) const;
 
   std::map<std::string, Entry> parts_;  // by name
   std::uint64_t revision_ = 1;

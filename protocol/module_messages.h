@@ -1,9 +1,12 @@
 // The messages about modules, groups and edges of controllers in MCA2's manner, as messages.h has the others.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
+
+#include "protocol/part_description.h"
 
 namespace visum::protocol {
 
@@ -22,6 +25,7 @@ struct ModuleDescription {
   std::string path;
   bool is_group = false;
   std::vector<std::string> controller_inputs{}, controller_outputs{}, sensor_inputs{}, sensor_outputs{};
+  std::vector<Parameter> parameters{};
 };
 struct ModuleEnd {
   std::string part, path;
@@ -38,16 +42,23 @@ struct AnnounceModules {
   std::vector<ModuleDescription> modules{};
   std::vector<ModuleEdge> edges{};
   std::string address{};
+  std::vector<Blackboard> blackboards{};
 };
 struct ModuleState {
   std::vector<double> controller_inputs{}, controller_outputs{}, sensor_inputs{}, sensor_outputs{};
   std::int64_t control_ns = 0, sense_ns = 0;
   std::vector<std::uint32_t> overridden{};
+  std::vector<ParameterValue> parameters{};
+};
+struct ModuleBlackboard {
+  std::uint64_t elements = 0, generation = 0;
+  std::vector<std::byte> head{};
 };
 struct ReportModules {
   std::string part;
   std::int64_t time_ns = 0;
   std::vector<ModuleState> modules{};
+  std::vector<ModuleBlackboard> blackboards{};
 };
 struct ListModules {
   std::string part{};
@@ -57,6 +68,10 @@ struct OverrideModulePort {  // goes both ways
   std::string part, path, port;
   double value = 0.0;
   bool release = false;
+};
+struct SetModuleParameter {  // goes both ways
+  std::string part, path, name;
+  ParameterValue value;
 };
 
 // ---------------------------------------- server to client

@@ -54,6 +54,13 @@ inline constexpr const char* kEmergencyStop = "Emergency Stop";
 // Empty: none is. Read-only.
 inline constexpr const char* kTripped = "Tripped";
 
+// The value as a person would type it: 0.1, true, slow.
+std::string value_text(const ParameterValue& value);
+
+// Returns why the parameter cannot take the value; empty: it can. A whole number becomes a number where the
+// parameter is one. `read_only` is not looked at.
+std::string refuse_value(const Parameter& parameter, ParameterValue& value);
+
 // A block of bytes beside the ports, with a name.
 struct Blackboard {
   std::string name;

@@ -24,6 +24,9 @@ class MeshData;
 class InjectFault;
 class FaultList;
 class ModuleList;
+class ParameterDescription;
+class BlackboardDescription;
+class SetModuleParameter;
 }  // namespace visum::v1
 
 namespace visum::protocol::wire {
@@ -36,6 +39,10 @@ bool take(const v1::ServerMessage& from, Reply& to, std::string& why);
 // wire_part.cc
 void put(const ParameterValue& from, v1::ParameterValue& to);
 bool take(const v1::ParameterValue& from, ParameterValue& to, std::string& why);
+void put(const Parameter& from, v1::ParameterDescription& to);
+bool take(const v1::ParameterDescription& from, Parameter& to, std::string& why);
+void put(const Blackboard& from, v1::BlackboardDescription& to);
+Blackboard blackboard_of(const v1::BlackboardDescription& from);
 void put(const PartDescriptionReply& from, v1::PartDescription& to);
 bool take(const v1::PartDescription& from, PartDescriptionReply& to, std::string& why);
 void put(const ParameterList& from, v1::ParameterList& to);
@@ -58,6 +65,7 @@ struct PutModuleRequest {
   void operator()(const ReportModules& from) const;
   void operator()(const ListModules& from) const;
   void operator()(const OverrideModulePort& from) const;
+  void operator()(const SetModuleParameter& from) const;
   void operator()(const LockBlackboard& from) const;
   void operator()(const UnlockBlackboard& from) const;
 };
@@ -66,7 +74,9 @@ bool take_module_request(const v1::ClientMessage& from, Request& to, std::string
 void put(const ModuleList& from, v1::ModuleList& to);
 bool take(const v1::ModuleList& from, ModuleList& to, std::string& why);
 
-// For OverrideModulePort, which goes both ways.
+// SetModuleParameter and OverrideModulePort go both ways.
+void put(const SetModuleParameter& from, v1::SetModuleParameter& to);
+bool take(const v1::SetModuleParameter& from, SetModuleParameter& to, std::string& why);
 template <typename Wire>
 void put_override(const OverrideModulePort& from, Wire& to) {
   to.set_part(from.part);

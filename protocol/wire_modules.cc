@@ -42,7 +42,9 @@ void put_announced(const AnnounceModules& from, v1::AnnounceModules& to) {
     put_names(module.controller_outputs, w.mutable_controller_outputs());
     put_names(module.sensor_inputs, w.mutable_sensor_inputs());
     put_names(module.sensor_outputs, w.mutable_sensor_outputs());
+    for (const Parameter& parameter : module.parameters) wire::put(parameter, *w.add_parameters());
   }
+  for (const Blackboard& board : from.blackboards) wire::put(board, *to.add_blackboards());
   for (const ModuleEdge& edge : from.edges) {
     auto& w = *to.add_edges();
     put_end(edge.from, *w.mutable_from());
@@ -59,7 +61,10 @@ bool take_announced(const v1::AnnounceModules& from, AnnounceModules& to, std::s
     to.modules.push_back({w.path(), w.is_group(), names_of(w.controller_inputs()),
                           names_of(w.controller_outputs()), names_of(w.sensor_inputs()),
                           names_of(w.sensor_outputs())});
+    for (const auto& parameter : w.parameters())
+      if (!wire::take(parameter, to.modules.back().parameters.emplace_back(), why)) return false;
   }
+  for (const auto& w : from.blackboards()) to.blackboards.push_back(blackboard_of(w));
   for (const auto& w : from.edges()) {
     ModuleEdge& edge = to.edges.emplace_back();
     edge.count = w.count();
@@ -80,10 +85,17 @@ void put_reported(const ReportModules& from, v1::ReportModules& to) {
     w.set_control_ns(module.control_ns);
     w.set_sense_ns(module.sense_ns);
     put_numbers(module.overridden, w.mutable_overridden());
+    for (const ParameterValue& value : module.parameters) wire::put(value, *w.add_parameters());
+  }
+  for (const ModuleBlackboard& board : from.blackboards) {
+    auto& w = *to.add_blackboards();
+    w.set_elements(board.elements);
+    w.set_generation(board.generation);
+    w.set_head(bytes_of(board.head));
   }
 }
 
-void take_reported(const v1::ReportModules& from, ReportModules& to) {
+bool take_reported(const v1::ReportModules& from, ReportModules& to, std::string& why) {
   to.part = from.part();
   to.time_ns = from.time_ns();
   for (const auto& w : from.modules()) {
@@ -95,7 +107,12 @@ void take_reported(const v1::ReportModules& from, ReportModules& to) {
     module.control_ns = w.control_ns();
     module.sense_ns = w.sense_ns();
     take_numbers(w.overridden(), module.overridden);
+    for (const auto& value : w.parameters())
+      if (!wire::take(value, module.parameters.emplace_back(), why)) return false;
   }
+  for (const auto& w : from.blackboards())
+    to.blackboards.push_back({w.elements(), w.generation(), bytes_of(w.head())});
+  return true;
 }
 
 }  // namespace
@@ -112,6 +129,9 @@ void PutModuleRequest::operator()(const ListModules& from) const {
 }
 void PutModuleRequest::operator()(const OverrideModulePort& from) const {
   put_override(from, *to.mutable_override_module_port());
+}
+void PutModuleRequest::operator()(const SetModuleParameter& from) const {
+  wire::put(from, *to.mutable_set_module_parameter());
 }
 
 void PutModuleRequest::operator()(const LockBlackboard& from) const {
@@ -132,14 +152,15 @@ bool take_module_request(const v1::ClientMessage& from, Request& to, std::string
     case v1::ClientMessage::kAnnounceModules:
       return take_announced(from.announce_modules(), to.emplace<AnnounceModules>(), why);
     case v1::ClientMessage::kReportModules:
-      take_reported(from.report_modules(), to.emplace<ReportModules>());
-      return true;
+      return take_reported(from.report_modules(), to.emplace<ReportModules>(), why);
     case v1::ClientMessage::kListModules:
       to = ListModules{from.list_modules().part(), from.list_modules().known_revision()};
       return true;
     case v1::ClientMessage::kOverrideModulePort:
       to = override_of(from.override_module_port());
       return true;
+    case v1::ClientMessage::kSetModuleParameter:
+      return wire::take(from.set_module_parameter(), to.emplace<SetModuleParameter>(), why);
     case v1::ClientMessage::kLockBlackboard:
       to = LockBlackboard{from.lock_blackboard().part(), from.lock_blackboard().name(),
                           from.lock_blackboard().timeout_ns()};
@@ -151,6 +172,20 @@ bool take_module_request(const v1::ClientMessage& from, Request& to, std::string
     default:
       return false;
   }
+}
+
+void put(const SetModuleParameter& from, v1::SetModuleParameter& to) {
+  to.set_part(from.part);
+  to.set_path(from.path);
+  to.set_name(from.name);
+  wire::put(from.value, *to.mutable_value());
+}
+
+bool take(const v1::SetModuleParameter& from, SetModuleParameter& to, std::string& why) {
+  to.part = from.part();
+  to.path = from.path();
+  to.name = from.name();
+  return wire::take(from.value(), to.value, why);
 }
 
 void put(const ModuleList& from, v1::ModuleList& to) {
@@ -168,7 +203,7 @@ bool take(const v1::ModuleList& from, ModuleList& to, std::string& why) {
   for (const auto& w : from.parts()) {
     ModulePart& part = to.parts.emplace_back();
     part.client = w.client();
-    take_reported(w.reported(), part.reported);
+    if (!take_reported(w.reported(), part.reported, why)) return false;
     if (!take_announced(w.announced(), part.announced, why)) return false;
   }
   return true;

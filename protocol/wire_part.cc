@@ -37,47 +37,11 @@ Port port_of(const v1::PortDescription& from) {
           from.initial(), from.group(), names_of(from.values()), names_of(from.bits())};
 }
 
-void put(const Parameter& from, v1::ParameterDescription& to) {
-  to.set_name(from.name);
-  to.set_unit(from.unit);
-  to.set_help(from.help);
-  wire::put(from.value, *to.mutable_value());
-  to.set_minimum(from.minimum);
-  to.set_maximum(from.maximum);
-  to.mutable_choices()->Add(from.choices.begin(), from.choices.end());
-  to.set_read_only(from.read_only);
-}
-
-bool take(const v1::ParameterDescription& from, Parameter& to, std::string& why) {
-  to.name = from.name();
-  to.unit = from.unit();
-  to.help = from.help();
-  to.minimum = from.minimum();
-  to.maximum = from.maximum();
-  to.choices.assign(from.choices().begin(), from.choices().end());
-  to.read_only = from.read_only();
-  return wire::take(from.value(), to.value, why);
-}
-
-void put(const Blackboard& from, v1::BlackboardDescription& to) {
-  to.set_name(from.name);
-  to.set_content_type(from.content_type);
-  to.set_element_size(from.element_size);
-  to.set_elements(from.elements);
-  to.set_capacity(from.capacity);
-  to.set_writable(from.writable);
-}
-
-Blackboard blackboard_of(const v1::BlackboardDescription& from) {
-  return {from.name(),     from.content_type(), from.element_size(),
-          from.elements(), from.capacity(),     from.writable()};
-}
-
 template <typename Field>
 bool take_parameters(const Field& from, std::vector<Parameter>& to, std::string& why) {
   to.resize(from.size());
   for (int i = 0; i < from.size(); ++i)
-    if (!take(from[i], to[i], why)) return false;
+    if (!wire::take(from[i], to[i], why)) return false;
   return true;
 }
 
@@ -109,6 +73,42 @@ bool take(const v1::ParameterValue& from, ParameterValue& to, std::string& why) 
   }
   why = "a parameter without a value";
   return false;
+}
+
+void put(const Parameter& from, v1::ParameterDescription& to) {
+  to.set_name(from.name);
+  to.set_unit(from.unit);
+  to.set_help(from.help);
+  put(from.value, *to.mutable_value());
+  to.set_minimum(from.minimum);
+  to.set_maximum(from.maximum);
+  to.mutable_choices()->Add(from.choices.begin(), from.choices.end());
+  to.set_read_only(from.read_only);
+}
+
+bool take(const v1::ParameterDescription& from, Parameter& to, std::string& why) {
+  to.name = from.name();
+  to.unit = from.unit();
+  to.help = from.help();
+  to.minimum = from.minimum();
+  to.maximum = from.maximum();
+  to.choices.assign(from.choices().begin(), from.choices().end());
+  to.read_only = from.read_only();
+  return take(from.value(), to.value, why);
+}
+
+void put(const Blackboard& from, v1::BlackboardDescription& to) {
+  to.set_name(from.name);
+  to.set_content_type(from.content_type);
+  to.set_element_size(from.element_size);
+  to.set_elements(from.elements);
+  to.set_capacity(from.capacity);
+  to.set_writable(from.writable);
+}
+
+Blackboard blackboard_of(const v1::BlackboardDescription& from) {
+  return {from.name(),     from.content_type(), from.element_size(),
+          from.elements(), from.capacity(),     from.writable()};
 }
 
 void put(const PartDescriptionReply& from, v1::PartDescription& to) {

@@ -114,6 +114,7 @@ struct PutReply {
   void operator()(const FaultList& m) const { wire::put(m, *to.mutable_faults()); }
   void operator()(const ModuleList& m) const { wire::put(m, *to.mutable_modules()); }
   void operator()(const OverrideModulePort& m) const { put_override(m, *to.mutable_override_module_port()); }
+  void operator()(const SetModuleParameter& m) const { wire::put(m, *to.mutable_set_module_parameter()); }
 };
 
 std::vector<std::string> texts_of(const google::protobuf::RepeatedPtrField<std::string>& from) {
@@ -255,6 +256,8 @@ bool take(const v1::ServerMessage& from, Reply& to, std::string& why) {
     case Case::kOverrideModulePort:
       to = override_of(from.override_module_port());
       return true;
+    case Case::kSetModuleParameter:
+      return wire::take(from.set_module_parameter(), to.emplace<SetModuleParameter>(), why);
   }
   why = "no reply that this version knows";
   return false;

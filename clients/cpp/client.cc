@@ -170,6 +170,17 @@ void Client::read() {
   state_->read_all();
 }
 
+void Client::set_module_parameter(const std::string& part, const std::string& module, const std::string& name,
+                                  const ParameterValue& value) {
+  state_->request_as<protocol::Ok>(protocol::SetModuleParameter{part, module, name, value});
+}
+
+void Client::hold_sensor_input(const std::string& part, const std::string& module, const std::string& port,
+                               std::optional<double> value) {
+  state_->request_as<protocol::Ok>(
+      protocol::OverrideModulePort{part, module, port, value.value_or(0.0), !value.has_value()});
+}
+
 std::int64_t Client::time_ns() const {
   return state_->time_ns;
 }

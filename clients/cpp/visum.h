@@ -24,6 +24,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -280,6 +281,15 @@ class Client {
 
   // Brings the samples of all Parts up to date: one wait for all of them.
   void read();
+
+  // Changes a running module of a controller in MCA2's manner (clients/mca) that is connected to the same
+  // server. `module` is its path, "Arm/Ramp". A parameter takes the value of its own type; a sensor input
+  // holds a value against its edge, for a test, or follows the edge again (no value). It is on its way when
+  // the call returns. Throws kUnknownName or kBadValue if it cannot be.
+  void set_module_parameter(const std::string& part, const std::string& module, const std::string& name,
+                            const ParameterValue& value);
+  void hold_sensor_input(const std::string& part, const std::string& module, const std::string& port,
+                         std::optional<double> value);
 
   // As of the last join, advance or read.
   std::int64_t time_ns() const;

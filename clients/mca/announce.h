@@ -17,6 +17,8 @@ protocol::AnnounceModules describe(Part& part, const std::vector<std::unique_ptr
                                    const std::string& address);
 // In the order of describe().
 protocol::ReportModules values_of(Part& part);
+// The same with texts and blackboards as long as they may become.
+protocol::ReportModules largest_values_of(Part& part);
 
 // Finds a module by its path; null: there is none.
 Module* find_module(Part& part, const std::string& path);

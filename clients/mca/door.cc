@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kMostBacklog = 64;
 constexpr std::uint32_t kSampleStream = 1;
+constexpr const char* kAskTheServer = "ask the Visum server that the controller is connected to";
 constexpr double kFar = 1e15;  // MCA2 knows no ranges; a port takes every number up to here
 
 protocol::ListenOptions listen_options(int port) {
@@ -128,12 +129,18 @@ void Door::take_commands() {
   for (std::size_t i = 0; i < commands_.size(); ++i) part_.controller_input().at(i) = commands_[i];
 }
 
-bool Door::pass_up(const protocol::OverrideModulePort& wanted) {
+template <typename Order>
+void Door::relay_up(const Order& order) {
   protocol::ModuleBoard::Refusal refusal;
-  const auto session = board_.target_of(wanted, refusal);
-  if (!session) return false;
-  peers_.at(*session).session->send(0, wanted);
-  return true;
+  if (const auto session = board_.target_of(order, refusal)) peers_.at(*session).session->send(0, order);
+}
+
+void Door::pass_up(const protocol::OverrideModulePort& wanted) {
+  relay_up(wanted);
+}
+
+void Door::pass_up(const protocol::SetModuleParameter& wanted) {
+  relay_up(wanted);
 }
 
 void Door::close() {
@@ -238,6 +245,7 @@ protocol::PartDescription Door::description() const {
   add_parameters(part_, parameters);
   for (const ParameterBase* parameter : parameters)
     description.parameters.push_back(parameter->description());
+  for (const Blackboard* board : part_.blackboards()) description.blackboards.push_back(board->description());
   return description;
 }
 
@@ -382,7 +390,11 @@ void Door::handle(Peer& peer, std::uint64_t id, const protocol::ListModules& req
 }
 
 void Door::handle(Peer& peer, std::uint64_t id, const protocol::OverrideModulePort&) {
-  fail(peer, id, Code::kWrongState, "ask the Visum server that the controller is connected to");
+  fail(peer, id, Code::kWrongState, kAskTheServer);
+}
+
+void Door::handle(Peer& peer, std::uint64_t id, const protocol::SetModuleParameter&) {
+  fail(peer, id, Code::kWrongState, kAskTheServer);
 }
 
 template <typename Other>

@@ -19,6 +19,7 @@
 
 namespace visum::mca {
 
+class Blackboard;
 class Part;
 
 // The part above that commands this one is gone without a release, or is too late.
@@ -51,8 +52,9 @@ class Door : public protocol::SessionHandler {
   void serve(std::chrono::nanoseconds at_most);
   // Puts what was written into the part's controller input.
   void take_commands();
-  // Sends an override to the part above that it is for. False: it is for none of them.
-  bool pass_up(const protocol::OverrideModulePort& wanted);
+  // Sends an order about a module to the part above that it is for. Does nothing if it is for none of them.
+  void pass_up(const protocol::OverrideModulePort& wanted);
+  void pass_up(const protocol::SetModuleParameter& wanted);
   // Tells all that the part ends, and lets them close.
   void close();
 
@@ -84,6 +86,7 @@ class Door : public protocol::SessionHandler {
   bool is_ours(Peer& peer, std::uint64_t id, const std::string& part);
   bool may_command(Peer& peer, std::uint64_t id);
   bool has_lease(Peer& peer, std::uint64_t id);
+  Blackboard* blackboard(Peer& peer, std::uint64_t id, const std::string& name);  // null: it is refused
 
   // One for each request that the door knows. The last one refuses all others.
   void handle(Peer& peer, std::uint64_t id, const protocol::Status&);
@@ -97,6 +100,8 @@ class Door : public protocol::SessionHandler {
   void handle(Peer& peer, std::uint64_t id, const protocol::Unsubscribe& request);
   void handle(Peer& peer, std::uint64_t id, const protocol::GetParameters& request);
   void handle(Peer& peer, std::uint64_t id, const protocol::SetParameter& request);
+  void handle(Peer& peer, std::uint64_t id, const protocol::ReadBlackboard& request);
+  void handle(Peer& peer, std::uint64_t id, const protocol::WriteBlackboard& request);
   void handle(Peer& peer, std::uint64_t id, const protocol::Join& request);
   void handle(Peer& peer, std::uint64_t id, const protocol::Advance& request);
   void handle(Peer& peer, std::uint64_t id, const protocol::Leave&);
@@ -104,12 +109,15 @@ class Door : public protocol::SessionHandler {
   void handle(Peer& peer, std::uint64_t id, const protocol::ReportModules& request);
   void handle(Peer& peer, std::uint64_t id, const protocol::ListModules& request);
   void handle(Peer& peer, std::uint64_t id, const protocol::OverrideModulePort& request);
+  void handle(Peer& peer, std::uint64_t id, const protocol::SetModuleParameter& request);
   template <typename Other>
   void handle(Peer& peer, std::uint64_t id, const Other&);
 
   protocol::PartDescription description() const;
   protocol::PartSample sample() const;
   protocol::Advanced now() const;
+  template <typename Order>
+  void relay_up(const Order& order);
   std::size_t members() const;
   std::string missing_members() const;  // in words, before all have joined; empty: nobody
 

@@ -24,6 +24,7 @@
 #include <string>
 #include <vector>
 
+#include "clients/mca/blackboard.h"
 #include "clients/mca/names.h"
 #include "clients/mca/parameter.h"
 #include "clients/mca/vector.h"
@@ -100,6 +101,7 @@ class Module {
 
  private:
   friend class ParameterBase;
+  friend class Blackboard;
   Part& part() const;
 
   Group* const group_;

@@ -1,28 +1,18 @@
 #include "clients/mca/parameter.h"
 
-#include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 #include "clients/mca/module.h"
-#include "protocol/config/number_text.h"
+#include "protocol/module_board.h"
 #include "protocol/part_description.h"
 
 namespace visum::mca {
 namespace {
 
-double number_of(const ParameterValue& value) {
-  if (const auto* whole = std::get_if<std::int64_t>(&value)) return static_cast<double>(*whole);
-  return std::get<double>(value);
-}
-
-bool is_number(const ParameterValue& value) {
-  return std::holds_alternative<double>(value) || std::holds_alternative<std::int64_t>(value);
-}
-
-const char* type_of(const ParameterValue& value) {
-  constexpr const char* kNames[] = {"a number", "a whole number", "true or false", "a text"};
-  return kNames[value.index()];
+// A longer text could not be shown.
+bool is_short(const ParameterValue& value) {
+  const auto* text = std::get_if<std::string>(&value);
+  return text == nullptr || text->size() <= protocol::ModuleBoard::kMostTextBytes;
 }
 
 }  // namespace
@@ -49,23 +39,11 @@ protocol::Parameter ParameterBase::description() const {
 }
 
 std::string ParameterBase::set(const ParameterValue& value) {
+  protocol::Parameter own = description();
+  own.name = name_;
   ParameterValue wanted = value;
-  if (std::holds_alternative<double>(value_) && std::holds_alternative<std::int64_t>(value))
-    wanted = number_of(value);
-  if (wanted.index() != value_.index()) return "'" + name_ + "' is " + type_of(value_);
-  if (is_number(wanted)) {
-    const double number = number_of(wanted);
-    if (!(number >= options_.minimum && number <= options_.maximum))
-      return "'" + name_ + "' must be within " + config::number_text(options_.minimum) + " and " +
-             config::number_text(options_.maximum);
-  }
-  const auto* text = std::get_if<std::string>(&wanted);
-  const auto& choices = options_.choices;
-  if (text != nullptr && !choices.empty() && std::ranges::find(choices, *text) == choices.end()) {
-    std::string list;
-    for (const auto& choice : choices) list += (list.empty() ? "" : ", ") + choice;
-    return "'" + name_ + "' must be one of: " + list;
-  }
+  if (std::string why = protocol::refuse_value(own, wanted); !why.empty()) return why;
+  if (!is_short(wanted)) return "'" + name_ + "' is too long";
   if (value_ == wanted) return {};
   value_ = std::move(wanted);
   module_.parameters_changed_ = true;

@@ -15,7 +15,9 @@
 #include "protocol/codec.h"
 #include "protocol/config/config.h"
 #include "protocol/config/number_text.h"
+#include "protocol/config/printable.h"
 #include "protocol/limits.h"
+#include "protocol/module_board.h"
 
 namespace visum::mca {
 namespace {
@@ -60,6 +62,13 @@ Part::Part(const std::string& name, PortNames names, std::int64_t period_ns)
 }
 Part::~Part() = default;
 
+void Part::keep(Blackboard& board) {
+  for (const Blackboard* other : blackboards_)
+    if (other->name() == board.name())
+      throw std::invalid_argument("'" + name() + "' has two blackboards '" + board.name() + "'");
+  blackboards_.push_back(&board);
+}
+
 void Part::debug(const Module& module, int level, const std::string& domain, const std::string& text) const {
   const bool by_domain =
       level <= options_.debug_level && (options_.domains.empty() || options_.domains.contains(domain));
@@ -101,11 +110,14 @@ void Part::announce() {
   if (lower_.empty()) return;
   const std::string address = door_ ? "127.0.0.1:" + std::to_string(door_->port()) : "";
   auto announced = describe(*this, lower_, address);
-  if (!fits_a_frame(announced) || !fits_a_frame(values_of(*this))) {
-    std::fprintf(stderr, "%s: too many modules and ports to be shown; the part runs all the same\n",
-                 name().c_str());
+  const auto wrong = protocol::ModuleBoard::check(announced);
+  if (wrong || !fits_a_frame(announced) || !fits_a_frame(largest_values_of(*this))) {
+    std::fprintf(stderr, "%s: the modules are not shown, but the part runs all the same: %s\n",
+                 name().c_str(), wrong.value_or("too many modules, ports and parameters").c_str());
     announced.modules.resize(1);  // the address is found all the same
+    announced.modules.front() = {{}, true};
     announced.edges.clear();
+    announced.blackboards.clear();
     report_due_ = Clock::time_point::max();
   }
   ClientAccess::post(lower_.front()->client(), announced);
@@ -117,19 +129,38 @@ void Part::report() {
   ClientAccess::post(lower_.front()->client(), values_of(*this));
 }
 
-void Part::take_overrides() {
+void Part::take_orders() {
   if (lower_.empty()) return;
   while (const auto message = ClientAccess::next(lower_.front()->client())) {
-    const auto* wanted = std::get_if<protocol::OverrideModulePort>(&*message);
-    if (wanted == nullptr) continue;
-    if (wanted->part == name())
-      apply_override(*wanted);
-    else if (door_)
-      door_->pass_up(*wanted);
+    if (const auto* hold = std::get_if<protocol::OverrideModulePort>(&*message)) take_order(*hold);
+    if (const auto* setting = std::get_if<protocol::SetModuleParameter>(&*message)) take_order(*setting);
   }
 }
 
-void Part::apply_override(const protocol::OverrideModulePort& wanted) {
+template <typename Order>
+void Part::take_order(const Order& wanted) {
+  if (wanted.part == name())
+    apply(wanted);
+  else if (door_)
+    door_->pass_up(wanted);
+}
+
+void Part::apply(const protocol::SetModuleParameter& wanted) {
+  Module* module = find_module(*this, wanted.path);
+  if (module == nullptr) return;
+  const auto& parameters = module->parameters();
+  const auto parameter = std::ranges::find(parameters, wanted.name, [](auto* one) { return one->name(); });
+  if (parameter == parameters.end()) return;
+  const std::string why = (*parameter)->set(wanted.value);
+  const std::string news =
+      why.empty()
+          ? wanted.name + " is " + config::printable(protocol::value_text((*parameter)->value())) + " now"
+          : "refuses a value: " + why;
+  std::fprintf(stderr, "%s: '%s' %s\n", name().c_str(), wanted.path.c_str(), news.c_str());
+  report_due_ = {};
+}
+
+void Part::apply(const protocol::OverrideModulePort& wanted) {
   Module* module = find_module(*this, wanted.path);
   if (module == nullptr) return;
   Vector& inputs = module->sensor_input();
@@ -193,7 +224,7 @@ bool Part::cycle() {
   }
   run_control();
   for (const auto& lower : lower_) lower->control();
-  take_overrides();
+  take_orders();
   report();
   if (ended_ || cli::interrupted()) return false;
   wait_for_next_cycle();

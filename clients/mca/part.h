@@ -30,7 +30,8 @@
 
 namespace visum::protocol {
 struct OverrideModulePort;  // module_messages.h
-}
+struct SetModuleParameter;
+}  // namespace visum::protocol
 
 namespace visum::mca {
 
@@ -53,15 +54,21 @@ class Part : public Group {
   std::int64_t loop_time_ns() const { return loop_time_ns_; }
   const Options& options() const { return options_; }
   void end() { ended_ = true; }
+  const std::vector<Blackboard*>& blackboards() const { return blackboards_; }
   void debug(const Module& module, int level, const std::string& domain, const std::string& text) const;
 
  private:
+  friend class Blackboard;
+  void keep(Blackboard& board);
   void connect_lower_parts();
   void check_version() const;
   void announce();
   void report();
-  void take_overrides();
-  void apply_override(const protocol::OverrideModulePort& wanted);
+  void take_orders();
+  template <typename Order>
+  void take_order(const Order& wanted);
+  void apply(const protocol::OverrideModulePort& wanted);
+  void apply(const protocol::SetModuleParameter& wanted);
   void loop();
   bool cycle();
   void wait_for_next_cycle();
@@ -70,6 +77,7 @@ class Part : public Group {
   Options options_;
   std::vector<std::unique_ptr<Lower>> lower_;
   std::unique_ptr<Door> door_;
+  std::vector<Blackboard*> blackboards_;
   std::int64_t loop_time_ns_ = 0;
   bool ended_ = false;
   std::chrono::steady_clock::time_point due_{}, report_due_{};

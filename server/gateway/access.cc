@@ -60,7 +60,7 @@ Role role_needed(const protocol::Request& request) {
           return Role::kObserver;
         else if constexpr (kIsOneOf<T, AcquireLease, ReleaseLease, Write, SetParameter, WriteBlackboard, Join,
                                     Advance, Leave, Note, Announce, AnnounceModules, ReportModules,
-                                    OverrideModulePort, LockBlackboard, UnlockBlackboard>)
+                                    OverrideModulePort, SetModuleParameter, LockBlackboard, UnlockBlackboard>)
           return Role::kController;
         else
           return Role::kAdmin;

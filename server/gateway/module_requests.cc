@@ -1,6 +1,8 @@
 #include "server/gateway/module_requests.h"
 
 #include "protocol/config/number_text.h"
+#include "protocol/config/printable.h"
+#include "protocol/part_description.h"
 
 namespace visum::gateway {
 namespace {
@@ -37,21 +39,31 @@ void ModuleRequests::handle(const Call& call, const protocol::ListModules& reque
   call.reply(board_.list(request));
 }
 
-void ModuleRequests::handle(const Call& call, const protocol::OverrideModulePort& request) {
+template <typename Order>
+void ModuleRequests::relay(const Call& call, const Order& order, const char* kind, const std::string& what) {
   protocol::ModuleBoard::Refusal refusal;
-  const auto target = board_.target_of(request, refusal);
+  const auto target = board_.target_of(order, refusal);
   if (!target) return call.fail(refusal->first, refusal->second);
-  clients_.at(*target).session->send(0, request);
-  const std::string value =
-      request.release ? " follows its edge again" : " holds " + config::number_text(request.value);
-  clients_.tell({"override",
-                 request.part + "/" + request.path + "/" + request.port + value,
+  clients_.at(*target).session->send(0, order);
+  clients_.tell({kind,
+                 order.part + "/" + (order.path.empty() ? "" : order.path + "/") + what,
                  {},
                  clients_.known_era(),
                  call.now.tick,
                  protocol::EventLevel::kWarning,
                  call.session.client_name()});
   call.reply(protocol::Ok{});
+}
+
+void ModuleRequests::handle(const Call& call, const protocol::OverrideModulePort& request) {
+  relay(call, request, "override",
+        request.port +
+            (request.release ? " follows its edge again" : " holds " + config::number_text(request.value)));
+}
+
+void ModuleRequests::handle(const Call& call, const protocol::SetModuleParameter& request) {
+  relay(call, request, "module_parameter",
+        request.name + " = " + config::printable(protocol::value_text(request.value)));
 }
 
 }  // namespace visum::gateway

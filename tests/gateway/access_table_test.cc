@@ -81,6 +81,7 @@ std::vector<Row> table() {
           {ReportModules{"motion"}, kNot, kYes, kYes},
           {ListModules{}, kYes, kYes, kYes},
           {OverrideModulePort{"motion"}, kNot, kYes, kYes},
+          {SetModuleParameter{"motion"}, kNot, kYes, kYes},
           {LockBlackboard{arm, "nothing"}, kNot, kYes, kYes},
           {UnlockBlackboard{arm, "nothing"}, kNot, kYes, kYes},
 

@@ -72,18 +72,25 @@ ServerStatus status() {
 }
 
 AnnounceModules announced() {
-  return {"motion",
-          5'000'000,
-          {{"Arm", true, {"Speed"}, {"Current"}, {"Load"}, {"Force"}},
-           {"Arm/Ramp", false, {"Desired Angle 1"}, {"Target 1"}, {"Actual Angle 1"}, {"Angle 1"}}},
-          {{{"motion", "Arm", ModuleVector::kControllerInput, 1},
-            {"motion", "Arm/Ramp", ModuleVector::kSensorOutput, 2},
-            3}},
-          "127.0.0.1:40123"};
+  AnnounceModules announced{
+      "motion",
+      5'000'000,
+      {{"Arm", true, {"Speed"}, {"Current"}, {"Load"}, {"Force"}},
+       {"Arm/Ramp", false, {"Desired Angle 1"}, {"Target 1"}, {"Actual Angle 1"}, {"Angle 1"}}},
+      {{{"motion", "Arm", ModuleVector::kControllerInput, 1},
+        {"motion", "Arm/Ramp", ModuleVector::kSensorOutput, 2},
+        3}},
+      "127.0.0.1:40123"};
+  announced.modules[1].parameters = arm().parameters;
+  announced.blackboards = {{"Way", "application/x-float64", 64, 11, 704, true}};
+  return announced;
 }
 
 ReportModules reported() {
-  return {"motion", 15'000'000, {{{0.5}, {0.25}, {-0.5}, {0.125}, 1500, 700, {1}}}};
+  return {"motion",
+          15'000'000,
+          {{{0.5}, {0.25}, {-0.5}, {0.125}, 1500, 700, {1}, {0.5, std::int64_t{3}, true, "slow"}}},
+          {{11, 7, bytes({0, 1, 254})}}};
 }
 
 WorldDescription world() {
@@ -202,6 +209,7 @@ Samples<Request> sample_requests() {
       {"report_modules", reported()},
       {"list_modules", ListModules{"motion", 7}},
       {"override_module_port", OverrideModulePort{"motion", "Arm/Ramp", "Actual Angle 1", 0.25, true}},
+      {"set_module_parameter", SetModuleParameter{"motion", "Arm/Ramp", "Speed", 0.25}},
       {"lock_blackboard", LockBlackboard{"arm", "Trajectory", 500'000'000}},
       {"unlock_blackboard", UnlockBlackboard{"arm", "Trajectory", true}},
       {"spawn_model", SpawnModel{"robot/arm.urdf",
@@ -244,6 +252,7 @@ Samples<Reply> sample_replies() {
                            {{"arm", "torque_lost", {{"joint", 3}, {"share", 0.5}}, 1200}}}},
       {"modules", ModuleList{7, {{"motion controller", announced(), reported()}}}},
       {"override_module_port", OverrideModulePort{"motion", "Arm/Ramp", "Actual Angle 1", 0.25, true}},
+      {"set_module_parameter", SetModuleParameter{"motion", "Arm/Ramp", "Mode", "fast"}},
       {"model_spawned", ModelSpawned{"second", {"second/base", "second/link"}, {"second", "eye"}}},
       {"models", ModelList{{"cart/cart.yaml", "two_link/two_link.urdf"}, {"second"}}},
   };

@@ -11,9 +11,9 @@ NAMES are %s.
 Nothing of them is part of Visum. Debian's openjdk-17-jdk, libxstream-java, libxpp3-java, libsvgsalamander-java and
 libitext5-java are needed, and graphviz for the graphs of --show.
 
-Runs Finroc's client libraries against `visum bridge finroc` and a daemon with the arm. Their interface differs by branch: the
-claims are for 17.03. --show starts a window of the tool instead, connected to them, and waits until it is closed; it also
-takes the older master. Exit code 0: all passed, 1: something failed, 77: not possible here.
+Runs Finroc's client libraries against `visum bridge finroc` and a daemon with the arm, first with the arm alone, then with a
+controller of three parts. Their interface differs by branch: the claims are for 17.03. --show starts a window of the tool
+instead, with the controller, and waits until it is closed; it also takes the older master. Exit code 0: all passed, 1: something failed, 77: not possible here.
 """
 
 from __future__ import annotations
@@ -24,9 +24,11 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from programs import SKIPPED, Daemon, Failed, FinrocBridge, NotHere, expect
+from programs import PATIENCE_S, SKIPPED, Daemon, Failed, FinrocBridge, NotHere, expect
 
 HERE = Path(__file__).resolve().parent
 REPOSITORIES = {  # and the package that each one is
@@ -49,6 +51,10 @@ PLUGINS = {  # jars that Finroc looks for by name, with the class that it starts
 BLACKBOARD = {"BlackboardBuffer.java", "BlackboardPlugin.java"}  # all that its make.xml names
 LIBRARIES = [Path("/usr/share/java") / jar for jar in ("xstream.jar", "xpp3.jar", "svgSalamander.jar", "itext5.jar")]
 MAINS = {"finstruct": "org.finroc.tools.finstruct.Finstruct", "fingui": "org.finroc.tools.gui.FinrocGUI"}
+# Finroc looks into Java's own classes. Without java.awt, fingui refuses to save a panel.
+OPENED = ["java.management/sun.management", "java.base/java.lang", "java.base/java.lang.reflect", "java.base/java.util", "java.base/java.util.concurrent",
+          "java.base/java.text", "java.desktop/java.awt", "java.desktop/java.awt.font", "java.desktop/java.awt.geom", "java.desktop/java.beans",
+          "java.desktop/javax.swing"]
 # A dialog for fonts that no distribution ships. Nothing here opens it.
 FONT_CHOOSER = """package com.connectina.swing.fontchooser;
 public class JFontChooser {
@@ -108,6 +114,21 @@ def class_path(folder: Path) -> str:
     return ":".join(map(str, [folder, *sorted(folder.glob("*.jar")), *LIBRARIES]))
 
 
+@contextmanager
+def controller(programs: Path, daemon: Daemon) -> Iterator[None]:
+    """Three parts in three processes. Their modules are seen while it lasts; the uppermost ends once it has moved the arm."""
+    running: list[subprocess.Popen[bytes]] = []
+    try:
+        for kind, lower in (("hardware", "arm"), ("motion", "hardware"), ("task", "motion")):
+            words = [programs / f"visum-mca-{kind}", "--lower", f"{lower}@{daemon.address}", "--port", "0"]
+            running.append(subprocess.Popen(list(map(str, words)), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+        yield
+    finally:
+        for process in reversed(running):
+            process.terminate()
+            process.wait(PATIENCE_S)
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "") % " ".join(REPOSITORIES), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sources", type=Path)
@@ -123,11 +144,17 @@ def main() -> int:
         if not options.show:
             build_probe(folder)
         with Daemon(options.bin, "--run") as daemon, FinrocBridge(options.bin, daemon) as bridge:
-            java = ["java", "--add-opens", "java.management/sun.management=ALL-UNNAMED", "-cp", class_path(folder)]
+            java = ["java", *(word for package in OPENED for word in ("--add-opens", f"{package}=ALL-UNNAMED")), "-cp", class_path(folder)]
             address = f"localhost:{bridge.port}"
             if options.show:
-                return subprocess.run([*java, MAINS[options.show], f"--connect={address}", *options.words], cwd=folder, check=False).returncode
-            return subprocess.run([*java, "Probe", address, "arm"], cwd=folder, check=False, timeout=600, env={**os.environ, "DISPLAY": ""}).returncode
+                with controller(options.bin, daemon):
+                    return subprocess.run([*java, MAINS[options.show], f"--connect={address}", *options.words], cwd=folder, check=False).returncode
+
+            def probe(*words: str) -> int:
+                return subprocess.run([*java, "Probe", address, *words], cwd=folder, check=False, timeout=600, env={**os.environ, "DISPLAY": ""}).returncode
+            code = probe("arm")
+            with controller(options.bin, daemon):
+                return probe("motion/Arm/Trajectory", "motion/Blackboards/Way") or code
 
 
 if __name__ == "__main__":

@@ -86,6 +86,10 @@ std::string Plant::override_module(const protocol::OverrideModulePort& wanted) {
   return refusal_of([&] { ClientAccess::request(client_, wanted); });
 }
 
+std::string Plant::set_module_parameter(const protocol::SetModuleParameter& wanted) {
+  return refusal_of([&] { ClientAccess::request(client_, wanted); });
+}
+
 protocol::ModuleList Plant::modules(std::uint64_t known_revision) {
   auto reply = ClientAccess::request(client_, protocol::ListModules{{}, known_revision});
   if (auto* list = std::get_if<protocol::ModuleList>(&reply)) return std::move(*list);

@@ -42,6 +42,8 @@ class Plant {
   std::string set_parameter(std::size_t part, const std::string& name, const ParameterValue& value);
   // Makes a sensor input of a controller's module hold a value, or releases it. Needs no lease.
   std::string override_module(const protocol::OverrideModulePort& wanted);
+  // Changes a parameter of a controller's module. Needs no lease.
+  std::string set_module_parameter(const protocol::SetModuleParameter& wanted);
   std::string write_blackboard(std::size_t part, const std::string& name, std::span<const std::byte> data);
 
  private:

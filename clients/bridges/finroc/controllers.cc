@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "clients/bridges/finroc/settings.h"
 #include "protocol/config/number_text.h"
 #include "protocol/module_board.h"
 
@@ -36,9 +37,10 @@ const std::vector<double>& values_of(const protocol::ModuleState& state, std::si
 
 std::size_t elements_of(const protocol::AnnounceModules& announced) {
   constexpr std::size_t kBesidePorts = 11;  // the module, its interfaces, and the bridge's own ports
-  std::size_t count = 0;
+  constexpr std::size_t kOfABlackboard = 2;
+  std::size_t count = 1 + kOfABlackboard * announced.blackboards.size();
   for (const auto& module : announced.modules) {
-    count += kBesidePorts;
+    count += kBesidePorts + module.parameters.size();
     for (std::size_t v = 0; v < kVectorsInOrder.size(); ++v) count += names_of(module, v).size();
   }
   return count;
@@ -60,7 +62,10 @@ void Controllers::refresh(std::chrono::steady_clock::time_point now, std::int64_
   const auto list = plant_.modules(revision_);
   if (list.revision != revision_) show(list);
   revision_ = list.revision;
-  for (const auto& part : list.parts) set_values(part, time_ns);
+  for (const auto& part : list.parts) {
+    set_values(part, time_ns);
+    set_blackboards(part, time_ns);
+  }
 }
 
 void Controllers::show(const protocol::ModuleList& list) {
@@ -70,6 +75,8 @@ void Controllers::show(const protocol::ModuleList& list) {
   announced_.clear();
   inputs_.clear();
   releases_.clear();
+  parameters_.clear();
+  boards_.clear();
   std::size_t wanted = 0;
   for (const auto& part : list.parts) wanted += elements_of(part.announced);
   if (board_.elements().size() + wanted > kMostElements) {
@@ -96,6 +103,7 @@ void Controllers::add_part(const protocol::AnnounceModules& announced) {
     if (is_top) roots_.push_back(element);
     elements[module.path] = element;
     shown.push_back(add_module(element, announced, module));
+    if (module.path.empty()) add_blackboards(element, announced);
   }
 }
 
@@ -117,6 +125,7 @@ Controllers::Shown Controllers::add_module(ElementId element, const protocol::An
       if (may_hold) inputs_[id] = {announced.part, module.path, name};
     }
   }
+  add_parameters(shown, element, announced.part, module);
   if (module.is_group) return shown;
   const ElementId profile = board_.add_interface(element, "Profile", flag::kSensorData);
   shown.control_time =
@@ -125,11 +134,43 @@ Controllers::Shown Controllers::add_module(ElementId element, const protocol::An
       board_.add_port(profile, "Sense Time", number_type(), Access::kRead, 0.0, unit_code("s"));
   shown.held =
       board_.add_port(profile, "Held For Test", {Kind::kText, "String", {}}, Access::kRead, std::string());
-  const ElementId parameters = board_.add_interface(element, "Parameters", 0);
-  const ElementId release =
-      board_.add_port(parameters, "Release Held", {Kind::kBool, "bool", {}}, Access::kWrite, false);
-  releases_[release] = {announced.part, module.path, {}};
   return shown;
+}
+
+void Controllers::add_parameters(Shown& shown, ElementId element, const std::string& part,
+                                 const protocol::ModuleDescription& module) {
+  if (module.is_group && module.parameters.empty()) return;
+  const ElementId interface = board_.add_interface(element, "Parameters", 0);
+  shown.first_parameter = static_cast<ElementId>(board_.elements().size());
+  const std::string owner = part + "/" + module.path;
+  for (const auto& parameter : module.parameters) {
+    const Type type = choice_or_text(owner, parameter);
+    const ElementId id =
+        board_.add_port(interface, parameter.name, type, parameter.read_only ? Access::kRead : Access::kWrite,
+                        to_board(type, parameter.value), unit_code(parameter.unit));
+    parameters_[id] = {part, module.path, parameter.name};
+  }
+  if (module.is_group) return;
+  const ElementId release =
+      board_.add_port(interface, "Release Held", {Kind::kBool, "bool", {}}, Access::kWrite, false);
+  releases_[release] = {part, module.path, {}};
+}
+
+// A peer hears a list of choices once. A part that comes back with another list is shown by texts.
+Type Controllers::choice_or_text(const std::string& owner, const protocol::Parameter& parameter) {
+  const Type type = setting_type(owner, parameter.name, parameter.value, parameter.choices);
+  if (type.kind != Kind::kChoice) return type;
+  return choices_.try_emplace(type.name, type.choices).first->second == type.choices ? type : text_type();
+}
+
+void Controllers::add_blackboards(ElementId top, const protocol::AnnounceModules& announced) {
+  if (announced.blackboards.empty()) return;
+  const ElementId folder = board_.add_plain(top, "Blackboards");
+  for (const auto& board : announced.blackboards) {
+    const ElementId read = board_.add_port(board_.add_plain(folder, board.name), "read", text_type(),
+                                           Access::kRead, std::string());
+    boards_[announced.part].push_back(read);
+  }
 }
 
 std::optional<ElementId> Controllers::port_of(const protocol::ModuleEnd& end, std::size_t offset) const {
@@ -162,6 +203,10 @@ void Controllers::set_values(const protocol::ModulePart& part, std::int64_t time
     const Shown& module = shown->second[m];
     const auto& state = part.reported.modules[m];
     const auto& description = announced->second.modules[m];
+    for (std::size_t p = 0; p < std::min(state.parameters.size(), description.parameters.size()); ++p) {
+      const ElementId id = module.first_parameter + static_cast<ElementId>(p);
+      board_.set(id, to_board(board_.elements()[id].type, state.parameters[p]), time_ns);
+    }
     for (std::size_t v = 0; v < kVectors; ++v) {
       const auto& values = values_of(state, v);
       for (std::size_t i = 0; i < std::min(values.size(), module.count[v]); ++i)
@@ -183,14 +228,30 @@ void Controllers::set_values(const protocol::ModulePart& part, std::int64_t time
   }
 }
 
-std::string Controllers::write(ElementId id, double value) {
+void Controllers::set_blackboards(const protocol::ModulePart& part, std::int64_t time_ns) {
+  const auto boards = boards_.find(part.reported.part);
+  if (boards == boards_.end()) return;
+  const auto& described = announced_.at(part.reported.part).blackboards;
+  for (std::size_t i = 0; i < std::min(boards->second.size(), part.reported.blackboards.size()); ++i) {
+    const auto& state = part.reported.blackboards[i];
+    const auto& [name, content_type, row_bytes, rows, capacity, writable] = described[i];
+    board_.set(boards->second[i], shown(content_type, row_bytes, state.head, row_bytes * state.elements),
+               time_ns);
+  }
+}
+
+std::string Controllers::write(ElementId id, const Value& value) {
   if (const auto input = inputs_.find(id); input != inputs_.end()) {
     const auto& [part, path, port] = input->second;
-    return plant_.override_module({part, path, port, value, false});
+    return plant_.override_module({part, path, port, as_double(value), false});
+  }
+  if (const auto parameter = parameters_.find(id); parameter != parameters_.end()) {
+    const auto& [part, path, name] = parameter->second;
+    return plant_.set_module_parameter({part, path, name, to_server(board_.elements()[id], value)});
   }
   const auto release = releases_.find(id);
   if (release == releases_.end()) return "this port is an output of a module";
-  if (value == 0.0) return {};
+  if (as_double(value) == 0.0) return {};
   const auto& [part, path, none] = release->second;
   for (const auto& port : held_[part + "/" + path]) {
     if (std::string why = plant_.override_module({part, path, port, 0.0, true}); !why.empty()) return why;

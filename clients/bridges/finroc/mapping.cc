@@ -2,73 +2,20 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <cmath>
 
+#include "clients/bridges/finroc/settings.h"
 #include "protocol/part_description.h"
 
 namespace visum::finroc {
 namespace {
 
 constexpr std::chrono::milliseconds kSettingsEvery{500};
-constexpr std::size_t kMostShownBytes = 16u << 10;  // of a blackboard; the rest is not shown
-constexpr std::size_t kMostChoices = 256;
-
-Type a_text() {
-  return {Kind::kText, "String", {}};
-}
 
 std::int64_t wall_time_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
-}
-
-Type type_of(const std::string& part, const ParameterInfo& parameter) {
-  if (std::holds_alternative<bool>(parameter.value)) return {Kind::kBool, "bool", {}};
-  if (!std::holds_alternative<std::string>(parameter.value)) return number_type();
-  const auto& choices = parameter.choices;
-  if (choices.empty() || choices.size() > kMostChoices) return a_text();
-  if (std::find(choices.begin(), choices.end(), std::get<std::string>(parameter.value)) == choices.end())
-    return a_text();
-  return {Kind::kChoice, part + " " + parameter.name, choices};
-}
-
-Value to_board(const Type& type, const ParameterValue& value) {
-  if (type.kind == Kind::kChoice) {
-    const auto found = std::find(type.choices.begin(), type.choices.end(), std::get<std::string>(value));
-    return static_cast<std::int64_t>(found == type.choices.end() ? 0 : found - type.choices.begin());
-  }
-  return std::visit([](const auto& content) { return Value(content); }, value);
-}
-
-double as_double(const Value& value) {
-  if (const auto* whole = std::get_if<std::int64_t>(&value)) return static_cast<double>(*whole);
-  if (const auto* on = std::get_if<bool>(&value)) return *on ? 1.0 : 0.0;
-  return std::get<double>(value);
-}
-
-// The type of a parameter is known by the value that it has.
-ParameterValue to_server(const Element& element, const Value& value) {
-  if (element.type.kind == Kind::kChoice) return in_text(element.type, value);
-  if (element.type.kind == Kind::kBool) return std::get<bool>(value);
-  if (element.type.kind == Kind::kText) return std::get<std::string>(value);
-  const auto* whole = std::get_if<std::int64_t>(&value);
-  if (std::holds_alternative<double>(element.value)) return as_double(value);
-  if (whole != nullptr) return *whole;
-  const double given = std::get<double>(value);
-  const bool is_whole = given == static_cast<double>(static_cast<std::int64_t>(
-                                     std::clamp(given, -9e15, 9e15)));  // beyond these it is refused below
-  if (is_whole) return static_cast<std::int64_t>(given);
-  return given;  // the server refuses it with the reason
-}
-
-std::string shown(const BlackboardInfo& board, const std::vector<std::byte>& data) {
-  const std::size_t size = std::min(data.size(), kMostShownBytes);
-  if (board.content_type.starts_with("text/") || board.content_type.ends_with("json")) {
-    return {reinterpret_cast<const char*>(data.data()), size};
-  }
-  return board.content_type + ", " + std::to_string(data.size()) + " bytes";
 }
 
 }  // namespace
@@ -93,7 +40,7 @@ Mapping::Mapping(bridge::Plant& plant, Board& board, bridge::Cycle* cycle)
   }
   const ElementId outputs = board_.add_interface(module, "Sensor Output", flag::kSensorData);
   time_ = board_.add_port(outputs, "Simulated Time", number_type(), Access::kRead, 0.0, unit_code("s"));
-  last_refusal_ = board_.add_port(outputs, "Last Refusal", a_text(), Access::kRead, std::string());
+  last_refusal_ = board_.add_port(outputs, "Last Refusal", text_type(), Access::kRead, std::string());
   refusals_ = board_.add_port(outputs, "Refusals", number_type(), Access::kRead, std::int64_t{0});
   board_.write = [this](ElementId id, const Value& value, const std::string& peer) {
     return write(id, value, peer);
@@ -140,7 +87,7 @@ void Mapping::add_parameters(ElementId module, std::size_t part) {
   if (parameters.empty()) return;
   const ElementId interface = board_.add_interface(module, "Parameters", 0);
   for (const ParameterInfo& parameter : parameters) {
-    const Type type = type_of(described.name(), parameter);
+    const Type type = setting_type(described.name(), parameter.name, parameter.value, parameter.choices);
     const ElementId id =
         board_.add_port(interface, parameter.name, type, parameter.read_only ? Access::kRead : Access::kWrite,
                         to_board(type, parameter.value), unit_code(parameter.unit));
@@ -154,10 +101,10 @@ void Mapping::add_blackboards(ElementId module, std::size_t part) {
   const ElementId folder = board_.add_plain(module, "Blackboards");
   for (std::size_t index = 0; index < boards.size(); ++index) {
     const ElementId board = board_.add_plain(folder, boards[index].name);
-    const ElementId read = board_.add_port(board, "read", a_text(), Access::kRead, std::string());
+    const ElementId read = board_.add_port(board, "read", text_type(), Access::kRead, std::string());
     links_[read] = {Source::kBoardText, part, index, boards[index].name};
     if (!boards[index].writable) continue;
-    const ElementId write = board_.add_port(board, "write", a_text(), Access::kWrite, std::string());
+    const ElementId write = board_.add_port(board, "write", text_type(), Access::kWrite, std::string());
     links_[write] = {Source::kBoardNew, part, index, boards[index].name};
   }
 }
@@ -204,12 +151,13 @@ void Mapping::refresh_parameters(std::size_t part) {
 void Mapping::refresh_blackboard(ElementId id, const Link& link) {
   const Part& part = plant_.parts()[link.part];
   const BlackboardInfo& board = part.blackboards()[link.index];
-  board_.set(id, shown(board, part.read_blackboard(link.name)), wall_time_ns());
+  const auto data = part.read_blackboard(link.name);
+  board_.set(id, shown(board.content_type, board.element_size, data, data.size()), wall_time_ns());
 }
 
 std::string Mapping::write(ElementId id, const Value& value, const std::string& peer) {
   if (cycle_ != nullptr && id == step_) return note(id, ask_for_steps(value));
-  if (controllers_.owns(id)) return note(id, controllers_.write(id, as_double(value)));
+  if (controllers_.owns(id)) return note(id, controllers_.write(id, value));
   const auto link = links_.find(id);
   if (link == links_.end()) return "this port is the bridge's own";
   const bool stops = link->second.name == protocol::kEmergencyStop && value == Value(true);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "clients/mca/part.h"
 
@@ -88,7 +89,21 @@ class Trajectory : public mca::Module {
     constexpr double kPeak = 1.875;  // the curve's highest speed, as a multiple of its mean speed
     duration_ns_ = static_cast<std::int64_t>(1e9 * std::max(0.1, kPeak * longest / (share * speed_())));
     SensorOutput(eSO_MOVING) = 1.0;
+    show_way();
     Debug(1, "motion", "begins a move");
+  }
+
+  // Rows of a time from the start, and the seven angles then.
+  void show_way() {
+    std::array<std::array<double, 1 + kJoints>, kWayRows> rows{};
+    for (std::size_t row = 0; row < kWayRows; ++row) {
+      const auto ns = duration_ns_ * static_cast<std::int64_t>(row) / static_cast<std::int64_t>(kWayRows - 1);
+      const double share = way_at(start_ns_ + ns);
+      rows[row][0] = 1e-9 * static_cast<double>(ns);
+      for (std::size_t joint = 0; joint < kJoints; ++joint)
+        rows[row][1 + joint] = from_[joint] + share * (to_[joint] - from_[joint]);
+    }
+    way_.write(std::as_bytes(std::span(rows)));
   }
 
   // The share of the way at a time: at rest at both ends, with a continuous acceleration.
@@ -105,6 +120,12 @@ class Trajectory : public mca::Module {
     return true;
   }
 
+  static constexpr std::size_t kWayRows = 11;
+  mca::Blackboard way_{*this,
+                       "Way",
+                       {.content_type = "application/x-float64",
+                        .row_bytes = (1 + kJoints) * sizeof(double),
+                        .most_rows = kWayRows}};
   double move_ = 0.0;
   std::int64_t start_ns_ = 0, duration_ns_ = 0;
   std::array<double, kJoints> from_{}, to_{};

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from visum.connection import VERSION, Connection, TlsFiles, pb, refusal_of
 from visum.errors import Error, ErrorCode, nearest_hint, unknown_name
 from visum.kinematics import Chain, chain_of
-from visum.part import Part
+from visum.part import ParameterValue, Part, parameter_value
 from visum.token_file import read_token_file
 from visum.world import World, WorldView
 
@@ -280,6 +280,11 @@ class Client:
         """Makes a sensor input of a running module hold a value against its edge, for a test. None: the edge counts again."""
         self.connection.request(override_module_port=pb.OverrideModulePort(
             part=part, path=module, port=port, value=value or 0.0, release=value is None))
+
+    def set_module_parameter(self, part: str, module: str, name: str, value: ParameterValue) -> None:
+        """Changes a parameter of a running module. It is in force once `modules()` shows it."""
+        self.connection.request(set_module_parameter=pb.SetModuleParameter(
+            part=part, path=module, name=name, value=parameter_value(name, value)))
 
     def push_body(self, body: str, force_n: Sequence[float], duration_s: float, *, torque_nm: Sequence[float] = (),
                   point_m: Sequence[float] = ()) -> None:

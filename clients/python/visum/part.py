@@ -14,6 +14,15 @@ from visum.ports import Inputs, Outputs, Port, find_ports
 ParameterValue = float | int | bool | str
 
 
+def parameter_value(name: str, value: ParameterValue) -> pb.ParameterValue:
+    # `bool` comes first: a bool is an int, too.
+    fields = {bool: "flag", int: "integer", float: "number", str: "text"}
+    field = next((field for kind, field in fields.items() if isinstance(value, kind)), None)
+    if field is None:
+        raise Error(ErrorCode.MISUSE, f"'{name}' cannot be a {type(value).__name__}; give a bool, int, float or str")
+    return pb.ParameterValue(**{field: value})
+
+
 class Owner(Protocol):
     """The client that made a part. Client is one; part.py names what it needs of it here, because client.py imports part.py."""
 
@@ -151,13 +160,8 @@ class Part:
         return known[name]
 
     def set_parameter(self, name: str, value: ParameterValue) -> None:
-        # `bool` comes first: a bool is an int, too.
-        fields = {bool: "flag", int: "integer", float: "number", str: "text"}
-        field = next((field for kind, field in fields.items() if isinstance(value, kind)), None)
-        if field is None:
-            raise Error(ErrorCode.MISUSE, f"'{name}' cannot be a {type(value).__name__}; give a bool, int, float or str")
         self._client.connection.request(set_parameter=pb.SetParameter(
-            part=self.name, name=name, value=pb.ParameterValue(**{field: value})))
+            part=self.name, name=name, value=parameter_value(name, value)))
 
     def read_blackboard(self, name: str) -> bytes:
         return self._client.connection.request(

@@ -239,6 +239,45 @@ class Modules(unittest.TestCase):
             peer.await_structure(lambda peer: not any(path.startswith(("/motion", "/hardware")) for path in peer.by_path))
 
 
+    def test_parameters_are_edited_in_the_module_and_blackboards_are_shown(self):
+        with Daemon("-r") as daemon, Bridge(daemon, "--port", 0) as bridge, finroc.Peer(bridge.port) as peer:
+            peer.subscribe(peer.find("Output/Actual Angle 1"))  # so that the bridge looks often
+            self.start("hardware", f"arm@{daemon.connect}")
+            self.start("motion", f"hardware@{daemon.connect}")
+            trajectory = "/motion/Arm/Trajectory/Parameters"
+            peer.await_structure(lambda peer: f"{trajectory}/Release Held" in peer.by_path and
+                                 "/motion/Blackboards/Way/read" in peer.by_path)
+            speed, way = peer.by_path[f"{trajectory}/Speed"], peer.by_path["/motion/Blackboards/Way/read"]
+            self.assertTrue(speed.flags & finroc.ACCEPTS)
+            self.assertTrue(way.flags & finroc.READ_ONLY)
+            last = peer.find("Bridge/Sensor Output/Last Refusal")
+            peer.subscribe(speed, way, last)
+            peer.wait_for(speed, lambda value: value == 0.8)
+
+            def in_force():
+                parameters = next(module["parameters"] for module in daemon.json("modules", "motion")["modules"]
+                                  if module["name"] == "Trajectory")
+                return next(one["value"] for one in parameters if one["name"] == "Speed")
+            self.assertEqual(peer.apply(speed, finroc.number(0.5)), "")  # as finstruct
+            peer.wait_for(speed, lambda value: value == 0.5)
+            self.assertEqual(in_force(), 0.5)
+            peer.write(speed, finroc.number(0.25))  # as fingui
+            peer.wait_for(speed, lambda value: value == 0.25)
+            self.assertEqual(in_force(), 0.25)
+            self.assertEqual(peer.apply(speed, finroc.number(3)), "'Speed' must be within 0.05 and 2")
+            peer.wait_for(last, lambda text: text.endswith("Trajectory/Parameters/Speed: 'Speed' must be within 0.05 and 2"))
+            self.assertEqual(in_force(), 0.25)
+            # Somebody else changes it, and the peer sees that.
+            daemon.visum("modules", "motion", "--set", "Arm/Trajectory/Speed=0.75")
+            peer.wait_for(speed, lambda value: value == 0.75)
+
+            self.assertIn("output", peer.apply(way, b"x\0"))
+            self.start("task", f"motion@{daemon.connect}")
+            rows = peer.wait_for(way, lambda text: text != "").split("; ")
+            self.assertTrue(rows[0].startswith("0 "), rows[0])  # the time, and an angle of each joint
+            self.assertEqual({len(row.split()) for row in rows[:-1]}, {8})
+
+
 class Robustness(unittest.TestCase):
     def test_garbage_ends_no_bridge(self):
         with Daemon() as daemon, Bridge(daemon, "--port", 0) as bridge, finroc.Peer(bridge.port) as peer:

@@ -5,6 +5,7 @@
 #include "clients/bridges/finroc/greeting.h"
 #include "clients/bridges/finroc/records.h"
 #include "clients/bridges/finroc/session.h"
+#include "clients/bridges/finroc/settings.h"
 
 namespace visum::finroc {
 namespace {
@@ -47,6 +48,39 @@ TEST(FinrocNumber, IsADoubleWithItsUnit) {
   EXPECT_EQ(hex(written(kNumberType, 0.5)), "86000000000000e03f");
   EXPECT_EQ(hex(written(kNumberType, 0.5, unit_code("rad"))), "87000000000000e03f17");
   EXPECT_EQ(hex(written(kNumberType, std::int64_t{2})), "800200000000000000");
+}
+
+TEST(Blackboards, AreShownInWords) {
+  const auto as_text = [](const std::string& content_type, std::uint64_t row_bytes, const auto& content,
+                          std::uint64_t more = 0) {
+    const auto bytes = std::as_bytes(std::span(content));
+    return shown(content_type, row_bytes, bytes, bytes.size() + more);
+  };
+  EXPECT_EQ(as_text("text/plain", 1, std::string("hello")), "hello");
+  EXPECT_EQ(as_text("text/plain", 1, std::string("hello"), 3), "hello ... (8 bytes)");
+  const std::vector<double> rows{0.0, 0.5, 0.1, -2.0};
+  EXPECT_EQ(as_text("application/x-float64", 16, rows), "0 0.5; 0.1 -2");
+  EXPECT_EQ(as_text("application/x-float64", 8, rows, 8), "0 0.5 0.1 -2 ... (40 bytes)");
+  EXPECT_EQ(as_text("application/x-float32", 4, std::vector<float>{0.5f, 2.0f}), "0.5 2");
+  EXPECT_EQ(as_text("image/png", 1, rows), "image/png, 32 bytes");
+}
+
+TEST(Settings, GoToTheServerInTheTypeOfTheirPort) {
+  const auto sent = [](const Type& type, const Value& present, const Value& given) {
+    Element element;
+    element.type = type;
+    element.value = present;
+    return to_server(element, given);
+  };
+  using protocol::ParameterValue;
+  EXPECT_EQ(sent(number_type(), 0.5, std::int64_t{2}), ParameterValue(2.0));
+  EXPECT_EQ(sent(number_type(), std::int64_t{1}, 2.0), ParameterValue(std::int64_t{2}));
+  EXPECT_EQ(sent(number_type(), std::int64_t{1}, 2.5), ParameterValue(2.5));  // which the server refuses
+  EXPECT_EQ(sent(number_type(), std::int64_t{1}, 1e300), ParameterValue(1e300));
+  EXPECT_EQ(sent(kChoiceType, std::int64_t{0}, std::int64_t{1}), ParameterValue("green"));
+  EXPECT_EQ(sent({Kind::kBool, "bool", {}}, false, true), ParameterValue(true));
+  EXPECT_EQ(setting_type("motion/Ramp", "Mode", "slow", {"slow", "fast"}).name, "motion/Ramp Mode");
+  EXPECT_EQ(setting_type("motion/Ramp", "Mode", "odd", {"slow", "fast"}).kind, Kind::kText);
 }
 
 TEST(FinrocNumber, IsReadInEachOfItsForms) {

@@ -7,6 +7,7 @@
 #include "clients/mca/announce.h"
 #include "clients/mca/part.h"
 #include "protocol/config/config.h"
+#include "protocol/module_board.h"
 #include "protocol/part_description.h"
 
 namespace visum::mca {
@@ -210,6 +211,46 @@ TEST(Announcement, NamesModulesGroupsAndEdges) {
   ASSERT_EQ(announced.edges.size(), 6u);
   EXPECT_EQ(announced.edges[1].from.path, "Upper");
   EXPECT_EQ(announced.edges[1].to.vector, VectorKind::kControllerInput);
+}
+
+TEST(Announcement, HasParametersByModuleWithTheirValues) {
+  Two two;
+  const auto announced = describe(two, {}, "");
+  const auto& step = announced.modules[2].parameters.at(0);
+  EXPECT_EQ(step.name, "Step");
+  EXPECT_EQ(step.maximum, 9.0);
+  EXPECT_THAT(announced.modules[2].parameters.at(1).choices, ElementsAre("slow", "fast"));
+  EXPECT_EQ(two.upper.step.set(3.0), "");
+  EXPECT_EQ(values_of(two).modules.at(2).parameters.at(0), ParameterValue(3.0));
+  EXPECT_EQ(values_of(two).modules.at(1).parameters.at(0), ParameterValue(1.0));
+  EXPECT_EQ(protocol::ModuleBoard::check(announced), std::nullopt);
+}
+
+std::vector<std::byte> bytes(std::size_t count, int value = 1) {
+  return std::vector<std::byte>(count, std::byte(value));
+}
+
+TEST(Blackboards, BelongToThePartAndAreWrittenWholeOrByOffset) {
+  Two two;
+  Blackboard way(two.upper, "Way", {.content_type = "application/x-float32", .row_bytes = 4, .most_rows = 3});
+  EXPECT_EQ(way.write(bytes(8)), "");
+  EXPECT_EQ(way.write(bytes(8, 2), 4), "");
+  EXPECT_EQ(way.rows(), 3u);
+  EXPECT_EQ(way.bytes()[3], std::byte(1));
+  EXPECT_EQ(way.bytes()[4], std::byte(2));
+  EXPECT_EQ(way.generation(), 2u);
+  EXPECT_EQ(way.write(bytes(4), 13), "'Way' has 12 bytes, and a write cannot begin behind them");
+  EXPECT_EQ(way.write(bytes(8), 8), "'Way' takes at most 12 bytes");
+  EXPECT_EQ(way.write(bytes(6)), "'Way' has rows of 4 bytes");
+  EXPECT_EQ(way.generation(), 2u);
+  EXPECT_THAT(two.blackboards(), ElementsAre(&way));
+  EXPECT_THAT(refusal_of([&] { Blackboard(two.lower, "Way"); }), HasSubstr("has two blackboards 'Way'"));
+  EXPECT_THAT(refusal_of([&] { Blackboard(two, "Big", {.row_bytes = 1u << 20, .most_rows = 17}); }),
+              HasSubstr("more than 16777216 bytes"));
+  const auto announced = describe(two, {}, "");
+  EXPECT_EQ(announced.blackboards.at(0).capacity, 12u);
+  EXPECT_EQ(values_of(two).blackboards.at(0).elements, 3u);
+  EXPECT_EQ(values_of(two).blackboards.at(0).head.size(), 12u);
 }
 
 }  // namespace

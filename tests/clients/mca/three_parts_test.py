@@ -12,6 +12,8 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from programs import ARM, BIN, DEADLINE_S, Daemon, visum  # noqa: E402
+sys.path.insert(0, str(BIN.parent / "python"))
+import visum as library  # noqa: E402
 
 
 class Part:
@@ -172,6 +174,58 @@ class RealTime(unittest.TestCase):
             part.process.send_signal(signal.SIGINT)
             self.assertEqual(part.wait(), 130)
             self.assertIn("'Arm/Supervisor' Sensor Input 'Part State' holds 3 for a test", part.said)
+
+    def module(self, part, name):
+        return next(one for one in self.daemon.json("modules", part)["modules"] if one["name"] == name)
+
+    def speed(self):
+        return next(one["value"] for one in self.module("motion", "Trajectory")["parameters"] if one["name"] == "Speed")
+
+    def test_parameters_are_changed_in_the_module_or_refused(self):
+        with hardware(self.daemon), motion(self.daemon) as part, task(self.daemon, "--name", "boss"):
+            eventually(self.modules, lambda list: len(list["modules"]) == 5)
+            speed = self.module("motion", "Trajectory")["parameters"][0]
+            self.assertEqual({key: speed[key] for key in ("name", "type", "value", "unit", "minimum", "maximum")},
+                             {"name": "Speed", "type": "number", "value": 0.8, "unit": "rad/s", "minimum": 0.05, "maximum": 2})
+            set_speed = ("modules", "motion", "--set")
+            self.assertEqual(self.daemon.json(*set_speed, "Arm/Trajectory/Speed=0.5"), {"sent": True, "in_force": True})
+            self.assertEqual(self.speed(), 0.5)
+            self.assertIn("motion/Arm/Trajectory/Parameters/Speed 0.5 rad/s", self.daemon.visum("modules", "--values").stdout)
+            # A part that is two connections away from the server hears of it, too.
+            self.assertTrue(self.daemon.json("modules", "boss", "--set", "Sequence/Pause=3")["in_force"])
+            for words, said in (("Arm/Trajectory/Speed=3", "'Speed' must be within 0.05 and 2"),
+                                ("Arm/Trajectory/Sped=1", "did you mean 'Speed'"),
+                                ("Arm/Trajector/Speed=1", "did you mean 'Arm/Trajectory'"),
+                                ("Arm/Trajectory/Speed", "is no MODULE/PARAMETER=VALUE"),
+                                ("Arm/Trajectory/Speed=fast", "parameter 'Speed' takes 0.05 .. 2, not 'fast'")):
+                self.assertIn(said, self.daemon.visum(*set_speed, words, expect=2).stderr)
+            self.assertEqual(self.speed(), 0.5)
+            part.process.send_signal(signal.SIGINT)
+            self.assertEqual(part.wait(), 130)
+            self.assertIn("'Arm/Trajectory' Speed is 0.5 now", part.said)
+
+    def test_a_blackboard_of_a_part_is_seen_and_read(self):
+        def way():
+            return self.daemon.json("modules", "motion")["parts"][0]["blackboards"][0]
+        with hardware(self.daemon), motion(self.daemon) as part, task(self.daemon):
+            address = part.process.stdout.readline().split()[-1]  # "motion serves its ports at ..."
+            eventually(self.modules, lambda list: len(list["modules"]) == 5)
+            board = eventually(way, lambda board: board["elements"] == 11)
+            self.assertEqual((board["name"], board["content_type"], board["element_size"], board["capacity"]),
+                             ("Way", "application/x-float64", 64, 704))
+            with library.Client(address, role="observer") as client:
+                content = client.part("motion").read_blackboard("Way")
+            times = [row[0] for row in struct.iter_unpack("<8d", content)]
+            self.assertEqual((len(times), times[0]), (11, 0))
+            self.assertEqual(times, sorted(times))
+
+    def test_the_python_library_changes_a_parameter(self):
+        with hardware(self.daemon), motion(self.daemon), library.Client(self.daemon.connect, name="tester") as client:
+            eventually(self.modules, lambda list: len(list["modules"]) == 4)
+            client.set_module_parameter("motion", "Arm/Trajectory", "Speed", 0.5)
+            eventually(self.speed, lambda speed: speed == 0.5)
+            with self.assertRaisesRegex(library.Error, "must be within 0.05 and 2"):
+                client.set_module_parameter("motion", "Arm/Trajectory", "Speed", 5.0)
 
     def test_a_killed_task_stops_the_arm(self):
         with hardware(self.daemon) as one, motion(self.daemon) as two, task(self.daemon) as three:

@@ -1,9 +1,11 @@
 // Uses Finroc's own Java libraries as finstruct does: it connects to a bridge, looks at the structure, follows a
 // port, and writes by the administration interface. Prints one line for each claim, "ok" or "FAILED" first.
-//   java Probe HOST:PORT PART
+//   java Probe HOST:PORT PART                 a part of the scene, an arm
+//   java Probe HOST:PORT MODULE BLACKBOARD    of a controller: "motion/Arm/Trajectory" "motion/Blackboards/Way"
 import org.finroc.core.RuntimeEnvironment;
 import org.finroc.core.RuntimeSettings;
 import org.finroc.core.datatype.CoreNumber;
+import org.finroc.core.datatype.CoreString;
 import org.finroc.core.net.generic_protocol.Definitions;
 import org.finroc.core.port.ThreadLocalCache;
 import org.finroc.core.port.rpc.FutureStatus;
@@ -80,6 +82,12 @@ public class Probe {
     return value;
   }
 
+  static String text(ConnectingPortAccessor<?> accessor) {
+    String value = ((CoreString)accessor.getAutoLocked()).toString();
+    ThreadLocalCache.get().releaseAllLocks();
+    return value;
+  }
+
   static ConnectingPortAccessor<?> follow(RemotePort port) {
     ConnectingPortAccessor<?> accessor = new ConnectingPortAccessor<CoreNumber>(port, port.getParent().getQualifiedName('/'));
     accessor.init();
@@ -112,6 +120,29 @@ public class Probe {
     latency(actual);
   }
 
+  /** A module's parameter Speed, which is 0.8 rad/s and may be 0.05 to 2, and a blackboard with rows of numbers. */
+  static void lookAtModule(String module, String blackboard) throws Exception {
+    String parameters = "/" + module + "/Parameters/";
+    if (!claim(soon(() -> port(parameters + "Speed") != null), "sees the parameters of a module")) return;
+    RemotePort speed = port(parameters + "Speed");
+    claim(((RemoteFrameworkElement)speed.getParent().getParent()).isTagged("module"), "they belong to a module");
+    claim(soon(() -> RemoteRuntime.find(speed).getAdminInterface() != null), "finds the administration interface");
+    ConnectingPortAccessor<?> value = follow(speed);
+    claim(soon(() -> number(value) == 0.8), "follows a parameter");
+    claim("".equals(write(speed, 0.5)), "writes a parameter");
+    claim(soon(() -> number(value) == 0.5), "the module has the new value");
+    String refusal = write(speed, 3);
+    claim(refusal != null && refusal.contains("must be within 0.05 and 2"), "is told of a refusal: " + refusal);
+    Thread.sleep(500);
+    claim(number(value) == 0.5, "the module keeps its value");
+    RemotePort board = port("/" + blackboard + "/read");
+    if (!claim(board != null, "sees the blackboards of a part")) return;
+    ConnectingPortAccessor<?> content = follow(board);
+    claim(soon(() -> text(content).split(";").length > 3), "reads one: " + text(content));
+    refusal = write(board, 0);
+    claim(refusal != null && refusal.contains("output"), "is told that it cannot be written: " + refusal);
+  }
+
   /** How old values are when they come, by their timestamps and this machine's clock. */
   static void latency(RemotePort port) throws Exception {
     ConnectingPortAccessor<?> time = follow(port("/Bridge/Sensor Output/Simulated Time"));
@@ -135,7 +166,8 @@ public class Probe {
     Peer peer = new Peer("probe", words[0], Definitions.StructureExchange.FINSTRUCT, true);
     peer.init();
     peer.connect(words[0], new Model());
-    look(words[1]);
+    if (words.length == 2) look(words[1]);
+    else lookAtModule(words[1], words[2]);
     System.out.println(failures == 0 ? "all passed" : failures + " failed");
     System.exit(failures == 0 ? 0 : 1);
   }
