@@ -32,10 +32,9 @@ void Announcements::add_line(const std::string& who, const std::string& line) {
   add(who + ": " + line, "line", protocol::EventLevel::kInfo);
 }
 
-void Announcements::add_checks(const std::vector<CheckResult>& checks) {
-  for (const auto& check : checks)
-    add(check.name + (check.passed ? ": passed" : ": failed, " + check.failure), "check",
-        check.passed ? protocol::EventLevel::kInfo : protocol::EventLevel::kError);
+void Announcements::add_check(const CheckResult& check) {
+  add(check.name + (check.passed ? ": passed" : ": failed, " + check.failure), "check",
+      check.passed ? protocol::EventLevel::kInfo : protocol::EventLevel::kError);
 }
 
 void Announcements::flush(Session& session) {
