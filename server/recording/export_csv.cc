@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -41,6 +42,7 @@ struct Source {
   std::string part;
   std::size_t inputs = 0, outputs = 0;  // ports, as it was described last
   protocol::PartSample sample;          // the newest
+  std::vector<std::size_t> columns;     // its own
 };
 
 struct Column {
@@ -78,27 +80,30 @@ class Exporter {
     }
   }
 
-  std::vector<Source>::iterator find(const std::string& part) {
-    return std::ranges::find(sources_, part, &Source::part);
+  // Null: no such part has been described.
+  Source* find(const std::string& part) {
+    const auto found = numbers_.find(part);
+    return found == numbers_.end() ? nullptr : &sources_[found->second];
   }
 
   // The first time: adds the wanted ports that are not known yet.
   void add_columns(const protocol::PartDescription& part) {
-    auto source = find(part.name);
-    if (source == sources_.end()) source = sources_.insert(source, {part.name, 0, 0, {}});
-    const auto number = static_cast<std::size_t>(source - sources_.begin());
-    for (const bool inputs : {true, false})
-      for (const auto& port : ports_of(part, inputs))
-        if (is_wanted(part.name, port) && !has_column(number, inputs, port.name))
-          columns_.push_back({number, inputs, port.name});
+    const auto [known, is_new] = numbers_.emplace(part.name, sources_.size());
+    if (is_new) sources_.push_back({part.name, 0, 0, {}, {}});
+    for (const bool is_input : {true, false})
+      for (const auto& port : ports_of(part, is_input)) {
+        if (!is_wanted(part.name, port) || has_column(sources_[known->second], is_input, port.name)) continue;
+        sources_[known->second].columns.push_back(columns_.size());
+        columns_.push_back({known->second, is_input, port.name});
+      }
     if (columns_.size() > kMostColumns)
       throw std::runtime_error("the recording has more than " + std::to_string(kMostColumns) +
                                " ports: choose some with --ports");
   }
 
-  bool has_column(std::size_t source, bool is_input, const std::string& port) const {
-    return std::ranges::any_of(columns_, [&](const Column& column) {
-      return column.source == source && column.is_input == is_input && column.port == port;
+  bool has_column(const Source& source, bool is_input, const std::string& port) const {
+    return std::ranges::any_of(source.columns, [&](std::size_t column) {
+      return columns_[column].is_input == is_input && columns_[column].port == port;
     });
   }
 
@@ -126,10 +131,13 @@ class Exporter {
 
   // The second time: the part has these ports from now on.
   void follow(const protocol::PartDescription& part) {
-    auto& source = *find(part.name);
-    source = {part.name, part.controller_inputs.size(), part.sensor_outputs.size(), {}};
-    for (auto& column : columns_) {
-      if (sources_[column.source].part != part.name) continue;
+    auto* const source = find(part.name);
+    if (!source) return;  // the file has grown meanwhile
+    source->inputs = part.controller_inputs.size();
+    source->outputs = part.sensor_outputs.size();
+    source->sample = {};
+    for (const auto number : source->columns) {
+      auto& column = columns_[number];
       const auto& ports = ports_of(part, column.is_input);
       const auto port = std::ranges::find(ports, column.port, &protocol::Port::name);
       column.index.reset();
@@ -139,8 +147,8 @@ class Exporter {
 
   // A damaged file may hold samples of another length: they are cut or filled to the part's ports.
   void keep(const protocol::PartSample& sample) {
-    const auto source = find(sample.part);
-    if (source == sources_.end()) return;
+    auto* const source = find(sample.part);
+    if (!source) return;
     source->sample = sample;
     source->sample.controller_inputs.resize(source->inputs);
     source->sample.sensor_outputs.resize(source->outputs);
@@ -167,8 +175,9 @@ class Exporter {
   RecordingFile file_;
   const CsvOptions& options_;
   std::ostream& out_;
-  std::vector<bool> found_;      // by the names of `options`
-  std::vector<Source> sources_;  // in the order in which they are described first
+  std::vector<bool> found_;                     // by the names of `options`
+  std::vector<Source> sources_;                 // in the order in which they are described first
+  std::map<std::string, std::size_t> numbers_;  // of the sources, by part
   std::vector<Column> columns_;
   CsvResult result_;
 };

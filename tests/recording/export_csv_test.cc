@@ -54,7 +54,7 @@ TEST(ExportCsv, TimesAreWhatAUserTypesForThem) {
   }
 }
 
-// Parts of `second` are there from tick 2 to tick 4, and from tick 5 on.
+// `second` comes after tick 2, goes after tick 4, and comes back after tick 5.
 TEST(ExportCsv, PartsThatAreSpawnedHaveCellsWhileTheyAreThere) {
   RecordedWorld world;
   const auto spawn = [&](const std::string& name) {
