@@ -22,15 +22,6 @@ using protocol::ScenarioVerdict;
 constexpr std::chrono::nanoseconds kUsual = std::chrono::hours(1), kLongest = std::chrono::hours(24);
 constexpr std::size_t kMostText = 300;  // bytes of a name or text that is kept
 
-std::string shortened(std::string text) {
-  if (text.size() <= kMostText) return text;
-  std::size_t end = 0;
-  for (auto next = end; next <= kMostText; next += std::max<std::size_t>(1, config::utf8_length(text, next)))
-    end = next;
-  text.resize(end);
-  return text;
-}
-
 EventLevel level_of(ScenarioVerdict verdict) {
   if (verdict == ScenarioVerdict::kPassed) return EventLevel::kInfo;
   return verdict == ScenarioVerdict::kFailed ? EventLevel::kError : EventLevel::kWarning;
@@ -109,21 +100,26 @@ void ScenarioRequests::tell_line(const std::string& text, std::int64_t tick) {
     ++left_out_;
     return;
   }
-  if (const auto left_out = std::exchange(left_out_, 0); left_out != 0)
+  tell_left_out(tick);
+  clients_.tell(
+      {"line", config::printable(text), {}, clients_.known_era(), tick, EventLevel::kInfo, state_.name});
+}
+
+void ScenarioRequests::tell_left_out(std::int64_t tick) {
+  if (const auto lines = std::exchange(left_out_, 0); lines != 0)
     clients_.tell({"line",
-                   std::to_string(left_out) + " lines were left out",
+                   std::to_string(lines) + " lines were left out",
                    {},
                    clients_.known_era(),
                    tick,
                    EventLevel::kWarning,
                    state_.name});
-  clients_.tell(
-      {"line", config::printable(text), {}, clients_.known_era(), tick, EventLevel::kInfo, state_.name});
 }
 
 void ScenarioRequests::tell_check(const protocol::ScenarioCheck& check, std::int64_t tick) {
   if (state_.checks.size() < kMostChecks)
-    state_.checks.push_back({shortened(check.name), check.passed, shortened(check.text)});
+    state_.checks.push_back(
+        {config::shortened(check.name, kMostText), check.passed, config::shortened(check.text, kMostText)});
   clients_.tell({"check",
                  config::printable(check.name + (check.passed ? ": passed, " : ": failed, ") + check.text),
                  {},
@@ -135,10 +131,11 @@ void ScenarioRequests::tell_check(const protocol::ScenarioCheck& check, std::int
 
 void ScenarioRequests::tell_end(const News& end, std::int64_t tick) {
   run_.reset();
+  tell_left_out(tick);
   state_.running = false;
   state_.verdict = end.verdict;
   state_.exit_code = end.exit_code;
-  state_.text = shortened(config::printable(end.text));
+  state_.text = config::shortened(config::printable(end.text), kMostText);
   state_.state_hash = end.state_hash;
   const std::string hash = end.state_hash == 0 ? "" : ", state hash " + hex(end.state_hash);
   clients_.tell_always({"scenario",

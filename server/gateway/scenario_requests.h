@@ -31,6 +31,7 @@ class ScenarioRequests {
   using News = ScenarioRun::News;
   void tell(const News& news, std::int64_t tick);
   void tell_line(const std::string& text, std::int64_t tick);
+  void tell_left_out(std::int64_t tick);
   void tell_check(const protocol::ScenarioCheck& check, std::int64_t tick);
   void tell_end(const News& end, std::int64_t tick);
 

@@ -123,15 +123,16 @@ News ScenarioRun::end_of(const processes::ChildProcess& child) const {
   else if (ends_since_)
     end.text = "stopped";
   else if (!ended_)
-    end.text = "visum run " + child.exit()->text() +
-               (child.last_lines().empty() ? "" : ": " + child.last_lines().back());
+    end.text = "visum run " + child.exit()->text() + (complaint_.empty() ? "" : ": " + complaint_);
   return end;
 }
 
 void ScenarioRun::run() {
   News end{News::Kind::kEnd, {}, {}, ScenarioVerdict::kInvalid};
   const auto outcome = cycle::attempt(cycle::Refusal::kWrongState, [&] {
-    processes::ChildProcess child("visum run", words_, [this](const std::string& line) { note(line); }, {});
+    processes::ChildProcess child(
+        "visum run", words_, [this](const std::string& line) { note(line); },
+        [this](const std::string& line) { complaint_ = line; });
     while (!child.check_exit()) {
       end_if_due(child);
       std::vector<pollfd> set;

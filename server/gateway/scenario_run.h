@@ -69,6 +69,7 @@ class ScenarioRun {
   std::optional<Clock::time_point> ends_since_;
   bool too_late_ = false;      // its time was over
   std::optional<News> ended_;  // as the process itself has told
+  std::string complaint_;      // its last line on stderr
 
   std::mutex mutex_;  // guards what follows
   std::vector<News> news_;

@@ -10,19 +10,9 @@
 namespace visum::run {
 namespace {
 
-constexpr std::size_t kMostBytes = 1000;  // of a text; all of a line's, escaped for JSON, stay below 4096
-
-// Printable, and cut between two characters.
-std::string clean(const std::string& text, std::size_t most = kMostBytes) {
-  std::string whole = config::printable(text);
-  std::size_t end = 0;
-  while (end < whole.size()) {
-    const auto length = config::utf8_length(whole, end);
-    if (end + length > most) break;
-    end += length;
-  }
-  whole.resize(end);
-  return whole;
+// All texts of a line, escaped for JSON, stay below 4096 bytes.
+std::string clean(const std::string& text, std::size_t most = 1000) {
+  return config::shortened(config::printable(text), most);
 }
 
 void print(cli::JsonWriter& json) {
