@@ -36,7 +36,7 @@ using testing::fail;
 using testing::WorldStep;
 
 constexpr int kMostSteps = 64, kMostTicks = 200;
-constexpr std::chrono::seconds kPatience{20};  // with the thread that reads models
+constexpr std::chrono::seconds kPatience{60};  // with the thread that reads models
 
 std::filesystem::path folder_of_files() {
   return std::filesystem::temp_directory_path() / ("visum_fuzz_world_" + std::to_string(::getpid()));
@@ -92,13 +92,14 @@ class WorldSession final : public protocol::SessionCore {
   void asked(std::uint64_t id) { open_ += id != 0; }
 
   void send(std::uint64_t reply_to, const protocol::Reply& reply) override {
-    if (const auto* error = std::get_if<protocol::Error>(&reply);
-        error && error->code == protocol::ErrorCode::kInternal)
-      fail(("an internal error: " + error->text).c_str());
-    const bool is_event = std::holds_alternative<protocol::Event>(reply);
-    if (reply_to != 0 && !is_event && !awaits_hello() && open_-- == 0)
-      fail("an answer that nobody asked for");
+    const bool answers = reply_to != 0 && !std::holds_alternative<protocol::Welcome>(reply);
+    if (answers && open_-- == 0) fail("an answer that nobody asked for");
     SessionCore::send(reply_to, reply);
+  }
+  // An exception of the handler ends up here, and closes the session.
+  void log(protocol::LogLevel level, const std::string& text) override {
+    if (level == protocol::LogLevel::kError) fail(text.c_str());
+    SessionCore::log(level, text);
   }
 
  private:
