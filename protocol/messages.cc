@@ -69,6 +69,20 @@ const char* to_string(EventLevel level) {
   return "info";
 }
 
+const char* to_string(ScenarioVerdict verdict) {
+  switch (verdict) {
+    case ScenarioVerdict::kUnspecified:
+      return "unknown";
+    case ScenarioVerdict::kPassed:
+      return "passed";
+    case ScenarioVerdict::kFailed:
+      return "failed";
+    case ScenarioVerdict::kInvalid:
+      return "invalid";
+  }
+  return "unknown";
+}
+
 const char* to_string(ModuleVector vector) {
   switch (vector) {
     case ModuleVector::kUnspecified:

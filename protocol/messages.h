@@ -15,6 +15,7 @@
 #include "protocol/module_messages.h"
 #include "protocol/part_description.h"
 #include "protocol/reset_scope.h"
+#include "protocol/scenario_messages.h"
 
 namespace visum::protocol {
 
@@ -218,7 +219,8 @@ using Request =
                  AddBody, RemoveBody, Shutdown, InjectFault, ClearFault, ListFaults, SetBody, SetJoints,
                  PullBody, ReleaseBody, SubscribeEvents, UnsubscribeEvents, Announce, StartRecording,
                  StopRecording, AnnounceModules, ReportModules, ListModules, OverrideModulePort,
-                 LockBlackboard, UnlockBlackboard, SpawnModel, RemoveModel, ListModels, SetModuleParameter>;
+                 LockBlackboard, UnlockBlackboard, SpawnModel, RemoveModel, ListModels, SetModuleParameter,
+                 RunScenario, StopScenario, ReadScenario>;
 
 // ---------------------------------------- server to client
 
@@ -428,6 +430,6 @@ struct EventList {
 using Reply = std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant,
                            PartSample, ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample,
                            MeshData, SnapshotTaken, Event, TextureData, FaultList, EventList, ModuleList,
-                           OverrideModulePort, ModelSpawned, ModelList, SetModuleParameter>;
+                           OverrideModulePort, ModelSpawned, ModelList, SetModuleParameter, ScenarioState>;
 
 }  // namespace visum::protocol

@@ -27,6 +27,7 @@ class ModuleList;
 class ParameterDescription;
 class BlackboardDescription;
 class SetModuleParameter;
+class ScenarioState;
 }  // namespace visum::v1
 
 namespace visum::protocol::wire {
@@ -73,6 +74,17 @@ struct PutModuleRequest {
 bool take_module_request(const v1::ClientMessage& from, Request& to, std::string& why);
 void put(const ModuleList& from, v1::ModuleList& to);
 bool take(const v1::ModuleList& from, ModuleList& to, std::string& why);
+
+// wire_scenarios.cc
+struct PutScenarioRequest : PutModuleRequest {
+  using PutModuleRequest::operator();
+  void operator()(const RunScenario& from) const;
+  void operator()(const StopScenario& from) const;
+  void operator()(const ReadScenario& from) const;
+};
+bool take_scenario_request(const v1::ClientMessage& from, Request& to);  // false: it is another request
+void put(const ScenarioState& from, v1::ScenarioState& to);
+bool take(const v1::ScenarioState& from, ScenarioState& to, std::string& why);
 
 // SetModuleParameter and OverrideModulePort go both ways.
 void put(const SetModuleParameter& from, v1::SetModuleParameter& to);

@@ -112,6 +112,7 @@ struct PutReply {
   }
   void operator()(const MeshData& m) const { wire::put(m, *to.mutable_mesh()); }
   void operator()(const FaultList& m) const { wire::put(m, *to.mutable_faults()); }
+  void operator()(const ScenarioState& m) const { wire::put(m, *to.mutable_scenario()); }
   void operator()(const ModuleList& m) const { wire::put(m, *to.mutable_modules()); }
   void operator()(const OverrideModulePort& m) const { put_override(m, *to.mutable_override_module_port()); }
   void operator()(const SetModuleParameter& m) const { wire::put(m, *to.mutable_set_module_parameter()); }
@@ -251,6 +252,8 @@ bool take(const v1::ServerMessage& from, Reply& to, std::string& why) {
       return take(from.event(), to.emplace<Event>(), why);
     case Case::kEvents:
       return take(from.events(), to.emplace<EventList>(), why);
+    case Case::kScenario:
+      return wire::take(from.scenario(), to.emplace<ScenarioState>(), why);
     case Case::kModules:
       return wire::take(from.modules(), to.emplace<ModuleList>(), why);
     case Case::kOverrideModulePort:

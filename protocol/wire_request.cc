@@ -27,8 +27,8 @@ bool take(const v1::Join& from, Join& to, std::string& why) {
   return take_enum(from.on_timeout(), OnTimeout::kFree, to.on_timeout, "on_timeout", why);
 }
 
-struct PutRequest : PutModuleRequest {
-  using PutModuleRequest::operator();
+struct PutRequest : PutScenarioRequest {
+  using PutScenarioRequest::operator();
 
   void operator()(const Hello& m) const {
     auto& w = *to.mutable_hello();
@@ -410,7 +410,7 @@ bool take_world_request(const v1::ClientMessage& from, Request& to) {
 }  // namespace
 
 void put(const Request& from, v1::ClientMessage& to) {
-  std::visit(PutRequest{{to}}, from);
+  std::visit(PutRequest{{{to}}}, from);
 }
 
 bool take(const v1::ClientMessage& from, Request& to, std::string& why) {
@@ -440,7 +440,8 @@ bool take(const v1::ClientMessage& from, Request& to, std::string& why) {
     case v1::ClientMessage::kReset:
       return take_enum(from.reset().scope(), ResetScope::kAll, to.emplace<Reset>().scope, "scope", why);
     default:
-      if (take_world_request(from, to) || take_placing_request(from, to)) return true;
+      if (take_world_request(from, to) || take_placing_request(from, to) || take_scenario_request(from, to))
+        return true;
       return take_module_request(from, to, why) || (why.empty() && take_part_request(from, to, why));
   }
 }

@@ -141,6 +141,21 @@ void WorldControl::remove_model(const std::string& name) {
   client_->state_->request(protocol::RemoveModel{name});
 }
 
+void WorldControl::run_scenario(const std::string& name, double timeout_s) {
+  client_->state_->request(protocol::RunScenario{name, ns_of(timeout_s)});
+}
+void WorldControl::stop_scenario() {
+  client_->state_->request(protocol::StopScenario{});
+}
+ScenarioInfo WorldControl::scenario() {
+  const auto state = client_->state_->request_as<protocol::ScenarioState>(protocol::ReadScenario{});
+  ScenarioInfo info{state.name,      state.running, static_cast<ScenarioVerdict>(state.verdict),
+                    state.exit_code, state.text,    {},
+                    state.state_hash};
+  for (const auto& check : state.checks) info.checks.push_back({check.name, check.passed, check.text});
+  return info;
+}
+
 std::vector<EventInfo> WorldControl::subscribe_events(EventLevel level) {
   const auto kept = client_->state_->request_as<protocol::EventList>(
       protocol::SubscribeEvents{static_cast<protocol::EventLevel>(level)});

@@ -7,8 +7,8 @@
 //   world.push_body("second/chassis", {20, 0, 0}, 0.5);
 //
 // Lengths are in metres, angles in radians, poses and vectors in the world frame. Everything but the
-// functions about events needs the role admin. Calls block for one round trip. The thread rules are those of
-// the Client, and every failure throws visum::Error.
+// functions about events and scenario() needs the role admin. Calls block for one round trip. The thread
+// rules are those of the Client, and every failure throws visum::Error.
 #pragma once
 
 #include <array>
@@ -54,6 +54,24 @@ struct EventInfo {
   EventLevel level = EventLevel::kInfo;
   std::int64_t tick = 0, time_ns = 0;
   std::uint64_t era = 0;
+};
+
+// A scenario has passed, has failed, or is invalid: neither success nor failure means anything.
+enum class ScenarioVerdict { kNone = 0, kPassed = 1, kFailed = 2, kInvalid = 3 };
+
+struct ScenarioInfo {
+  std::string name;  // empty: the server has run none yet
+  bool running = false;
+  ScenarioVerdict verdict = ScenarioVerdict::kNone;  // once it has ended
+  int exit_code = 0;                                 // of `visum run`
+  std::string text;                                  // how it ended
+  struct Check {
+    std::string name;
+    bool passed = false;
+    std::string text;
+  };
+  std::vector<Check> checks;  // whose results are certain
+  std::uint64_t state_hash = 0;
 };
 
 // A view of a Client, which must outlive it.
@@ -104,6 +122,13 @@ class WorldControl {
   SpawnedModel spawn(const std::string& model, const SpawnOptions& options = {});
   SpawnedModel spawn_file(const std::filesystem::path& file, const SpawnOptions& options = {});
   void remove_model(const std::string& name);
+
+  // Lets the server run a scenario of its installation beside its world, in a world of its own, for at most
+  // so many seconds of wall time (0: an hour). One at a time.
+  void run_scenario(const std::string& name, double timeout_s = 0.0);
+  void stop_scenario();
+  // The one that runs, or ran last. Any role.
+  ScenarioInfo scenario();
 
   // Events of at least that level; returns those that happened before. Any role.
   std::vector<EventInfo> subscribe_events(EventLevel level = EventLevel::kInfo);

@@ -56,6 +56,7 @@ constexpr Row kVerbs[] = {
     {"drives", "write a drives file for a model", cli::make_drives},
     {"convert", "write a scene in another format", cli::make_convert},
     {"run", "run a scenario and check it", cli::make_run},
+    {"scenario", "let a server run a scenario of its installation", cli::make_scenario},
     {"campaign", "make all runs of a sweep and judge them together", cli::make_campaign},
     {"report", "put the results of a campaign's shards together", cli::make_report},
     {"compare", "compare two recordings, or two campaigns", cli::make_compare},

@@ -77,4 +77,11 @@ std::string printable(std::string_view text, std::string_view kept) {
   return shown;
 }
 
+std::string shortened(std::string text, std::size_t most) {
+  if (text.size() <= most) return text;
+  while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xC0u) == 0x80u) --most;
+  text.resize(most);
+  return text;
+}
+
 }  // namespace visum::config

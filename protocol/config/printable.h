@@ -19,6 +19,9 @@ bool is_printable(std::string_view text);
 // as they are, such as "\t".
 std::string printable(std::string_view text, std::string_view kept = {});
 
+// At most so many bytes of the text, which is cut between two characters.
+std::string shortened(std::string text, std::size_t most);
+
 // The end of a refusal: "client_name must not ...".
 inline constexpr const char* kNotPrintable =
     "must not hold control characters, separators of lines, or marks of direction";

@@ -56,7 +56,7 @@ Role role_needed(const protocol::Request& request) {
         if constexpr (kIsOneOf<T, Status, ListParts, DescribePart, Read, Subscribe, Unsubscribe,
                                GetParameters, ReadBlackboard, DescribeWorld, ReadWorld, SubscribeWorld,
                                UnsubscribeWorld, ReadMesh, ReadTexture, ListFaults, SubscribeEvents,
-                               UnsubscribeEvents, ListModels, ListModules>)
+                               UnsubscribeEvents, ListModels, ListModules, ReadScenario>)
           return Role::kObserver;
         else if constexpr (kIsOneOf<T, AcquireLease, ReleaseLease, Write, SetParameter, WriteBlackboard, Join,
                                     Advance, Leave, Note, Announce, AnnounceModules, ReportModules,

@@ -57,6 +57,8 @@ class Clients {
     if (!feed_.has_room(clock_())) return;
     send_to_subscribers(event);
   }
+  // As tell(), and never left out. For events whose number is bounded by something else.
+  void tell_always(const protocol::Event& event) { send_to_subscribers(event); }
   // Tells of events that were left out, once there is room again.
   void tell_of_lost_events(std::int64_t tick) {
     if (const auto lost = feed_.take_lost(clock_()); lost != 0)

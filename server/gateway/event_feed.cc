@@ -5,6 +5,8 @@
 #include <string_view>
 #include <utility>
 
+#include "protocol/config/printable.h"
+
 namespace visum::gateway {
 namespace {
 
@@ -15,13 +17,6 @@ EventLevel level_of(std::string_view kind) {
                                                       "fault_refused", "emergency_stop",   "events_lost"};
   if (kind == "frozen") return EventLevel::kError;
   return std::ranges::find(kWarnings, kind) != kWarnings.end() ? EventLevel::kWarning : EventLevel::kInfo;
-}
-
-// At most so many bytes, without half a character at the end.
-void cut(std::string& text, std::size_t most) {
-  if (text.size() <= most) return;
-  while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xC0u) == 0x80u) --most;
-  text.resize(most);
 }
 
 }  // namespace
@@ -41,7 +36,7 @@ void EventFeed::keep(protocol::Event& event) {
   if (event.level == EventLevel::kUnspecified) event.level = level_of(event.kind);
   if (event.source.empty()) event.source = event.part.empty() ? program_ : event.part;
   event.sim_time_ns = event.tick * tick_ns_;
-  cut(event.text, kMostBytes);
+  event.text = config::shortened(std::move(event.text), kMostBytes);
   if (kept_.size() == kMostKept) kept_.pop_front();
   kept_.push_back(event);
 }

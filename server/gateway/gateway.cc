@@ -56,6 +56,7 @@ Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, StopLatch& 
       placing_(mailbox, bodies_, parts_, commands_),
       faults_(world_, mailbox, limiter_, buses),
       events_(clients_, log),
+      scenarios_(world_, clients_),
       modules_(clients_),
       server_(world_, mailbox, clients_, lockstep_, pacer, buses, parts_) {
   clients_.feed().set_world(world_.tick_ns, world_.server.substr(0, world_.server.find(' ')));
@@ -143,7 +144,7 @@ void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request
   std::visit(
       [&](const auto& message) {
         hand_over(call, message, parts_, settings_, streams_, lockstep_, time_, bodies_, placing_, faults_,
-                  events_, modules_, server_);
+                  events_, scenarios_, modules_, server_);
       },
       request);
   // A command that waits for the tick is counted by finish_commands().
@@ -230,6 +231,7 @@ void Gateway::serve() {
   finish_commands();
   tell_notices();
   events_.serve(now);
+  scenarios_.serve(now);
   placing_.serve();
   lockstep_.answer_advances(now);
   work_off_backlogs();
@@ -340,6 +342,7 @@ void Gateway::beat() {
   if (!now_) return;
   look_at_world();
   events_.serve(*now_);
+  scenarios_.serve(*now_);
   if (!commands_.acknowledge_late(clients_, world_.working->border(), Commands::Clock::now())) return;
   for (auto& [id, client] : clients_.all()) work_off(client);
 }

@@ -27,6 +27,7 @@
 #include "server/gateway/parts.h"
 #include "server/gateway/placing_requests.h"
 #include "server/gateway/published.h"
+#include "server/gateway/scenario_requests.h"
 #include "server/gateway/server_requests.h"
 #include "server/gateway/static_world.h"
 #include "server/gateway/streams.h"
@@ -146,6 +147,7 @@ class Gateway : public protocol::SessionHandler {
   PlacingRequests placing_;
   FaultRequests faults_;
   EventRequests events_;
+  ScenarioRequests scenarios_;
   ModuleRequests modules_;
   ServerRequests server_;
   bool frozen_ = false;

@@ -71,6 +71,7 @@ class TickSide {
   // free, so that the tick at which it acts does not depend on how busy this machine is. Commands and inputs
   // that came later stay in the mailbox. In real time the ticks go on.
   bool waits_for_change() const { return waits_for_changes_ && changes_.under_way(); }
+  bool change_under_way() const { return changes_.under_way(); }  // also in real time
   // `wake` is called on another thread when such a change is ready: empty_mailbox() then carries it out.
   void on_change_ready(std::function<void()> wake) { changes_.on_ready(std::move(wake)); }
   // Ends that thread, which finishes the change that it is at.

@@ -1,7 +1,8 @@
 #include "server/gateway/time_control.h"
 
-#include <algorithm>
 #include <string>
+
+#include "server/gateway/plain_name.h"
 
 namespace visum::gateway {
 
@@ -9,40 +10,26 @@ using protocol::ErrorCode;
 
 namespace {
 
-constexpr std::size_t kMostNameBytes = 64;
-
-bool is_letter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-}
-
-// The names of files that clients ask for: no path can be made of them.
-bool is_name(const std::string& name) {
-  return !name.empty() && name.size() <= kMostNameBytes && is_letter(name.front()) &&
-         std::ranges::all_of(
-             name, [](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-'; });
-}
-
 void fail_name(const Call& call) {
-  call.fail(ErrorCode::kBadValue,
-            "a name begins with a letter; letters, digits, '_' and '-' follow, 64 bytes in all");
+  call.fail(ErrorCode::kBadValue, kPlainNameRule);
 }
 
 }  // namespace
 
 void TimeControl::handle(const Call& call, const protocol::TakeSnapshot& request) {
-  if (!request.name.empty() && !is_name(request.name)) return fail_name(call);
+  if (!request.name.empty() && !is_plain_name(request.name)) return fail_name(call);
   commands_.send(call, request);
 }
 
 void TimeControl::handle(const Call& call, const protocol::RestoreSnapshot& request) {
-  if (!request.name.empty() && !is_name(request.name)) return fail_name(call);
+  if (!request.name.empty() && !is_plain_name(request.name)) return fail_name(call);
   if (!request.name.empty() && request.snapshot != 0)
     return call.fail(ErrorCode::kBadValue, "a snapshot has a number or a name, not both");
   commands_.send(call, request);
 }
 
 void TimeControl::handle(const Call& call, const protocol::StartRecording& request) {
-  if (!is_name(request.name)) return fail_name(call);
+  if (!is_plain_name(request.name)) return fail_name(call);
   commands_.send(call, request);
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -29,77 +31,127 @@ double time_s_of(const Tick& tick) {
   return static_cast<double>(tick.sim_time_ns) / 1e9;
 }
 
-// A part of the recording, its newest sample (empty before the first), and the ports that become columns.
+constexpr std::size_t kMostColumns = 100'000;
+
+const std::vector<protocol::Port>& ports_of(const protocol::PartDescription& part, bool inputs) {
+  return inputs ? part.controller_inputs : part.sensor_outputs;
+}
+
+// A part of the recording. Parts that were spawned may come, go, and come again with other ports.
 struct Source {
-  protocol::PartDescription description;
-  protocol::PartSample sample;
-  std::vector<std::size_t> inputs, outputs;
+  std::string part;
+  std::size_t inputs = 0, outputs = 0;  // ports, as it was described last
+  protocol::PartSample sample;          // the newest
+  std::vector<std::size_t> columns;     // its own
 };
 
-// Reads the recording front to back and writes a row for each wanted tick.
+struct Column {
+  std::size_t source;
+  bool is_input;
+  std::string port;
+  std::optional<std::size_t> index{};  // among the part's ports, as it was described last
+};
+
+// Reads the recording twice: once for the ports that it has at any time, and once for the rows.
 class Exporter {
  public:
   Exporter(const std::filesystem::path& file, const CsvOptions& options, std::ostream& out)
-      : file_(file), options_(options), out_(out) {}
+      : file_(file), options_(options), out_(out), found_(options.ports.size()) {}
 
   CsvResult run() {
-    bool begun = false;
-    for (auto item = file_.next(); !std::holds_alternative<RecordingFile::End>(item); item = file_.next()) {
-      if (const auto* part = std::get_if<const protocol::PartDescription*>(&item); part && !begun)
-        sources_.push_back({**part, {}, {}, {}});
-      if (const auto* sample = std::get_if<const protocol::PartSample*>(&item)) keep(**sample);
-      const auto* tick = std::get_if<const Tick*>(&item);
-      if (!tick) continue;
-      if (!std::exchange(begun, true)) begin();
-      if (is_wanted(**tick)) put_row(**tick);
-    }
-    if (!begun) begin();
+    const auto begin = file_.place();
+    for_each_item([this](const auto& part) { add_columns(part); }, [](const auto&) {}, [](const auto&) {});
+    put_head();
+    file_.go_to(begin);
+    for_each_item([this](const auto& part) { follow(part); }, [this](const auto& sample) { keep(sample); },
+                  [this](const auto& tick) {
+                    if (is_wanted(tick)) put_row(tick);
+                  });
     result_.damage = file_.damage();
     return std::move(result_);
   }
 
  private:
-  // Writes the head line, once all parts are known: their descriptions stand before the first tick.
-  void begin() {
-    std::vector<bool> found(options_.ports.size(), options_.ports.empty());
-    out_ << "tick,era,time_s";
-    for (auto& source : sources_) {
-      choose(source, source.description.controller_inputs, source.inputs, found);
-      choose(source, source.description.sensor_outputs, source.outputs, found);
+  void for_each_item(const auto& on_part, const auto& on_sample, const auto& on_tick) {
+    for (auto item = file_.next(); !std::holds_alternative<RecordingFile::End>(item); item = file_.next()) {
+      if (const auto* part = std::get_if<const protocol::PartDescription*>(&item)) on_part(**part);
+      if (const auto* sample = std::get_if<const protocol::PartSample*>(&item)) on_sample(**sample);
+      if (const auto* tick = std::get_if<const Tick*>(&item)) on_tick(**tick);
     }
-    out_ << "\r\n";
-    const auto missing = std::ranges::find(found, false);
-    if (missing != found.end())
-      throw std::runtime_error("the recording has no ports '" +
-                               options_.ports[static_cast<std::size_t>(missing - found.begin())] + "'");
   }
 
-  // Adds the wanted ports to `columns` and to the head line, and marks in `found` the names that were used.
-  void choose(const Source& source, const std::vector<protocol::Port>& ports,
-              std::vector<std::size_t>& columns, std::vector<bool>& found) {
-    const auto& part = source.description.name;
-    for (std::size_t i = 0; i < ports.size(); ++i) {
-      bool wanted = options_.ports.empty();
-      for (std::size_t k = 0; k < options_.ports.size(); ++k) {
-        const auto& name = options_.ports[k];
-        if (name != part && name != part + "/" + ports[i].group && name != part + "/" + ports[i].name)
-          continue;
-        wanted = found[k] = true;
+  // Null: no such part has been described.
+  Source* find(const std::string& part) {
+    const auto found = numbers_.find(part);
+    return found == numbers_.end() ? nullptr : &sources_[found->second];
+  }
+
+  // The first time: adds the wanted ports that are not known yet.
+  void add_columns(const protocol::PartDescription& part) {
+    const auto [known, is_new] = numbers_.emplace(part.name, sources_.size());
+    if (is_new) sources_.push_back({part.name, 0, 0, {}, {}});
+    for (const bool is_input : {true, false})
+      for (const auto& port : ports_of(part, is_input)) {
+        if (!is_wanted(part.name, port) || has_column(sources_[known->second], is_input, port.name)) continue;
+        sources_[known->second].columns.push_back(columns_.size());
+        columns_.push_back({known->second, is_input, port.name});
       }
-      if (!wanted) continue;
-      columns.push_back(i);
-      out_ << "," << quoted(part + "/" + ports[i].name);
+    if (columns_.size() > kMostColumns)
+      throw std::runtime_error("the recording has more than " + std::to_string(kMostColumns) +
+                               " ports: choose some with --ports");
+  }
+
+  bool has_column(const Source& source, bool is_input, const std::string& port) const {
+    return std::ranges::any_of(source.columns, [&](std::size_t column) {
+      return columns_[column].is_input == is_input && columns_[column].port == port;
+    });
+  }
+
+  // Marks the names of `options` that were used.
+  bool is_wanted(const std::string& part, const protocol::Port& port) {
+    bool wanted = options_.ports.empty();
+    for (std::size_t k = 0; k < options_.ports.size(); ++k) {
+      const auto& name = options_.ports[k];
+      if (name == part || name == part + "/" + port.group || name == part + "/" + port.name)
+        wanted = found_[k] = true;
+    }
+    return wanted;
+  }
+
+  void put_head() {
+    const auto missing = std::ranges::find(found_, false);
+    if (missing != found_.end())
+      throw std::runtime_error("the recording has no ports '" +
+                               options_.ports[static_cast<std::size_t>(missing - found_.begin())] + "'");
+    out_ << "tick,era,time_s";
+    for (const auto& column : columns_)
+      out_ << "," << quoted(sources_[column.source].part + "/" + column.port);
+    out_ << "\r\n";
+  }
+
+  // The second time: the part has these ports from now on.
+  void follow(const protocol::PartDescription& part) {
+    auto* const source = find(part.name);
+    if (!source) return;  // the file has grown meanwhile
+    source->inputs = part.controller_inputs.size();
+    source->outputs = part.sensor_outputs.size();
+    source->sample = {};
+    for (const auto number : source->columns) {
+      auto& column = columns_[number];
+      const auto& ports = ports_of(part, column.is_input);
+      const auto port = std::ranges::find(ports, column.port, &protocol::Port::name);
+      column.index.reset();
+      if (port != ports.end()) column.index = static_cast<std::size_t>(port - ports.begin());
     }
   }
 
   // A damaged file may hold samples of another length: they are cut or filled to the part's ports.
   void keep(const protocol::PartSample& sample) {
-    const auto source =
-        std::ranges::find(sources_, sample.part, [](const Source& each) { return each.description.name; });
-    if (source == sources_.end()) return;
+    auto* const source = find(sample.part);
+    if (!source) return;
     source->sample = sample;
-    source->sample.controller_inputs.resize(source->description.controller_inputs.size());
-    source->sample.sensor_outputs.resize(source->description.sensor_outputs.size());
+    source->sample.controller_inputs.resize(source->inputs);
+    source->sample.sensor_outputs.resize(source->outputs);
   }
 
   bool is_wanted(const Tick& tick) const {
@@ -107,24 +159,26 @@ class Exporter {
     return tick.tick % options_.every == 0 && time_s >= options_.from_s && time_s <= options_.to_s;
   }
 
+  // Each part that is there has a sample of this very tick.
   void put_row(const Tick& tick) {
     out_ << tick.tick << "," << tick.era << "," << exact(time_s_of(tick), std::chars_format::fixed);
-    for (const auto& source : sources_) {
-      put_cells(source.inputs, source.sample.controller_inputs);
-      put_cells(source.outputs, source.sample.sensor_outputs);
+    for (const auto& column : columns_) {
+      const auto& sample = sources_[column.source].sample;
+      out_ << ",";
+      if (!column.index || sample.tick != tick.tick || sample.era != tick.era) continue;
+      out_ << exact((column.is_input ? sample.controller_inputs : sample.sensor_outputs)[*column.index]);
     }
     out_ << "\r\n";
     ++result_.rows;
   }
 
-  void put_cells(const std::vector<std::size_t>& columns, const std::vector<double>& values) {
-    for (const auto column : columns) out_ << "," << (values.empty() ? "" : exact(values[column]));
-  }
-
   RecordingFile file_;
   const CsvOptions& options_;
   std::ostream& out_;
-  std::vector<Source> sources_;  // in the order of the world's parts
+  std::vector<bool> found_;                     // by the names of `options`
+  std::vector<Source> sources_;                 // in the order in which they are described first
+  std::map<std::string, std::size_t> numbers_;  // of the sources, by part
+  std::vector<Column> columns_;
   CsvResult result_;
 };
 

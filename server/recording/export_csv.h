@@ -1,4 +1,5 @@
-// Writes a recording's ports as CSV (RFC 4180): a row per tick, a column per port. Any one thread.
+// Writes a recording's ports as CSV (RFC 4180): a row per tick, a column per port. Parts of models that were
+// spawned have columns, too; their cells are empty while the part is not there. Any one thread.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +23,8 @@ struct CsvResult {
   std::string damage;  // why the file was not read to its end; empty: it was
 };
 
-// Throws ConfigError where the file is no recording, and std::runtime_error where it lacks ports that
-// `options` names.
+// Reads the file twice. Throws ConfigError where it is no recording, and std::runtime_error where it lacks
+// ports that `options` names, or has more than 100,000 wanted ones.
 CsvResult export_csv(const std::filesystem::path& file, const CsvOptions& options, std::ostream& out);
 
 }  // namespace visum::recording

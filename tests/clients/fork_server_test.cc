@@ -18,7 +18,7 @@ using std::chrono::seconds;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-const ChildProcess::OnLine kNobody;
+const processes::ChildProcess::OnLine kNobody;
 
 // A line of /proc/PID/status: "PPid:\t17" gives 17.
 pid_t status_of(pid_t pid, const std::string& name) {
@@ -42,12 +42,13 @@ pid_t only_child_of(pid_t parent) {
 
 class Forks : public ::testing::Test {
  protected:
-  std::unique_ptr<ChildProcess> start(std::vector<std::string> words, ChildProcess::OnLine on_out = kNobody) {
+  std::unique_ptr<processes::ChildProcess> start(std::vector<std::string> words,
+                                                 processes::ChildProcess::OnLine on_out = kNobody) {
     words.insert(words.begin(), (own_folder() / "visumd").string());
     return forks_.start("visumd", words, std::move(on_out), kNobody);
   }
   // A world that runs until it is told to end.
-  std::unique_ptr<ChildProcess> start_world() {
+  std::unique_ptr<processes::ChildProcess> start_world() {
     bool ready = false;
     auto world = start({VISUM_SCENES "/two_link.yaml", "--port", "0", "--json", "--http", "off"},
                        [&](const std::string&) { ready = true; });

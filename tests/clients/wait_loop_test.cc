@@ -42,8 +42,8 @@ TEST(WaitLoop, ThrowsWhenTheWallTimeIsOver) {
 
 TEST(WaitLoop, KeepsAChildThatPrintsMuchFromBlocking) {
   std::size_t lines = 0;
-  ChildProcess child("c", {"/bin/sh", "-c", "yes | head -n 200000; echo done"},
-                     [&](const std::string&) { ++lines; }, {});
+  processes::ChildProcess child("c", {"/bin/sh", "-c", "yes | head -n 200000; echo done"},
+                                [&](const std::string&) { ++lines; }, {});
   WaitLoop wait_loop(60.0);
   wait_loop.watch(child);
   while (!child.check_exit()) wait_loop.wait(-1, milliseconds(10));

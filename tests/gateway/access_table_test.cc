@@ -87,7 +87,10 @@ std::vector<Row> table() {
 
           {SpawnModel{}, kNot, kNot, kYes},
           {RemoveModel{}, kNot, kNot, kYes},
-          {ListModels{}, kYes, kYes, kYes}};
+          {ListModels{}, kYes, kYes, kYes},
+          {RunScenario{}, kNot, kNot, kYes},
+          {StopScenario{}, kNot, kNot, kYes},
+          {ReadScenario{}, kYes, kYes, kYes}};
 }
 
 enum class LeaseIs { kFree, kOwn, kAnothers };

@@ -219,6 +219,9 @@ Samples<Request> sample_requests() {
                                  {{"robot/arm.urdf", "<robot/>"}, {"robot/link.stl", "solid"}}}},
       {"remove_model", RemoveModel{"second"}},
       {"list_models", ListModels{}},
+      {"run_scenario", RunScenario{"pick_and_place", 60'000'000'000}},
+      {"stop_scenario", StopScenario{}},
+      {"read_scenario", ReadScenario{}},
   };
 }
 
@@ -254,6 +257,13 @@ Samples<Reply> sample_replies() {
       {"override_module_port", OverrideModulePort{"motion", "Arm/Ramp", "Actual Angle 1", 0.25, true}},
       {"set_module_parameter", SetModuleParameter{"motion", "Arm/Ramp", "Mode", "fast"}},
       {"model_spawned", ModelSpawned{"second", {"second/base", "second/link"}, {"second", "eye"}}},
+      {"scenario", ScenarioState{"pick_and_place",
+                                 false,
+                                 ScenarioVerdict::kFailed,
+                                 1,
+                                 "1 of 2 checks",
+                                 {{"stands", true, "tilt is 0"}, {"rests", false, "too fast"}},
+                                 0x9f3c0a5be2d81746}},
       {"models", ModelList{{"cart/cart.yaml", "two_link/two_link.urdf"}, {"second"}}},
   };
 }

@@ -54,6 +54,53 @@ TEST(ExportCsv, TimesAreWhatAUserTypesForThem) {
   }
 }
 
+// `second` comes after tick 2, goes after tick 4, and comes back after tick 5.
+TEST(ExportCsv, PartsThatAreSpawnedHaveCellsWhileTheyAreThere) {
+  RecordedWorld world;
+  const auto spawn = [&](const std::string& name) {
+    return world->spawn({std::filesystem::path(VISUM_SOURCE_DIR) / "models/two_link/two_link.urdf",
+                         name,
+                         {Eigen::Vector3d(0, 2, 0), Eigen::Quaterniond::Identity()}});
+  };
+  world.run(2);
+  ASSERT_TRUE(spawn("second").done());
+  world.run(2);
+  ASSERT_TRUE(world->remove_model("second").done());
+  world.run(1);
+  ASSERT_TRUE(spawn("second").done());
+  ASSERT_TRUE(spawn("third").done());
+  world.run(1);
+  const auto file = world.finish();
+  std::ostringstream csv;
+  const CsvOptions options{{"robot/Desired Angle 1", "second", "third"}};
+  EXPECT_EQ(export_csv(file, options, csv).damage, "");
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(csv.str());
+  for (std::string line; std::getline(lines, line);) {
+    line.back() = ',';  // the carriage return
+    auto& cells = rows.emplace_back();
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+  }
+  ASSERT_EQ(rows.size(), 7u);
+  const auto is_of = [&](std::size_t column, const std::string& part) {
+    return rows[0][column].starts_with(part);
+  };
+  std::size_t of_second = 0;
+  for (std::size_t column = 3; column < rows[0].size(); ++column) {
+    of_second += is_of(column, "second/");
+    for (std::size_t tick = 1; tick <= 6; ++tick) {
+      const bool there = is_of(column, "robot/") ||
+                         (is_of(column, "second/") && tick != 1 && tick != 2 && tick != 5) ||
+                         (is_of(column, "third/") && tick == 6);
+      ASSERT_EQ(rows[tick].size(), rows[0].size());
+      EXPECT_EQ(rows[tick][column].empty(), !there) << rows[0][column] << " at tick " << tick;
+    }
+  }
+  EXPECT_GE(of_second, 2u) << "inputs and outputs of two joints";
+  EXPECT_THROW(export_csv(file, {{"fourth"}}, csv), std::runtime_error);
+}
+
 TEST(ExportCsv, APartWithoutSamplesHasEmptyCells) {
   RecordedWorld world;
   world.run(2);

@@ -272,6 +272,18 @@ class Client:
     def stop_recording(self) -> None:
         self.connection.request(stop_recording=pb.StopRecording())
 
+    def run_scenario(self, name: str, timeout_s: float = 0.0) -> None:
+        """Lets the server run a scenario of its installation beside its world, in a world of its own, for at most so many
+        seconds of wall time (0: an hour). Its course comes as events; scenario() says how it ended."""
+        self.connection.request(run_scenario=pb.RunScenario(name=name, timeout_ns=round(timeout_s * 1e9)))
+
+    def stop_scenario(self) -> None:
+        self.connection.request(stop_scenario=pb.StopScenario())
+
+    def scenario(self) -> pb.ScenarioState:
+        """The scenario that runs, or ran last. Any role."""
+        return self.connection.request(read_scenario=pb.ReadScenario()).scenario
+
     def modules(self, part: str = "") -> pb.ModuleList:
         """The modules that controllers have announced, with their newest values; of one part of a controller, or of all."""
         return self.connection.request(list_modules=pb.ListModules(part=part)).modules

@@ -11,9 +11,9 @@
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/shell_word.h"
 #include "clients/visum/common/whole_file.h"
-#include "clients/visum/run/child_process.h"
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/wait_loop.h"
+#include "protocol/processes/child_process.h"
 
 namespace visum::campaign {
 namespace {
@@ -67,7 +67,7 @@ std::string list_of(const std::vector<std::size_t>& shards) {
   return text;
 }
 
-std::string last_lines(const run::ChildProcess& process) {
+std::string last_lines(const processes::ChildProcess& process) {
   std::string text;
   for (const auto& line : process.last_lines()) text += "\n" + line;
   return text;
@@ -126,7 +126,7 @@ class Shell {
  private:
   struct Job {
     std::size_t shard = 0, tried = 0;
-    std::unique_ptr<run::ChildProcess> process;
+    std::unique_ptr<processes::ChildProcess> process;
   };
 
   void start() {
@@ -139,9 +139,9 @@ class Shell {
     text = filled(text, "{command}",
                   command_of(options_) + " --shard " + shard + "/" + shards + " --report " +
                       shell_word(folder_of(options_, job.shard).string()));
-    job.process =
-        std::make_unique<run::ChildProcess>("shard " + shard, std::vector<std::string>{"/bin/sh", "-c", text},
-                                            run::ChildProcess::OnLine{}, run::ChildProcess::OnLine{});
+    job.process = std::make_unique<processes::ChildProcess>(
+        "shard " + shard, std::vector<std::string>{"/bin/sh", "-c", text}, processes::ChildProcess::OnLine{},
+        processes::ChildProcess::OnLine{});
     wait_loop_.watch(*job.process);
     jobs_.push_back(std::move(job));
   }
@@ -214,11 +214,11 @@ void run_by_slurm(const RemoteOptions& options) {
     words.insert(words.end(), options.sbatch.begin(), options.sbatch.end());
     words.push_back(script.string());
     std::string job;
-    run::ChildProcess sbatch("sbatch", words,
-                             [&](const std::string& line) {
-                               if (job.empty()) job = line.substr(0, line.find(';'));
-                             },
-                             {});
+    processes::ChildProcess sbatch("sbatch", words,
+                                   [&](const std::string& line) {
+                                     if (job.empty()) job = line.substr(0, line.find(';'));
+                                   },
+                                   {});
     wait_loop.watch(sbatch);
     try {
       while (!sbatch.check_exit()) {
@@ -226,7 +226,7 @@ void run_by_slurm(const RemoteOptions& options) {
         rounds.pass();
       }
     } catch (...) {
-      if (!job.empty()) run::ChildProcess("scancel", {"scancel", job}, {}, {}).wait_exit(kFarewell);
+      if (!job.empty()) processes::ChildProcess("scancel", {"scancel", job}, {}, {}).wait_exit(kFarewell);
       throw;
     }
     wait_loop.forget(sbatch);

@@ -5,19 +5,7 @@
 namespace visum::run {
 namespace {
 
-constexpr std::size_t kMostBytes = 1000;  // of an Announce: SPEC.md, section 9
-
-// Cuts the text between two characters.
-std::string cut(std::string text) {
-  std::size_t end = 0;
-  while (end < text.size()) {
-    const auto length = config::utf8_length(text, end);
-    if (end + length > kMostBytes) break;
-    end += length;
-  }
-  text.resize(end);
-  return text;
-}
+constexpr std::size_t kMostAnnounced = 1000;  // bytes: SPEC.md, section 9
 
 }  // namespace
 
@@ -25,17 +13,16 @@ void Announcements::add(const std::string& text, const std::string& kind, protoc
   if (waiting_.size() == kMost)
     ++left_out_;
   else
-    waiting_.push_back({cut(config::printable(text)), kind, level});
+    waiting_.push_back({config::shortened(config::printable(text), kMostAnnounced), kind, level});
 }
 
 void Announcements::add_line(const std::string& who, const std::string& line) {
   add(who + ": " + line, "line", protocol::EventLevel::kInfo);
 }
 
-void Announcements::add_checks(const std::vector<CheckResult>& checks) {
-  for (const auto& check : checks)
-    add(check.name + (check.passed ? ": passed" : ": failed, " + check.failure), "check",
-        check.passed ? protocol::EventLevel::kInfo : protocol::EventLevel::kError);
+void Announcements::add_check(const CheckResult& check) {
+  add(check.name + (check.passed ? ": passed" : ": failed, " + check.failure), "check",
+      check.passed ? protocol::EventLevel::kInfo : protocol::EventLevel::kError);
 }
 
 void Announcements::flush(Session& session) {

@@ -16,7 +16,7 @@ class Announcements {
   static constexpr std::size_t kMost = 1000;  // that wait; more are left out, and the last one says so
 
   void add_line(const std::string& who, const std::string& line);
-  void add_checks(const std::vector<CheckResult>& checks);
+  void add_check(const CheckResult& check);
   // Sends what waits, without an answer, unless steps are under way: behind them it would wait for the world.
   // Throws ConnectionError where the daemon is gone.
   void flush(Session& session);

@@ -68,6 +68,12 @@ void Check::observe(const Observation& now) {
   }
 }
 
+bool Check::is_certain(double now_s) const {
+  if (now_s > spec_.when.to_s + kRounding_s) return true;
+  if (spec_.when.kind == Window::Kind::kAlways) return value_ && !held_;
+  return spec_.when.kind == Window::Kind::kEventually && held_;
+}
+
 CheckResult Check::result() const {
   CheckResult result;
   result.text = quantity_.text;

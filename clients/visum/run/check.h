@@ -39,6 +39,8 @@ class Check {
   void tie_again(const Catalogue& catalogue);  // finds its bodies anew, after bodies came or went
   void observe(const Observation& now);
   CheckResult result() const;  // as of the last observation
+  // True once nothing that comes can change whether it has passed.
+  bool is_certain(double now_s) const;
 
  private:
   void keep(double value, double margin, double at_s);

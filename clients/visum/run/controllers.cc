@@ -74,7 +74,8 @@ void Controllers::start_one(Controller& controller) {
     on_line_(spec->name, line);
   };
   try {
-    controller.process = std::make_unique<ChildProcess>(controller.spec->name, argv, hand_on, hand_on);
+    controller.process =
+        std::make_unique<processes::ChildProcess>(controller.spec->name, argv, hand_on, hand_on);
   } catch (const std::runtime_error& error) {
     throw config::ConfigError(controller.spec->place, error.what());
   }

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "clients/visum/run/child_process.h"
 #include "clients/visum/run/scenario.h"
 #include "clients/visum/run/session.h"
 #include "clients/visum/run/wait_loop.h"
+#include "protocol/processes/child_process.h"
 
 namespace visum::run {
 
@@ -61,7 +61,7 @@ class Controllers {
  private:
   struct Controller {
     const ControllerSpec* spec = nullptr;
-    std::unique_ptr<ChildProcess> process;
+    std::unique_ptr<processes::ChildProcess> process;
     bool joins = false, joined = false, left = false;
     bool signalled = false;  // by the time line: its end is no failure
     bool stopped = false;    // by us, at the end

@@ -105,17 +105,20 @@ std::vector<std::pair<std::string, std::string>> read_used_files(const std::stri
 }
 
 Daemon::Daemon(const DaemonOptions& options, double patience_s, WaitLoop& wait_loop,
-               ChildProcess::OnLine on_line)
+               processes::ChildProcess::OnLine on_line)
     : wait_loop_(wait_loop) {
-  // It serves plain text on loopback, so no client that we start may try TLS because of the environment.
-  for (const char* variable : {"VISUM_TLS_CA", "VISUM_TLS_CERT", "VISUM_TLS_KEY"}) ::unsetenv(variable);
+  // It serves plain text on loopback, so no client that we start may try TLS because of the environment. It
+  // is not the service either that a service manager waits for.
+  for (const char* variable : {"VISUM_TLS_CA", "VISUM_TLS_CERT", "VISUM_TLS_KEY", "NOTIFY_SOCKET"})
+    ::unsetenv(variable);
   try {
     const auto note_ready = [this](const std::string& line) {
       if (ready_line_.empty()) ready_line_ = line;
     };
-    process_ = options.forks != nullptr
-                   ? options.forks->start("visumd", command_line(options), note_ready, on_line)
-                   : std::make_unique<ChildProcess>("visumd", command_line(options), note_ready, on_line);
+    process_ =
+        options.forks != nullptr
+            ? options.forks->start("visumd", command_line(options), note_ready, on_line)
+            : std::make_unique<processes::ChildProcess>("visumd", command_line(options), note_ready, on_line);
   } catch (const std::runtime_error& error) {
     throw cli::ExitError(cli::kInvalid, error.what());
   }

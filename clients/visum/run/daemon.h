@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "clients/visum/run/child_process.h"
 #include "clients/visum/run/fork_server.h"
 #include "clients/visum/run/wait_loop.h"
+#include "protocol/processes/child_process.h"
 
 namespace visum::run {
 
@@ -50,7 +50,8 @@ class Daemon {
  public:
   // Returns when clients can connect. Throws cli::ExitError: kBadConfig if visumd says that the scene is
   // wrong, kUsage if it refuses its options, kInvalid if it is not ready within `patience_s`.
-  Daemon(const DaemonOptions& options, double patience_s, WaitLoop& wait_loop, ChildProcess::OnLine on_line);
+  Daemon(const DaemonOptions& options, double patience_s, WaitLoop& wait_loop,
+         processes::ChildProcess::OnLine on_line);
   ~Daemon();
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
@@ -59,7 +60,7 @@ class Daemon {
   std::uint16_t page_port() const { return page_port_; }  // 0: it serves no page
   // The place of each part's last bus, which is the one that we asked for: a path, or HOST:PORT for tcp.
   const std::map<std::string, std::string>& buses() const { return buses_; }
-  ChildProcess& process() { return *process_; }
+  processes::ChildProcess& process() { return *process_; }
   // Why it ended, with its last lines; empty while it runs.
   std::string obituary();
 
@@ -70,7 +71,7 @@ class Daemon {
   std::string ready_line_;
   std::uint16_t port_ = 0, page_port_ = 0;
   std::map<std::string, std::string> buses_;
-  std::unique_ptr<ChildProcess> process_;
+  std::unique_ptr<processes::ChildProcess> process_;
 };
 
 }  // namespace visum::run

@@ -13,13 +13,16 @@
 
 namespace visum::run {
 
-std::unique_ptr<ChildProcess> ForkServer::start(const std::string& name, const std::vector<std::string>& argv,
-                                                ChildProcess::OnLine on_out, ChildProcess::OnLine on_err) {
+std::unique_ptr<processes::ChildProcess> ForkServer::start(const std::string& name,
+                                                           const std::vector<std::string>& argv,
+                                                           processes::ChildProcess::OnLine on_out,
+                                                           processes::ChildProcess::OnLine on_err) {
   if (socket_ < 0) begin(argv[0]);
   if (auto process = fork(argv))
-    return std::make_unique<ChildProcess>(name, std::move(*process), std::move(on_out), std::move(on_err));
+    return std::make_unique<processes::ChildProcess>(name, std::move(*process), std::move(on_out),
+                                                     std::move(on_err));
   end();
-  return std::make_unique<ChildProcess>(name, argv, std::move(on_out), std::move(on_err));
+  return std::make_unique<processes::ChildProcess>(name, argv, std::move(on_out), std::move(on_err));
 }
 
 void ForkServer::begin(const std::string& program) {
@@ -29,8 +32,8 @@ void ForkServer::begin(const std::string& program) {
   const bool lazily = ::getenv("LD_BIND_NOW") == nullptr;
   if (lazily) ::setenv("LD_BIND_NOW", "1", 1);
   try {
-    server_.emplace("fork server", std::vector<std::string>{program, "fork-server"}, ChildProcess::OnLine{},
-                    ChildProcess::OnLine{}, ends[1]);
+    server_.emplace("fork server", std::vector<std::string>{program, "fork-server"},
+                    processes::ChildProcess::OnLine{}, processes::ChildProcess::OnLine{}, ends[1]);
     // One that gives no answer in that time is taken to be gone.
     const timeval patience{10, 0};
     ::setsockopt(ends[0], SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
@@ -48,9 +51,9 @@ void ForkServer::end() {
   server_.reset();
 }
 
-std::optional<ChildProcess::Foreign> ForkServer::fork(const std::vector<std::string>& argv) {
+std::optional<processes::ChildProcess::Foreign> ForkServer::fork(const std::vector<std::string>& argv) {
   if (socket_ < 0) return std::nullopt;
-  const PipeEnds out = make_pipe(argv[0]), err = make_pipe(argv[0]);
+  const processes::PipeEnds out = processes::make_pipe(argv[0]), err = processes::make_pipe(argv[0]);
   const auto forked = command_line::ask_for_fork(socket_, argv, out.write, err.write);
   ::close(out.write);
   ::close(err.write);
@@ -60,12 +63,12 @@ std::optional<ChildProcess::Foreign> ForkServer::fork(const std::vector<std::str
     return std::nullopt;
   }
   for (const int fd : {out.read, err.read}) ::fcntl(fd, F_SETFL, O_NONBLOCK);
-  const auto find_end = [socket = socket_]() -> std::optional<ExitStatus> {
+  const auto find_end = [socket = socket_]() -> std::optional<processes::ExitStatus> {
     const auto ended = command_line::find_end_of_fork(socket);
     if (!ended) return std::nullopt;
-    return ExitStatus{ended->by_signal, ended->number};
+    return processes::ExitStatus{ended->by_signal, ended->number};
   };
-  return ChildProcess::Foreign{{forked->pid, out.read, err.read}, forked->exit_fd, find_end};
+  return processes::ChildProcess::Foreign{{forked->pid, out.read, err.read}, forked->exit_fd, find_end};
 }
 
 }  // namespace visum::run

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "clients/visum/run/child_process.h"
+#include "protocol/processes/child_process.h"
 
 namespace visum::run {
 
@@ -21,16 +21,18 @@ class ForkServer {
   // As ChildProcess's constructor, which it calls where there is no fork server or it fails. The server is
   // begun at the first call, with the environment of that moment; argv[0] is the same in all calls. One
   // process at a time, which must be gone before the next begins and before this object goes.
-  std::unique_ptr<ChildProcess> start(const std::string& name, const std::vector<std::string>& argv,
-                                      ChildProcess::OnLine on_out, ChildProcess::OnLine on_err);
+  std::unique_ptr<processes::ChildProcess> start(const std::string& name,
+                                                 const std::vector<std::string>& argv,
+                                                 processes::ChildProcess::OnLine on_out,
+                                                 processes::ChildProcess::OnLine on_err);
 
  private:
   void begin(const std::string& program);
   void end();
-  std::optional<ChildProcess::Foreign> fork(const std::vector<std::string>& argv);
+  std::optional<processes::ChildProcess::Foreign> fork(const std::vector<std::string>& argv);
 
   int socket_ = -1;  // -1: there is no server
-  std::optional<ChildProcess> server_;
+  std::optional<processes::ChildProcess> server_;
 };
 
 }  // namespace visum::run

@@ -118,7 +118,7 @@ class Crew {
 
   // Hands on the report of a run that is over. A worker that has ended, or has made many runs, goes.
   void take_end(Job& job) {
-    ChildProcess& process = job.worker->process();
+    processes::ChildProcess& process = job.worker->process();
     const bool gone = process.check_exit().has_value();
     if (job.run != 0 && (gone || job.worker->has_done())) {
       Report report;

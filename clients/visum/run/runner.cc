@@ -10,11 +10,13 @@
 #include "clients/visum/run/actions.h"
 #include "clients/visum/run/announcements.h"
 #include "clients/visum/run/bounds.h"
+#include "clients/visum/run/check_news.h"
 #include "clients/visum/run/daemon.h"
 #include "clients/visum/run/exchanges.h"
 #include "clients/visum/run/run_profile.h"
 #include "clients/visum/run/session.h"
 #include "clients/visum/run/timeline.h"
+#include "clients/visum/run/verdict.h"
 
 namespace visum::run {
 namespace {
@@ -113,6 +115,10 @@ class Run {
     options_.on_line(who, line);
     announcements_.add_line(who, line);
   }
+  void tell(const CheckResult& check) {
+    announcements_.add_check(check);
+    if (options_.on_check) options_.on_check(check);
+  }
 
   const Scenario& scenario_;
   const RunOptions& options_;
@@ -127,6 +133,7 @@ class Run {
   Controllers controllers_;
   Catalogue catalogue_;
   std::vector<Check> checks_;
+  CheckNews news_{[this](const CheckResult& check) { tell(check); }};
   std::optional<Timeline> timeline_;
   std::optional<Actions> actions_;
   std::optional<Quantity> until_;
@@ -177,6 +184,7 @@ void Run::go() {
   while (!is_over()) {
     if (!step()) continue;
     for (Check& check : checks_) check.observe(now_);
+    news_.look(checks_, sim_seconds(now_));
     if (options_.on_step) options_.on_step(sim_seconds(now_));
     act();
   }
@@ -303,11 +311,6 @@ void Run::keep() {
   }
 }
 
-void fail(Report& report, cli::ExitCode code, const std::string& error) {
-  report.code = code;
-  report.error = error;
-}
-
 // Runs `work`; what it throws becomes the report's error.
 void guard(Report& report, Daemon* daemon, auto&& work) {
   try {
@@ -331,31 +334,11 @@ void Run::collect() {
   report_.sim_seconds = sim_seconds(now_);
   report_.state_hash = now_.world.state_hash;
   for (const Check& check : checks_) report_.checks.push_back(check.result());
-  announcements_.add_checks(report_.checks);
+  news_.finish(report_.checks);
   Report of_events;  // a daemon that is gone is told elsewhere
   guard(of_events, nullptr, [this] { announcements_.flush(session_); });
   controllers_.stop_all();
   report_.controllers = controllers_.results();
-}
-
-void judge(Report& report) {
-  if (report.code != cli::kDone) return;
-  // A controller may have ended badly in the very last step, or been late while others went on.
-  for (const auto& controller : report.controllers) {
-    if (controller.failure.empty()) continue;
-    return fail(report, controller.lost ? cli::kLost : cli::kFailed,
-                "controller '" + controller.name + "' " + controller.failure);
-  }
-  const bool good = report.failures.empty() && std::all_of(report.checks.begin(), report.checks.end(),
-                                                           [](const auto& c) { return c.passed; });
-  report.code = good ? cli::kDone : cli::kFailed;
-}
-
-// Neither success nor failure means anything on a host that was too slow, or where a program was not in step
-// or exchanged nothing.
-void invalidate(Report& report, const std::string& why) {
-  if (report.code != cli::kDone && report.code != cli::kFailed) return;
-  fail(report, cli::kInvalid, report.error.empty() ? why : why + "; " + report.error);
 }
 
 void run_with(Daemon& daemon, const Scenario& scenario, const RunOptions& options, WaitLoop& wait_loop,

@@ -28,6 +28,8 @@ struct RunOptions {
   bool keep = false;                       // afterwards let the world run in real time until interrupted
   // Called with each line of the daemon and the controllers, and with what the time line says.
   std::function<void(const std::string& who, const std::string& line)> on_line;
+  // Called once with each check, as soon as its result is certain.
+  std::function<void(const CheckResult& check)> on_check;
   // Called after each step.
   std::function<void(double sim_s)> on_step;
   // Called once when the scenario is over and `keep` begins, before the world goes on.

@@ -19,12 +19,12 @@ void WaitLoop::check_limits() const {
 void WaitLoop::wait_for_ends(milliseconds patience) {
   check_limits();
   set_.clear();
-  for (const ChildProcess* child : children_) {
+  for (const processes::ChildProcess* child : children_) {
     child->add_to(set_);
     if (child->exit_fd() >= 0) set_.push_back({child->exit_fd(), POLLIN, 0});
   }
   ::poll(set_.data(), set_.size(), static_cast<int>(patience.count()));
-  for (ChildProcess* child : children_) child->drain();
+  for (processes::ChildProcess* child : children_) child->drain();
 }
 
 bool WaitLoop::wait(int fd, milliseconds patience) {
@@ -34,7 +34,7 @@ bool WaitLoop::wait(int fd, milliseconds patience) {
     const auto now = Clock::now();
     set_.clear();
     if (fd >= 0) set_.push_back({fd, POLLIN, 0});
-    for (const ChildProcess* child : children_) child->add_to(set_);
+    for (const processes::ChildProcess* child : children_) child->add_to(set_);
     const auto left = std::chrono::ceil<milliseconds>(std::min(end, give_up_) - now);  // `end` is never far
     ::poll(set_.data(), set_.size(),
            static_cast<int>(std::clamp(left, milliseconds(0), milliseconds(1000)).count()));
@@ -42,7 +42,7 @@ bool WaitLoop::wait(int fd, milliseconds patience) {
     const bool output = std::any_of(set_.begin() + (fd >= 0 ? 1 : 0), set_.end(),
                                     [](const pollfd& one) { return one.revents != 0; });
     if (output) {
-      for (ChildProcess* child : children_) child->drain();
+      for (processes::ChildProcess* child : children_) child->drain();
     }
     if (readable) return true;
     if (output && fd < 0) return false;

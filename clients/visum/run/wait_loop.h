@@ -5,7 +5,7 @@
 #include <chrono>
 #include <vector>
 
-#include "clients/visum/run/child_process.h"
+#include "protocol/processes/child_process.h"
 
 namespace visum::run {
 
@@ -13,8 +13,8 @@ class WaitLoop {
  public:
   explicit WaitLoop(double wall_s) : wall_s_(wall_s), give_up_(Clock::now() + to_duration(wall_s)) {}
 
-  void watch(ChildProcess& child) { children_.push_back(&child); }
-  void forget(ChildProcess& child) { std::erase(children_, &child); }
+  void watch(processes::ChildProcess& child) { children_.push_back(&child); }
+  void forget(processes::ChildProcess& child) { std::erase(children_, &child); }
   void lift_limit() { give_up_ = Clock::time_point::max(); }  // of the wall time
 
   // Waits until `fd` can be read (true) or `patience` is over (false). With fd -1 only children count. Throws
@@ -35,7 +35,7 @@ class WaitLoop {
 
   double wall_s_;
   Clock::time_point give_up_;
-  std::vector<ChildProcess*> children_;
+  std::vector<processes::ChildProcess*> children_;
   std::vector<pollfd> set_;  // scratch
 };
 

@@ -24,10 +24,10 @@ WorkerTask read_task(const std::string& line) {
 }
 
 Worker::Worker(const std::vector<std::string>& command) {
-  const PipeEnds in = make_pipe(command[0]);
+  const processes::PipeEnds in = processes::make_pipe(command[0]);
   try {
     const auto note = [this](const std::string& line) { done_ = done_ || line == "done"; };
-    process_.emplace("worker", command, note, ChildProcess::OnLine{}, in.read);
+    process_.emplace("worker", command, note, processes::ChildProcess::OnLine{}, in.read);
   } catch (const std::runtime_error&) {
     ::close(in.read);
     ::close(in.write);

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "clients/visum/run/child_process.h"
 #include "protocol/config/config.h"
+#include "protocol/processes/child_process.h"
 
 namespace visum::run {
 
@@ -35,7 +35,7 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  ChildProcess& process() { return *process_; }
+  processes::ChildProcess& process() { return *process_; }
   // The process has no other task. One that has ended meanwhile does not take it: see process().
   void give(const WorkerTask& task);
   bool has_done() const { return done_; }  // the task that it was given last
@@ -46,7 +46,7 @@ class Worker {
   int in_fd_ = -1;
   bool done_ = false;
   std::size_t tasks_given_ = 0;
-  std::optional<ChildProcess> process_;
+  std::optional<processes::ChildProcess> process_;
 };
 
 }  // namespace visum::run

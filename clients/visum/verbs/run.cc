@@ -14,6 +14,7 @@
 #include "clients/visum/common/terminal.h"
 #include "clients/visum/common/whole_file.h"
 #include "clients/visum/run/daemon.h"
+#include "clients/visum/run/event_lines.h"
 #include "clients/visum/run/fork_server.h"
 #include "clients/visum/run/progress.h"
 #include "clients/visum/run/reports.h"
@@ -36,7 +37,12 @@ class RunVerb : public Verb {
   void declare(CLI::App& app) override {
     app.add_option("SCENARIO", file_, "a scenario's YAML file; needed");
     app.add_option("--junit", junit_, "write a JUnit XML report to this file");
-    app.add_flag("--json", json_, "print JSON: a line per check, then the result");
+    auto* json = app.add_flag("--json", json_, "print JSON: a line per check, then the result");
+    app.add_flag(
+           "--events", events_,
+           "print what happens as it happens, a line of JSON each: lines of controllers, checks as soon "
+           "as they are certain, the end")
+        ->excludes(json);
     app.add_option("--engine", engine_, "the engine for all bodies, instead of the scene's");
     app.add_option("--seed", seed_, "the seed of the world's random numbers, instead of the scenario's")
         ->check(CLI::NonNegativeNumber);
@@ -179,14 +185,15 @@ class RunVerb : public Verb {
   }
 
   int run_all(const config::Node& root) const {
-    return run_many({file_, report_, junit_, recordings_folder(), keeps_all_, words_of_each(), jobs_, json_},
-                    root);
+    return run_many(
+        {file_, report_, junit_, recordings_folder(), keeps_all_, words_of_each(), jobs_, json_, events_},
+        root);
   }
 
   int run_shard(const config::Node& root) const {
     if (report_.empty()) throw ExitError(kUsage, "--shard needs --report FOLDER, for the results");
-    if (only_ != 0 || !values_.empty() || !junit_.empty())
-      throw ExitError(kUsage, "--only, --values and --junit are not for --shard");
+    if (only_ != 0 || !values_.empty() || events_ || !junit_.empty())
+      throw ExitError(kUsage, "--only, --values, --events and --junit are not for --shard");
     if (root.kind() != config::Node::Kind::kMap) root.fail("a scenario is a map");
     const auto shard = shard_.empty()
                            ? campaign::shard_from([](const char* name) { return std::getenv(name); })
@@ -247,12 +254,18 @@ class RunVerb : public Verb {
     check_writable(profile_);
     record_in_case(scenario);
     catch_interrupts();
-    run::Progress progress(progress_, json_ ? stderr : stdout);
+    run::Progress progress(progress_, for_people());
     run::RunOptions options = options_of_run();
     options.port = port_;
     options.keep = keep_;
     options.notes_files = !result_.empty();
-    options.on_line = [&](const std::string& who, const std::string& line) { progress.line(who, line); };
+    options.on_line = [&](const std::string& who, const std::string& line) {
+      events_ ? run::EventLines::line(who, line) : progress.line(who, line);
+    };
+    if (events_) {
+      options.on_check = &run::EventLines::check;
+      run::EventLines::begin(scenario.name, 1, scenario.checks.size());
+    }
     options.on_step = [&](double sim_s) { progress.step(sim_s); };
     options.on_keep = [&](const run::Report& report, std::uint16_t port, const run::Catalogue& catalogue) {
       progress.finish();
@@ -265,7 +278,7 @@ class RunVerb : public Verb {
     const std::string table = profile ? profile->finish() : std::string();
     progress.finish();
     if (!told_) tell(report);
-    std::fputs(table.c_str(), json_ ? stderr : stdout);
+    std::fputs(table.c_str(), for_people());
     spare_.reset();
     return report.code == kDone && !written_ ? kFailed : report.code;
   }
@@ -316,14 +329,17 @@ class RunVerb : public Verb {
     return scenario;
   }
 
+  // Standard output, where no program reads it.
+  std::FILE* for_people() const { return json_ || events_ ? stderr : stdout; }
+
   void tell(run::Report report) {
     told_ = true;
     if (spare_) report.recording = report.passed() && !keeps_all_ ? std::string() : spare_->keep().string();
-    std::FILE* people = json_ ? stderr : stdout;
-    std::fputs(run::report_text(report, Style(people)).c_str(), people);
+    std::fputs(run::report_text(report, Style(for_people())).c_str(), for_people());
     const bool junit = write(junit_, run::report_junit(report));
     written_ = write(result_, run::report_as_json(report)) && junit;
     if (json_) std::printf("%s%s\n", run::checks_json(report).c_str(), run::report_json(report).c_str());
+    if (events_) run::EventLines::end(report);
     std::fflush(stdout);
   }
 
@@ -354,7 +370,8 @@ class RunVerb : public Verb {
   std::string shard_;
   CLI::Option *profile_option_ = nullptr, *shard_option_ = nullptr;
   std::size_t jobs_ = 1, only_ = 0;
-  bool json_ = false, progress_ = false, keep_ = false, told_ = false, written_ = false, keeps_all_ = false;
+  bool json_ = false, events_ = false, progress_ = false, keep_ = false, told_ = false, written_ = false,
+       keeps_all_ = false;
   bool worker_ = false;
   std::optional<run::SpareRecording> spare_;
   std::vector<std::string> plugins_;

@@ -13,6 +13,7 @@
 #include "clients/visum/common/terminal.h"
 #include "clients/visum/common/whole_file.h"
 #include "clients/visum/run/daemon.h"
+#include "clients/visum/run/event_lines.h"
 #include "clients/visum/run/many.h"
 #include "clients/visum/run/reports.h"
 #include "clients/visum/run/scenario_reader.h"
@@ -64,7 +65,7 @@ int run_many(const ManyRunsOptions& wanted, const config::Node& root) {
   make_folder(wanted.report);
   check_writable(wanted.junit);
   catch_interrupts();
-  std::FILE* people = wanted.json ? stderr : stdout;
+  std::FILE* people = wanted.json || wanted.events ? stderr : stdout;
   const Style style(people);
   run::ManyOptions options{run::own_folder() / "visum", wanted.file, runs, count_jobs(wanted.jobs),
                            wanted.words};
@@ -74,8 +75,10 @@ int run_many(const ManyRunsOptions& wanted, const config::Node& root) {
   options.on_done = [&](std::size_t, const run::Report& report) {
     std::fputs(run::run_line(report, style).c_str(), people);
     if (wanted.json) std::printf("%s\n", run::run_json(report).c_str());
+    if (wanted.events) run::EventLines::run(report);
     std::fflush(nullptr);
   };
+  if (wanted.events) run::EventLines::begin(root.get("name").text(), runs, 0);
   const auto began = std::chrono::steady_clock::now();
   const auto reports = run::run_many(options);
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
@@ -86,7 +89,9 @@ int run_many(const ManyRunsOptions& wanted, const config::Node& root) {
   std::fputs(run::many_text(reports, wall_s, style).c_str(), people);
   if (wanted.json) std::printf("%s\n", run::many_json(reports, wall_s).c_str());
   if (interrupted()) std::fputs("visum: interrupted\n", stderr);
-  return run::code_of(reports);
+  const int code = run::code_of(reports);
+  if (wanted.events) run::EventLines::end(reports, code);
+  return code;
 }
 
 }  // namespace visum::cli

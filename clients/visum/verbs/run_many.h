@@ -20,6 +20,7 @@ struct ManyRunsOptions {
   std::vector<std::string> words;    // options that each run gets too
   std::size_t jobs = 1;              // at a time; 0: as many as there are processors
   bool json = false;
+  bool events = false;  // on standard output, see run/event_lines.h
 };
 
 // Throws ExitError if the file cannot be written. Asked before a run, whose result would be lost otherwise.

@@ -37,6 +37,7 @@ std::unique_ptr<Verb> make_remove();
 std::unique_ptr<Verb> make_fault();
 std::unique_ptr<Verb> make_faults();
 std::unique_ptr<Verb> make_run();
+std::unique_ptr<Verb> make_scenario();
 std::unique_ptr<Verb> make_campaign();
 std::unique_ptr<Verb> make_report();
 std::unique_ptr<Verb> make_compare();

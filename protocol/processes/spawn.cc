@@ -1,4 +1,4 @@
-#include "clients/visum/run/spawn.h"
+#include "protocol/processes/spawn.h"
 
 #include <fcntl.h>
 #include <linux/close_range.h>
@@ -11,20 +11,30 @@
 #include <cstring>
 #include <stdexcept>
 
-namespace visum::run {
+namespace visum::processes {
 namespace {
 
 void close_all(std::initializer_list<int> descriptors) {
   for (const int fd : descriptors) ::close(fd);
 }
 
-// Between fork and exec: only calls that are safe there.
+// A program has no handlers of ours, and hears what we chose to ignore.
+void forget_handlers(const sigset_t& mask) {
+  struct sigaction standard {};
+  standard.sa_handler = SIG_DFL;
+  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGHUP, SIGXFSZ})
+    ::sigaction(signal, &standard, nullptr);
+  ::sigprocmask(SIG_SETMASK, &mask, nullptr);
+}
+
+// Between vfork and exec, on the parent's memory: only system calls, and nothing is written but its own
+// variables.
 [[noreturn]] void become(char* const* argv, pid_t parent, int in_fd, const PipeEnds& out, const PipeEnds& err,
-                         int report_fd) {
+                         int report_fd, const sigset_t& mask) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(127);  // it died before the line above
-  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGHUP}) ::signal(signal, SIG_DFL);
+  forget_handlers(mask);
   if (in_fd < 0) in_fd = ::open("/dev/null", O_RDONLY);
   // dup2 makes copies that stay open on exec.
   if (in_fd >= 0 && ::dup2(in_fd, 0) >= 0 && ::dup2(out.write, 1) >= 0 && ::dup2(err.write, 2) >= 0) {
@@ -35,6 +45,22 @@ void close_all(std::initializer_list<int> descriptors) {
   // Nothing is lost where this fails: the parent then sees an exit code of 127.
   [[maybe_unused]] const auto written = ::write(report_fd, &error, sizeof error);
   ::_exit(127);
+}
+
+// fork would copy the tables of our memory, and each of our threads would then fault its pages in again: a
+// world in real time would stand still meanwhile. vfork stops only the thread that calls it, until exec.
+// Signals wait for as long, since a handler would run on our memory, too. Returns -1 with errno.
+pid_t start(char* const* argv, int in_fd, const PipeEnds& out, const PipeEnds& err, int report_fd) {
+  sigset_t all, before;
+  sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  const pid_t parent = ::getpid();
+  const pid_t pid = ::vfork();
+  if (pid == 0) become(argv, parent, in_fd, out, err, report_fd, before);
+  const int error = errno;
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  errno = error;
+  return pid;
 }
 
 // 0 once exec succeeded (which closed the pipe), else its errno.
@@ -62,12 +88,9 @@ Spawned spawn(const std::vector<std::string>& argv, int in_fd) {
   for (const std::string& argument : argv) arguments.push_back(const_cast<char*>(argument.c_str()));
   arguments.push_back(nullptr);
   const PipeEnds out = make_pipe(argv[0]), err = make_pipe(argv[0]), report = make_pipe(argv[0]);
-  const pid_t parent = ::getpid();
-  const pid_t pid = ::fork();
-  if (pid == 0) become(arguments.data(), parent, in_fd, out, err, report.write);
+  const pid_t pid = start(arguments.data(), in_fd, out, err, report.write);
   const int fork_error = pid < 0 ? errno : 0;
   close_all({out.write, err.write, report.write});
-  if (pid > 0) ::setpgid(pid, pid);  // the child does the same; the first call counts
   const int error = pid < 0 ? fork_error : read_report(report.read);
   ::close(report.read);
   if (error != 0) {
@@ -79,4 +102,4 @@ Spawned spawn(const std::vector<std::string>& argv, int in_fd) {
   return {pid, out.read, err.read};
 }
 
-}  // namespace visum::run
+}  // namespace visum::processes

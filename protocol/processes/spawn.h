@@ -1,4 +1,4 @@
-// fork and exec, with the steps between the two that are easy to get wrong.
+// Starts a program, with the steps before its first instruction that are easy to get wrong.
 #pragma once
 
 #include <sys/types.h>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace visum::run {
+namespace visum::processes {
 
 struct Spawned {
   pid_t pid;
@@ -25,4 +25,4 @@ struct PipeEnds {
 // Closed on exec at both ends. Throws std::runtime_error, which names the program.
 PipeEnds make_pipe(const std::string& program);
 
-}  // namespace visum::run
+}  // namespace visum::processes

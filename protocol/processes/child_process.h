@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "clients/visum/run/spawn.h"
+#include "protocol/processes/spawn.h"
 
-namespace visum::run {
+namespace visum::processes {
 
 struct ExitStatus {
   bool by_signal = false;
@@ -48,6 +48,7 @@ class ChildProcess {
   int exit_fd() const { return exit_fd_; }        // can be read once the program has ended; -1: there is none
   void drain();                                   // passes on the lines that are there, without waiting
   const std::optional<ExitStatus>& check_exit();  // without waiting
+  const std::optional<ExitStatus>& exit() const { return exit_; }  // as the last check_exit() found it
   bool wait_exit(std::chrono::milliseconds patience);
   void signal(int number) const;
   // Sends SIGINT, and SIGKILL after `patience`. Returns when the program has ended.
@@ -77,4 +78,4 @@ class ChildProcess {
   std::optional<ExitStatus> exit_;
 };
 
-}  // namespace visum::run
+}  // namespace visum::processes

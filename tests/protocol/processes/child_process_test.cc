@@ -1,6 +1,6 @@
 // Real processes: they print, exit, die, hang, leave children behind. None of it may outlive its
 // ChildProcess.
-#include "clients/visum/run/child_process.h"
+#include "protocol/processes/child_process.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -10,7 +10,7 @@
 #include <csignal>
 #include <cstdlib>
 
-namespace visum::run {
+namespace visum::processes {
 namespace {
 
 using std::chrono::milliseconds;
@@ -165,4 +165,4 @@ TEST(ChildProcess, DoesNotInheritOurFiles) {
 }
 
 }  // namespace
-}  // namespace visum::run
+}  // namespace visum::processes

@@ -1,4 +1,4 @@
-#include "clients/visum/run/child_process.h"
+#include "protocol/processes/child_process.h"
 
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -11,9 +11,9 @@
 #include <cstring>
 #include <utility>
 
-#include "clients/visum/run/spawn.h"
+#include "protocol/processes/spawn.h"
 
-namespace visum::run {
+namespace visum::processes {
 
 using Clock = std::chrono::steady_clock;
 
@@ -151,4 +151,4 @@ void ChildProcess::stop(std::chrono::milliseconds patience) {
   }
 }
 
-}  // namespace visum::run
+}  // namespace visum::processes
