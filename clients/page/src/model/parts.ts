@@ -13,6 +13,7 @@ const kRecording = "recording";
 export class Parts {
   readonly list = new Signal<Part[]>([]);
   readonly plotsChanged = new Emitter<void>(); // more or other ports are plotted: see plotted()
+  readonly beside = new Signal<string>(""); // the name of a second recording; empty: there is none
   steering: string | null = null; // the part that steers a recording; it is not in the list
   private realTimeFactor = 1;
 
